@@ -1,0 +1,76 @@
+//! How a command can end badly, and the exit code that goes with it.
+
+use crate::case::Problems;
+use crate::programs::Program;
+use proto::configuration::Refusal;
+
+/// Why a command of the coordinator did not succeed.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The case is wrong; nothing was started.
+    #[error("{0}")]
+    Case(#[from] Problems),
+    /// A participant refused the case. Becomes [`RunError::Case`] where the case is at hand.
+    #[error("{role} refuses the case: {refusal}")]
+    Refused {
+        /// Role that refused.
+        role: String,
+        /// Key, reason and fix.
+        refusal: Refusal,
+    },
+    /// A program that the case names, or needs, is not there. Becomes [`RunError::Case`] where the
+    /// case is at hand.
+    #[error("{role}: there is no program `{}`", program.command_line())]
+    NoProgram {
+        /// Role that the program was to play.
+        role: String,
+        /// What was looked for.
+        program: Program,
+    },
+    /// A participant or the machine failed.
+    #[error(transparent)]
+    Failed(#[from] Failure),
+    /// Stopped by the user.
+    #[error("interrupted by {signal} {when}; every participant was ended in order")]
+    Interrupted {
+        /// Name of the signal.
+        signal: &'static str,
+        /// What was going on.
+        when: String,
+    },
+}
+
+/// Who failed, when, how, and what to do about it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{who} failed {when}: {what}; {fix}")]
+pub struct Failure {
+    /// Role and program, or a part of the machine.
+    pub who: String,
+    /// What was going on: a phase, or window and iteration.
+    pub when: String,
+    /// What happened.
+    pub what: String,
+    /// What to do.
+    pub fix: String,
+}
+
+impl RunError {
+    /// The exit code: 1 a solver or the machine failed, 2 bad usage or case.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Case(_) | Self::Refused { .. } | Self::NoProgram { .. } => 2,
+            Self::Failed(_) | Self::Interrupted { .. } => 1,
+        }
+    }
+}
+
+/// An error of the file system as a failure of the machine.
+pub fn file_failure(path: &std::path::Path, error: &std::io::Error) -> RunError {
+    RunError::Failed(Failure {
+        who: "the file system".to_owned(),
+        when: format!("at {}", path.display()),
+        what: error.to_string(),
+        fix: "check the path, its permissions and the free space".to_owned(),
+    })
+}

@@ -1,0 +1,17 @@
+//! Plans, supervises and couples the participants of a co-simulation.
+//!
+//! Case text → [`case::RawCase`] → [`case::Case`] → [`plan::Plan`] → [`session::Session`] →
+//! [`results`]. Each arrow is one module; only the left side of an arrow reaches it.
+
+pub mod case;
+pub mod cli;
+pub mod couple;
+pub mod error;
+pub mod logging;
+pub mod plan;
+pub mod programs;
+pub mod progress;
+pub mod results;
+pub mod run;
+pub mod session;
+pub mod supervise;

@@ -1,0 +1,8 @@
+//! The coordinator's executable.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+fn main() -> ExitCode {
+    ExitCode::from(coordinator::cli::main(Instant::now()))
+}

@@ -1,0 +1,195 @@
+//! From a validated case to a plan: what will run, what will not, and why.
+//!
+//! Planning starts nothing of the run and touches no shared memory; it only asks the executables
+//! that the case names to describe themselves and to estimate. A [`Plan`] is all that a
+//! [`crate::session::Session`] gets.
+
+mod make;
+mod route;
+pub(crate) mod show;
+
+use crate::case::Case;
+use crate::programs::Program;
+use crate::session::Deadlines;
+use proto::configuration::{Configuration, Layout, Mode};
+use proto::description::Description;
+use proto::field::FieldKind;
+use proto::transport::FIELD_SLOTS;
+
+pub use make::plan;
+
+/// What will run.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Short name of the case.
+    pub name: String,
+    /// One line for people.
+    pub title: Option<String>,
+    /// Steady or transient.
+    pub mode: Mode,
+    /// Windows in time.
+    pub windows: Windows,
+    /// Coupling scheme, and why this one.
+    pub scheme: SchemeChoice,
+    /// Participants that run, in the order in which data flows.
+    pub participants: Vec<Participant>,
+    /// Participants that the case has but that do not run, and why.
+    pub idle: Vec<(String, String)>,
+    /// Fields that exist at run time.
+    pub fields: Vec<Field>,
+    /// Every effect that some participant offers.
+    pub effects: Vec<Effect>,
+    /// Windows between outputs; `None` for the last window only.
+    pub output_every: Option<u64>,
+    /// Limits of the waits.
+    pub deadlines: Deadlines,
+    /// Most shared memory that the run may take [byte].
+    pub shared_memory_limit: Option<u64>,
+}
+
+/// Windows in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Windows {
+    /// One window without duration.
+    Steady,
+    /// Equal windows, the last one cut at the end.
+    Fixed {
+        /// Length of a window [s].
+        window: f64,
+        /// End of the run [s].
+        end: f64,
+    },
+}
+
+impl Windows {
+    /// Number of windows. A remainder below a billionth of a window is rounding, not a window.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        match self {
+            Self::Steady => 1,
+            Self::Fixed { window, end } => ((end / window - 1e-9).ceil() as u64).max(1),
+        }
+    }
+
+    /// Start and end of a window [s].
+    #[must_use]
+    pub fn interval(&self, index: u64) -> (f64, f64) {
+        match self {
+            Self::Steady => (0.0, 0.0),
+            Self::Fixed { window, end } => {
+                let last = index + 1 == self.count();
+                let stop = if last { *end } else { (index + 1) as f64 * window };
+                (index as f64 * window, stop)
+            }
+        }
+    }
+}
+
+/// A coupling scheme that this version has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SchemeChoice {
+    /// Its name in the case file.
+    pub name: &'static str,
+    /// Why it was chosen.
+    pub reason: String,
+}
+
+/// One participant of the run.
+#[derive(Clone, Debug)]
+pub struct Participant {
+    /// Role it plays.
+    pub role: String,
+    /// What is started.
+    pub program: Program,
+    /// Started by hand, and waited for.
+    pub attach: bool,
+    /// What it says of itself.
+    pub description: Description,
+    /// What it will be told; the grids of the inputs are filled in as they become known.
+    pub configuration: Configuration,
+    /// What it expects, if it estimates.
+    pub estimate: Option<Layout>,
+}
+
+/// One field that exists at run time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Kind of the field.
+    pub kind: FieldKind,
+    /// Index of the participant that sends it.
+    pub producer: usize,
+    /// Indices of the participants that consume it; empty for a field that is only observed.
+    pub consumers: Vec<usize>,
+}
+
+impl Field {
+    /// Nobody consumes it: it is published only for accepted windows that are written out.
+    #[must_use]
+    pub fn observed_only(&self) -> bool {
+        self.consumers.is_empty()
+    }
+}
+
+/// An effect that some participant offers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Effect {
+    /// Name in the case file.
+    pub name: String,
+    /// Named in the case.
+    pub active: bool,
+    /// Who takes part in it.
+    pub roles: Vec<String>,
+    /// The law.
+    pub law: String,
+}
+
+impl Plan {
+    /// Bytes of one sample of a field, as far as its grid is known.
+    #[must_use]
+    pub fn sample_bytes(&self, field: &Field) -> Option<u64> {
+        let layout = self.participants[field.producer].estimate.as_ref()?;
+        let grid = layout.grid_of(&field.kind.name)?;
+        Some(sample_bytes(grid.points(), field.kind.components))
+    }
+}
+
+/// Bytes of one sample.
+#[must_use]
+pub fn sample_bytes(points: usize, components: u32) -> u64 {
+    points as u64 * u64::from(components) * 8
+}
+
+/// Shared memory that one field's topic takes [byte]: its slots, each with headers, and what the
+/// service and its ports need.
+#[must_use]
+pub fn topic_bytes(sample: u64) -> u64 {
+    const PER_SLOT: u64 = 512;
+    const PER_TOPIC: u64 = 64 * 1024;
+    FIELD_SLOTS * (sample + PER_SLOT) + PER_TOPIC
+}
+
+/// The case and its plan, as most commands need them together.
+#[derive(Debug)]
+pub struct Planned {
+    /// The case as validated.
+    pub case: Case,
+    /// The plan.
+    pub plan: Plan,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_cover_the_time_exactly() {
+        let windows = Windows::Fixed { window: 0.1, end: 0.3 };
+        assert_eq!(windows.count(), 3, "0.3 / 0.1 is a rounding error above 2");
+        assert_eq!(windows.interval(2).1, 0.3);
+        let cut = Windows::Fixed { window: 0.4, end: 1.0 };
+        assert_eq!(cut.count(), 3);
+        assert_eq!(cut.interval(2), (0.8, 1.0));
+        assert_eq!(Windows::Fixed { window: 2.0, end: 1.0 }.count(), 1);
+        assert_eq!((Windows::Steady.count(), Windows::Steady.interval(0)), (1, (0.0, 0.0)));
+    }
+}

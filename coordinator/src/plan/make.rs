@@ -1,0 +1,258 @@
+//! Making a plan: describe, validate, route, estimate.
+
+use super::route::{self, Candidate};
+use super::{Field, Participant, Plan, Planned, SchemeChoice, Windows};
+use crate::case::schema::WELL_KNOWN_ROLES;
+use crate::case::{Case, Problem, RawCase, RawParticipant, Scheme, Timing, validate};
+use crate::error::RunError;
+use crate::programs::Program;
+use crate::session::Deadlines;
+use proto::configuration::{Configuration, Estimate, Input, Layout};
+use proto::description::Description;
+use proto::message::MAX_INPUTS;
+use std::time::Duration;
+
+/// How long a program may take to say what it is.
+const ANSWER: Duration = Duration::from_secs(30);
+
+/// Plans a case; every error of the case is reported at once.
+pub fn plan(raw: RawCase) -> Result<Planned, RunError> {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(|e| crate::error::file_failure(std::path::Path::new("tokio"), &e))?;
+    runtime.block_on(plan_async(raw))
+}
+
+async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {
+    let sections = raw.participants();
+    let mut described = Vec::new();
+    for (section, description) in describe(&raw, &sections).await? {
+        described.push((section.role.clone(), description));
+    }
+    described.extend(describe_absent(&sections).await);
+    let case = validate(&raw, &described)?;
+    let mut plan = route_case(&case, &described)?;
+    estimate(&case, &mut plan).await?;
+    Ok(Planned { case, plan })
+}
+
+/// Asks all programs at the same time.
+async fn describe<'a>(
+    raw: &RawCase,
+    sections: &'a [RawParticipant],
+) -> Result<Vec<(&'a RawParticipant, Description)>, RunError> {
+    let mut asked = tokio::task::JoinSet::new();
+    for (index, section) in sections.iter().enumerate() {
+        let program = Program::of_role(&section.role, section.command.as_deref());
+        let role = section.role.clone();
+        asked.spawn(async move { (index, program.describe(&role, ANSWER).await) });
+    }
+    let mut answers = asked.join_all().await;
+    answers.sort_by_key(|(index, _)| *index);
+    let mut described = Vec::new();
+    let mut problems = Vec::new();
+    for (index, answer) in answers {
+        let section = &sections[index];
+        match answer {
+            Ok(description) if description.protocol != proto::PROTOCOL_VERSION => {
+                problems.push(Problem::new(
+                    section.place.clone(),
+                    format!("{}.command", section.role),
+                    format!(
+                        "`{}` speaks protocol {}, this coordinator protocol {}",
+                        description.name,
+                        description.protocol,
+                        proto::PROTOCOL_VERSION
+                    ),
+                    "install versions that fit together",
+                ));
+            }
+            Ok(description) => described.push((section, description)),
+            // A section with a model and nothing else may be a table that a participant reads.
+            Err(RunError::NoProgram { role, .. })
+                if section.command.is_none() && !WELL_KNOWN_ROLES.contains(&role.as_str()) => {}
+            Err(RunError::NoProgram { program, role }) => {
+                problems.push(Problem::new(
+                    section.place.clone(),
+                    format!("{role}.command"),
+                    format!("there is no program `{}`", program.path.display()),
+                    "correct the command, or build the program (`cargo build --release`)",
+                ));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    raw.report(problems).map_or(Ok(described), |problems| Err(problems.into()))
+}
+
+/// The well-known programs that the case has no section for: what they would read is no error, so
+/// that a participant can be taken out of a case by removing its section alone.
+async fn describe_absent(sections: &[RawParticipant]) -> Vec<(String, Description)> {
+    let mut described = Vec::new();
+    for role in WELL_KNOWN_ROLES {
+        if sections.iter().all(|section| section.role != *role)
+            && let Ok(description) = Program::of_role(role, None).describe(role, ANSWER).await
+        {
+            described.push(((*role).to_owned(), description));
+        }
+    }
+    described
+}
+
+fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, RunError> {
+    let candidates = case.participants.iter().filter_map(|p| {
+        let description = &described.iter().find(|(role, _)| *role == p.role)?.1;
+        let model = description.models.iter().find(|m| m.name == p.model)?;
+        Some(Candidate { role: &p.role, model, description })
+    });
+    let running = route::order(candidates.collect(), case);
+    let fields = route::fields(&running, case).map_err(|unprovided| {
+        let problems = unprovided.iter().map(|u| {
+            let reason = format!(
+                "{} needs the field `{}` for `{}`, which no participant provides",
+                u.because, u.field, u.consumer
+            );
+            case.problem_at(
+                &u.key,
+                reason,
+                "add a participant or choose a model that provides it, or remove the effect",
+            )
+        });
+        case.report(problems.collect()).expect("there is at least one problem")
+    })?;
+    let idle = case.idle.iter().map(|role| {
+        let description = described.iter().find(|(r, _)| r == role).map(|(_, d)| d);
+        let effects = description.into_iter().flat_map(|d| &d.effects);
+        let offers: Vec<_> = effects.map(|e| e.name.as_str()).collect();
+        (role.clone(), format!("no active effect needs it (it serves {})", offers.join(", ")))
+    });
+    let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
+    Ok(Plan {
+        name: case.name.clone(),
+        title: case.title.clone(),
+        mode: case.timing.mode(),
+        windows: match case.timing {
+            Timing::Steady => Windows::Steady,
+            Timing::Transient { window, end } => Windows::Fixed { window, end },
+        },
+        scheme: scheme(case, &fields, &running)?,
+        participants: participants(case, &running, &fields)?,
+        idle: idle.collect(),
+        effects: route::effects(&offers, case),
+        fields,
+        output_every: case.output.every,
+        deadlines: Deadlines {
+            start: Duration::from_secs_f64(case.coupling.start_deadline),
+            solve: Duration::from_secs_f64(case.coupling.solve_deadline),
+            heartbeat: Duration::from_secs_f64(case.coupling.heartbeat_deadline),
+        },
+        shared_memory_limit: case.limits.shared_memory,
+    })
+}
+
+fn scheme(case: &Case, fields: &[Field], running: &[Candidate]) -> Result<SchemeChoice, RunError> {
+    let feedback = route::feedback(fields);
+    let name = "serial-explicit";
+    match (case.coupling.scheme, feedback.first()) {
+        (Scheme::SerialExplicit, _) => {
+            Ok(SchemeChoice { name, reason: "the case asks for it".to_owned() })
+        }
+        (Scheme::Auto, None) if running.len() == 1 => {
+            Ok(SchemeChoice { name, reason: "only one participant runs".to_owned() })
+        }
+        (Scheme::Auto, None) => Ok(SchemeChoice {
+            name,
+            reason: "no active effect closes a loop: data flows one way".to_owned(),
+        }),
+        (Scheme::Auto, Some(field)) => {
+            let reason = format!(
+                "`{}` from `{}` closes a loop, which takes an implicit scheme, and this version \
+                 has none yet",
+                field.kind.name, running[field.producer].role
+            );
+            let fix = "set coupling.scheme = \"serial-explicit\" for one pass a window";
+            let problem = case.problem_at("coupling.scheme", reason, fix);
+            Err(case.report(vec![problem]).expect("there is a problem").into())
+        }
+    }
+}
+
+fn participants(
+    case: &Case,
+    running: &[Candidate],
+    fields: &[Field],
+) -> Result<Vec<Participant>, RunError> {
+    let mut participants = Vec::new();
+    for (index, one) in running.iter().enumerate() {
+        let settings = case.participants.iter().find(|p| p.role == one.role);
+        let command = settings.and_then(|p| p.command.as_deref());
+        let inputs: Vec<Input> = fields
+            .iter()
+            .filter(|f| f.consumers.contains(&index))
+            .map(|f| Input {
+                field: f.kind.clone(),
+                producer: running[f.producer].role.to_owned(),
+                grid: None,
+            })
+            .collect();
+        if inputs.len() > MAX_INPUTS {
+            let reason = format!("it would have {} inputs, {MAX_INPUTS} at most", inputs.len());
+            let problem = case.problem_at(one.role, reason, "use fewer effects");
+            return Err(case.report(vec![problem]).expect("there is a problem").into());
+        }
+        let own = |observed: bool| {
+            let sent = fields.iter().filter(move |f| f.producer == index);
+            sent.filter(move |f| f.observed_only() == observed)
+                .map(|f| f.kind.name.clone())
+                .collect()
+        };
+        participants.push(Participant {
+            role: one.role.to_owned(),
+            program: Program::of_role(one.role, command),
+            attach: settings.is_some_and(|p| p.attach),
+            description: one.description.clone(),
+            configuration: Configuration {
+                role: one.role.to_owned(),
+                model: one.model.name.clone(),
+                mode: case.timing.mode(),
+                case: case.values_for(one.description, &one.model.name),
+                inputs,
+                outputs: own(false),
+                observed: own(true),
+            },
+            estimate: None,
+        });
+    }
+    Ok(participants)
+}
+
+/// Asks every participant what it makes of the case, along the flow of data.
+async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
+    for index in 0..plan.participants.len() {
+        fill_input_grids(plan, index);
+        let participant = &plan.participants[index];
+        let known = participant.configuration.inputs.iter().all(|input| input.grid.is_some());
+        if !participant.description.estimates || !known {
+            continue;
+        }
+        match participant.program.estimate(&participant.configuration, ANSWER).await? {
+            Estimate::Layout(layout) => plan.participants[index].estimate = Some(layout),
+            Estimate::Refused(refusal) => {
+                let problem = case.problem_at(&refusal.key, refusal.reason, refusal.fix);
+                return Err(case.report(vec![problem]).expect("there is a problem").into());
+            }
+        }
+    }
+    Ok(())
+}
+
+fn fill_input_grids(plan: &mut Plan, index: usize) {
+    let layouts: Vec<(String, Option<Layout>)> =
+        plan.participants.iter().map(|p| (p.role.clone(), p.estimate.clone())).collect();
+    for input in &mut plan.participants[index].configuration.inputs {
+        let producer = layouts.iter().find(|(role, _)| *role == input.producer);
+        let layout = producer.and_then(|(_, layout)| layout.as_ref());
+        input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
+    }
+}

@@ -1,0 +1,129 @@
+//! The plan as a person reads it.
+
+use super::{Plan, Windows};
+use std::fmt::{Display, Formatter, Result};
+
+impl Display for Plan {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{}", self.name)?;
+        if let Some(title) = &self.title {
+            write!(f, " · {title}")?;
+        }
+        writeln!(f)?;
+        self.show_time(f)?;
+        self.show_processes(f)?;
+        self.show_effects(f)?;
+        self.show_fields(f)?;
+        self.show_cost(f)
+    }
+}
+
+impl Plan {
+    fn show_time(&self, f: &mut Formatter<'_>) -> Result {
+        match self.windows {
+            Windows::Steady => writeln!(f, "\ntime       steady: one window without duration")?,
+            Windows::Fixed { window, end } => writeln!(
+                f,
+                "\ntime       transient: {} windows of {} to {}",
+                self.windows.count(),
+                seconds(window),
+                seconds(end)
+            )?,
+        }
+        writeln!(f, "scheme     {}: {}", self.scheme.name, self.scheme.reason)
+    }
+
+    fn show_processes(&self, f: &mut Formatter<'_>) -> Result {
+        writeln!(f, "\nprocesses  coordinator")?;
+        for p in &self.participants {
+            let how = if p.attach { "started by hand" } else { "started" };
+            let model = &p.configuration.model;
+            writeln!(f, "           {:10} {model:14} {how}: {}", p.role, p.program.name())?;
+            for remark in p.estimate.iter().flat_map(|e| &e.remarks) {
+                writeln!(f, "           {:10} note: {remark}", "")?;
+            }
+        }
+        for (role, why) in &self.idle {
+            writeln!(f, "           {role:10} not started: {why}")?;
+        }
+        Ok(())
+    }
+
+    fn show_effects(&self, f: &mut Formatter<'_>) -> Result {
+        let mut head = "effects";
+        writeln!(f)?;
+        for effect in &self.effects {
+            let (state, why) = match effect.active {
+                true => ("on ", format!("named in the case; {}", effect.roles.join(", "))),
+                false => ("off", "not named in the case".to_owned()),
+            };
+            writeln!(f, "{head:10} {state} {:22} {why}", effect.name)?;
+            writeln!(f, "{:10}     {:22} {}", "", "", effect.law)?;
+            head = "";
+        }
+        Ok(())
+    }
+
+    fn show_fields(&self, f: &mut Formatter<'_>) -> Result {
+        let role = |index: usize| self.participants[index].role.as_str();
+        let mut head = "fields";
+        writeln!(f)?;
+        for field in &self.fields {
+            let to = match field.observed_only() {
+                true => "output only".to_owned(),
+                false => field.consumers.iter().map(|&c| role(c)).collect::<Vec<_>>().join(", "),
+            };
+            let size = self.sample_bytes(field).map_or_else(|| "size unknown".to_owned(), bytes);
+            let route = format!("{} -> {to}", role(field.producer));
+            writeln!(f, "{head:10} {:26} {route:24} {size:>12}", field.kind.name)?;
+            head = "";
+        }
+        let exchanged = self.fields.iter().filter(|f| !f.observed_only());
+        match exchanged.map(|f| self.sample_bytes(f)).sum::<Option<u64>>() {
+            Some(total) => writeln!(f, "{:10} exchanged per iteration: {}", "", bytes(total)),
+            None => writeln!(f, "{:10} exchanged per iteration: not known before the run", ""),
+        }
+    }
+
+    fn show_cost(&self, f: &mut Formatter<'_>) -> Result {
+        let mut head = "cost";
+        writeln!(f)?;
+        for p in &self.participants {
+            if let Some(e) = &p.estimate {
+                let total = e.solve_seconds * self.windows.count() as f64;
+                writeln!(
+                    f,
+                    "{head:10} {:10} about {} a window, {} in all, {} of arrays",
+                    p.role,
+                    seconds(e.solve_seconds),
+                    seconds(total),
+                    bytes(e.memory_bytes)
+                )?;
+                head = "";
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A time with a unit that suits it.
+#[must_use]
+pub(crate) fn seconds(value: f64) -> String {
+    match value {
+        0.0 => "0 s".to_owned(),
+        v if v < 1e-6 => format!("{:.3} ns", v * 1e9),
+        v if v < 1e-3 => format!("{:.3} µs", v * 1e6),
+        v if v < 1.0 => format!("{:.3} ms", v * 1e3),
+        v => format!("{v:.3} s"),
+    }
+}
+
+/// A number of bytes with a unit that suits it.
+#[must_use]
+pub(crate) fn bytes(value: u64) -> String {
+    match value {
+        v if v < 10_000 => format!("{v} B"),
+        v if v < 10_000_000 => format!("{:.1} kB", v as f64 / 1e3),
+        v => format!("{:.1} MB", v as f64 / 1e6),
+    }
+}

@@ -1,0 +1,68 @@
+//! Progress of a run: a bar on a terminal, plain lines elsewhere, nothing with `--quiet`.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+/// Time between two plain lines.
+const PLAIN: Duration = Duration::from_secs(5);
+
+/// Where progress is shown.
+#[derive(Debug)]
+pub enum Progress {
+    /// Nowhere.
+    Silent,
+    /// On a terminal.
+    Bar(ProgressBar),
+    /// In a file or a pipe: a line now and then.
+    Lines {
+        /// Windows in all.
+        total: u64,
+        /// When the last line was written.
+        last: Instant,
+    },
+}
+
+impl Progress {
+    /// Chooses how to show the progress of `total` windows.
+    #[must_use]
+    pub fn new(quiet: bool, total: u64) -> Self {
+        if quiet || total < 2 {
+            Self::Silent
+        } else if std::io::stderr().is_terminal() {
+            let bar = ProgressBar::new(total);
+            let style =
+                ProgressStyle::with_template("{bar:40} {pos}/{len} windows {msg} {eta} left");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            Self::Bar(bar)
+        } else {
+            Self::Lines { total, last: Instant::now() }
+        }
+    }
+
+    /// `done` windows are done, up to the time `reached` [s].
+    pub fn window(&mut self, done: u64, reached: f64) {
+        match self {
+            Self::Silent => {}
+            Self::Bar(bar) => {
+                bar.set_position(done);
+                if done.is_power_of_two() || done.is_multiple_of(64) {
+                    bar.set_message(format!("t = {reached:.3e} s"));
+                }
+            }
+            Self::Lines { total, last } if last.elapsed() > PLAIN => {
+                let _ =
+                    writeln!(std::io::stderr(), "window {done} of {total}, t = {reached:.4e} s");
+                *last = Instant::now();
+            }
+            Self::Lines { .. } => {}
+        }
+    }
+
+    /// The run is over.
+    pub fn finish(&mut self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}

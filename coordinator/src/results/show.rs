@@ -1,0 +1,109 @@
+//! The summary as a person reads it.
+
+use crate::plan::show::{bytes, seconds};
+use serde_json::Value;
+use std::fmt::Write as _;
+
+/// The lines printed at the end of a run. What the summary does not have is left out.
+#[must_use]
+pub fn text(summary: &Value, title: Option<&str>) -> String {
+    let of = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64);
+    let word = |pointer: &str| summary.pointer(pointer).and_then(Value::as_str).unwrap_or("");
+    let mut out = word("/case").to_owned();
+    if let Some(title) = title {
+        let _ = write!(out, " · {title}");
+    }
+    let _ = writeln!(out, "\n  {}: {}", word("/status"), word("/reason"));
+    line(
+        &mut out,
+        "contact",
+        &[
+            of("/contact/semi_axis_a_m").map(|v| format!("a {:.4} mm", v * 1e3)),
+            of("/contact/semi_axis_b_m").map(|v| format!("b {:.4} mm", v * 1e3)),
+            of("/contact/max_pressure_pa").map(|v| format!("p0 {:.2} MPa", v / 1e6)),
+            of("/contact/approach_m").map(|v| format!("approach {:.3} µm", v * 1e6)),
+            of("/contact/normal_force_n").map(|v| format!("N {:.3} kN", v / 1e3)),
+        ],
+    );
+    line(
+        &mut out,
+        "friction",
+        &[
+            of("/contact/traction_coefficient").map(|v| format!("F/N {v:.4}")),
+            of("/contact/creepage_xi").map(|v| format!("creepage {:.4} %", v * 100.0)),
+            of("/contact/slip_area_ratio").map(|v| format!("slip area {:.1} %", v * 100.0)),
+            of("/contact/max_slip_velocity_m_per_s").map(|v| format!("slip {v:.4} m/s")),
+            of("/contact/friction_power_w").map(|v| format!("power {:.3} kW", v / 1e3)),
+        ],
+    );
+    for body in ["rail", "wheel"] {
+        let at = |key: &str| of(&format!("/temperature/{body}/{key}"));
+        line(
+            &mut out,
+            body,
+            &[
+                at("max_rise_k").map(|v| format!("+{v:.2} K")),
+                at("x_over_a").map(|v| format!("at x/a {v:.4}")),
+                at("y_m").map(|v| format!("y {:.3} mm", v * 1e3)),
+                at("penetration_depth_m").map(|v| format!("1/e at depth {:.1} µm", v * 1e6)),
+            ],
+        );
+    }
+    line(
+        &mut out,
+        "coupling",
+        &[
+            Some(word("/coupling/scheme").to_owned()).filter(|scheme| !scheme.is_empty()),
+            of("/coupling/windows").map(|v| format!("{v:.0} window(s)")),
+            of("/coupling/iterations").map(|v| format!("{v:.0} iteration(s)")),
+            of("/coupling/final_residual").map(|v| format!("residual {v:.1e}")),
+            of("/coupling/energy_imbalance").map(imbalance),
+        ],
+    );
+    line(&mut out, "cost", &cost(summary));
+    out
+}
+
+fn imbalance(value: f64) -> String {
+    if value == 0.0 {
+        "heat balance exact".to_owned()
+    } else {
+        format!("heat imbalance {value:.1e}")
+    }
+}
+
+fn cost(summary: &Value) -> Vec<Option<String>> {
+    let section = summary.get("cost").and_then(Value::as_object);
+    let entries = section.into_iter().flatten().filter_map(|(key, value)| {
+        let value = value.as_f64()?;
+        let name = key.strip_suffix("_s")?;
+        Some(Some(format!("{name} {}", seconds(value))))
+    });
+    let exchanged = summary.pointer("/cost/bytes_exchanged").and_then(Value::as_u64);
+    entries.chain([exchanged.map(|v| format!("{} exchanged", bytes(v)))]).collect()
+}
+
+fn line(out: &mut String, head: &str, entries: &[Option<String>]) {
+    let there: Vec<&str> = entries.iter().flatten().map(String::as_str).collect();
+    if !there.is_empty() {
+        let _ = writeln!(out, "  {head:9} {}", there.join("   "));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_absent_leaves_no_trace() {
+        let summary = serde_json::json!({
+            "case": "c", "status": "completed", "reason": "done",
+            "temperature": {"rail": {"max_rise_k": 298.2, "x_over_a": -0.829}},
+            "cost": {"wall_s": 0.12, "bytes_exchanged": 64},
+        });
+        let text = text(&summary, None);
+        let expected = "c\n  completed: done\n  rail      +298.20 K   at x/a -0.8290\n  \
+                        cost      wall 120.000 ms   64 B exchanged\n";
+        assert_eq!(text, expected);
+    }
+}

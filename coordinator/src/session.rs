@@ -1,0 +1,393 @@
+//! A run in progress: the conversation with its participants.
+//!
+//! [`Session::start`] brings everybody to the point where the first window can be solved;
+//! [`Session::solve`], [`Session::accept`] and [`Session::finish`] do what they say. Every wait
+//! notices within [`Doorbell::NAP`] that a participant has ended or that the user wants to stop,
+//! and has a deadline. Dropping a session, at any point, ends all processes and removes everything
+//! that the run has left on the machine.
+
+mod audit;
+mod link;
+mod setup;
+mod tap;
+
+pub use audit::HeatBalance;
+pub use tap::Tap;
+
+use crate::couple::Exchange;
+use crate::error::{Failure, RunError};
+use crate::plan::Plan;
+use crate::supervise::{Exit, Supervisor};
+use link::Link;
+use proto::message::{Command, CommandKind, Finished, OBSERVE, Reply, Status};
+use proto::model::Step;
+use proto::run_dir::RunDir;
+use proto::transport::{Doorbell, Endpoint, Message, TransportError};
+use std::os::unix::process::ExitStatusExt;
+use std::time::{Duration, Instant};
+
+/// How long every kind of wait may last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deadlines {
+    /// From starting a participant to its joining the run.
+    pub start: Duration,
+    /// One command.
+    pub solve: Duration,
+    /// From one heartbeat to the next.
+    pub heartbeat: Duration,
+}
+
+/// What is going on, for messages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    Starting,
+    Configuring,
+    Initialising,
+    Solving(Step),
+    Accepting(Step),
+    Finishing,
+}
+
+impl std::fmt::Display for Phase {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Starting => f.write_str("while starting"),
+            Self::Configuring => f.write_str("while being configured"),
+            Self::Initialising => f.write_str("while initialising"),
+            Self::Solving(s) => write!(f, "in window {}, iteration {}", s.window, s.iteration),
+            Self::Accepting(s) => write!(f, "while accepting window {}", s.window),
+            Self::Finishing => f.write_str("while finishing"),
+        }
+    }
+}
+
+/// What one participant reported of its last solve.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolveRecord {
+    /// Seconds in the model.
+    pub model_seconds: f64,
+    /// Work in the model's own measure.
+    pub work: u64,
+    /// Substeps.
+    pub substeps: u32,
+    /// Iterations of the inner solver.
+    pub inner_iterations: u32,
+    /// Mean power received through conservative inputs [W].
+    pub heat_received: Option<f64>,
+}
+
+/// A run in progress.
+// Fields drop in this order: processes end first, ports close next, the run's folder goes last.
+#[derive(Debug)]
+pub struct Session {
+    supervisor: Supervisor,
+    taps: Vec<Tap>,
+    links: Vec<Link>,
+    doorbell: Doorbell,
+    _endpoint: Endpoint,
+    run: RunDir,
+    deadlines: Deadlines,
+    phase: Phase,
+    solved: Vec<SolveRecord>,
+    bytes_exchanged: u64,
+    model_seconds: f64,
+}
+
+impl Session {
+    /// Starts the participants of a plan and brings them to the first window.
+    pub fn start(plan: &Plan) -> Result<Self, RunError> {
+        setup::start(plan)
+    }
+
+    /// Every field of the run with its newest sample.
+    #[must_use]
+    pub fn taps(&self) -> &[Tap] {
+        &self.taps
+    }
+
+    /// What each participant reported of its last solve, in the plan's order.
+    #[must_use]
+    pub fn solved(&self) -> &[SolveRecord] {
+        &self.solved
+    }
+
+    /// Bytes of field values exchanged so far.
+    #[must_use]
+    pub fn bytes_exchanged(&self) -> u64 {
+        self.bytes_exchanged
+    }
+
+    /// Seconds that the participants have spent in their models since the first window.
+    #[must_use]
+    pub fn model_seconds(&self) -> f64 {
+        self.model_seconds
+    }
+
+    /// Folder of the run.
+    #[must_use]
+    pub fn folder(&self) -> &std::path::Path {
+        &self.run.info().folder
+    }
+
+    /// Heat sent and received in the last iteration.
+    #[must_use]
+    pub fn heat_balance(&self) -> HeatBalance {
+        audit::balance(&self.taps, &self.solved)
+    }
+
+    /// Makes the last solve of every participant its accepted state. With `observe` the observed
+    /// fields are published and received.
+    pub fn accept(&mut self, step: &Step, observe: bool) -> Result<(), RunError> {
+        self.phase = Phase::Accepting(*step);
+        let mut command = Command::about(CommandKind::Accept, step);
+        command.flags = if observe { OBSERVE } else { 0 };
+        for one in 0..self.links.len() {
+            self.post(one, command, &[], observe)?;
+        }
+        if observe {
+            for one in 0..self.links.len() {
+                let message = self.await_done(one, self.deadlines.solve)?;
+                self.model_seconds += message.header().model_seconds;
+                drop(message);
+                self.collect(one, step, true)?;
+            }
+            (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
+        }
+        Ok(())
+    }
+
+    /// Asks every participant for its summary and lets it go.
+    pub fn finish(mut self) -> Result<Vec<Finished>, RunError> {
+        self.phase = Phase::Finishing;
+        for one in 0..self.links.len() {
+            self.post(one, Command::new(CommandKind::Finish), &[], true)?;
+        }
+        let mut finished = Vec::with_capacity(self.links.len());
+        for one in 0..self.links.len() {
+            let message = self.await_done(one, self.deadlines.solve)?;
+            finished.push(
+                serde_json::from_slice(message.body())
+                    .map_err(|e| self.misbehaved(one, format!("its summary is not valid: {e}")))?,
+            );
+        }
+        // They end by themselves now; who does not is ended when the session is dropped.
+        if !self.supervisor.wait_for_exits(self.deadlines.heartbeat) {
+            tracing::warn!("a participant did not leave after Finish and is ended");
+        }
+        Ok(finished)
+    }
+
+    fn post(
+        &mut self,
+        one: usize,
+        command: Command,
+        body: &[u8],
+        ring: bool,
+    ) -> Result<(), RunError> {
+        let sent = self.links[one].post(command, body, ring);
+        sent.map_err(|error| self.transport_failed(one, &error))
+    }
+
+    /// Waits for the reply to the last command of a participant.
+    fn await_reply(&mut self, one: usize, patience: Duration) -> Result<Message<Reply>, RunError> {
+        let deadline = Instant::now() + patience;
+        let Self { links, doorbell, supervisor, deadlines, phase, .. } = self;
+        let context = Context { supervisor, phase: *phase, deadlines };
+        let links = std::cell::RefCell::new(links);
+        let reply = doorbell.wait(
+            || {
+                let links = links.borrow();
+                if let Some(message) = links[one].receive()? {
+                    return Ok(Some(message));
+                }
+                match context.look(&links, one, deadline) {
+                    Ok(()) => Ok(None),
+                    // What it sent just before it ended still counts.
+                    Err(reason) => links[one].receive()?.map(Some).ok_or(reason),
+                }
+            },
+            |index| {
+                if let Some(link) = links.borrow_mut().get_mut(index) {
+                    link.heard_heart();
+                }
+            },
+        );
+        reply.map_err(|waiting| match waiting {
+            Waiting::Run(error) => error,
+            Waiting::Transport(error) => self.transport_failed(one, &error),
+        })
+    }
+
+    /// Waits for the reply, and takes everything but success as an error.
+    fn await_done(&mut self, one: usize, patience: Duration) -> Result<Message<Reply>, RunError> {
+        let message = self.await_reply(one, patience)?;
+        let (reply, body) = (message.header(), message.body());
+        match Status::from_number(reply.status) {
+            _ if reply.protocol != proto::PROTOCOL_VERSION => {
+                let theirs = reply.protocol;
+                Err(self.misbehaved(one, format!("it speaks protocol {theirs}")))
+            }
+            _ if reply.sequence != self.links[one].sequence() => {
+                let (found, expected) = (reply.sequence, self.links[one].sequence());
+                Err(self
+                    .misbehaved(one, format!("it answered command {found} instead of {expected}")))
+            }
+            Some(Status::Done) => Ok(message),
+            Some(Status::Refused) => Err(self.links[one].refused(body)),
+            Some(Status::Failed) => Err(self.failed(one, link::failure_text(body))),
+            None => {
+                let status = reply.status;
+                Err(self.misbehaved(one, format!("it replied with the unknown status {status}")))
+            }
+        }
+    }
+
+    fn failed(&self, one: usize, what: String) -> RunError {
+        RunError::Failed(Failure {
+            who: self.links[one].who(),
+            when: self.phase.to_string(),
+            what,
+            fix: "see its messages in log.jsonl".to_owned(),
+        })
+    }
+
+    fn misbehaved(&self, one: usize, what: String) -> RunError {
+        RunError::Failed(Failure {
+            who: self.links[one].who(),
+            when: self.phase.to_string(),
+            what,
+            fix: "the program does not keep the participant contract (docs/ARCHITECTURE.md)"
+                .to_owned(),
+        })
+    }
+
+    fn transport_failed(&self, one: usize, error: &TransportError) -> RunError {
+        // Often the cause is that the participant has just died: give its exit time to be seen.
+        let context =
+            Context { supervisor: &self.supervisor, phase: self.phase, deadlines: &self.deadlines };
+        let until = Instant::now() + Duration::from_millis(100);
+        while Instant::now() < until {
+            if let Some(exit) = self.supervisor.exits().first() {
+                return context.ended(&self.links, exit);
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.failed(one, error.to_string())
+    }
+}
+
+/// What may end a wait.
+enum Waiting {
+    Run(RunError),
+    Transport(TransportError),
+}
+
+impl From<TransportError> for Waiting {
+    fn from(error: TransportError) -> Self {
+        Self::Transport(error)
+    }
+}
+
+/// What a waiting session looks at.
+struct Context<'a> {
+    supervisor: &'a Supervisor,
+    phase: Phase,
+    deadlines: &'a Deadlines,
+}
+
+impl Context<'_> {
+    /// Is there a reason not to wait any longer?
+    fn look(&self, links: &[Link], one: usize, deadline: Instant) -> Result<(), Waiting> {
+        if let Some(signal) = self.supervisor.stop_signal() {
+            let when = self.phase.to_string();
+            return Err(Waiting::Run(RunError::Interrupted { signal, when }));
+        }
+        let finishing = self.phase == Phase::Finishing;
+        let early =
+            |exit: &&Exit| !(finishing && exit.status.success() && exit.role != links[one].role());
+        if let Some(exit) = self.supervisor.exits().iter().find(early) {
+            return Err(Waiting::Run(self.ended(links, exit)));
+        }
+        let silence = links[one].silence();
+        if silence > self.deadlines.heartbeat {
+            return Err(Waiting::Run(self.hung(
+                &links[one],
+                format!("no heartbeat for {:.1} s", silence.as_secs_f64()),
+                "it is stopped or its machine is overloaded; raise coupling.heartbeat_deadline \
+                 if it may pause for so long",
+            )));
+        }
+        if Instant::now() > deadline {
+            return Err(Waiting::Run(self.hung(
+                &links[one],
+                "no answer within the deadline, although its heart beats".to_owned(),
+                "raise coupling.solve_deadline if the solve may take so long",
+            )));
+        }
+        Ok(())
+    }
+
+    fn hung(&self, link: &Link, what: String, fix: &str) -> RunError {
+        let (who, when) = (link.who(), self.phase.to_string());
+        RunError::Failed(Failure { who, when, what, fix: fix.to_owned() })
+    }
+
+    fn ended(&self, links: &[Link], exit: &Exit) -> RunError {
+        let link = links.iter().find(|link| link.role() == exit.role);
+        let how = match (exit.status.signal(), exit.status.code()) {
+            (Some(signal), _) => format!("killed by signal {signal}"),
+            (_, Some(code)) => format!("ended with exit code {code}"),
+            _ => "ended".to_owned(),
+        };
+        let words = exit.last_words.as_ref().map_or_else(String::new, |w| format!(", saying: {w}"));
+        RunError::Failed(Failure {
+            who: link.map_or_else(|| exit.role.clone(), Link::who),
+            when: self.phase.to_string(),
+            what: format!("its process was {how}{words}").replace("was ended", "ended"),
+            fix: "see its messages in log.jsonl".to_owned(),
+        })
+    }
+}
+
+impl Exchange for Session {
+    fn participants(&self) -> usize {
+        self.links.len()
+    }
+
+    fn solve(&mut self, participants: &[usize], step: &Step) -> Result<(), RunError> {
+        self.phase = Phase::Solving(*step);
+        for &one in participants {
+            let mut command = Command::about(CommandKind::Solve, step);
+            for tap in &self.taps {
+                for reader in tap.readers().iter().filter(|r| r.participant == one) {
+                    command.expected[reader.slot] = tap.sequence();
+                }
+            }
+            self.post(one, command, &[], true)?;
+        }
+        // While they compute, what the others have sent is looked through.
+        for tap in 0..self.taps.len() {
+            if !participants.contains(&self.taps[tap].producer()) {
+                self.check_finite(tap)?;
+            }
+        }
+        for &one in participants {
+            let message = self.await_done(one, self.deadlines.solve)?;
+            self.solved[one] = solve_record(message.header());
+            self.model_seconds += self.solved[one].model_seconds;
+            drop(message);
+            self.collect(one, step, false)?;
+        }
+        Ok(())
+    }
+}
+
+fn solve_record(reply: &Reply) -> SolveRecord {
+    SolveRecord {
+        model_seconds: reply.model_seconds,
+        work: reply.work,
+        substeps: reply.substeps,
+        inner_iterations: reply.inner_iterations,
+        heat_received: Some(reply.heat_received).filter(|heat| !heat.is_nan()),
+    }
+}

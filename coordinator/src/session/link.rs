@@ -1,0 +1,93 @@
+//! The control link to one participant.
+
+use crate::error::RunError;
+use proto::configuration::Refusal;
+use proto::message::{Command, Failure, Reply};
+use proto::transport::{Message, Receiver, Ringer, Sender, TransportError};
+use std::time::{Duration, Instant};
+
+/// Commands go out, replies come in.
+#[derive(Debug)]
+pub(super) struct Link {
+    role: String,
+    program: String,
+    commands: Sender<Command>,
+    replies: Receiver<Reply>,
+    ringer: Ringer,
+    sequence: u64,
+    alive: Instant,
+}
+
+impl Link {
+    pub(super) fn new(
+        role: &str,
+        program: &str,
+        commands: Sender<Command>,
+        replies: Receiver<Reply>,
+        ringer: Ringer,
+    ) -> Self {
+        let (role, program) = (role.to_owned(), program.to_owned());
+        Self { role, program, commands, replies, ringer, sequence: 0, alive: Instant::now() }
+    }
+
+    pub(super) fn role(&self) -> &str {
+        &self.role
+    }
+
+    /// Role and program, for messages.
+    pub(super) fn who(&self) -> String {
+        format!("{} ({})", self.role, self.program)
+    }
+
+    /// The participant has joined.
+    pub(super) fn is_up(&self) -> bool {
+        self.commands.is_heard() && self.replies.is_served()
+    }
+
+    /// Sends a command; `ring` only when an answer is wanted soon.
+    pub(super) fn post(
+        &mut self,
+        mut command: Command,
+        body: &[u8],
+        ring: bool,
+    ) -> Result<(), TransportError> {
+        self.sequence += 1;
+        command.sequence = self.sequence;
+        self.commands.send(&command, body)?;
+        // Silence counts from here: heartbeats are only heard while waiting.
+        self.alive = Instant::now();
+        if ring { self.ringer.ring() } else { Ok(()) }
+    }
+
+    /// Sequence number of the last command.
+    pub(super) fn sequence(&self) -> u64 {
+        self.sequence
+    }
+
+    pub(super) fn receive(&self) -> Result<Option<Message<Reply>>, TransportError> {
+        self.replies.receive()
+    }
+
+    pub(super) fn heard_heart(&mut self) {
+        self.alive = Instant::now();
+    }
+
+    /// Time since the last sign of life.
+    pub(super) fn silence(&self) -> Duration {
+        self.alive.elapsed()
+    }
+
+    /// The error for a refused case.
+    pub(super) fn refused(&self, body: &[u8]) -> RunError {
+        let refusal = serde_json::from_slice(body).unwrap_or_else(|_| {
+            Refusal::new(&self.role, "refused without a reason", "ask the program's author")
+        });
+        RunError::Refused { role: self.role.clone(), refusal }
+    }
+}
+
+/// What a failed reply says.
+pub(super) fn failure_text(body: &[u8]) -> String {
+    serde_json::from_slice::<Failure>(body)
+        .map_or_else(|_| "it failed without saying why".to_owned(), |failure| failure.error)
+}

@@ -1,0 +1,282 @@
+//! From a plan to a session that is ready for its first window.
+
+use super::tap::Consumer;
+use super::{Context, Link, Phase, Session, SolveRecord, Tap, Waiting};
+use crate::error::{Failure, RunError};
+use crate::plan::{Participant, Plan, sample_bytes, topic_bytes};
+use crate::supervise::{Launch, Supervisor};
+use proto::configuration::{Configuration, Layout};
+use proto::description::Description;
+use proto::grid::Grid;
+use proto::message::{Command, CommandKind, Topic, Topics};
+use proto::model::Step;
+use proto::run_dir::{RunDir, free_shared_memory};
+use proto::transport::{Endpoint, TransportError};
+use std::time::Instant;
+
+/// Shared memory that a run takes besides its fields [byte].
+const OVERHEAD: u64 = 1 << 20;
+
+pub(super) fn start(plan: &Plan) -> Result<Session, RunError> {
+    let mut session = launch(plan)?;
+    session.wait_for_joining(plan)?;
+    session.phase = Phase::Configuring;
+    for (index, participant) in plan.participants.iter().enumerate() {
+        session.check_description(index, participant)?;
+    }
+    let layouts = session.configure(plan)?;
+    check_shared_memory(plan, &layouts)?;
+    session.phase = Phase::Initialising;
+    session.initialise(plan, &layouts)?;
+    tracing::info!("every participant is ready");
+    Ok(session)
+}
+
+fn launch(plan: &Plan) -> Result<Session, RunError> {
+    let roles: Vec<String> = plan.participants.iter().map(|p| p.role.clone()).collect();
+    let run = RunDir::create(&roles).map_err(|error| {
+        machine(
+            "the machine",
+            "while preparing the run",
+            &error,
+            "set COSIM_RUNTIME_DIR to a folder of yours in memory",
+        )
+    })?;
+    tracing::info!(prefix = run.info().prefix, folder = %run.info().folder.display(), "run created");
+    let opened = |error: &TransportError| {
+        machine("shared memory", "while preparing the run", error, "check /dev/shm")
+    };
+    let endpoint = Endpoint::open(run.info()).map_err(|e| opened(&e))?;
+    let doorbell = endpoint.doorbell("coordinator").map_err(|e| opened(&e))?;
+    let links: Result<Vec<Link>, TransportError> = plan
+        .participants
+        .iter()
+        .map(|p| {
+            let commands = endpoint.command_sender(&p.role)?;
+            let replies = endpoint.reply_receiver(&p.role)?;
+            let ringer = endpoint.ringer(&p.role)?;
+            Ok(Link::new(&p.role, &p.program.name(), commands, replies, ringer))
+        })
+        .collect();
+    let links = links.map_err(|e| opened(&e))?;
+    let launches: Vec<Launch> = plan
+        .participants
+        .iter()
+        .filter(|p| !p.attach)
+        .map(|p| Launch { role: p.role.clone(), program: p.program.clone() })
+        .collect();
+    let supervisor = Supervisor::start(&launches, &run.info().folder).map_err(|(who, error)| {
+        machine(&who, "while starting", &error, "check the command of this participant")
+    })?;
+    for p in plan.participants.iter().filter(|p| p.attach) {
+        let folder = run.info().folder.display();
+        let program = p.program.command_line();
+        tracing::warn!("waiting for {0}: start `{program} --join {folder} --role {0}`", p.role);
+    }
+    Ok(Session {
+        supervisor,
+        taps: Vec::new(),
+        solved: vec![SolveRecord::default(); links.len()],
+        links,
+        doorbell,
+        _endpoint: endpoint,
+        run,
+        deadlines: plan.deadlines,
+        phase: Phase::Starting,
+        bytes_exchanged: 0,
+        model_seconds: 0.0,
+    })
+}
+
+impl Session {
+    fn wait_for_joining(&mut self, plan: &Plan) -> Result<(), RunError> {
+        for one in 0..self.links.len() {
+            let patience = if plan.participants[one].attach {
+                self.deadlines.solve
+            } else {
+                self.deadlines.start
+            };
+            let deadline = Instant::now() + patience;
+            let Self { links, doorbell, supervisor, deadlines, phase, .. } = self;
+            let context = Context { supervisor, phase: *phase, deadlines };
+            let joined = doorbell.wait(
+                || {
+                    if links[one].is_up() {
+                        return Ok(Some(()));
+                    }
+                    // A participant that has not joined has no heart to listen to yet.
+                    links[one].heard_heart();
+                    if Instant::now() > deadline {
+                        let what =
+                            format!("it did not join within {:.1} s", patience.as_secs_f64());
+                        return Err(Waiting::Run(RunError::Failed(Failure {
+                            who: links[one].who(),
+                            when: context.phase.to_string(),
+                            what,
+                            fix: "raise coupling.start_deadline if it needs longer".to_owned(),
+                        })));
+                    }
+                    context.look(links, one, deadline).map(|()| None)
+                },
+                |_| (),
+            );
+            joined.map_err(|waiting| match waiting {
+                Waiting::Run(error) => error,
+                Waiting::Transport(error) => self.transport_failed(one, &error),
+            })?;
+        }
+        Ok(())
+    }
+
+    /// What joined is what was planned with.
+    fn check_description(&mut self, one: usize, participant: &Participant) -> Result<(), RunError> {
+        self.post(one, Command::new(CommandKind::Describe), &[], true)?;
+        let message = self.await_done(one, self.deadlines.solve)?;
+        let found: Description = serde_json::from_slice(message.body())
+            .map_err(|e| self.misbehaved(one, format!("its description is not valid: {e}")))?;
+        if found == participant.description {
+            return Ok(());
+        }
+        let (name, version) = (found.name, found.version);
+        Err(self.misbehaved(
+            one,
+            format!("what joined ({name} {version}) differs from what described itself before"),
+        ))
+    }
+
+    /// Configures every participant along the flow of data; each hears the grids of its inputs.
+    fn configure(&mut self, plan: &Plan) -> Result<Vec<Layout>, RunError> {
+        let mut layouts: Vec<Layout> = Vec::with_capacity(self.links.len());
+        for (one, participant) in plan.participants.iter().enumerate() {
+            let mut configuration = participant.configuration.clone();
+            for input in &mut configuration.inputs {
+                let producer = self.links.iter().position(|l| l.role() == input.producer);
+                let layout = producer.and_then(|index| layouts.get(index));
+                input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
+            }
+            let body = serde_json::to_vec(&configuration).expect("a configuration is plain data");
+            self.post(one, Command::new(CommandKind::Configure), &body, true)?;
+            let message = self.await_done(one, self.deadlines.solve)?;
+            let layout: Layout = serde_json::from_slice(message.body())
+                .map_err(|e| self.misbehaved(one, format!("its layout is not valid: {e}")))?;
+            drop(message);
+            self.check_layout(one, &configuration, &layout)?;
+            layouts.push(layout);
+        }
+        Ok(layouts)
+    }
+
+    fn check_layout(
+        &self,
+        one: usize,
+        configuration: &Configuration,
+        layout: &Layout,
+    ) -> Result<(), RunError> {
+        let sent = configuration.outputs.iter().chain(&configuration.observed);
+        for field in sent {
+            if layout.grid_of(field).is_none() {
+                return Err(self.misbehaved(one, format!("it gives no grid for `{field}`")));
+            }
+        }
+        Ok(())
+    }
+
+    fn initialise(&mut self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
+        let mut topics = Vec::new();
+        for field in &plan.fields {
+            let topic = topic(plan, field, layouts);
+            self.open_tap(plan, field, &topic)?;
+            topics.push(topic);
+        }
+        let deadline = self.deadlines.start.as_secs_f64();
+        for one in 0..self.links.len() {
+            let of = |wanted: &dyn Fn(&crate::plan::Field) -> bool| -> Vec<Topic> {
+                let pairs = plan.fields.iter().zip(&topics);
+                pairs.filter(|(f, _)| wanted(f)).map(|(_, t)| t.clone()).collect()
+            };
+            let inputs = of(&|f| f.consumers.contains(&one));
+            let outputs = of(&|f| f.producer == one);
+            let body = serde_json::to_vec(&Topics { inputs, outputs, deadline })
+                .expect("topics are plain data");
+            self.post(one, Command::new(CommandKind::Initialise), &body, true)?;
+        }
+        let before = Step { iteration: 0, ..Step::STEADY };
+        for one in 0..self.links.len() {
+            self.await_done(one, self.deadlines.start + self.deadlines.solve)?;
+            self.collect(one, &before, false)?;
+        }
+        (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))
+    }
+
+    fn open_tap(
+        &mut self,
+        plan: &Plan,
+        field: &crate::plan::Field,
+        topic: &Topic,
+    ) -> Result<(), RunError> {
+        let reader = self._endpoint.field_reader(&topic.service).map_err(|error| {
+            machine("shared memory", "while initialising", &error, "check /dev/shm")
+        })?;
+        let consumer = |&participant: &usize| {
+            let inputs = &plan.participants[participant].configuration.inputs;
+            let slot = inputs.iter().position(|i| i.field.name == field.kind.name);
+            Consumer { participant, slot: slot.expect("a consumer has the field as an input") }
+        };
+        self.taps.push(Tap {
+            kind: field.kind.clone(),
+            grid: topic.grid.clone(),
+            producer: field.producer,
+            producer_role: plan.participants[field.producer].role.clone(),
+            readers: field.consumers.iter().map(consumer).collect(),
+            observed_only: field.observed_only(),
+            reader,
+            sample: None,
+            checked: 0,
+        });
+        Ok(())
+    }
+}
+
+fn topic(plan: &Plan, field: &crate::plan::Field, layouts: &[Layout]) -> Topic {
+    let role = &plan.participants[field.producer].role;
+    let grid: &Grid = layouts[field.producer].grid_of(&field.kind.name).expect("layout is checked");
+    Topic {
+        field: field.kind.name.clone(),
+        service: format!("field/{role}/{}", field.kind.name),
+        grid: grid.clone(),
+        // Its consumers, and our own tap.
+        subscribers: field.consumers.len() + 1,
+    }
+}
+
+/// A segment that does not fit is not refused by the kernel: it ends the process that touches it.
+fn check_shared_memory(plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
+    let fields = plan.fields.iter().filter_map(|field| {
+        let grid = layouts[field.producer].grid_of(&field.kind.name)?;
+        Some(topic_bytes(sample_bytes(grid.points(), field.kind.components)))
+    });
+    let needed = OVERHEAD + fields.sum::<u64>();
+    let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);
+    let free = free_shared_memory().min(limit);
+    if needed <= free {
+        return Ok(());
+    }
+    let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
+    Err(RunError::Failed(Failure {
+        who: "shared memory".to_owned(),
+        when: "before the fields were created".to_owned(),
+        what: format!("the fields need {}, {} may be used", mib(needed), mib(free)),
+        fix: "enlarge /dev/shm (in a container: --shm-size), raise limits.shared_memory, write \
+              fewer fields (output.fields) or use a coarser resolution"
+            .to_owned(),
+    }))
+}
+
+fn machine(who: &str, when: &str, error: &dyn std::fmt::Display, fix: &str) -> RunError {
+    RunError::Failed(Failure {
+        who: who.to_owned(),
+        when: when.to_owned(),
+        what: error.to_string(),
+        fix: fix.to_owned(),
+    })
+}

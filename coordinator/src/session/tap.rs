@@ -1,0 +1,183 @@
+//! The coordinator's own view of every field: it receives each sample, checks label and values,
+//! and holds the newest.
+
+use super::{Phase, Session};
+use crate::error::{Failure, RunError};
+use proto::field::FieldKind;
+use proto::grid::Grid;
+use proto::message::FieldHeader;
+use proto::model::{Step, first_non_finite};
+use proto::transport::{FieldReader, FieldSample};
+
+/// A participant that consumes a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Consumer {
+    /// Index of the participant.
+    pub participant: usize,
+    /// Index among its inputs.
+    pub slot: usize,
+}
+
+/// One field of the run.
+#[derive(Debug)]
+pub struct Tap {
+    pub(super) kind: FieldKind,
+    pub(super) grid: Grid,
+    pub(super) producer: usize,
+    pub(super) producer_role: String,
+    pub(super) readers: Vec<Consumer>,
+    pub(super) observed_only: bool,
+    pub(super) reader: FieldReader,
+    pub(super) sample: Option<FieldSample>,
+    pub(super) checked: u64,
+}
+
+impl Tap {
+    /// Kind of the field.
+    #[must_use]
+    pub fn kind(&self) -> &FieldKind {
+        &self.kind
+    }
+
+    /// The grid it lives on.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Index of the participant that sends it.
+    #[must_use]
+    pub fn producer(&self) -> usize {
+        self.producer
+    }
+
+    /// Role of the participant that sends it.
+    #[must_use]
+    pub fn producer_role(&self) -> &str {
+        &self.producer_role
+    }
+
+    /// Who consumes it.
+    #[must_use]
+    pub fn readers(&self) -> &[Consumer] {
+        &self.readers
+    }
+
+    /// The newest values, component-major; `None` before the first sample.
+    #[must_use]
+    pub fn values(&self) -> Option<&[f64]> {
+        self.sample.as_ref().map(FieldSample::values)
+    }
+
+    /// Sequence number of the newest sample; 0 before the first.
+    #[must_use]
+    pub fn sequence(&self) -> u64 {
+        self.sample.as_ref().map_or(0, |sample| sample.header().sequence)
+    }
+
+    /// What is wrong with a sample, if anything.
+    fn fault(&self, sample: &FieldSample, step: &Step) -> Option<String> {
+        let (header, name) = (sample.header(), &self.kind.name);
+        let expected = self.grid.points() * self.kind.components as usize;
+        if header.protocol != proto::PROTOCOL_VERSION {
+            return Some(format!("field `{name}` has protocol version {}", header.protocol));
+        }
+        if sample.values().len() != expected || !self.shape_fits(header) {
+            return Some(format!(
+                "field `{name}` has {} values ({} components, {} points, grid revision {}), \
+                 expected {expected}",
+                sample.values().len(),
+                header.components,
+                header.points,
+                header.grid_revision
+            ));
+        }
+        if (header.name.as_str(), header.unit.as_str(), header.producer.as_str())
+            != (name.as_str(), self.kind.unit.as_str(), self.producer_role.as_str())
+        {
+            return Some(format!(
+                "field `{name}` is labelled {:?} in {:?} from {:?}",
+                header.name, header.unit, header.producer
+            ));
+        }
+        if header.sequence != self.sequence() + 1 {
+            let (found, expected) = (header.sequence, self.sequence() + 1);
+            return Some(format!("field `{name}` has sequence number {found}, not {expected}"));
+        }
+        if (header.window, header.iteration) != (step.window, step.iteration) {
+            return Some(format!(
+                "field `{name}` is labelled window {}, iteration {}",
+                header.window, header.iteration
+            ));
+        }
+        None
+    }
+
+    fn shape_fits(&self, header: &FieldHeader) -> bool {
+        header.components == self.kind.components
+            && header.points == self.grid.points() as u64
+            && header.grid_revision == self.grid.revision
+    }
+}
+
+impl Session {
+    /// Receives what a participant has published for a step: its outputs, or what is only
+    /// observed. Exactly one sample of each.
+    pub(super) fn collect(
+        &mut self,
+        one: usize,
+        step: &Step,
+        observed_only: bool,
+    ) -> Result<(), RunError> {
+        for index in 0..self.taps.len() {
+            let tap = &self.taps[index];
+            if tap.producer != one || tap.observed_only != observed_only {
+                continue;
+            }
+            let received = tap.reader.receive().map_err(|e| self.transport_failed(one, &e))?;
+            let Some(sample) = received else {
+                let what = format!("it did not send `{}`", tap.kind.name);
+                return Err(self.misbehaved(one, what));
+            };
+            if let Some(fault) = tap.fault(&sample, step) {
+                return Err(self.misbehaved(one, fault));
+            }
+            self.bytes_exchanged += std::mem::size_of_val(sample.values()) as u64;
+            self.taps[index].sample = Some(sample);
+        }
+        Ok(())
+    }
+
+    /// Every value of the newest sample is finite; looked at once per sample.
+    pub(super) fn check_finite(&mut self, index: usize) -> Result<(), RunError> {
+        let tap = &mut self.taps[index];
+        let Some(sample) = &tap.sample else { return Ok(()) };
+        let header = sample.header();
+        if tap.checked == header.sequence {
+            return Ok(());
+        }
+        tap.checked = header.sequence;
+        match first_non_finite(sample.values()) {
+            None => Ok(()),
+            Some(at) => {
+                let step = Step {
+                    window: header.window,
+                    iteration: header.iteration,
+                    start: header.start,
+                    end: header.end,
+                };
+                let what = format!(
+                    "field `{}` holds {} at index {at}",
+                    tap.kind.name,
+                    sample.values()[at]
+                );
+                Err(RunError::Failed(Failure {
+                    who: self.links[tap.producer].who(),
+                    when: Phase::Solving(step).to_string(),
+                    what,
+                    fix: "see its messages in log.jsonl, and check the case's values".to_owned(),
+                }))
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Contact mechanics of wheel and rail as a participant of the co-simulation.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`models`] | the models by name, one module a fidelity level |
+//! | [`effects`] | the effects by name, one file an effect |
+//! | [`reference`] | closed forms, shared by models, tests and reports |
+//! | [`scene`] | the case values every model reads, as plain structs |
+//!
+//! Axes, bodies and signs (Kalker's, as CONTACT has them): x along the rolling direction, y to the
+//! left, z up; the origin is the centre of the undeformed contact and moves with it. Material
+//! enters at x = +a and leaves at x = −a. Body 1 is the wheel, body 2 the rail. Tractions and
+//! forces act on the wheel, slip and creepage are of the wheel relative to the rail: a driving
+//! wheel has a creepage ξ < 0 and a creep force F_x > 0, and the friction power −p·v is never
+//! negative.
+//!
+//! Adding an effect takes its file under `effects/` and one line in [`effects::EFFECTS`]; adding a
+//! model likewise under `models/` and in [`models::MODELS`].
+
+pub mod effects;
+mod keys;
+pub mod models;
+#[cfg(test)]
+mod quadrature;
+pub mod reference;
+pub mod scene;
+mod slip;
+mod strips;
+
+use proto::configuration::{Configuration, Refusal};
+use proto::description::{Description, EffectSpec};
+use proto::model::{Setup, Solver};
+
+/// The mechanics program: every model and every effect of this crate.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MechSolver;
+
+impl Solver for MechSolver {
+    fn description(&self) -> Description {
+        Description {
+            protocol: proto::PROTOCOL_VERSION,
+            name: "mech-solver".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            role: "mech".to_owned(),
+            standalone: true,
+            estimates: true,
+            models: models::MODELS.iter().map(|model| (model.spec)()).collect(),
+            effects: effects::EFFECTS.iter().map(|spec| spec()).collect(),
+            keys: scene::keys(),
+            fields: Vec::new(),
+        }
+    }
+
+    /// # Errors
+    /// Refuses an unknown model, an effect that the model does not support, a field that neither
+    /// the model nor an active effect provides, and what the model itself refuses.
+    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+        let model = models::find(&configuration.model)?;
+        let active = effects::active(configuration)?;
+        let mut provided = (model.spec)().provides;
+        provided.extend(active.into_iter().flat_map(|effect| effect.provides));
+        for field in configuration.outputs.iter().chain(&configuration.observed) {
+            if !provided.contains(field) {
+                return Err(not_provided(field, &configuration.model));
+            }
+        }
+        (model.configure)(configuration)
+    }
+}
+
+fn not_provided(field: &str, model: &str) -> Refusal {
+    let specs = effects::EFFECTS.iter().map(|spec| spec());
+    let provides = |effect: &EffectSpec| effect.provides.iter().any(|name| name == field);
+    match specs.into_iter().find(provides) {
+        Some(effect) => Refusal::new(
+            &format!("effects.{}", effect.name),
+            format!("the field `{field}` is asked for, but the effect that provides it is off"),
+            format!("add the table [effects.{}]", effect.name),
+        ),
+        None => Refusal::new(
+            "mech.model",
+            format!("`{model}` does not provide the field `{field}`"),
+            "do not ask for this field",
+        ),
+    }
+}

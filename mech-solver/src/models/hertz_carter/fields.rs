@@ -1,0 +1,78 @@
+//! The fields of the contact as element means.
+
+use super::contact::Contact;
+use crate::effects::friction_heat;
+use crate::effects::partial_slip::{CarterSlip, CarterTraction};
+use crate::slip::{SlidingSlip, Slip};
+use crate::strips::semi_ellipse::SemiEllipse;
+use crate::strips::{Lateral, StripField, Strips};
+use proto::field::{self, FieldSpec};
+use proto::grid::Structured;
+
+/// Number of points of a field.
+pub(super) fn points(spec: &FieldSpec, grid: &Structured) -> usize {
+    if *spec == field::SURFACE_SPEED { 1 } else { grid.points() }
+}
+
+/// Number of values of a field.
+pub(super) fn count(spec: &FieldSpec, grid: &Structured) -> usize {
+    points(spec, grid) * spec.components as usize
+}
+
+/// Values of a field that the model or one of its effects provides, component-major.
+pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> Vec<f64> {
+    let strips = Strips::new(contact.semi_axis_a, contact.semi_axis_b, grid);
+    let mut values = vec![0.0; count(spec, &grid)];
+    // Of a vector the longitudinal component stands first; the lateral one is zero.
+    let first = &mut values[..points(spec, &grid)];
+    match *spec {
+        field::PRESSURE => {
+            let (density, amplitude) = (SemiEllipse, contact.max_pressure);
+            let lateral = Lateral::Elliptic;
+            strips.write_means(&StripField { density, amplitude, lateral }, first);
+        }
+        field::TRACTION => write_traction(&strips, contact, first),
+        field::SLIP_VELOCITY => write_slip_velocity(&strips, contact, first),
+        field::FRICTION_POWER => {
+            let amplitude = contact.largest_bound() * contact.rolling_speed;
+            friction_heat::write_power(&strips, &contact.slip, amplitude, first);
+        }
+        field::SURFACE_SPEED => {
+            let (speed, xi) = (contact.rolling_speed, contact.creepage_xi());
+            values.copy_from_slice(&friction_heat::surface_speeds(speed, xi));
+        }
+        _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
+    }
+    values
+}
+
+/// Longitudinal traction on the wheel [Pa].
+fn write_traction(strips: &Strips, contact: &Contact, means: &mut [f64]) {
+    let (amplitude, lateral) = (contact.direction * contact.largest_bound(), Lateral::Elliptic);
+    match contact.slip {
+        Slip::Adhesion => {}
+        Slip::Partial { fraction, .. } => {
+            let density = CarterTraction::new(fraction);
+            strips.write_means(&StripField { density, amplitude, lateral }, means);
+        }
+        Slip::Sliding { .. } => {
+            strips.write_means(&StripField { density: SemiEllipse, amplitude, lateral }, means);
+        }
+    }
+}
+
+/// Longitudinal velocity of the wheel relative to the rail [m/s], against the traction.
+fn write_slip_velocity(strips: &Strips, contact: &Contact, means: &mut [f64]) {
+    let (amplitude, lateral) = (-contact.direction * contact.rolling_speed, Lateral::Constant);
+    match contact.slip {
+        Slip::Adhesion => {}
+        Slip::Partial { fraction, prefactor } => {
+            let (density, amplitude) = (CarterSlip::new(fraction), amplitude * prefactor);
+            strips.write_means(&StripField { density, amplitude, lateral }, means);
+        }
+        Slip::Sliding { creep, gradient } => {
+            let density = SlidingSlip { creep, gradient };
+            strips.write_means(&StripField { density, amplitude, lateral }, means);
+        }
+    }
+}

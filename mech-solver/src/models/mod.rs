@@ -1,0 +1,32 @@
+//! The models by name, cheapest first. A model is a module of this folder and one line in
+//! [`MODELS`].
+
+pub mod hertz_carter;
+
+use proto::configuration::{Configuration, Refusal};
+use proto::description::ModelSpec;
+use proto::model::Setup;
+
+/// One model of the crate.
+pub struct ModelEntry {
+    /// What the description says of it.
+    pub spec: fn() -> ModelSpec,
+    /// Checks a configuration that names it, and whose effects and fields it provides.
+    pub(crate) configure: fn(&Configuration) -> Result<Box<dyn Setup>, Refusal>,
+}
+
+/// Every model of this crate, cheapest first.
+pub const MODELS: &[ModelEntry] =
+    &[ModelEntry { spec: hertz_carter::spec, configure: hertz_carter::configure }];
+
+/// The model with this name.
+///
+/// # Errors
+/// Refuses a name that is not in [`MODELS`].
+pub fn find(name: &str) -> Result<&'static ModelEntry, Refusal> {
+    MODELS.iter().find(|model| (model.spec)().name == name).ok_or_else(|| {
+        let known: Vec<_> = MODELS.iter().map(|model| (model.spec)().name).collect();
+        let reason = format!("there is no mechanical model `{name}`");
+        Refusal::new("mech.model", reason, format!("choose one of {}", known.join(", ")))
+    })
+}

@@ -1,0 +1,5 @@
+//! Closed forms: one truth for models, tests, documentation and reports.
+
+pub mod carter;
+pub mod elliptic_integrals;
+pub mod hertz;

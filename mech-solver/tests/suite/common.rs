@@ -1,0 +1,161 @@
+//! A case, and a run of it through the traits that a participant uses.
+
+use mech_solver::MechSolver;
+use proto::configuration::{Configuration, Layout, Mode, Refusal};
+use proto::field::FieldSpec;
+use proto::grid::Grid;
+use proto::model::{InputField, Inputs, Model, Outputs, Solver, Step, StepReport};
+use proto::params::Params;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+pub(crate) const RADIUS: f64 = 0.46;
+pub(crate) const FRICTION: f64 = 0.6;
+pub(crate) const SPEED: f64 = 38.889;
+/// Compliance sum of steel on steel [1/Pa].
+pub(crate) const STEEL: f64 = 2.0 * 0.91 / 210e9;
+
+/// Table 1 of Naeimi et al. with both effects.
+pub(crate) fn paper() -> Value {
+    json!({
+        "wheel": {"radius": RADIUS, "material": "steel"},
+        "rail": {"crown_radius": 0.3, "material": "steel"},
+        "materials": {"steel": {"youngs_modulus": 210e9, "poisson_ratio": 0.3}},
+        "motion": {"speed": SPEED, "traction_coefficient": 0.58, "creep_law": "carter-pressure"},
+        "load": {"normal_force": 134e3},
+        "friction": {"coefficient": FRICTION},
+        "mech": {"resolution": 20},
+        "effects": {"friction_heat": {}, "partial_slip": {}},
+    })
+}
+
+/// The same with the ellipse of Table 2.
+pub(crate) fn paper_table_2() -> Value {
+    let mut case = paper();
+    case["contact"] =
+        json!({"semi_axis_a": 7.98e-3, "semi_axis_b": 6.01e-3, "max_pressure": 1352e6});
+    case
+}
+
+/// Replaces what drives the wheel.
+pub(crate) fn driven(mut case: Value, drive: &str, value: f64) -> Value {
+    let motion = case["motion"].as_object_mut().expect("a table");
+    motion.retain(|key, _| key == "speed" || key == "creep_law");
+    match drive {
+        "creepage" => case["motion"]["creepage"] = json!({"xi": value}),
+        _ => case["motion"][drive] = json!(value),
+    }
+    case
+}
+
+/// Switches an effect off.
+pub(crate) fn without(mut case: Value, effect: &str) -> Value {
+    case["effects"].as_object_mut().expect("a table").remove(effect);
+    case
+}
+
+/// Every field that the active effects and the model provide.
+pub(crate) fn fields_of(case: &Value) -> Vec<String> {
+    let mut fields = vec!["pressure", "traction", "slip_velocity"];
+    if case["effects"].get("friction_heat").is_some() {
+        fields.extend(["friction_power", "surface_speed"]);
+    }
+    fields.into_iter().map(str::to_owned).collect()
+}
+
+/// A steady configuration that asks for every field.
+pub(crate) fn configuration(case: &Value) -> Configuration {
+    Configuration {
+        role: "mech".to_owned(),
+        model: "hertz-carter".to_owned(),
+        mode: Mode::Steady,
+        case: Params(case.clone()),
+        inputs: Vec::new(),
+        outputs: fields_of(case),
+        observed: Vec::new(),
+    }
+}
+
+pub(crate) struct NoInputs;
+
+impl Inputs for NoInputs {
+    fn get(&self, _: &FieldSpec) -> Option<InputField<'_>> {
+        None
+    }
+}
+
+/// Outputs by name; a place holds NaN until it is written.
+#[derive(Default)]
+pub(crate) struct Store(pub(crate) BTreeMap<String, Vec<f64>>);
+
+impl Store {
+    pub(crate) fn for_layout(layout: &Layout, fields: &[String]) -> Self {
+        let place = |name: &String| {
+            let points = layout.grid_of(name).expect("a grid for the field").points();
+            let components =
+                proto::field::find(name).expect("a field of the table").components as usize;
+            (name.clone(), vec![f64::NAN; points * components])
+        };
+        Self(fields.iter().map(place).collect())
+    }
+}
+
+impl Outputs for Store {
+    fn get(&mut self, field: &FieldSpec) -> Option<&mut [f64]> {
+        self.0.get_mut(field.name).map(Vec::as_mut_slice)
+    }
+}
+
+/// A case that was run for one steady window.
+pub(crate) struct Run {
+    pub(crate) layout: Layout,
+    pub(crate) model: Box<dyn Model>,
+    pub(crate) fields: BTreeMap<String, Vec<f64>>,
+    pub(crate) report: StepReport,
+    pub(crate) contact: Value,
+}
+
+pub(crate) fn run(case: &Value) -> Run {
+    let configuration = configuration(case);
+    let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
+    let layout = setup.layout().clone();
+    let mut model = setup.build().expect("a checked case builds");
+    let mut store = Store::for_layout(&layout, &configuration.outputs);
+    let report = model.solve(&Step::STEADY, &NoInputs, &mut store).expect("a solution");
+    model.accept();
+    let contact = model.summary()["contact"].clone();
+    Run { layout, model, fields: store.0, report, contact }
+}
+
+pub(crate) fn refusal(configuration: &Configuration) -> Refusal {
+    MechSolver.configure(configuration).err().expect("the case must be refused")
+}
+
+impl Run {
+    /// A number of the summary.
+    #[track_caller]
+    pub(crate) fn number(&self, key: &str) -> f64 {
+        self.contact[key].as_f64().unwrap_or_else(|| panic!("{key} is not in the summary"))
+    }
+
+    pub(crate) fn grid(&self) -> &Grid {
+        self.layout.grid_of("pressure").expect("always there")
+    }
+
+    /// The longitudinal component of a field.
+    pub(crate) fn longitudinal(&self, field: &str) -> &[f64] {
+        &self.fields[field][..self.grid().points()]
+    }
+
+    /// Surface integral of the longitudinal component of a field.
+    pub(crate) fn integral(&self, field: &str) -> f64 {
+        self.grid().integrate(self.longitudinal(field))
+    }
+}
+
+#[track_caller]
+pub(crate) fn assert_close(value: f64, expected: f64, tolerance: f64) {
+    let scale = if expected == 0.0 { 1.0 } else { expected.abs() };
+    let error = (value - expected).abs() / scale;
+    assert!(error <= tolerance, "{value} is not {expected}: error {error:e} over {tolerance:e}");
+}

@@ -1,0 +1,191 @@
+//! The registry: what the description says agrees with what `configure` does.
+
+use crate::common::*;
+use mech_solver::MechSolver;
+use proto::description::{Description, KeySpec};
+use proto::model::Solver;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+fn description() -> Description {
+    MechSolver.description()
+}
+
+fn assert_unique<'a>(names: impl Iterator<Item = &'a String>) {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        assert!(seen.insert(name), "{name} stands twice");
+    }
+}
+
+#[test]
+fn names_are_unique_and_sources_are_cited() {
+    let description = description();
+    assert_eq!(description.role, "mech");
+    assert_eq!(description.name, "mech-solver");
+    assert!(description.standalone && description.estimates);
+    assert_unique(description.models.iter().map(|model| &model.name));
+    assert_unique(description.effects.iter().map(|effect| &effect.name));
+    for model in &description.models {
+        assert!(!model.source.trim().is_empty() && !model.summary.trim().is_empty());
+        assert!(model.steady || model.transient);
+        assert_unique(description.keys.iter().chain(&model.keys).map(|key| &key.path));
+    }
+    for effect in &description.effects {
+        assert!(!effect.source.trim().is_empty() && !effect.law.trim().is_empty());
+    }
+}
+
+#[test]
+fn fields_and_models_that_are_named_exist() {
+    let description = description();
+    let models: BTreeSet<_> = description.models.iter().map(|model| &model.name).collect();
+    let known = |field: &String| proto::field::find(field).is_some();
+    for model in &description.models {
+        assert!(model.consumes.iter().chain(&model.provides).all(known));
+    }
+    for effect in &description.effects {
+        assert!(!effect.models.is_empty());
+        assert!(effect.models.iter().all(|model| models.contains(model)), "{}", effect.name);
+        assert!(effect.consumes.iter().chain(&effect.provides).all(known));
+    }
+}
+
+/// Every model with every effect: accepted exactly when the effect says that it supports the model,
+/// and then every field that both promise is laid out.
+#[test]
+fn support_agrees_with_configure() {
+    let description = description();
+    for model in &description.models {
+        for effect in &description.effects {
+            let mut case = paper();
+            case["effects"] = json!({ effect.name.clone(): {} });
+            let mut configuration = configuration(&case);
+            configuration.model = model.name.clone();
+            configuration.outputs = model.provides.clone();
+            configuration.observed = effect.provides.clone();
+            let setup = MechSolver.configure(&configuration);
+            assert_eq!(setup.is_ok(), effect.models.contains(&model.name), "{}", effect.name);
+            if let Ok(setup) = setup {
+                for field in model.provides.iter().chain(&effect.provides) {
+                    assert!(setup.layout().grid_of(field).is_some(), "{field}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn description_survives_the_wire() {
+    let description = description();
+    let text = serde_json::to_string(&description).unwrap();
+    assert_eq!(serde_json::from_str::<Description>(&text).unwrap(), description);
+}
+
+/// The defaults and ranges that the description publishes hold in the solver.
+#[test]
+fn every_required_key_is_required() {
+    let keys = description().keys;
+    let required = |key: &&KeySpec| key.required;
+    for key in keys.iter().filter(required) {
+        let path = key.path.replace('*', "steel");
+        let mut case = paper();
+        let (table, name) = path.rsplit_once('.').unwrap();
+        let pointer = format!("/{}", table.replace('.', "/"));
+        case.pointer_mut(&pointer).unwrap().as_object_mut().unwrap().remove(name).unwrap();
+        let refusal = refusal(&configuration(&case));
+        assert_eq!((refusal.key.as_str(), refusal.reason.as_str()), (path.as_str(), "missing"));
+    }
+}
+
+/// A case without the optional keys runs with the defaults that the description publishes.
+#[test]
+fn defaults_are_those_of_the_description() {
+    let description = description();
+    let keys: Vec<_> = description.keys.iter().chain(&description.models[0].keys).collect();
+    let default = |path: &str| {
+        let key = keys.iter().find(|key| key.path == path).unwrap();
+        key.default.clone().unwrap()
+    };
+    let mut spelled = paper();
+    spelled["mech"]["resolution"] = default("mech.resolution");
+    spelled["motion"]["creep_law"] = default("motion.creep_law");
+    let mut silent = paper();
+    silent.as_object_mut().unwrap().remove("mech");
+    silent["motion"].as_object_mut().unwrap().remove("creep_law");
+    let (spelled, silent) = (run(&spelled), run(&silent));
+    assert_eq!(spelled.contact, silent.contact);
+    assert_eq!(spelled.layout, silent.layout);
+}
+
+#[track_caller]
+fn assert_refused(case: &Value, key: &str, reason: &str) {
+    let refusal = refusal(&configuration(case));
+    assert_eq!(refusal.key, key);
+    assert!(refusal.reason.contains(reason), "{refusal}");
+    assert!(!refusal.fix.is_empty());
+}
+
+#[test]
+fn what_hertz_carter_cannot_take_is_refused() {
+    let set = |table: &str, key: &str, value: Value| {
+        let mut case = paper();
+        case[table][key] = value;
+        case
+    };
+    for key in ["eta", "phi"] {
+        let mut case = driven(paper(), "creepage", -0.01);
+        case["motion"]["creepage"][key] = json!(1e-3);
+        let path = format!("motion.creepage.{key}");
+        assert_refused(&case, &path, "takes longitudinal creepage only");
+    }
+    for radius in [-0.3, -0.2] {
+        assert_refused(
+            &set("wheel", "tread_radius", json!(radius)),
+            "wheel.tread_radius",
+            "no elliptic contact",
+        );
+    }
+    assert_refused(&set("motion", "creep_law", json!("linear")), "motion.creep_law", "linear");
+    assert_refused(
+        &driven(paper(), "traction_coefficient", 0.61),
+        "motion.traction_coefficient",
+        "friction limit of 0.6",
+    );
+    assert_refused(
+        &driven(paper(), "tangential_force", -80.5e3),
+        "motion.tangential_force",
+        "friction limit of 80400 N",
+    );
+    // The limit is that of the force which the given ellipse carries.
+    let given = driven(paper_table_2(), "tangential_force", 81.5e3);
+    assert_refused(&given, "motion.tangential_force", "friction limit of 81");
+    assert!(MechSolver.configure(&configuration(&driven(given, "tangential_force", 81e3))).is_ok());
+    for (table, key) in [("rail", "crown_radius"), ("wheel", "radius")] {
+        for radius in [1e13, 1e300] {
+            let path = format!("{table}.{key}");
+            assert_refused(&set(table, key, json!(radius)), &path, "a line, not an ellipse");
+        }
+    }
+    assert_refused(&set("load", "normal_force", json!(1e-320)), "load.normal_force", "no number");
+    let mut thin = paper_table_2();
+    thin["contact"]["semi_axis_b"] = json!(1000.0);
+    assert_refused(&thin, "mech.resolution", "elements in all");
+}
+
+#[test]
+fn unknown_names_are_refused() {
+    let mut unknown = configuration(&paper());
+    unknown.model = "herz-carter".to_owned();
+    let refused = refusal(&unknown);
+    assert_eq!(refused.key, "mech.model");
+    assert!(refused.fix.contains("hertz-carter"));
+
+    let mut case = paper();
+    case["effects"]["magnetism"] = json!({});
+    assert_refused(&case, "effects.magnetism", "no such effect");
+
+    let mut field = configuration(&paper());
+    field.observed.push("rail_temperature".to_owned());
+    assert_eq!(refusal(&field).key, "mech.model");
+}

@@ -1,0 +1,124 @@
+//! What a participant is told before a run, and what it answers. All of it travels as JSON.
+
+use crate::field::FieldKind;
+use crate::grid::Grid;
+use crate::params::Params;
+use serde::{Deserialize, Serialize};
+
+/// Steady or transient.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// A single window without duration.
+    Steady,
+    /// Windows of coupling time from 0 on.
+    Transient,
+}
+
+/// Sent with `Configure`, and on standard input of `--estimate`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Configuration {
+    /// The role to play.
+    pub role: String,
+    /// The model chosen, one of the description's.
+    pub model: String,
+    /// Steady or transient.
+    pub mode: Mode,
+    /// The case values this participant reads, in SI units, defaults filled in, nested by table.
+    /// `effects` holds a table for every active effect that this participant claims, no other.
+    pub case: Params,
+    /// Fields it will receive, in the order of [`crate::message::Command::expected`].
+    pub inputs: Vec<Input>,
+    /// Names of the fields it has to publish in every iteration.
+    pub outputs: Vec<String>,
+    /// Names of the fields it has to publish when an accepted window is observed.
+    pub observed: Vec<String>,
+}
+
+/// A field that a participant receives.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// Kind of the field.
+    pub field: FieldKind,
+    /// Role of the participant that computes it.
+    pub producer: String,
+    /// The grid it arrives on; absent while that is not known yet.
+    pub grid: Option<Grid>,
+}
+
+impl Configuration {
+    /// An effect is active and claimed by this participant.
+    #[must_use]
+    pub fn has_effect(&self, name: &str) -> bool {
+        self.case.has(&format!("effects.{name}"))
+    }
+
+    /// The grid on which an input arrives.
+    #[must_use]
+    pub fn input_grid(&self, field: &str) -> Option<&Grid> {
+        self.inputs.iter().find(|i| i.field.name == field).and_then(|i| i.grid.as_ref())
+    }
+}
+
+/// Answer to `Configure` and to `--estimate`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Layout {
+    /// The grids of the outputs.
+    pub grids: Vec<Grid>,
+    /// Which grid each output and observed field lives on.
+    pub fields: Vec<FieldOnGrid>,
+    /// Expected processor seconds of one solve.
+    pub solve_seconds: f64,
+    /// Expected memory of the participant's own arrays [byte].
+    pub memory_bytes: u64,
+    /// Remarks for `plan`, one line each: what the model makes of the case.
+    #[serde(default)]
+    pub remarks: Vec<String>,
+}
+
+/// A field and the grid it lives on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FieldOnGrid {
+    /// Name of the field.
+    pub field: String,
+    /// Name of the grid.
+    pub grid: String,
+}
+
+impl Layout {
+    /// The grid of a field.
+    #[must_use]
+    pub fn grid_of(&self, field: &str) -> Option<&Grid> {
+        let name = &self.fields.iter().find(|f| f.field == field)?.grid;
+        self.grids.iter().find(|g| &g.name == name)
+    }
+}
+
+/// A case that a participant cannot take: a value, or a combination of values, is at fault.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[error("{key}: {reason}; {fix}")]
+pub struct Refusal {
+    /// Dotted key of the case at fault.
+    pub key: String,
+    /// Why it cannot be.
+    pub reason: String,
+    /// What to write instead.
+    pub fix: String,
+}
+
+impl Refusal {
+    /// A refusal that names the key, the reason and the fix.
+    pub fn new(key: &str, reason: impl Into<String>, fix: impl Into<String>) -> Self {
+        Self { key: key.to_owned(), reason: reason.into(), fix: fix.into() }
+    }
+}
+
+/// What `--estimate` prints.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Estimate {
+    /// The case can be computed like this.
+    Layout(Layout),
+    /// The case is refused.
+    Refused(Refusal),
+}

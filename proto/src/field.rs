@@ -1,0 +1,137 @@
+//! The table of fields that may cross the interface.
+//!
+//! A field is named once, here, with its unit, the number of its components and the way it is
+//! mapped between grids. A participant may define further fields in its description; the table
+//! holds those that more than one crate speaks of.
+
+use serde::{Deserialize, Serialize};
+
+/// What a mapping between grids has to preserve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mapping {
+    /// The surface integral is preserved (densities such as a heat flux).
+    Conservative,
+    /// A constant stays constant (point values such as a temperature).
+    Consistent,
+}
+
+/// The body whose surface a field belongs to; body 1 is the wheel, body 2 the rail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Body {
+    /// Body 1, the upper one.
+    Wheel,
+    /// Body 2, the lower one.
+    Rail,
+    /// The contact interface between the two.
+    Interface,
+}
+
+/// A kind of field: everything about it that does not depend on a run.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FieldKind {
+    /// Name on the wire, in results and in case files; at most 31 bytes of ASCII.
+    pub name: String,
+    /// SI unit; at most 15 bytes of ASCII.
+    pub unit: String,
+    /// Number of components; component-major layout, `data[component * points + point]`.
+    pub components: u32,
+    /// What a mapping between grids preserves.
+    pub mapping: Mapping,
+    /// The body it belongs to.
+    pub body: Body,
+    /// One line for people.
+    pub meaning: String,
+}
+
+/// A row of the table. The constants below are how Rust code names a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FieldSpec {
+    /// Name on the wire.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Number of components.
+    pub components: u32,
+    /// What a mapping between grids preserves.
+    pub mapping: Mapping,
+    /// The body it belongs to.
+    pub body: Body,
+    /// One line for people.
+    pub meaning: &'static str,
+}
+
+impl FieldSpec {
+    /// The owned form that travels in descriptions.
+    #[must_use]
+    pub fn kind(&self) -> FieldKind {
+        FieldKind {
+            name: self.name.to_owned(),
+            unit: self.unit.to_owned(),
+            components: self.components,
+            mapping: self.mapping,
+            body: self.body,
+            meaning: self.meaning.to_owned(),
+        }
+    }
+}
+
+macro_rules! field_table {
+    ($($(#[$doc:meta])* $constant:ident = $name:literal [$unit:literal; $components:literal],
+       $mapping:ident, $body:ident, $meaning:literal;)*) => {
+        $(
+            $(#[$doc])*
+            #[doc = concat!($meaning, " [", $unit, "], ", $components, " component(s).")]
+            pub const $constant: FieldSpec = FieldSpec {
+                name: $name, unit: $unit, components: $components,
+                mapping: Mapping::$mapping, body: Body::$body, meaning: $meaning,
+            };
+        )*
+        /// Every row of the table.
+        pub const TABLE: &[FieldSpec] = &[$($constant),*];
+    };
+}
+
+field_table! {
+    PRESSURE = "pressure" ["Pa"; 1], Consistent, Interface,
+        "normal contact pressure, positive in compression";
+    TRACTION = "traction" ["Pa"; 2], Consistent, Interface,
+        "tangential traction (x, y) acting on the wheel";
+    SLIP_VELOCITY = "slip_velocity" ["m/s"; 2], Consistent, Interface,
+        "velocity (x, y) of the wheel surface relative to the rail surface";
+    FRICTION_POWER = "friction_power" ["W/m2"; 1], Conservative, Interface,
+        "frictional power density, element and window mean";
+    SURFACE_SPEED = "surface_speed" ["m/s"; 2], Consistent, Interface,
+        "speeds (wheel, rail) at which material passes through the contact, on a one-point grid";
+    RAIL_TEMPERATURE = "rail_temperature" ["K"; 1], Consistent, Rail,
+        "temperature rise of the rail surface";
+    WHEEL_TEMPERATURE = "wheel_temperature" ["K"; 1], Consistent, Wheel,
+        "temperature rise of the wheel surface";
+    RAIL_SECTION_TEMPERATURE = "rail_section_temperature" ["K"; 1], Consistent, Rail,
+        "temperature rise of the rail in the vertical plane y = 0 under the surface";
+    WHEEL_SECTION_TEMPERATURE = "wheel_section_temperature" ["K"; 1], Consistent, Wheel,
+        "temperature rise of the wheel in the vertical plane y = 0 over the surface";
+}
+
+/// The row with this name, if the table has one.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static FieldSpec> {
+    TABLE.iter().find(|spec| spec.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_fit_the_header() {
+        for (i, spec) in TABLE.iter().enumerate() {
+            assert!(spec.name.len() < 32 && spec.name.is_ascii(), "{}", spec.name);
+            assert!(spec.unit.len() < 16 && spec.unit.is_ascii(), "{}", spec.unit);
+            assert!(spec.components > 0);
+            assert!(TABLE[..i].iter().all(|other| other.name != spec.name), "{}", spec.name);
+            assert_eq!(find(spec.name), Some(spec));
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The trait that every model implements, and what passes through it.
+//!
+//! A solver crate offers a [`Solver`]. `configure` turns a configuration into a cheap [`Setup`]
+//! that knows grids and cost but has allocated nothing; `build` turns that into the [`Model`]
+//! that runs. The split is what lets a plan be made without starting anything.
+
+use crate::configuration::{Configuration, Layout, Refusal};
+use crate::description::Description;
+use crate::field::FieldSpec;
+use crate::grid::Grid;
+
+/// A participant's program: describes itself and sets up models.
+pub trait Solver {
+    /// What it can do.
+    fn description(&self) -> Description;
+    /// Checks a configuration and prepares a model; cheap, allocates no field.
+    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal>;
+}
+
+/// A checked configuration.
+pub trait Setup {
+    /// Grids, placement of the fields and expected cost.
+    fn layout(&self) -> &Layout;
+    /// Allocates everything that the model needs; nothing is allocated later in a steady step.
+    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal>;
+}
+
+/// One iteration of one window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Number of the window, from 0.
+    pub window: u64,
+    /// Iteration within the window, from 1; 0 stands for the first outputs before any solve.
+    pub iteration: u32,
+    /// Start of the window [s].
+    pub start: f64,
+    /// End of the window [s]; equal to `start` in a steady case.
+    pub end: f64,
+}
+
+impl Step {
+    /// The single window of a steady case.
+    pub const STEADY: Step = Step { window: 0, iteration: 1, start: 0.0, end: 0.0 };
+
+    /// Length of the window [s].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.end - self.start
+    }
+}
+
+/// Inputs of a solve, read in place.
+pub trait Inputs {
+    /// Values of a field, component-major, with its grid; `None` when no active effect needs it.
+    fn get(&self, field: &FieldSpec) -> Option<InputField<'_>>;
+}
+
+/// One input.
+#[derive(Clone, Copy, Debug)]
+pub struct InputField<'a> {
+    /// `components * points` values, component-major.
+    pub values: &'a [f64],
+    /// Where they live.
+    pub grid: &'a Grid,
+}
+
+/// Outputs of a solve, written where consumers will read them.
+pub trait Outputs {
+    /// The place for a field's values, component-major; `None` when nobody needs the field. Every
+    /// value must be written; the place holds old data before.
+    fn get(&mut self, field: &FieldSpec) -> Option<&mut [f64]>;
+}
+
+/// What a solve says besides its outputs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Steps taken inside the window.
+    pub substeps: u32,
+    /// Iterations of the inner solver.
+    pub inner_iterations: u32,
+    /// Number of elementary operations in the model's own measure, for snapshots of work.
+    pub work: u64,
+    /// Heat received through conservative inputs, as the mean power over the window [W]; `None`
+    /// for a model that receives none.
+    pub heat_received: Option<f64>,
+}
+
+/// Why a solve failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// An input holds a NaN or an infinity.
+    #[error("input `{field}` is not finite at index {index} ({value})")]
+    NonFiniteInput {
+        /// Name of the field.
+        field: String,
+        /// Index of the first such value.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// An input that the model cannot do without is missing.
+    #[error("input `{field}` is missing")]
+    MissingInput {
+        /// Name of the field.
+        field: String,
+    },
+    /// The model has no solution, or its solver did not find it.
+    #[error("{0}")]
+    NoSolution(String),
+}
+
+/// State of a model as bytes, between [`Model::save`] and [`Model::restore`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StateBlob(pub Vec<u8>);
+
+/// A state that cannot be restored.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("state does not fit: {0}")]
+pub struct StateError(pub String);
+
+/// A model that runs. `solve` always starts from the last accepted state, so a window may be
+/// solved any number of times; only `accept` moves on.
+pub trait Model {
+    /// Solves one window from the accepted state with the given inputs, writes the outputs.
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError>;
+
+    /// Writes the outputs that hold before the first solve.
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs);
+
+    /// Makes the last solve the accepted state.
+    fn accept(&mut self);
+
+    /// Writes the observed fields of the accepted state.
+    fn observe(&mut self, outputs: &mut dyn Outputs);
+
+    /// The part of `summary.json` that is this model's: an object of sections, whose keys are
+    /// merged over the participants (`{"contact": {...}}`, `{"temperature": {...}}`).
+    fn summary(&self) -> serde_json::Value;
+
+    /// Writes the accepted state.
+    fn save(&self, into: &mut StateBlob);
+
+    /// Returns to a saved state; a run continues from it bit-identically.
+    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError>;
+}
+
+/// Finds the first value that is not finite: one pass that a compiler vectorises, and a search
+/// only when there is something to find.
+#[must_use]
+pub fn first_non_finite(values: &[f64]) -> Option<usize> {
+    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+    let bad = |v: &f64| v.to_bits() & EXPONENT == EXPONENT;
+    for (block, chunk) in values.chunks(1024).enumerate() {
+        if chunk.iter().fold(false, |any, v| any | bad(v)) {
+            return chunk.iter().position(bad).map(|i| block * 1024 + i);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_first_non_finite_value() {
+        let mut values = vec![f64::MAX; 5000];
+        assert_eq!(first_non_finite(&values), None);
+        values[4001] = f64::NEG_INFINITY;
+        assert_eq!(first_non_finite(&values), Some(4001));
+        values[1023] = f64::NAN;
+        assert_eq!(first_non_finite(&values), Some(1023));
+    }
+}

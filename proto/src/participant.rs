@@ -1,0 +1,104 @@
+//! The participant's side of a run: command line, heartbeat, and the state machine that serves
+//! any [`Solver`].
+//!
+//! ```text
+//! PROGRAM --describe                      print the description as JSON
+//! PROGRAM --estimate < configuration      print grids and expected cost as JSON
+//! PROGRAM --join RUN_FOLDER --role ROLE   take part in a run
+//! ```
+
+mod ports;
+mod pulse;
+mod server;
+
+use crate::configuration::{Configuration, Estimate};
+use crate::model::Solver;
+use crate::run_dir::RunDir;
+use clap::Parser;
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::{Arc, Mutex};
+
+/// A participant of a co-simulation; started by the coordinator, or by hand with `--join`.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Arguments {
+    /// Print what this program can do as JSON.
+    #[arg(long, group = "action")]
+    describe: bool,
+    /// Read a configuration from standard input, print grids and expected cost as JSON.
+    #[arg(long, group = "action")]
+    estimate: bool,
+    /// Take part in the run with this folder.
+    #[arg(long, group = "action", value_name = "RUN_FOLDER", requires = "role")]
+    join: Option<PathBuf>,
+    /// The role to play in the run.
+    #[arg(long)]
+    role: Option<String>,
+}
+
+/// The whole `main` of a participant.
+pub fn main(solver: &dyn Solver) -> ExitCode {
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(false)
+        .without_time()
+        .init();
+    match act(&Arguments::parse(), solver) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn act(arguments: &Arguments, solver: &dyn Solver) -> Result<(), Box<dyn Error>> {
+    if arguments.describe {
+        print_json(&solver.description())
+    } else if arguments.estimate {
+        let configuration: Configuration = serde_json::from_reader(std::io::stdin().lock())?;
+        print_json(&match solver.configure(&configuration) {
+            Ok(setup) => Estimate::Layout(setup.layout().clone()),
+            Err(refusal) => Estimate::Refused(refusal),
+        })
+    } else if let (Some(folder), Some(role)) = (&arguments.join, &arguments.role) {
+        take_part(folder, role, solver)
+    } else {
+        Err("nothing to do; started by hand, a participant wants --describe, --estimate or \
+             --join RUN_FOLDER --role ROLE"
+            .into())
+    }
+}
+
+fn print_json(value: &impl serde::Serialize) -> Result<(), Box<dyn Error>> {
+    let mut out = std::io::stdout().lock();
+    serde_json::to_writer_pretty(&mut out, value)?;
+    writeln!(out)?;
+    Ok(())
+}
+
+fn take_part(folder: &Path, role: &str, solver: &dyn Solver) -> Result<(), Box<dyn Error>> {
+    let run = RunDir::join(folder)?;
+    let info = run.info().clone();
+    let watch = run.watch()?;
+    let Some(index) = info.roles.iter().position(|r| r == role) else {
+        return Err(
+            format!("the run has no role `{role}`; it has {}", info.roles.join(", ")).into()
+        );
+    };
+    // Declared before the server: whatever ends the process, its ports close before the run's
+    // folder is left and perhaps removed.
+    let run = Arc::new(Mutex::new(Some(run)));
+    let mut server = server::Server::open(&info, role, solver)?;
+    let pulse = pulse::Pulse::start(server.ringer(), index, watch, Arc::clone(&run))?;
+    let outcome = server.serve();
+    drop(pulse);
+    outcome?;
+    Ok(())
+}

@@ -1,0 +1,193 @@
+//! The field ports of a participant: inputs read in place, outputs written into loans.
+
+use crate::field::{FieldKind, FieldSpec};
+use crate::grid::Grid;
+use crate::message::{Command, FieldHeader, Label, Topic};
+use crate::model::{InputField, Inputs, Outputs, Step};
+use crate::transport::{
+    Endpoint, FieldLoan, FieldReader, FieldSample, FieldWriter, TransportError,
+};
+use std::time::Instant;
+
+/// What is wrong with a sample that arrived, or did not.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum PortError {
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+    #[error(
+        "input `{field}` has sequence number {found}, expected {expected}: a sample is missing"
+    )]
+    Sequence { field: String, found: u64, expected: u64 },
+    #[error("input `{field}` from `{producer}` has {found} values, expected {expected}")]
+    Length { field: String, producer: String, found: usize, expected: usize },
+    #[error("the topic of `{expected}` carries `{found}`")]
+    Label { expected: String, found: String },
+    #[error("more than one sample of output `{0}` at a time")]
+    Loan(String),
+}
+
+/// One input and the sample that is in use.
+struct InputPort {
+    field: FieldKind,
+    grid: Grid,
+    reader: FieldReader,
+    sample: Option<FieldSample>,
+}
+
+impl InputPort {
+    /// Moves on to the sample with this sequence number; every one before must have come too.
+    fn advance(&mut self, expected: u64) -> Result<(), PortError> {
+        while let Some(sample) = self.reader.receive()? {
+            let header = sample.header();
+            let before = self.sample.as_ref().map_or(0, |s| s.header().sequence);
+            if header.sequence != before + 1 {
+                return Err(self.out_of_sequence(header.sequence, before + 1));
+            }
+            self.check(&sample)?;
+            self.sample = Some(sample);
+        }
+        match self.sample.as_ref().map_or(0, |s| s.header().sequence) {
+            found if found == expected => Ok(()),
+            found => Err(self.out_of_sequence(found, expected)),
+        }
+    }
+
+    fn out_of_sequence(&self, found: u64, expected: u64) -> PortError {
+        PortError::Sequence { field: self.field.name.clone(), found, expected }
+    }
+
+    fn check(&self, sample: &FieldSample) -> Result<(), PortError> {
+        let header = sample.header();
+        if header.name.as_str() != self.field.name {
+            return Err(PortError::Label {
+                expected: self.field.name.clone(),
+                found: header.name.as_str().to_owned(),
+            });
+        }
+        let expected = self.grid.points() * self.field.components as usize;
+        if sample.values().len() != expected {
+            return Err(PortError::Length {
+                field: self.field.name.clone(),
+                producer: header.producer.as_str().to_owned(),
+                found: sample.values().len(),
+                expected,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// All inputs, in the order of the configuration.
+#[derive(Default)]
+pub(super) struct InputPorts(Vec<InputPort>);
+
+impl InputPorts {
+    pub(super) fn open(
+        endpoint: &Endpoint,
+        topics: &[Topic],
+        fields: impl Iterator<Item = FieldKind>,
+    ) -> Result<Self, TransportError> {
+        let ports = topics.iter().zip(fields).map(|(topic, field)| {
+            let reader = endpoint.field_reader(&topic.service)?;
+            Ok(InputPort { field, grid: topic.grid.clone(), reader, sample: None })
+        });
+        Ok(Self(ports.collect::<Result<_, TransportError>>()?))
+    }
+
+    pub(super) fn advance(&mut self, command: &Command) -> Result<(), PortError> {
+        self.0.iter_mut().zip(command.expected).try_for_each(|(port, seq)| port.advance(seq))
+    }
+}
+
+impl Inputs for InputPorts {
+    fn get(&self, field: &FieldSpec) -> Option<InputField<'_>> {
+        let port = self.0.iter().find(|port| port.field.name == field.name)?;
+        let sample = port.sample.as_ref()?;
+        Some(InputField { values: sample.values(), grid: &port.grid })
+    }
+}
+
+/// One output, its writer, and the loan that is being written.
+struct OutputPort {
+    name: String,
+    values: usize,
+    writer: FieldWriter,
+    header: FieldHeader,
+    loan: Option<FieldLoan>,
+}
+
+/// A set of outputs that are published together.
+#[derive(Default)]
+pub(super) struct OutputPorts(Vec<OutputPort>);
+
+impl OutputPorts {
+    pub(super) fn open(
+        endpoint: &Endpoint,
+        topics: &[Topic],
+        producer: &str,
+        kind: impl Fn(&str) -> Option<FieldKind>,
+    ) -> Result<Self, PortError> {
+        let ports = topics.iter().map(|topic| {
+            let kind = kind(&topic.field).ok_or_else(|| PortError::Label {
+                expected: "a field that this program describes".to_owned(),
+                found: topic.field.clone(),
+            })?;
+            let values = topic.grid.points() * kind.components as usize;
+            let header = FieldHeader {
+                protocol: crate::PROTOCOL_VERSION,
+                components: kind.components,
+                points: topic.grid.points() as u64,
+                grid_revision: topic.grid.revision,
+                name: Label::new(&kind.name),
+                unit: Label::new(&kind.unit),
+                producer: Label::new(producer),
+                grid: Label::new(&topic.grid.name),
+                ..FieldHeader::default()
+            };
+            let writer = endpoint.field_writer(&topic.service, values, topic.subscribers)?;
+            Ok(OutputPort { name: kind.name, values, writer, header, loan: None })
+        });
+        Ok(Self(ports.collect::<Result<_, PortError>>()?))
+    }
+
+    /// The startup barrier: nothing is published before everybody listens.
+    pub(super) fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
+        self.0.iter().try_for_each(|port| port.writer.wait_for_subscribers(deadline))
+    }
+
+    pub(super) fn loan(&mut self) -> Result<(), PortError> {
+        for port in &mut self.0 {
+            if port.loan.is_some() {
+                return Err(PortError::Loan(port.name.clone()));
+            }
+            port.loan = Some(port.writer.loan(port.values)?);
+        }
+        Ok(())
+    }
+
+    /// Gives loans back unpublished.
+    pub(super) fn discard(&mut self) {
+        self.0.iter_mut().for_each(|port| port.loan = None);
+    }
+
+    pub(super) fn publish(&mut self, step: &Step) -> Result<(), TransportError> {
+        for port in &mut self.0 {
+            if let Some(loan) = port.loan.take() {
+                port.header.sequence += 1;
+                port.header.window = step.window;
+                port.header.iteration = step.iteration;
+                port.header.start = step.start;
+                port.header.end = step.end;
+                port.writer.publish(loan, &port.header)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Outputs for OutputPorts {
+    fn get(&mut self, field: &FieldSpec) -> Option<&mut [f64]> {
+        let port = self.0.iter_mut().find(|port| port.name == field.name)?;
+        port.loan.as_mut().map(FieldLoan::values)
+    }
+}

@@ -1,0 +1,302 @@
+//! Isolation of a run on the machine, and removal of everything it leaves there.
+//!
+//! Every run has a folder of its own under the runtime folder, and a prefix of its own for its
+//! shared-memory files. Two advisory locks in the folder say who is alive; the kernel drops them
+//! when a process ends, however it ends:
+//!
+//! - `coordinator.lock` is held exclusively by the coordinator for the whole run. A participant
+//!   that can take it knows that the coordinator is dead.
+//! - `members.lock` is held shared by everybody in the run. Whoever can take it exclusively is the
+//!   last one, and removes the folder and every shared-memory file with the run's prefix.
+//!
+//! A coordinator that starts removes, by the same rule, what earlier runs left whose processes
+//! were all killed.
+
+use rustix::fs::{FlockOperation, flock};
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::io;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+const SHARED_MEMORY: &str = "/dev/shm";
+const COORDINATOR_LOCK: &str = "coordinator.lock";
+const MEMBERS_LOCK: &str = "members.lock";
+const RUN_FILE: &str = "run.json";
+/// Longest path of the runtime folder: service sockets must fit into 108 bytes.
+const LONGEST_RUNTIME_FOLDER: usize = 40;
+
+/// What a participant has to know to join: the content of `run.json` in the run's folder.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunInfo {
+    /// [`crate::PROTOCOL_VERSION`] of the coordinator.
+    pub protocol: u32,
+    /// Folder of the run; the root path of all its services.
+    pub folder: PathBuf,
+    /// Prefix of all its shared-memory files.
+    pub prefix: String,
+    /// Roles of the participants; the index numbers their heartbeats.
+    pub roles: Vec<String>,
+}
+
+/// Membership in a run: holds the locks, and cleans up when the last member leaves.
+#[derive(Debug)]
+pub struct RunDir {
+    info: RunInfo,
+    members: File,
+    coordinator: Option<File>,
+}
+
+/// The folder that holds the runs of this user: `$COSIM_RUNTIME_DIR`, or `/dev/shm/cosim-UID`.
+///
+/// It lies in memory because iceoryx2 flushes every small file that describes a service to the
+/// disk, which takes as long as the disk is busy. It exists only while there are runs.
+pub fn runtime_folder() -> io::Result<PathBuf> {
+    let folder = match std::env::var_os("COSIM_RUNTIME_DIR") {
+        Some(folder) => PathBuf::from(folder),
+        None => {
+            let user = rustix::process::getuid().as_raw();
+            Path::new(SHARED_MEMORY).join(format!("cosim-{user}"))
+        }
+    };
+    if folder.as_os_str().len() > LONGEST_RUNTIME_FOLDER || !folder.is_absolute() {
+        return Err(io::Error::other(format!(
+            "the runtime folder {} must be an absolute path of at most {LONGEST_RUNTIME_FOLDER} \
+             bytes; set COSIM_RUNTIME_DIR to a shorter one",
+            folder.display()
+        )));
+    }
+    Ok(folder)
+}
+
+impl RunDir {
+    /// Creates the folder of a new run and takes its locks.
+    pub fn create(roles: &[String]) -> io::Result<Self> {
+        let runtime = runtime_folder()?;
+        remove_dead_runs(&runtime);
+        let (id, nursery) = new_folder(&runtime).map_err(|error| {
+            let folder = runtime.display();
+            io::Error::new(error.kind(), format!("cannot create a run folder in {folder}: {error}"))
+        })?;
+        let owner = fs::metadata(&runtime)?.uid();
+        if owner != rustix::process::getuid().as_raw() {
+            return Err(io::Error::other(format!(
+                "{} belongs to another user; remove it or set COSIM_RUNTIME_DIR",
+                runtime.display()
+            )));
+        }
+        let coordinator = File::create(nursery.join(COORDINATOR_LOCK))?;
+        let members = File::create(nursery.join(MEMBERS_LOCK))?;
+        flock(&coordinator, FlockOperation::NonBlockingLockExclusive)?;
+        flock(&members, FlockOperation::NonBlockingLockShared)?;
+        let folder = runtime.join(&id);
+        let info = RunInfo {
+            protocol: crate::PROTOCOL_VERSION,
+            folder: folder.clone(),
+            prefix: format!("cosim_{id}_"),
+            roles: roles.to_vec(),
+        };
+        fs::write(nursery.join(RUN_FILE), serde_json::to_vec_pretty(&info)?)?;
+        // Only a locked folder ever bears its final name, so that nobody takes it for a dead one.
+        fs::rename(&nursery, &folder)?;
+        Ok(Self { info, members, coordinator: Some(coordinator) })
+    }
+
+    /// Joins a run as a participant.
+    pub fn join(folder: &Path) -> io::Result<Self> {
+        let text = fs::read(folder.join(RUN_FILE)).map_err(|error| {
+            io::Error::new(error.kind(), format!("no run at {}: {error}", folder.display()))
+        })?;
+        let info: RunInfo = serde_json::from_slice(&text)?;
+        let members = File::open(folder.join(MEMBERS_LOCK))?;
+        flock(&members, FlockOperation::NonBlockingLockShared)?;
+        Ok(Self { info, members, coordinator: None })
+    }
+
+    /// What the run is.
+    #[must_use]
+    pub fn info(&self) -> &RunInfo {
+        &self.info
+    }
+
+    /// A watch on the coordinator for another thread.
+    pub fn watch(&self) -> io::Result<CoordinatorWatch> {
+        Ok(CoordinatorWatch { lock: File::open(self.info.folder.join(COORDINATOR_LOCK))? })
+    }
+
+    fn release(&self) {
+        for lock in self.coordinator.iter().chain([&self.members]) {
+            let _ = flock(lock, FlockOperation::Unlock);
+        }
+    }
+}
+
+/// Leaves the run. The last member removes the folder and the shared memory of the run.
+impl Drop for RunDir {
+    fn drop(&mut self) {
+        self.release();
+        if flock(&self.members, FlockOperation::NonBlockingLockExclusive).is_ok() {
+            remove(&self.info.folder, &self.info.prefix);
+        }
+    }
+}
+
+/// Tells whether the coordinator of a run still lives.
+#[derive(Debug)]
+pub struct CoordinatorWatch {
+    lock: File,
+}
+
+impl CoordinatorWatch {
+    /// The coordinator holds its lock.
+    #[must_use]
+    pub fn is_alive(&self) -> bool {
+        match flock(&self.lock, FlockOperation::NonBlockingLockShared) {
+            Ok(()) => {
+                let _ = flock(&self.lock, FlockOperation::Unlock);
+                false
+            }
+            Err(_) => true,
+        }
+    }
+}
+
+/// A new folder `.new-ID` for a run, with a name that nobody else has.
+fn new_folder(runtime: &Path) -> io::Result<(String, PathBuf)> {
+    let mut seed = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)
+        .map_or(0, |d| d.subsec_nanos() ^ d.as_secs() as u32)
+        ^ std::process::id().rotate_left(16);
+    loop {
+        // The last run that ends removes the runtime folder, perhaps just now.
+        fs::DirBuilder::new().recursive(true).mode(0o700).create(runtime)?;
+        let id = format!("{seed:08x}");
+        let nursery = runtime.join(format!(".new-{id}"));
+        match fs::DirBuilder::new().mode(0o700).create(&nursery) {
+            Ok(()) if !runtime.join(&id).exists() => return Ok((id, nursery)),
+            Ok(()) => fs::remove_dir(&nursery)?,
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    io::ErrorKind::AlreadyExists | io::ErrorKind::NotFound
+                ) => {}
+            Err(error) => return Err(error),
+        }
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    }
+}
+
+/// Removes the runs of which no process lives.
+fn remove_dead_runs(runtime: &Path) {
+    let Ok(entries) = fs::read_dir(runtime) else { return };
+    for entry in entries.flatten() {
+        let folder = entry.path();
+        let Some(name) = folder.file_name().and_then(|n| n.to_str()) else { continue };
+        if let Some(id) = name.strip_prefix(".new-") {
+            let age = entry.metadata().and_then(|m| m.modified()).map(|t| t.elapsed());
+            if matches!(age, Ok(Ok(age)) if age > Duration::from_secs(60)) {
+                remove(&folder, &format!("cosim_{id}_"));
+            }
+        } else if is_dead(&folder) {
+            tracing::info!(run = name, "removing what a dead run left");
+            remove(&folder, &format!("cosim_{name}_"));
+        }
+    }
+}
+
+fn is_dead(folder: &Path) -> bool {
+    [COORDINATOR_LOCK, MEMBERS_LOCK].iter().all(|lock| {
+        File::open(folder.join(lock))
+            .is_ok_and(|file| flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok())
+    })
+}
+
+fn remove(folder: &Path, prefix: &str) {
+    if let Ok(entries) = fs::read_dir(SHARED_MEMORY) {
+        for entry in entries.flatten() {
+            if entry.file_name().to_str().is_some_and(|name| name.starts_with(prefix)) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+    if let Err(error) = fs::remove_dir_all(folder)
+        && error.kind() != io::ErrorKind::NotFound
+    {
+        tracing::warn!(folder = %folder.display(), %error, "cannot remove the run's folder");
+    }
+    // Succeeds only for the last run.
+    let _ = folder.parent().map(fs::remove_dir);
+}
+
+/// Free shared memory [byte]; `u64::MAX` where it cannot be known.
+#[must_use]
+pub fn free_shared_memory() -> u64 {
+    rustix::fs::statvfs(SHARED_MEMORY).map_or(u64::MAX, |s| s.f_bavail.saturating_mul(s.f_frsize))
+}
+
+/// Largest resident memory of this process so far [byte]; 0 where it cannot be known.
+#[must_use]
+pub fn peak_resident_memory() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|l| l.split_whitespace().next()).and_then(|n| n.parse::<u64>().ok());
+    kib.unwrap_or(0) * 1024
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn last_member_removes_the_run() {
+        let run = RunDir::create(&["mech".to_owned()]).unwrap();
+        let folder = run.info().folder.clone();
+        let file = Path::new(SHARED_MEMORY).join(format!("{}probe", run.info().prefix));
+        fs::write(&file, b"x").unwrap();
+        let member = RunDir::join(&folder).unwrap();
+        assert_eq!(member.info(), run.info());
+        let watch = member.watch().unwrap();
+        assert!(watch.is_alive());
+        drop(run);
+        assert!(!watch.is_alive());
+        assert!(folder.exists() && file.exists(), "a member still lives");
+        drop(member);
+        assert!(!folder.exists() && !file.exists());
+    }
+
+    #[test]
+    fn a_living_run_is_not_taken_for_dead() {
+        let run = RunDir::create(&[]).unwrap();
+        assert!(!is_dead(&run.info().folder));
+        let other = RunDir::create(&[]).unwrap();
+        assert!(run.info().folder.exists());
+        assert_ne!(run.info().prefix, other.info().prefix);
+    }
+
+    #[test]
+    fn what_a_dead_run_left_is_removed_by_the_next() {
+        let run = RunDir::create(&[]).unwrap();
+        let (folder, prefix) = (run.info().folder.clone(), run.info().prefix.clone());
+        let file = Path::new(SHARED_MEMORY).join(format!("{prefix}left"));
+        fs::write(&file, b"x").unwrap();
+        // As if killed: the locks are released by the kernel and nothing is removed.
+        run.release();
+        std::mem::forget(run);
+        assert!(folder.exists());
+        drop(RunDir::create(&[]).unwrap());
+        assert!(!folder.exists() && !file.exists());
+    }
+
+    #[test]
+    fn joining_a_run_that_is_not_there_names_the_folder() {
+        let error = RunDir::join(Path::new("/nonexistent/run")).unwrap_err();
+        assert!(error.to_string().contains("/nonexistent/run"));
+    }
+
+    #[test]
+    fn memory_figures_are_plausible() {
+        assert!(free_shared_memory() > 0);
+        assert!(peak_resident_memory() > 100_000);
+    }
+}

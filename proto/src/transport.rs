@@ -1,0 +1,552 @@
+//! Shared-memory services of a run: the only module that knows iceoryx2.
+//!
+//! Per participant there is a command topic and a reply topic (fixed header, JSON bytes behind
+//! it) and per field one topic (`[f64]` behind a [`FieldHeader`]). Every process has one doorbell,
+//! an event service, on which messages and heartbeats ring.
+//!
+//! Nothing is lost silently: overflow is off, the queues are longer than anything the protocol
+//! sends without an answer, and a send that does not reach the expected number of receivers is an
+//! error. Nothing waits without a deadline.
+//!
+//! **Waiting.** A waiting process first polls its queue and yields the processor between polls,
+//! for at most [`POLL`], and only then sleeps on its doorbell. Waking a sleeping process on an idle
+//! core costs tens of microseconds on a virtual machine, which is most of the time of a small
+//! exchange; polling without yielding would take the processor from the peer that works.
+
+use crate::message::{Command, FieldHeader, Reply};
+use crate::run_dir::RunInfo;
+use iceoryx2::prelude::*;
+use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
+use iceoryx2::{
+    port::listener::{Listener, ListenerWaitError},
+    port::{BackpressureAction, notifier::Notifier},
+    port::{publisher::Publisher, subscriber::Subscriber},
+    sample::Sample,
+    sample_mut::SampleMut,
+    service::port_factory::event::PortFactory as EventFactory,
+    service::port_factory::publish_subscribe::PortFactory as TopicFactory,
+};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The thread-safe variant: the heartbeat rings from a thread of its own.
+type Ipc = ipc_threadsafe::Service;
+
+/// How long a waiting process polls before it sleeps.
+pub const POLL: Duration = Duration::from_micros(100);
+/// Samples a subscriber's queue holds; the protocol never has more than two messages in flight.
+const QUEUE: usize = 4;
+/// Samples a subscriber may hold: the one in use and the one that replaces it.
+const BORROWED: usize = 2;
+/// Largest number of participants, and of subscribers to one topic.
+const MAX_MEMBERS: usize = 16;
+/// Samples in a field's segment: one being written, and two that readers may hold.
+pub const FIELD_SLOTS: u64 = 4;
+/// A send that cannot be delivered is retried for this long.
+const DELIVERY: Duration = Duration::from_secs(5);
+/// Event id of a message; heartbeats of participant `i` ring with `i + 1`.
+const MESSAGE: usize = 0;
+
+// SAFETY: `#[repr(C)]`, self-contained, no pointers, every bit pattern is valid; the layout is
+// pinned by the golden tests of `message`.
+unsafe impl ZeroCopySend for Command {
+    unsafe fn type_name() -> &'static str {
+        "cosim.Command.v1"
+    }
+}
+// SAFETY: as above.
+unsafe impl ZeroCopySend for Reply {
+    unsafe fn type_name() -> &'static str {
+        "cosim.Reply.v1"
+    }
+}
+// SAFETY: as above.
+unsafe impl ZeroCopySend for FieldHeader {
+    unsafe fn type_name() -> &'static str {
+        "cosim.FieldHeader.v1"
+    }
+}
+
+/// A failure of the shared-memory services.
+#[derive(Debug, thiserror::Error)]
+pub enum TransportError {
+    /// A service or port could not be opened.
+    #[error("cannot open the shared-memory service `{service}`: {cause}")]
+    Open {
+        /// Name of the service.
+        service: String,
+        /// What iceoryx2 says.
+        cause: String,
+    },
+    /// A sample could not be loaned, sent or received.
+    #[error("exchange on `{service}` failed: {cause}")]
+    Exchange {
+        /// Name of the service.
+        service: String,
+        /// What iceoryx2 says.
+        cause: String,
+    },
+    /// A sample did not reach everybody.
+    #[error("a sample of `{service}` reached {reached} of {expected} receivers")]
+    NotDelivered {
+        /// Name of the service.
+        service: String,
+        /// Receivers reached.
+        reached: usize,
+        /// Receivers there have to be.
+        expected: usize,
+    },
+    /// The other side did not come in time.
+    #[error("nobody joined `{service}` within {seconds:.0} s")]
+    NobodyJoined {
+        /// Name of the service.
+        service: String,
+        /// The deadline [s].
+        seconds: f64,
+    },
+}
+
+fn open_error(service: &str, cause: impl std::fmt::Debug) -> TransportError {
+    TransportError::Open { service: service.to_owned(), cause: format!("{cause:?}") }
+}
+
+fn exchange_error(service: &str, cause: impl std::fmt::Debug) -> TransportError {
+    TransportError::Exchange { service: service.to_owned(), cause: format!("{cause:?}") }
+}
+
+/// A process's membership in the shared-memory services of a run.
+#[derive(Debug)]
+pub struct Endpoint {
+    node: Node<Ipc>,
+}
+
+impl Endpoint {
+    /// Opens the run's services for this process, under the run's own root and prefix.
+    pub fn open(run: &RunInfo) -> Result<Self, TransportError> {
+        set_log_level(LogLevel::Fatal);
+        let config = isolated_config(run).map_err(|e| open_error(&run.prefix, e))?;
+        let node = NodeBuilder::new()
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .config(&config)
+            .create::<Ipc>()
+            .map_err(|e| open_error(&run.prefix, e))?;
+        Ok(Self { node })
+    }
+
+    fn topic<P, H>(&self, name: &str) -> Result<TopicFactory<Ipc, [P], H>, TransportError>
+    where
+        P: std::fmt::Debug + ZeroCopySend + 'static,
+        H: std::fmt::Debug + ZeroCopySend,
+    {
+        let service = ServiceName::new(name).map_err(|e| open_error(name, e))?;
+        let (key, value) = protocol_attribute().map_err(|e| open_error(name, e))?;
+        let version =
+            AttributeVerifier::new().require(&key, &value).map_err(|e| open_error(name, e))?;
+        self.node
+            .service_builder(&service)
+            .publish_subscribe::<[P]>()
+            .user_header::<H>()
+            .payload_alignment(Alignment::ALIGN_64)
+            .enable_safe_overflow(false)
+            .history_size(0)
+            .subscriber_max_buffer_size(QUEUE)
+            .subscriber_max_borrowed_samples(BORROWED)
+            .max_publishers(1)
+            .max_subscribers(MAX_MEMBERS)
+            .max_nodes(MAX_MEMBERS + 1)
+            .open_or_create_with_attributes(&version)
+            .map_err(|e| open_error(name, e))
+    }
+
+    fn sender<H: std::fmt::Debug + ZeroCopySend>(
+        &self,
+        name: String,
+    ) -> Result<Sender<H>, TransportError> {
+        let topic = self.topic::<u8, H>(&name)?;
+        let publisher = topic
+            .publisher_builder()
+            .initial_max_slice_len(4096)
+            .allocation_strategy(AllocationStrategy::PowerOfTwo)
+            .set_backpressure_handler(retry_then_fail)
+            .create()
+            .map_err(|e| open_error(&name, e))?;
+        Ok(Sender { publisher, topic, name })
+    }
+
+    fn receiver<H: std::fmt::Debug + ZeroCopySend>(
+        &self,
+        name: String,
+    ) -> Result<Receiver<H>, TransportError> {
+        let topic = self.topic::<u8, H>(&name)?;
+        let subscriber = topic.subscriber_builder().create().map_err(|e| open_error(&name, e))?;
+        Ok(Receiver { subscriber, topic, name })
+    }
+
+    /// Coordinator: the way to send commands to a participant.
+    pub fn command_sender(&self, role: &str) -> Result<Sender<Command>, TransportError> {
+        self.sender(format!("command/{role}"))
+    }
+
+    /// Participant: the way to receive its commands.
+    pub fn command_receiver(&self, role: &str) -> Result<Receiver<Command>, TransportError> {
+        self.receiver(format!("command/{role}"))
+    }
+
+    /// Participant: the way to send its replies.
+    pub fn reply_sender(&self, role: &str) -> Result<Sender<Reply>, TransportError> {
+        self.sender(format!("reply/{role}"))
+    }
+
+    /// Coordinator: the way to receive a participant's replies.
+    pub fn reply_receiver(&self, role: &str) -> Result<Receiver<Reply>, TransportError> {
+        self.receiver(format!("reply/{role}"))
+    }
+
+    /// A writer of a field's topic with room for samples of `values` doubles.
+    pub fn field_writer(
+        &self,
+        service: &str,
+        values: usize,
+        subscribers: usize,
+    ) -> Result<FieldWriter, TransportError> {
+        let topic = self.topic::<f64, FieldHeader>(service)?;
+        let publisher = topic
+            .publisher_builder()
+            .initial_max_slice_len(values.max(1))
+            .allocation_strategy(AllocationStrategy::PowerOfTwo)
+            .max_loaned_samples(1)
+            .override_sample_preallocation(|worst| worst.min(FIELD_SLOTS as usize))
+            .set_backpressure_handler(retry_then_fail)
+            .create()
+            .map_err(|e| open_error(service, e))?;
+        Ok(FieldWriter { publisher, topic, name: service.to_owned(), subscribers })
+    }
+
+    /// A reader of a field's topic.
+    pub fn field_reader(&self, service: &str) -> Result<FieldReader, TransportError> {
+        let topic = self.topic::<f64, FieldHeader>(service)?;
+        let subscriber = topic.subscriber_builder().create().map_err(|e| open_error(service, e))?;
+        Ok(FieldReader { subscriber, _topic: topic, name: service.to_owned() })
+    }
+
+    fn bell(&self, name: &str) -> Result<EventFactory<Ipc>, TransportError> {
+        let service = ServiceName::new(name).map_err(|e| open_error(name, e))?;
+        self.node
+            .service_builder(&service)
+            .event()
+            .max_listeners(1)
+            .max_notifiers(2 * MAX_MEMBERS)
+            .max_nodes(MAX_MEMBERS + 1)
+            .event_id_max_value(MAX_MEMBERS)
+            .disable_deadline()
+            .disable_notifier_created_event()
+            .disable_notifier_dropped_event()
+            .disable_notifier_dead_event()
+            .open_or_create()
+            .map_err(|e| open_error(name, e))
+    }
+
+    /// The doorbell of this process.
+    pub fn doorbell(&self, name: &str) -> Result<Doorbell, TransportError> {
+        let name = format!("bell/{name}");
+        let bell = self.bell(&name)?;
+        let listener = bell.listener_builder().create().map_err(|e| open_error(&name, e))?;
+        Ok(Doorbell { listener, _bell: bell, name })
+    }
+
+    /// The means to ring another process's doorbell.
+    pub fn ringer(&self, name: &str) -> Result<Ringer, TransportError> {
+        let name = format!("bell/{name}");
+        let bell = self.bell(&name)?;
+        let notifier = bell.notifier_builder().create().map_err(|e| open_error(&name, e))?;
+        Ok(Ringer { bell: Arc::new((notifier, bell)), name })
+    }
+}
+
+fn isolated_config(run: &RunInfo) -> Result<Config, SemanticStringError> {
+    let mut config = Config::default();
+    config.global.prefix = FileName::new(run.prefix.as_bytes())?;
+    config.global.set_root_path(&Path::new(run.folder.as_os_str().as_encoded_bytes())?);
+    // A run's folder is removed as a whole (`run_dir`), so nobody has to look for dead nodes.
+    config.global.service.cleanup_dead_nodes_on_open = false;
+    config.global.node.cleanup_dead_nodes_on_creation = false;
+    config.global.node.cleanup_dead_nodes_on_destruction = false;
+    Ok(config)
+}
+
+fn protocol_attribute() -> Result<(AttributeKey, AttributeValue), SemanticStringError> {
+    let key = AttributeKey::new(b"cosim.protocol")?;
+    let value = AttributeValue::new(crate::PROTOCOL_VERSION.to_string().as_bytes())?;
+    Ok((key, value))
+}
+
+fn retry_then_fail(info: &iceoryx2::port::BackpressureInfo) -> BackpressureAction {
+    if info.elapsed_time < DELIVERY {
+        std::thread::yield_now();
+        BackpressureAction::Retry
+    } else {
+        BackpressureAction::DiscardDataAndFail
+    }
+}
+
+/// Polls, yielding the processor in between, until `ready` or the deadline.
+fn until(deadline: Instant, mut ready: impl FnMut() -> bool) -> bool {
+    let start = Instant::now();
+    while !ready() {
+        let now = Instant::now();
+        if now >= deadline {
+            return false;
+        }
+        if now - start < POLL {
+            std::thread::yield_now();
+        } else {
+            std::thread::sleep(Duration::from_micros(200));
+        }
+    }
+    true
+}
+
+/// Sends messages: a fixed header and bytes. One sender and one receiver a topic.
+#[derive(Debug)]
+pub struct Sender<H: std::fmt::Debug + ZeroCopySend + 'static> {
+    publisher: Publisher<Ipc, [u8], H>,
+    topic: TopicFactory<Ipc, [u8], H>,
+    name: String,
+}
+
+impl<H: std::fmt::Debug + ZeroCopySend + Copy + Default> Sender<H> {
+    /// The receiver has joined.
+    #[must_use]
+    pub fn is_heard(&self) -> bool {
+        self.topic.dynamic_config().number_of_subscribers() > 0
+    }
+
+    /// Waits until the receiver has joined.
+    pub fn wait_until_heard(&self, deadline: Duration) -> Result<(), TransportError> {
+        if until(Instant::now() + deadline, || self.is_heard()) {
+            return Ok(());
+        }
+        Err(TransportError::NobodyJoined {
+            service: self.name.clone(),
+            seconds: deadline.as_secs_f64(),
+        })
+    }
+
+    /// Sends one message; it has reached the receiver's queue when this returns.
+    pub fn send(&self, header: &H, body: &[u8]) -> Result<(), TransportError> {
+        let mut sample = self
+            .publisher
+            .loan_slice_uninit(body.len())
+            .map_err(|e| exchange_error(&self.name, e))?;
+        *sample.user_header_mut() = *header;
+        let reached =
+            sample.write_from_slice(body).send().map_err(|e| exchange_error(&self.name, e))?;
+        if reached == 1 {
+            return Ok(());
+        }
+        Err(TransportError::NotDelivered { service: self.name.clone(), reached, expected: 1 })
+    }
+}
+
+/// Receives messages in the order they were sent.
+#[derive(Debug)]
+pub struct Receiver<H: std::fmt::Debug + ZeroCopySend + 'static> {
+    subscriber: Subscriber<Ipc, [u8], H>,
+    topic: TopicFactory<Ipc, [u8], H>,
+    name: String,
+}
+
+/// A received message; the bytes are read in place.
+#[derive(Debug)]
+pub struct Message<H: std::fmt::Debug + ZeroCopySend + 'static>(Sample<Ipc, [u8], H>);
+
+impl<H: std::fmt::Debug + ZeroCopySend + 'static> Message<H> {
+    /// The fixed header.
+    #[must_use]
+    pub fn header(&self) -> &H {
+        self.0.user_header()
+    }
+
+    /// The bytes behind it.
+    #[must_use]
+    pub fn body(&self) -> &[u8] {
+        self.0.payload()
+    }
+}
+
+impl<H: std::fmt::Debug + ZeroCopySend> Receiver<H> {
+    /// The sender has joined.
+    #[must_use]
+    pub fn is_served(&self) -> bool {
+        self.topic.dynamic_config().number_of_publishers() > 0
+    }
+
+    /// The next message, if one has come.
+    pub fn receive(&self) -> Result<Option<Message<H>>, TransportError> {
+        let sample = self.subscriber.receive().map_err(|e| exchange_error(&self.name, e))?;
+        Ok(sample.map(Message))
+    }
+}
+
+/// Publishes one field.
+#[derive(Debug)]
+pub struct FieldWriter {
+    publisher: Publisher<Ipc, [f64], FieldHeader>,
+    topic: TopicFactory<Ipc, [f64], FieldHeader>,
+    name: String,
+    subscribers: usize,
+}
+
+/// A place in shared memory to write a field's values into.
+#[derive(Debug)]
+pub struct FieldLoan(SampleMut<Ipc, [f64], FieldHeader>);
+
+impl FieldLoan {
+    /// The values; they hold old data until written.
+    #[must_use]
+    pub fn values(&mut self) -> &mut [f64] {
+        self.0.payload_mut()
+    }
+}
+
+impl FieldWriter {
+    /// Waits until everybody who has to receive the field is there.
+    pub fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
+        let start = Instant::now();
+        let there = || self.topic.dynamic_config().number_of_subscribers() >= self.subscribers;
+        if until(deadline, there) {
+            return Ok(());
+        }
+        Err(TransportError::NobodyJoined {
+            service: self.name.clone(),
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// A place for `values` doubles.
+    pub fn loan(&self, values: usize) -> Result<FieldLoan, TransportError> {
+        let sample =
+            self.publisher.loan_slice_uninit(values).map_err(|e| exchange_error(&self.name, e))?;
+        // SAFETY: the segment is mapped memory that the kernel zeroed and only doubles were
+        // written to; every bit pattern is a valid f64.
+        Ok(FieldLoan(unsafe { sample.assume_init() }))
+    }
+
+    /// Publishes a written loan.
+    pub fn publish(&self, mut loan: FieldLoan, header: &FieldHeader) -> Result<(), TransportError> {
+        *loan.0.user_header_mut() = *header;
+        let reached = loan.0.send().map_err(|e| exchange_error(&self.name, e))?;
+        if reached == self.subscribers {
+            return Ok(());
+        }
+        Err(TransportError::NotDelivered {
+            service: self.name.clone(),
+            reached,
+            expected: self.subscribers,
+        })
+    }
+}
+
+/// Receives one field.
+#[derive(Debug)]
+pub struct FieldReader {
+    subscriber: Subscriber<Ipc, [f64], FieldHeader>,
+    _topic: TopicFactory<Ipc, [f64], FieldHeader>,
+    name: String,
+}
+
+/// A received sample of a field, read in place.
+#[derive(Debug)]
+pub struct FieldSample(Sample<Ipc, [f64], FieldHeader>);
+
+impl FieldSample {
+    /// The label.
+    #[must_use]
+    pub fn header(&self) -> &FieldHeader {
+        self.0.user_header()
+    }
+
+    /// The values, component-major.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        self.0.payload()
+    }
+}
+
+impl FieldReader {
+    /// The next sample, if one has come.
+    pub fn receive(&self) -> Result<Option<FieldSample>, TransportError> {
+        let sample = self.subscriber.receive().map_err(|e| exchange_error(&self.name, e))?;
+        Ok(sample.map(FieldSample))
+    }
+}
+
+/// Where a process sleeps until something comes for it.
+#[derive(Debug)]
+pub struct Doorbell {
+    listener: Listener<Ipc>,
+    _bell: EventFactory<Ipc>,
+    name: String,
+}
+
+impl Doorbell {
+    /// Longest sleep before `poll` is asked again whatever rings.
+    pub const NAP: Duration = Duration::from_millis(20);
+
+    /// Polls until `poll` gives a value or an error; asks it at least every [`Doorbell::NAP`].
+    /// `beat` hears the index of every participant whose heart has beaten meanwhile. The deadline
+    /// is the poller's business.
+    pub fn wait<T, E: From<TransportError>>(
+        &self,
+        mut poll: impl FnMut() -> Result<Option<T>, E>,
+        mut beat: impl FnMut(usize),
+    ) -> Result<T, E> {
+        let start = Instant::now();
+        loop {
+            if let Some(value) = poll()? {
+                return Ok(value);
+            }
+            if start.elapsed() < POLL {
+                std::thread::yield_now();
+                continue;
+            }
+            let ring = |event: EventActivation| {
+                if let Some(index) = event.id.as_value().checked_sub(MESSAGE + 1) {
+                    beat(index);
+                }
+            };
+            match self.listener.timed_wait(ring, Self::NAP) {
+                // A signal that the process handles ends the nap; the poller knows what it means.
+                Ok(_) | Err(ListenerWaitError::InterruptSignal) => {}
+                Err(error) => return Err(E::from(exchange_error(&self.name, error))),
+            }
+        }
+    }
+}
+
+/// Rings another process's doorbell; may be shared between threads.
+#[derive(Clone, Debug)]
+pub struct Ringer {
+    bell: Arc<(Notifier<Ipc>, EventFactory<Ipc>)>,
+    name: String,
+}
+
+impl Ringer {
+    /// A message has been sent.
+    pub fn ring(&self) -> Result<(), TransportError> {
+        self.notify(MESSAGE)
+    }
+
+    /// The heart of participant `index` has beaten.
+    pub fn beat(&self, index: usize) -> Result<(), TransportError> {
+        self.notify(MESSAGE + 1 + index)
+    }
+
+    fn notify(&self, event: usize) -> Result<(), TransportError> {
+        self.bell
+            .0
+            .notify_with_custom_event_id(EventId::new(event))
+            .map_err(|e| exchange_error(&self.name, e))?;
+        Ok(())
+    }
+}

@@ -1,0 +1,8 @@
+//! A participant of a later version of the contract.
+
+use std::process::ExitCode;
+use tests::toy::Toy;
+
+fn main() -> ExitCode {
+    proto::participant::main(&Toy { protocol: 999, ..Toy::LEFT })
+}

@@ -1,0 +1,7 @@
+//! The trivial participant `left`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    proto::participant::main(&tests::toy::Toy::LEFT)
+}

@@ -1,0 +1,5 @@
+//! Small participants for system tests and benches. They compute almost nothing, and can be told
+//! to misbehave.
+
+pub mod rogue;
+pub mod toy;

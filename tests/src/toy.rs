@@ -1,0 +1,230 @@
+//! Two trivial participants, `left` and `right`, that exchange one scalar field each way: what one
+//! sends is what it received plus one. Window `w` (from 1) of a serial run leaves `2w - 1` in the
+//! left field and `2w` in the right one.
+
+use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::description::{Description, KeySpec, ModelSpec};
+use proto::field::{Body, FieldKind, FieldSpec, Mapping};
+use proto::grid::{Grid, Structured};
+use proto::model::{
+    Inputs, Model, Outputs, Setup, Solver, StateBlob, StateError, Step, StepError, StepReport,
+};
+use std::time::Duration;
+
+/// What `left` sends.
+pub const LEFT_VALUE: FieldSpec = field("left_value");
+/// What `right` sends.
+pub const RIGHT_VALUE: FieldSpec = field("right_value");
+
+/// Ways to misbehave, as words of `ROLE.fault`; in the window `ROLE.fault_window`.
+/// The second row is what only [`crate::rogue`] can do.
+pub const FAULTS: &[&str] = &[
+    "none",
+    "not-finite",
+    "panic",
+    "exit",
+    "hang",
+    "error",
+    "exit-at-start",
+    "short",
+    "label",
+    "sequence",
+    "silence",
+    "old-reply",
+    "wrong-answer",
+];
+
+const fn field(name: &'static str) -> FieldSpec {
+    FieldSpec {
+        name,
+        unit: "1",
+        components: 1,
+        mapping: Mapping::Consistent,
+        body: Body::Interface,
+        meaning: "a number",
+    }
+}
+
+/// One of the two.
+#[derive(Clone, Copy, Debug)]
+pub struct Toy {
+    /// Role it plays.
+    pub role: &'static str,
+    /// What it sends.
+    pub sends: FieldSpec,
+    /// What it receives.
+    pub receives: FieldSpec,
+    /// Version of the contract that it claims to speak.
+    pub protocol: u32,
+}
+
+impl Toy {
+    /// The first of the two.
+    pub const LEFT: Toy = Toy {
+        role: "left",
+        sends: LEFT_VALUE,
+        receives: RIGHT_VALUE,
+        protocol: proto::PROTOCOL_VERSION,
+    };
+    /// The second of the two.
+    pub const RIGHT: Toy =
+        Toy { role: "right", sends: RIGHT_VALUE, receives: LEFT_VALUE, ..Self::LEFT };
+
+    fn key(&self, name: &str) -> String {
+        format!("{}.{name}", self.role)
+    }
+}
+
+impl Solver for Toy {
+    fn description(&self) -> Description {
+        let fields: Vec<FieldKind> = vec![LEFT_VALUE.kind(), RIGHT_VALUE.kind()];
+        Description {
+            protocol: self.protocol,
+            name: format!("toy-{}", self.role),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            role: self.role.to_owned(),
+            standalone: true,
+            estimates: true,
+            models: vec![ModelSpec {
+                name: "increment".to_owned(),
+                summary: "sends what it received plus one".to_owned(),
+                source: "counting".to_owned(),
+                steady: true,
+                transient: true,
+                consumes: vec![self.receives.name.to_owned()],
+                provides: vec![self.sends.name.to_owned()],
+                keys: Vec::new(),
+            }],
+            effects: Vec::new(),
+            keys: vec![
+                KeySpec::integer(&self.key("points"), "size of the field")
+                    .at_least(2.0)
+                    .default_value(1000),
+                KeySpec::quantity(&self.key("delay"), "s", "time that a solve takes")
+                    .at_least(0.0)
+                    .default_value(0.0),
+                KeySpec::choice(&self.key("fault"), FAULTS, "way to misbehave")
+                    .default_value("none"),
+                KeySpec::integer(&self.key("fault_window"), "window in which to misbehave")
+                    .at_least(0.0)
+                    .default_value(0),
+            ],
+            fields,
+        }
+    }
+
+    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+        let case = &configuration.case;
+        let points = case.integer(&self.key("points"))? as usize;
+        let shape = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, points, 1);
+        let on_grid = FieldOnGrid { field: self.sends.name.to_owned(), grid: "numbers".to_owned() };
+        Ok(Box::new(ToySetup {
+            toy: *self,
+            delay: Duration::from_secs_f64(case.number(&self.key("delay"))?),
+            fault: case.text(&self.key("fault"))?.to_owned(),
+            fault_window: case.integer(&self.key("fault_window"))? as u64,
+            layout: Layout {
+                grids: vec![Grid::structured("numbers", shape)],
+                fields: vec![on_grid],
+                ..Layout::default()
+            },
+        }))
+    }
+}
+
+#[derive(Clone, Debug)]
+struct ToySetup {
+    toy: Toy,
+    delay: Duration,
+    fault: String,
+    fault_window: u64,
+    layout: Layout,
+}
+
+impl Setup for ToySetup {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+        if self.fault == "exit-at-start" {
+            std::process::exit(9);
+        }
+        Ok(Box::new(ToyModel { setup: *self, solves: 0 }))
+    }
+}
+
+#[derive(Debug)]
+struct ToyModel {
+    setup: ToySetup,
+    solves: u64,
+}
+
+impl ToyModel {
+    fn misbehave(&self, step: &Step, sent: &mut [f64]) -> Result<(), StepError> {
+        if step.window != self.setup.fault_window {
+            return Ok(());
+        }
+        match self.setup.fault.as_str() {
+            "not-finite" => sent[sent.len() / 2] = f64::NAN,
+            "panic" => panic!("told to panic"),
+            "exit" => std::process::exit(9),
+            "hang" => loop {
+                std::thread::sleep(Duration::from_secs(1));
+            },
+            "error" => return Err(StepError::NoSolution("told to fail".to_owned())),
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+impl Model for ToyModel {
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        let missing = |field: &FieldSpec| StepError::MissingInput { field: field.name.to_owned() };
+        let received = inputs
+            .get(&self.setup.toy.receives)
+            .ok_or_else(|| missing(&self.setup.toy.receives))?;
+        let sent =
+            outputs.get(&self.setup.toy.sends).ok_or_else(|| missing(&self.setup.toy.sends))?;
+        for (sent, received) in sent.iter_mut().zip(received.values) {
+            *sent = received + 1.0;
+        }
+        if !self.setup.delay.is_zero() {
+            std::thread::sleep(self.setup.delay);
+        }
+        self.misbehave(step, sent)?;
+        self.solves += 1;
+        Ok(StepReport { substeps: 1, work: sent.len() as u64, ..StepReport::default() })
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        if let Some(values) = outputs.get(&self.setup.toy.sends) {
+            values.fill(0.0);
+        }
+    }
+
+    fn accept(&mut self) {}
+
+    fn observe(&mut self, _outputs: &mut dyn Outputs) {}
+
+    fn summary(&self) -> serde_json::Value {
+        serde_json::json!({ self.setup.toy.role: { "solves": self.solves } })
+    }
+
+    fn save(&self, into: &mut StateBlob) {
+        into.0 = self.solves.to_le_bytes().to_vec();
+    }
+
+    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
+        let bytes = from.0.as_slice().try_into();
+        let bytes = bytes.map_err(|_| StateError(format!("{} bytes, not 8", from.0.len())))?;
+        self.solves = u64::from_le_bytes(bytes);
+        Ok(())
+    }
+}

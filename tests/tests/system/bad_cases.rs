@@ -1,0 +1,111 @@
+//! Bad cases: exit code 2, every error listed, nothing started.
+
+use crate::harness::{Place, case};
+
+/// The shipped case with changes: each a text to find and what to put instead.
+fn changed(changes: &[(&str, &str)]) -> String {
+    let mut text = std::fs::read_to_string(case("wheel-rail.toml")).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "`{from}` is not in the case");
+        text = text.replace(from, to);
+    }
+    text
+}
+
+/// Runs and checks a case; both refuse it with all of these parts.
+fn refused(text: &str, parts: &[&str]) {
+    let place = Place::new();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bad.toml");
+    std::fs::write(&file, text).unwrap();
+    let file = file.display().to_string();
+    let run = place.run(&file, &[]);
+    let check = place.start(&["check", &file]).wait();
+    for ended in [&run, &check] {
+        assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+        for part in parts {
+            assert!(ended.stderr.contains(part), "`{part}` is missing in:\n{}", ended.stderr);
+        }
+        assert!(ended.stderr.contains("fix: "), "{}", ended.stderr);
+    }
+    assert!(!place.out().exists(), "nothing is started and nothing written");
+    place.assert_nothing_left();
+}
+
+#[test]
+fn unknown_keys_get_a_suggestion() {
+    let text = changed(&[("speed = 38.889 ", "sped = 38.889 ")]);
+    refused(&text, &["bad.toml:22:1: motion.sped: unknown key", "write `motion.speed`"]);
+}
+
+#[test]
+fn missing_sections_are_named() {
+    let text = changed(&[("[load]\nnormal_force = \"134 kN\"\n", "")]);
+    refused(&text, &["missing section [load]", "normal_force"]);
+}
+
+#[test]
+fn wrong_units_and_ranges() {
+    refused(&changed(&[("134 kN", "134 kPa")]), &["load.normal_force", "kPa"]);
+    refused(&changed(&[("\"134 kN\"", "-134e3")]), &["load.normal_force", "is not above 0 N"]);
+    refused(&changed(&[("= 0.58 ", "= 0.6 ")]), &["traction_coefficient", "friction.coefficient"]);
+    refused(&changed(&[("= 0.58 ", "= 0.75 ")]), &["traction_coefficient", "0.75 is not below"]);
+}
+
+#[test]
+fn unknown_models_and_effects() {
+    refused(&changed(&[("\"hertz-carter\"", "\"herz-carter\"")]), &["mech.model", "hertz-carter"]);
+    let magnetism = changed(&[("[effects.partial_slip]", "[effects.magnetism]")]);
+    refused(&magnetism, &["effects.magnetism: unknown effect", "partial_slip (mech)"]);
+}
+
+#[test]
+fn a_solver_refuses_what_only_it_can_judge() {
+    let spin = changed(&[("traction_coefficient = 0.58 ", "creepage = { xi = -0.01, phi = 1 } ")]);
+    refused(&spin, &["motion.creepage.phi", "hertz-carter"]);
+    let steady_only = changed(&[
+        ("model = \"columns\"", "model = \"ertz-knothe\""),
+        ("mode = \"steady\"", "mode = \"transient\"\nwindow = 1e-5\nend = 1e-3"),
+    ]);
+    refused(&steady_only, &["ertz-knothe", "transient"]);
+}
+
+#[test]
+fn all_errors_are_listed_at_once() {
+    let text = changed(&[
+        ("speed = 38.889 ", "sped = 38.889 "),
+        ("134 kN", "134 kPa"),
+        ("= 0.58 ", "= 0.75 "),
+        ("\"hertz-carter\"", "\"herz-carter\""),
+        ("[effects.partial_slip]", "[effects.magnetism]"),
+    ]);
+    let parts = ["motion.sped", "kPa", "0.75", "herz-carter", "magnetism", "5 errors in"];
+    refused(&text, &parts);
+}
+
+#[test]
+fn a_good_case_passes_the_check_and_starts_nothing() {
+    for name in ["wheel-rail.toml", "full-slip.toml", "cold-start.toml", "exchange.toml"] {
+        let place = Place::new();
+        let ended = place.start(&["check", &case(name)]).wait();
+        assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));
+        assert!(ended.stdout.ends_with("no errors\n"), "{}", ended.stdout);
+        place.assert_nothing_left();
+    }
+}
+
+#[test]
+fn a_file_that_is_not_there() {
+    let place = Place::new();
+    let ended = place.run("no/such/case.toml", &[]);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains("no/such/case.toml"), "{}", ended.stderr);
+}
+
+#[test]
+fn bad_usage() {
+    let place = Place::new();
+    for arguments in [vec!["run"], vec!["rum", "x"], vec![], vec!["run", "x", "--set"]] {
+        assert_eq!(place.start(&arguments).wait().code, Some(2), "{arguments:?}");
+    }
+}

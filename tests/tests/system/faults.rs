@@ -1,0 +1,232 @@
+//! Whoever dies, and however: the right exit code, one line that says who, when and what to do,
+//! and nothing left on the machine.
+
+use crate::harness::{Ended, Place, Running, case, programs, wait_until};
+use rustix::process::{Signal, kill_process};
+
+/// A run whose participant `role` takes long over the first window, and is in it.
+fn in_mid_window<'a>(place: &'a Place, role: &str, more: &[&str]) -> Running<'a> {
+    let delay = format!("{role}.delay=600");
+    let mut arguments = vec!["--set", &delay];
+    arguments.extend(more);
+    let running = place.start_run(&case("exchange.toml"), &arguments);
+    place.wait_for_log("every participant is ready");
+    // Long enough to be in the solve; were it not, the message would name another phase and the
+    // test would say so.
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    running
+}
+
+fn assert_failed(place: &Place, ended: &Ended, parts: &[&str]) {
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    let line = ended.stderr.lines().find(|line| line.starts_with("error: "));
+    let line = line.unwrap_or_else(|| panic!("no error line in: {}", ended.stderr));
+    for part in parts {
+        assert!(line.contains(part), "`{part}` is missing in: {line}");
+    }
+    place.assert_nothing_left();
+    let summary = place.read_summary();
+    assert_eq!(summary["status"], "failed");
+    assert!(summary["reason"].as_str().unwrap().contains(parts[0]));
+    assert!(place.out().join("iterations.csv").exists());
+}
+
+#[test]
+fn a_killed_participant_is_named() {
+    for role in ["left", "right"] {
+        let place = Place::new();
+        let running = in_mid_window(&place, role, &[]);
+        kill_process(place.pid_of(role), Signal::KILL).unwrap();
+        let who = format!("{role} (toy-{role}) failed");
+        let what = ["in window 0, iteration 1", "killed by signal 9", "see its messages"];
+        assert_failed(&place, &running.wait(), &[&who, what[0], what[1], what[2]]);
+    }
+}
+
+#[test]
+fn a_stopped_participant_is_noticed_by_its_silence() {
+    for role in ["left", "right"] {
+        let place = Place::new();
+        let deadline = ["--set", "coupling.heartbeat_deadline=1.5"];
+        let running = in_mid_window(&place, role, &deadline);
+        kill_process(place.pid_of(role), Signal::STOP).unwrap();
+        let who = format!("{role} (toy-{role}) failed");
+        let what = ["in window 0, iteration 1", "no heartbeat for", "coupling.heartbeat_deadline"];
+        assert_failed(&place, &running.wait(), &[&who, what[0], what[1], what[2]]);
+    }
+}
+
+#[test]
+fn a_hanging_model_is_noticed_by_its_deadline() {
+    let place = Place::new();
+    let more = ["--set", "left.fault=hang", "--set", "coupling.solve_deadline=1"];
+    let ended = place.run(&case("exchange.toml"), &more);
+    let what = ["in window 0, iteration 1", "although its heart beats", "coupling.solve_deadline"];
+    assert_failed(&place, &ended, &["left (toy-left) failed", what[0], what[1], what[2]]);
+}
+
+#[test]
+fn participants_of_a_killed_coordinator_leave_by_themselves() {
+    let place = Place::new();
+    let running = in_mid_window(&place, "right", &[]);
+    running.signal(Signal::KILL);
+    assert_eq!(running.wait().code, None, "killed by a signal");
+    place.assert_nothing_left();
+}
+
+#[test]
+fn what_a_run_left_whose_processes_were_all_killed_is_removed_by_the_next() {
+    let place = Place::new();
+    let running = in_mid_window(&place, "left", &[]);
+    let pids = [place.pid_of("left"), place.pid_of("right")];
+    for pid in pids {
+        kill_process(pid, Signal::STOP).unwrap();
+    }
+    running.signal(Signal::KILL);
+    running.wait();
+    for pid in pids {
+        kill_process(pid, Signal::KILL).unwrap();
+    }
+    let gone = |pid: rustix::process::Pid| {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", pid.as_raw_nonzero()));
+        stat.map_or(true, |stat| stat.contains(") Z "))
+    };
+    wait_until("the end of the participants", || pids.iter().all(|pid| gone(*pid)));
+    let logs = place.log();
+    let next = place.run(&case("exchange.toml"), &["--set", "time.end=2"]);
+    assert_eq!(next.code, Some(0), "{}", next.stderr);
+    let first = logs.iter().find(|e| e["fields"]["message"] == "run created").unwrap();
+    let prefix = first["fields"]["prefix"].as_str().unwrap().to_owned();
+    let left: Vec<_> = std::fs::read_dir("/dev/shm")
+        .unwrap()
+        .flatten()
+        .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))
+        .collect();
+    assert!(left.is_empty(), "{left:?}");
+    place.assert_nothing_left();
+}
+
+#[test]
+fn interrupts_end_everything_in_order() {
+    for (signal, name) in [(Signal::INT, "Ctrl-C"), (Signal::TERM, "SIGTERM")] {
+        let place = Place::new();
+        let running = in_mid_window(&place, "left", &[]);
+        running.signal(signal);
+        let interrupted = format!("interrupted by {name}");
+        let what = ["in window 0, iteration 1", "ended in order"];
+        assert_failed(&place, &running.wait(), &[&interrupted, what[0], what[1]]);
+    }
+}
+
+#[test]
+fn a_participant_that_exits_is_named_with_its_last_words() {
+    let cases = [
+        ("exit-at-start", "while initialising", "ended with exit code 9"),
+        ("exit", "in window 2, iteration 1", "ended with exit code 9"),
+        ("panic", "in window 2, iteration 1", "ended with exit code 101"),
+        ("error", "in window 2, iteration 1", "told to fail"),
+    ];
+    for (fault, when, what) in cases {
+        let place = Place::new();
+        let fault = format!("left.fault={fault}");
+        let more = ["--set", &fault, "--set", "left.fault_window=2"];
+        let ended = place.run(&case("exchange.toml"), &more);
+        assert_failed(&place, &ended, &["left (toy-left) failed", when, what]);
+    }
+}
+
+#[test]
+fn values_that_are_not_finite_are_refused() {
+    for role in ["left", "right"] {
+        let place = Place::new();
+        let (fault, window) =
+            (format!("{role}.fault=not-finite"), format!("{role}.fault_window=3"));
+        let more = ["--set", &fault, "--set", &window];
+        let ended = place.run(&case("exchange.toml"), &more);
+        let who = format!("{role} (toy-{role}) failed");
+        let what = format!("field `{role}_value` holds NaN at index 500");
+        assert_failed(&place, &ended, &[&who, "in window 3, iteration 1", &what]);
+    }
+}
+
+#[test]
+fn a_participant_that_breaks_the_contract_is_told_how() {
+    let faults = [
+        ("short", "field `left_value` has 999 values"),
+        ("label", "is labelled \"pressure\""),
+        ("sequence", "has sequence number 6, not 5"),
+        ("silence", "it did not send `left_value`"),
+        ("old-reply", "it speaks protocol 0"),
+        ("wrong-answer", "it answered command"),
+    ];
+    for (fault, what) in faults {
+        let place = Place::new();
+        let fault = format!("left.fault={fault}");
+        let more =
+            ["--set", "left.command=[\"rogue\"]", "--set", &fault, "--set", "left.fault_window=3"];
+        let ended = place.run(&case("exchange.toml"), &more);
+        assert_failed(&place, &ended, &["left (rogue) failed", "in window 3, iteration 1", what]);
+    }
+}
+
+#[test]
+fn an_honest_rogue_goes_through() {
+    let place = Place::new();
+    let more = ["--set", "left.command=[\"rogue\"]", "--set", "time.end=5"];
+    assert_eq!(place.summary(&case("exchange.toml"), &more)["coupling"]["windows"], 5);
+}
+
+#[test]
+fn a_program_that_dies_when_asked_is_named() {
+    let place = Place::new();
+    let ended = place.run(&case("exchange.toml"), &["--set", "left.command=[\"false\"]"]);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    for part in ["left (false) failed", "asked to describe", "exit status: 1", "by hand"] {
+        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
+    }
+    place.assert_nothing_left();
+}
+
+#[test]
+fn a_program_that_does_not_exist_is_an_error_of_the_case() {
+    let place = Place::new();
+    let ended = place.run(&case("exchange.toml"), &["--set", "left.command=[\"no-such-thing\"]"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    for part in ["left.command", "there is no program `no-such-thing`", "fix: "] {
+        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
+    }
+    place.assert_nothing_left();
+}
+
+#[test]
+fn another_version_of_the_contract_is_refused() {
+    let place = Place::new();
+    let ended = place.run(&case("exchange.toml"), &["--set", "left.command=[\"toy-future\"]"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert!(ended.stderr.contains("speaks protocol 999"), "{}", ended.stderr);
+    place.assert_nothing_left();
+}
+
+#[test]
+fn too_little_shared_memory_is_refused_with_the_figures() {
+    let place = Place::new();
+    let more = ["--set", "limits.shared_memory=4 MB", "--set", "left.points=1000000"];
+    let ended = place.run(&case("exchange.toml"), &more);
+    let what = ["before the fields were created", "the fields need", "3.8 MiB may be used"];
+    assert_failed(&place, &ended, &["shared memory failed", what[0], what[1], what[2]]);
+}
+
+#[test]
+fn a_participant_that_never_joins_is_waited_for_until_the_deadline() {
+    let place = Place::new();
+    // Describes itself, but then waits for something else than our run.
+    let script = format!(
+        "case \"$1\" in --join) sleep 600;; *) exec {} \"$@\";; esac",
+        programs().join("toy-left").display()
+    );
+    let command = format!("left.command=[\"sh\", \"-c\", {script:?}, \"sh\"]");
+    let more = ["--set", &command, "--set", "coupling.start_deadline=1"];
+    let ended = place.run(&case("exchange.toml"), &more);
+    let what = ["while starting", "it did not join within 1.0 s", "coupling.start_deadline"];
+    assert_failed(&place, &ended, &["left (sh) failed", what[0], what[1], what[2]]);
+}

@@ -1,0 +1,15 @@
+//! System tests: they run the real executables, as processes, over real shared memory.
+//!
+//! Every test has a runtime folder and a result folder of its own, and a watchdog. None depends
+//! on time being short: a busy machine makes them slower, not red.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
+
+mod bad_cases;
+mod crowd;
+mod exchange;
+mod faults;
+mod figures;
+mod harness;
+mod off_means_off;
+mod results;

@@ -1,0 +1,115 @@
+//! Frictional heat: what the contact dissipates flows into wheel and rail.
+//!
+//! The power density q_f ≥ 0 of the interface is split into q_wheel = ε q_f and
+//! q_rail = (1 − ε) q_f, with the heat partition ε of one of two laws:
+//!
+//! - `equal`: ε = ½, the paper's choice;
+//! - `effusivity`: ε = β_w√V_w / (β_w√V_w + β_r√V_r), with the effusivity β = √(λρc) and the
+//!   surface speed V of each body. In steady motion with one-dimensional conduction both surfaces
+//!   then have the same temperature everywhere, since T ∝ q/(β√V) (Ertz & Knothe, Wear 253 (2002)
+//!   498–508, after Blok).
+
+use crate::scene::Material;
+use crate::{RAIL, WHEEL, models};
+use proto::configuration::Refusal;
+use proto::description::{EffectSpec, KeySpec, names};
+use proto::field;
+use proto::params::Params;
+
+/// Name in the case file.
+pub const NAME: &str = "friction_heat";
+
+const PARTITION_KEY: &str = "effects.friction_heat.partition";
+
+/// The law that splits the frictional heat between the bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Partition {
+    /// One half each.
+    Equal,
+    /// In proportion to β√V.
+    Effusivity,
+}
+
+impl Partition {
+    /// Reads the law from the case; `equal` where the case does not say.
+    pub fn read(case: &Params) -> Result<Self, Refusal> {
+        if !case.has(PARTITION_KEY) {
+            return Ok(Self::Equal);
+        }
+        match case.text(PARTITION_KEY)? {
+            "equal" => Ok(Self::Equal),
+            "effusivity" => Ok(Self::Effusivity),
+            other => Err(Refusal::new(
+                PARTITION_KEY,
+                format!("`{other}` is not a partition law"),
+                "write \"equal\" or \"effusivity\"",
+            )),
+        }
+    }
+
+    /// Shares (wheel, rail) of the heat [-] for surface speeds (wheel, rail) [m/s].
+    #[must_use]
+    pub fn shares(self, materials: &[Material; 2], speeds: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Equal => [0.5, 0.5],
+            Self::Effusivity => {
+                let uptake = |body: usize| materials[body].effusivity() * speeds[body].sqrt();
+                let wheel = uptake(WHEEL) / (uptake(WHEEL) + uptake(RAIL));
+                [wheel, 1.0 - wheel]
+            }
+        }
+    }
+}
+
+/// The thermal participant's part of the effect.
+#[must_use]
+pub fn spec() -> EffectSpec {
+    EffectSpec {
+        name: NAME.to_owned(),
+        law: "q_wheel = eps q_f, q_rail = (1 - eps) q_f; eps = 1/2 or by effusivity times root \
+              of speed"
+            .to_owned(),
+        source: "Naeimi et al., eqs. 7-10; Ertz & Knothe, Wear 253 (2002) 498-508".to_owned(),
+        models: models::REGISTRY.iter().map(|model| model.name.to_owned()).collect(),
+        consumes: names(&[&field::FRICTION_POWER, &field::SURFACE_SPEED]),
+        provides: names(&[
+            &field::RAIL_TEMPERATURE,
+            &field::WHEEL_TEMPERATURE,
+            &field::RAIL_SECTION_TEMPERATURE,
+            &field::WHEEL_SECTION_TEMPERATURE,
+        ]),
+        keys: vec![
+            KeySpec::choice(
+                PARTITION_KEY,
+                &["equal", "effusivity"],
+                "how the heat is split between wheel and rail",
+            )
+            .default_value("equal"),
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEEL: Material = Material { density: 7850.0, specific_heat: 419.5, conductivity: 50.0 };
+
+    #[test]
+    fn effusivity_sends_more_heat_into_the_body_that_takes_it_better() {
+        let better = Material { conductivity: 4.0 * STEEL.conductivity, ..STEEL };
+        let shares = Partition::Effusivity.shares(&[better, STEEL], [1.0, 1.0]);
+        // Rounding of two roots and a quotient.
+        assert!((shares[WHEEL] - 2.0 / 3.0).abs() < 1e-15);
+        let shares = Partition::Effusivity.shares(&[STEEL, STEEL], [1.0, 9.0]);
+        assert!((shares[RAIL] - 0.75).abs() < 1e-15);
+        assert_eq!(shares[WHEEL] + shares[RAIL], 1.0);
+    }
+
+    #[test]
+    fn an_unknown_law_is_refused_with_its_key() {
+        let case = Params(serde_json::json!({"effects": {"friction_heat": {"partition": "half"}}}));
+        assert_eq!(Partition::read(&case).unwrap_err().key, PARTITION_KEY);
+        assert_eq!(Partition::read(&Params(serde_json::json!({}))), Ok(Partition::Equal));
+    }
+}

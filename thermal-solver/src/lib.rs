@@ -1,0 +1,58 @@
+//! Heat conduction into wheel and rail under a moving frictional contact.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`models`] | the models, cheapest first, and their registry list |
+//! | [`columns`] | heat conduction normal to the surface with the exact Abel kernel: the numerics |
+//! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |
+//! | [`mod@reference`] | closed forms that tests, reports and documentation share |
+//! | [`scene`] | what is read from the case: materials and speed |
+//! | [`quadrature`], [`search`] | Gauss–Legendre rule; maximum and root of a function |
+//!
+//! Conventions: x is the rolling direction, y to the left, z up, origin at the centre of the
+//! contact, and the frame moves with it. Material enters the contact at its leading edge (large x)
+//! and moves towards −x at the surface speed. Temperatures are rises over the initial one [K]; a
+//! heat flux into a body is positive. Pairs of values are ordered wheel, rail.
+
+pub mod columns;
+pub mod effects;
+pub mod models;
+pub mod quadrature;
+pub mod reference;
+pub mod scene;
+pub mod search;
+
+use proto::PROTOCOL_VERSION;
+use proto::configuration::{Configuration, Refusal};
+use proto::description::Description;
+use proto::model::{Setup, Solver};
+
+/// Index of the wheel (body 1) in a pair.
+pub const WHEEL: usize = 0;
+/// Index of the rail (body 2) in a pair.
+pub const RAIL: usize = 1;
+
+/// The thermal participant's program: models and effects of the registry lists.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ThermalSolver;
+
+impl Solver for ThermalSolver {
+    fn description(&self) -> Description {
+        Description {
+            protocol: PROTOCOL_VERSION,
+            name: "thermal-solver".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            role: "thermal".to_owned(),
+            standalone: false,
+            estimates: true,
+            models: models::REGISTRY.iter().map(|model| (model.spec)()).collect(),
+            effects: effects::REGISTRY.iter().map(|effect| (effect.spec)()).collect(),
+            keys: scene::keys(),
+            fields: Vec::new(),
+        }
+    }
+
+    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+        models::configure(configuration)
+    }
+}

@@ -1,0 +1,278 @@
+//! Model `columns`: one-dimensional conduction with the exact kernel, for any heat flux in space
+//! and time. Equations and discretisation: [`crate::columns`].
+
+use super::fields;
+use super::setup::{Cost, Frame};
+use super::shell::{Conduction, Peak, Work};
+use crate::columns::convolution::{
+    CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
+};
+use crate::columns::history::{Drive, History, State};
+use crate::columns::reconstruction::Flux;
+use crate::columns::stencil::{Part, Stencil};
+use crate::search::maximum;
+use proto::configuration::Mode;
+use proto::description::ModelSpec;
+use proto::grid::blocked_sum;
+use proto::model::StepError;
+
+/// Name in the case file.
+pub const NAME: &str = "columns";
+
+/// Its description.
+#[must_use]
+pub fn spec() -> ModelSpec {
+    let (consumes, provides) = fields();
+    ModelSpec {
+        name: NAME.to_owned(),
+        summary: "heat conduction normal to the surface with the exact kernel, any flux in space \
+                  and time"
+            .to_owned(),
+        source: "Naeimi et al., eqs. 3-8; Carslaw & Jaeger, Conduction of Heat in Solids, 2.9"
+            .to_owned(),
+        steady: true,
+        transient: true,
+        consumes,
+        provides,
+        keys: Vec::new(),
+    }
+}
+
+// Rates of a plain x86-64 build, for the expected cost only.
+const SECONDS_PER_MULTIPLY_ADD: f64 = 0.1e-9;
+const SECONDS_PER_POINT_OVER_FOURIER: f64 = 15e-9;
+const SECONDS_PER_POINT: f64 = 6e-9;
+
+/// Windows and speeds for which the share of the past in the rises holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PastKey {
+    duration: f64,
+    speeds: [f64; 2],
+}
+
+/// The model.
+pub struct Columns {
+    frame: Frame,
+    history: History,
+    /// Steady convolution, and the row it writes.
+    steady: Steady,
+    /// Mean fluxes of a row, or its steady convolution.
+    line: Vec<f64>,
+    row_sums: Vec<f64>,
+    /// Transient weights of each body, window by window.
+    stencils: [Stencil; 2],
+    /// Rises of each body that earlier windows leave at the end of this one.
+    past: [Vec<f64>; 2],
+    past_key: Option<PastKey>,
+    /// Weights of one level of a section.
+    level: Stencil,
+}
+
+impl Conduction for Columns {
+    const TRANSIENT: bool = true;
+    const STATE_TAG: u8 = 2;
+
+    fn new(frame: &Frame) -> Self {
+        let (columns, rows) = (frame.grid.ni, frame.grid.nj);
+        let past = match frame.mode {
+            Mode::Steady => Vec::new(),
+            Mode::Transient => vec![0.0; columns * rows],
+        };
+        Self {
+            frame: frame.clone(),
+            history: History::new(columns, rows, frame.grid.dx()),
+            steady: Steady::new(columns),
+            line: vec![0.0; columns],
+            row_sums: vec![0.0; rows],
+            stencils: [Stencil::default(), Stencil::default()],
+            past: [past.clone(), past],
+            past_key: None,
+            level: Stencil::default(),
+        }
+    }
+
+    fn cost(frame: &Frame) -> Cost {
+        cost(frame)
+    }
+
+    fn remarks(frame: &Frame) -> Vec<String> {
+        match frame.mode {
+            Mode::Steady => Vec::new(),
+            Mode::Transient => {
+                let count = History::expected_windows(frame.grid.ni);
+                vec![format!("memory is that of a history of {count} short windows")]
+            }
+        }
+    }
+
+    fn solve(
+        &mut self,
+        drive: &Drive,
+        flux: &[f64],
+        rise: &mut [Vec<f64>; 2],
+    ) -> Result<Work, StepError> {
+        let window = self.history.trial_mut();
+        window.flux.reconstruct(flux);
+        window.drive = *drive;
+        window.heat = heat(&window.flux, &mut self.line, &mut self.row_sums);
+        let heat = drive.shares.map(|share| share * window.heat);
+        let operations = match self.frame.mode {
+            Mode::Steady => self.solve_steady(drive, rise),
+            Mode::Transient => self.solve_transient(drive, rise),
+        };
+        let heating = self.history.windows(State::Trial).all(|window| window.flux.is_heating());
+        if heating {
+            rise.iter_mut().for_each(|rise| remove_negative_rounding(rise));
+        }
+        Ok(Work { operations, heat })
+    }
+
+    fn accept(&mut self) {
+        self.history.accept();
+        self.past_key = None;
+    }
+
+    fn level(&mut self, state: State, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
+        let past = self.history.past(state, body, self.frame.amplitude(body));
+        self.level.build(past.map(|(segment, _)| segment), rise.len(), depth);
+        rise.fill(0.0);
+        for part in self.level.parts() {
+            if let Some(window) = self.history.window(state, part.segment) {
+                accumulate(&part, window.flux.row(row), rise);
+            }
+        }
+        if self.history.windows(state).all(|window| window.flux.is_heating()) {
+            remove_negative_rounding(rise);
+        }
+    }
+
+    fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
+        let grid = &self.frame.grid;
+        let place = (x - grid.x(0)) / grid.dx();
+        let element = place.round().clamp(0.0, (grid.ni - 1) as f64);
+        let theta = (place - element + 0.5).clamp(0.0, 1.0);
+        let past = self.history.past(State::Accepted, body, self.frame.amplitude(body));
+        at_point(past, row, element as usize, theta, depth)
+    }
+
+    fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
+        let grid = &self.frame.grid;
+        let hottest = (0..rise.len()).reduce(|a, b| if rise[b] > rise[a] { b } else { a })?;
+        if rise[hottest] <= 0.0 {
+            return None;
+        }
+        let (row, column) = (hottest / grid.ni, hottest % grid.ni);
+        let low = grid.x(column.saturating_sub(1));
+        let high = grid.x((column + 1).min(grid.ni - 1));
+        let (x, rise) = maximum(low, high, |x| self.rise_at(body, row, x, 0.0));
+        Some(Peak { rise, x, row })
+    }
+
+    fn save(&self, bytes: &mut Vec<u8>) {
+        self.history.save(bytes);
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> Option<()> {
+        self.history.restore(bytes)?;
+        self.past_key = None;
+        Some(())
+    }
+}
+
+impl Columns {
+    /// One convolution for both bodies: share/(β√π) · √(h/V) times that of unit speed and length.
+    fn solve_steady(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> u64 {
+        let columns = self.frame.grid.ni;
+        let window = self.history.trial_mut();
+        let factors: [f64; 2] = std::array::from_fn(|body| {
+            let passing = self.frame.grid.dx() / drive.speeds[body];
+            drive.shares[body] * self.frame.amplitude(body) * passing.sqrt()
+        });
+        let mut work = 0;
+        for row in 0..self.frame.grid.nj {
+            work += self.steady.apply(window.flux.row(row), &mut self.line);
+            for (rise, factor) in rise.iter_mut().zip(factors) {
+                let rise = &mut rise[row * columns..(row + 1) * columns];
+                for (rise, value) in rise.iter_mut().zip(&self.line) {
+                    *rise = factor * value;
+                }
+            }
+        }
+        work
+    }
+
+    /// The past's part, kept while only the flux of this window changes, plus this window's.
+    fn solve_transient(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> u64 {
+        let key = PastKey { duration: drive.duration, speeds: drive.speeds };
+        let mut work = 0;
+        if self.past_key != Some(key) {
+            work += self.rebuild_past();
+            self.past_key = Some(key);
+        }
+        for (body, rise) in rise.iter_mut().enumerate() {
+            rise.copy_from_slice(&self.past[body]);
+            let parts = self.stencils[body].parts().take(1);
+            work += add_windows(parts, &self.history, self.frame.grid.ni, rise);
+        }
+        work
+    }
+
+    fn rebuild_past(&mut self) -> u64 {
+        let columns = self.frame.grid.ni;
+        let mut work = 0;
+        for (body, rise) in self.past.iter_mut().enumerate() {
+            let past = self.history.past(State::Trial, body, self.frame.amplitude(body));
+            self.stencils[body].build(past.map(|(segment, _)| segment), columns, 0.0);
+            rise.fill(0.0);
+            // The first part is the window on trial: it lasts some time.
+            let parts = self.stencils[body].parts().skip(1);
+            work += add_windows(parts, &self.history, columns, rise);
+        }
+        work
+    }
+}
+
+/// Adds what windows of the trial state contribute to the rises on the whole grid.
+fn add_windows<'a>(
+    parts: impl Iterator<Item = Part<'a>>,
+    history: &History,
+    columns: usize,
+    rise: &mut [f64],
+) -> u64 {
+    let mut work = 0;
+    for part in parts {
+        let Some(window) = history.window(State::Trial, part.segment) else { continue };
+        for (row, rise) in rise.chunks_exact_mut(columns).enumerate() {
+            work += accumulate(&part, window.flux.row(row), rise);
+        }
+    }
+    work
+}
+
+/// Sum of the element means [W/m²] of the flux as it is convolved, not as it came.
+fn heat(flux: &Flux, line: &mut [f64], row_sums: &mut [f64]) -> f64 {
+    for (row, sum) in row_sums.iter_mut().enumerate() {
+        flux.means_into(row, line);
+        *sum = blocked_sum(line);
+    }
+    blocked_sum(row_sums)
+}
+
+fn cost(frame: &Frame) -> Cost {
+    let (columns, rows) = (frame.grid.ni, frame.grid.nj);
+    let windows = match frame.mode {
+        Mode::Steady => 2,
+        Mode::Transient => History::expected_windows(columns),
+    };
+    let grid_bytes = (8 * columns * rows) as u64;
+    let (n, rows) = (columns as f64, rows as f64);
+    let per_row = match frame.mode {
+        Mode::Steady if columns < CROSSOVER => n * n * SECONDS_PER_MULTIPLY_ADD,
+        Mode::Steady => n * SECONDS_PER_POINT_OVER_FOURIER,
+        Mode::Transient => 4.0 * n * n * SECONDS_PER_MULTIPLY_ADD,
+    };
+    Cost {
+        solve_seconds: rows * (per_row + n * SECONDS_PER_POINT),
+        memory_bytes: windows as u64 * Flux::bytes(columns, frame.grid.nj) + 8 * grid_bytes,
+    }
+}

@@ -1,0 +1,259 @@
+//! Model `ertz-knothe`: the closed form of the paper's equations 9 to 12, row by row.
+//!
+//! Each row of the heat flux is replaced by the polynomial flux of equation 9, which stands for an
+//! ellipse with semi-axis a_y, amplitude q₀ and centre x_c. The polynomial has the zeroth and
+//! second moments of the ellipse, π/2 and π/8, and so the row's own moments fix it:
+//!
+//! Q = ∫ q dx,  x_c = ∫ x q dx/Q,  a_y = 2 √(∫ (x − x_c)² q dx/Q),  q₀ = 2Q/(π a_y).
+//!
+//! Then T(x, z) = ε q₀/β · √(a_y/(πV)) · F(−(x − x_c)/a_y, z/δ_y) with δ_y = √(2κ a_y/V); F is in
+//! [`crate::reference::polynomial`]. For full slip, where every row's flux is an ellipse, this is
+//! the paper's method; any other flux becomes the equivalent ellipse. The moments are those of the
+//! piecewise parabolic flux of [`crate::columns::reconstruction`], which for an elliptic flux are
+//! exact to order 2.5 in the element length.
+//!
+//! The paper takes equations 13 and 14, for a uniform flux, below the surface. They do not meet
+//! equation 10 on the surface, so that here the polynomial flux itself is integrated in depth.
+
+use super::fields;
+use super::setup::{Cost, Frame};
+use super::shell::{Conduction, Peak, Work};
+use crate::columns::history::{Drive, State};
+use crate::columns::reconstruction::{Flux, Row};
+use crate::reference::polynomial;
+use crate::{RAIL, WHEEL};
+use proto::description::ModelSpec;
+use proto::model::StepError;
+use std::f64::consts::PI;
+
+/// Name in the case file.
+pub const NAME: &str = "ertz-knothe";
+
+const SECONDS_PER_POINT: f64 = 30e-9;
+
+/// Its description.
+#[must_use]
+pub fn spec() -> ModelSpec {
+    let (consumes, provides) = fields();
+    ModelSpec {
+        name: NAME.to_owned(),
+        summary: "closed form for the elliptic flux with the moments of each row".to_owned(),
+        source: "Naeimi et al., eqs. 9-12, corrected; Ertz & Knothe, Wear 253 (2002) 498-508"
+            .to_owned(),
+        steady: true,
+        transient: false,
+        consumes,
+        provides,
+        keys: Vec::new(),
+    }
+}
+
+/// The ellipse that stands for a row.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Ellipse {
+    /// Heat of the row Q [W/m].
+    heat: f64,
+    /// Centre x_c [m].
+    centre: f64,
+    /// Semi-axis a_y [m]; 0 where there is no heat.
+    semi_axis: f64,
+}
+
+/// The ellipses of all rows and how they move.
+#[derive(Clone, Debug, PartialEq)]
+struct Field {
+    drive: Drive,
+    rows: Vec<Ellipse>,
+}
+
+/// The model.
+pub struct ErtzKnothe {
+    frame: Frame,
+    flux: Flux,
+    trial: Field,
+    accepted: Field,
+}
+
+impl Conduction for ErtzKnothe {
+    const TRANSIENT: bool = false;
+    const STATE_TAG: u8 = 1;
+
+    fn new(frame: &Frame) -> Self {
+        let drive = Drive { duration: f64::INFINITY, speeds: [1.0; 2], shares: [0.0; 2] };
+        let cold = Field { drive, rows: vec![Ellipse::default(); frame.grid.nj] };
+        Self {
+            frame: frame.clone(),
+            flux: Flux::zero(frame.grid.ni, frame.grid.nj),
+            trial: cold.clone(),
+            accepted: cold,
+        }
+    }
+
+    fn cost(frame: &Frame) -> Cost {
+        let points = frame.grid.points();
+        let flux = Flux::bytes(frame.grid.ni, frame.grid.nj);
+        Cost {
+            solve_seconds: points as f64 * SECONDS_PER_POINT,
+            memory_bytes: flux + 8 * 4 * points as u64,
+        }
+    }
+
+    fn remarks(_: &Frame) -> Vec<String> {
+        vec!["each row of the heat flux becomes the ellipse with its moments".to_owned()]
+    }
+
+    fn solve(
+        &mut self,
+        drive: &Drive,
+        flux: &[f64],
+        rise: &mut [Vec<f64>; 2],
+    ) -> Result<Work, StepError> {
+        self.flux.reconstruct(flux);
+        self.trial.drive = *drive;
+        for (row, ellipse) in self.trial.rows.iter_mut().enumerate() {
+            *ellipse = fitted(&self.frame, self.flux.row(row), row)?;
+        }
+        self.trial.surfaces(&self.frame, rise);
+        let warm = self.trial.rows.iter().filter(|row| row.semi_axis > 0.0).count();
+        let heat: f64 = self.trial.rows.iter().map(|row| row.heat).sum();
+        let heat = drive.shares.map(|share| share * heat / self.frame.grid.dx());
+        Ok(Work { operations: (warm * self.frame.grid.ni) as u64, heat })
+    }
+
+    fn accept(&mut self) {
+        std::mem::swap(&mut self.trial, &mut self.accepted);
+    }
+
+    fn level(&mut self, state: State, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
+        let field = match state {
+            State::Trial => &self.trial,
+            State::Accepted => &self.accepted,
+        };
+        field.along(&self.frame, body, row, depth, rise);
+    }
+
+    fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
+        self.accepted.rise(&self.frame, body, row, x, depth)
+    }
+
+    fn peak(&self, body: usize, _: &[f64]) -> Option<Peak> {
+        let (xi, _) = polynomial::peak();
+        let warmest = |ellipse: &Ellipse| ellipse.heat / ellipse.semi_axis.sqrt();
+        let warm = self.accepted.rows.iter().enumerate();
+        let (row, ellipse) = warm
+            .filter(|(_, ellipse)| ellipse.semi_axis > 0.0 && ellipse.heat > 0.0)
+            .reduce(|a, b| if warmest(b.1) > warmest(a.1) { b } else { a })?;
+        let x = ellipse.centre - xi * ellipse.semi_axis;
+        Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, row })
+    }
+
+    fn save(&self, bytes: &mut Vec<u8>) {
+        let Field { drive, rows } = &self.accepted;
+        let numbers = drive.speeds.iter().chain(&drive.shares).copied();
+        let rows = rows.iter().flat_map(|row| [row.heat, row.centre, row.semi_axis]);
+        for value in numbers.chain(rows) {
+            bytes.extend_from_slice(&value.to_le_bytes());
+        }
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> Option<()> {
+        let (numbers, rest) = bytes.as_chunks();
+        let mut numbers = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes));
+        if !rest.is_empty() || numbers.len() != 4 + 3 * self.accepted.rows.len() {
+            return None;
+        }
+        let mut next = || numbers.next().expect("the count was checked");
+        let Field { drive, rows } = &mut self.accepted;
+        for value in drive.speeds.iter_mut().chain(&mut drive.shares) {
+            *value = next();
+        }
+        for row in rows {
+            *row = Ellipse { heat: next(), centre: next(), semi_axis: next() };
+        }
+        Some(())
+    }
+}
+
+impl Field {
+    /// Surface rises of both bodies: one evaluation of F for the two.
+    fn surfaces(&self, frame: &Frame, [wheel, rail]: &mut [Vec<f64>; 2]) {
+        let columns = frame.grid.ni;
+        let rows = wheel.chunks_exact_mut(columns).zip(rail.chunks_exact_mut(columns));
+        for (row, (wheel, rail)) in rows.enumerate() {
+            let Ellipse { centre, semi_axis, .. } = self.rows[row];
+            if semi_axis == 0.0 {
+                wheel.fill(0.0);
+                rail.fill(0.0);
+                continue;
+            }
+            let amplitudes = [WHEEL, RAIL].map(|body| self.amplitude(frame, body, row));
+            for (i, (wheel, rail)) in wheel.iter_mut().zip(rail).enumerate() {
+                let shape = polynomial::surface((centre - frame.grid.x(i)) / semi_axis);
+                (*wheel, *rail) = (amplitudes[WHEEL] * shape, amplitudes[RAIL] * shape);
+            }
+        }
+    }
+
+    /// ε q₀/β · √(a_y/(πV)) of a warm row [K].
+    fn amplitude(&self, frame: &Frame, body: usize, row: usize) -> f64 {
+        let Ellipse { heat, semi_axis, .. } = self.rows[row];
+        let flux = self.drive.shares[body] * 2.0 * heat / (PI * semi_axis);
+        flux * frame.amplitude(body) * (semi_axis / self.drive.speeds[body]).sqrt()
+    }
+
+    fn rise(&self, frame: &Frame, body: usize, row: usize, x: f64, depth: f64) -> f64 {
+        let Ellipse { centre, semi_axis, .. } = self.rows[row];
+        if semi_axis == 0.0 {
+            return 0.0;
+        }
+        // z/delta with z = 2 c sqrt(kappa) and delta = sqrt(2 kappa a/V).
+        let zeta = depth * (2.0 * self.drive.speeds[body] / semi_axis).sqrt();
+        let shape = polynomial::in_depth((centre - x) / semi_axis, zeta);
+        self.amplitude(frame, body, row) * shape
+    }
+
+    fn along(&self, frame: &Frame, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
+        for (i, value) in rise.iter_mut().enumerate() {
+            *value = self.rise(frame, body, row, frame.grid.x(i), depth);
+        }
+    }
+}
+
+/// The ellipse with the heat, the centroid and the variance of a row.
+fn fitted(frame: &Frame, row: Row<'_>, number: usize) -> Result<Ellipse, StepError> {
+    let (first, end) = row.support;
+    let moments = (first..end).fold([0.0; 3], |sums, i| {
+        let element = element_moments(row.edge[i], row.middle[i], row.edge[i + 1]);
+        // From the element's own left edge to that of the first element.
+        let way = (i - first) as f64;
+        let [m0, m1, m2] = element;
+        let shifted = [m0, m1 + way * m0, m2 + way * (2.0 * m1 + way * m0)];
+        std::array::from_fn(|p| sums[p] + shifted[p])
+    });
+    if end == 0 {
+        return Ok(Ellipse::default());
+    }
+    let (h, left) = (frame.grid.dx(), frame.grid.x(first) - 0.5 * frame.grid.dx());
+    let mean = moments[1] / moments[0];
+    let variance = moments[2] / moments[0] - mean * mean;
+    if variance > 0.0 {
+        return Ok(Ellipse {
+            heat: h * moments[0],
+            centre: left + h * mean,
+            semi_axis: 2.0 * h * variance.sqrt(),
+        });
+    }
+    Err(StepError::NoSolution(format!(
+        "the heat flux of row {number} changes its sign and is like no ellipse: its variance is \
+         {variance:e} elements squared"
+    )))
+}
+
+/// Moments 0, 1, 2 of an element's parabola about its left edge, in element lengths.
+fn element_moments(before: f64, middle: f64, after: f64) -> [f64; 3] {
+    [
+        (before + middle + after) / 3.0,
+        before / 12.0 + middle / 6.0 + after / 4.0,
+        before / 30.0 + middle / 10.0 + after / 5.0,
+    ]
+}

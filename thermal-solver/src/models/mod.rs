@@ -1,0 +1,68 @@
+//! The models, cheapest first: one file a model, one line in the list here.
+//!
+//! What models have in common, checking inputs, splitting heat, writing outputs, the summary and
+//! the state, is in [`shell`]; a model answers for the physics only, through
+//! [`shell::Conduction`].
+
+pub mod columns;
+pub mod ertz_knothe;
+pub mod setup;
+pub mod shell;
+pub mod summary;
+
+use proto::configuration::{Configuration, Refusal};
+use proto::description::{ModelSpec, names};
+use proto::field;
+use proto::model::Setup;
+
+/// A model of the list.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Name in the case file.
+    pub name: &'static str,
+    /// Its description.
+    pub spec: fn() -> ModelSpec,
+    /// Prepares it for a configuration.
+    pub configure: fn(&Configuration) -> Result<Box<dyn Setup>, Refusal>,
+}
+
+/// All models, cheapest first.
+pub const REGISTRY: &[Entry] = &[
+    Entry {
+        name: ertz_knothe::NAME,
+        spec: ertz_knothe::spec,
+        configure: setup::configure::<ertz_knothe::ErtzKnothe>,
+    },
+    Entry {
+        name: columns::NAME,
+        spec: columns::spec,
+        configure: setup::configure::<columns::Columns>,
+    },
+];
+
+/// Prepares the model that a configuration names.
+pub fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    match REGISTRY.iter().find(|model| model.name == configuration.model) {
+        Some(model) => (model.configure)(configuration),
+        None => {
+            let known: Vec<&str> = REGISTRY.iter().map(|model| model.name).collect();
+            Err(Refusal::new(
+                "thermal.model",
+                format!("`{}` is not a model of this participant", configuration.model),
+                format!("write one of: {}", known.join(", ")),
+            ))
+        }
+    }
+}
+
+/// The fields that every model consumes and provides, by name.
+fn fields() -> (Vec<String>, Vec<String>) {
+    let consumes = names(&[&field::FRICTION_POWER, &field::SURFACE_SPEED]);
+    let provides = names(&[
+        &field::RAIL_TEMPERATURE,
+        &field::WHEEL_TEMPERATURE,
+        &field::RAIL_SECTION_TEMPERATURE,
+        &field::WHEEL_SECTION_TEMPERATURE,
+    ]);
+    (consumes, provides)
+}

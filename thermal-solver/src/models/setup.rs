@@ -1,0 +1,200 @@
+//! From a configuration to a model: checks, grids, cost.
+
+use super::shell::{Conduction, Shell};
+use crate::effects::friction_heat::{self, Partition};
+use crate::scene::Scene;
+use crate::{RAIL, WHEEL};
+use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};
+use proto::field::{self, FieldSpec};
+use proto::grid::{Grid, Structured};
+use proto::model::{Model, Setup};
+
+/// Levels of a section in depth, the surface included.
+pub const LEVELS: usize = 33;
+
+/// Name of the grid of the surface temperatures.
+pub const CONTACT: &str = "contact";
+
+/// Surface temperature of each body, wheel and rail.
+pub const SURFACES: [&FieldSpec; 2] = [&field::WHEEL_TEMPERATURE, &field::RAIL_TEMPERATURE];
+/// Section temperature of each body, wheel and rail.
+pub const SECTIONS: [&FieldSpec; 2] =
+    [&field::WHEEL_SECTION_TEMPERATURE, &field::RAIL_SECTION_TEMPERATURE];
+const SECTION_GRIDS: [&str; 2] = ["wheel_section", "rail_section"];
+
+/// What a model knows before it is built.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Materials and speed.
+    pub scene: Scene,
+    /// How the heat is split.
+    pub partition: Partition,
+    /// Steady or transient.
+    pub mode: Mode,
+    /// The grid of the heat flux, along x in i and along y in j.
+    pub grid: Structured,
+}
+
+impl Frame {
+    /// The row closest to y = 0, where the sections are.
+    #[must_use]
+    pub fn section_row(&self) -> usize {
+        let from_axis = |row: &usize| self.grid.y(*row).abs();
+        (0..self.grid.nj)
+            .min_by(|a, b| from_axis(a).total_cmp(&from_axis(b)))
+            .expect("a grid has at least one row")
+    }
+
+    /// Distance [m] from one level of a body's section to the next. The last is at 4√(2κL/V) with
+    /// L half the length of the grid: even where the whole grid has been heated evenly, the rise
+    /// there is below 0.2 per cent of the surface's.
+    #[must_use]
+    pub fn level_spacing(&self, body: usize) -> f64 {
+        let half_length = 0.5 * self.grid.ni as f64 * self.grid.dx();
+        let diffusivity = self.scene.materials[body].diffusivity();
+        let depth = 4.0 * (2.0 * diffusivity * half_length / self.scene.speed).sqrt();
+        depth / (LEVELS - 1) as f64
+    }
+
+    /// Depth c = z/(2√κ) [√s] in a body at the distance z [m] from its surface.
+    #[must_use]
+    pub fn depth(&self, body: usize, distance: f64) -> f64 {
+        distance / (2.0 * self.scene.materials[body].diffusivity().sqrt())
+    }
+
+    /// 1/(β√π) of a body [m²·K·√s/J].
+    #[must_use]
+    pub fn amplitude(&self, body: usize) -> f64 {
+        1.0 / (self.scene.materials[body].effusivity() * std::f64::consts::PI.sqrt())
+    }
+
+    fn section_grid(&self, body: usize) -> Grid {
+        let spacing = self.level_spacing(body);
+        let up = if body == WHEEL { spacing } else { -spacing };
+        let shape = Structured {
+            origin: self.grid.centre(0, self.section_row()),
+            step_i: self.grid.step_i,
+            step_j: [0.0, 0.0, up],
+            ni: self.grid.ni,
+            nj: LEVELS,
+        };
+        Grid::structured(SECTION_GRIDS[body], shape)
+    }
+}
+
+/// Expected cost of a model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// Processor seconds of one solve.
+    pub solve_seconds: f64,
+    /// Memory of the model's arrays [byte].
+    pub memory_bytes: u64,
+}
+
+/// Checks a configuration for a model.
+pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    if given.mode == Mode::Transient && !C::TRANSIENT {
+        return Err(Refusal::new(
+            "time.mode",
+            format!("model `{}` answers steady cases only", given.model),
+            "write mode = \"steady\", or [thermal] model = \"columns\"",
+        ));
+    }
+    if !given.has_effect(friction_heat::NAME) {
+        return Err(Refusal::new(
+            "effects.friction_heat",
+            "no other effect gives this participant any heat",
+            "add the table `[effects.friction_heat]`",
+        ));
+    }
+    let scene = Scene::read(&given.case)?;
+    let partition = Partition::read(&given.case)?;
+    let mut layout = Layout::default();
+    let mut frame = None;
+    match heat_grid(given)? {
+        Some(grid) => {
+            let known = Frame { scene, partition, mode: given.mode, grid };
+            layout = lay_out::<C>(&known, given);
+            frame = Some(known);
+        }
+        None => layout.remarks.push("grid and cost follow the grid of friction_power".to_owned()),
+    }
+    Ok(Box::new(Prepared::<C> { frame, layout, model: std::marker::PhantomData }))
+}
+
+/// The grid on which the heat arrives, once it is known; refused if it is not a contact plane.
+fn heat_grid(given: &Configuration) -> Result<Option<Structured>, Refusal> {
+    let name = field::FRICTION_POWER.name;
+    let Some(input) = given.inputs.iter().find(|input| input.field.name == name) else {
+        return Err(Refusal::new(
+            "effects.friction_heat",
+            format!("nobody provides `{name}`"),
+            "name a model that does",
+        ));
+    };
+    let Some(grid) = &input.grid else { return Ok(None) };
+    let plane = |s: &&Structured| {
+        let flat = s.step_i[1] == 0.0 && s.step_i[2] == 0.0 && s.step_j[0] == 0.0;
+        flat && s.step_j[2] == 0.0 && s.dx() > 0.0 && s.dy() > 0.0 && s.points() > 0
+    };
+    match grid.as_structured().filter(plane) {
+        Some(shape) => Ok(Some(*shape)),
+        None => Err(not_a_plane(input)),
+    }
+}
+
+fn not_a_plane(input: &Input) -> Refusal {
+    Refusal::new(
+        &format!("{}.model", input.producer),
+        "its grid is not made of rows along x in a contact plane",
+        "name a model with such a grid",
+    )
+}
+
+fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
+    let asked = |spec: &FieldSpec| {
+        given.outputs.iter().chain(&given.observed).any(|name| name == spec.name)
+    };
+    let on = |spec: &FieldSpec, grid: &str| FieldOnGrid {
+        field: spec.name.to_owned(),
+        grid: grid.to_owned(),
+    };
+    let cost = C::cost(frame);
+    let mut layout = Layout {
+        grids: vec![Grid::structured(CONTACT, frame.grid)],
+        fields: SURFACES.iter().map(|surface| on(surface, CONTACT)).collect(),
+        solve_seconds: cost.solve_seconds,
+        memory_bytes: cost.memory_bytes,
+        remarks: C::remarks(frame),
+    };
+    for body in [RAIL, WHEEL] {
+        if asked(SECTIONS[body]) {
+            layout.grids.push(frame.section_grid(body));
+            layout.fields.push(on(SECTIONS[body], SECTION_GRIDS[body]));
+        }
+    }
+    layout
+}
+
+struct Prepared<C> {
+    frame: Option<Frame>,
+    layout: Layout,
+    model: std::marker::PhantomData<C>,
+}
+
+impl<C: Conduction> Setup for Prepared<C> {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+        match self.frame {
+            Some(frame) => Ok(Box::new(Shell::<C>::new(frame))),
+            None => Err(Refusal::new(
+                "effects.friction_heat",
+                "the grid of `friction_power` is not known",
+                "configure the participant that computes it first",
+            )),
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! What models have in common: inputs, partition of the heat, outputs, state.
+
+use super::setup::{Cost, Frame, LEVELS, SECTIONS, SURFACES};
+use super::summary;
+use crate::columns::history::{Drive, State};
+use proto::configuration::Mode;
+use proto::field::{self, FieldSpec};
+use proto::model::{
+    InputField, Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport,
+    first_non_finite,
+};
+
+const STATE_VERSION: u8 = 1;
+
+/// What a solve cost and what heat it put into the bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Elementary operations, in the model's own measure.
+    pub operations: u64,
+    /// Sum over the elements of the flux that went into wheel and rail [W/m²].
+    pub heat: [f64; 2],
+}
+
+/// The hottest place of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// Temperature rise [K].
+    pub rise: f64,
+    /// Its x [m], between the element centres.
+    pub x: f64,
+    /// Its row.
+    pub row: usize,
+}
+
+/// A way to conduct heat: the part of a model that differs from one to the next.
+pub trait Conduction: Sized + 'static {
+    /// It can answer a transient case.
+    const TRANSIENT: bool;
+    /// Marks its states among those of other models.
+    const STATE_TAG: u8;
+
+    /// Allocates everything.
+    fn new(frame: &Frame) -> Self;
+
+    /// Expected cost.
+    fn cost(frame: &Frame) -> Cost;
+
+    /// Remarks for the plan.
+    fn remarks(frame: &Frame) -> Vec<String>;
+
+    /// Surface rises of wheel and rail [K] at the end of a window with the mean power density
+    /// `flux` [W/m²], from the accepted state.
+    fn solve(
+        &mut self,
+        drive: &Drive,
+        flux: &[f64],
+        rise: &mut [Vec<f64>; 2],
+    ) -> Result<Work, StepError>;
+
+    /// The last solve becomes the accepted state.
+    fn accept(&mut self);
+
+    /// Rise [K] of a body along a row at the depth c = z/(2√κ) [√s], at the element centres.
+    fn level(&mut self, state: State, body: usize, row: usize, depth: f64, rise: &mut [f64]);
+
+    /// Rise [K] of a body in the accepted state at any x [m] of a row, at the depth c [√s].
+    fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;
+
+    /// The hottest place of a body in the accepted state, whose surface rises are given; `None` if
+    /// nothing is warm.
+    fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak>;
+
+    /// Appends the accepted state.
+    fn save(&self, bytes: &mut Vec<u8>);
+
+    /// Takes back what [`Conduction::save`] wrote, all of it; `None`, and nothing changed, if it
+    /// does not fit.
+    fn restore(&mut self, bytes: &[u8]) -> Option<()>;
+}
+
+/// A model of the contract round a [`Conduction`].
+pub struct Shell<C> {
+    frame: Frame,
+    conduction: C,
+    trial: [Vec<f64>; 2],
+    accepted: [Vec<f64>; 2],
+    solved: bool,
+}
+
+impl<C: Conduction> Shell<C> {
+    /// A model in its cold state.
+    #[must_use]
+    pub fn new(frame: Frame) -> Self {
+        let zero = vec![0.0; frame.grid.points()];
+        Self {
+            conduction: C::new(&frame),
+            trial: [zero.clone(), zero.clone()],
+            accepted: [zero.clone(), zero],
+            solved: false,
+            frame,
+        }
+    }
+
+    fn drive(&self, step: &Step, speeds: &[f64]) -> Result<Drive, StepError> {
+        let speeds = [speeds[0], speeds[1]];
+        for (speed, body) in speeds.iter().zip(["wheel", "rail"]) {
+            if *speed <= 0.0 {
+                let name = field::SURFACE_SPEED.name;
+                return Err(StepError::NoSolution(format!(
+                    "`{name}` of the {body} is {speed} m/s: material has to move through the \
+                     contact, at a speed greater than 0"
+                )));
+            }
+        }
+        let duration = match self.frame.mode {
+            Mode::Steady => f64::INFINITY,
+            Mode::Transient => step.duration(),
+        };
+        if duration > 0.0 {
+            let shares = self.frame.partition.shares(&self.frame.scene.materials, speeds);
+            return Ok(Drive { duration, speeds, shares });
+        }
+        Err(StepError::NoSolution(format!("a transient window lasts {duration} s")))
+    }
+
+    fn write_sections(&mut self, state: State, outputs: &mut dyn Outputs) {
+        let (row, columns) = (self.frame.section_row(), self.frame.grid.ni);
+        for (body, section) in SECTIONS.iter().enumerate() {
+            let Some(values) = outputs.get(section) else { continue };
+            let spacing = self.frame.level_spacing(body);
+            for (level, rise) in values.chunks_exact_mut(columns).take(LEVELS).enumerate() {
+                let depth = self.frame.depth(body, level as f64 * spacing);
+                self.conduction.level(state, body, row, depth, rise);
+            }
+        }
+    }
+
+    fn header(&self) -> [u8; 17] {
+        let mut header = [0; 17];
+        header[0] = C::STATE_TAG;
+        header[1..9].copy_from_slice(&(self.frame.grid.ni as u64).to_le_bytes());
+        header[9..].copy_from_slice(&(self.frame.grid.nj as u64).to_le_bytes());
+        header
+    }
+
+    /// Reads everything after version and header; `None`, and nothing changed, if it does not fit.
+    fn restore_body(&mut self, mut bytes: &[u8]) -> Option<()> {
+        let mut accepted = self.accepted.clone();
+        for value in accepted.iter_mut().flatten() {
+            let (head, rest) = bytes.split_first_chunk()?;
+            (*value, bytes) = (f64::from_le_bytes(*head), rest);
+        }
+        self.conduction.restore(bytes)?;
+        self.accepted = accepted;
+        self.solved = false;
+        Some(())
+    }
+}
+
+impl<C: Conduction> Model for Shell<C> {
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        self.solved = false;
+        let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
+        let speeds = checked(inputs, &field::SURFACE_SPEED, 1)?;
+        let drive = self.drive(step, speeds.values)?;
+        let work = self.conduction.solve(&drive, flux.values, &mut self.trial)?;
+        self.solved = true;
+        for (surface, rise) in SURFACES.iter().zip(&self.trial) {
+            if let Some(values) = outputs.get(surface) {
+                values.copy_from_slice(rise);
+            }
+        }
+        self.write_sections(State::Trial, outputs);
+        let area = self.frame.grid.element_area();
+        Ok(StepReport {
+            substeps: 1,
+            inner_iterations: 0,
+            work: work.operations,
+            heat_received: Some(area * work.heat[0] + area * work.heat[1]),
+        })
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        for spec in SURFACES.iter().chain(&SECTIONS) {
+            if let Some(values) = outputs.get(spec) {
+                values.fill(0.0);
+            }
+        }
+    }
+
+    fn accept(&mut self) {
+        if self.solved {
+            std::mem::swap(&mut self.trial, &mut self.accepted);
+            self.conduction.accept();
+            self.solved = false;
+        }
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        for (surface, rise) in SURFACES.iter().zip(&self.accepted) {
+            if let Some(values) = outputs.get(surface) {
+                values.copy_from_slice(rise);
+            }
+        }
+        self.write_sections(State::Accepted, outputs);
+    }
+
+    fn summary(&self) -> serde_json::Value {
+        summary::temperature(&self.frame, |body| {
+            let peak = self.conduction.peak(body, &self.accepted[body])?;
+            let penetration = summary::penetration(&self.frame, &self.conduction, body, peak);
+            Some(summary::Hottest { peak, penetration })
+        })
+    }
+
+    fn save(&self, into: &mut StateBlob) {
+        into.0.clear();
+        into.0.push(STATE_VERSION);
+        into.0.extend_from_slice(&self.header());
+        for value in self.accepted.iter().flatten() {
+            into.0.extend_from_slice(&value.to_le_bytes());
+        }
+        self.conduction.save(&mut into.0);
+    }
+
+    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
+        let error = |reason: String| Err(StateError(reason));
+        let Some((version, rest)) = from.0.split_first() else {
+            return error("it is empty".to_owned());
+        };
+        if *version != STATE_VERSION {
+            return error(format!("its version is {version}, not {STATE_VERSION}"));
+        }
+        let header = self.header();
+        let Some(body) = rest.strip_prefix(&header) else {
+            let (columns, rows) = (self.frame.grid.ni, self.frame.grid.nj);
+            return error(format!("another model or grid than this one of {columns} x {rows}"));
+        };
+        match self.restore_body(body) {
+            Some(()) => Ok(()),
+            None => error(format!("{} bytes do not hold a whole state", from.0.len())),
+        }
+    }
+}
+
+/// An input that is there, of the right length and finite.
+fn checked<'a>(
+    inputs: &'a dyn Inputs,
+    spec: &FieldSpec,
+    points: usize,
+) -> Result<InputField<'a>, StepError> {
+    let field = || spec.name.to_owned();
+    let Some(input) = inputs.get(spec) else {
+        return Err(StepError::MissingInput { field: field() });
+    };
+    let expected = points * spec.components as usize;
+    if input.values.len() != expected {
+        let (name, got) = (spec.name, input.values.len());
+        return Err(StepError::NoSolution(format!("`{name}` has {got} values, not {expected}")));
+    }
+    match first_non_finite(input.values) {
+        Some(index) => {
+            let value = input.values[index];
+            Err(StepError::NonFiniteInput { field: field(), index, value })
+        }
+        None => Ok(input),
+    }
+}

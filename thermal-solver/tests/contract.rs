@@ -1,0 +1,187 @@
+//! The contract: descriptions, layouts, refusals, errors, work.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
+
+mod support;
+
+use proto::configuration::Mode;
+use proto::field;
+use proto::grid::Structured;
+use proto::model::{Solver, StepError};
+use support::*;
+use thermal_solver::{ThermalSolver, effects, models};
+
+#[test]
+fn description_lists_what_the_registries_hold() {
+    let description = ThermalSolver.description();
+    assert_eq!((description.role.as_str(), description.standalone), ("thermal", false));
+    let names: Vec<&str> = description.models.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["ertz-knothe", "columns"]);
+    assert_eq!(description.effects.len(), effects::REGISTRY.len());
+    for model in &description.models {
+        assert!(!model.source.is_empty() && model.steady);
+        assert!(models::REGISTRY.iter().any(|entry| entry.name == model.name));
+        for name in model.consumes.iter().chain(&model.provides) {
+            assert!(field::find(name).is_some(), "{name}");
+        }
+    }
+    let required = |path: &str| description.keys.iter().any(|k| k.path == path && k.required);
+    for path in ["wheel.material", "rail.material", "materials.*.density", "motion.speed"] {
+        assert!(required(path), "{path}");
+    }
+}
+
+#[test]
+fn layout_places_the_fields_and_sections_only_when_asked() {
+    let grid = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 4);
+    let mut given = configuration("columns", Mode::Steady, grid, steel());
+    let layout = ThermalSolver.configure(&given).unwrap().layout().clone();
+    assert_eq!(layout.grid_of("rail_temperature").unwrap().as_structured(), Some(&grid));
+    for (name, sign) in [("rail_section_temperature", -1.0), ("wheel_section_temperature", 1.0)] {
+        let section = *layout.grid_of(name).unwrap().as_structured().unwrap();
+        assert_eq!((section.ni, section.nj), (40, 33));
+        assert_eq!(section.centre(7, 0), grid.centre(7, 2), "y = 0 is the third row");
+        let depth = 4.0 * (2.0 * DIFFUSIVITY * 4e-3 / SPEED).sqrt();
+        // Rounding.
+        assert!((sign * section.centre(0, 32)[2] / depth - 1.0).abs() < 1e-14);
+    }
+    given.observed.clear();
+    let layout = ThermalSolver.configure(&given).unwrap().layout().clone();
+    assert_eq!((layout.grids.len(), layout.fields.len()), (1, 2));
+    assert!(layout.memory_bytes > 0 && layout.solve_seconds > 0.0);
+}
+
+#[test]
+fn a_grid_not_yet_known_can_be_planned_but_not_built() {
+    let grid = row(10, -1.0, 1.0);
+    let mut given = configuration("columns", Mode::Steady, grid, steel());
+    given.inputs[0].grid = None;
+    let setup = ThermalSolver.configure(&given).unwrap();
+    assert!(setup.layout().grids.is_empty() && !setup.layout().remarks.is_empty());
+    assert!(setup.build().is_err());
+}
+
+#[test]
+fn refusals_name_key_and_fix() {
+    let grid = row(10, -1.0, 1.0);
+    let refused = |model: &str, mode, grid, case| {
+        ThermalSolver.configure(&configuration(model, mode, grid, case)).err().unwrap()
+    };
+    assert_eq!(refused("fe", Mode::Steady, grid, steel()).key, "thermal.model");
+    assert_eq!(refused("ertz-knothe", Mode::Transient, grid, steel()).key, "time.mode");
+    let mut case = steel();
+    case["effects"] = serde_json::json!({});
+    assert_eq!(refused("columns", Mode::Steady, grid, case).key, "effects.friction_heat");
+    let mut turned = grid;
+    turned.step_i = [0.0, 1e-3, 0.0];
+    assert_eq!(refused("columns", Mode::Steady, turned, steel()).key, "mech.model");
+}
+
+#[test]
+fn faulty_inputs_are_named_and_change_nothing() {
+    let grid = row(10, -1.0, 1.0);
+    for model in ["ertz-knothe", "columns"] {
+        let mut run = Run::steady(model, grid);
+        run.advance(&ellipse_means(&grid), 0.0);
+        let before = run.model.summary();
+        let mut flux = ellipse_means(&grid);
+        flux[13] = f64::NAN;
+        let error = run.try_solve(&flux, 0.0).unwrap_err();
+        assert!(matches!(&error, StepError::NonFiniteInput { field, index: 13, .. }
+            if field == "friction_power"));
+        for speed in [0.0, -1.0] {
+            run.given.speeds = vec![1.0, speed];
+            let error = run.try_solve(&[1.0; 21], 0.0).unwrap_err().to_string();
+            assert!(error.contains("surface_speed") && error.contains("rail"), "{error}");
+        }
+        run.given.speeds = vec![1.0, f64::INFINITY];
+        let error = run.try_solve(&[1.0; 21], 0.0).unwrap_err();
+        assert!(matches!(error, StepError::NonFiniteInput { index: 1, .. }));
+        run.given.speeds = vec![1.0, 1.0];
+        let error = run.try_solve(&[1.0; 20], 0.0).unwrap_err().to_string();
+        assert!(error.contains("20 values, not 21"), "{error}");
+        run.given.flux = None;
+        let step = proto::model::Step::STEADY;
+        let error = run.model.solve(&step, &run.given, &mut run.surfaces).unwrap_err();
+        assert_eq!(error, StepError::MissingInput { field: "friction_power".to_owned() });
+        run.model.accept();
+        assert_eq!(run.model.summary(), before);
+    }
+    let mut run = Run::transient(grid);
+    assert!(run.try_solve(&[1.0; 21], 0.0).unwrap_err().to_string().contains("lasts 0 s"));
+}
+
+#[test]
+fn a_flux_of_both_signs_is_like_no_ellipse() {
+    let grid = row(10, -1.0, 1.0);
+    let mut run = Run::steady("ertz-knothe", grid);
+    let mut flux = vec![0.0; grid.ni];
+    (flux[2], flux[10], flux[18]) = (-1.0, 3.0, -1.0);
+    assert!(run.try_solve(&flux, 0.0).unwrap_err().to_string().contains("row 0"));
+}
+
+#[test]
+fn no_heat_no_rise_and_no_place_of_it() {
+    let grid = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 4);
+    for model in ["ertz-knothe", "columns"] {
+        let mut run = Run::steady(model, grid);
+        run.model.first_outputs(&mut run.surfaces);
+        assert!(run.rail().iter().chain(run.wheel()).all(|rise| *rise == 0.0));
+        let cold = serde_json::json!({"max_rise_k": 0.0});
+        assert_eq!(run.model.summary()["temperature"]["rail"], cold);
+        let report = run.advance(&vec![0.0; grid.points()], 0.0);
+        assert_eq!((report.work, report.heat_received), (0, Some(0.0)));
+        assert!(run.rail().iter().all(|rise| *rise == 0.0));
+        assert_eq!(run.model.summary()["temperature"]["wheel"], cold);
+    }
+}
+
+#[test]
+fn cooling_mirrors_heating() {
+    let grid = row(10, -1.0, 1.0);
+    let flux = ellipse_means(&grid);
+    let cooling: Vec<f64> = flux.iter().map(|q| -q).collect();
+    for model in ["ertz-knothe", "columns"] {
+        let (mut warm, mut cold) = (Run::steady(model, grid), Run::steady(model, grid));
+        warm.advance(&flux, 0.0);
+        cold.advance(&cooling, 0.0);
+        assert!(warm.rail().iter().zip(cold.rail()).all(|(a, b)| *a == -*b));
+        assert_eq!(cold.summary("rail", "max_rise_k"), Some(0.0));
+    }
+}
+
+#[test]
+fn summary_names_the_hottest_row() {
+    let grid = Structured::contact_plane(-1.2 * SEMI_AXIS, -3e-3, SEMI_AXIS / 20.0, 1e-3, 48, 8);
+    let line = ellipse_means(&grid);
+    let strength = |row: usize| 1e9 / (1.0 + (row as f64 - 5.0).powi(2));
+    let flux: Vec<f64> =
+        (0..8).flat_map(|row| line.iter().map(move |q| q * strength(row))).collect();
+    for model in ["ertz-knothe", "columns"] {
+        let mut run = Run::steady(model, grid);
+        run.advance(&flux, 0.0);
+        for body in ["rail", "wheel"] {
+            // Rounding of the row's place.
+            assert!((run.summary(body, "y_m").unwrap() - 2e-3).abs() < 1e-15);
+            let place = run.summary(body, "x_m").unwrap() / SEMI_AXIS;
+            assert!((place + 0.65).abs() < 0.01, "{place}");
+        }
+    }
+}
+
+#[test]
+fn work_is_counted_exactly() {
+    let grid = Structured::contact_plane(0.0, 0.0, 1e-4, 1e-4, 24, 3);
+    let mut flux = vec![1.0; 72];
+    flux[24..48].fill(0.0);
+    // Two warm rows; three blocks of eight see 25, 17 and 9 pairs of weights.
+    let mut run = Run::steady("columns", grid);
+    assert_eq!(run.solve(&flux, 0.0).work, 2 * (25 + 17 + 9) * 16);
+    // One value of the closed form at every point of a warm row, for both bodies.
+    let mut run = Run::steady("ertz-knothe", grid);
+    assert_eq!(run.solve(&flux, 0.0).work, 2 * 24);
+    // In Fourier space: three transforms of length 486, and four products a coefficient.
+    let grid = Structured::contact_plane(0.0, 0.0, 1e-4, 1e-4, 241, 1);
+    let mut run = Run::steady("columns", grid);
+    assert_eq!(run.solve(&[1.0; 241], 0.0).work, 3 * 486 * 9 + 8 * 244);
+}

@@ -1,0 +1,258 @@
+//! A model driven through the contract, as the participant loop drives it, and the paper's case.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
+#![allow(dead_code, reason = "each test binary uses its own part")]
+
+use proto::configuration::{Configuration, Input, Layout, Mode};
+use proto::field::{self, FieldSpec};
+use proto::grid::{Grid, Structured};
+use proto::model::{InputField, Inputs, Model, Outputs, Solver, Step, StepError, StepReport};
+use proto::params::Params;
+use serde_json::{Value, json};
+use thermal_solver::ThermalSolver;
+use thermal_solver::quadrature::integrate;
+
+/// Tables 1 and 2 of the paper.
+pub(crate) const SEMI_AXIS: f64 = 7.98e-3;
+pub(crate) const HERTZ_PRESSURE: f64 = 1352e6;
+pub(crate) const FRICTION: f64 = 0.6;
+pub(crate) const SPEED: f64 = 38.889;
+pub(crate) const SLIDING: f64 = 0.012 * 38.889;
+/// Compliance sum E* of equation 19 [1/Pa].
+pub(crate) const COMPLIANCE: f64 = 8.6667e-12;
+pub(crate) const DIFFUSIVITY: f64 = 50.0 / (7850.0 * 419.5);
+
+pub(crate) fn effusivity() -> f64 {
+    thermal_solver::reference::scales::effusivity(50.0, 7850.0, 419.5)
+}
+
+pub(crate) fn steel() -> Value {
+    let steel = json!({"density": 7850.0, "specific_heat": 419.5, "conductivity": 50.0});
+    json!({
+        "wheel": {"material": "steel"}, "rail": {"material": "steel"},
+        "materials": {"steel": steel},
+        "motion": {"speed": SPEED},
+        "effects": {"friction_heat": {"partition": "equal"}},
+    })
+}
+
+/// A row of elements `semi_axis / per_semi_axis` long, centred on multiples of that, from
+/// `from` to `to` semi-axes.
+pub(crate) fn row(per_semi_axis: usize, from: f64, to: f64) -> Structured {
+    let h = SEMI_AXIS / per_semi_axis as f64;
+    let n = ((to - from) * per_semi_axis as f64).round() as usize + 1;
+    Structured::contact_plane(from * SEMI_AXIS, 0.0, h, h, n, 1)
+}
+
+pub(crate) fn configuration(
+    model: &str,
+    mode: Mode,
+    grid: Structured,
+    case: Value,
+) -> Configuration {
+    let input = |spec: &FieldSpec, grid: Grid| Input {
+        field: spec.kind(),
+        producer: "mech".to_owned(),
+        grid: Some(grid),
+    };
+    let names = |specs: &[&FieldSpec]| specs.iter().map(|s| s.name.to_owned()).collect();
+    Configuration {
+        role: "thermal".to_owned(),
+        model: model.to_owned(),
+        mode,
+        case: Params(case),
+        inputs: vec![
+            input(&field::FRICTION_POWER, Grid::structured("contact", grid)),
+            input(&field::SURFACE_SPEED, one_point()),
+        ],
+        outputs: names(&[&field::RAIL_TEMPERATURE, &field::WHEEL_TEMPERATURE]),
+        observed: names(&[&field::RAIL_SECTION_TEMPERATURE, &field::WHEEL_SECTION_TEMPERATURE]),
+    }
+}
+
+pub(crate) fn one_point() -> Grid {
+    Grid::structured("surface", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 1, 1))
+}
+
+/// Inputs at hand.
+pub(crate) struct Given {
+    pub(crate) flux: Option<Vec<f64>>,
+    pub(crate) speeds: Vec<f64>,
+    pub(crate) grids: [Grid; 2],
+}
+
+impl Inputs for Given {
+    fn get(&self, field: &FieldSpec) -> Option<InputField<'_>> {
+        if *field == field::FRICTION_POWER {
+            let values = self.flux.as_deref()?;
+            return Some(InputField { values, grid: &self.grids[0] });
+        }
+        let known = *field == field::SURFACE_SPEED;
+        known.then_some(InputField { values: &self.speeds, grid: &self.grids[1] })
+    }
+}
+
+/// Outputs asked for, by name, poisoned until they are written.
+#[derive(Default)]
+pub(crate) struct Wanted(pub(crate) Vec<(&'static str, Vec<f64>)>);
+
+impl Wanted {
+    pub(crate) fn of(&self, spec: &FieldSpec) -> &[f64] {
+        &self.0.iter().find(|(name, _)| *name == spec.name).unwrap().1
+    }
+}
+
+impl Outputs for Wanted {
+    fn get(&mut self, field: &FieldSpec) -> Option<&mut [f64]> {
+        self.0.iter_mut().find(|(name, _)| *name == field.name).map(|(_, v)| v.as_mut_slice())
+    }
+}
+
+/// A model with its grid and outputs.
+pub(crate) struct Run {
+    pub(crate) model: Box<dyn Model>,
+    pub(crate) layout: Layout,
+    pub(crate) given: Given,
+    pub(crate) surfaces: Wanted,
+    pub(crate) time: f64,
+}
+
+impl Run {
+    pub(crate) fn new(model: &str, mode: Mode, grid: Structured, case: Value) -> Self {
+        let configuration = configuration(model, mode, grid, case);
+        let setup = ThermalSolver.configure(&configuration).unwrap();
+        let layout = setup.layout().clone();
+        let poison = vec![f64::NAN; grid.points()];
+        Self {
+            model: setup.build().unwrap(),
+            layout,
+            given: Given {
+                flux: None,
+                speeds: vec![SPEED; 2],
+                grids: [Grid::structured("contact", grid), one_point()],
+            },
+            surfaces: Wanted(vec![
+                (field::RAIL_TEMPERATURE.name, poison.clone()),
+                (field::WHEEL_TEMPERATURE.name, poison),
+            ]),
+            time: 0.0,
+        }
+    }
+
+    pub(crate) fn steady(model: &str, grid: Structured) -> Self {
+        Self::new(model, Mode::Steady, grid, steel())
+    }
+
+    pub(crate) fn transient(grid: Structured) -> Self {
+        Self::new("columns", Mode::Transient, grid, steel())
+    }
+
+    pub(crate) fn try_solve(
+        &mut self,
+        flux: &[f64],
+        duration: f64,
+    ) -> Result<StepReport, StepError> {
+        self.given.flux = Some(flux.to_vec());
+        let (start, end) = (self.time, self.time + duration);
+        let step = Step { window: 0, iteration: 1, start, end };
+        // The models look at the duration only; keep it free of rounding.
+        let step = if step.duration() == duration {
+            step
+        } else {
+            Step { start: 0.0, end: duration, ..step }
+        };
+        self.model.solve(&step, &self.given, &mut self.surfaces)
+    }
+
+    pub(crate) fn solve(&mut self, flux: &[f64], duration: f64) -> StepReport {
+        self.try_solve(flux, duration).unwrap()
+    }
+
+    /// Solves and accepts a window.
+    pub(crate) fn advance(&mut self, flux: &[f64], duration: f64) -> StepReport {
+        let report = self.solve(flux, duration);
+        self.model.accept();
+        self.time += duration;
+        report
+    }
+
+    pub(crate) fn rail(&self) -> &[f64] {
+        self.surfaces.of(&field::RAIL_TEMPERATURE)
+    }
+
+    pub(crate) fn wheel(&self) -> &[f64] {
+        self.surfaces.of(&field::WHEEL_TEMPERATURE)
+    }
+
+    /// Observed sections (rail, wheel) of the accepted state.
+    pub(crate) fn sections(&mut self) -> Wanted {
+        let specs = [&field::RAIL_SECTION_TEMPERATURE, &field::WHEEL_SECTION_TEMPERATURE];
+        let place =
+            |spec: &FieldSpec| vec![f64::NAN; self.layout.grid_of(spec.name).unwrap().points()];
+        let mut wanted = Wanted(specs.iter().map(|spec| (spec.name, place(spec))).collect());
+        self.model.observe(&mut wanted);
+        wanted
+    }
+
+    /// A number of the summary, under `temperature`.
+    pub(crate) fn summary(&self, body: &str, key: &str) -> Option<f64> {
+        self.model.summary()["temperature"][body][key].as_f64()
+    }
+
+    pub(crate) fn grid(&self) -> Structured {
+        *self.given.grids[0].as_structured().unwrap()
+    }
+}
+
+/// Element means of √(1 − ξ²) on a row, from its primitive.
+pub(crate) fn ellipse_means(grid: &Structured) -> Vec<f64> {
+    let primitive = |x: f64| {
+        let xi = (x / SEMI_AXIS).clamp(-1.0, 1.0);
+        0.5 * SEMI_AXIS * (xi * (1.0 - xi * xi).sqrt() + xi.asin())
+    };
+    means(grid, primitive)
+}
+
+/// Element means from a primitive.
+pub(crate) fn means(grid: &Structured, primitive: impl Fn(f64) -> f64) -> Vec<f64> {
+    let h = grid.dx();
+    let mean = |i: usize| (primitive(grid.x(i) + 0.5 * h) - primitive(grid.x(i) - 0.5 * h)) / h;
+    (0..grid.ni).map(mean).collect()
+}
+
+/// Element means of friction power [W/m²] along the centre line of Carter's strip solution with
+/// the slip law `carter-pressure`, for a traction coefficient.
+pub(crate) fn carter_means(grid: &Structured, traction_coefficient: f64) -> Vec<f64> {
+    let k = (1.0 - traction_coefficient / FRICTION).sqrt();
+    let slip_per_xi = 2.0 * FRICTION * HERTZ_PRESSURE * COMPLIANCE;
+    let (centre, begins) = (k - 1.0, 2.0 * k - 1.0);
+    let power = |xi: f64| {
+        let traction = FRICTION * HERTZ_PRESSURE * (1.0 - xi * xi).max(0.0).sqrt();
+        let slip = ((xi - centre).powi(2) - k * k).max(0.0).sqrt();
+        traction * SPEED * slip_per_xi * slip
+    };
+    let half = 0.5 * grid.dx() / SEMI_AXIS;
+    let mean = |i: usize| {
+        let xi = -grid.x(i) / SEMI_AXIS;
+        let (low, high) = ((xi - half).max(begins), (xi + half).min(1.0));
+        if low >= high {
+            return 0.0;
+        }
+        // The substitution takes away the square roots at both ends.
+        let sum = integrate(0.0, 1.0, |t| {
+            power(low + (high - low) * t * t * (3.0 - 2.0 * t)) * 6.0 * t * (1.0 - t)
+        });
+        sum * (high - low) / (2.0 * half)
+    };
+    (0..grid.ni).map(mean).collect()
+}
+
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
+}
+
+/// Largest difference, relative to the largest value of the second.
+pub(crate) fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let apart = a.iter().zip(b).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs()));
+    apart / largest(b)
+}

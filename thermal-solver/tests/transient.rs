@@ -1,0 +1,401 @@
+//! Transient motion: windows of any length against closed forms and a slow quadrature.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
+
+mod support;
+
+use proptest::prelude::*;
+use proto::configuration::Mode;
+use proto::field;
+use proto::grid::Structured;
+use std::f64::consts::PI;
+use support::*;
+use thermal_solver::quadrature::integrate;
+use thermal_solver::reference::uniform;
+
+/// A smooth hump of the flux, different in every window.
+#[derive(Clone, Copy)]
+struct Window {
+    duration: f64,
+    speed: f64,
+    amplitude: f64,
+    centre: f64,
+    width: f64,
+}
+
+impl Window {
+    /// Irregular windows, not commensurate with the elements, the speed changing.
+    fn number(n: usize) -> Self {
+        let wobble = |rate: f64| (rate * n as f64).sin();
+        Self {
+            duration: 2.3e-5 * (1.0 + 0.7 * wobble(1.7)),
+            speed: SPEED * (1.0 + 0.2 * wobble(0.4)),
+            amplitude: 1e9 * (1.2 + wobble(0.9)),
+            centre: 0.3 * SEMI_AXIS * wobble(0.6),
+            width: 0.6 * SEMI_AXIS,
+        }
+    }
+
+    fn flux(&self, x: f64) -> f64 {
+        let inside = 1.0 - ((x - self.centre) / self.width).powi(2);
+        self.amplitude * inside.max(0.0).powi(3)
+    }
+
+    fn means(&self, grid: &Structured) -> Vec<f64> {
+        let h = grid.dx();
+        let mean = |i: usize| {
+            let left = grid.x(i) - 0.5 * h;
+            integrate(left, left + h, |x| self.flux(x)) / h
+        };
+        (0..grid.ni).map(mean).collect()
+    }
+}
+
+/// Duhamel's integral for windows, newest first, by quadrature in √τ; c is the depth [√s].
+fn duhamel(windows: &[Window], x: f64, c: f64) -> f64 {
+    let (mut age, mut way, mut sum) = (0.0_f64, 0.0, 0.0);
+    for window in windows {
+        let (low, high) = (age.sqrt(), (age + window.duration).sqrt());
+        let panels = 60;
+        let step = (high - low) / f64::from(panels);
+        for panel in 0..panels {
+            let from = low + step * f64::from(panel);
+            sum += integrate(from, from + step, |u| {
+                let place = x + way + window.speed * (u * u - age);
+                2.0 * window.flux(place) * (-c * c / (u * u)).exp()
+            });
+        }
+        age += window.duration;
+        way += window.speed * window.duration;
+    }
+    0.5 * sum / (effusivity() * PI.sqrt())
+}
+
+/// Error on the surface and in depth after a number of windows, relative to the largest rise.
+fn duhamel_error(per_semi_axis: usize) -> (f64, f64) {
+    let grid = row(per_semi_axis, -1.5, 1.1);
+    let mut run = Run::transient(grid);
+    let mut windows: Vec<Window> = (0..23).map(Window::number).collect();
+    for window in &windows {
+        run.given.speeds = vec![SPEED, window.speed];
+        run.advance(&window.means(&grid), window.duration);
+    }
+    windows.reverse();
+    let at = |i: usize, c: f64| duhamel(&windows, grid.x(i), c);
+    let surface: Vec<f64> = (0..grid.ni).map(|i| at(i, 0.0)).collect();
+    let section = run.sections();
+    let levels = *run.layout.grid_of("rail_section_temperature").unwrap().as_structured().unwrap();
+    let level = 5;
+    let c = -levels.centre(0, level)[2] / (2.0 * DIFFUSIVITY.sqrt());
+    let deep: Vec<f64> = (0..grid.ni).map(|i| at(i, c)).collect();
+    let got = &section.of(&field::RAIL_SECTION_TEMPERATURE)[level * grid.ni..][..grid.ni];
+    (difference(run.rail(), &surface), difference(got, &deep))
+}
+
+#[test]
+fn agrees_with_duhamels_integral() {
+    let errors: Vec<(f64, f64)> = [10, 20, 40, 80].into_iter().map(duhamel_error).collect();
+    println!("{errors:?}");
+    for pair in errors.windows(2) {
+        println!(
+            "orders {:.2} {:.2}",
+            (pair[0].0 / pair[1].0).log2(),
+            (pair[0].1 / pair[1].1).log2()
+        );
+    }
+    // Only the reconstruction in space is in error, by order 3.5 on a smooth flux (4 in depth);
+    // the third derivative of this one jumps, which is not seen yet.
+    let order = |first: f64, last: f64| (first / last).log2() / 3.0;
+    assert!(order(errors[0].0, errors[3].0) > 3.2, "{errors:?}");
+    assert!(order(errors[0].1, errors[3].1) > 3.2, "{errors:?}");
+    assert!(errors[2].0 < 1e-5 && errors[2].1 < 1e-5, "{errors:?}");
+}
+
+#[test]
+fn cold_start_reaches_the_steady_field() {
+    let grid = row(40, -1.5, 1.1);
+    let flux = carter_means(&grid, 0.58);
+    let mut steady = Run::steady("columns", grid);
+    steady.advance(&flux, 0.0);
+    // 5 a in windows that are commensurate with nothing, long, or one that does it all.
+    for (count, part) in [(371, 1.0), (13, 1.0), (1, 1.0)] {
+        let mut run = Run::transient(grid);
+        let duration = part * 5.0 * SEMI_AXIS / SPEED / f64::from(count);
+        for _ in 0..count {
+            run.advance(&flux, duration);
+        }
+        println!("{count}: {:e}", difference(run.rail(), steady.rail()));
+        // Required: 0.5 per cent. The grid is shorter than 5 a: nothing is left but rounding.
+        assert!(difference(run.rail(), steady.rail()) < 1e-13);
+        let (got, expected) = (run.sections(), steady.sections());
+        let of = |w: &Wanted| w.of(&field::WHEEL_SECTION_TEMPERATURE).to_vec();
+        assert!(difference(&of(&got), &of(&expected)) < 1e-13);
+        for key in ["max_rise_k", "x_m", "penetration_depth_m"] {
+            let (a, b) = (run.summary("rail", key).unwrap(), steady.summary("rail", key).unwrap());
+            // The place, and through it the depth, to the root of rounding.
+            assert!((a / b - 1.0).abs() < 1e-7, "{key}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn uniform_flux_is_jaegers_whatever_the_windows() {
+    let grid = Structured::contact_plane(0.0, 0.0, 2e-4, 1e-3, 16, 2);
+    let flux = vec![4e7; grid.points()];
+    // Many shorter than an element's passing, and some longer.
+    for (count, duration) in [(3000, 1e-9), (700, 3.3e-8), (3, 2.1e-5)] {
+        let mut run = Run::transient(grid);
+        for _ in 0..count {
+            run.advance(&flux, duration);
+        }
+        let time = f64::from(count) * duration;
+        let expected = uniform::jaeger(2e7, effusivity(), time);
+        // Places that no material from outside the grid has reached, nor the end element's.
+        let undisturbed = 14 - (SPEED * time / 2e-4).ceil() as usize;
+        for rows in [run.rail(), run.wheel()] {
+            for i in (0..undisturbed).flat_map(|i| [i, i + 16]) {
+                // Rounding of the ages of thousands of windows.
+                assert!((rows[i] / expected - 1.0).abs() < 1e-11, "{duration} {i}");
+            }
+        }
+    }
+}
+
+#[test]
+fn merging_tiny_windows_adds_little() {
+    // A ramp in time, q = q1 t: the rise is (4/3) q1 t^1.5/(beta sqrt(pi)).
+    let grid = Structured::contact_plane(0.0, 0.0, 2e-4, 1e-3, 16, 1);
+    let (duration, slope) = (1e-9, 1e13);
+    let mut run = Run::transient(grid);
+    let passing = 2e-4 / SPEED;
+    let count = (4.0 * passing / duration) as usize;
+    for n in 0..count {
+        let mean = slope * duration * (n as f64 + 0.5);
+        run.advance(&[mean; 16], duration);
+    }
+    let time = count as f64 * duration;
+    let expected = 0.5 * slope * 4.0 / 3.0 * time.powf(1.5) / (effusivity() * PI.sqrt());
+    let error = run.rail()[0] / expected - 1.0;
+    let claimed = 0.5 * slope * passing.powf(1.5) / (24.0 * effusivity() * PI.sqrt());
+    println!("merging {error:e} of the rise, {:e} claimed", claimed / expected);
+    // The bound of the history's documentation, with the rise at four passings as the scale.
+    assert!(error.abs() < claimed / expected, "{error:e}");
+}
+
+#[test]
+fn windows_shorter_than_an_element_against_long_ones() {
+    // The same hump, standing still, in windows of 1e-9 s and in one window.
+    let grid = row(10, -1.2, 1.1);
+    let window = Window::number(3);
+    let flux = window.means(&grid);
+    let (mut many, mut one) = (Run::transient(grid), Run::transient(grid));
+    let count = 30_000;
+    for _ in 0..count {
+        many.advance(&flux, 1e-9);
+    }
+    one.advance(&flux, 1e-9 * f64::from(count));
+    println!("{:e}", difference(many.rail(), one.rail()));
+    // A flux that does not change is not changed by merging; rounding of many ages.
+    assert!(difference(many.rail(), one.rail()) < 1e-10);
+}
+
+#[test]
+fn time_steps_converge_for_a_moving_flux() {
+    // A hump that grows and wanders; means over windows by quadrature in time.
+    let grid = row(20, -1.2, 1.1);
+    let total = 3.0 * SEMI_AXIS / SPEED;
+    let at = |time: f64| Window {
+        duration: 0.0,
+        speed: SPEED,
+        amplitude: 1e9 * (1.5 + (9.0 * time / total).sin()),
+        centre: 0.3 * SEMI_AXIS * (7.0 * time / total).cos(),
+        width: 0.6 * SEMI_AXIS,
+    };
+    let run_in = |count: usize| {
+        let mut run = Run::transient(grid);
+        let duration = total / count as f64;
+        for n in 0..count {
+            let mut flux = vec![0.0; grid.ni];
+            let from = duration * n as f64;
+            for (time, weight) in thermal_solver::quadrature::points(from, from + duration) {
+                for (sum, mean) in flux.iter_mut().zip(at(time).means(&grid)) {
+                    *sum += weight / duration * mean;
+                }
+            }
+            run.advance(&flux, duration);
+        }
+        run.rail().to_vec()
+    };
+    let finest = run_in(1280);
+    let errors: Vec<f64> =
+        [20, 40, 80, 160].iter().map(|&n| difference(&run_in(n), &finest)).collect();
+    println!("{errors:?}");
+    for pair in errors.windows(2) {
+        // The flux is constant over a window: order 1.5, from the newest window, where the kernel
+        // 1/sqrt(age) weighs it unevenly.
+        assert!((pair[0] / pair[1]).log2() > 1.35, "{errors:?}");
+    }
+}
+
+#[test]
+fn scaling_of_lengths_and_times() {
+    let grid = row(10, -1.2, 1.1);
+    let mut scaled = grid;
+    for k in 0..3 {
+        scaled.origin[k] *= 4.0;
+        scaled.step_i[k] *= 4.0;
+        scaled.step_j[k] *= 4.0;
+    }
+    let (mut a, mut b) = (Run::transient(grid), Run::transient(scaled));
+    for n in 0..9 {
+        let window = Window::number(n);
+        let flux = window.means(&grid);
+        a.advance(&flux, window.duration);
+        b.advance(&flux, 4.0 * window.duration);
+    }
+    for (a, b) in a.rail().iter().zip(b.rail()) {
+        assert_eq!(2.0 * a, *b);
+    }
+}
+
+#[test]
+fn a_window_can_be_solved_again_and_only_accept_moves_on() {
+    let grid = row(10, -1.2, 1.1);
+    let (mut often, mut once) = (Run::transient(grid), Run::transient(grid));
+    let mut works = Vec::new();
+    for n in 0..6 {
+        let window = Window::number(n);
+        let flux = window.means(&grid);
+        often.solve(&vec![1e9; grid.ni], window.duration);
+        often.solve(&flux, 2.0 * window.duration);
+        works.push([
+            often.solve(&vec![5.0; grid.ni], window.duration).work,
+            often.advance(&flux, window.duration).work,
+        ]);
+        once.advance(&flux, window.duration);
+        assert_eq!(often.rail(), once.rail());
+    }
+    // Iterations after the first of a window spare the past.
+    assert!(works[5][1] < works[5][0] / 2, "{works:?}");
+}
+
+#[test]
+fn a_restored_run_continues_bit_by_bit() {
+    for model in ["columns", "ertz-knothe"] {
+        let mode = if model == "columns" { Mode::Transient } else { Mode::Steady };
+        let grid = Structured::contact_plane(-8e-3, -1e-3, 4e-4, 5e-4, 41, 5);
+        let flux = |n: usize| -> Vec<f64> {
+            (0..grid.points()).map(|i| ((i * (n + 3)) % 17) as f64 * 1e7).collect()
+        };
+        let mut whole = Run::new(model, mode, grid, steel());
+        for n in 0..40 {
+            whole.advance(&flux(n), 3e-6);
+        }
+        let mut state = proto::model::StateBlob::default();
+        whole.model.save(&mut state);
+        let mut resumed = Run::new(model, mode, grid, steel());
+        resumed.advance(&flux(1), 1e-3);
+        resumed.model.restore(&state).unwrap();
+        assert_eq!(resumed.model.summary(), whole.model.summary());
+        let mut again = proto::model::StateBlob::default();
+        resumed.model.save(&mut again);
+        assert_eq!(state, again);
+        for n in 40..60 {
+            whole.advance(&flux(n), 3e-6);
+            resumed.advance(&flux(n), 3e-6);
+            assert_eq!(whole.rail(), resumed.rail());
+            assert_eq!(whole.wheel(), resumed.wheel());
+        }
+    }
+}
+
+#[test]
+fn a_state_that_does_not_fit_is_refused() {
+    let (small, large) = (row(5, -1.0, 1.0), row(6, -1.0, 1.0));
+    let mut run = Run::transient(small);
+    run.advance(&vec![1.0; small.ni], 1e-4);
+    let mut state = proto::model::StateBlob::default();
+    run.model.save(&mut state);
+    let refused = |run: &mut Run, bytes: &[u8]| {
+        run.model.restore(&proto::model::StateBlob(bytes.to_vec())).unwrap_err().to_string()
+    };
+    assert!(refused(&mut Run::transient(large), &state.0).contains("grid"));
+    assert!(refused(&mut Run::steady("ertz-knothe", small), &state.0).contains("model"));
+    assert!(refused(&mut run, &state.0[..state.0.len() - 3]).contains("whole"));
+    assert!(refused(&mut run, &[]).contains("empty"));
+    let mut other = state.0.clone();
+    other.push(0);
+    assert!(refused(&mut run, &other).contains("whole"));
+    other[0] = 9;
+    assert!(refused(&mut run, &other).contains("version is 9"));
+    let mut after = proto::model::StateBlob::default();
+    run.model.save(&mut after);
+    assert_eq!(after, state, "a refused state changes nothing");
+}
+
+/// Rows of fluxes with zeros and jumps, and windows for them.
+fn rough_fluxes() -> impl Strategy<Value = Vec<(Vec<f64>, f64)>> {
+    let mean = prop_oneof![Just(0.0), 0.0..1.0, 0.0..1e3];
+    let window = (prop::collection::vec(mean, 12), 1e-9..1e-4_f64);
+    prop::collection::vec(window, 1..12)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn rises_obey_the_maximum_principle(windows in rough_fluxes()) {
+        let grid = Structured::contact_plane(-1e-3, 0.0, 2e-4, 1e-3, 12, 1);
+        let mut run = Run::transient(grid);
+        let (mut largest_mean, mut time) = (0.0_f64, 0.0);
+        for (flux, duration) in &windows {
+            run.advance(flux, *duration);
+            largest_mean = flux.iter().copied().fold(largest_mean, f64::max);
+            time += duration;
+            // A parabola's Bernstein coefficients are at most three times its mean, and so is
+            // the flux: the rise is below that of three times the largest mean, everywhere.
+            let bound = 3.0 * uniform::jaeger(0.5 * largest_mean, effusivity(), time);
+            for rise in run.rail().iter().chain(run.wheel()) {
+                prop_assert!(*rise >= 0.0 && *rise <= bound * (1.0 + 1e-12));
+            }
+            for rise in run.sections().of(&field::RAIL_SECTION_TEMPERATURE) {
+                prop_assert!(*rise >= 0.0 && *rise <= bound * (1.0 + 1e-12));
+            }
+        }
+    }
+
+    #[test]
+    fn rises_scale_with_the_flux_and_add_up_over_time(windows in rough_fluxes()) {
+        // Twice the flux is twice the rise, bit by bit; and the rise of all windows is the sum of
+        // the rises that each leaves alone, since only one acts at a time.
+        let grid = Structured::contact_plane(-1e-3, 0.0, 2e-4, 1e-3, 12, 1);
+        let (mut all, mut double) = (Run::transient(grid), Run::transient(grid));
+        let mut alone: Vec<Run> = windows.iter().map(|_| Run::transient(grid)).collect();
+        for (n, (flux, duration)) in windows.iter().enumerate() {
+            all.advance(flux, *duration);
+            double.advance(&flux.iter().map(|q| 2.0 * q).collect::<Vec<_>>(), *duration);
+            for (m, run) in alone.iter_mut().enumerate() {
+                let part = if m == n { flux.clone() } else { vec![0.0; flux.len()] };
+                run.advance(&part, *duration);
+            }
+        }
+        for i in 0..grid.ni {
+            let sum: f64 = alone.iter().map(|run| run.rail()[i]).sum();
+            prop_assert_eq!(2.0 * all.rail()[i], double.rail()[i]);
+            // Rounding.
+            prop_assert!((all.rail()[i] - sum).abs() <= 1e-12 * largest(all.rail()).max(sum));
+        }
+    }
+
+    #[test]
+    fn steady_rises_are_positive_behind_and_zero_ahead(
+        flux in prop::collection::vec(prop_oneof![Just(0.0), 0.0..1e3], 30..400)) {
+        let n = flux.len();
+        let grid = Structured::contact_plane(0.0, 0.0, 2e-4, 1e-3, n, 1);
+        let mut run = Run::steady("columns", grid);
+        run.solve(&flux, 0.0);
+        let end = flux.iter().rposition(|q| *q > 0.0).map_or(0, |last| last + 1);
+        prop_assert!(run.rail()[..end].iter().all(|rise| *rise > 0.0));
+        prop_assert!(run.rail()[end..].iter().all(|rise| *rise == 0.0));
+    }
+}
