@@ -2,12 +2,12 @@
 
 use crate::case::RawCase;
 use crate::error::{RunError, file_failure};
-use crate::logging::LogFile;
+use crate::logging::{Level, Logging};
 use crate::plan::{Planned, plan};
 use crate::programs;
 use crate::progress::Progress;
 use crate::results::ResultFolder;
-use crate::run;
+use crate::run::{self, Clock};
 use clap::{Args, Parser, Subcommand};
 use proto::description::Description;
 use std::io::{IsTerminal, Write};
@@ -18,10 +18,10 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Parser)]
 #[command(name = "coordinator", version, propagate_version = true)]
 pub struct Arguments {
-    /// What reaches the screen: error, warn, info, debug or trace.
+    /// What reaches the screen [default: RUST_LOG, or warn].
     #[arg(long, global = true, value_name = "LEVEL")]
-    log: Option<String>,
-    /// Print errors only.
+    log: Option<Level>,
+    /// Print errors only, whatever else says what reaches the screen.
     #[arg(long, short, global = true)]
     quiet: bool,
     #[command(subcommand)]
@@ -72,20 +72,37 @@ impl CaseArguments {
     }
 }
 
+/// An error of a command, and the log in which there is more to read.
+#[derive(Debug)]
+struct Ended {
+    error: Box<RunError>,
+    log: Option<PathBuf>,
+}
+
+impl From<RunError> for Ended {
+    fn from(error: RunError) -> Self {
+        Self { error: Box::new(error), log: None }
+    }
+}
+
 /// Does what the command line asks for; the exit code.
 pub fn main(since: Instant) -> u8 {
     let arguments = Arguments::parse();
-    let log = LogFile::install(arguments.log.as_deref());
+    let level = if arguments.quiet { Some(Level::Error) } else { arguments.log };
+    let log = Logging::install(level);
     match act(&arguments, &log, since) {
         Ok(()) => 0,
-        Err(error) => {
-            print_error(&error);
-            error.exit_code()
+        Err(ended) => {
+            print_error(&ended.error);
+            if let Some(log) = &ended.log {
+                let _ = writeln!(std::io::stderr(), "  log: {}", log.display());
+            }
+            ended.error.exit_code()
         }
     }
 }
 
-fn act(arguments: &Arguments, log: &LogFile, since: Instant) -> Result<(), RunError> {
+fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended> {
     match &arguments.command {
         Command::Run { case, out } => run_case(case, out.as_ref(), arguments.quiet, log, since),
         Command::Check { case } => {
@@ -97,7 +114,7 @@ fn act(arguments: &Arguments, log: &LogFile, since: Instant) -> Result<(), RunEr
             print(false, &case.plan()?.plan.to_string());
             Ok(())
         }
-        Command::Solvers => solvers(),
+        Command::Solvers => Ok(solvers()?),
     }
 }
 
@@ -105,18 +122,22 @@ fn run_case(
     case: &CaseArguments,
     out: Option<&PathBuf>,
     quiet: bool,
-    log: &LogFile,
+    log: &Logging,
     since: Instant,
-) -> Result<(), RunError> {
+) -> Result<(), Ended> {
+    let planning = Instant::now();
     let planned = case.plan()?;
+    let clock = Clock { since, plan_seconds: planning.elapsed().as_secs_f64() };
     let default = || PathBuf::from("results").join(&planned.plan.name);
-    let folder = ResultFolder::prepare(&out.cloned().unwrap_or_else(default))?;
-    let log_path = folder.file("log.jsonl");
-    log.write_to(&log_path).map_err(|error| file_failure(&log_path, &error))?;
+    let folder = ResultFolder::prepare(&out.cloned().unwrap_or_else(default), &case.case)?;
+    let log_path = folder.log_path();
+    log.write_to(folder.log()?).map_err(|error| file_failure(&log_path, &error))?;
     let mut progress = Progress::new(quiet, planned.plan.windows.count());
-    let outcome = run::run(&planned, &folder, &mut progress, since)?;
+    log.share_screen(progress.bar());
+    let told = |error| Ended { error: Box::new(error), log: Some(log_path.clone()) };
+    let outcome = run::run(&planned, &folder, &mut progress, clock).map_err(told)?;
     match outcome.error {
-        Some(error) => Err(error),
+        Some(error) => Err(told(error)),
         None => {
             print(quiet, &run::report(&outcome, &planned.plan, &folder));
             Ok(())
@@ -163,6 +184,10 @@ fn print(quiet: bool, text: &str) {
 }
 
 fn print_error(error: &RunError) {
+    if let RunError::Both { first, second } = error {
+        print_error(first);
+        return print_error(second);
+    }
     let mut stderr = std::io::stderr().lock();
     let _ = match error {
         RunError::Case(problems) => {

@@ -7,6 +7,9 @@ use proto::configuration::Refusal;
 /// Why a command of the coordinator did not succeed.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
+    /// The command line asks for what cannot be; nothing was started.
+    #[error("{0}")]
+    Usage(String),
     /// The case is wrong; nothing was started.
     #[error("{0}")]
     Case(#[from] Problems),
@@ -38,6 +41,22 @@ pub enum RunError {
         /// What was going on.
         when: String,
     },
+    /// A participant's summary holds a figure that is no number.
+    #[error("{role} reported a figure that is not finite: {key}")]
+    NotFinite {
+        /// Role that reported it.
+        role: String,
+        /// Dotted key of the figure.
+        key: String,
+    },
+    /// One error, and a second one while the first was dealt with.
+    #[error("{first}\nerror: {second}")]
+    Both {
+        /// What ended the run.
+        first: Box<RunError>,
+        /// What went wrong then.
+        second: Box<RunError>,
+    },
 }
 
 /// Who failed, when, how, and what to do about it.
@@ -59,8 +78,18 @@ impl RunError {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Case(_) | Self::Refused { .. } | Self::NoProgram { .. } => 2,
-            Self::Failed(_) | Self::Interrupted { .. } => 1,
+            Self::Usage(_) | Self::Case(_) | Self::Refused { .. } | Self::NoProgram { .. } => 2,
+            Self::Failed(_) | Self::Interrupted { .. } | Self::NotFinite { .. } => 1,
+            Self::Both { first, .. } => first.exit_code(),
+        }
+    }
+
+    /// This error, and what went wrong after it, if anything.
+    #[must_use]
+    pub fn and(self, then: Result<(), RunError>) -> Self {
+        match then {
+            Ok(()) => self,
+            Err(second) => Self::Both { first: Box::new(self), second: Box::new(second) },
         }
     }
 }
@@ -73,4 +102,21 @@ pub fn file_failure(path: &std::path::Path, error: &std::io::Error) -> RunError 
         what: error.to_string(),
         fix: "check the path, its permissions and the free space".to_owned(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_of_two_errors_decides() {
+        let first = || RunError::Usage("the first".to_owned());
+        let second = || file_failure(std::path::Path::new("x"), &std::io::Error::other("full"));
+        let both = first().and(Err(second()));
+        assert_eq!(both.exit_code(), 2);
+        let text = both.to_string();
+        assert!(text.starts_with("the first\nerror: ") && text.contains("full"), "{text}");
+        assert_eq!(first().and(Ok(())).to_string(), "the first");
+        assert_eq!(second().and(Err(first())).exit_code(), 1);
+    }
 }

@@ -14,4 +14,5 @@ pub mod progress;
 pub mod results;
 pub mod run;
 pub mod session;
+pub mod signals;
 pub mod supervise;

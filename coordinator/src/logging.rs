@@ -5,9 +5,9 @@
 //! result directory is known only when the case has been read; what is logged before is kept and
 //! written then. `RUST_LOG` chooses what is logged to both; `--log LEVEL` what reaches the screen.
 
+use indicatif::ProgressBar;
 use std::fs::File;
-use std::io::{self, Write};
-use std::path::Path;
+use std::io::{self, IsTerminal, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::fmt::format::FmtSpan;
@@ -15,49 +15,98 @@ use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
 use tracing_subscriber::{EnvFilter, Layer as _};
 
-/// Where `log.jsonl` goes: memory first, the file once there is one.
-#[derive(Clone, Debug)]
-pub struct LogFile(Arc<Mutex<Sink>>);
-
-#[derive(Debug)]
-enum Sink {
-    Memory(Vec<u8>),
-    File(File),
+/// How much reaches the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Level {
+    /// What ends a run.
+    Error,
+    /// And what may be wrong.
+    Warn,
+    /// And what happens.
+    Info,
+    /// And every window.
+    Debug,
+    /// Everything.
+    Trace,
 }
 
-impl LogFile {
-    /// Sets up logging for the whole process.
+impl Level {
+    /// The directive of a filter.
+    fn word(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Warn => "warn",
+            Self::Info => "info",
+            Self::Debug => "debug",
+            Self::Trace => "trace",
+        }
+    }
+}
+
+/// The logging of the process.
+#[derive(Clone, Debug)]
+pub struct Logging {
+    file: LogFile,
+    screen: Screen,
+}
+
+impl Logging {
+    /// Sets up logging for the whole process; without a level, `RUST_LOG` or warnings.
     #[must_use]
-    pub fn install(level: Option<&str>) -> Self {
-        let log = Self(Arc::new(Mutex::new(Sink::Memory(Vec::new()))));
+    pub fn install(level: Option<Level>) -> Self {
+        let file = LogFile(Arc::new(Mutex::new(Sink::Memory(Vec::new()))));
+        let log = Self { file, screen: Screen::default() };
         let wanted = |default: &str| {
             EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default))
         };
         let file = tracing_subscriber::fmt::layer()
             .json()
+            .with_ansi(false)
             .with_span_events(FmtSpan::CLOSE)
-            .with_writer(log.clone())
+            .with_writer(log.file.clone())
             .with_filter(wanted("info"));
         let screen = tracing_subscriber::fmt::layer()
-            .with_writer(io::stderr)
+            .with_ansi(io::stderr().is_terminal() && !no_color())
+            .with_writer(log.screen.clone())
             .without_time()
             .with_target(false)
-            .with_filter(level.map_or_else(|| wanted("warn"), EnvFilter::new));
+            .with_filter(
+                level.map_or_else(|| wanted("warn"), |level| EnvFilter::new(level.word())),
+            );
         // A second call in one process, as in tests, keeps the first set-up.
         let _ = tracing_subscriber::registry().with(file).with(screen).try_init();
         log
     }
 
     /// Sends everything, also what was logged before, to this file.
-    pub fn write_to(&self, path: &Path) -> io::Result<()> {
-        let mut sink = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut file = File::create(path)?;
+    pub fn write_to(&self, mut file: File) -> io::Result<()> {
+        let mut sink = self.file.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Sink::Memory(kept) = &*sink {
             file.write_all(kept)?;
         }
         *sink = Sink::File(file);
         Ok(())
     }
+
+    /// From now on the bar steps aside for what is written to the screen.
+    pub fn share_screen(&self, bar: Option<&ProgressBar>) {
+        *self.screen.0.lock().unwrap_or_else(PoisonError::into_inner) = bar.cloned();
+    }
+}
+
+/// The user wants no colours (<https://no-color.org>).
+fn no_color() -> bool {
+    std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
+}
+
+/// Where `log.jsonl` goes: memory first, the file once there is one.
+#[derive(Clone, Debug)]
+struct LogFile(Arc<Mutex<Sink>>);
+
+#[derive(Debug)]
+enum Sink {
+    Memory(Vec<u8>),
+    File(File),
 }
 
 impl Write for LogFile {
@@ -74,6 +123,32 @@ impl Write for LogFile {
 }
 
 impl<'a> MakeWriter<'a> for LogFile {
+    type Writer = Self;
+
+    fn make_writer(&'a self) -> Self {
+        self.clone()
+    }
+}
+
+/// Standard error, with or without a bar in its last line.
+#[derive(Clone, Debug, Default)]
+struct Screen(Arc<Mutex<Option<ProgressBar>>>);
+
+impl Write for Screen {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let bar = self.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        match bar {
+            Some(bar) => bar.suspend(|| io::stderr().write(bytes)),
+            None => io::stderr().write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        io::stderr().flush()
+    }
+}
+
+impl<'a> MakeWriter<'a> for Screen {
     type Writer = Self;
 
     fn make_writer(&'a self) -> Self {

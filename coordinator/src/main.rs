@@ -4,5 +4,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 fn main() -> ExitCode {
-    ExitCode::from(coordinator::cli::main(Instant::now()))
+    let since = Instant::now();
+    if let Err(error) = coordinator::signals::listen() {
+        tracing::warn!(%error, "signals will not end a run in order");
+    }
+    ExitCode::from(coordinator::cli::main(since))
 }

@@ -62,12 +62,18 @@ pub enum Windows {
 }
 
 impl Windows {
-    /// Number of windows. A remainder below a billionth of a window is rounding, not a window.
+    /// Number of windows. A remainder below a billionth of the whole is rounding, not a window.
     #[must_use]
     pub fn count(&self) -> u64 {
         match self {
             Self::Steady => 1,
-            Self::Fixed { window, end } => ((end / window - 1e-9).ceil() as u64).max(1),
+            Self::Fixed { window, end } => {
+                let ratio = end / window;
+                let whole = ratio.round();
+                let count =
+                    if (ratio - whole).abs() <= 1e-9 * ratio { whole } else { ratio.ceil() };
+                (count as u64).max(1)
+            }
         }
     }
 
@@ -120,6 +126,8 @@ pub struct Field {
     pub producer: usize,
     /// Indices of the participants that consume it; empty for a field that is only observed.
     pub consumers: Vec<usize>,
+    /// The case wants it written out.
+    pub wanted: bool,
 }
 
 impl Field {
@@ -190,6 +198,9 @@ mod tests {
         assert_eq!(cut.count(), 3);
         assert_eq!(cut.interval(2), (0.8, 1.0));
         assert_eq!(Windows::Fixed { window: 2.0, end: 1.0 }.count(), 1);
+        let long = Windows::Fixed { window: 5.23e-05, end: 18647.8858082 };
+        let (start, end) = long.interval(long.count() - 1);
+        assert!(start < end, "no window without length");
         assert_eq!((Windows::Steady.count(), Windows::Steady.interval(0)), (1, (0.0, 0.0)));
     }
 }

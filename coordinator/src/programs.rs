@@ -5,15 +5,21 @@
 //! answer and ends it; nothing of a run is started.
 
 use crate::error::{Failure, RunError};
+use crate::signals;
+use crate::supervise::process_group;
 use proto::configuration::{Configuration, Estimate};
 use proto::description::Description;
+use rustix::process::{Pid, Signal, kill_process_group};
 use serde::de::DeserializeOwned;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
+use std::process::{Output, Stdio};
 use std::time::Duration;
-use tokio::io::AsyncWriteExt;
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use tokio::process::Command;
+
+/// More of an answer is not read [byte].
+const LONGEST_ANSWER: u64 = 16 << 20;
 
 /// An executable with its fixed arguments.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,7 +77,13 @@ impl Program {
         input: Vec<u8>,
         deadline: Duration,
     ) -> Result<T, RunError> {
-        let answer = tokio::time::timeout(deadline, self.converse(question, input)).await;
+        let answer = tokio::select! {
+            answer = tokio::time::timeout(deadline, self.converse(question, input)) => answer,
+            signal = signals::wait() => {
+                let when = format!("while {role} was asked to {}", question.trim_start_matches('-'));
+                return Err(RunError::Interrupted { signal, when });
+            }
+        };
         let output = match answer {
             Ok(Ok(output)) => output,
             Ok(Err(error)) if error.kind() == io::ErrorKind::NotFound => {
@@ -94,7 +106,7 @@ impl Program {
             .map_err(|e| self.failed(role, question, &format!("its answer is not valid: {e}")))
     }
 
-    async fn converse(&self, question: &str, input: Vec<u8>) -> io::Result<std::process::Output> {
+    async fn converse(&self, question: &str, input: Vec<u8>) -> io::Result<Output> {
         let mut child = Command::new(&self.path)
             .args(&self.arguments)
             .arg(question)
@@ -104,11 +116,30 @@ impl Program {
             .process_group(0)
             .kill_on_drop(true)
             .spawn()?;
-        if let Some(mut stdin) = child.stdin.take() {
-            // A program that does not read its input may close it early; its answer decides.
-            let _ = stdin.write_all(&input).await;
-        }
-        child.wait_with_output().await
+        let _group = process_group(&child).map(KillOnDrop);
+        let (stdin, stdout) = (child.stdin.take(), child.stdout.take());
+        let say = async {
+            if let Some(mut stdin) = stdin {
+                // A program that does not read its input may close it early; its answer decides.
+                let _ = stdin.write_all(&input).await;
+            }
+        };
+        let (stderr, status) = (child.stderr.take(), child.wait());
+        let ((), stdout, stderr, status) =
+            tokio::join!(say, read_some(stdout), read_some(stderr), status);
+        Ok(Output { status: status?, stdout: stdout?, stderr: stderr? })
+    }
+
+    /// The error for an answer that cannot be.
+    #[must_use]
+    pub fn misled(&self, role: &str, fault: String) -> RunError {
+        RunError::Failed(Failure {
+            who: format!("{role} ({})", self.name()),
+            when: "while planning".to_owned(),
+            what: fault,
+            fix: "the program does not keep the participant contract (docs/ARCHITECTURE.md)"
+                .to_owned(),
+        })
     }
 
     fn failed(&self, role: &str, question: &str, why: &str) -> RunError {
@@ -119,6 +150,24 @@ impl Program {
             fix: format!("try `{} {question}` by hand", self.command_line()),
         })
     }
+}
+
+/// Ends a process group, with everything that its leader has started.
+struct KillOnDrop(Pid);
+
+impl Drop for KillOnDrop {
+    fn drop(&mut self) {
+        let _ = kill_process_group(self.0, Signal::KILL);
+    }
+}
+
+/// What a pipe has to say, up to [`LONGEST_ANSWER`]; beyond that its writer gets no reader.
+async fn read_some(pipe: Option<impl AsyncRead + Unpin>) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    if let Some(pipe) = pipe {
+        pipe.take(LONGEST_ANSWER).read_to_end(&mut bytes).await?;
+    }
+    Ok(bytes)
 }
 
 /// Programs beside the coordinator that look like participants, for `coordinator solvers`.

@@ -40,6 +40,15 @@ impl Progress {
         }
     }
 
+    /// The bar, if that is how progress is shown.
+    #[must_use]
+    pub fn bar(&self) -> Option<&ProgressBar> {
+        match self {
+            Self::Bar(bar) => Some(bar),
+            Self::Silent | Self::Lines { .. } => None,
+        }
+    }
+
     /// `done` windows are done, up to the time `reached` [s].
     pub fn window(&mut self, done: u64, reached: f64) {
         match self {

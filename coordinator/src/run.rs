@@ -1,19 +1,22 @@
 //! `coordinator run`: from a plan to a result directory.
 
 use crate::case::Case;
-use crate::couple::Coupling;
-use crate::error::RunError;
+use crate::couple::{Coupling, WindowOutcome};
+use crate::error::{Failure, RunError};
 use crate::plan::{Plan, Planned};
 use crate::progress::Progress;
 use crate::results::iterations::IterationTable;
-use crate::results::summary::{Counts, Ingredients, Status, build};
+use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
-use crate::session::Session;
+use crate::session::{HeatBalance, Session, SolveRecord};
 use proto::message::Finished;
 use proto::model::Step;
 use serde_json::Value;
 use std::time::Instant;
+
+/// Largest relative difference between the heat sent and received in a window: rounding only.
+const LARGEST_IMBALANCE: f64 = 1e-6;
 
 /// How a run ended: its summary, and the error if there was one.
 #[derive(Debug)]
@@ -24,31 +27,54 @@ pub struct Outcome {
     pub error: Option<RunError>,
 }
 
+/// What a run is measured by before it begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    /// When the program started.
+    pub since: Instant,
+    /// Seconds of planning.
+    pub plan_seconds: f64,
+}
+
 /// Runs a plan and writes its results; a failed run leaves a summary that says so.
 pub fn run(
     planned: &Planned,
     folder: &ResultFolder,
     progress: &mut Progress,
-    since: Instant,
+    clock: Clock,
 ) -> Result<Outcome, RunError> {
     let Planned { case, plan } = planned;
     folder.write("case.toml", case.text().as_bytes())?;
-    let mut counts = Counts::default();
+    let mut counts = Counts { plan_seconds: clock.plan_seconds, ..Counts::default() };
     let ended = perform(plan, folder, progress, &mut counts);
     progress.finish();
-    let (status, reason, finished, error) = match ended {
-        Ok(finished) => (Status::Completed, plan.scheme.reason.clone(), finished, None),
-        Err(error) => {
-            let error = place(case, error);
-            (Status::Failed, error.to_string(), Vec::new(), Some(error))
-        }
+    let (finished, error) = match ended {
+        Ok(finished) => (finished, None),
+        Err(error) => (Vec::new(), Some(place(case, error))),
     };
-    let wall_seconds = since.elapsed().as_secs_f64();
+    let roles = plan.participants.iter().map(|p| p.role.as_str());
+    let sections = Sections::gather(roles.zip(finished.iter().map(|f| &f.summary)));
+    let not_finite = sections.not_finite.clone();
+    let error = error.or(not_finite.map(|(role, key)| RunError::NotFinite { role, key }));
+    let (status, reason) = match &error {
+        None => (Status::Completed, plan.scheme.reason.clone()),
+        Some(error) => (Status::Failed, error.to_string()),
+    };
+    let wall_seconds = clock.since.elapsed().as_secs_f64();
+    let (finished, sections) = (&finished, &sections);
     let summary =
-        build(&Ingredients { plan, status, reason, counts, finished: &finished, wall_seconds });
+        build(&Ingredients { plan, status, reason, counts, finished, sections, wall_seconds });
     let text = serde_json::to_vec_pretty(&summary).expect("a summary is plain data");
-    folder.write("summary.json", &text)?;
+    let error = first(error, folder.write("summary.json", &text));
     Ok(Outcome { summary, error })
+}
+
+/// The first of two errors, with the second one added.
+fn first(error: Option<RunError>, then: Result<(), RunError>) -> Option<RunError> {
+    match error {
+        Some(error) => Some(error.and(then)),
+        None => then.err(),
+    }
 }
 
 /// The text for a person.
@@ -78,18 +104,21 @@ fn perform(
     let roles: Vec<&str> = plan.participants.iter().map(|p| p.role.as_str()).collect();
     let mut table = IterationTable::create(&folder.file("iterations.csv"), &roles)?;
     let mut fields = FieldWriter::new(folder.file("fields"));
-    let mut session = tracing::info_span!("start").in_scope(|| Session::start(plan))?;
-    let started = Instant::now();
+    let starting = Instant::now();
+    let started = tracing::info_span!("start").in_scope(|| Session::start(plan));
+    counts.start_seconds = starting.elapsed().as_secs_f64();
+    let mut session = started?;
     let looped = tracing::info_span!("windows")
         .in_scope(|| windows(plan, &mut session, &mut table, &mut fields, progress, counts));
-    let looping = started.elapsed().as_secs_f64();
-    counts.coupling_seconds = (looping - session.model_seconds() - counts.output_seconds).max(0.0);
     counts.bytes_exchanged = session.bytes_exchanged();
     // Whatever happened, what was written so far stays readable.
-    table.finish()?;
-    fields.finish()?;
-    looped?;
-    tracing::info_span!("finish").in_scope(|| session.finish())
+    if let Some(error) = first(looped.err(), table.flush()) {
+        return Err(error);
+    }
+    let finishing = Instant::now();
+    let finished = tracing::info_span!("finish").in_scope(|| session.finish());
+    counts.finish_seconds = finishing.elapsed().as_secs_f64();
+    finished
 }
 
 fn windows(
@@ -106,29 +135,110 @@ fn windows(
         let (start, end) = plan.windows.interval(window);
         let mut step = Step { window, iteration: 1, start, end };
         let _span = tracing::debug_span!("window", window, start, end).entered();
-        let outcome = coupling.solve_window(session, &step)?;
+        let outcome = solve(&mut coupling, session, &step, counts)?;
         step.iteration = outcome.iterations;
-        let heat = session.heat_balance();
         let writing = Instant::now();
+        let heat = session.heat_balance();
         table.row(&step, outcome.residual, &heat, session.solved())?;
-        counts.output_seconds += writing.elapsed().as_secs_f64();
+        audit(&heat, window, counts)?;
         let last = window + 1 == total;
         let observe = last || plan.output_every.is_some_and(|n| (window + 1) % n == 0);
         session.accept(&step, observe)?;
         if observe {
-            let writing = Instant::now();
             fields.write(session.taps(), window, end)?;
-            counts.output_seconds += writing.elapsed().as_secs_f64();
+            table.flush()?;
         }
+        counts.output_seconds += writing.elapsed().as_secs_f64();
         counts.windows += 1;
-        counts.iterations += u64::from(outcome.iterations);
-        counts.max_iterations_in_window = counts.max_iterations_in_window.max(outcome.iterations);
-        counts.final_residual = outcome.residual;
-        if let Some(imbalance) = heat.imbalance() {
-            let worst = counts.energy_imbalance.get_or_insert(0.0);
-            *worst = worst.max(imbalance);
-        }
         progress.window(window + 1, end);
     }
     Ok(())
+}
+
+/// Solves one window, and counts what that took.
+fn solve(
+    coupling: &mut Coupling,
+    session: &mut Session,
+    step: &Step,
+    counts: &mut Counts,
+) -> Result<WindowOutcome, RunError> {
+    let solving = Instant::now();
+    let outcome = coupling.solve_window(session, step)?;
+    let wall = solving.elapsed().as_secs_f64();
+    counts.coupling_seconds += beside_the_models(wall, session.solved());
+    counts.iterations += u64::from(outcome.iterations);
+    counts.max_iterations_in_window = counts.max_iterations_in_window.max(outcome.iterations);
+    counts.final_residual = outcome.residual;
+    Ok(outcome)
+}
+
+/// The part of `wall` seconds in which no model computed. The schemes make one pass a window and
+/// one participant computes at a time, so only rounding can make it negative.
+fn beside_the_models(wall: f64, solved: &[SolveRecord]) -> f64 {
+    (wall - solved.iter().map(|record| record.model_seconds).sum::<f64>()).max(0.0)
+}
+
+/// Heat that is lost or made between the participants ends the run.
+fn audit(heat: &HeatBalance, window: u64, counts: &mut Counts) -> Result<(), RunError> {
+    let Some(imbalance) = heat.imbalance() else { return Ok(()) };
+    let worst = counts.energy_imbalance.get_or_insert(0.0);
+    *worst = worst.max(imbalance);
+    if imbalance <= LARGEST_IMBALANCE {
+        return Ok(());
+    }
+    let watts = |heat: Option<f64>| heat.map_or_else(|| "?".to_owned(), |heat| format!("{heat:e}"));
+    Err(RunError::Failed(Failure {
+        who: "the energy audit".to_owned(),
+        when: format!("in window {window}"),
+        what: format!("{} W sent, {} W received", watts(heat.sent), watts(heat.received)),
+        fix: "a participant loses or makes heat; see iterations.csv".to_owned(),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn audited(sent: f64, received: f64) -> (Result<(), String>, Option<f64>) {
+        let mut counts = Counts::default();
+        let heat = HeatBalance { sent: Some(sent), received: Some(received) };
+        let judged = audit(&heat, 7, &mut counts).map_err(|error| error.to_string());
+        (judged, counts.energy_imbalance)
+    }
+
+    #[test]
+    fn rounding_passes_the_audit_and_is_recorded() {
+        assert_eq!(audited(0.0, 0.0), (Ok(()), Some(0.0)));
+        let (judged, worst) = audited(1e3, 1e3 * (1.0 + 1e-9));
+        assert_eq!(judged, Ok(()));
+        assert!(worst.unwrap() > 0.9e-9);
+        let unknown = HeatBalance { sent: Some(1.0), received: None };
+        assert!(audit(&unknown, 0, &mut Counts::default()).is_ok());
+    }
+
+    #[test]
+    fn heat_that_is_lost_or_no_number_ends_the_run() {
+        let (judged, worst) = audited(1000.0, 999.0);
+        let told = "the energy audit failed in window 7: 1e3 W sent, 9.99e2 W received; a \
+                    participant loses or makes heat; see iterations.csv";
+        assert_eq!(judged, Err(told.to_owned()));
+        assert_eq!(worst, Some(0.001));
+        for (sent, received) in [
+            (f64::NAN, 1.0),
+            (1.0, f64::NAN),
+            (f64::NAN, f64::NAN),
+            (f64::INFINITY, f64::INFINITY),
+            (1.0, f64::INFINITY),
+            (1.0, -1.0),
+        ] {
+            assert!(audited(sent, received).0.is_err(), "{sent} W, {received} W");
+        }
+    }
+
+    #[test]
+    fn coupling_is_what_the_models_leave() {
+        let record = |model_seconds| SolveRecord { model_seconds, ..SolveRecord::default() };
+        assert_eq!(beside_the_models(1.0, &[record(0.25), record(0.5)]), 0.25);
+        assert_eq!(beside_the_models(1.0, &[record(1.0 + 1e-12)]), 0.0);
+    }
 }

@@ -17,6 +17,7 @@ pub use tap::Tap;
 use crate::couple::Exchange;
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
+use crate::signals;
 use crate::supervise::{Exit, Supervisor};
 use link::Link;
 use proto::message::{Command, CommandKind, Finished, OBSERVE, Reply, Status};
@@ -25,6 +26,9 @@ use proto::run_dir::RunDir;
 use proto::transport::{Doorbell, Endpoint, Message, TransportError};
 use std::os::unix::process::ExitStatusExt;
 use std::time::{Duration, Instant};
+
+/// How long a participant may take to end after its last word.
+const LEAVE: Duration = Duration::from_secs(2);
 
 /// How long every kind of wait may last.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,7 +94,6 @@ pub struct Session {
     phase: Phase,
     solved: Vec<SolveRecord>,
     bytes_exchanged: u64,
-    model_seconds: f64,
 }
 
 impl Session {
@@ -117,18 +120,6 @@ impl Session {
         self.bytes_exchanged
     }
 
-    /// Seconds that the participants have spent in their models since the first window.
-    #[must_use]
-    pub fn model_seconds(&self) -> f64 {
-        self.model_seconds
-    }
-
-    /// Folder of the run.
-    #[must_use]
-    pub fn folder(&self) -> &std::path::Path {
-        &self.run.info().folder
-    }
-
     /// Heat sent and received in the last iteration.
     #[must_use]
     pub fn heat_balance(&self) -> HeatBalance {
@@ -146,9 +137,7 @@ impl Session {
         }
         if observe {
             for one in 0..self.links.len() {
-                let message = self.await_done(one, self.deadlines.solve)?;
-                self.model_seconds += message.header().model_seconds;
-                drop(message);
+                self.await_done(one, self.deadlines.solve)?;
                 self.collect(one, step, true)?;
             }
             (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
@@ -171,7 +160,7 @@ impl Session {
             );
         }
         // They end by themselves now; who does not is ended when the session is dropped.
-        if !self.supervisor.wait_for_exits(self.deadlines.heartbeat) {
+        if !self.supervisor.wait_for_exits(LEAVE) {
             tracing::warn!("a participant did not leave after Finish and is ended");
         }
         Ok(finished)
@@ -191,8 +180,8 @@ impl Session {
     /// Waits for the reply to the last command of a participant.
     fn await_reply(&mut self, one: usize, patience: Duration) -> Result<Message<Reply>, RunError> {
         let deadline = Instant::now() + patience;
-        let Self { links, doorbell, supervisor, deadlines, phase, .. } = self;
-        let context = Context { supervisor, phase: *phase, deadlines };
+        let Self { links, doorbell, supervisor, run, deadlines, phase, .. } = self;
+        let context = Context { supervisor, run, phase: *phase, deadlines };
         let links = std::cell::RefCell::new(links);
         let reply = doorbell.wait(
             || {
@@ -263,8 +252,12 @@ impl Session {
 
     fn transport_failed(&self, one: usize, error: &TransportError) -> RunError {
         // Often the cause is that the participant has just died: give its exit time to be seen.
-        let context =
-            Context { supervisor: &self.supervisor, phase: self.phase, deadlines: &self.deadlines };
+        let context = Context {
+            supervisor: &self.supervisor,
+            run: &self.run,
+            phase: self.phase,
+            deadlines: &self.deadlines,
+        };
         let until = Instant::now() + Duration::from_millis(100);
         while Instant::now() < until {
             if let Some(exit) = self.supervisor.exits().first() {
@@ -291,6 +284,7 @@ impl From<TransportError> for Waiting {
 /// What a waiting session looks at.
 struct Context<'a> {
     supervisor: &'a Supervisor,
+    run: &'a RunDir,
     phase: Phase,
     deadlines: &'a Deadlines,
 }
@@ -298,7 +292,7 @@ struct Context<'a> {
 impl Context<'_> {
     /// Is there a reason not to wait any longer?
     fn look(&self, links: &[Link], one: usize, deadline: Instant) -> Result<(), Waiting> {
-        if let Some(signal) = self.supervisor.stop_signal() {
+        if let Some(signal) = signals::received() {
             let when = self.phase.to_string();
             return Err(Waiting::Run(RunError::Interrupted { signal, when }));
         }
@@ -307,6 +301,14 @@ impl Context<'_> {
             |exit: &&Exit| !(finishing && exit.status.success() && exit.role != links[one].role());
         if let Some(exit) = self.supervisor.exits().iter().find(early) {
             return Err(Waiting::Run(self.ended(links, exit)));
+        }
+        // A participant started by hand is not our child: its lock tells of its death.
+        let has_left = |link: &&Link| link.is_attached() && self.run.has_left(link.role());
+        if self.phase != Phase::Starting
+            && let Some(gone) = links.iter().find(has_left)
+        {
+            let fix = "see what it wrote where it was started";
+            return Err(Waiting::Run(self.hung(gone, "its process is gone".to_owned(), fix)));
         }
         let silence = links[one].silence();
         if silence > self.deadlines.heartbeat {
@@ -335,6 +337,9 @@ impl Context<'_> {
     fn ended(&self, links: &[Link], exit: &Exit) -> RunError {
         let link = links.iter().find(|link| link.role() == exit.role);
         let how = match (exit.status.signal(), exit.status.code()) {
+            (Some(7), _) => {
+                "killed by signal 7 (shared memory is full: enlarge /dev/shm)".to_owned()
+            }
             (Some(signal), _) => format!("killed by signal {signal}"),
             (_, Some(code)) => format!("ended with exit code {code}"),
             _ => "ended".to_owned(),
@@ -374,7 +379,6 @@ impl Exchange for Session {
         for &one in participants {
             let message = self.await_done(one, self.deadlines.solve)?;
             self.solved[one] = solve_record(message.header());
-            self.model_seconds += self.solved[one].model_seconds;
             drop(message);
             self.collect(one, step, false)?;
         }

@@ -9,14 +9,16 @@ use rustix::process::{Pid, Signal, kill_process_group};
 use std::io;
 use std::path::Path;
 use std::process::{ExitStatus, Stdio};
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use tokio::io::{AsyncBufReadExt, AsyncRead, BufReader};
+use tokio::io::{AsyncBufRead, AsyncBufReadExt, AsyncRead, AsyncReadExt, BufReader};
 use tokio::process::{Child, Command};
-use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::oneshot;
+
+/// A line longer than this is logged in pieces [byte].
+const LONGEST_LINE: u64 = 64 * 1024;
 
 /// A participant's process as last seen.
 #[derive(Clone, Debug)]
@@ -35,8 +37,6 @@ struct Observations {
     /// Raised by every exit, so that the coupling loop looks only when there is news.
     exits_seen: AtomicUsize,
     exits: Mutex<Vec<Exit>>,
-    /// Number of the signal that asked us to stop; 0 for none.
-    stop_signal: AtomicU32,
     processes: Mutex<Vec<Pid>>,
 }
 
@@ -69,7 +69,6 @@ impl Supervisor {
             .map_err(|e| ("coordinator".to_owned(), e))?;
         {
             let _inside = runtime.enter();
-            watch_signals(&seen).map_err(|e| ("coordinator".to_owned(), e))?;
             for launch in launches {
                 start_one(launch, run_folder, &seen).map_err(|e| (launch.role.clone(), e))?;
             }
@@ -91,16 +90,6 @@ impl Supervisor {
             return Vec::new();
         }
         self.seen.exits.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    /// The signal that asked us to stop, by name.
-    #[must_use]
-    pub fn stop_signal(&self) -> Option<&'static str> {
-        match self.seen.stop_signal.load(Ordering::Acquire) {
-            0 => None,
-            2 => Some("Ctrl-C"),
-            _ => Some("SIGTERM"),
-        }
     }
 
     fn all_ended(&self) -> bool {
@@ -145,19 +134,6 @@ impl Drop for Supervisor {
     }
 }
 
-fn watch_signals(seen: &Arc<Observations>) -> io::Result<()> {
-    for (kind, number) in [(SignalKind::interrupt(), 2), (SignalKind::terminate(), 15)] {
-        let mut stream = signal(kind)?;
-        let seen = Arc::clone(seen);
-        tokio::spawn(async move {
-            while stream.recv().await.is_some() {
-                seen.stop_signal.store(number, Ordering::Release);
-            }
-        });
-    }
-    Ok(())
-}
-
 fn start_one(launch: &Launch, run_folder: &Path, seen: &Arc<Observations>) -> io::Result<()> {
     let mut child = Command::new(&launch.program.path)
         .args(&launch.program.arguments)
@@ -170,15 +146,22 @@ fn start_one(launch: &Launch, run_folder: &Path, seen: &Arc<Observations>) -> io
         .process_group(0)
         .kill_on_drop(true)
         .spawn()?;
-    if let Some(pid) = child.id().and_then(|id| Pid::from_raw(i32::try_from(id).ok()?)) {
+    let pid = process_group(&child);
+    if let Some(pid) = pid {
         tracing::info!(role = launch.role, pid = pid.as_raw_nonzero().get(), "participant started");
         seen.processes.lock().unwrap_or_else(PoisonError::into_inner).push(pid);
     }
     let last_words = Arc::new(Mutex::new(None));
     let out = child.stdout.take().map(|pipe| relay(pipe, &launch.role, &last_words));
     let err = child.stderr.take().map(|pipe| relay(pipe, &launch.role, &last_words));
-    tokio::spawn(watch(child, launch.role.clone(), [out, err], last_words, Arc::clone(seen)));
+    let role = launch.role.clone();
+    tokio::spawn(watch(child, pid, role, [out, err], last_words, Arc::clone(seen)));
     Ok(())
+}
+
+/// The process group that a child leads.
+pub(crate) fn process_group(child: &Child) -> Option<Pid> {
+    child.id().and_then(|id| Pid::from_raw(i32::try_from(id).ok()?))
 }
 
 type LastWords = Arc<Mutex<Option<String>>>;
@@ -191,8 +174,9 @@ fn relay(
 ) -> tokio::task::JoinHandle<()> {
     let (role, last_words) = (role.to_owned(), Arc::clone(last_words));
     tokio::spawn(async move {
-        let mut lines = BufReader::new(pipe).split(b'\n');
-        while let Ok(Some(line)) = lines.next_segment().await {
+        let mut pipe = BufReader::new(pipe);
+        let mut line = Vec::new();
+        while next_line(&mut pipe, &mut line).await {
             let line = String::from_utf8_lossy(&line).trim_end().to_owned();
             if !line.is_empty() {
                 tracing::info!(target: "participant", role, "{line}");
@@ -202,14 +186,26 @@ fn relay(
     })
 }
 
+/// Reads a line, or as much of it as is kept in one piece; false at the end.
+async fn next_line(pipe: &mut (impl AsyncBufRead + Unpin), line: &mut Vec<u8>) -> bool {
+    line.clear();
+    let mut piece = pipe.take(LONGEST_LINE);
+    matches!(piece.read_until(b'\n', line).await, Ok(count) if count > 0)
+}
+
 async fn watch(
     mut child: Child,
+    pid: Option<Pid>,
     role: String,
     relays: [Option<tokio::task::JoinHandle<()>>; 2],
     last_words: LastWords,
     seen: Arc<Observations>,
 ) {
     let Ok(status) = child.wait().await else { return };
+    // What it started ends with it.
+    if let Some(pid) = pid {
+        let _ = kill_process_group(pid, Signal::KILL);
+    }
     for relay in relays.into_iter().flatten() {
         // A grandchild may hold the pipe open; its words are not worth waiting for.
         let _ = tokio::time::timeout(Duration::from_millis(50), relay).await;

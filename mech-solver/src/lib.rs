@@ -18,6 +18,8 @@
 //! model likewise under `models/` and in [`models::MODELS`].
 
 pub mod effects;
+mod ellipse;
+pub mod half_space;
 mod keys;
 pub mod models;
 #[cfg(test)]

@@ -20,6 +20,12 @@ impl Material {
     pub fn compliance(&self) -> f64 {
         (1.0 - self.poisson_ratio.powi(2)) / self.youngs_modulus
     }
+
+    /// Shear modulus E/(2(1 + ν)) [Pa].
+    #[must_use]
+    pub fn shear_modulus(&self) -> f64 {
+        0.5 * self.youngs_modulus / (1.0 + self.poisson_ratio)
+    }
 }
 
 /// What drives the wheel: a force or a creepage. Positive forces and negative creepages drive.
@@ -199,6 +205,19 @@ impl Scene {
     pub fn contact_compliance(&self) -> f64 {
         self.wheel.compliance() + self.rail.compliance()
     }
+
+    /// Shear modulus G of both bodies together, 1/G = ½(1/G₁ + 1/G₂) [Pa] (Kalker 1990).
+    #[must_use]
+    pub fn combined_shear_modulus(&self) -> f64 {
+        2.0 / (self.wheel.shear_modulus().recip() + self.rail.shear_modulus().recip())
+    }
+
+    /// Poisson's ratio ν of both bodies together, ν/G = ½(ν₁/G₁ + ν₂/G₂) [-] (Kalker 1990).
+    #[must_use]
+    pub fn combined_poisson_ratio(&self) -> f64 {
+        let share = |body: &Material| body.poisson_ratio / body.shear_modulus();
+        0.5 * self.combined_shear_modulus() * (share(&self.wheel) + share(&self.rail))
+    }
 }
 
 impl GivenPatch {
@@ -302,6 +321,11 @@ mod tests {
         assert_eq!(scene.drive, Drive::TractionCoefficient(0.58));
         assert_eq!(scene.gap_coefficient_x(), 0.5 / 0.46);
         assert_eq!(scene.contact_compliance(), 0.91 / 210e9 + 0.75 / 1e6);
+        // Rubber is so much softer that it alone deforms: G = 2 G₂, ν = ν₂.
+        let (steel, rubber) = (210e9 / 2.6, 1e6 / 3.0);
+        let expected = 2.0 / (1.0 / steel + 1.0 / rubber);
+        assert!((scene.combined_shear_modulus() / expected - 1.0).abs() < 1e-15);
+        assert!((scene.combined_poisson_ratio() - 0.5).abs() < 1e-6);
     }
 
     #[test]

@@ -86,6 +86,20 @@ pub struct FieldOnGrid {
 }
 
 impl Layout {
+    /// What is wrong with a layout that came from outside.
+    ///
+    /// # Errors
+    /// A grid that [`Grid::check`] refuses, or two of the same name.
+    pub fn check(&self) -> Result<(), String> {
+        for (index, grid) in self.grids.iter().enumerate() {
+            grid.check()?;
+            if self.grids[..index].iter().any(|other| other.name == grid.name) {
+                return Err(format!("two grids are called `{}`", grid.name));
+            }
+        }
+        Ok(())
+    }
+
     /// The grid of a field.
     #[must_use]
     pub fn grid_of(&self, field: &str) -> Option<&Grid> {

@@ -4,6 +4,7 @@
 //! in which unit and range, and which fields they exchange, it learns from here.
 
 use crate::field::{FieldKind, FieldSpec};
+use crate::grid::check_name;
 use serde::{Deserialize, Serialize};
 
 /// Everything a participant says of itself.
@@ -31,6 +32,28 @@ pub struct Description {
     /// Fields that are not in [`crate::field::TABLE`].
     #[serde(default)]
     pub fields: Vec<FieldKind>,
+}
+
+impl Description {
+    /// What is wrong with a description that came from outside.
+    ///
+    /// # Errors
+    /// Names that are no plain words, and fields without components or with a unit that does not
+    /// fit its label.
+    pub fn check(&self) -> Result<(), String> {
+        check_name("role", &self.role)?;
+        for field in &self.fields {
+            check_name("field", &field.name)?;
+            let unit = &field.unit;
+            if unit.is_empty() || unit.len() > 15 || !unit.is_ascii() {
+                return Err(format!("field `{}` has the unit {unit:?}", field.name));
+            }
+            if !(1..=64).contains(&field.components) {
+                return Err(format!("field `{}` has {} components", field.name, field.components));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// One model (fidelity level) of a participant.

@@ -6,6 +6,22 @@
 
 use serde::{Deserialize, Serialize};
 
+/// More points than this are refused: their field would not fit into any machine.
+const MOST_POINTS: usize = 1 << 36;
+
+/// A name that travels in labels and becomes part of file names: a plain word.
+///
+/// # Errors
+/// It is empty, longer than 31 bytes, or has other characters than letters, digits, `_` and `-`.
+pub fn check_name(what: &str, name: &str) -> Result<(), String> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if (1..=31).contains(&name.len()) && name.chars().all(plain) {
+        return Ok(());
+    }
+    let shown: String = name.chars().take(40).collect();
+    Err(format!("the {what} name {shown:?} is not 1 to 31 letters, digits, `_` or `-`"))
+}
+
 /// A named grid with a revision that rises whenever its geometry changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
@@ -116,6 +132,26 @@ impl Grid {
         }
     }
 
+    /// What is wrong with a grid that came from outside.
+    ///
+    /// # Errors
+    /// A name that is no plain word of at most 31 bytes, no points or more than fit, steps that are
+    /// not finite or have no length.
+    pub fn check(&self) -> Result<(), String> {
+        check_name("grid", &self.name)?;
+        let Shape::Structured(s) = &self.shape;
+        let name = &self.name;
+        match s.ni.checked_mul(s.nj) {
+            Some(points) if (1..=MOST_POINTS).contains(&points) => {}
+            _ => return Err(format!("grid `{name}` has {} x {} points", s.ni, s.nj)),
+        }
+        let finite = [s.origin, s.step_i, s.step_j].as_flattened().iter().all(|v| v.is_finite());
+        if !finite || s.element_area() <= 0.0 {
+            return Err(format!("grid `{name}` has elements without an area"));
+        }
+        Ok(())
+    }
+
     /// The structured geometry, if it is one.
     #[must_use]
     pub fn as_structured(&self) -> Option<&Structured> {
@@ -173,6 +209,23 @@ mod tests {
             let n = f64::from(n);
             assert_eq!(blocked_sum(&values), n * (n - 1.0) / 2.0);
         }
+    }
+
+    #[test]
+    fn grids_from_outside_are_checked() {
+        let grid = |name: &str, ni, nj, dx| {
+            Grid::structured(name, Structured::contact_plane(0.0, 0.0, dx, 1.0, ni, nj)).check()
+        };
+        assert_eq!(grid("contact", 3, 2, 1.0), Ok(()));
+        let wrong = [
+            grid("../evil", 3, 2, 1.0),
+            grid("", 3, 2, 1.0),
+            grid("contact", 0, 2, 1.0),
+            grid("contact", (1 << 63) + 1, 2, 1.0),
+            grid("contact", 3, 2, 0.0),
+            grid("contact", 3, 2, f64::NAN),
+        ];
+        assert!(wrong.iter().all(Result::is_err), "{wrong:?}");
     }
 
     #[test]

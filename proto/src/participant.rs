@@ -84,14 +84,10 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), Box<dyn Error>> {
 }
 
 fn take_part(folder: &Path, role: &str, solver: &dyn Solver) -> Result<(), Box<dyn Error>> {
-    let run = RunDir::join(folder)?;
+    let run = RunDir::join(folder, role)?;
     let info = run.info().clone();
     let watch = run.watch()?;
-    let Some(index) = info.roles.iter().position(|r| r == role) else {
-        return Err(
-            format!("the run has no role `{role}`; it has {}", info.roles.join(", ")).into()
-        );
-    };
+    let index = info.roles.iter().position(|r| r == role).unwrap_or_default();
     // Declared before the server: whatever ends the process, its ports close before the run's
     // folder is left and perhaps removed.
     let run = Arc::new(Mutex::new(Some(run)));

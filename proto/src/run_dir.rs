@@ -6,6 +6,8 @@
 //!
 //! - `coordinator.lock` is held exclusively by the coordinator for the whole run. A participant
 //!   that can take it knows that the coordinator is dead.
+//! - `participant-ROLE.lock` is held exclusively by the participant that plays the role, so that
+//!   the coordinator knows when one is gone that it has not started itself.
 //! - `members.lock` is held shared by everybody in the run. Whoever can take it exclusively is the
 //!   last one, and removes the folder and every shared-memory file with the run's prefix.
 //!
@@ -45,7 +47,8 @@ pub struct RunInfo {
 pub struct RunDir {
     info: RunInfo,
     members: File,
-    coordinator: Option<File>,
+    /// The lock that nobody shares: the coordinator's, or the participant's own.
+    own: File,
 }
 
 /// The folder that holds the runs of this user: `$COSIM_RUNTIME_DIR`, or `/dev/shm/cosim-UID`.
@@ -100,18 +103,33 @@ impl RunDir {
         fs::write(nursery.join(RUN_FILE), serde_json::to_vec_pretty(&info)?)?;
         // Only a locked folder ever bears its final name, so that nobody takes it for a dead one.
         fs::rename(&nursery, &folder)?;
-        Ok(Self { info, members, coordinator: Some(coordinator) })
+        Ok(Self { info, members, own: coordinator })
     }
 
-    /// Joins a run as a participant.
-    pub fn join(folder: &Path) -> io::Result<Self> {
+    /// Joins a run as the participant that plays this role.
+    pub fn join(folder: &Path, role: &str) -> io::Result<Self> {
         let text = fs::read(folder.join(RUN_FILE)).map_err(|error| {
             io::Error::new(error.kind(), format!("no run at {}: {error}", folder.display()))
         })?;
         let info: RunInfo = serde_json::from_slice(&text)?;
         let members = File::open(folder.join(MEMBERS_LOCK))?;
         flock(&members, FlockOperation::NonBlockingLockShared)?;
-        Ok(Self { info, members, coordinator: None })
+        if !info.roles.iter().any(|known| known == role) {
+            let known = info.roles.join(", ");
+            return Err(io::Error::other(format!("the run has no role `{role}`; it has {known}")));
+        }
+        let own = File::create(info.folder.join(participant_lock(role)))?;
+        flock(&own, FlockOperation::NonBlockingLockExclusive).map_err(|_| {
+            io::Error::other(format!("somebody plays the role `{role}` in this run already"))
+        })?;
+        Ok(Self { info, members, own })
+    }
+
+    /// The participant has joined and is gone: its lock is there and free.
+    #[must_use]
+    pub fn has_left(&self, role: &str) -> bool {
+        File::open(self.info.folder.join(participant_lock(role)))
+            .is_ok_and(|lock| flock(&lock, FlockOperation::NonBlockingLockShared).is_ok())
     }
 
     /// What the run is.
@@ -126,7 +144,7 @@ impl RunDir {
     }
 
     fn release(&self) {
-        for lock in self.coordinator.iter().chain([&self.members]) {
+        for lock in [&self.own, &self.members] {
             let _ = flock(lock, FlockOperation::Unlock);
         }
     }
@@ -140,6 +158,10 @@ impl Drop for RunDir {
             remove(&self.info.folder, &self.info.prefix);
         }
     }
+}
+
+fn participant_lock(role: &str) -> String {
+    format!("participant-{role}.lock")
 }
 
 /// Tells whether the coordinator of a run still lives.
@@ -254,7 +276,10 @@ mod tests {
         let folder = run.info().folder.clone();
         let file = Path::new(SHARED_MEMORY).join(format!("{}probe", run.info().prefix));
         fs::write(&file, b"x").unwrap();
-        let member = RunDir::join(&folder).unwrap();
+        let member = RunDir::join(&folder, "mech").unwrap();
+        assert!(RunDir::join(&folder, "mech").is_err(), "the role is taken");
+        assert!(RunDir::join(&folder, "thermal").is_err(), "there is no such role");
+        assert!(!run.has_left("mech"));
         assert_eq!(member.info(), run.info());
         let watch = member.watch().unwrap();
         assert!(watch.is_alive());
@@ -290,7 +315,7 @@ mod tests {
 
     #[test]
     fn joining_a_run_that_is_not_there_names_the_folder() {
-        let error = RunDir::join(Path::new("/nonexistent/run")).unwrap_err();
+        let error = RunDir::join(Path::new("/nonexistent/run"), "mech").unwrap_err();
         assert!(error.to_string().contains("/nonexistent/run"));
     }
 

@@ -321,17 +321,6 @@ impl<H: std::fmt::Debug + ZeroCopySend + Copy + Default> Sender<H> {
         self.topic.dynamic_config().number_of_subscribers() > 0
     }
 
-    /// Waits until the receiver has joined.
-    pub fn wait_until_heard(&self, deadline: Duration) -> Result<(), TransportError> {
-        if until(Instant::now() + deadline, || self.is_heard()) {
-            return Ok(());
-        }
-        Err(TransportError::NobodyJoined {
-            service: self.name.clone(),
-            seconds: deadline.as_secs_f64(),
-        })
-    }
-
     /// Sends one message; it has reached the receiver's queue when this returns.
     pub fn send(&self, header: &H, body: &[u8]) -> Result<(), TransportError> {
         let mut sample = self

@@ -38,7 +38,7 @@ struct Rogue {
 }
 
 fn take_part(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    let run = RunDir::join(folder)?;
+    let run = RunDir::join(folder, "left")?;
     let endpoint = Endpoint::open(run.info())?;
     let doorbell = endpoint.doorbell("left")?;
     let replies = endpoint.reply_sender("left")?;
@@ -137,6 +137,7 @@ impl Rogue {
         header.sequence += if skip { 2 } else { 1 };
         header.window = command.window;
         header.iteration = command.iteration;
+        (header.start, header.end) = (command.start, command.end);
         field.header = header;
         if label {
             header.name = Label::new("pressure");

@@ -171,6 +171,7 @@ impl Checker<'_> {
 
     /// Checks the coordinator's own rules.
     pub(super) fn own_rules(&mut self) {
+        self.case_name();
         let number = |key: &str| self.values.get(key).and_then(serde_json::Value::as_f64);
         if let (Some(window), Some(end)) = (number("time.window"), number("time.end"))
             && window > end
@@ -194,6 +195,16 @@ impl Checker<'_> {
         }
     }
 
+    /// The name of the case names its result folder: it is one plain part of a path.
+    fn case_name(&mut self) {
+        let key = "case.name";
+        let Some(name) = self.values.get(key).and_then(serde_json::Value::as_str) else { return };
+        if let Some(reason) = name_fault(name) {
+            let fix = "write a name of letters, digits, `-`, `_` and `.`, such as \"wheel-rail\"";
+            self.fault(key, reason, fix);
+        }
+    }
+
     fn output_field(&mut self, key: &str, name: &str) {
         let provided = self.selection.players.iter().filter(|p| p.needed).flat_map(|player| {
             let effects = player.description.effects.iter().flat_map(|e| &e.provides);
@@ -211,5 +222,26 @@ impl Checker<'_> {
             known => format!("the participants provide {}", all_of(known)),
         };
         self.fault(key, format!("unknown field `{name}`{hint}"), fix);
+    }
+}
+
+/// Longest name of a case [byte].
+const LONGEST_NAME: usize = 64;
+
+/// Why a text cannot be the name of a case and of its result folder.
+fn name_fault(name: &str) -> Option<String> {
+    let plain = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ');
+    if name.is_empty() {
+        Some("is empty".to_owned())
+    } else if name.len() > LONGEST_NAME {
+        Some(format!("has {} bytes, {LONGEST_NAME} at most", name.len()))
+    } else if let Some(other) = name.chars().find(|c| !plain(*c)) {
+        Some(format!("{other:?} cannot stand in the name of a result folder"))
+    } else if name.starts_with('.') {
+        Some("starts with a dot".to_owned())
+    } else if name.trim() != name {
+        Some("starts or ends with a space".to_owned())
+    } else {
+        None
     }
 }

@@ -70,5 +70,5 @@ pub fn own_keys() -> Vec<OwnKey> {
 }
 
 fn deadline(path: &str, help: &str, seconds: f64) -> KeySpec {
-    KeySpec::quantity(path, "s", help).above(0.0).default_value(seconds)
+    KeySpec::quantity(path, "s", help).above(0.0).at_most(1e7).default_value(seconds)
 }

@@ -9,8 +9,17 @@ use crate::programs::Program;
 use crate::session::Deadlines;
 use proto::configuration::{Configuration, Estimate, Input, Layout};
 use proto::description::Description;
+use proto::grid::check_name;
 use proto::message::MAX_INPUTS;
 use std::time::Duration;
+
+/// Words that stand beside `ROLE_s` in the summary's cost, and the coordinator's own name.
+const RESERVED_ROLES: &[&str] =
+    &["coordinator", "wall", "coupling", "output", "plan", "start", "finish"];
+/// More participants than this have no place in the services.
+const MOST_PARTICIPANTS: usize = 12;
+/// More windows than this are a slip of the pen.
+const MOST_WINDOWS: f64 = 1e9;
 
 /// How long a program may take to say what it is.
 const ANSWER: Duration = Duration::from_secs(30);
@@ -68,7 +77,11 @@ async fn describe<'a>(
                     "install versions that fit together",
                 ));
             }
-            Ok(description) => described.push((section, description)),
+            Ok(description) => {
+                let program = Program::of_role(&section.role, section.command.as_deref());
+                description.check().map_err(|fault| program.misled(&section.role, fault))?;
+                described.push((section, description));
+            }
             // A section with a model and nothing else may be a table that a participant reads.
             Err(RunError::NoProgram { role, .. })
                 if section.command.is_none() && !WELL_KNOWN_ROLES.contains(&role.as_str()) => {}
@@ -84,6 +97,44 @@ async fn describe<'a>(
         }
     }
     raw.report(problems).map_or(Ok(described), |problems| Err(problems.into()))
+}
+
+/// Refuses the case if there are problems.
+fn refuse(case: &Case, problems: Vec<Problem>) -> Result<(), RunError> {
+    case.report(problems).map_or(Ok(()), |problems| Err(problems.into()))
+}
+
+/// Roles become names of services, files and keys of the summary.
+fn check_roles(case: &Case, described: &[(String, Description)]) -> Result<(), RunError> {
+    let mut problems = Vec::new();
+    let mut problem = |role: &str, reason: String, fix: &str| {
+        problems.push(case.problem_at(role, reason, fix));
+    };
+    for (index, participant) in case.participants.iter().enumerate() {
+        let role = participant.role.as_str();
+        if let Err(reason) = check_name("role", role) {
+            problem(role, reason, "choose another name for this section");
+        }
+        if RESERVED_ROLES.contains(&role) {
+            problem(role, format!("`{role}` is a word of the summary"), "choose another name");
+        }
+        if index == MOST_PARTICIPANTS {
+            problem(role, format!("more than {MOST_PARTICIPANTS} participants"), "use fewer");
+        }
+        let description = described.iter().find(|(r, _)| r == role).map(|(_, d)| d);
+        if let Some(played) = description.map(|d| &d.role).filter(|played| *played != role) {
+            let reason = format!("its program plays the role `{played}`");
+            problem(role, reason, "name the section after the role, or the right program");
+        }
+    }
+    if let Timing::Transient { window, end } = case.timing
+        && end / window > MOST_WINDOWS
+    {
+        let reason =
+            format!("{:.1e} windows up to time.end, {MOST_WINDOWS:.0e} at most", end / window);
+        problems.push(case.problem_at("time.window", reason, "choose longer windows"));
+    }
+    refuse(case, problems)
 }
 
 /// The well-known programs that the case has no section for: what they would read is no error, so
@@ -107,6 +158,12 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         Some(Candidate { role: &p.role, model, description })
     });
     let running = route::order(candidates.collect(), case);
+    check_roles(case, described)?;
+    let twice = route::provided_twice(&running, case).into_iter().map(|(field, first, second)| {
+        let reason = format!("`{first}` and `{second}` both provide the field `{field}`");
+        case.problem_at(&second, reason, "keep one of the two")
+    });
+    refuse(case, twice.collect())?;
     let fields = route::fields(&running, case).map_err(|unprovided| {
         let problems = unprovided.iter().map(|u| {
             let reason = format!(
@@ -232,12 +289,16 @@ async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
     for index in 0..plan.participants.len() {
         fill_input_grids(plan, index);
         let participant = &plan.participants[index];
-        let known = participant.configuration.inputs.iter().all(|input| input.grid.is_some());
-        if !participant.description.estimates || !known {
+        if !participant.description.estimates {
             continue;
         }
         match participant.program.estimate(&participant.configuration, ANSWER).await? {
-            Estimate::Layout(layout) => plan.participants[index].estimate = Some(layout),
+            Estimate::Layout(layout) => {
+                layout
+                    .check()
+                    .map_err(|fault| participant.program.misled(&participant.role, fault))?;
+                plan.participants[index].estimate = Some(layout);
+            }
             Estimate::Refused(refusal) => {
                 let problem = case.problem_at(&refusal.key, refusal.reason, refusal.fix);
                 return Err(case.report(vec![problem]).expect("there is a problem").into());

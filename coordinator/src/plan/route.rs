@@ -82,7 +82,8 @@ pub(super) fn fields(
             if let Some(kind) = one.kind(name)
                 && fields.iter().all(|f| f.kind.name != name)
             {
-                fields.push(Field { kind, producer, consumers: Vec::new() });
+                let wanted = wanted(&case.output.fields, name);
+                fields.push(Field { kind, producer, consumers: Vec::new(), wanted });
             }
         }
     }
@@ -102,7 +103,7 @@ pub(super) fn fields(
             }
         }
     }
-    fields.retain(|field| !field.observed_only() || wanted(&case.output.fields, &field.kind.name));
+    fields.retain(|field| !field.observed_only() || field.wanted);
     if unprovided.is_empty() { Ok(fields) } else { Err(unprovided) }
 }
 
@@ -112,6 +113,23 @@ fn wanted(selection: &OutputFields, name: &str) -> bool {
         OutputFields::None => false,
         OutputFields::Named(names) => names.iter().any(|n| n == name),
     }
+}
+
+/// Fields that two participants provide, with both roles.
+pub(super) fn provided_twice(
+    participants: &[Candidate],
+    case: &Case,
+) -> Vec<(String, String, String)> {
+    let mut twice = Vec::new();
+    for (index, one) in participants.iter().enumerate() {
+        for other in &participants[..index] {
+            let theirs = other.provides(case);
+            for name in one.provides(case).into_iter().filter(|name| theirs.contains(name)) {
+                twice.push((name.to_owned(), other.role.to_owned(), one.role.to_owned()));
+            }
+        }
+    }
+    twice
 }
 
 /// The fields that close a loop: somebody who solves earlier needs them from somebody later.

@@ -6,12 +6,17 @@ use proto::model::Step;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Longest time for which rows stay in memory while more are written.
+const UNWRITTEN: Duration = Duration::from_secs(1);
 
 /// The table being written.
 #[derive(Debug)]
 pub struct IterationTable {
     out: BufWriter<File>,
     path: PathBuf,
+    flushed: Instant,
 }
 
 impl IterationTable {
@@ -20,10 +25,11 @@ impl IterationTable {
         let failed = |error| file_failure(path, &error);
         let mut out = BufWriter::new(File::create(path).map_err(failed)?);
         head(&mut out, roles).map_err(failed)?;
-        Ok(Self { out, path: path.to_owned() })
+        out.flush().map_err(failed)?;
+        Ok(Self { out, path: path.to_owned(), flushed: Instant::now() })
     }
 
-    /// Writes the row of an iteration.
+    /// Writes the row of an iteration; it is on disk a second later, if the run goes on.
     pub fn row(
         &mut self,
         step: &Step,
@@ -32,11 +38,13 @@ impl IterationTable {
         solved: &[SolveRecord],
     ) -> Result<(), RunError> {
         write_row(&mut self.out, step, residual, heat, solved)
-            .map_err(|error| file_failure(&self.path, &error))
+            .map_err(|error| file_failure(&self.path, &error))?;
+        if self.flushed.elapsed() >= UNWRITTEN { self.flush() } else { Ok(()) }
     }
 
     /// Writes what is still buffered.
-    pub fn finish(mut self) -> Result<(), RunError> {
+    pub fn flush(&mut self) -> Result<(), RunError> {
+        self.flushed = Instant::now();
         self.out.flush().map_err(|error| file_failure(&self.path, &error))
     }
 }

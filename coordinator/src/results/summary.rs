@@ -1,4 +1,7 @@
 //! `summary.json`, schema 1. A quantity that nobody can give is absent, never 0.
+//!
+//! The participants' sections are merged first ([`Sections::gather`]); the coordinator's own keys
+//! are no participant's to write, and what one participant has said no other can change.
 
 use crate::plan::Plan;
 use proto::message::Finished;
@@ -7,8 +10,6 @@ use serde_json::{Map, Value, json};
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// Every window met its convergence measures.
-    Converged,
     /// An explicit scheme went through; there was nothing to converge.
     Completed,
     /// It did not.
@@ -20,7 +21,6 @@ impl Status {
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
-            Self::Converged => "converged",
             Self::Completed => "completed",
             Self::Failed => "failed",
         }
@@ -40,10 +40,16 @@ pub struct Counts {
     pub final_residual: Option<f64>,
     /// Largest heat imbalance of a window, relative.
     pub energy_imbalance: Option<f64>,
-    /// Seconds in the window loop that are neither a model's nor the output's.
+    /// Seconds of planning.
+    pub plan_seconds: f64,
+    /// Seconds from the first participant's start to the first window.
+    pub start_seconds: f64,
+    /// Seconds in which windows were solved but no model computed.
     pub coupling_seconds: f64,
-    /// Seconds spent on writing results.
+    /// Seconds spent on accepting windows, observing fields and writing results.
     pub output_seconds: f64,
+    /// Seconds from the last window to the participants' end.
+    pub finish_seconds: f64,
     /// Bytes of field values exchanged.
     pub bytes_exchanged: u64,
 }
@@ -59,10 +65,58 @@ pub struct Ingredients<'a> {
     pub reason: String,
     /// What the coupling counted.
     pub counts: Counts,
-    /// What the participants say, in the plan's order; empty when the run failed.
+    /// What the participants say, in the plan's order; empty when the run failed before.
     pub finished: &'a [Finished],
+    /// Their sections.
+    pub sections: &'a Sections,
     /// Seconds from the start of the program.
     pub wall_seconds: f64,
+}
+
+/// Keys that only the coordinator writes.
+const OWN: [&str; 7] = ["schema", "case", "status", "reason", "coupling", "cost", "effects"];
+
+/// What all participants say, in one object.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sections {
+    /// The merged sections.
+    pub merged: Map<String, Value>,
+    /// Role and dotted key of the first figure that is not finite; it is left out.
+    pub not_finite: Option<(String, String)>,
+}
+
+impl Sections {
+    /// Merges what each role says. What cannot be taken over is left out, with a warning.
+    #[must_use]
+    pub fn gather<'a>(said: impl IntoIterator<Item = (&'a str, &'a Value)>) -> Self {
+        let mut sections = Self::default();
+        for (role, summary) in said {
+            match summary {
+                Value::Object(summary) => sections.take(role, summary),
+                _ => tracing::warn!(role, "its summary is no object and is left out"),
+            }
+        }
+        place_over_semi_axis(&mut sections.merged);
+        sections
+    }
+
+    fn take(&mut self, role: &str, summary: &Map<String, Value>) {
+        for (key, value) in summary {
+            if OWN.contains(&key.as_str()) {
+                tracing::warn!(role, key, "the coordinator's own section is left out");
+                continue;
+            }
+            let mut not_finite = Vec::new();
+            let value = finite(value, key, &mut not_finite);
+            for key in not_finite {
+                tracing::warn!(role, key, "a figure that is not finite is left out");
+                self.not_finite.get_or_insert_with(|| (role.to_owned(), key));
+            }
+            if let Some(value) = value {
+                merge(&mut self.merged, role, key, value);
+            }
+        }
+    }
 }
 
 /// Builds the summary.
@@ -74,21 +128,15 @@ pub fn build(of: &Ingredients) -> Value {
         "status": of.status.word(),
         "reason": of.reason,
     });
-    for finished in of.finished {
-        merge(&mut summary, &finished.summary);
+    for (key, value) in &of.sections.merged {
+        summary[key] = value.clone();
     }
-    place_over_semi_axis(&mut summary);
-    merge(
-        &mut summary,
-        &json!({
-            "coupling": coupling(of),
-            "cost": cost(of),
-            "effects": {
-                "active": effects(of.plan, true),
-                "inactive": effects(of.plan, false),
-            },
-        }),
-    );
+    summary["coupling"] = coupling(of);
+    summary["cost"] = cost(of);
+    summary["effects"] = json!({
+        "active": effects(of.plan, true),
+        "inactive": effects(of.plan, false),
+    });
     summary
 }
 
@@ -104,7 +152,7 @@ fn coupling(of: &Ingredients) -> Value {
     let optional =
         [("final_residual", counts.final_residual), ("energy_imbalance", counts.energy_imbalance)];
     for (key, value) in optional {
-        if let Some(value) = value {
+        if let Some(value) = value.filter(|value| value.is_finite()) {
             section[key] = value.into();
         }
     }
@@ -112,20 +160,25 @@ fn coupling(of: &Ingredients) -> Value {
 }
 
 fn cost(of: &Ingredients) -> Value {
+    let counts = &of.counts;
     let mut section = Map::new();
     section.insert("wall_s".to_owned(), of.wall_seconds.into());
-    for (participant, finished) in of.plan.participants.iter().zip(of.finished) {
-        section.insert(format!("{}_s", participant.role), finished.model_seconds.into());
+    section.insert("plan_s".to_owned(), counts.plan_seconds.into());
+    section.insert("start_s".to_owned(), counts.start_seconds.into());
+    let finished = || of.plan.participants.iter().zip(of.finished);
+    for (participant, finished) in finished() {
+        let key = format!("{}_s", participant.role);
+        // A role cannot take the place of what the coordinator has measured.
+        section.entry(key).or_insert_with(|| finished.model_seconds.into());
     }
-    section.insert("coupling_s".to_owned(), of.counts.coupling_seconds.into());
-    section.insert("output_s".to_owned(), of.counts.output_seconds.into());
-    for (participant, finished) in of.plan.participants.iter().zip(of.finished) {
-        if finished.peak_rss_bytes > 0 {
-            let key = format!("{}_peak_rss_bytes", participant.role);
-            section.insert(key, finished.peak_rss_bytes.into());
-        }
+    section.insert("coupling_s".to_owned(), counts.coupling_seconds.into());
+    section.insert("output_s".to_owned(), counts.output_seconds.into());
+    section.insert("finish_s".to_owned(), counts.finish_seconds.into());
+    for (participant, finished) in finished().filter(|(_, f)| f.peak_rss_bytes > 0) {
+        let key = format!("{}_peak_rss_bytes", participant.role);
+        section.insert(key, finished.peak_rss_bytes.into());
     }
-    section.insert("bytes_exchanged".to_owned(), of.counts.bytes_exchanged.into());
+    section.insert("bytes_exchanged".to_owned(), counts.bytes_exchanged.into());
     Value::Object(section)
 }
 
@@ -134,25 +187,55 @@ fn effects(plan: &Plan, active: bool) -> Vec<&str> {
 }
 
 /// `x_over_a` of every hottest point, with the semi-axis a of this run.
-fn place_over_semi_axis(summary: &mut Value) {
-    let Some(a) = summary.pointer("/contact/semi_axis_a_m").and_then(Value::as_f64) else { return };
-    let bodies = summary.get_mut("temperature").and_then(Value::as_object_mut);
-    for body in bodies.into_iter().flat_map(Map::values_mut) {
-        if let Some(x) = body.get("x_m").and_then(Value::as_f64) {
-            body["x_over_a"] = (x / a).into();
+fn place_over_semi_axis(sections: &mut Map<String, Value>) {
+    let contact = sections.get("contact");
+    let Some(a) = contact.and_then(|c| c.get("semi_axis_a_m")).and_then(Value::as_f64) else {
+        return;
+    };
+    let bodies = sections.get_mut("temperature").and_then(Value::as_object_mut);
+    for body in bodies.into_iter().flat_map(Map::values_mut).filter_map(Value::as_object_mut) {
+        let place = body.get("x_m").and_then(Value::as_f64).map(|x| x / a);
+        if let Some(place) = place.filter(|place| place.is_finite()) {
+            body.insert("x_over_a".to_owned(), place.into());
         }
     }
 }
 
-/// Objects are merged key by key; anything else replaces.
-fn merge(into: &mut Value, from: &Value) {
-    match (into, from) {
-        (Value::Object(into), Value::Object(from)) => {
-            for (key, value) in from {
-                merge(into.entry(key.as_str()).or_insert(Value::Null), value);
+/// The value without what is not finite, which JSON writes as `null`; a list is left out as a
+/// whole. Notes the dotted keys of what is left out.
+fn finite(value: &Value, key: &str, not_finite: &mut Vec<String>) -> Option<Value> {
+    match value {
+        Value::Null => {
+            not_finite.push(key.to_owned());
+            None
+        }
+        Value::Array(items) => {
+            let item = |(n, item)| finite(item, &format!("{key}[{n}]"), not_finite);
+            items.iter().enumerate().map(item).collect::<Option<Vec<_>>>().map(Value::Array)
+        }
+        Value::Object(entries) => {
+            let entry = |(name, value): (&String, &Value)| {
+                let value = finite(value, &format!("{key}.{name}"), not_finite)?;
+                Some((name.clone(), value))
+            };
+            Some(Value::Object(entries.iter().filter_map(entry).collect()))
+        }
+        other => Some(other.clone()),
+    }
+}
+
+/// Objects are merged key by key; anything else stays as it was said first.
+fn merge(into: &mut Map<String, Value>, role: &str, key: &str, value: Value) {
+    match (into.get_mut(key), value) {
+        (None, value) => {
+            into.insert(key.to_owned(), value);
+        }
+        (Some(Value::Object(there)), Value::Object(more)) => {
+            for (key, value) in more {
+                merge(there, role, &key, value);
             }
         }
-        (into, from) => *into = from.clone(),
+        (Some(_), _) => tracing::warn!(role, key, "another participant has said so before"),
     }
 }
 
@@ -162,14 +245,53 @@ mod tests {
 
     #[test]
     fn sections_merge_and_places_are_scaled() {
-        let mut summary = json!({"contact": {"semi_axis_a_m": 0.008}});
-        merge(&mut summary, &json!({"temperature": {"rail": {"x_m": -0.004}, "wheel": {}}}));
-        merge(&mut summary, &json!({"contact": {"area_m2": 1.0}}));
-        place_over_semi_axis(&mut summary);
+        let mech = json!({"contact": {"semi_axis_a_m": 0.008}});
+        let thermal = json!({
+            "temperature": {"rail": {"x_m": -0.004}, "wheel": {}},
+            "contact": {"area_m2": 1.0},
+        });
+        let sections = Sections::gather([("mech", &mech), ("thermal", &thermal)]);
         let expected = json!({
             "contact": {"semi_axis_a_m": 0.008, "area_m2": 1.0},
             "temperature": {"rail": {"x_m": -0.004, "x_over_a": -0.5}, "wheel": {}},
         });
-        assert_eq!(summary, expected);
+        assert_eq!(Value::Object(sections.merged), expected);
+        assert_eq!(sections.not_finite, None);
+    }
+
+    #[test]
+    fn nobody_writes_the_coordinators_keys_or_anothers_figures() {
+        let good = json!({"contact": {"area_m2": 1.0}});
+        let forged = json!({
+            "schema": 7, "case": "x", "status": "failed", "reason": "x",
+            "coupling": 3, "cost": {"wall_s": 0.0}, "effects": null,
+            "contact": {"area_m2": 2.0},
+        });
+        let scalar = json!({"contact": 3, "temperature": 3});
+        for other in [&Value::Null, &json!([1]), &json!("x"), &forged] {
+            let sections = Sections::gather([("mech", &good), ("other", other)]);
+            assert_eq!(Value::Object(sections.merged), good);
+            assert_eq!(sections.not_finite, None);
+        }
+        let sections = Sections::gather([("mech", &good), ("other", &scalar)]);
+        let expected = json!({"contact": {"area_m2": 1.0}, "temperature": 3});
+        assert_eq!(Value::Object(sections.merged), expected);
+    }
+
+    #[test]
+    fn a_figure_that_is_not_finite_is_absent_and_told() {
+        let said = json!({"contact": {"area_m2": f64::NAN, "list": [1.0, f64::INFINITY], "n": 1}});
+        let sections = Sections::gather([("mech", &said)]);
+        assert_eq!(Value::Object(sections.merged), json!({"contact": {"n": 1}}));
+        let told = sections.not_finite.unwrap();
+        assert_eq!(told, ("mech".to_owned(), "contact.area_m2".to_owned()));
+    }
+
+    #[test]
+    fn a_patch_without_size_gives_no_place() {
+        let said =
+            json!({"contact": {"semi_axis_a_m": 0.0}, "temperature": {"rail": {"x_m": 1.0}}});
+        let sections = Sections::gather([("mech", &said)]);
+        assert_eq!(Value::Object(sections.merged), said);
     }
 }

@@ -2,8 +2,10 @@
 //!
 //! A structured grid whose steps lie along two axes becomes an image with cell data. Every array
 //! carries its unit in its name (`pressure [Pa]`); two-component fields become vectors (x, y, 0).
-//! The values are appended raw, as little-endian doubles.
+//! The values are appended raw, as little-endian doubles. A series names only files that are
+//! complete, and is replaced as a whole, so that what is on disk can be read at any time.
 
+use super::folder::replace;
 use crate::error::{RunError, file_failure};
 use crate::session::Tap;
 use proto::field::FieldKind;
@@ -34,16 +36,16 @@ impl FieldWriter {
         Self { folder, series: Vec::new() }
     }
 
-    /// Writes the fields as they are at `time` [s].
+    /// Writes the fields that the case asks for as they are at `time` [s].
     pub fn write(&mut self, taps: &[Tap], window: u64, time: f64) -> Result<(), RunError> {
         let mut written: Vec<String> = Vec::new();
-        for tap in taps {
+        let wanted = || taps.iter().filter(|tap| tap.wanted());
+        for tap in wanted() {
             let name = series_name(tap);
             if tap.grid().points() < 2 || written.contains(&name) {
                 continue;
             }
-            let together: Vec<(&FieldKind, &[f64])> = taps
-                .iter()
+            let together: Vec<(&FieldKind, &[f64])> = wanted()
                 .filter(|other| series_name(other) == name)
                 .filter_map(|other| Some((other.kind(), other.values()?)))
                 .collect();
@@ -71,20 +73,19 @@ impl FieldWriter {
         let out = File::create(&path).map(BufWriter::new);
         out.and_then(|mut out| image.write(&mut out, fields, time).and_then(|()| out.flush()))
             .map_err(|e| file_failure(&path, &e))?;
-        match self.series.iter_mut().find(|s| s.name == name) {
-            Some(series) => series.files.push((time, file)),
-            None => self.series.push(Series { name: name.to_owned(), files: vec![(time, file)] }),
-        }
-        Ok(())
+        self.list(name, time, file)
     }
 
-    /// Writes the series files.
-    pub fn finish(self) -> Result<(), RunError> {
-        for series in &self.series {
-            let path = self.folder.join(format!("{}.pvd", series.name));
-            fs::write(&path, collection(&series.files)).map_err(|e| file_failure(&path, &e))?;
-        }
-        Ok(())
+    /// Adds a file to its series.
+    fn list(&mut self, name: &str, time: f64, file: String) -> Result<(), RunError> {
+        let index = self.series.iter().position(|series| series.name == name);
+        let index = index.unwrap_or_else(|| {
+            self.series.push(Series { name: name.to_owned(), files: Vec::new() });
+            self.series.len() - 1
+        });
+        let files = &mut self.series[index].files;
+        files.push((time, file));
+        replace(&self.folder.join(format!("{name}.pvd")), collection(files).as_bytes())
     }
 }
 

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 pub(super) struct Link {
     role: String,
     program: String,
+    attached: bool,
     commands: Sender<Command>,
     replies: Receiver<Reply>,
     ringer: Ringer,
@@ -20,18 +21,23 @@ pub(super) struct Link {
 
 impl Link {
     pub(super) fn new(
-        role: &str,
-        program: &str,
+        (role, program): (&str, String),
+        attached: bool,
         commands: Sender<Command>,
         replies: Receiver<Reply>,
         ringer: Ringer,
     ) -> Self {
-        let (role, program) = (role.to_owned(), program.to_owned());
-        Self { role, program, commands, replies, ringer, sequence: 0, alive: Instant::now() }
+        let (role, alive) = (role.to_owned(), Instant::now());
+        Self { role, program, attached, commands, replies, ringer, sequence: 0, alive }
     }
 
     pub(super) fn role(&self) -> &str {
         &self.role
+    }
+
+    /// It was started by hand.
+    pub(super) fn is_attached(&self) -> bool {
+        self.attached
     }
 
     /// Role and program, for messages.

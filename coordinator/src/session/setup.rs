@@ -18,6 +18,8 @@ use std::time::Instant;
 const OVERHEAD: u64 = 1 << 20;
 
 pub(super) fn start(plan: &Plan) -> Result<Session, RunError> {
+    // Before anything exists, with what the participants expect; once more with what they say.
+    check_shared_memory(plan, |index| plan.participants[index].estimate.as_ref())?;
     let mut session = launch(plan)?;
     session.wait_for_joining(plan)?;
     session.phase = Phase::Configuring;
@@ -25,7 +27,7 @@ pub(super) fn start(plan: &Plan) -> Result<Session, RunError> {
         session.check_description(index, participant)?;
     }
     let layouts = session.configure(plan)?;
-    check_shared_memory(plan, &layouts)?;
+    check_shared_memory(plan, |index| layouts.get(index))?;
     session.phase = Phase::Initialising;
     session.initialise(plan, &layouts)?;
     tracing::info!("every participant is ready");
@@ -55,7 +57,8 @@ fn launch(plan: &Plan) -> Result<Session, RunError> {
             let commands = endpoint.command_sender(&p.role)?;
             let replies = endpoint.reply_receiver(&p.role)?;
             let ringer = endpoint.ringer(&p.role)?;
-            Ok(Link::new(&p.role, &p.program.name(), commands, replies, ringer))
+            let name = (p.role.as_str(), p.program.name());
+            Ok(Link::new(name, p.attach, commands, replies, ringer))
         })
         .collect();
     let links = links.map_err(|e| opened(&e))?;
@@ -84,7 +87,6 @@ fn launch(plan: &Plan) -> Result<Session, RunError> {
         deadlines: plan.deadlines,
         phase: Phase::Starting,
         bytes_exchanged: 0,
-        model_seconds: 0.0,
     })
 }
 
@@ -97,8 +99,8 @@ impl Session {
                 self.deadlines.start
             };
             let deadline = Instant::now() + patience;
-            let Self { links, doorbell, supervisor, deadlines, phase, .. } = self;
-            let context = Context { supervisor, phase: *phase, deadlines };
+            let Self { links, doorbell, supervisor, run, deadlines, phase, .. } = self;
+            let context = Context { supervisor, run, phase: *phase, deadlines };
             let joined = doorbell.wait(
                 || {
                     if links[one].is_up() {
@@ -172,6 +174,7 @@ impl Session {
         configuration: &Configuration,
         layout: &Layout,
     ) -> Result<(), RunError> {
+        layout.check().map_err(|fault| self.misbehaved(one, fault))?;
         let sent = configuration.outputs.iter().chain(&configuration.observed);
         for field in sent {
             if layout.grid_of(field).is_none() {
@@ -229,6 +232,7 @@ impl Session {
             producer_role: plan.participants[field.producer].role.clone(),
             readers: field.consumers.iter().map(consumer).collect(),
             observed_only: field.observed_only(),
+            wanted: field.wanted,
             reader,
             sample: None,
             checked: 0,
@@ -250,9 +254,12 @@ fn topic(plan: &Plan, field: &crate::plan::Field, layouts: &[Layout]) -> Topic {
 }
 
 /// A segment that does not fit is not refused by the kernel: it ends the process that touches it.
-fn check_shared_memory(plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
+fn check_shared_memory<'a>(
+    plan: &'a Plan,
+    layout: impl Fn(usize) -> Option<&'a Layout>,
+) -> Result<(), RunError> {
     let fields = plan.fields.iter().filter_map(|field| {
-        let grid = layouts[field.producer].grid_of(&field.kind.name)?;
+        let grid = layout(field.producer)?.grid_of(&field.kind.name)?;
         Some(topic_bytes(sample_bytes(grid.points(), field.kind.components)))
     });
     let needed = OVERHEAD + fields.sum::<u64>();

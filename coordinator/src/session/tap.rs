@@ -27,6 +27,7 @@ pub struct Tap {
     pub(super) producer_role: String,
     pub(super) readers: Vec<Consumer>,
     pub(super) observed_only: bool,
+    pub(super) wanted: bool,
     pub(super) reader: FieldReader,
     pub(super) sample: Option<FieldSample>,
     pub(super) checked: u64,
@@ -63,6 +64,12 @@ impl Tap {
         &self.readers
     }
 
+    /// The case wants it written out.
+    #[must_use]
+    pub fn wanted(&self) -> bool {
+        self.wanted
+    }
+
     /// The newest values, component-major; `None` before the first sample.
     #[must_use]
     pub fn values(&self) -> Option<&[f64]> {
@@ -92,22 +99,34 @@ impl Tap {
                 header.grid_revision
             ));
         }
-        if (header.name.as_str(), header.unit.as_str(), header.producer.as_str())
-            != (name.as_str(), self.kind.unit.as_str(), self.producer_role.as_str())
+        let label = [
+            &header.name.as_str(),
+            &header.unit.as_str(),
+            &header.producer.as_str(),
+            &header.grid.as_str(),
+        ];
+        if label
+            != [
+                &name.as_str(),
+                &self.kind.unit.as_str(),
+                &self.producer_role.as_str(),
+                &self.grid.name.as_str(),
+            ]
         {
             return Some(format!(
-                "field `{name}` is labelled {:?} in {:?} from {:?}",
-                header.name, header.unit, header.producer
+                "field `{name}` is labelled {:?} in {:?} from {:?} on {:?}",
+                header.name, header.unit, header.producer, header.grid
             ));
         }
         if header.sequence != self.sequence() + 1 {
             let (found, expected) = (header.sequence, self.sequence() + 1);
             return Some(format!("field `{name}` has sequence number {found}, not {expected}"));
         }
-        if (header.window, header.iteration) != (step.window, step.iteration) {
+        let labelled = (header.window, header.iteration, header.start, header.end);
+        if labelled != (step.window, step.iteration, step.start, step.end) {
             return Some(format!(
-                "field `{name}` is labelled window {}, iteration {}",
-                header.window, header.iteration
+                "field `{name}` is labelled window {}, iteration {}, from {} s to {} s",
+                header.window, header.iteration, header.start, header.end
             ));
         }
         None

@@ -10,8 +10,11 @@
 //! u = m(1 + τ) its integral from the trailing edge is
 //! m² [(2 − m)(½(τ√(1 − τ²) + asin τ) + π/4) + m/3 (1 − τ²)^{3/2}], in all π/2 m²(2 − m).
 //!
+//! `fastsim` sums the product of a cell's mean traction and mean slip, which its march makes exact.
+//!
 //! Source: Naeimi et al., eq. 1, and [`crate::reference::carter`].
 
+use crate::models::{fastsim, half_space, hertz_carter};
 use crate::slip::Slip;
 use crate::strips::semi_ellipse::segment_area;
 use crate::strips::{Lateral, StripDensity, StripField, Strips};
@@ -31,11 +34,18 @@ pub fn spec() -> EffectSpec {
             "Naeimi et al., flash temperature at the wheel-rail contact, eq. 1; Ertz & Knothe, \
                  Wear 253 (2002) 498-508"
                 .to_owned(),
-        models: vec![crate::models::hertz_carter::NAME.to_owned()],
+        models: [hertz_carter::NAME, fastsim::NAME, half_space::NAME].map(str::to_owned).to_vec(),
         consumes: Vec::new(),
         provides: names(&[&FRICTION_POWER, &SURFACE_SPEED]),
         keys: Vec::new(),
     }
+}
+
+/// Friction power density −p_t · v of a traction and a slip velocity, both means over one element
+/// of a solution that makes their product exact.
+pub(crate) fn power_density(traction: [f64; 2], slip_velocity: [f64; 2]) -> f64 {
+    // Subtracting from zero turns −0 into 0.
+    0.0 - (traction[0] * slip_velocity[0] + traction[1] * slip_velocity[1])
 }
 
 /// Speeds [m/s] at which the material of wheel and rail passes through the contact, for a rolling

@@ -1,11 +1,21 @@
 //! The models by name, cheapest first. A model is a module of this folder and one line in
 //! [`MODELS`].
 
+pub mod fastsim;
+pub mod half_space;
 pub mod hertz_carter;
+mod precomputed;
 
 use proto::configuration::{Configuration, Refusal};
 use proto::description::ModelSpec;
 use proto::model::Setup;
+use serde_json::Value;
+
+/// Name of the grid that covers the contact.
+pub const CONTACT_GRID: &str = "contact";
+/// Name of the grid of quantities that belong to a whole body: one element as large as the
+/// contact's grid.
+pub const RIGID_GRID: &str = "rigid";
 
 /// One model of the crate.
 pub struct ModelEntry {
@@ -16,8 +26,11 @@ pub struct ModelEntry {
 }
 
 /// Every model of this crate, cheapest first.
-pub const MODELS: &[ModelEntry] =
-    &[ModelEntry { spec: hertz_carter::spec, configure: hertz_carter::configure }];
+pub const MODELS: &[ModelEntry] = &[
+    ModelEntry { spec: hertz_carter::spec, configure: hertz_carter::configure },
+    ModelEntry { spec: fastsim::spec, configure: fastsim::configure },
+    ModelEntry { spec: half_space::spec, configure: half_space::configure },
+];
 
 /// The model with this name.
 ///
@@ -29,4 +42,11 @@ pub fn find(name: &str) -> Result<&'static ModelEntry, Refusal> {
         let reason = format!("there is no mechanical model `{name}`");
         Refusal::new("mech.model", reason, format!("choose one of {}", known.join(", ")))
     })
+}
+
+/// Adds the keys of one object to another.
+fn extend(section: &mut Value, more: Value) {
+    if let (Value::Object(section), Value::Object(more)) = (section, more) {
+        section.extend(more);
+    }
 }

@@ -3,3 +3,5 @@
 pub mod carter;
 pub mod elliptic_integrals;
 pub mod hertz;
+pub mod kalker;
+pub mod simplified;

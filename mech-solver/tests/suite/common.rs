@@ -63,11 +63,12 @@ pub(crate) fn fields_of(case: &Value) -> Vec<String> {
     fields.into_iter().map(str::to_owned).collect()
 }
 
-/// A steady configuration that asks for every field.
+/// A steady configuration of the model that `mech.model` names, `hertz-carter` if it names none,
+/// that asks for every field.
 pub(crate) fn configuration(case: &Value) -> Configuration {
     Configuration {
         role: "mech".to_owned(),
-        model: "hertz-carter".to_owned(),
+        model: case["mech"]["model"].as_str().unwrap_or("hertz-carter").to_owned(),
         mode: Mode::Steady,
         case: Params(case.clone()),
         inputs: Vec::new(),
@@ -145,6 +146,11 @@ impl Run {
     /// The longitudinal component of a field.
     pub(crate) fn longitudinal(&self, field: &str) -> &[f64] {
         &self.fields[field][..self.grid().points()]
+    }
+
+    /// Surface integral of the lateral component of a field.
+    pub(crate) fn lateral_integral(&self, field: &str) -> f64 {
+        self.grid().integrate(&self.fields[field][self.grid().points()..])
     }
 
     /// Surface integral of the longitudinal component of a field.

@@ -60,6 +60,11 @@ fn support_agrees_with_configure() {
         for effect in &description.effects {
             let mut case = paper();
             case["effects"] = json!({ effect.name.clone(): {} });
+            // An effect's required parameters are numbers; any positive one will do.
+            for key in effect.keys.iter().filter(|key| key.required) {
+                let name = key.path.rsplit('.').next().unwrap();
+                case["effects"][&effect.name][name] = json!(1e-14);
+            }
             let mut configuration = configuration(&case);
             configuration.model = model.name.clone();
             configuration.outputs = model.provides.clone();

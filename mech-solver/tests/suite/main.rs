@@ -2,4 +2,6 @@
 
 mod common;
 mod description;
+mod fastsim;
+mod half_space;
 mod hertz_carter;

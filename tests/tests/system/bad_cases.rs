@@ -85,13 +85,40 @@ fn all_errors_are_listed_at_once() {
 
 #[test]
 fn a_good_case_passes_the_check_and_starts_nothing() {
-    for name in ["wheel-rail.toml", "full-slip.toml", "cold-start.toml", "exchange.toml"] {
+    for name in
+        ["wheel-rail.toml", "full-slip.toml", "cold-start.toml", "third-body.toml", "exchange.toml"]
+    {
         let place = Place::new();
         let ended = place.start(&["check", &case(name)]).wait();
         assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));
         assert!(ended.stdout.ends_with("no errors\n"), "{}", ended.stdout);
         place.assert_nothing_left();
     }
+}
+
+/// What would only fail later, in services, labels or arithmetic, is refused with the case.
+#[test]
+fn values_that_would_break_the_machinery() {
+    let place = Place::new();
+    let left = std::fs::read_to_string(case("exchange.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bad.toml");
+    let path = file.display().to_string();
+    let refused = |text: &str, more: &[&str], part: &str| {
+        std::fs::write(&file, text).unwrap();
+        let mut arguments = vec!["check", path.as_str()];
+        arguments.extend(more);
+        let ended = place.start(&arguments).wait();
+        assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+        assert!(ended.stderr.contains(part), "`{part}` is missing in:\n{}", ended.stderr);
+    };
+    for key in ["solve_deadline", "start_deadline", "heartbeat_deadline"] {
+        refused(&left, &["--set", &format!("coupling.{key}=1e20")], key);
+    }
+    refused(&left, &["--set", "time.window=1e-300"], "windows");
+    let second = format!("{left}\n[left2]\nmodel = \"increment\"\ncommand = [\"toy-left\"]\n");
+    refused(&second, &[], "its program plays the role `left`");
+    place.assert_nothing_left();
 }
 
 #[test]

@@ -24,6 +24,8 @@ fn assert_failed(place: &Place, ended: &Ended, parts: &[&str]) {
     for part in parts {
         assert!(line.contains(part), "`{part}` is missing in: {line}");
     }
+    let log = format!("  log: {}", place.out().join("log.jsonl").display());
+    assert!(ended.stderr.lines().any(|line| line == log), "{}", ended.stderr);
     place.assert_nothing_left();
     let summary = place.read_summary();
     assert_eq!(summary["status"], "failed");
@@ -170,10 +172,71 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
 }
 
 #[test]
+fn an_interrupt_at_any_moment_leaves_nothing() {
+    for delay in [1, 3, 6, 10, 15, 20, 30] {
+        let place = Place::new();
+        let running = place.start_run(&case("exchange.toml"), &["--set", "left.delay=600"]);
+        std::thread::sleep(std::time::Duration::from_millis(delay));
+        running.signal(Signal::TERM);
+        let ended = running.wait();
+        // Before the handler is installed, within the first millisecond or so, nothing exists yet.
+        assert!(matches!(ended.code, Some(1) | None), "{:?}: {}", ended.code, ended.stderr);
+        place.assert_nothing_left();
+    }
+}
+
+#[test]
+fn what_a_participant_starts_ends_with_it() {
+    let place = Place::new();
+    let mark = format!("{}", 700_000 + std::process::id());
+    let script = format!(
+        "sleep {mark} >/dev/null 2>&1 & exec {} \"$@\"",
+        programs().join("toy-left").display()
+    );
+    let command = format!("left.command=[\"sh\", \"-c\", {script:?}, \"sh\"]");
+    place.summary(&case("exchange.toml"), &["--set", &command, "--set", "time.end=2"]);
+    wait_until("the end of the grandchildren", || {
+        !std::fs::read_dir("/proc").unwrap().flatten().any(|entry| {
+            let line = std::fs::read(entry.path().join("cmdline")).unwrap_or_default();
+            line == format!("sleep\0{mark}\0").as_bytes()
+        })
+    });
+}
+
+#[test]
+fn a_participant_started_by_hand_that_dies_is_noticed_by_its_lock() {
+    let place = Place::new();
+    let attach = ["--set", "left.attach=true", "--set", "left.delay=600"];
+    let running = place.start_run(&case("exchange.toml"), &attach);
+    place.wait_for_log("participant started");
+    let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
+    let folder = created.unwrap()["fields"]["folder"].as_str().unwrap().to_owned();
+    let mut by_hand = std::process::Command::new(programs().join("toy-left"))
+        .args(["--join", &folder, "--role", "left"])
+        .spawn()
+        .unwrap();
+    place.wait_for_log("every participant is ready");
+    by_hand.kill().unwrap();
+    by_hand.wait().unwrap();
+    let what = ["in window 0, iteration 1", "its process is gone"];
+    assert_failed(&place, &running.wait(), &["left (toy-left) failed", what[0], what[1]]);
+}
+
+#[test]
 fn an_honest_rogue_goes_through() {
     let place = Place::new();
     let more = ["--set", "left.command=[\"rogue\"]", "--set", "time.end=5"];
-    assert_eq!(place.summary(&case("exchange.toml"), &more)["coupling"]["windows"], 5);
+    // Its own summary is no object: it neither replaces what the others say nor ends the run.
+    let summary = place.summary(&case("exchange.toml"), &more);
+    assert_eq!((&summary["schema"], &summary["status"]), (&1.into(), &"completed".into()));
+    assert_eq!(summary["case"], "exchange");
+    assert_eq!(summary["coupling"]["windows"], 5);
+    assert_eq!(summary["right"]["solves"], 5);
+    let told = |event: &serde_json::Value| {
+        let text = event["fields"]["message"].as_str().unwrap_or_default();
+        text.contains("is no object") && event["fields"]["role"] == "left"
+    };
+    assert!(place.log().iter().any(told), "the log says what was left out");
 }
 
 #[test]

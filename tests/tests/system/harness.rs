@@ -4,7 +4,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -39,7 +39,7 @@ pub(crate) fn case(name: &str) -> String {
 
 /// A place to run in: folders of its own.
 pub(crate) struct Place {
-    runtime: TempDir,
+    runtime: Arc<TempDir>,
     out: TempDir,
 }
 
@@ -60,7 +60,12 @@ impl Place {
     pub(crate) fn new() -> Self {
         // Sockets need a short path, and the folder has to lie in memory as the default one does.
         let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
-        Self { runtime, out: tempfile::tempdir().unwrap() }
+        Self { runtime: Arc::new(runtime), out: tempfile::tempdir().unwrap() }
+    }
+
+    /// A place with results of its own, whose runs share a runtime folder with this one's.
+    pub(crate) fn neighbour(&self) -> Self {
+        Self { runtime: Arc::clone(&self.runtime), out: tempfile::tempdir().unwrap() }
     }
 
     /// The result directory of [`Place::run`].
@@ -103,7 +108,10 @@ impl Place {
         let ended = self.run(case, more);
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
         self.assert_nothing_left();
-        self.read_summary()
+        let summary = self.read_summary();
+        assert_eq!(summary["schema"], 1);
+        assert_eq!(summary["status"], "completed");
+        summary
     }
 
     pub(crate) fn read_summary(&self) -> Value {
@@ -140,7 +148,9 @@ impl Place {
         for pid in pids.iter().map(|event| event["pid"].as_i64().unwrap()) {
             wait_until(&format!("the end of process {pid}"), || !is_running(pid));
         }
-        wait_until("the end of the runtime folder", || !self.runtime().exists());
+        if Arc::strong_count(&self.runtime) == 1 {
+            wait_until("the end of the runtime folder", || !self.runtime().exists());
+        }
         for run in self.logged("run created") {
             let prefix = run["prefix"].as_str().unwrap();
             let left: Vec<_> = shared_memory_files().filter(|f| f.starts_with(prefix)).collect();

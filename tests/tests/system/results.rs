@@ -1,6 +1,8 @@
 //! The result directory, as other programs read it.
 
-use crate::harness::{Place, case};
+use crate::harness::{Ended, Place, case, wait_until};
+use rustix::process::Signal;
+use std::path::Path;
 
 #[test]
 fn the_files_of_a_steady_run() {
@@ -79,4 +81,127 @@ fn solvers_lists_every_model_with_its_source() {
     for word in ["hertz-carter", "columns", "ertz-knothe", "friction_heat", "source:"] {
         assert!(text.contains(word), "`{word}` is missing in:\n{text}");
     }
+}
+
+fn assert_refused(ended: &Ended, part: &str) {
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
+}
+
+/// Starts `run CASE --out OUT` in full; what ends it.
+fn run_into(place: &Place, case: &Path, out: &Path) -> Ended {
+    let (case, out) = (case.display().to_string(), out.display().to_string());
+    place.start(&["run", &case, "--out", &out, "--set", "time.end=3"]).wait()
+}
+
+#[test]
+fn a_run_does_not_touch_the_users_files() {
+    let (place, user) = (Place::new(), tempfile::tempdir().unwrap());
+    let at = |name: &str| user.path().join(name);
+    let text = std::fs::read_to_string(case("exchange.toml")).unwrap();
+    std::fs::create_dir(at("fields")).unwrap();
+    std::fs::write(at("fields/mine.dat"), "x").unwrap();
+    std::fs::write(at("case.toml"), &text).unwrap();
+    std::fs::write(at("other.toml"), &text).unwrap();
+    let before = || {
+        assert_eq!(std::fs::read_to_string(at("case.toml")).unwrap(), text);
+        assert_eq!(std::fs::read_to_string(at("fields/mine.dat")).unwrap(), "x");
+        assert!(!at("log.jsonl").exists() && !at("summary.json").exists());
+    };
+    let refused = run_into(&place, &at("case.toml"), user.path());
+    assert_refused(&refused, "would replace its own case file");
+    before();
+    let refused = run_into(&place, &at("other.toml"), user.path());
+    assert_refused(&refused, "holds files but no results of a run");
+    before();
+    let refused = run_into(&place, &at("case.toml"), &at("other.toml"));
+    assert_refused(&refused, "a file; give a folder with --out");
+    assert_eq!(std::fs::read_to_string(at("other.toml")).unwrap(), text);
+    place.assert_nothing_left();
+}
+
+#[test]
+fn a_name_cannot_lead_out_of_the_results() {
+    for name in ["../../evil", "/tmp/abs", "a/b", "", "x\\ny", ".hidden"] {
+        let place = Place::new();
+        let set = format!("case.name=\"{name}\"");
+        let ended = place.start(&["run", &case("exchange.toml"), "--set", &set]).wait();
+        assert_refused(&ended, "case.name: ");
+    }
+}
+
+#[test]
+fn two_runs_do_not_share_a_folder() {
+    let place = Place::new();
+    let first = place.start_run(&case("exchange.toml"), &["--set", "left.delay=600"]);
+    place.wait_for_log("every participant is ready");
+    assert_refused(&place.run(&case("exchange.toml"), &[]), "is used by another run");
+    assert!(place.out().join("case.toml").exists(), "the first run's files stay");
+    first.signal(Signal::INT);
+    assert_eq!(first.wait().code, Some(1));
+    place.summary(&case("exchange.toml"), &["--set", "time.end=3"]);
+}
+
+/// Whatever is on disk when the coordinator dies can be read, and the next run replaces it.
+#[test]
+fn a_killed_run_can_be_read() {
+    let place = Place::new();
+    let more = ["output.fields=all", "output.every=2", "left.delay=0.02"];
+    let more = more.map(|set| ["--set", set]).concat();
+    let running = place.start_run(&case("exchange.toml"), &more);
+    let series = place.out().join("fields/left_numbers.pvd");
+    let entries = || -> Vec<String> {
+        let text = std::fs::read_to_string(&series).unwrap_or_default();
+        let files = text.split("file=\"").skip(1);
+        files.filter_map(|rest| Some(rest.split_once('"')?.0.to_owned())).collect()
+    };
+    wait_until("some output", || entries().len() > 3);
+    running.signal(Signal::KILL);
+    running.wait();
+    let text = std::fs::read_to_string(&series).unwrap();
+    assert!(text.ends_with("</VTKFile>\n"), "{text}");
+    for file in entries() {
+        let image = std::fs::read(place.out().join("fields").join(&file)).unwrap();
+        assert!(image.ends_with(b"</VTKFile>\n"), "{file}");
+    }
+    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
+    assert!(table.lines().count() > 6, "{table}");
+    place.summary(&case("exchange.toml"), &["--set", "time.end=3"]);
+    assert!(!place.out().join("fields").exists(), "nothing of the killed run is left");
+}
+
+#[test]
+fn the_log_level_is_one_of_five_words() {
+    let place = Place::new();
+    let ended = place.run(&case("exchange.toml"), &["--log", "banana"]);
+    assert_refused(&ended, "possible values: error, warn, info, debug, trace");
+    assert!(!place.out().exists());
+}
+
+#[test]
+fn no_colour_reaches_a_file() {
+    let place = Place::new();
+    let more = ["--log", "info", "--set", "time.end=3"];
+    let ended = place.run(&case("exchange.toml"), &more);
+    assert!(ended.stderr.contains("INFO"), "{}", ended.stderr);
+    assert!(!ended.stderr.contains('\u{1b}'), "{:?}", ended.stderr);
+}
+
+#[test]
+fn quiet_prints_errors_only() {
+    let place = Place::new();
+    let more = ["--quiet", "--log", "trace", "--set", "left.command=[\"rogue\"]"];
+    let ended = place.run(&case("exchange.toml"), &[&more[..], &["--set", "time.end=3"]].concat());
+    assert_eq!((ended.stdout.as_str(), ended.stderr.as_str()), ("", ""));
+}
+
+/// Every second of a run is told: the parts are there, and no part is more than the whole.
+#[test]
+fn the_cost_has_all_its_parts() {
+    let place = Place::new();
+    let summary = place.summary(&case("exchange.toml"), &["--set", "time.end=100"]);
+    let cost = |key: &str| summary["cost"][key].as_f64().unwrap_or_else(|| panic!("no {key}"));
+    let parts = ["plan_s", "start_s", "coupling_s", "output_s", "finish_s"].map(cost);
+    assert!(parts.iter().all(|part| *part > 0.0), "{}", summary["cost"]);
+    assert!(parts.iter().sum::<f64>() <= cost("wall_s"), "{}", summary["cost"]);
 }

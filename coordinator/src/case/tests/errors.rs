@@ -401,6 +401,62 @@ const ROWS: &[Row] = &[
     },
     Row {
         replace: r#"name = "wheel-rail""#,
+        by: r#"name = """#,
+        errors: &[
+            r#"2:8 case.name: is empty | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+        ],
+    },
+    Row {
+        replace: r#"name = "wheel-rail""#,
+        by: r#"name = "../../evil""#,
+        errors: &[
+            r#"2:8 case.name: '/' cannot stand in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+        ],
+    },
+    Row {
+        replace: r#"name = "wheel-rail""#,
+        by: r#"name = "/tmp/abs""#,
+        errors: &[
+            r#"2:8 case.name: '/' cannot stand in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+        ],
+    },
+    Row {
+        replace: r#"name = "wheel-rail""#,
+        by: r#"name = "x\ny""#,
+        errors: &[
+            r#"2:8 case.name: '\n' cannot stand in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+        ],
+    },
+    Row {
+        replace: r#"name = "wheel-rail""#,
+        by: r#"name = "..""#,
+        errors: &[
+            r#"2:8 case.name: starts with a dot | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+        ],
+    },
+    Row {
+        replace: r#"name = "wheel-rail""#,
+        by: r#"name = ".hidden""#,
+        errors: &[
+            r#"2:8 case.name: starts with a dot | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+        ],
+    },
+    Row {
+        replace: r#"name = "wheel-rail""#,
+        by: r#"name = " x""#,
+        errors: &[
+            r#"2:8 case.name: starts or ends with a space | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+        ],
+    },
+    Row {
+        replace: r#"name = "wheel-rail""#,
+        by: r#"name = "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx""#,
+        errors: &[
+            r#"2:8 case.name: has 65 bytes, 64 at most | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+        ],
+    },
+    Row {
+        replace: r#"name = "wheel-rail""#,
         by: "name = 3",
         errors: &[
             r#"2:8 case.name: is the number 3, not a text | write "3", with quotes"#,

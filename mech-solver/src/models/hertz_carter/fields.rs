@@ -3,34 +3,23 @@
 use super::contact::Contact;
 use crate::effects::friction_heat;
 use crate::effects::partial_slip::{CarterSlip, CarterTraction};
+use crate::ellipse::Ellipse;
+use crate::models::precomputed::{count, points};
 use crate::slip::{SlidingSlip, Slip};
 use crate::strips::semi_ellipse::SemiEllipse;
 use crate::strips::{Lateral, StripField, Strips};
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 
-/// Number of points of a field.
-pub(super) fn points(spec: &FieldSpec, grid: &Structured) -> usize {
-    if *spec == field::SURFACE_SPEED { 1 } else { grid.points() }
-}
-
-/// Number of values of a field.
-pub(super) fn count(spec: &FieldSpec, grid: &Structured) -> usize {
-    points(spec, grid) * spec.components as usize
-}
-
 /// Values of a field that the model or one of its effects provides, component-major.
 pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> Vec<f64> {
-    let strips = Strips::new(contact.semi_axis_a, contact.semi_axis_b, grid);
+    let Ellipse { semi_axis_a, semi_axis_b, .. } = contact.ellipse;
+    let strips = Strips::new(semi_axis_a, semi_axis_b, grid);
     let mut values = vec![0.0; count(spec, &grid)];
     // Of a vector the longitudinal component stands first; the lateral one is zero.
     let first = &mut values[..points(spec, &grid)];
     match *spec {
-        field::PRESSURE => {
-            let (density, amplitude) = (SemiEllipse, contact.max_pressure);
-            let lateral = Lateral::Elliptic;
-            strips.write_means(&StripField { density, amplitude, lateral }, first);
-        }
+        field::PRESSURE => contact.ellipse.write_pressure(grid, first),
         field::TRACTION => write_traction(&strips, contact, first),
         field::SLIP_VELOCITY => write_slip_velocity(&strips, contact, first),
         field::FRICTION_POWER => {

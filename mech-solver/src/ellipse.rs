@@ -1,0 +1,194 @@
+//! The elliptic contact patch that several models share: Hertz's solution, or the ellipse that the
+//! case gives under `[contact]`, with the grid that covers it and the friction limit it sets.
+
+use crate::reference::hertz;
+use crate::scene::{Drive, GivenPatch, Scene};
+use crate::strips::semi_ellipse::SemiEllipse;
+use crate::strips::{Lateral, StripField, Strips};
+use proto::configuration::Refusal;
+use proto::grid::Structured;
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+use std::fmt;
+
+/// More elements are refused: their fields would take gigabytes.
+const MOST_ELEMENTS: f64 = 33_554_432.0;
+
+/// The normal contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ellipse {
+    /// Semi-axis a along x [m].
+    pub(crate) semi_axis_a: f64,
+    /// Semi-axis b along y [m].
+    pub(crate) semi_axis_b: f64,
+    /// Pressure at the centre [Pa].
+    pub(crate) max_pressure: f64,
+    /// Approach of the bodies, unknown for a given ellipse [m].
+    approach: Option<f64>,
+    /// Normal force that the ellipse carries [N].
+    pub(crate) normal_force: f64,
+}
+
+/// What is prescribed on an ellipse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Prescribed {
+    /// Longitudinal force over f N, in [−1, 1]; positive drives.
+    ForceRatio(f64),
+    /// Creepages: longitudinal and lateral [-], spin [rad/m].
+    Creepage { xi: f64, eta: f64, phi: f64 },
+}
+
+impl Ellipse {
+    /// Solves the normal contact, or takes the given ellipse.
+    pub(crate) fn solve(scene: &Scene, given: Option<GivenPatch>) -> Result<Self, Refusal> {
+        let ellipse = match given {
+            Some(patch) => Self::of_given_patch(patch),
+            None => Self::of_hertz(scene)?,
+        };
+        ellipse.refuse_beyond_floating_point()?;
+        Ok(ellipse)
+    }
+
+    fn of_given_patch(patch: GivenPatch) -> Self {
+        let GivenPatch { semi_axis_a, semi_axis_b, max_pressure } = patch;
+        let normal_force = hertz::normal_force(semi_axis_a, semi_axis_b, max_pressure);
+        Self { semi_axis_a, semi_axis_b, max_pressure, approach: None, normal_force }
+    }
+
+    fn of_hertz(scene: &Scene) -> Result<Self, Refusal> {
+        let (gap_x, gap_y) = (scene.gap_coefficient_x(), scene.gap_coefficient_y());
+        refuse_open_ellipse(scene, gap_x, gap_y)?;
+        let solution =
+            hertz::elliptic_contact(gap_x, gap_y, scene.normal_force, scene.contact_compliance());
+        Ok(Self {
+            semi_axis_a: solution.semi_axis_a,
+            semi_axis_b: solution.semi_axis_b,
+            max_pressure: solution.max_pressure,
+            approach: Some(solution.approach),
+            normal_force: scene.normal_force,
+        })
+    }
+
+    fn refuse_beyond_floating_point(&self) -> Result<(), Refusal> {
+        let size = [self.semi_axis_a, self.semi_axis_b, self.max_pressure, self.normal_force];
+        if size.iter().all(|value| value.is_normal()) {
+            return Ok(());
+        }
+        Err(Refusal::new(
+            "load.normal_force",
+            format!("gives a contact whose size or pressure is no number: {self}"),
+            "check the units of load, radii and materials",
+        ))
+    }
+
+    /// Rows and columns of elements Δx = Δy = a/resolution that cover the ellipse, odd in number.
+    pub(crate) fn grid(&self, resolution: usize) -> Result<Structured, Refusal> {
+        let step = self.semi_axis_a / resolution as f64;
+        let half_rows = (self.semi_axis_b / step - 0.5).ceil().max(0.0);
+        let elements = (2.0 * resolution as f64 + 1.0) * (2.0 * half_rows + 1.0);
+        if elements > MOST_ELEMENTS {
+            return Err(Refusal::new(
+                "mech.resolution",
+                format!(
+                    "{resolution} elements per semi-axis a make {elements:.3e} elements in all"
+                ),
+                format!("lower it until there are no more than {MOST_ELEMENTS:.3e}"),
+            ));
+        }
+        let (nx, ny) = (2 * resolution + 1, 2 * half_rows as usize + 1);
+        let (x0, y0) = (-(resolution as f64) * step, -half_rows * step);
+        Ok(Structured::contact_plane(x0, y0, step, step, nx, ny))
+    }
+
+    /// What drives the wheel, with a force as its share of f N.
+    pub(crate) fn prescribed(&self, scene: &Scene) -> Result<Prescribed, Refusal> {
+        let within = |key: &str, value: f64, limit: f64, unit: &str| {
+            if value.abs() <= limit {
+                return Ok(Prescribed::ForceRatio(value / limit));
+            }
+            let reason = format!("{value}{unit} is beyond the friction limit of {limit}{unit}");
+            Err(Refusal::new(key, reason, format!("write less than {limit}{unit} in magnitude")))
+        };
+        let friction = scene.friction_coefficient;
+        match scene.drive {
+            Drive::TractionCoefficient(value) => {
+                within("motion.traction_coefficient", value, friction, "")
+            }
+            Drive::TangentialForce(value) => {
+                within("motion.tangential_force", value, friction * self.normal_force, " N")
+            }
+            Drive::Creepage { xi, eta, phi } => Ok(Prescribed::Creepage { xi, eta, phi }),
+        }
+    }
+
+    /// What a reader should know when the ellipse replaces the case's normal force.
+    pub(crate) fn remark(&self, scene: &Scene) -> Option<String> {
+        // Quantities are shown to about this accuracy; less is no difference to a reader.
+        const VISIBLE: f64 = 1e-6;
+        let (force, asked) = (self.normal_force, scene.normal_force);
+        let differs = (force / asked - 1.0).abs() > VISIBLE;
+        differs.then(|| {
+            format!(
+                "the ellipse given under [contact] carries {force:.6e} N, which replaces the \
+                 {asked:.6e} N of load.normal_force"
+            )
+        })
+    }
+
+    /// Writes the element means of Hertz's pressure [Pa].
+    pub(crate) fn write_pressure(&self, grid: Structured, means: &mut [f64]) {
+        let strips = Strips::new(self.semi_axis_a, self.semi_axis_b, grid);
+        let (density, amplitude) = (SemiEllipse, self.max_pressure);
+        let lateral = Lateral::Elliptic;
+        strips.write_means(&StripField { density, amplitude, lateral }, means);
+    }
+
+    /// The ellipse's part of the section `contact` of `summary.json`.
+    pub(crate) fn summary(&self) -> Value {
+        let mut contact = json!({
+            "semi_axis_a_m": self.semi_axis_a,
+            "semi_axis_b_m": self.semi_axis_b,
+            "area_m2": PI * self.semi_axis_a * self.semi_axis_b,
+            "max_pressure_pa": self.max_pressure,
+            "normal_force_n": self.normal_force,
+        });
+        if let Some(approach) = self.approach {
+            contact["approach_m"] = approach.into();
+        }
+        contact
+    }
+}
+
+impl fmt::Display for Ellipse {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "contact ellipse a = {:.4} mm, b = {:.4} mm, p0 = {:.2} MPa",
+            1e3 * self.semi_axis_a,
+            1e3 * self.semi_axis_b,
+            1e-6 * self.max_pressure,
+        )
+    }
+}
+
+/// Refuses bodies that touch along a line or all around instead of over an ellipse.
+fn refuse_open_ellipse(scene: &Scene, gap_x: f64, gap_y: f64) -> Result<(), Refusal> {
+    // Semi-axes in a ratio of about a million.
+    const FLATTEST: f64 = 1e-12;
+    let crown = scene.rail_crown_radius;
+    if gap_y <= FLATTEST * gap_x && scene.tread_curvature < 0.0 {
+        let reason = "the tread is as hollow as the rail crown is round, so that no elliptic \
+                      contact closes";
+        let fix = format!("write a value below -{crown} m, or above 0 m");
+        return Err(Refusal::new("wheel.tread_radius", reason, fix));
+    }
+    let line = "makes the contact a line, not an ellipse";
+    let fix = "write a radius of the size of the other bodies' radii";
+    if gap_y <= FLATTEST * gap_x {
+        return Err(Refusal::new("rail.crown_radius", line, fix));
+    }
+    if gap_x <= FLATTEST * gap_y {
+        return Err(Refusal::new("wheel.radius", line, fix));
+    }
+    Ok(())
+}

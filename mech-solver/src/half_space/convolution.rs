@@ -1,0 +1,359 @@
+//! Convolution on a grid of nx × ny elements by Fourier transforms with zero padding.
+//!
+//! out(i, j) = Σ_{i', j'} A(i − i', j − j') in(i', j'), over all elements of the grid, without
+//! periodic images. The grid is padded to P_x × P_y with P ≥ 2n − 1, where the cyclic convolution
+//! equals the free one: with the transform f̂(k, l) = Σ f(i, j) e^{−2πi(ik/P_x + jl/P_y)}, the
+//! result is the inverse transform of Â f̂, whose factor 1/(P_x P_y) is kept in [`Spectrum`].
+//! P_x is even and both have the prime factors 2, 3 and 5 only.
+//!
+//! Rows along x go through real transforms, which leave P_x/2 + 1 columns. Of the rows only the ny
+//! inside the grid are ever transformed or stored: columns are gathered some at a time, padded,
+//! transformed, multiplied by Â, transformed back and cut to ny values while they are in the
+//! cache. Nothing is allocated after the construction, except by building a [`Spectrum`].
+
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::{Fft, FftPlanner, num_complex::Complex};
+use std::sync::Arc;
+
+/// Columns transformed at a time: one or two lines of the cache are read whole from every row.
+const BLOCK: usize = 8;
+
+/// A complex number of the half spectrum.
+pub type Complex64 = Complex<f64>;
+
+/// Transform of a kernel, or any other factor in Fourier space, on the padded grid.
+///
+/// Valid for every [`Convolution`] of the same nx and ny.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum {
+    /// Â(k, l)/(P_x P_y), column after column: index k·P_y + l, k ≤ P_x/2.
+    values: Vec<Complex64>,
+    /// P_x P_y.
+    size: f64,
+}
+
+impl Spectrum {
+    /// A spectrum made of others of the same grid, wave by wave; for instance the inverse of a
+    /// symmetric 2 × 2 tensor of kernels. `function` maps the values Â(k, l) [unit of the kernel].
+    #[must_use]
+    pub fn combine<const N: usize>(
+        spectra: [&Self; N],
+        function: impl Fn([Complex64; N]) -> Complex64,
+    ) -> Self {
+        let (len, size) = (spectra[0].values.len(), spectra[0].size);
+        assert!(spectra.iter().all(|other| other.values.len() == len && other.size == size));
+        let value = |at| function(spectra.map(|spectrum| spectrum.values[at] * size)) / size;
+        Self { values: (0..len).map(value).collect(), size }
+    }
+
+    /// Same as [`Spectrum::combine`] of one spectrum.
+    #[must_use]
+    pub fn map(&self, function: impl Fn(Complex64) -> Complex64) -> Self {
+        Self::combine([self], |[value]| function(value))
+    }
+
+    /// The values Â(k, l), in no specified order.
+    pub fn values(&self) -> impl Iterator<Item = Complex64> + '_ {
+        self.values.iter().map(|value| value * self.size)
+    }
+}
+
+/// Plans and working memory for convolutions on one grid.
+pub struct Convolution {
+    nx: usize,
+    ny: usize,
+    padded_x: usize,
+    padded_y: usize,
+    rows_forward: Arc<dyn RealToComplex<f64>>,
+    rows_inverse: Arc<dyn ComplexToReal<f64>>,
+    columns_forward: Arc<dyn Fft<f64>>,
+    columns_inverse: Arc<dyn Fft<f64>>,
+    row: Vec<f64>,
+    scratch: Vec<Complex64>,
+    /// Transformed rows, ny × (P_x/2 + 1), one for each component.
+    half: [Vec<Complex64>; 2],
+    /// Columns in work, up to BLOCK × P_y, one for each component.
+    block: [Vec<Complex64>; 2],
+}
+
+impl std::fmt::Debug for Convolution {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { nx, ny, padded_x, padded_y, .. } = self;
+        write!(formatter, "Convolution({nx} x {ny}, padded to {padded_x} x {padded_y})")
+    }
+}
+
+impl Convolution {
+    /// Plans the transforms for nx × ny elements, padded so that there are no periodic images.
+    ///
+    /// # Panics
+    /// If a count is zero.
+    #[must_use]
+    pub fn new(nx: usize, ny: usize) -> Self {
+        assert!(nx > 0 && ny > 0, "a grid of {nx} x {ny} elements is empty");
+        Self::padded(nx, ny, 2 * smooth_size(nx), smooth_size(2 * ny - 1))
+    }
+
+    /// Plans the transforms for nx × ny elements with padding by a tenth only: cheaper, and wrong
+    /// by the periodic images. For preconditioners.
+    ///
+    /// # Panics
+    /// If a count is zero.
+    #[must_use]
+    pub fn barely_padded(nx: usize, ny: usize) -> Self {
+        assert!(nx > 0 && ny > 0, "a grid of {nx} x {ny} elements is empty");
+        let more = |n: usize| n + n.div_ceil(10);
+        Self::padded(nx, ny, 2 * smooth_size(more(nx).div_ceil(2)), smooth_size(more(ny)))
+    }
+
+    fn padded(nx: usize, ny: usize, padded_x: usize, padded_y: usize) -> Self {
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        let rows_forward = real.plan_fft_forward(padded_x);
+        let rows_inverse = real.plan_fft_inverse(padded_x);
+        let columns_forward = complex.plan_fft_forward(padded_y);
+        let columns_inverse = complex.plan_fft_inverse(padded_y);
+        let scratch = [
+            rows_forward.get_scratch_len(),
+            rows_inverse.get_scratch_len(),
+            columns_forward.get_inplace_scratch_len(),
+            columns_inverse.get_inplace_scratch_len(),
+        ];
+        let zeros = |len: usize| vec![Complex64::default(); len];
+        let half = zeros(ny * (padded_x / 2 + 1));
+        let block = zeros(BLOCK * padded_y);
+        Self {
+            nx,
+            ny,
+            padded_x,
+            padded_y,
+            rows_forward,
+            rows_inverse,
+            columns_forward,
+            columns_inverse,
+            row: vec![0.0; padded_x],
+            scratch: zeros(scratch.into_iter().max().unwrap_or(0)),
+            half: [half.clone(), half],
+            block: [block.clone(), block],
+        }
+    }
+
+    /// Elements along x and along y.
+    #[must_use]
+    pub fn shape(&self) -> (usize, usize) {
+        (self.nx, self.ny)
+    }
+
+    /// Transform of a kernel: `kernel(di, dj)` is the effect at an element on that of another,
+    /// di and dj being the target's index minus the source's. Called for |di| < nx, |dj| < ny, and at
+    /// most half the padded grid.
+    #[must_use]
+    pub fn spectrum(&mut self, kernel: impl Fn(i32, i32) -> f64) -> Spectrum {
+        let columns = self.columns();
+        let mut values = vec![Complex64::default(); columns * self.padded_y];
+        let mut transformed = vec![Complex64::default(); columns];
+        let reach_x = offset((self.nx - 1).min(self.padded_x / 2));
+        let reach_y = offset((self.ny - 1).min(self.padded_y / 2));
+        for dj in -reach_y..=reach_y {
+            self.row.fill(0.0);
+            for di in -reach_x..=reach_x {
+                self.row[wrapped(di, self.padded_x)] = kernel(di, dj);
+            }
+            self.transform_row(&mut transformed);
+            let line = wrapped(dj, self.padded_y);
+            for (column, value) in transformed.iter().enumerate() {
+                values[column * self.padded_y + line] = *value;
+            }
+        }
+        self.columns_forward.process_with_scratch(&mut values, &mut self.scratch);
+        let size = (self.padded_x * self.padded_y) as f64;
+        values.iter_mut().for_each(|value| *value /= size);
+        Spectrum { values, size }
+    }
+
+    /// A real, even factor in Fourier space: `symbol(kx, ky)` at the wave numbers in radians per
+    /// element, 0 ≤ kx ≤ π and −π < ky ≤ π.
+    #[must_use]
+    pub fn symbol(&self, symbol: impl Fn(f64, f64) -> f64) -> Spectrum {
+        let turn = std::f64::consts::TAU;
+        let size = (self.padded_x * self.padded_y) as f64;
+        let mut values = Vec::with_capacity(self.columns() * self.padded_y);
+        for column in 0..self.columns() {
+            let kx = turn * column as f64 / self.padded_x as f64;
+            for line in 0..self.padded_y {
+                let above = 2 * line > self.padded_y;
+                let signed = line as f64 - if above { self.padded_y as f64 } else { 0.0 };
+                let ky = turn * signed / self.padded_y as f64;
+                values.push(Complex64::new(symbol(kx, ky) / size, 0.0));
+            }
+        }
+        Spectrum { values, size }
+    }
+
+    /// Convolution of `input` with a kernel; both fields have nx·ny values.
+    ///
+    /// # Panics
+    /// If a field or the spectrum belongs to another grid.
+    pub fn apply(&mut self, kernel: &Spectrum, input: &[f64], output: &mut [f64]) {
+        self.check(&[kernel], &[input], &[output]);
+        self.rows_in(0, input);
+        for first in (0..self.columns()).step_by(BLOCK) {
+            let count = BLOCK.min(self.columns() - first);
+            let len = count * self.padded_y;
+            self.gather(0, first, count);
+            let at = first * self.padded_y;
+            for (value, factor) in self.block[0][..len].iter_mut().zip(&kernel.values[at..]) {
+                *value *= factor;
+            }
+            self.scatter(0, first, count);
+        }
+        self.rows_out(0, output);
+    }
+
+    /// Same as [`Convolution::apply`], for a factor that is not the transform of a kernel: the
+    /// field is padded with zeros, filtered on the padded grid and cut.
+    pub fn filter(&mut self, symbol: &Spectrum, input: &[f64], output: &mut [f64]) {
+        self.apply(symbol, input, output);
+    }
+
+    /// Convolution of a vector field with a tensor of kernels, out_r = Σ_c kernels[r][c] ∗ in_c.
+    ///
+    /// # Panics
+    /// If a field or a spectrum belongs to another grid.
+    pub fn apply_tensor(
+        &mut self,
+        kernels: &[[&Spectrum; 2]; 2],
+        input: [&[f64]; 2],
+        output: [&mut [f64]; 2],
+    ) {
+        let [[xx, xy], [yx, yy]] = *kernels;
+        let [output_x, output_y] = output;
+        self.check(&[xx, xy, yx, yy], &input, &[output_x, output_y]);
+        self.rows_in(0, input[0]);
+        self.rows_in(1, input[1]);
+        for first in (0..self.columns()).step_by(BLOCK) {
+            let count = BLOCK.min(self.columns() - first);
+            let range = first * self.padded_y..(first + count) * self.padded_y;
+            self.gather(0, first, count);
+            self.gather(1, first, count);
+            let [block_x, block_y] = &mut self.block;
+            let rows = xx.values[range.clone()].iter().zip(&xy.values[range.clone()]);
+            let rows = rows.zip(yx.values[range.clone()].iter().zip(&yy.values[range]));
+            let fields = block_x.iter_mut().zip(block_y.iter_mut());
+            for ((x, y), ((xx, xy), (yx, yy))) in fields.zip(rows) {
+                (*x, *y) = (xx * *x + xy * *y, yx * *x + yy * *y);
+            }
+            self.scatter(0, first, count);
+            self.scatter(1, first, count);
+        }
+        self.rows_out(0, output_x);
+        self.rows_out(1, output_y);
+    }
+
+    fn columns(&self) -> usize {
+        self.padded_x / 2 + 1
+    }
+
+    fn check(&self, spectra: &[&Spectrum], input: &[&[f64]], output: &[&mut [f64]]) {
+        let (fields, len) = (self.nx * self.ny, self.columns() * self.padded_y);
+        let size = (self.padded_x * self.padded_y) as f64;
+        assert!(
+            input.iter().all(|field| field.len() == fields)
+                && output.iter().all(|field| field.len() == fields)
+                && spectra.iter().all(|one| one.values.len() == len && one.size == size),
+            "a field or spectrum is not of the grid of {} x {} elements",
+            self.nx,
+            self.ny
+        );
+    }
+
+    /// Transforms `row`, which it destroys.
+    fn transform_row(&mut self, transformed: &mut [Complex64]) {
+        self.rows_forward
+            .process_with_scratch(&mut self.row, transformed, &mut self.scratch)
+            .expect("all lengths are the plan's");
+    }
+
+    /// Transforms the rows of a field.
+    fn rows_in(&mut self, component: usize, input: &[f64]) {
+        let columns = self.columns();
+        let mut half = std::mem::take(&mut self.half[component]);
+        for (values, transformed) in input.chunks_exact(self.nx).zip(half.chunks_exact_mut(columns))
+        {
+            self.row[..self.nx].copy_from_slice(values);
+            self.row[self.nx..].fill(0.0);
+            self.transform_row(transformed);
+        }
+        self.half[component] = half;
+    }
+
+    /// Copies columns from the rows, pads and transforms them.
+    fn gather(&mut self, component: usize, first: usize, count: usize) {
+        let (columns, padded) = (self.columns(), self.padded_y);
+        let block = &mut self.block[component][..count * padded];
+        for (line, row) in self.half[component].chunks_exact(columns).enumerate() {
+            for (column, value) in row[first..first + count].iter().enumerate() {
+                block[column * padded + line] = *value;
+            }
+        }
+        for column in block.chunks_exact_mut(padded) {
+            column[self.ny..].fill(Complex64::default());
+        }
+        self.columns_forward.process_with_scratch(block, &mut self.scratch);
+    }
+
+    /// Transforms columns back and copies them to the rows.
+    fn scatter(&mut self, component: usize, first: usize, count: usize) {
+        let (columns, padded) = (self.columns(), self.padded_y);
+        let block = &mut self.block[component][..count * padded];
+        self.columns_inverse.process_with_scratch(block, &mut self.scratch);
+        for (line, row) in self.half[component].chunks_exact_mut(columns).enumerate() {
+            for (column, value) in row[first..first + count].iter_mut().enumerate() {
+                *value = block[column * padded + line];
+            }
+        }
+    }
+
+    /// Transforms the rows back to a field.
+    fn rows_out(&mut self, component: usize, output: &mut [f64]) {
+        let columns = self.columns();
+        let rows = self.half[component].chunks_exact_mut(columns);
+        for (transformed, values) in rows.zip(output.chunks_exact_mut(self.nx)) {
+            // Zero but for rounding; the plan insists on it.
+            transformed[0].im = 0.0;
+            transformed[columns - 1].im = 0.0;
+            self.rows_inverse
+                .process_with_scratch(transformed, &mut self.row, &mut self.scratch)
+                .expect("all lengths are the plan's and the ends are real");
+            values.copy_from_slice(&self.row[..self.nx]);
+        }
+    }
+}
+
+/// Smallest number from `least` on with the prime factors 2, 3 and 5 only.
+fn smooth_size(least: usize) -> usize {
+    let smooth = |size: &usize| {
+        let strip = |mut rest: usize, prime: usize| {
+            while rest.is_multiple_of(prime) {
+                rest /= prime;
+            }
+            rest
+        };
+        [2, 3, 5].into_iter().fold(*size, strip) == 1
+    };
+    (least.max(1)..).find(smooth).expect("the next power of two is one")
+}
+
+/// A count of elements as a signed offset.
+fn offset(count: usize) -> i32 {
+    i32::try_from(count).expect("a grid in memory has fewer elements a side")
+}
+
+/// Index of an offset on a cyclic grid.
+fn wrapped(offset: i32, size: usize) -> usize {
+    let size = i64::try_from(size).expect("a grid in memory has fewer elements a side");
+    usize::try_from(i64::from(offset).rem_euclid(size)).expect("a remainder is not negative")
+}
+
+#[cfg(test)]
+mod tests;

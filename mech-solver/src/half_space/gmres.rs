@@ -1,0 +1,212 @@
+//! Restart-free, right-preconditioned GMRES for a few iterations on a tall vector.
+//!
+//! Solves A x = b approximately: over the Krylov space of A P, with P any approximation of A⁻¹, the
+//! x is chosen that minimises ‖b − A x‖₂. The preconditioned directions are kept (the flexible
+//! form), so that P is applied once an iteration. Arnoldi by modified Gram–Schmidt, the least
+//! squares by Givens rotations. The memory is kept from one solve to the next.
+//!
+//! Source: Saad, *Iterative Methods for Sparse Linear Systems* (2003), algorithms 6.9 and 9.6.
+
+/// Largest dimension of the Krylov space.
+const MOST_STEPS: usize = 40;
+
+/// Working memory.
+#[derive(Debug, Default)]
+pub struct Gmres {
+    /// Orthonormal basis.
+    basis: Vec<Vec<f64>>,
+    /// Preconditioned basis.
+    directions: Vec<Vec<f64>>,
+    /// Columns of the triangular factor.
+    factor: Vec<Vec<f64>>,
+    rotations: Vec<(f64, f64)>,
+    target: Vec<f64>,
+}
+
+/// What a solve achieved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Achieved {
+    /// Iterations, that is, products with the operator.
+    pub steps: usize,
+    /// ‖b − A x‖ over ‖b‖.
+    pub reduction: f64,
+}
+
+/// An operator and its preconditioner on vectors of one length.
+pub trait Preconditioned {
+    /// out = A x.
+    fn operate(&mut self, x: &[f64], out: &mut [f64]);
+    /// out ≈ A⁻¹ x.
+    fn precondition(&mut self, x: &[f64], out: &mut [f64]);
+}
+
+impl Gmres {
+    /// Solves A x = b to ‖b − A x‖ ≤ `reduction` ‖b‖, or as far as the memory reaches; x starts
+    /// from zero.
+    pub fn solve(
+        &mut self,
+        system: &mut dyn Preconditioned,
+        right: &[f64],
+        reduction: f64,
+        x: &mut [f64],
+    ) -> Achieved {
+        x.fill(0.0);
+        self.rotations.clear();
+        self.target.clear();
+        let scale = norm(right);
+        if scale == 0.0 {
+            return Achieved { steps: 0, reduction: 0.0 };
+        }
+        self.target.push(scale);
+        copy_scaled(slot(&mut self.basis, 0), right, 1.0 / scale);
+        let mut steps = 0;
+        while steps < MOST_STEPS && self.target[steps].abs() > reduction * scale {
+            let next = self.expand(system, steps, right.len());
+            steps += 1;
+            if next == 0.0 {
+                break;
+            }
+        }
+        self.combine(steps, x);
+        Achieved { steps, reduction: self.target[steps].abs() / scale }
+    }
+
+    /// One Arnoldi step; the norm of the new direction.
+    fn expand(&mut self, system: &mut dyn Preconditioned, step: usize, len: usize) -> f64 {
+        let direction = slot(&mut self.directions, step);
+        direction.resize(len, 0.0);
+        system.precondition(&self.basis[step], direction);
+        let mut vector = std::mem::take(slot(&mut self.basis, step + 1));
+        vector.resize(len, 0.0);
+        system.operate(&self.directions[step], &mut vector);
+        let column = slot(&mut self.factor, step);
+        column.clear();
+        for earlier in &self.basis[..=step] {
+            let overlap = dot(earlier, &vector);
+            add_scaled(&mut vector, earlier, -overlap);
+            column.push(overlap);
+        }
+        let length = norm(&vector);
+        if length > 0.0 {
+            vector.iter_mut().for_each(|value| *value /= length);
+        }
+        self.basis[step + 1] = vector;
+        self.rotate(step, length);
+        length
+    }
+
+    /// Turns the new column of the Hessenberg matrix upper triangular.
+    fn rotate(&mut self, step: usize, below: f64) {
+        let column = &mut self.factor[step];
+        for (row, (cos, sin)) in self.rotations.iter().enumerate() {
+            let (upper, lower) = (column[row], column[row + 1]);
+            column[row] = cos * upper + sin * lower;
+            column[row + 1] = cos * lower - sin * upper;
+        }
+        let diagonal = column[step];
+        let radius = diagonal.hypot(below);
+        let (cos, sin) =
+            if radius > 0.0 { (diagonal / radius, below / radius) } else { (1.0, 0.0) };
+        column[step] = radius;
+        self.rotations.push((cos, sin));
+        let last = self.target[step];
+        self.target[step] = cos * last;
+        self.target.push(-sin * last);
+    }
+
+    /// x = Σ y_i z_i with the solution y of the triangular system.
+    fn combine(&mut self, steps: usize, x: &mut [f64]) {
+        for row in (0..steps).rev() {
+            let mut value = self.target[row];
+            for (column, weight) in self.factor[row + 1..steps].iter().zip(&self.target[row + 1..])
+            {
+                value -= column[row] * weight;
+            }
+            let diagonal = self.factor[row][row];
+            self.target[row] = if diagonal == 0.0 { 0.0 } else { value / diagonal };
+        }
+        for (direction, weight) in self.directions[..steps].iter().zip(&self.target) {
+            add_scaled(x, direction, *weight);
+        }
+    }
+}
+
+/// The vector with this index, made when it is first asked for.
+fn slot(vectors: &mut Vec<Vec<f64>>, index: usize) -> &mut Vec<f64> {
+    while vectors.len() <= index {
+        vectors.push(Vec::new());
+    }
+    &mut vectors[index]
+}
+
+fn copy_scaled(into: &mut Vec<f64>, from: &[f64], factor: f64) {
+    into.clear();
+    into.extend(from.iter().map(|value| value * factor));
+}
+
+/// Σ x_i y_i in independent lanes.
+pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (xs, ys) = (x.chunks_exact(8), y.chunks_exact(8));
+    let tail: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in xs.zip(ys) {
+        for lane in 0..8 {
+            lanes[lane] += a[lane] * b[lane];
+        }
+    }
+    lanes.iter().sum::<f64>() + tail
+}
+
+fn norm(x: &[f64]) -> f64 {
+    dot(x, x).sqrt()
+}
+
+fn add_scaled(x: &mut [f64], y: &[f64], factor: f64) {
+    x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bidiagonal matrix, not symmetric, with an approximate inverse.
+    struct Bidiagonal;
+
+    impl Preconditioned for Bidiagonal {
+        fn operate(&mut self, x: &[f64], out: &mut [f64]) {
+            for i in 0..x.len() {
+                let next = x.get(i + 1).copied().unwrap_or(0.0);
+                out[i] = (2.0 + i as f64) * x[i] - 1.5 * next;
+            }
+        }
+
+        fn precondition(&mut self, x: &[f64], out: &mut [f64]) {
+            for i in 0..x.len() {
+                out[i] = x[i] / (2.0 + i as f64);
+            }
+        }
+    }
+
+    #[test]
+    fn residual_is_as_small_as_it_says() {
+        let right: Vec<f64> = (0..50).map(|i| (0.3 * f64::from(i)).sin()).collect();
+        let mut x = vec![0.0; 50];
+        for reduction in [0.1, 1e-6, 1e-12] {
+            let achieved = Gmres::default().solve(&mut Bidiagonal, &right, reduction, &mut x);
+            let mut product = vec![0.0; 50];
+            Bidiagonal.operate(&x, &mut product);
+            let rest: Vec<f64> = product.iter().zip(&right).map(|(a, b)| b - a).collect();
+            let found = norm(&rest) / norm(&right);
+            assert!(found <= reduction * (1.0 + 1e-3), "{found} > {reduction}");
+            // Rounding of the recurrence against the true residual.
+            assert!((found - achieved.reduction).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn nothing_to_do_for_a_right_side_of_zero() {
+        let mut x = vec![1.0; 3];
+        let achieved = Gmres::default().solve(&mut Bidiagonal, &[0.0; 3], 1e-3, &mut x);
+        assert_eq!((achieved.steps, x), (0, vec![0.0; 3]));
+    }
+}

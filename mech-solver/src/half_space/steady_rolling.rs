@@ -1,0 +1,382 @@
+//! The tangential problem of steady rolling on one grid.
+//!
+//! Find tractions p (two components an element) and their slip S = w Δx + B p with
+//!
+//! - in the adhesion area |p| ≤ g and S = 0,
+//! - in the slip area |p| = g and S opposite to p,
+//!
+//! where g = f p_n is the traction bound and B the operator of [`super::slip_operator`].
+//!
+//! **Algorithm.** A semismooth Newton method. Unknown are both components of p in the adhesion
+//! area, and in the slip area the change τ of p across its direction n, since its size is known:
+//! turning p by τ/g turns the slip that has to be opposite by as much, so that
+//! n·(B n τ) + |S|/g τ = −n·S. The system is solved by GMRES to a modest reduction, preconditioned
+//! in the adhesion area by the Fourier inverse and in the slip area by the diagonal. Then p is cut
+//! to the bound; an element of adhesion whose traction exceeds the bound slips from now on, one of
+//! slip whose traction would push with the slip adheres. It ends when no element changes and the
+//! step is below the tolerance; a Newton method needs no relaxation here, and none is used.
+//!
+//! **Energy.** The power of the step from I + e_x to I is −½(p_I + p_{I+e_x})·S_I V/Δx. Summed over
+//! all steps, those that leave the contact too, the part of B vanishes exactly, because
+//! pᵀ(Sᵀ − S)A p = 0 for a symmetric A that commutes with the shift: the sum is
+//! −V Σ w·p, the power of the forces over the creepages, at every resolution and whether or not the
+//! iteration has converged.
+//!
+//! Sources: Kalker (1990) for the problem; Alart & Curnier (1991) and Hüeber & Wohlmuth (2005) for
+//! Newton methods on Coulomb friction. The combination is this project's.
+
+use super::gmres::{Gmres, Preconditioned};
+use super::slip_operator::SlipOperator;
+
+/// Newton steps after which a solve is given up.
+const MOST_STEPS: usize = 60;
+/// Reduction of the linear residual asked of GMRES.
+const LINEAR_REDUCTION: f64 = 0.3;
+
+/// What an element does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ElementState {
+    /// No contact.
+    Exterior,
+    /// The surfaces stick.
+    Adhesion,
+    /// The surfaces slip.
+    Slip,
+}
+
+/// Creepages [ξ, η, φ]: longitudinal [-], lateral [-], spin [rad/m].
+pub type Creepage = [f64; 3];
+
+/// The problem on one grid of nx × ny elements.
+#[derive(Debug)]
+pub struct Problem<'a> {
+    /// Elements along x.
+    pub nx: usize,
+    /// Side of an element [m].
+    pub step: f64,
+    /// Area of an element [m²].
+    pub element_area: f64,
+    /// Centres along x [m].
+    pub x: &'a [f64],
+    /// Centres along y [m].
+    pub y: &'a [f64],
+    /// Traction bound g = f p_n [Pa]; 0 outside the contact.
+    pub bound: &'a [f64],
+}
+
+/// A solution, or the start of one.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// Tractions on body 1, x and y [Pa].
+    pub traction: [Vec<f64>; 2],
+    /// Slip distance of body 1 relative to body 2 over a step, x and y [m].
+    pub slip: [Vec<f64>; 2],
+    /// What each element does.
+    pub element: Vec<ElementState>,
+    /// Creepages.
+    pub creepage: Creepage,
+}
+
+/// How a solve went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effort {
+    /// Newton steps.
+    pub newton_steps: usize,
+    /// GMRES iterations in all.
+    pub linear_steps: usize,
+    /// Elements that changed between adhesion and slip in the last step.
+    pub changes: usize,
+    /// Largest change of a traction in the last step, over the largest bound.
+    pub last_change: f64,
+}
+
+/// A solve that did not end.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the tangential problem did not converge in {MOST_STEPS} Newton steps: {} elements still \
+     change between adhesion and slip, tractions by {:.1e} of the bound",
+    .0.changes, .0.last_change
+)]
+pub struct NotConverged(pub Effort);
+
+impl State {
+    /// Everything adheres, nothing pulls.
+    #[must_use]
+    pub fn at_rest(problem: &Problem, creepage: Creepage) -> Self {
+        let zeros = vec![0.0; problem.bound.len()];
+        let state = |bound: &f64| match *bound > 0.0 {
+            true => ElementState::Adhesion,
+            false => ElementState::Exterior,
+        };
+        Self {
+            traction: [zeros.clone(), zeros.clone()],
+            slip: [zeros.clone(), zeros],
+            element: problem.bound.iter().map(state).collect(),
+            creepage,
+        }
+    }
+
+    /// Force on body 1, x and y [N], and its moment about z [N m].
+    #[must_use]
+    pub fn forces(&self, problem: &Problem) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (row, y) in problem.y.iter().enumerate() {
+            let range = row * problem.nx..(row + 1) * problem.nx;
+            let rows = self.traction[0][range.clone()].iter().zip(&self.traction[1][range]);
+            for ((px, py), x) in rows.zip(problem.x) {
+                sum[0] += px;
+                sum[1] += py;
+                sum[2] += x * py - y * px;
+            }
+        }
+        sum.map(|value| value * problem.element_area)
+    }
+}
+
+/// The solver on one grid: operator and working memory.
+#[derive(Debug)]
+pub struct SteadyRolling {
+    operator: SlipOperator,
+    gmres: Gmres,
+    field: [Vec<f64>; 2],
+    image: [Vec<f64>; 2],
+    sticking: Vec<usize>,
+    slipping: Vec<Turn>,
+    right: Vec<f64>,
+    step: Vec<f64>,
+}
+
+/// An element of the slip area in the linear system.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    index: usize,
+    /// Unit vector across the traction.
+    across: [f64; 2],
+    /// |S|/g [m/Pa].
+    stiffness: f64,
+}
+
+impl SteadyRolling {
+    /// A solver with this operator.
+    #[must_use]
+    pub fn new(operator: SlipOperator) -> Self {
+        let (field, image) = Default::default();
+        let (sticking, slipping, right, step) = Default::default();
+        let gmres = Gmres::default();
+        Self { operator, gmres, field, image, sticking, slipping, right, step }
+    }
+
+    /// Products with the slip operator, and with its approximate inverse, so far.
+    #[must_use]
+    pub fn work(&self) -> (usize, usize) {
+        self.operator.work()
+    }
+
+    /// Solves from the given state, with its creepages, until tractions change by less than
+    /// `tolerance` of the largest bound.
+    ///
+    /// # Errors
+    /// It did not converge; the state is what was reached.
+    pub fn solve(
+        &mut self,
+        problem: &Problem,
+        state: &mut State,
+        tolerance: f64,
+    ) -> Result<Effort, NotConverged> {
+        let largest = problem.bound.iter().copied().fold(0.0, f64::max);
+        let mut effort = Effort::default();
+        if largest == 0.0 {
+            return Ok(effort);
+        }
+        for buffer in self.field.iter_mut().chain(&mut self.image) {
+            buffer.clear();
+            buffer.resize(problem.bound.len(), 0.0);
+        }
+        self.update_slip(problem, state);
+        for _ in 0..MOST_STEPS {
+            effort.newton_steps += 1;
+            effort.linear_steps += self.linear_step(state, problem.bound);
+            let change = self.advance(problem, state);
+            self.update_slip(problem, state);
+            effort.changes = self.release_or_stick(state) + change.released;
+            effort.last_change = change.largest / largest;
+            if effort.last_change < tolerance && effort.changes == 0 {
+                return Ok(effort);
+            }
+        }
+        Err(NotConverged(effort))
+    }
+
+    /// S = w Δx + B p, with the rigid slip w = (ξ − φ y, η + φ x).
+    fn update_slip(&mut self, problem: &Problem, state: &mut State) {
+        let [px, py] = &state.traction;
+        let [sx, sy] = &mut state.slip;
+        self.operator.apply([px, py], [sx, sy]);
+        let [xi, eta, phi] = state.creepage.map(|value| value * problem.step);
+        // The rigid slip of a step is that in its middle.
+        let half = 0.5 * problem.step;
+        for (row, y) in problem.y.iter().enumerate() {
+            let range = row * problem.nx..(row + 1) * problem.nx;
+            for ((sx, sy), x) in sx[range.clone()].iter_mut().zip(&mut sy[range]).zip(problem.x) {
+                *sx += xi - phi * y;
+                *sy += eta + phi * (x + half);
+            }
+        }
+    }
+
+    /// Solves the linearised problem for a step of the tractions; GMRES iterations.
+    fn linear_step(&mut self, state: &State, bound: &[f64]) -> usize {
+        self.sticking.clear();
+        self.slipping.clear();
+        self.right.clear();
+        let ([px, py], [sx, sy]) = (&state.traction, &state.slip);
+        for (index, element) in state.element.iter().enumerate() {
+            match element {
+                ElementState::Exterior => {}
+                ElementState::Adhesion => self.sticking.push(index),
+                ElementState::Slip => {
+                    let g = bound[index];
+                    let across = [-py[index] / g, px[index] / g];
+                    let stiffness = sx[index].hypot(sy[index]) / g;
+                    self.slipping.push(Turn { index, across, stiffness });
+                }
+            }
+        }
+        self.right.extend(self.sticking.iter().map(|&i| -sx[i]));
+        self.right.extend(self.sticking.iter().map(|&i| -sy[i]));
+        let turned = |t: &Turn| -(t.across[0] * sx[t.index] + t.across[1] * sy[t.index]);
+        self.right.extend(self.slipping.iter().map(turned));
+        self.step.clear();
+        self.step.resize(self.right.len(), 0.0);
+        let mut system = System {
+            operator: &mut self.operator,
+            field: &mut self.field,
+            image: &mut self.image,
+            sticking: &self.sticking,
+            slipping: &self.slipping,
+        };
+        self.gmres.solve(&mut system, &self.right, LINEAR_REDUCTION, &mut self.step).steps
+    }
+
+    /// Adds the step and cuts tractions to the bound.
+    fn advance(&self, problem: &Problem, state: &mut State) -> Change {
+        let mut change = Change::default();
+        let count = self.sticking.len();
+        let [px, py] = &mut state.traction;
+        for (k, &i) in self.sticking.iter().enumerate() {
+            let before = [px[i], py[i]];
+            let after = [before[0] + self.step[k], before[1] + self.step[count + k]];
+            let (size, g) = (after[0].hypot(after[1]), problem.bound[i]);
+            let cut = if size > g { g / size } else { 1.0 };
+            [px[i], py[i]] = after.map(|value| value * cut);
+            if size > g {
+                state.element[i] = ElementState::Slip;
+                change.released += 1;
+            }
+            change.see(before, [px[i], py[i]]);
+        }
+        for (turn, by) in self.slipping.iter().zip(&self.step[2 * count..]) {
+            let i = turn.index;
+            let before = [px[i], py[i]];
+            let after = [before[0] + turn.across[0] * by, before[1] + turn.across[1] * by];
+            let cut = problem.bound[i] / after[0].hypot(after[1]);
+            [px[i], py[i]] = after.map(|value| value * cut);
+            change.see(before, [px[i], py[i]]);
+        }
+        change
+    }
+
+    /// Elements that slipped and whose traction now pushes with the slip adhere from now on.
+    fn release_or_stick(&self, state: &mut State) -> usize {
+        let ([px, py], [sx, sy]) = (&state.traction, &state.slip);
+        let mut stuck = 0;
+        for turn in &self.slipping {
+            let i = turn.index;
+            if px[i] * sx[i] + py[i] * sy[i] > 0.0 {
+                state.element[i] = ElementState::Adhesion;
+                stuck += 1;
+            }
+        }
+        stuck
+    }
+}
+
+/// What a Newton step changed.
+#[derive(Clone, Copy, Debug, Default)]
+struct Change {
+    largest: f64,
+    released: usize,
+}
+
+impl Change {
+    fn see(&mut self, before: [f64; 2], after: [f64; 2]) {
+        let size = (after[0] - before[0]).hypot(after[1] - before[1]);
+        self.largest = self.largest.max(size);
+    }
+}
+
+/// The linear system of a Newton step.
+struct System<'a> {
+    operator: &'a mut SlipOperator,
+    field: &'a mut [Vec<f64>; 2],
+    image: &'a mut [Vec<f64>; 2],
+    sticking: &'a [usize],
+    slipping: &'a [Turn],
+}
+
+impl System<'_> {
+    /// Puts the unknowns of the adhesion area into the field, zero elsewhere.
+    fn spread_sticking(&mut self, x: &[f64]) {
+        let count = self.sticking.len();
+        for (component, values) in self.field.iter_mut().zip(x.chunks(count.max(1))) {
+            component.fill(0.0);
+            for (&index, value) in self.sticking.iter().zip(values) {
+                component[index] = *value;
+            }
+        }
+    }
+
+    fn gather_sticking(&self, out: &mut [f64]) {
+        let count = self.sticking.len();
+        for (component, values) in self.image.iter().zip(out.chunks_mut(count.max(1))) {
+            for (&index, value) in self.sticking.iter().zip(values) {
+                *value = component[index];
+            }
+        }
+    }
+}
+
+impl Preconditioned for System<'_> {
+    fn operate(&mut self, x: &[f64], out: &mut [f64]) {
+        let count = 2 * self.sticking.len();
+        self.field.iter_mut().for_each(|component| component.fill(0.0));
+        self.spread_sticking(&x[..count]);
+        for (turn, value) in self.slipping.iter().zip(&x[count..]) {
+            self.field[0][turn.index] = turn.across[0] * value;
+            self.field[1][turn.index] = turn.across[1] * value;
+        }
+        let [fx, fy] = &*self.field;
+        let [ix, iy] = &mut *self.image;
+        self.operator.apply([fx, fy], [ix, iy]);
+        self.gather_sticking(&mut out[..count]);
+        for ((turn, out), x) in self.slipping.iter().zip(&mut out[count..]).zip(&x[count..]) {
+            let [ix, iy] = &*self.image;
+            let along = turn.across[0] * ix[turn.index] + turn.across[1] * iy[turn.index];
+            *out = along + turn.stiffness * x;
+        }
+    }
+
+    fn precondition(&mut self, x: &[f64], out: &mut [f64]) {
+        let count = 2 * self.sticking.len();
+        self.field.iter_mut().for_each(|component| component.fill(0.0));
+        self.spread_sticking(&x[..count]);
+        let [fx, fy] = &*self.field;
+        let [ix, iy] = &mut *self.image;
+        self.operator.apply_inverse([fx, fy], [ix, iy]);
+        self.gather_sticking(&mut out[..count]);
+        let own = self.operator.self_influence();
+        for ((turn, out), x) in self.slipping.iter().zip(&mut out[count..]).zip(&x[count..]) {
+            *out = x / (own + turn.stiffness);
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Model `fastsim`: Kalker's simplified theory on Hertz's ellipse.
+//!
+//! Normal: [`crate::reference::hertz`], or the ellipse that the case gives under `[contact]`.
+//! Tangential, for longitudinal, lateral and spin creepage: the surfaces are beds of springs whose
+//! flexibility follows from Kalker's linear theory ([`crate::reference::kalker`]), and Coulomb's law
+//! holds with the bound f · 2N/(π a b) · (1 − x²/a² − y²/b²). The parabola is for the traction only:
+//! its stick zone is what the springs can follow up to the leading edge, and it is up to 4/3 of f
+//! times the pressure of Hertz, which the field `pressure` gives. Without the effect `partial_slip`
+//! the whole contact slides, with f times Hertz's pressure.
+//!
+//! A prescribed longitudinal force is met by ξ alone, η = φ = 0; it is monotone in ξ, from 0 to f N
+//! at a finite creepage.
+//!
+//! | module | what |
+//! |---|---|
+//! | `flexibility` | the springs |
+//! | `march` | strips, cells and the march with Coulomb's law |
+//! | `sliding` | the contact without a stick zone |
+//! | `contact` | prescribed force, sums over the contact |
+//! | `fields` | element means on the contact's grid |
+//!
+//! The model is quasi-static and has no memory. It is computed once, when the model is built.
+//!
+//! Source: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
+//! System Dynamics 11 (1982) 1–13. Deviations: the strips are closer together towards the sides; a
+//! cell's traction is the mean of its two ends, which keeps the energy balance; one flexibility for
+//! all creepages is the default, see `flexibility`; bodies of different materials are taken as two
+//! of the combined G and ν, without coupling to the normal problem.
+
+mod contact;
+mod fields;
+mod flexibility;
+mod march;
+mod sliding;
+
+use crate::effects::partial_slip;
+use crate::ellipse::{Ellipse, Prescribed};
+use crate::keys::CheckedParams;
+use crate::models::precomputed::{self, Precomputed};
+use crate::reference::kalker::{self, CreepCoefficients};
+use crate::scene::{GivenPatch, Scene, given_patch_keys};
+use contact::Problem;
+use flexibility::{Flexibilities, Kind};
+use march::Lattice;
+use proto::configuration::{Configuration, Layout, Refusal};
+use proto::description::{KeySpec, ModelSpec, names};
+use proto::field::{self, FieldSpec};
+use proto::grid::Structured;
+use proto::model::{Model, Setup};
+use std::f64::consts::PI;
+
+/// Name in the case file.
+pub const NAME: &str = "fastsim";
+
+const FLEXIBILITY: &str = "mech.flexibility";
+/// Fewest strips: the force of a contact that sticks is then exact to 1e-4.
+const FEWEST_STRIPS: usize = 16;
+/// Time to pass over a cell, measured [s].
+const SECONDS_PER_CELL: f64 = 4e-8;
+/// Passes that the creepage for a prescribed force takes, about.
+const PASSES: usize = 25;
+
+/// What the description says of this model.
+#[must_use]
+pub fn spec() -> ModelSpec {
+    let mut keys = given_patch_keys();
+    keys.push(flexibility_key());
+    ModelSpec {
+        name: NAME.to_owned(),
+        summary: "Hertz ellipse and Kalker's simplified theory (FASTSIM), all three creepages"
+            .to_owned(),
+        source:
+            "Kalker, Vehicle System Dynamics 11 (1982) 1-13; Kalker, Three-Dimensional Elastic \
+                 Bodies in Rolling Contact (1990), table E.3"
+                .to_owned(),
+        steady: true,
+        transient: true,
+        consumes: Vec::new(),
+        provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
+        keys,
+    }
+}
+
+fn flexibility_key() -> KeySpec {
+    KeySpec::choice(
+        FLEXIBILITY,
+        &["single", "three"],
+        "one flexibility for all creepages (exact friction power), or one for each (exact slopes)",
+    )
+    .default_value("single")
+}
+
+/// Checks a configuration whose effects and fields this model provides; cheap, allocates no field.
+///
+/// # Errors
+/// Refuses a case that is incomplete or out of range, bodies whose contact is no ellipse, a
+/// negative Poisson's ratio, a force beyond f N, and a grid that is too large.
+pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    let scene = Scene::read(&configuration.case)?;
+    let given = GivenPatch::read(&configuration.case)?;
+    let case = CheckedParams::new(&configuration.case, vec![flexibility_key()]);
+    let kind = if case.text(FLEXIBILITY)? == "three" { Kind::Three } else { Kind::Single };
+    let ellipse = Ellipse::solve(&scene, given)?;
+    let prescribed = ellipse.prescribed(&scene)?;
+    let grid = ellipse.grid(scene.resolution)?;
+    let coefficients = coefficients(&scene, &ellipse)?;
+    let axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
+    let problem = Problem {
+        ellipse,
+        prescribed,
+        flexibilities: Flexibilities::new(&coefficients, axes, scene.combined_shear_modulus()),
+        kind,
+        lattice: lattice(&ellipse, &grid, scene.resolution),
+        friction_coefficient: scene.friction_coefficient,
+        rolling_speed: scene.rolling_speed,
+        partial: configuration.has_effect(partial_slip::NAME),
+    };
+    let wanted = precomputed::wanted_fields(configuration);
+    let mut layout = precomputed::layout(&wanted, grid, build_seconds(&problem, wanted.len()));
+    layout.remarks.extend(remarks(&scene, &problem, given, &coefficients));
+    Ok(Box::new(Prepared { problem, grid, wanted, layout }))
+}
+
+fn coefficients(scene: &Scene, ellipse: &Ellipse) -> Result<CreepCoefficients, Refusal> {
+    for (key, body) in [("wheel.material", &scene.wheel), ("rail.material", &scene.rail)] {
+        if body.poisson_ratio < 0.0 {
+            let reason = format!(
+                "has a Poisson's ratio of {}, and Kalker's table begins at 0",
+                body.poisson_ratio
+            );
+            return Err(Refusal::new(key, reason, "name a material whose ratio is 0 or more"));
+        }
+    }
+    let aspect = ellipse.semi_axis_a / ellipse.semi_axis_b;
+    Ok(kalker::creep_coefficients(aspect, scene.combined_poisson_ratio()))
+}
+
+/// Cells as long as an element on the longest strip, and strips half as wide as an element or less.
+fn lattice(ellipse: &Ellipse, grid: &Structured, resolution: usize) -> Lattice {
+    let half = (PI * ellipse.semi_axis_b / grid.dy()).ceil() as usize;
+    Lattice {
+        semi_axis_a: ellipse.semi_axis_a,
+        semi_axis_b: ellipse.semi_axis_b,
+        strips: (2 * half).max(FEWEST_STRIPS),
+        cells: 2 * resolution,
+    }
+}
+
+fn cells(problem: &Problem) -> usize {
+    problem.lattice.strips * problem.lattice.cells
+}
+
+fn build_seconds(problem: &Problem, fields: usize) -> f64 {
+    let passes = match problem.prescribed {
+        Prescribed::ForceRatio(_) => PASSES,
+        Prescribed::Creepage { .. } => 1,
+    };
+    SECONDS_PER_CELL * (cells(problem) * (passes + fields)) as f64
+}
+
+fn remarks(
+    scene: &Scene,
+    problem: &Problem,
+    given: Option<GivenPatch>,
+    coefficients: &CreepCoefficients,
+) -> Vec<String> {
+    let ellipse = &problem.ellipse;
+    let CreepCoefficients { c11, c22, c23, .. } = coefficients;
+    let mut remarks =
+        vec![format!("{ellipse}; Kalker's C11 = {c11:.3}, C22 = {c22:.3}, C23 = {c23:.3}")];
+    remarks.extend(given.and_then(|_| ellipse.remark(scene)));
+    if scene.wheel != scene.rail {
+        remarks.push(
+            "wheel and rail are of different materials: the simplified theory leaves out that \
+             their pressure then makes slip"
+                .to_owned(),
+        );
+    }
+    if !problem.partial && matches!(problem.prescribed, Prescribed::ForceRatio(_)) {
+        remarks.push(format!(
+            "without effects.partial_slip the whole contact slides: the wheel carries {:.6e} N, \
+             f N, and not the prescribed force, for which the simplified theory sets the creepage",
+            problem.friction_coefficient * ellipse.normal_force
+        ));
+    }
+    remarks
+}
+
+/// A checked case.
+struct Prepared {
+    problem: Problem,
+    grid: Structured,
+    wanted: Vec<&'static FieldSpec>,
+    layout: Layout,
+}
+
+impl Setup for Prepared {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+        let Self { problem, grid, wanted, .. } = *self;
+        let contact = problem.solve();
+        let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
+        Ok(Box::new(Precomputed {
+            name: NAME,
+            summary: contact.summary(),
+            work: cells(&problem) as u64,
+            fields: wanted.iter().map(values).collect(),
+        }))
+    }
+}

@@ -1,0 +1,268 @@
+//! The contact as a whole: creepage for a prescribed force, and everything that is one number.
+
+use super::flexibility::{Creepage, Flexibilities, Kind};
+use super::march::{Cell, Lattice, March, Strip, norm};
+use super::sliding::Sliding;
+use crate::effects::friction_heat;
+use crate::ellipse::{Ellipse, Prescribed};
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+
+/// A checked case, before the march.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Problem {
+    /// The normal contact.
+    pub(super) ellipse: Ellipse,
+    /// What is prescribed.
+    pub(super) prescribed: Prescribed,
+    /// Kalker's flexibilities.
+    pub(super) flexibilities: Flexibilities,
+    /// One or three of them.
+    pub(super) kind: Kind,
+    /// Strips and cells.
+    pub(super) lattice: Lattice,
+    /// Friction coefficient [-].
+    pub(super) friction_coefficient: f64,
+    /// Rolling speed V [m/s].
+    pub(super) rolling_speed: f64,
+    /// The effect `partial_slip` is active.
+    pub(super) partial: bool,
+}
+
+impl Problem {
+    fn friction_bound(&self) -> f64 {
+        self.friction_coefficient * self.ellipse.normal_force
+    }
+
+    fn march(&self, creepage: Creepage) -> March {
+        let Lattice { semi_axis_a, semi_axis_b, .. } = self.lattice;
+        March {
+            lattice: self.lattice,
+            springs: self.flexibilities.springs(self.kind, creepage),
+            creepage,
+            largest_bound: 2.0 * self.friction_bound() / (PI * semi_axis_a * semi_axis_b),
+        }
+    }
+
+    /// Solves it.
+    pub(super) fn solve(&self) -> Contact {
+        let creepage = match self.prescribed {
+            Prescribed::Creepage { xi, eta, phi } => [xi, eta, phi],
+            Prescribed::ForceRatio(ratio) => [self.longitudinal_creepage(ratio), 0.0, 0.0],
+        };
+        let tangential = if self.partial {
+            Tangential::Partial(self.march(creepage))
+        } else {
+            Tangential::Sliding(Sliding::new(self.lattice, creepage, self.friction_bound()))
+        };
+        let totals = Totals::of(&self.lattice, &tangential);
+        Contact { problem: *self, creepage, tangential, totals }
+    }
+
+    /// The ξ whose longitudinal force is `ratio` · f N, with η = φ = 0.
+    fn longitudinal_creepage(&self, ratio: f64) -> f64 {
+        let (target, most) = (ratio.abs(), self.full_slip_creepage());
+        if target >= 1.0 {
+            return -ratio.signum() * most;
+        }
+        let excess = |creep: f64| {
+            let tangential = Tangential::Partial(self.march([-creep, 0.0, 0.0]));
+            let totals = Totals::of(&self.lattice, &tangential);
+            totals.force[0] / self.friction_bound() - target
+        };
+        // Adding zero turns −0 into 0.
+        -ratio.signum() * increasing_root(excess, most, [-target, 1.0 - target]) + 0.0
+    }
+
+    /// Least creep at which every cell slips [-]: the trial traction of the first cell, Δ w/L,
+    /// reaches the bound at its rear on the longest strip, and the bound rises less behind it.
+    fn full_slip_creepage(&self) -> f64 {
+        let (cells, march) = (self.lattice.cells as f64, self.march([0.0; 3]));
+        let steepest = 2.0 * march.largest_bound * cells / (cells + 1.0);
+        steepest * march.springs.flexibility[0] / self.lattice.semi_axis_a
+    }
+}
+
+/// The root in [0, `most`] of an increasing function with the values `ends` there, the first not
+/// positive and the second positive: Illinois steps, every third one a bisection, so that the root
+/// never leaves the bracket and the bracket shrinks by two or more in three steps.
+fn increasing_root(function: impl Fn(f64) -> f64, most: f64, ends: [f64; 2]) -> f64 {
+    const STEPS: usize = 180;
+    const ROUNDING: f64 = 2.0 * f64::EPSILON;
+    let ([mut low, mut high], [mut below, mut above]) = ([0.0, most], ends);
+    let mut side = 0;
+    for step in 1..=STEPS {
+        if below == 0.0 || high - low <= ROUNDING * high {
+            return low;
+        }
+        let secant = low + (high - low) * (below / (below - above));
+        let bisect = step % 3 == 0 || !(low < secant && secant < high);
+        let place = if bisect { 0.5 * (low + high) } else { secant };
+        let value = function(place);
+        if value > 0.0 {
+            (high, above) = (place, value);
+            below *= if side == 1 { 0.5 } else { 1.0 };
+            side = 1;
+        } else {
+            (low, below) = (place, value);
+            above *= if side == -1 { 0.5 } else { 1.0 };
+            side = -1;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// How the tractions follow from the creepage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Tangential {
+    /// With the effect `partial_slip`.
+    Partial(March),
+    /// Without.
+    Sliding(Sliding),
+}
+
+impl Tangential {
+    fn strip(&self, strip: &Strip, visit: impl FnMut(&Cell)) {
+        match self {
+            Self::Partial(march) => march.strip(strip, visit),
+            Self::Sliding(sliding) => sliding.strip(strip, visit),
+        }
+    }
+}
+
+/// Sums over all cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Totals {
+    /// F_x and F_y [N].
+    force: [f64; 2],
+    /// M_z [N m].
+    moment: f64,
+    /// Friction power over V [N].
+    power: f64,
+    /// Area that slips [m²].
+    slip_area: f64,
+    /// Largest traction [Pa].
+    largest_traction: f64,
+    /// Largest slip over V [-].
+    largest_slip: f64,
+}
+
+impl Totals {
+    fn of(lattice: &Lattice, tangential: &Tangential) -> Self {
+        let mut totals = Self::default();
+        for strip in lattice.strips() {
+            let mut own = Self::default();
+            tangential.strip(&strip, |cell| own.add(cell, strip.y));
+            totals.add_strip(&own, strip.width);
+        }
+        totals
+    }
+
+    fn add(&mut self, cell: &Cell, y: f64) {
+        let ([x, lateral], length) = (cell.traction, cell.length());
+        self.force[0] += x * length;
+        self.force[1] += lateral * length;
+        self.moment += (cell.middle() * lateral - y * x) * length;
+        self.power += friction_heat::power_density(cell.traction, cell.slip) * length;
+        self.slip_area += if cell.slips { length } else { 0.0 };
+        self.largest_traction = self.largest_traction.max(cell.largest_traction);
+        self.largest_slip = self.largest_slip.max(norm(cell.slip));
+    }
+
+    fn add_strip(&mut self, strip: &Self, width: f64) {
+        self.force[0] += strip.force[0] * width;
+        self.force[1] += strip.force[1] * width;
+        self.moment += strip.moment * width;
+        self.power += strip.power * width;
+        self.slip_area += strip.slip_area * width;
+        self.largest_traction = self.largest_traction.max(strip.largest_traction);
+        self.largest_slip = self.largest_slip.max(strip.largest_slip);
+    }
+}
+
+/// A solved contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Contact {
+    /// The case.
+    pub(super) problem: Problem,
+    /// Creepage, prescribed or found.
+    pub(super) creepage: Creepage,
+    tangential: Tangential,
+    totals: Totals,
+}
+
+impl Contact {
+    /// Visits the cells of a strip.
+    pub(super) fn strip(&self, strip: &Strip, visit: impl FnMut(&Cell)) {
+        self.tangential.strip(strip, visit);
+    }
+
+    /// The section `contact` of `summary.json`.
+    pub(super) fn summary(&self) -> Value {
+        let (totals, ellipse, speed) =
+            (&self.totals, &self.problem.ellipse, self.problem.rolling_speed);
+        let mut contact = ellipse.summary();
+        let area = PI * ellipse.semi_axis_a * ellipse.semi_axis_b;
+        let creep = json!({
+            "creep_force_x_n": totals.force[0],
+            "creep_force_y_n": totals.force[1],
+            "spin_moment_nm": totals.moment,
+            "traction_coefficient": totals.force[0] / ellipse.normal_force,
+            "creepage_xi": self.creepage[0],
+            "creepage_eta": self.creepage[1],
+            "creepage_phi_per_m": self.creepage[2],
+            "slip_area_ratio": totals.slip_area / area,
+            "max_slip_velocity_m_per_s": speed * totals.largest_slip,
+            "max_traction_pa": totals.largest_traction,
+            "friction_power_w": speed * totals.power,
+        });
+        crate::models::extend(&mut contact, creep);
+        json!({ "contact": contact })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// CONTACT r2707, examples/fastsim.inp, cases 2 and 5 (FASTSIM, parabolic bound): a = 8 mm,
+    /// b = 4 mm, f = 0.3, N = 82 kN, η = −6.25e-4, φ = 0.625/m and the printed flexibilities give
+    /// F_y = −15.05 kN on 40 elements across and −15.64 kN on 200, −15.79 kN by extrapolation;
+    /// M_z = −39.00 and −37.98 N m, −37.73 N m. Tolerance: that extrapolation, and the printed digits.
+    #[test]
+    fn published_result() {
+        let lattice = Lattice { semi_axis_a: 8e-3, semi_axis_b: 4e-3, strips: 400, cells: 800 };
+        let flexibilities = Flexibilities {
+            longitudinal: 4.937e-14,
+            lateral: 5.152e-14,
+            spin: 4.090e-14,
+            spin_length: 1.0,
+        };
+        let creepage = [0.0, -6.25e-4, 0.625];
+        let march = March {
+            lattice,
+            springs: flexibilities.springs(Kind::Three, creepage),
+            creepage,
+            largest_bound: 2.0 * 0.3 * 82e3 / (PI * 32e-6),
+        };
+        let totals = Totals::of(&lattice, &Tangential::Partial(march));
+        assert!((totals.force[1] / -15.79e3 - 1.0).abs() < 3e-3, "{totals:?}");
+        assert!((totals.moment / -37.73 - 1.0).abs() < 3e-3, "{totals:?}");
+        assert!(totals.force[0].abs() < 1e-9 * 82e3, "{totals:?}");
+    }
+
+    /// Roots at and near both ends, of a function that is flat at one of them. Tolerance: rounding.
+    #[test]
+    fn root_stays_in_its_bracket() {
+        for root in [1e-12, 1e-3, 0.5, 0.999, 1.0 - 1e-9] {
+            let value = |x: f64| 1.0 - (1.0 - x).powi(2);
+            let target = value(root);
+            let excess = |x: f64| {
+                assert!((0.0..=1.0).contains(&x));
+                value(x) - target
+            };
+            let found = increasing_root(excess, 1.0, [-target, 1.0 - target]);
+            assert!((value(found) - target).abs() <= 4e-16, "{root}: {found}");
+        }
+    }
+}

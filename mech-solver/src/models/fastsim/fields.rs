@@ -1,0 +1,117 @@
+//! The fields of the contact as element means.
+//!
+//! A cell's values are spread over the elements it covers, in proportion to the area: along x over
+//! [x_rear, x_front], along y over the band of its strip. The sum over the elements times their
+//! area is thus the sum over the cells, to rounding, for forces as for heat.
+
+use super::contact::Contact;
+use super::march::{Cell, Strip};
+use crate::effects::friction_heat;
+use crate::models::precomputed::count;
+use proto::field::{self, FieldSpec};
+use proto::grid::Structured;
+
+/// Values of a field that the model or one of its effects provides, component-major.
+pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> Vec<f64> {
+    let mut values = vec![0.0; count(spec, &grid)];
+    let speed = contact.problem.rolling_speed;
+    let at_speed = |value: f64| speed * value;
+    match *spec {
+        field::PRESSURE => contact.problem.ellipse.write_pressure(grid, &mut values),
+        field::TRACTION => spread(contact, grid, &mut values, |cell| cell.traction),
+        field::SLIP_VELOCITY => {
+            spread(contact, grid, &mut values, |cell| cell.slip.map(at_speed));
+        }
+        field::FRICTION_POWER => spread(contact, grid, &mut values, |cell| {
+            [at_speed(friction_heat::power_density(cell.traction, cell.slip))]
+        }),
+        field::SURFACE_SPEED => {
+            values.copy_from_slice(&friction_heat::surface_speeds(speed, contact.creepage[0]));
+        }
+        _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
+    }
+    values
+}
+
+/// Spreads a quantity of the cells over the elements.
+fn spread<const N: usize>(
+    contact: &Contact,
+    grid: Structured,
+    means: &mut [f64],
+    quantity: impl Fn(&Cell) -> [f64; N],
+) {
+    let mut row = vec![[0.0; N]; grid.ni];
+    for strip in contact.problem.lattice.strips() {
+        row.fill([0.0; N]);
+        contact.strip(&strip, |cell| add_cell(cell, quantity(cell), &grid, &mut row));
+        add_strip(&strip, &row, &grid, means);
+    }
+}
+
+/// Adds a cell's integral over x, divided by Δx, to the elements of a row.
+fn add_cell<const N: usize>(
+    cell: &Cell,
+    quantity: [f64; N],
+    grid: &Structured,
+    row: &mut [[f64; N]],
+) {
+    // In units of Δx from the first element's rear edge.
+    let place = |x: f64| x / grid.dx() + 0.5 * grid.ni as f64;
+    overlaps(cell.ends.map(place), grid.ni, |column, share| {
+        for (sum, value) in row[column].iter_mut().zip(quantity) {
+            *sum += share * value;
+        }
+    });
+}
+
+/// Adds a strip's integrals over x to the rows of elements that it covers.
+fn add_strip<const N: usize>(
+    strip: &Strip,
+    sums: &[[f64; N]],
+    grid: &Structured,
+    means: &mut [f64],
+) {
+    let place = |y: f64| y / grid.dy() + 0.5 * grid.nj as f64;
+    let span = strip.span.map(place);
+    // The strip counts with its width, and is spread over its span.
+    let scale = strip.width / (grid.dy() * (span[1] - span[0]));
+    overlaps(span, grid.nj, |row, share| {
+        for component in 0..N {
+            let start = component * grid.points() + row * grid.ni;
+            for (mean, sum) in means[start..start + grid.ni].iter_mut().zip(sums) {
+                *mean += scale * share * sum[component];
+            }
+        }
+    });
+}
+
+/// Visits the unit intervals [i, i + 1), i < count, that overlap an interval, with the length of the
+/// overlap; what rounding puts outside goes to the first or the last.
+fn overlaps([from, to]: [f64; 2], count: usize, mut visit: impl FnMut(usize, f64)) {
+    let last = count - 1;
+    let index = |place: f64| (place.max(0.0) as usize).min(last);
+    let (first, end) = (index(from), index(to));
+    let mut start = from;
+    for interval in first..end {
+        let edge = (interval + 1) as f64;
+        visit(interval, edge - start);
+        start = edge;
+    }
+    visit(end, to - start);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overlaps_add_up() {
+        for interval in [[0.25, 0.5], [0.0, 3.0], [-1e-17, 2.5], [1.75, 4.0 + 1e-15], [2.0, 3.0]] {
+            let mut shares = [0.0; 4];
+            overlaps(interval, 4, |index, share| shares[index] += share);
+            let sum: f64 = shares.iter().sum();
+            assert!((sum - (interval[1] - interval[0])).abs() < 1e-15, "{shares:?}");
+            assert!(shares.iter().all(|share| (0.0..=1.0 + 1e-14).contains(share)), "{shares:?}");
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! The springs of the simplified theory, fitted to Kalker's linear theory.
+//!
+//! With u = L p and adhesion everywhere a strip has the traction p_x = −(ξ/L)(a_y − x), and so on;
+//! summed over the ellipse this is the linear theory's force when
+//!
+//! - L1 = 8 a/(3 G C11) for ξ, L2 = 8 a/(3 G C22) for η,
+//! - L3 = π a √(a/b)/(4 G C23) for the lateral force of φ.
+//!
+//! `three`: each creepage has its own, ∂p_x/∂x = ξ/L1 − φ y/L3 and ∂p_y/∂x = η/L2 + φ x/L3 in
+//! adhesion. As springs these are u = (L1 p_x, L2 p_y) under the rigid slip ξ − (L1/L3) φ y,
+//! η + (L2/L3) φ x. The slopes are Kalker's for every mixture of creepages; the slip is not quite
+//! against the traction where L1 ≠ L2, and its power not quite that of the spin φ.
+//!
+//! `single`: one L for all, so that slip is against the traction and has exactly the power of the
+//! creepages. L is that with which the linear force has the same component along the creepage as
+//! with three: with c = 3πa/32, the length at which φ weighs as much as a creepage,
+//! (ξ² + η² + c²φ²)/L = ξ²/L1 + η²/L2 + c²φ²/L3. For one creepage alone it is that creepage's own.
+
+use crate::reference::kalker::CreepCoefficients;
+use std::f64::consts::PI;
+
+/// Creepages ξ, η [-] and φ [rad/m].
+pub(super) type Creepage = [f64; 3];
+
+/// How many flexibilities there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// One for all creepages.
+    Single,
+    /// One for each creepage.
+    Three,
+}
+
+/// Kalker's three flexibilities [m/Pa].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Flexibilities {
+    /// L1, of ξ [m/Pa].
+    pub(super) longitudinal: f64,
+    /// L2, of η [m/Pa].
+    pub(super) lateral: f64,
+    /// L3, of φ [m/Pa].
+    pub(super) spin: f64,
+    /// Length at which φ weighs as much as a creepage [m].
+    pub(super) spin_length: f64,
+}
+
+impl Flexibilities {
+    /// For semi-axes a, b [m] and a shear modulus [Pa].
+    pub(super) fn new(coefficients: &CreepCoefficients, [a, b]: [f64; 2], modulus: f64) -> Self {
+        let creep = 8.0 * a / (3.0 * modulus);
+        Self {
+            longitudinal: creep / coefficients.c11,
+            lateral: creep / coefficients.c22,
+            spin: PI * a * (a / b).sqrt() / (4.0 * modulus * coefficients.c23),
+            spin_length: 3.0 * PI * a / 32.0,
+        }
+    }
+
+    /// The springs for a creepage.
+    pub(super) fn springs(&self, kind: Kind, creepage: Creepage) -> Springs {
+        match kind {
+            Kind::Three => Springs {
+                flexibility: [self.longitudinal, self.lateral],
+                spin: [self.longitudinal / self.spin, self.lateral / self.spin],
+            },
+            Kind::Single => Springs { flexibility: [self.single(creepage); 2], spin: [1.0; 2] },
+        }
+    }
+
+    fn single(&self, [xi, eta, phi]: Creepage) -> f64 {
+        let parts = [xi, eta, self.spin_length * phi];
+        let largest = parts.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+        if largest == 0.0 {
+            return self.longitudinal;
+        }
+        let weights = parts.map(|part| (part / largest).powi(2));
+        let [x, y, z] = weights;
+        (x + y + z) / (x / self.longitudinal + y / self.lateral + z / self.spin)
+    }
+}
+
+/// Springs u = (L_x p_x, L_y p_y) under a rigid slip whose spin is weighted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Springs {
+    /// L_x and L_y [m/Pa].
+    pub(super) flexibility: [f64; 2],
+    /// Weights of the spin in the rigid slip [-].
+    spin: [f64; 2],
+}
+
+impl Springs {
+    /// Rigid slip over V at (x, y) [-].
+    pub(super) fn rigid_slip(&self, [xi, eta, phi]: Creepage, x: f64, y: f64) -> [f64; 2] {
+        [xi - self.spin[0] * phi * y, eta + self.spin[1] * phi * x]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const THREE: Flexibilities =
+        Flexibilities { longitudinal: 2.0, lateral: 3.0, spin: 5.0, spin_length: 0.1 };
+
+    #[test]
+    fn one_creepage_alone_has_its_own_flexibility() {
+        for (creepage, expected) in [
+            ([-1e-3, 0.0, 0.0], 2.0),
+            ([0.0, 1e-300, 0.0], 3.0),
+            ([0.0, 0.0, -1e200], 5.0),
+            ([0.0; 3], 2.0),
+        ] {
+            assert_eq!(THREE.springs(Kind::Single, creepage).flexibility, [expected; 2]);
+        }
+    }
+
+    /// The mean lies between the three, and does not depend on the creepage's size.
+    #[test]
+    fn mixed_creepages() {
+        let mixed = [1e-3, -2e-3, 0.03];
+        let flexibility = THREE.springs(Kind::Single, mixed).flexibility[0];
+        assert!((flexibility - 14.0 / (1.0 / 2.0 + 4.0 / 3.0 + 9.0 / 5.0)).abs() < 1e-14);
+        let larger = mixed.map(|part| 1e3 * part);
+        let same = THREE.springs(Kind::Single, larger).flexibility[0];
+        assert!((same / flexibility - 1.0).abs() < 1e-15);
+    }
+}

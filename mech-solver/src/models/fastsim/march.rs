@@ -1,0 +1,243 @@
+//! The march from the leading to the trailing edge of every strip.
+//!
+//! **Strips.** The strips stand at y = b sin θ with θ in equal steps h = π/n, n even, and have the
+//! half length a η, η = cos θ, and the weight π b η/n. In θ the area π a b and the volume of the
+//! parabolic bound, ∝ cos²θ and cos⁴θ, are exact to rounding, and a force ∝ η² to O(n⁻⁴). On the
+//! contact grid strip j covers b sin(θ ± h/2), which differs from its weight by the factor
+//! sin(h/2)/(h/2) common to all.
+//!
+//! **Cells.** A strip has m cells of equal length Δ. With the traction p at a cell's front, the
+//! rigid slip w at its middle and the springs L, the trial p* = p − Δ w/L is the traction at its
+//! rear if |p*| ≤ g there; otherwise the rear traction is g p*/|p*|, and the slip over V is
+//! s = L (p_rear − p*)/Δ. In adhesion p is exact, since w is linear in x. The bound g is the
+//! parabola at the nodes and linear between, with the factor m²/(m² − 1) that makes the trapezoidal
+//! sum of every strip exact, so that full slip carries f N. A cell in which slip begins is cut there,
+//! where |p| = g, so that slip zones much shorter than a cell are resolved, and Kalker's slopes with
+//! them.
+//!
+//! **Means.** A cell's traction is p̄ = (p + p_rear)/2. Then p̄·s = p̄·w + L(p_rear² − p²)/(2Δ); the
+//! second term adds up to nothing over a strip, which ends with g = 0 on either side, so that
+//! Σ −p̄·s ΔA = −(ξ F_x + η F_y + φ M_z) holds to rounding at every resolution. (Kalker's FASTSIM
+//! takes the traction at one end of the cell, which leaves an error of first order.) With three
+//! flexibilities M_z is replaced by ∫(L2/L3 x p_y − L1/L3 y p_x) dA, see `flexibility`.
+//!
+//! Where spin turns the slip around within one cell, −p̄·s could be negative: such a cell is halved
+//! until it is not. That ends, because it is positive once Δ |w|/L is below g or p follows −w.
+//!
+//! Source: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
+//! System Dynamics 11 (1982) 1–13.
+
+use super::flexibility::{Creepage, Springs};
+use std::f64::consts::PI;
+
+/// The strips and cells of an ellipse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Lattice {
+    /// Semi-axis a along x [m].
+    pub(super) semi_axis_a: f64,
+    /// Semi-axis b along y [m].
+    pub(super) semi_axis_b: f64,
+    /// Number n of strips, even.
+    pub(super) strips: usize,
+    /// Number m of cells of a strip, at least two.
+    pub(super) cells: usize,
+}
+
+/// One strip of a lattice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Strip {
+    /// Its line y [m].
+    pub(super) y: f64,
+    /// The values of y between which it lies on the grid [m].
+    pub(super) span: [f64; 2],
+    /// Half length over a, η [-].
+    pub(super) eta: f64,
+    /// Width that its integrals count with [m].
+    pub(super) width: f64,
+}
+
+/// The state of one cell, or of a part of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Cell {
+    /// x of the rear and of the front [m].
+    pub(super) ends: [f64; 2],
+    /// Mean traction on the wheel [Pa].
+    pub(super) traction: [f64; 2],
+    /// Mean slip over V [-].
+    pub(super) slip: [f64; 2],
+    /// It slips.
+    pub(super) slips: bool,
+    /// Larger traction of its two ends [Pa].
+    pub(super) largest_traction: f64,
+}
+
+impl Cell {
+    /// Length [m].
+    pub(super) fn length(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// x of the middle [m].
+    pub(super) fn middle(&self) -> f64 {
+        0.5 * (self.ends[0] + self.ends[1])
+    }
+}
+
+impl Lattice {
+    /// All strips, from y = −b to y = b; strips at ±y are mirror images to the last bit.
+    pub(super) fn strips(&self) -> impl Iterator<Item = Strip> {
+        let Self { semi_axis_b: b, strips, .. } = *self;
+        let step = PI / strips as f64;
+        (0..strips).map(move |index| {
+            let steps = index as f64 + 0.5 - 0.5 * strips as f64;
+            let angle = |offset: f64| step * (steps + offset);
+            let eta = angle(0.0).cos();
+            Strip {
+                y: b * angle(0.0).sin(),
+                span: [angle(-0.5), angle(0.5)].map(|angle| b * angle.sin()),
+                eta,
+                width: b * step * eta,
+            }
+        })
+    }
+
+    /// x at which cell `index` of a strip, counted from the leading edge, starts [m].
+    pub(super) fn node(&self, strip: &Strip, index: usize) -> f64 {
+        // The difference of integers makes the nodes at ±x mirror images to the last bit.
+        let steps = self.cells as f64 - 2.0 * index as f64;
+        self.semi_axis_a * strip.eta * steps / self.cells as f64
+    }
+
+    /// (1 − X²) m²/(m² − 1) at node `index`: the bound over its value at the centre of the strip.
+    fn bound_shape(&self, index: usize) -> f64 {
+        let (cells, index) = (self.cells as f64, index as f64);
+        4.0 * index * (cells - index) / (cells * cells - 1.0)
+    }
+}
+
+/// What the march of one contact needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct March {
+    /// Strips and cells.
+    pub(super) lattice: Lattice,
+    /// Springs of the surfaces.
+    pub(super) springs: Springs,
+    /// Creepage.
+    pub(super) creepage: Creepage,
+    /// Traction bound f · 2N/(π a b) at the centre [Pa].
+    pub(super) largest_bound: f64,
+}
+
+impl March {
+    /// Visits the cells of a strip from the leading to the trailing edge.
+    pub(super) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
+        let largest = self.largest_bound * strip.eta * strip.eta;
+        let node = |index: usize| Node {
+            x: self.lattice.node(strip, index),
+            bound: largest * self.lattice.bound_shape(index),
+        };
+        let (mut traction, mut front) = ([0.0; 2], node(0));
+        for index in 1..=self.lattice.cells {
+            let rear = node(index);
+            let mut from = front;
+            if let Some(onset) = self.onset(strip.y, traction, [rear, front]) {
+                let unbounded = Node { bound: f64::INFINITY, ..onset };
+                let sticking = [unbounded, front];
+                traction = self.advance(strip.y, traction, sticking, HALVINGS, &mut visit);
+                from = onset;
+            }
+            traction = self.advance(strip.y, traction, [rear, from], HALVINGS, &mut visit);
+            front = rear;
+        }
+    }
+
+    /// Traction at the rear of a cell in adhesion [Pa].
+    fn trial(&self, y: f64, front_traction: [f64; 2], [rear, front]: [Node; 2]) -> [f64; 2] {
+        let rigid = self.springs.rigid_slip(self.creepage, 0.5 * (rear.x + front.x), y);
+        let change = |i: usize| (front.x - rear.x) * rigid[i] / self.springs.flexibility[i];
+        std::array::from_fn(|i| front_traction[i] - change(i))
+    }
+
+    /// Where in a cell that sticks at its front slip begins: |p + t d| = g + t e, with the changes d
+    /// of the traction and e of the bound over the cell, has one root t in (0, 1), since the left
+    /// side is smaller at t = 0 and larger at t = 1.
+    fn onset(&self, y: f64, traction: [f64; 2], [rear, front]: [Node; 2]) -> Option<Node> {
+        let trial = self.trial(y, traction, [rear, front]);
+        let size = norm(trial);
+        if size <= rear.bound || norm(traction) >= front.bound * (1.0 - AT_THE_BOUND) {
+            return None;
+        }
+        let scale = size.max(front.bound);
+        let (start, end) = (traction.map(|p| p / scale), trial.map(|p| p / scale));
+        let (bound, change) = (front.bound / scale, (rear.bound - front.bound) / scale);
+        let difference = [end[0] - start[0], end[1] - start[1]];
+        let square = dot(difference, difference) - change * change;
+        let linear = dot(start, difference) - bound * change;
+        let constant = bound * bound - dot(start, start);
+        let root = (linear * linear + square * constant).max(0.0).sqrt();
+        let share = constant / (linear + root);
+        let inside = share > AT_THE_BOUND && share < 1.0 - AT_THE_BOUND;
+        inside.then_some(Node {
+            x: front.x - share * (front.x - rear.x),
+            bound: front.bound + share * (rear.bound - front.bound),
+        })
+    }
+
+    /// Passes over one cell; returns the traction at its rear.
+    fn advance(
+        &self,
+        y: f64,
+        front_traction: [f64; 2],
+        [rear, front]: [Node; 2],
+        halvings: u32,
+        visit: &mut impl FnMut(&Cell),
+    ) -> [f64; 2] {
+        let length = front.x - rear.x;
+        let trial = self.trial(y, front_traction, [rear, front]);
+        let (size, before) = (norm(trial), norm(front_traction));
+        let mut cell = Cell { ends: [rear.x, front.x], ..Cell::default() };
+        let mut rear_traction = trial;
+        if size > rear.bound {
+            rear_traction = trial.map(|component| component * (rear.bound / size));
+            let spring = |i: usize| self.springs.flexibility[i] / length;
+            cell.slip = std::array::from_fn(|i| spring(i) * (rear_traction[i] - trial[i]));
+            cell.slips = true;
+        }
+        cell.traction = std::array::from_fn(|i| 0.5 * (front_traction[i] + rear_traction[i]));
+        cell.largest_traction = before.max(size.min(rear.bound));
+        if halvings > 0 && dot(cell.traction, cell.slip) > 0.0 {
+            let middle =
+                Node { x: 0.5 * (rear.x + front.x), bound: 0.5 * (rear.bound + front.bound) };
+            let traction = self.advance(y, front_traction, [middle, front], halvings - 1, visit);
+            return self.advance(y, traction, [rear, middle], halvings - 1, visit);
+        }
+        visit(&cell);
+        rear_traction
+    }
+}
+
+/// Tractions this close to the bound slip already, and parts of a cell this short are not cut off.
+const AT_THE_BOUND: f64 = 1e-9;
+/// A cell with a wrong sign is halved at most so often: its length is then below rounding.
+const HALVINGS: u32 = 50;
+
+/// An end of a cell.
+#[derive(Clone, Copy)]
+struct Node {
+    /// Its x [m].
+    x: f64,
+    /// Traction bound [Pa].
+    bound: f64,
+}
+
+/// Magnitude, without overflow or underflow on the way.
+pub(super) fn norm(vector: [f64; 2]) -> f64 {
+    const SAFE: std::ops::Range<f64> = 1e-280..1e280;
+    let square = dot(vector, vector);
+    if SAFE.contains(&square) { square.sqrt() } else { vector[0].hypot(vector[1]) }
+}
+
+/// Inner product.
+pub(super) fn dot(left: [f64; 2], right: [f64; 2]) -> f64 {
+    left[0] * right[0] + left[1] * right[1]
+}

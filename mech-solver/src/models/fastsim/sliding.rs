@@ -1,0 +1,51 @@
+//! A contact that slides everywhere, for runs without the effect `partial_slip`.
+//!
+//! The traction is f p_n, Hertz's pressure, against the rigid slip (ξ − φ y, η + φ x), and the
+//! springs play no part. On a strip the bound's mean over a cell is exact; its sum over the strips
+//! of a lattice is made exact by a factor 1 + O(n⁻⁴), so that pure sliding carries f N. The friction
+//! power is −(ξ F_x + η F_y + φ M_z) to rounding, with the slip and its moment at the cells' middles.
+
+use super::flexibility::Creepage;
+use super::march::{Cell, Lattice, Strip, norm};
+use crate::strips::semi_ellipse::segment_area;
+use std::f64::consts::PI;
+
+/// What a sliding contact needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sliding {
+    lattice: Lattice,
+    creepage: Creepage,
+    /// Traction bound at the centre, with the factor that makes the sum exact [Pa].
+    amplitude: f64,
+}
+
+impl Sliding {
+    /// With the friction bound f N [N].
+    pub(super) fn new(lattice: Lattice, creepage: Creepage, friction_bound: f64) -> Self {
+        let strip = |strip: Strip| strip.width * lattice.semi_axis_a * strip.eta * strip.eta;
+        let volume = 0.5 * PI * lattice.strips().map(strip).sum::<f64>();
+        Self { lattice, creepage, amplitude: friction_bound / volume }
+    }
+
+    /// Visits the cells of a strip from the leading to the trailing edge.
+    pub(super) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
+        let cells = self.lattice.cells;
+        // ∫ √(1 − X²) dX from the node to the leading edge.
+        let ahead = |index: usize| segment_area(2.0 * index as f64 / cells as f64);
+        let scale = 0.5 * self.amplitude * strip.eta * cells as f64;
+        let [xi, eta, phi] = self.creepage;
+        for index in 0..cells {
+            let bound = scale * (ahead(index + 1) - ahead(index));
+            let ends = [self.lattice.node(strip, index + 1), self.lattice.node(strip, index)];
+            let mut cell = Cell { ends, ..Cell::default() };
+            cell.slip = [xi - phi * strip.y, eta + phi * cell.middle()];
+            let size = norm(cell.slip);
+            if size > 0.0 {
+                cell.traction = cell.slip.map(|component| -bound * (component / size));
+                cell.slips = true;
+                cell.largest_traction = bound;
+            }
+            visit(&cell);
+        }
+    }
+}

@@ -1,0 +1,378 @@
+//! The model `fastsim` through the traits of a participant, against Kalker's linear theory, the
+//! closed form of the simplified theory, and the energy balance.
+
+use crate::common::*;
+use mech_solver::reference::{kalker, simplified};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+
+/// Rounding of the sums over cells and elements: some units in the last place.
+const ROUNDING: f64 = 1e-12;
+const A: f64 = 7.98e-3;
+const B: f64 = 6.01e-3;
+const SHEAR_MODULUS: f64 = 210e9 / 2.6;
+const NORMAL_FORCE: f64 = 2.0 / 3.0 * PI * A * B * 1352e6;
+
+/// The paper's case with the ellipse of Table 2.
+fn fastsim(creepage: [f64; 3]) -> Value {
+    let mut case = paper_table_2();
+    case["mech"]["model"] = json!("fastsim");
+    case["motion"] = json!({"speed": SPEED});
+    let [xi, eta, phi] = creepage;
+    case["motion"]["creepage"] = json!({"xi": xi, "eta": eta, "phi": phi});
+    case
+}
+
+fn at_force(traction_coefficient: f64) -> Value {
+    driven(fastsim([0.0; 3]), "traction_coefficient", traction_coefficient)
+}
+
+fn with(mut case: Value, key: &str, value: impl Into<Value>) -> Value {
+    case["mech"][key] = value.into();
+    case
+}
+
+fn coefficients() -> kalker::CreepCoefficients {
+    kalker::creep_coefficients(A / B, 0.3)
+}
+
+/// Creepage at which the linear theory reaches f N.
+fn saturation() -> f64 {
+    FRICTION * NORMAL_FORCE / (SHEAR_MODULUS * A * B * coefficients().c11)
+}
+
+/// Sums, fields and creepages agree: forces and heat on the grid are those of the summary, and the
+/// heat is the power of the creepages. `scale` is V f N times the largest creepage.
+#[track_caller]
+fn assert_balance(run: &Run, scale: f64) {
+    let creepages = ["creepage_xi", "creepage_eta", "creepage_phi_per_m"];
+    let forces = ["creep_force_x_n", "creep_force_y_n", "spin_moment_nm"];
+    let power: f64 =
+        creepages.iter().zip(forces).map(|(c, f)| -SPEED * run.number(c) * run.number(f)).sum();
+    let heat = run.number("friction_power_w");
+    assert!((heat - power).abs() <= ROUNDING * scale, "{heat} is not {power}");
+    assert!((run.integral("friction_power") - heat).abs() <= ROUNDING * scale);
+    let bound = ROUNDING * FRICTION * NORMAL_FORCE;
+    assert!((run.integral("traction") - run.number("creep_force_x_n")).abs() <= bound);
+    assert!((run.lateral_integral("traction") - run.number("creep_force_y_n")).abs() <= bound);
+    assert!(run.fields["friction_power"].iter().all(|power| *power >= 0.0));
+}
+
+fn power_scale([xi, eta, phi]: [f64; 3]) -> f64 {
+    SPEED * FRICTION * NORMAL_FORCE * (xi.abs() + eta.abs() + A * phi.abs())
+}
+
+/// Tolerance: the slip zone's share, proportional to the creepage (1e-4 of saturation), and for spin,
+/// whose traction in adhesion is a parabola, the trapezoidal rule over m = 2 · resolution cells, 1/m².
+#[test]
+fn slopes_are_kalkers() {
+    let small = 1e-4 * saturation();
+    let c = coefficients();
+    for resolution in [5, 20, 40] {
+        for creepage in [[-small, 0.0, 0.0], [0.0, small, 0.0], [0.0, 0.0, small / A]] {
+            let run = run(&with(fastsim(creepage), "resolution", resolution));
+            let linear = c.forces([A, B], SHEAR_MODULUS, creepage);
+            let largest = linear.force_x.abs().max(linear.force_y.abs());
+            let (x, y) = (run.number("creep_force_x_n"), run.number("creep_force_y_n"));
+            let rule = if creepage[2] == 0.0 { 0.0 } else { 0.25 / f64::from(resolution).powi(2) };
+            let tolerance = (5e-4 + rule) * largest;
+            assert!((x - linear.force_x).abs() < tolerance, "{x} {linear:?}");
+            assert!((y - linear.force_y).abs() < tolerance, "{y} {linear:?}");
+        }
+    }
+}
+
+/// With three flexibilities every mixture has Kalker's slopes; with one, the linear force's
+/// component along the creepage. Tolerance: as above.
+#[test]
+fn slopes_of_mixed_creepages() {
+    let s = 1e-4 * saturation();
+    let creepage = [-s, 0.7 * s, -1.3 * s / A];
+    let linear = coefficients().forces([A, B], SHEAR_MODULUS, creepage);
+    let three = run(&with(fastsim(creepage), "flexibility", "three"));
+    assert_close(three.number("creep_force_x_n"), linear.force_x, 1e-3);
+    assert_close(three.number("creep_force_y_n"), linear.force_y, 2e-3);
+    let single = run(&fastsim(creepage));
+    assert!((single.number("creep_force_x_n") / linear.force_x - 1.0).abs() > 0.01);
+}
+
+/// The closed form without spin, at the order 2 of the scheme in the length of the cells.
+#[test]
+fn converges_to_the_closed_form() {
+    let springs = 8.0 * A / (3.0 * SHEAR_MODULUS * coefficients().c11);
+    let bound = FRICTION * 2.0 * NORMAL_FORCE / (PI * A * B);
+    for share in [0.1, 0.5, 0.9] {
+        let creep = share * simplified::FULL_SLIP * springs * bound / A;
+        let exact = simplified::force_ratio(share * simplified::FULL_SLIP);
+        let error = |resolution: usize| {
+            let run = run(&with(fastsim([-creep, 0.0, 0.0]), "resolution", resolution));
+            let ratio = run.number("traction_coefficient") / FRICTION;
+            (ratio - exact).abs()
+        };
+        let errors = [10, 20, 40, 80].map(error);
+        assert!(errors[0] < 3e-3 && errors[3] < 6e-5, "{share}: {errors:?}");
+        let order = (errors[0] / errors[3]).log2() / 3.0;
+        assert!(order > 1.8, "{share}: order {order}, {errors:?}");
+    }
+}
+
+/// Order of the scheme with spin, where the direction of the slip turns along a strip.
+#[test]
+fn converges_with_spin() {
+    let s = saturation();
+    let lateral = |resolution: usize| {
+        let case = fastsim([-0.5 * s, 0.3 * s, 1.5 * s / A]);
+        run(&with(case, "resolution", resolution)).number("creep_force_y_n")
+    };
+    let [a, b, c, d] = [20, 40, 80, 160].map(lateral);
+    let order = ((a - b) / (c - d)).abs().log2() / 2.0;
+    assert!(order > 0.8, "order {order}: {a} {b} {c} {d}");
+    assert!(((c - d) / d).abs() < 2e-3);
+}
+
+#[test]
+fn full_slip_carries_the_friction_bound() {
+    let limit = FRICTION * NORMAL_FORCE;
+    for resolution in [1, 2, 7, 20] {
+        for (creepage, key) in
+            [([-1.0, 0.0, 0.0], "creep_force_x_n"), ([0.0, -1.0, 0.0], "creep_force_y_n")]
+        {
+            let run = run(&with(fastsim(creepage), "resolution", resolution));
+            assert_close(run.number(key), limit, ROUNDING);
+            assert_close(run.number("slip_area_ratio"), 1.0, ROUNDING);
+            assert_balance(&run, power_scale(creepage));
+        }
+    }
+    let run = run(&at_force(FRICTION));
+    assert_close(run.number("creep_force_x_n"), limit, ROUNDING);
+    assert_close(run.number("slip_area_ratio"), 1.0, ROUNDING);
+    // The traction's parabola at the centre, 4/3 of f p_0.
+    assert_close(run.number("max_traction_pa"), 4.0 / 3.0 * FRICTION * 1352e6, 1e-3);
+}
+
+#[test]
+fn force_rises_with_creepage_to_saturation() {
+    let (mut before, s) = (0.0, saturation());
+    for step in 1..75 {
+        let run = run(&fastsim([-0.05 * f64::from(step) * s, 0.0, 0.0]));
+        let force = run.number("creep_force_x_n");
+        assert!(force >= before && force <= FRICTION * NORMAL_FORCE * (1.0 + ROUNDING));
+        before = force;
+    }
+    assert_close(before, FRICTION * NORMAL_FORCE, ROUNDING);
+}
+
+#[test]
+fn force_round_trip() {
+    for share in [1e-9, 1e-4, 0.1, 0.5, 0.9, 0.99, 0.999, -0.3, -0.999] {
+        let mu = share * FRICTION;
+        let by_force = run(&at_force(mu));
+        assert_close(by_force.number("traction_coefficient"), mu, ROUNDING);
+        assert!(
+            by_force.number("creepage_xi") * mu < 0.0,
+            "a driving wheel has a creepage below 0"
+        );
+        let creepage = [by_force.number("creepage_xi"), 0.0, 0.0];
+        let by_creepage = run(&fastsim(creepage));
+        assert_eq!(by_force.contact, by_creepage.contact);
+        assert_balance(&by_force, power_scale(creepage));
+        let newtons = by_force.number("creep_force_x_n");
+        let third = run(&driven(fastsim([0.0; 3]), "tangential_force", newtons));
+        assert_close(third.number("creep_force_x_n"), newtons, ROUNDING);
+    }
+}
+
+#[test]
+fn mirror_and_reversal() {
+    let s = saturation();
+    for kind in ["single", "three"] {
+        let [xi, eta, phi] = [-0.6 * s, 0.4 * s, 0.8 * s / A];
+        let solve = |creepage| run(&with(fastsim(creepage), "flexibility", kind));
+        let (one, mirror) = (solve([xi, eta, phi]), solve([xi, -eta, -phi]));
+        let reverse = solve([-xi, -eta, -phi]);
+        for (key, mirrored, reversed) in [
+            ("creep_force_x_n", 1.0, -1.0),
+            ("creep_force_y_n", -1.0, -1.0),
+            ("spin_moment_nm", -1.0, -1.0),
+            ("friction_power_w", 1.0, 1.0),
+            ("slip_area_ratio", 1.0, 1.0),
+        ] {
+            assert_close(mirror.number(key), mirrored * one.number(key), ROUNDING);
+            assert_eq!(reverse.number(key), reversed * one.number(key), "{key}");
+        }
+        let grid = *one.grid().as_structured().unwrap();
+        let largest = one.fields["friction_power"].iter().copied().fold(0.0, f64::max);
+        for (index, value) in one.fields["friction_power"].iter().enumerate() {
+            let (i, j) = (index % grid.ni, index / grid.ni);
+            let other = mirror.fields["friction_power"][(grid.nj - 1 - j) * grid.ni + i];
+            assert!((value - other).abs() < ROUNDING * largest);
+        }
+    }
+    let longitudinal = run(&fastsim([-0.6 * s, 0.0, 0.0]));
+    assert_eq!(longitudinal.number("creep_force_y_n"), 0.0);
+    assert!(longitudinal.number("spin_moment_nm").abs() < ROUNDING * NORMAL_FORCE * A);
+}
+
+#[test]
+fn no_creepage_no_heat() {
+    for case in [fastsim([0.0; 3]), at_force(0.0)] {
+        for case in [case.clone(), without(case, "partial_slip")] {
+            let run = run(&case);
+            for field in ["traction", "slip_velocity", "friction_power"] {
+                assert!(run.fields[field].iter().all(|v| v.to_bits() == 0), "{field}");
+            }
+            for key in ["creepage_xi", "creep_force_x_n", "friction_power_w", "slip_area_ratio"] {
+                assert_eq!(run.number(key), 0.0);
+            }
+            assert_eq!(run.fields["surface_speed"], [SPEED, SPEED]);
+            assert_close(run.integral("pressure"), NORMAL_FORCE, ROUNDING);
+        }
+    }
+}
+
+/// Creepages far below and far above saturation, down to where squares underflow.
+#[test]
+fn tiny_and_huge_creepages() {
+    for size in [1e-300, 1e-160, 1e-12, 1e-6, 1.0, 1e6] {
+        for creepage in [[-size, 0.0, 0.0], [0.0, size, 0.0], [0.0, 0.0, size], [size; 3]] {
+            assert_balance(&run(&with(fastsim(creepage), "resolution", 6)), power_scale(creepage));
+        }
+    }
+}
+
+/// Spin alone pushes the wheel aside, against Kalker's sign, and slips around the middle.
+#[test]
+fn spin_alone() {
+    let phi = saturation() / A;
+    let run = run(&fastsim([0.0, 0.0, phi]));
+    assert!(run.number("creep_force_y_n") < 0.0);
+    assert!(run.number("spin_moment_nm") < 0.0);
+    assert!(run.number("creep_force_x_n").abs() < ROUNDING * NORMAL_FORCE);
+    assert_balance(&run, power_scale([0.0, 0.0, phi]));
+}
+
+/// Without `partial_slip` everything slides with f times Hertz's pressure against the rigid slip.
+#[test]
+fn without_partial_slip_everything_slides() {
+    let sliding = run(&without(at_force(0.4), "partial_slip"));
+    let sticking = run(&at_force(0.4));
+    assert_eq!(sliding.number("creepage_xi"), sticking.number("creepage_xi"));
+    assert_close(sliding.number("traction_coefficient"), FRICTION, ROUNDING);
+    assert_close(sliding.number("slip_area_ratio"), 1.0, ROUNDING);
+    let velocity = SPEED * sliding.number("creepage_xi");
+    assert_close(sliding.integral("slip_velocity"), velocity * sliding.number("area_m2"), ROUNDING);
+    let remark = |run: &Run| run.layout.remarks.iter().any(|r| r.contains("effects.partial_slip"));
+    assert!(remark(&sliding) && !remark(&sticking));
+    for creepage in [[-0.01, 0.0, 0.0], [0.003, 0.002, 1.0], [0.0, 0.0, -3.0]] {
+        let run = run(&without(fastsim(creepage), "partial_slip"));
+        assert_balance(&run, power_scale(creepage));
+    }
+    // Traction over pressure is f up to the strips that an element's mean is made of.
+    let middle = sliding.grid().points() / 2;
+    let share = sliding.longitudinal("traction")[middle] / sliding.fields["pressure"][middle];
+    assert_close(share, FRICTION, 2e-3);
+}
+
+/// Three flexibilities keep the power of the creepages without spin; with it they miss it.
+#[test]
+fn power_of_three_flexibilities() {
+    let s = saturation();
+    let without_spin = [-0.5 * s, 0.4 * s, 0.0];
+    let run_three = |creepage| run(&with(fastsim(creepage), "flexibility", "three"));
+    assert_balance(&run_three(without_spin), power_scale(without_spin));
+    let run = run_three([-0.5 * s, 0.4 * s, s / A]);
+    let power = -SPEED
+        * (run.number("creepage_xi") * run.number("creep_force_x_n")
+            + run.number("creepage_eta") * run.number("creep_force_y_n")
+            + run.number("creepage_phi_per_m") * run.number("spin_moment_nm"));
+    let missing = (run.number("friction_power_w") / power - 1.0).abs();
+    assert!(missing > 1e-3 && missing < 0.3, "{missing}");
+    assert_close(run.integral("friction_power"), run.number("friction_power_w"), ROUNDING);
+    assert!(run.fields["friction_power"].iter().all(|power| *power >= 0.0));
+}
+
+#[test]
+fn what_fastsim_cannot_take_is_refused() {
+    let mut auxetic = at_force(0.3);
+    auxetic["materials"]["steel"]["poisson_ratio"] = json!(-0.1);
+    let refused = refusal(&configuration(&auxetic));
+    assert_eq!(refused.key, "wheel.material");
+    assert!(refused.reason.contains("begins at 0"), "{refused}");
+    let refused = refusal(&configuration(&at_force(0.61)));
+    assert_eq!(refused.key, "motion.traction_coefficient");
+    let refused = refusal(&configuration(&with(at_force(0.3), "flexibility", "two")));
+    assert_eq!(refused.key, "mech.flexibility");
+}
+
+/// Very long ellipses both ways, beyond the table, and one element per semi-axis.
+#[test]
+fn extreme_ellipses() {
+    for (a, b) in [(8e-3, 1e-5), (8e-3, 8e-4), (1e-4, 8e-3), (8e-3, 8e-3)] {
+        for resolution in [1, 3] {
+            let mut case = with(at_force(0.4), "resolution", resolution);
+            case["contact"]["semi_axis_a"] = json!(a);
+            case["contact"]["semi_axis_b"] = json!(b);
+            let run = run(&case);
+            assert_close(run.number("traction_coefficient"), 0.4, ROUNDING);
+            let power = -SPEED * run.number("creepage_xi") * run.number("creep_force_x_n");
+            assert_close(run.integral("friction_power"), power, ROUNDING);
+        }
+    }
+}
+
+/// The work grows with the number of cells and with nothing else.
+#[test]
+fn work_is_the_number_of_cells() {
+    let work = |resolution: usize| run(&with(at_force(0.4), "resolution", resolution)).report.work;
+    assert_eq!([10, 20, 40].map(work), [48 * 20, 96 * 40, 190 * 80]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Any mixture of creepages: heat equals the creepages' power and is nowhere negative, forces
+    /// stay within f N.
+    #[test]
+    fn balance(
+        xi in -3.0..3.0f64, eta in -3.0..3.0f64, phi in -6.0..6.0f64,
+        decade in -4i32..3, resolution in 1usize..12,
+    ) {
+        let size = saturation() * 10f64.powi(decade);
+        let creepage = [xi * size, eta * size, phi * size / A];
+        let run = run(&with(fastsim(creepage), "resolution", resolution));
+        assert_balance(&run, power_scale(creepage));
+        let force = run.number("creep_force_x_n").hypot(run.number("creep_force_y_n"));
+        prop_assert!(force <= FRICTION * NORMAL_FORCE * (1.0 + ROUNDING));
+    }
+
+    /// Another unit of length, force and time changes figures by powers of the factors only.
+    /// Tolerance: rounding, which the search for the creepage magnifies close to f N.
+    #[test]
+    fn independent_of_the_units(
+        length in 1e-3..1e3f64, force in 1e-3..1e3f64, time in 1e-3..1e3f64, mu in 0.01..0.57f64,
+    ) {
+        let mut case = driven(paper(), "traction_coefficient", mu);
+        case["mech"]["model"] = json!("fastsim");
+        let mut scaled = case.clone();
+        for (table, key, factor) in [
+            ("wheel", "radius", length),
+            ("rail", "crown_radius", length),
+            ("motion", "speed", length / time),
+            ("load", "normal_force", force),
+        ] {
+            scaled[table][key] = json!(case[table][key].as_f64().unwrap() * factor);
+        }
+        let pressure = force / (length * length);
+        scaled["materials"]["steel"]["youngs_modulus"] = json!(210e9 * pressure);
+        let (one, other) = (run(&case), run(&scaled));
+        for (key, factor) in [
+            ("semi_axis_a_m", length),
+            ("creepage_xi", 1.0),
+            ("max_traction_pa", pressure),
+            ("friction_power_w", force * length / time),
+        ] {
+            assert_close(other.number(key), factor * one.number(key), 1e-10);
+        }
+    }
+}

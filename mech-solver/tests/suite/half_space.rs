@@ -1,0 +1,150 @@
+//! The numerical base of the half-space model against Hertz, and its invariances.
+
+use mech_solver::half_space::influence::Elasticity;
+use mech_solver::half_space::normal::Prescribed;
+use mech_solver::half_space::patch::{
+    Grid, PatchSolution, equivalent_semi_axes, solve_normal_on_growing_grid,
+};
+use mech_solver::reference::hertz::{EllipticContact, elliptic_contact};
+use mech_solver::scene::Material;
+
+const STEEL: Material = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
+const GAP_X: f64 = 0.5 / 0.46;
+const GAP_Y: f64 = 0.5 / 0.3;
+const LOAD: f64 = 134e3;
+const LIMIT: usize = 1_000_000;
+
+fn steel() -> Elasticity {
+    Elasticity::of_pair(&STEEL, &STEEL)
+}
+
+fn hertz(elasticity: &Elasticity) -> EllipticContact {
+    elliptic_contact(GAP_X, GAP_Y, LOAD, elasticity.contact_compliance())
+}
+
+fn solve(grid: Grid, elasticity: Elasticity, gap: impl Fn(f64, f64) -> f64) -> PatchSolution {
+    solve_normal_on_growing_grid(grid, elasticity, gap, Prescribed::Load(LOAD), LIMIT)
+        .expect("the contact is regular")
+}
+
+fn paraboloid(x: f64, y: f64) -> f64 {
+    GAP_X * x * x + GAP_Y * y * y
+}
+
+/// Relative errors of p_0, δ, a and b.
+fn errors(resolution: usize) -> [f64; 4] {
+    let exact = hertz(&steel());
+    let grid = Grid::of_ellipse(&exact, resolution);
+    let solution = solve(grid, steel(), paraboloid);
+    assert_eq!(solution.enlargements, 0);
+    assert!(solution.contact.iterations <= 15, "{}", solution.contact.iterations);
+    let (a, b) = equivalent_semi_axes(&grid, &solution.pressure);
+    [
+        solution.pressure[grid.elements() / 2] / exact.max_pressure - 1.0,
+        solution.contact.approach / exact.approach - 1.0,
+        a / exact.semi_axis_a - 1.0,
+        b / exact.semi_axis_b - 1.0,
+    ]
+}
+
+/// Errors of the discretisation, which depend on how the edge of the contact meets the elements
+/// and so fall unevenly: bounds at every mesh, and an order over a factor of eight.
+#[test]
+fn converges_to_hertz() {
+    let table = [10, 20, 40, 80].map(errors);
+    let bounds = [
+        [8e-4, 8e-4, 8e-4, 5e-3],
+        [4e-4, 1e-4, 2e-4, 6e-4],
+        [1e-4, 4e-5, 7e-5, 2e-4],
+        [2e-5, 1e-5, 2e-5, 5e-5],
+    ];
+    for (row, bounds) in table.iter().zip(bounds) {
+        assert!(row.iter().zip(bounds).all(|(error, bound)| error.abs() < bound), "{row:?}");
+    }
+    for (coarse, fine) in table[0].iter().zip(table[3]) {
+        let order = (coarse / fine).abs().ln() / 8.0_f64.ln();
+        assert!(order > 1.5, "order {order}");
+    }
+}
+
+/// A symmetric gap gives a symmetric pressure, a mirrored gap the mirrored one. Tolerance: the
+/// iteration's, which the pressure has a multiple of.
+#[test]
+fn mirror_images() {
+    let grid = Grid::of_ellipse(&hertz(&steel()), 15);
+    let skew = |x: f64, y: f64| paraboloid(x - 4e-4, y) + x * y + 30.0 * x * x * y;
+    let one = solve(grid, steel(), skew);
+    let other = solve(grid, steel(), |x, y| skew(-x, y));
+    assert_eq!(one.grid, other.grid);
+    let peak = one.pressure.iter().copied().fold(0.0, f64::max);
+    let nx = one.grid.nx;
+    for (row, mirrored) in one.pressure.chunks(nx).zip(other.pressure.chunks(nx)) {
+        for (value, image) in row.iter().zip(mirrored.iter().rev()) {
+            assert!((value - image).abs() < 1e-6 * peak, "{value} {image}");
+        }
+    }
+}
+
+/// Millimetres and megapascals: the same numbers but for the units. Tolerance: rounding, through
+/// some iterations, and powers of two would need none.
+#[test]
+fn units_do_not_matter() {
+    let grid = Grid::of_ellipse(&hertz(&steel()), 12);
+    let metres = solve(grid, steel(), paraboloid);
+    let material = Material { youngs_modulus: STEEL.youngs_modulus * 1e-6, ..STEEL };
+    let elasticity = Elasticity::of_pair(&material, &material);
+    let scaled = Grid { dx: grid.dx * 1e3, dy: grid.dy * 1e3, ..grid };
+    let gap = |x: f64, y: f64| 1e3 * paraboloid(x * 1e-3, y * 1e-3);
+    let millimetres = solve(scaled, elasticity, gap);
+    assert_eq!(metres.contact.iterations, millimetres.contact.iterations);
+    let quotient = millimetres.contact.approach / metres.contact.approach;
+    assert!((quotient / 1e3 - 1.0).abs() < 1e-10);
+    for (value, other) in metres.pressure.iter().zip(&millimetres.pressure) {
+        assert!((value * 1e-6 - other).abs() < 1e-6, "{value} {other}");
+    }
+}
+
+/// Without tangential tractions only the sum of the compliances matters, also for bodies whose
+/// moduli differ by a hundred. Tolerance: rounding of the sum.
+#[test]
+fn very_different_bodies() {
+    let soft = Material { youngs_modulus: 2.1e9, poisson_ratio: 0.45 };
+    let pair = Elasticity::of_pair(&soft, &STEEL);
+    assert!(pair.is_coupled());
+    let alike = Elasticity {
+        shear_compliance: pair.contact_compliance(),
+        poisson_compliance: 0.0,
+        coupling_compliance: 0.0,
+    };
+    let exact = hertz(&pair);
+    let grid = Grid::of_ellipse(&exact, 20);
+    let (one, other) = (solve(grid, pair, paraboloid), solve(grid, alike, paraboloid));
+    assert!((one.contact.approach / other.contact.approach - 1.0).abs() < 1e-9);
+    let peak = one.pressure[grid.elements() / 2];
+    // The discretisation at a/20.
+    assert!((peak / exact.max_pressure - 1.0).abs() < 1e-3);
+    assert!((one.contact.approach / exact.approach - 1.0).abs() < 1e-3);
+}
+
+/// Two crowns side by side: far apart each carries half as Hertz has it, with the other's
+/// displacement N E*/(2π d) on top of the approach; closer they merge, found by a growing grid.
+#[test]
+fn two_crowns_merge() {
+    let crowns = |apart: f64| move |x: f64, y: f64| GAP_X * ((x.abs() - apart).powi(2) + y * y);
+    let compliance = steel().contact_compliance();
+    let half = elliptic_contact(GAP_X, GAP_X, 0.5 * LOAD, compliance);
+    let start = Grid::covering(half.semi_axis_a, half.semi_axis_a, 3e-4, 3e-4);
+    let far = solve(start, steel(), crowns(30e-3));
+    let displacement = 0.5 * LOAD * compliance / (std::f64::consts::PI * 60e-3);
+    let approach = far.contact.approach - displacement;
+    // The discretisation at a/20, and the next term of the distance, (a/d)²/2.
+    assert!((approach / half.approach - 1.0).abs() < 4e-3, "{}", approach / half.approach);
+    let pressed = |solution: &PatchSolution, at: f64| {
+        let grid = solution.grid;
+        let column = (at / grid.dx).round() as usize + grid.nx / 2;
+        solution.pressure[(grid.ny / 2) * grid.nx + column] > 0.0
+    };
+    assert!(far.enlargements > 0 && pressed(&far, 30e-3) && !pressed(&far, 0.0));
+    let near = solve(start, steel(), crowns(2e-3));
+    assert!(pressed(&near, 2.1e-3) && pressed(&near, 0.0));
+}
