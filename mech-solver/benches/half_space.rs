@@ -1,0 +1,76 @@
+//! Half-space solvers on the paper's case at several resolutions: the normal contact, one creepage,
+//! and the five traction coefficients of the paper by prescribed force, all from scratch, operators
+//! included. CONTACT's best solvers take 0.01, 0.01, 0.01, 0.03, 0.18 s for the first, 0.01, 0.04,
+//! 0.22, 1.60 s for the second and 0.17, 0.95, 6.2, 61 s for the third (a/10, a/20, a/40, a/80, a/160).
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use mech_solver::half_space::influence::Elasticity;
+use mech_solver::half_space::levels::{Levels, Prescribed};
+use mech_solver::half_space::normal_contact::NormalContact;
+use mech_solver::reference::hertz;
+use mech_solver::scene::Material;
+use proto::grid::Structured;
+use std::hint::black_box;
+
+const FRICTION: f64 = 0.6;
+const LOAD: f64 = 134e3;
+const GAP: [f64; 2] = [0.5 / 0.46, 0.5 / 0.3];
+
+struct Scene {
+    bodies: Elasticity,
+    semi_axis: f64,
+    grid: Structured,
+    slope: f64,
+}
+
+impl Scene {
+    fn new(resolution: usize) -> Self {
+        let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
+        let bodies = Elasticity::of_pair(&steel, &steel);
+        let hertz = hertz::elliptic_contact(GAP[0], GAP[1], LOAD, 2.0 * steel.compliance());
+        let (a, b) = (hertz.semi_axis_a, hertz.semi_axis_b);
+        let step = a / resolution as f64;
+        let (half_x, half_y) = (resolution + 1, (b / step).ceil() as usize + 1);
+        let (x0, y0) = (-(half_x as f64) * step, -(half_y as f64) * step);
+        let (nx, ny) = (2 * half_x + 1, 2 * half_y + 1);
+        let grid = Structured::contact_plane(x0, y0, step, step, nx, ny);
+        Self { bodies, semi_axis: a, grid, slope: 4.0 * a * b / bodies.shear_compliance }
+    }
+
+    fn normal(&self) -> NormalContact {
+        NormalContact::solve(&self.grid, &self.bodies, GAP, LOAD).expect("it converges")
+    }
+
+    fn rolling(&self, bound: &[f64], prescribed: &[Prescribed]) -> f64 {
+        let mut levels = Levels::new(&self.grid, &self.bodies, 0.0, self.semi_axis);
+        let solve = |one: &Prescribed| {
+            let solution = levels.solve(bound, *one, self.slope).expect("it converges");
+            solution.state.creepage[0]
+        };
+        prescribed.iter().map(solve).sum()
+    }
+}
+
+fn half_space(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("half_space");
+    group.sample_size(10);
+    let forces = [0.58, 0.5, 0.4, 0.3, 0.2].map(|mu| Prescribed::Force(mu * LOAD));
+    for resolution in [10, 20, 40, 80, 160] {
+        let scene = Scene::new(resolution);
+        let bound: Vec<f64> = scene.normal().pressure.iter().map(|p| FRICTION * p).collect();
+        group.bench_function(BenchmarkId::new("normal", resolution), |bencher| {
+            bencher.iter(|| black_box(scene.normal()));
+        });
+        group.bench_function(BenchmarkId::new("one_creepage", resolution), |bencher| {
+            let creepage = [Prescribed::Creepage([-0.00863, 0.0, 0.0])];
+            bencher.iter(|| black_box(scene.rolling(&bound, &creepage)));
+        });
+        group.bench_function(BenchmarkId::new("five_forces", resolution), |bencher| {
+            bencher.iter(|| black_box(scene.rolling(&bound, &forces)));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, half_space);
+criterion_main!(benches);
