@@ -380,3 +380,6 @@ impl Preconditioned for System<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
