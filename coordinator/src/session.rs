@@ -296,14 +296,16 @@ impl Context<'_> {
             let when = self.phase.to_string();
             return Err(Waiting::Run(RunError::Interrupted { signal, when }));
         }
-        let finishing = self.phase == Phase::Finishing;
-        let early =
-            |exit: &&Exit| !(finishing && exit.status.success() && exit.role != links[one].role());
+        // Who has been asked to finish, and is not the one we wait for, may have left in peace.
+        let in_peace = |role: &str| self.phase == Phase::Finishing && role != links[one].role();
+        let early = |exit: &&Exit| !(in_peace(&exit.role) && exit.status.success());
         if let Some(exit) = self.supervisor.exits().iter().find(early) {
             return Err(Waiting::Run(self.ended(links, exit)));
         }
         // A participant started by hand is not our child: its lock tells of its death.
-        let has_left = |link: &&Link| link.is_attached() && self.run.has_left(link.role());
+        let has_left = |link: &&Link| {
+            link.is_attached() && !in_peace(link.role()) && self.run.has_left(link.role())
+        };
         if self.phase != Phase::Starting
             && let Some(gone) = links.iter().find(has_left)
         {

@@ -171,25 +171,6 @@ impl Convolution {
         Spectrum { values, size }
     }
 
-    /// A real, even factor in Fourier space: `symbol(kx, ky)` at the wave numbers in radians per
-    /// element, 0 ≤ kx ≤ π and −π < ky ≤ π.
-    #[must_use]
-    pub fn symbol(&self, symbol: impl Fn(f64, f64) -> f64) -> Spectrum {
-        let turn = std::f64::consts::TAU;
-        let size = (self.padded_x * self.padded_y) as f64;
-        let mut values = Vec::with_capacity(self.columns() * self.padded_y);
-        for column in 0..self.columns() {
-            let kx = turn * column as f64 / self.padded_x as f64;
-            for line in 0..self.padded_y {
-                let above = 2 * line > self.padded_y;
-                let signed = line as f64 - if above { self.padded_y as f64 } else { 0.0 };
-                let ky = turn * signed / self.padded_y as f64;
-                values.push(Complex64::new(symbol(kx, ky) / size, 0.0));
-            }
-        }
-        Spectrum { values, size }
-    }
-
     /// Convolution of `input` with a kernel; both fields have nx·ny values.
     ///
     /// # Panics
@@ -208,12 +189,6 @@ impl Convolution {
             self.scatter(0, first, count);
         }
         self.rows_out(0, output);
-    }
-
-    /// Same as [`Convolution::apply`], for a factor that is not the transform of a kernel: the
-    /// field is padded with zeros, filtered on the padded grid and cut.
-    pub fn filter(&mut self, symbol: &Spectrum, input: &[f64], output: &mut [f64]) {
-        self.apply(symbol, input, output);
     }
 
     /// Convolution of a vector field with a tensor of kernels, out_r = Σ_c kernels[r][c] ∗ in_c.

@@ -268,8 +268,7 @@ impl Search {
             return Err(RollingError::BeyondFriction { force, most });
         }
         let (wanted, direction) = (force.abs(), -force.signum());
-        let mut low = (0.0, -wanted);
-        let mut high: Option<(f64, f64)> = None;
+        let (mut low, mut high) = (0.0, None);
         let mut creep = if self.creep > 0.0 { self.creep } else { wanted / self.slope };
         let mut before: Option<(f64, f64)> = None;
         for _ in 0..MOST_TRIALS {
@@ -287,8 +286,8 @@ impl Search {
             }
             before = Some((creep, excess));
             match excess < 0.0 {
-                true => low = (creep, excess),
-                false => high = Some((creep, excess)),
+                true => low = creep,
+                false => high = Some(creep),
             }
             creep = next(creep - excess / self.slope, low, high);
         }
@@ -296,14 +295,12 @@ impl Search {
     }
 }
 
-/// The secant's proposal if it lies well inside the bracket, else its middle; without an upper
-/// bound no more than a limited growth.
-fn next(proposal: f64, low: (f64, f64), high: Option<(f64, f64)>) -> f64 {
+/// The secant's proposal if it lies inside the bracket, else its middle; without an upper bound no
+/// more than a limited growth.
+fn next(proposal: f64, low: f64, high: Option<f64>) -> f64 {
     match high {
-        None => proposal.clamp(low.0 * 1.001, low.0 * GROWTH),
-        Some(high) => {
-            let inside = proposal > low.0 && proposal < high.0;
-            if inside { proposal } else { 0.5 * (low.0 + high.0) }
-        }
+        None => proposal.clamp(low, low * GROWTH),
+        Some(high) if low < proposal && proposal < high => proposal,
+        Some(high) => 0.5 * (low + high),
     }
 }

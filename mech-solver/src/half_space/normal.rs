@@ -283,7 +283,7 @@ impl NormalSolver {
             let open = given - distance[at] - work.displacement[at];
             work.residual[at] = if *flag { open } else { 0.0 };
         }
-        self.convolution.filter(&self.preconditioner, &work.residual, &mut work.step);
+        self.convolution.apply(&self.preconditioner, &work.residual, &mut work.step);
         progress.convolutions += 1;
         work.cut(|work| &mut work.step);
         progress.approach = given;
@@ -292,7 +292,7 @@ impl NormalSolver {
                 for (value, flag) in work.image.iter_mut().zip(&work.in_contact) {
                     *value = f64::from(u8::from(*flag));
                 }
-                self.convolution.filter(&self.preconditioner, &work.image, &mut work.punch);
+                self.convolution.apply(&self.preconditioner, &work.image, &mut work.punch);
                 progress.convolutions += 1;
                 work.cut(|work| &mut work.punch);
             }

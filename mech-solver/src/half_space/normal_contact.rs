@@ -20,7 +20,8 @@ impl NormalContact {
     /// Solves for bodies whose gap is A x² + B y² [A, B in 1/m] under a load [N].
     ///
     /// # Errors
-    /// The load is out of range or the iteration does not converge.
+    /// The load is out of range, the iteration does not converge, or the contact reaches the edge of
+    /// the grid, beyond which it would be cut.
     pub fn solve(
         grid: &Structured,
         bodies: &Elasticity,
@@ -32,6 +33,9 @@ impl NormalContact {
         let distance: Vec<f64> = at_centres(grid, |x, y| gap_x * x * x + gap_y * y * y);
         let mut pressure = vec![0.0; grid.points()];
         let found = solver.solve(&distance, Prescribed::Load(load), &mut pressure)?;
+        if found.touches_edge {
+            return Err(NormalError::Edge { nx: grid.ni, ny: grid.nj });
+        }
         Ok(Self {
             pressure,
             approach: Some(found.approach),

@@ -75,9 +75,9 @@ fn tensor_equals_four_sums() {
     }
 }
 
-/// A symbol is a kernel's transform when the kernel's is known: second differences.
+/// Spectra combine wave by wave; that of second differences is known to lie between 0 and 8.
 #[test]
-fn symbol_of_a_known_kernel() {
+fn spectra_combine() {
     let mut convolution = Convolution::new(12, 9);
     let laplacian = |i: i32, j: i32| match i.abs() + j.abs() {
         0 => 4.0,
@@ -85,18 +85,15 @@ fn symbol_of_a_known_kernel() {
         _ => 0.0,
     };
     let spectrum = convolution.spectrum(laplacian);
-    let symbol = convolution.symbol(|kx, ky| 4.0 - 2.0 * kx.cos() - 2.0 * ky.cos());
-    let halved = symbol.map(|value| 0.5 * value);
-    let twice = Spectrum::combine([&halved, &spectrum], |[one, other]| 4.0 * one - other);
+    let halved = spectrum.map(|value| 0.5 * value);
+    let same = Spectrum::combine([&halved, &spectrum], |[one, other]| 4.0 * one - other);
     let input = noise(108, 5);
-    let mut outputs = [vec![0.0; 108], vec![0.0; 108], vec![0.0; 108]];
+    let mut outputs = [vec![0.0; 108], vec![0.0; 108]];
     convolution.apply(&spectrum, &input, &mut outputs[0]);
-    convolution.filter(&symbol, &input, &mut outputs[1]);
-    convolution.filter(&twice, &input, &mut outputs[2]);
+    convolution.apply(&same, &input, &mut outputs[1]);
     assert_same(&outputs[1], &outputs[0]);
-    assert_same(&outputs[2], &outputs[0]);
-    let largest = spectrum.values().fold(0.0_f64, |max, value| max.max(value.re));
-    assert!(largest <= 8.0 + 1e-12, "{largest}");
+    let inside = |value: f64| (-1e-12..=8.0 + 1e-12).contains(&value);
+    assert!(spectrum.values().all(|value| inside(value.re)), "rounding of the transform");
 }
 
 #[test]

@@ -39,6 +39,14 @@ pub enum NormalError {
         /// Most elements allowed.
         limit: usize,
     },
+    /// The contact reaches the edge of a grid that does not grow.
+    #[error("the contact reaches the edge of its grid of {nx} x {ny} elements")]
+    Edge {
+        /// Elements along x.
+        nx: usize,
+        /// Elements along y.
+        ny: usize,
+    },
     /// The residual did not fall below the tolerance.
     #[error(
         "the normal contact did not converge: residual {residual:.3e} after {iterations} \
