@@ -48,7 +48,10 @@ def main(results, picture):
     a, b = 1e3 * contact["semi_axis_a_m"], 1e3 * contact["semi_axis_b_m"]
     fields = results / "fields"
     (x, y), mech = read_vti(next(fields.glob("mech_contact_*.vti")))
-    _, thermal = read_vti(next(fields.glob("thermal_contact_*.vti")))
+    # The half-space has its friction power half an element upstream, on a grid of its own.
+    passage = next(fields.glob("mech_passage_*.vti"), None)
+    (xq, yq), power = read_vti(passage) if passage else ((x, y), mech)
+    (xt, yt), thermal = read_vti(next(fields.glob("thermal_contact_*.vti")))
     (xs, zs), section = read_vti(next(fields.glob("thermal_rail_section_*.vti")))
     middle = len(y) // 2
 
@@ -66,15 +69,15 @@ def main(results, picture):
     stress.legend(frameon=False)
 
     heat = axes[0, 1]
-    heat.plot(x / a, mech["friction_power"][middle, :, 0] / 1e6, color="tab:red")
+    heat.plot(xq / a, power["friction_power"][len(yq) // 2, :, 0] / 1e6, color="tab:red")
     heat.set(title="centre line", xlabel="x/a")
     heat.set_ylabel("friction power [W/mm²]", color="tab:red")
     warm = heat.twinx()
-    warm.plot(x / a, thermal["rail_temperature"][middle, :, 0], color="tab:purple")
+    warm.plot(xt / a, thermal["rail_temperature"][len(yt) // 2, :, 0], color="tab:purple")
     warm.set_ylabel("rail temperature rise [K]", color="tab:purple")
 
     surface = axes[1, 0]
-    image = surface.pcolormesh(x, y, thermal["rail_temperature"][:, :, 0], cmap="inferno")
+    image = surface.pcolormesh(xt, yt, thermal["rail_temperature"][:, :, 0], cmap="inferno")
     turn = np.linspace(0, 2 * np.pi, 200)
     surface.plot(a * np.cos(turn), b * np.sin(turn), color="white", lw=0.8)
     surface.plot(1e3 * rail["x_m"], 1e3 * rail["y_m"], "+", color="white")

@@ -8,6 +8,7 @@ pub mod cli;
 pub mod couple;
 pub mod error;
 pub mod logging;
+pub mod map;
 pub mod plan;
 pub mod programs;
 pub mod progress;

@@ -2,6 +2,7 @@
 
 pub mod folder;
 pub mod iterations;
+mod line;
 pub mod show;
 pub mod summary;
 pub mod vtk;

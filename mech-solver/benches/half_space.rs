@@ -3,10 +3,14 @@
 //! included. CONTACT's best solvers take 0.01, 0.01, 0.01, 0.03, 0.18 s for the first, 0.01, 0.04,
 //! 0.22, 1.60 s for the second and 0.17, 0.95, 6.2, 61 s for the third (a/10, a/20, a/40, a/80, a/160).
 
+#![allow(clippy::print_stdout, reason = "a bench reports its memory")]
+
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use mech_solver::half_space::influence::Elasticity;
-use mech_solver::half_space::levels::{Levels, Prescribed};
-use mech_solver::half_space::normal_contact::NormalContact;
+use mech_solver::half_space::extent::sample;
+use mech_solver::half_space::force_search::Prescribed;
+use mech_solver::half_space::influence::{Elasticity, Influence};
+use mech_solver::half_space::levels::{Contact, Levels, Motion};
+use mech_solver::half_space::normal::{self, NormalSolver};
 use mech_solver::reference::hertz;
 use mech_solver::scene::Material;
 use proto::grid::Structured;
@@ -17,10 +21,8 @@ const LOAD: f64 = 134e3;
 const GAP: [f64; 2] = [0.5 / 0.46, 0.5 / 0.3];
 
 struct Scene {
-    bodies: Elasticity,
-    semi_axis: f64,
+    contact: Contact,
     grid: Structured,
-    slope: f64,
 }
 
 impl Scene {
@@ -34,17 +36,25 @@ impl Scene {
         let (x0, y0) = (-(half_x as f64) * step, -(half_y as f64) * step);
         let (nx, ny) = (2 * half_x + 1, 2 * half_y + 1);
         let grid = Structured::contact_plane(x0, y0, step, step, nx, ny);
-        Self { bodies, semi_axis: a, grid, slope: 4.0 * a * b / bodies.shear_compliance }
+        let motion = Motion::SteadyRolling;
+        Self { contact: Contact { bodies, layer: 0.0, semi_axes: [a, b], motion }, grid }
     }
 
-    fn normal(&self) -> NormalContact {
-        NormalContact::solve(&self.grid, &self.bodies, GAP, LOAD).expect("it converges")
+    fn pressure(&self) -> Vec<f64> {
+        let grid = &self.grid;
+        let influence = Influence { dx: grid.dx(), dy: grid.dy(), elasticity: self.contact.bodies };
+        let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
+        let distance = sample(grid, &|x, y| GAP[0] * x * x + GAP[1] * y * y);
+        let mut pressure = vec![0.0; grid.points()];
+        let load = normal::Prescribed::Load(LOAD);
+        solver.solve(&distance, load, &mut pressure).expect("it converges");
+        pressure
     }
 
     fn rolling(&self, bound: &[f64], prescribed: &[Prescribed]) -> f64 {
-        let mut levels = Levels::new(&self.grid, &self.bodies, 0.0, self.semi_axis);
+        let mut levels = Levels::new(&self.grid, &self.contact);
         let solve = |one: &Prescribed| {
-            let solution = levels.solve(bound, *one, self.slope).expect("it converges");
+            let solution = levels.solve(bound, one).expect("it converges");
             solution.state.creepage[0]
         };
         prescribed.iter().map(solve).sum()
@@ -54,22 +64,31 @@ impl Scene {
 fn half_space(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("half_space");
     group.sample_size(10);
-    let forces = [0.58, 0.5, 0.4, 0.3, 0.2].map(|mu| Prescribed::Force(mu * LOAD));
+    let forces = [0.58, 0.5, 0.4, 0.3, 0.2].map(|mu| Prescribed::longitudinal_force(mu * LOAD));
     for resolution in [10, 20, 40, 80, 160] {
         let scene = Scene::new(resolution);
-        let bound: Vec<f64> = scene.normal().pressure.iter().map(|p| FRICTION * p).collect();
+        let bound: Vec<f64> = scene.pressure().iter().map(|p| FRICTION * p).collect();
         group.bench_function(BenchmarkId::new("normal", resolution), |bencher| {
-            bencher.iter(|| black_box(scene.normal()));
+            bencher.iter(|| black_box(scene.pressure()));
         });
         group.bench_function(BenchmarkId::new("one_creepage", resolution), |bencher| {
-            let creepage = [Prescribed::Creepage([-0.00863, 0.0, 0.0])];
+            let creepage = [Prescribed::creepages([-0.00863, 0.0, 0.0])];
             bencher.iter(|| black_box(scene.rolling(&bound, &creepage)));
         });
         group.bench_function(BenchmarkId::new("five_forces", resolution), |bencher| {
             bencher.iter(|| black_box(scene.rolling(&bound, &forces)));
         });
+        println!("half_space/a/{resolution}: peak memory {} MiB so far", peak_memory() >> 20);
     }
     group.finish();
+}
+
+/// Largest resident memory of this process so far [byte].
+fn peak_memory() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kibibytes = line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
+    kibibytes.unwrap_or(0) << 10
 }
 
 criterion_group!(benches, half_space);

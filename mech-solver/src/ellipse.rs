@@ -2,7 +2,7 @@
 //! case gives under `[contact]`, with the grid that covers it and the friction limit it sets.
 
 use crate::reference::hertz;
-use crate::scene::{Drive, GivenPatch, Scene};
+use crate::scene::{APPROACH, CROWN_RADIUS, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene};
 use crate::strips::semi_ellipse::SemiEllipse;
 use crate::strips::{Lateral, StripField, Strips};
 use proto::configuration::Refusal;
@@ -45,7 +45,7 @@ impl Ellipse {
             Some(patch) => Self::of_given_patch(patch),
             None => Self::of_hertz(scene)?,
         };
-        ellipse.refuse_beyond_floating_point()?;
+        ellipse.refuse_beyond_floating_point(scene)?;
         Ok(ellipse)
     }
 
@@ -56,29 +56,54 @@ impl Ellipse {
     }
 
     fn of_hertz(scene: &Scene) -> Result<Self, Refusal> {
+        if scene.rail_crown_radius.is_none() {
+            return Err(Refusal::new(CROWN_RADIUS, "missing", format!("add `{CROWN_RADIUS}`")));
+        }
         let (gap_x, gap_y) = (scene.gap_coefficient_x(), scene.gap_coefficient_y());
         refuse_open_ellipse(scene, gap_x, gap_y)?;
-        let solution =
-            hertz::elliptic_contact(gap_x, gap_y, scene.normal_force, scene.contact_compliance());
+        let compliance = scene.contact_compliance();
+        let normal_force = match scene.load {
+            Load::NormalForce(force) => force,
+            Load::Approach(approach) => {
+                hertz::force_at_approach(gap_x, gap_y, approach, compliance)
+            }
+        };
+        let solution = hertz::elliptic_contact(gap_x, gap_y, normal_force, compliance);
         Ok(Self {
             semi_axis_a: solution.semi_axis_a,
             semi_axis_b: solution.semi_axis_b,
             max_pressure: solution.max_pressure,
             approach: Some(solution.approach),
-            normal_force: scene.normal_force,
+            normal_force,
         })
     }
 
-    fn refuse_beyond_floating_point(&self) -> Result<(), Refusal> {
+    fn refuse_beyond_floating_point(&self, scene: &Scene) -> Result<(), Refusal> {
         let size = [self.semi_axis_a, self.semi_axis_b, self.max_pressure, self.normal_force];
         if size.iter().all(|value| value.is_normal()) {
             return Ok(());
         }
+        let key = match scene.load {
+            Load::NormalForce(_) => NORMAL_FORCE,
+            Load::Approach(_) => APPROACH,
+        };
         Err(Refusal::new(
-            "load.normal_force",
+            key,
             format!("gives a contact whose size or pressure is no number: {self}"),
             "check the units of load, radii and materials",
         ))
+    }
+
+    /// Refuses bodies that do not roll, for the models of rolling.
+    pub(crate) fn refuse_rest(scene: &Scene) -> Result<(), Refusal> {
+        match scene.rolling_speed == 0.0 {
+            true => Err(Refusal::new(
+                SPEED,
+                "this model is of rolling; bodies that do not roll need mech.model = half-space",
+                "write a speed above 0 m/s, or choose the model half-space",
+            )),
+            false => Ok(()),
+        }
     }
 
     /// Rows and columns of elements Δx = Δy = a/resolution that cover the ellipse, odd in number.
@@ -118,6 +143,11 @@ impl Ellipse {
                 within("motion.tangential_force", value, friction * self.normal_force, " N")
             }
             Drive::Creepage { xi, eta, phi } => Ok(Prescribed::Creepage { xi, eta, phi }),
+            Drive::Shift(_) => Err(Refusal::new(
+                "motion.shift",
+                "a wheel that rolls has creepages; a shift is for bodies that do not roll",
+                format!("write motion.creepage, or {SPEED} = 0"),
+            )),
         }
     }
 
@@ -125,14 +155,18 @@ impl Ellipse {
     pub(crate) fn remark(&self, scene: &Scene) -> Option<String> {
         // Quantities are shown to about this accuracy; less is no difference to a reader.
         const VISIBLE: f64 = 1e-6;
-        let (force, asked) = (self.normal_force, scene.normal_force);
-        let differs = (force / asked - 1.0).abs() > VISIBLE;
-        differs.then(|| {
-            format!(
-                "the ellipse given under [contact] carries {force:.6e} N, which replaces the \
-                 {asked:.6e} N of load.normal_force"
-            )
-        })
+        if self.approach.is_some() {
+            return None;
+        }
+        let force = self.normal_force;
+        let replaced = match scene.load {
+            Load::NormalForce(asked) if (force / asked - 1.0).abs() <= VISIBLE => return None,
+            Load::NormalForce(asked) => format!("{asked:.6e} N of load.normal_force"),
+            Load::Approach(asked) => format!("{asked:.6e} m of load.approach"),
+        };
+        Some(format!(
+            "the ellipse given under [contact] carries {force:.6e} N, which replaces the {replaced}"
+        ))
     }
 
     /// Writes the element means of Hertz's pressure [Pa].
@@ -175,7 +209,7 @@ impl fmt::Display for Ellipse {
 fn refuse_open_ellipse(scene: &Scene, gap_x: f64, gap_y: f64) -> Result<(), Refusal> {
     // Semi-axes in a ratio of about a million.
     const FLATTEST: f64 = 1e-12;
-    let crown = scene.rail_crown_radius;
+    let crown = scene.rail_crown_radius.unwrap_or(f64::INFINITY);
     if gap_y <= FLATTEST * gap_x && scene.tread_curvature < 0.0 {
         let reason = "the tread is as hollow as the rail crown is round, so that no elliptic \
                       contact closes";

@@ -44,6 +44,17 @@ pub enum Drive {
         /// Spin [rad/m].
         phi: f64,
     },
+    /// Rigid shift of the wheel against the rail, without rolling: along x and y [m], about z [rad].
+    Shift([f64; 3]),
+}
+
+/// What presses the bodies together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Load {
+    /// Normal force N [N].
+    NormalForce(f64),
+    /// Approach of the bodies [m].
+    Approach(f64),
 }
 
 /// The case values that every model reads.
@@ -53,18 +64,18 @@ pub struct Scene {
     pub wheel_radius: f64,
     /// Lateral curvature of the wheel tread, positive convex, 0 for a straight cone [1/m].
     pub tread_curvature: f64,
-    /// Lateral radius of the rail crown [m].
-    pub rail_crown_radius: f64,
+    /// Lateral radius of the rail crown [m]; `None` where a profile takes its place.
+    pub rail_crown_radius: Option<f64>,
     /// Material of the wheel.
     pub wheel: Material,
     /// Material of the rail.
     pub rail: Material,
-    /// Rolling speed V [m/s].
+    /// Rolling speed V [m/s]; 0 for bodies that do not roll.
     pub rolling_speed: f64,
     /// Prescribed force or creepage.
     pub drive: Drive,
-    /// Normal force N [N].
-    pub normal_force: f64,
+    /// Prescribed normal force or approach.
+    pub load: Load,
     /// Friction coefficient f [-].
     pub friction_coefficient: f64,
     /// Elements per semi-axis a.
@@ -87,7 +98,14 @@ pub struct GivenPatch {
 pub fn keys() -> Vec<KeySpec> {
     let mut keys = body_keys();
     keys.extend(motion_keys());
-    keys.push(KeySpec::quantity("load.normal_force", "N", "normal force").required().above(0.0));
+    keys.push(
+        KeySpec::quantity(NORMAL_FORCE, "N", "normal force").required().above(0.0).one_of("load"),
+    );
+    keys.push(
+        KeySpec::quantity(APPROACH, "m", "approach of the bodies, from first touch")
+            .above(0.0)
+            .one_of("load"),
+    );
     keys.push(
         KeySpec::number("friction.coefficient", "friction coefficient").required().above(0.0),
     );
@@ -109,9 +127,10 @@ fn body_keys() -> Vec<KeySpec> {
             "lateral radius of the wheel tread; absent: straight, negative: concave",
         ),
         KeySpec::name_in("wheel.material", "materials", "material of the wheel").required(),
-        KeySpec::quantity("rail.crown_radius", "m", "lateral radius of the rail crown")
+        KeySpec::quantity(CROWN_RADIUS, "m", "lateral radius of the rail crown")
             .required()
-            .above(0.0),
+            .above(0.0)
+            .one_of(RAIL_SHAPE),
         KeySpec::name_in("rail.material", "materials", "material of the rail").required(),
         KeySpec::quantity("materials.*.youngs_modulus", "Pa", "Young's modulus")
             .required()
@@ -123,14 +142,25 @@ fn body_keys() -> Vec<KeySpec> {
     ]
 }
 
-const DRIVE: &str = "motion.drive";
+pub(crate) const NORMAL_FORCE: &str = "load.normal_force";
+pub(crate) const APPROACH: &str = "load.approach";
+pub(crate) const CROWN_RADIUS: &str = "rail.crown_radius";
+/// Group of the alternatives that give the rail its shape.
+pub(crate) const RAIL_SHAPE: &str = "rail.shape";
+
+/// Group of the alternatives that drive the wheel.
+pub(crate) const DRIVE: &str = "motion.drive";
 const TRACTION_COEFFICIENT: &str = "motion.traction_coefficient";
 const TANGENTIAL_FORCE: &str = "motion.tangential_force";
 const CREEPAGE: &str = "motion.creepage.xi";
+pub(crate) const SPEED: &str = "motion.speed";
+const SHIFT: [&str; 3] = ["motion.shift.x", "motion.shift.y", "motion.shift.turn"];
 
 fn motion_keys() -> Vec<KeySpec> {
     vec![
-        KeySpec::quantity("motion.speed", "m/s", "rolling speed").required().above(0.0),
+        KeySpec::quantity(SPEED, "m/s", "rolling speed; 0 for a shift without rolling")
+            .required()
+            .at_least(0.0),
         KeySpec::number(
             TRACTION_COEFFICIENT,
             "longitudinal force on the wheel over normal force; positive drives",
@@ -150,6 +180,21 @@ fn motion_keys() -> Vec<KeySpec> {
             .one_of(DRIVE)
             .default_value(0.0),
     ]
+}
+
+/// The keys of a shift, for the models that solve one.
+#[must_use]
+pub fn shift_keys() -> Vec<KeySpec> {
+    let help = [
+        "rigid shift of the wheel along x, made in the first window",
+        "rigid shift of the wheel along y",
+        "rigid rotation of the wheel about z [rad]",
+    ];
+    let key = |k: usize| {
+        let unit = if k == 2 { "1" } else { "m" };
+        KeySpec::quantity(SHIFT[k], unit, help[k]).one_of(DRIVE).default_value(0.0)
+    };
+    (0..3).map(key).collect()
 }
 
 /// The keys that [`GivenPatch::read`] reads, for the models that take a given ellipse.
@@ -174,12 +219,12 @@ impl Scene {
         Ok(Self {
             wheel_radius: case.number("wheel.radius")?,
             tread_curvature: read_tread_curvature(&case)?,
-            rail_crown_radius: case.number("rail.crown_radius")?,
+            rail_crown_radius: case.maybe_number(CROWN_RADIUS)?,
             wheel: read_material(&case, "wheel.material")?,
             rail: read_material(&case, "rail.material")?,
-            rolling_speed: case.number("motion.speed")?,
-            drive: read_drive(&case)?,
-            normal_force: case.number("load.normal_force")?,
+            rolling_speed: case.number(SPEED)?,
+            drive: read_drive(params, &case)?,
+            load: read_load(&case)?,
             friction_coefficient: case.number("friction.coefficient")?,
             resolution: usize::try_from(case.integer("mech.resolution")?)
                 .expect("the key's range is positive and small"),
@@ -193,10 +238,11 @@ impl Scene {
     }
 
     /// Coefficient of y² in the gap of the undeformed bodies, half the sum of the lateral
-    /// curvatures [1/m]; not positive when the tread is as hollow as the crown is round.
+    /// curvatures [1/m]; not positive when the tread is as hollow as the crown is round. A rail
+    /// without a radius counts as flat.
     #[must_use]
     pub fn gap_coefficient_y(&self) -> f64 {
-        0.5 * (1.0 / self.rail_crown_radius + self.tread_curvature)
+        0.5 * (self.rail_crown_radius.map_or(0.0, f64::recip) + self.tread_curvature)
     }
 
     /// Sum of both bodies' compliances, (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa]
@@ -260,19 +306,41 @@ fn read_tread_curvature(case: &CheckedParams<'_>) -> Result<f64, Refusal> {
     }
 }
 
-fn read_drive(case: &CheckedParams<'_>) -> Result<Drive, Refusal> {
-    let alternatives = [TRACTION_COEFFICIENT, TANGENTIAL_FORCE, CREEPAGE];
+fn read_load(case: &CheckedParams<'_>) -> Result<Load, Refusal> {
+    match (case.maybe_number(NORMAL_FORCE)?, case.maybe_number(APPROACH)?) {
+        (Some(force), None) => Ok(Load::NormalForce(force)),
+        (None, Some(approach)) => Ok(Load::Approach(approach)),
+        (None, None) => Err(Refusal::new(
+            NORMAL_FORCE,
+            "missing",
+            format!("add `{NORMAL_FORCE}` or `{APPROACH}`"),
+        )),
+        (Some(_), Some(_)) => Err(Refusal::new(
+            APPROACH,
+            format!("stands beside `{NORMAL_FORCE}`, and each alone decides the other"),
+            format!("keep {NORMAL_FORCE} or {APPROACH}"),
+        )),
+    }
+}
+
+fn read_drive(params: &Params, case: &CheckedParams<'_>) -> Result<Drive, Refusal> {
+    let alternatives = [TRACTION_COEFFICIENT, TANGENTIAL_FORCE, CREEPAGE, "motion.shift"];
     let given: Vec<_> = alternatives.into_iter().filter(|key| case.has(key)).collect();
     match given[..] {
         [TRACTION_COEFFICIENT] => {
             Ok(Drive::TractionCoefficient(case.number(TRACTION_COEFFICIENT)?))
         }
         [TANGENTIAL_FORCE] => Ok(Drive::TangentialForce(case.number(TANGENTIAL_FORCE)?)),
-        [_] => Ok(Drive::Creepage {
+        [CREEPAGE] => Ok(Drive::Creepage {
             xi: case.number(CREEPAGE)?,
             eta: case.number("motion.creepage.eta")?,
             phi: case.number("motion.creepage.phi")?,
         }),
+        [_] => {
+            let case = CheckedParams::new(params, shift_keys());
+            let [x, y, turn] = SHIFT.map(|key| case.number(key));
+            Ok(Drive::Shift([x?, y?, turn?]))
+        }
         [] => Err(Refusal::new(
             "motion",
             "nothing says how the wheel is driven",

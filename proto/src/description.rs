@@ -153,6 +153,9 @@ pub enum KeyKind {
     },
     /// Any text.
     Text,
+    /// A file; a relative path is meant from the case file's folder, and reaches the participant as
+    /// an absolute one.
+    File,
     /// Name of a table under this path (`materials`).
     NameIn {
         /// Path of the parent table.
@@ -212,6 +215,12 @@ impl KeySpec {
     #[must_use]
     pub fn flag(path: &str, help: &str) -> Self {
         Self::new(path, KeyKind::Flag, help)
+    }
+
+    /// A file that exists.
+    #[must_use]
+    pub fn file(path: &str, help: &str) -> Self {
+        Self::new(path, KeyKind::File, help)
     }
 
     /// The name of a table under `table`.

@@ -112,6 +112,14 @@ field_table! {
         "temperature rise of the rail in the vertical plane y = 0 under the surface";
     WHEEL_SECTION_TEMPERATURE = "wheel_section_temperature" ["K"; 1], Consistent, Wheel,
         "temperature rise of the wheel in the vertical plane y = 0 over the surface";
+    RAIL_SECTION_VON_MISES = "rail_section_von_mises_stress" ["Pa"; 1], Consistent, Rail,
+        "von Mises stress of the rail in a vertical plane along x under the surface";
+    WHEEL_SECTION_VON_MISES = "wheel_section_von_mises_stress" ["Pa"; 1], Consistent, Wheel,
+        "von Mises stress of the wheel in a vertical plane along x over the surface";
+    RAIL_SECTION_MAX_SHEAR = "rail_section_max_shear_stress" ["Pa"; 1], Consistent, Rail,
+        "largest shear stress of the rail in a vertical plane along x under the surface";
+    WHEEL_SECTION_MAX_SHEAR = "wheel_section_max_shear_stress" ["Pa"; 1], Consistent, Wheel,
+        "largest shear stress of the wheel in a vertical plane along x over the surface";
 }
 
 /// The row with this name, if the table has one.

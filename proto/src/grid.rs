@@ -1,8 +1,13 @@
 //! Surface grids: where the values of a field live.
 //!
-//! A structured grid is a plane patch of equal elements. Values belong to element centres; the
-//! value of element (i, j) stands at index `j * ni + i` (i runs fastest). For the contact plane
-//! `step_i` points along x, the rolling direction, and `step_j` along y, to the left.
+//! A structured grid is a plane patch of equal elements, an unstructured one a surface of
+//! quadrilaterals. Values belong to element centres; the value of element (i, j) of a structured
+//! grid stands at index `j * ni + i` (i runs fastest). For the contact plane `step_i` points along
+//! x, the rolling direction, and `step_j` along y, to the left.
+
+mod quadrilaterals;
+
+pub use quadrilaterals::Quadrilaterals;
 
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +45,8 @@ pub struct Grid {
 pub enum Shape {
     /// Plane patch of equal parallelogram elements.
     Structured(Structured),
+    /// Surface of quadrilateral elements.
+    Quadrilaterals(Quadrilaterals),
 }
 
 /// Plane patch of `ni` × `nj` equal elements.
@@ -110,10 +117,7 @@ impl Structured {
     /// Area of one element [m²].
     #[must_use]
     pub fn element_area(&self) -> f64 {
-        let (a, b) = (self.step_i, self.step_j);
-        let cross =
-            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-        cross.iter().map(|c| c * c).sum::<f64>().sqrt()
+        quadrilaterals::length(quadrilaterals::cross(self.step_i, self.step_j))
     }
 }
 
@@ -124,23 +128,73 @@ impl Grid {
         Self { name: name.to_owned(), revision: 1, shape: Shape::Structured(shape) }
     }
 
-    /// Number of points, that is, of values of a one-component field.
+    /// An unstructured grid of revision 1.
+    #[must_use]
+    pub fn quadrilaterals(name: &str, shape: Quadrilaterals) -> Self {
+        Self { name: name.to_owned(), revision: 1, shape: Shape::Quadrilaterals(shape) }
+    }
+
+    /// Number of points, that is, of elements and of values of a one-component field.
     #[must_use]
     pub fn points(&self) -> usize {
         match &self.shape {
             Shape::Structured(s) => s.points(),
+            Shape::Quadrilaterals(q) => q.elements.len(),
         }
+    }
+
+    /// Centre of the element whose value stands at `index` [m].
+    #[must_use]
+    pub fn centre(&self, index: usize) -> [f64; 3] {
+        match &self.shape {
+            Shape::Structured(s) => s.centre(index % s.ni, index / s.ni),
+            Shape::Quadrilaterals(q) => q.centre(index),
+        }
+    }
+
+    /// Area of the element whose value stands at `index` [m²].
+    #[must_use]
+    pub fn area(&self, index: usize) -> f64 {
+        match &self.shape {
+            Shape::Structured(s) => s.element_area(),
+            Shape::Quadrilaterals(q) => q.area(index),
+        }
+    }
+
+    /// The grid with its vertices moved by `displacement` [m] (all x, then all y, then all z) and
+    /// the next revision. A structured grid becomes an unstructured one of the same elements, with
+    /// vertex (i, j) at `j * (ni + 1) + i`.
+    ///
+    /// # Errors
+    /// Another length than three values a vertex, or elements that are wrong when moved.
+    pub fn displaced(&self, displacement: &[f64]) -> Result<Self, String> {
+        let moved = match &self.shape {
+            Shape::Structured(s) => Quadrilaterals::from(s).displaced(displacement),
+            Shape::Quadrilaterals(q) => q.displaced(displacement),
+        };
+        let shape = moved.map_err(|why| format!("grid `{}`, moved: {why}", self.name))?;
+        Ok(Self {
+            name: self.name.clone(),
+            revision: self.revision + 1,
+            shape: Shape::Quadrilaterals(shape),
+        })
     }
 
     /// What is wrong with a grid that came from outside.
     ///
     /// # Errors
     /// A name that is no plain word of at most 31 bytes, no points or more than fit, steps that are
-    /// not finite or have no length.
+    /// not finite or have no length, vertices that are not finite or missing, elements that are not
+    /// convex.
     pub fn check(&self) -> Result<(), String> {
         check_name("grid", &self.name)?;
-        let Shape::Structured(s) = &self.shape;
         let name = &self.name;
+        let s = match &self.shape {
+            Shape::Structured(s) => s,
+            Shape::Quadrilaterals(q) => {
+                return q.check().map_err(|why| format!("grid `{name}`: {why}"));
+            }
+        };
         match s.ni.checked_mul(s.nj) {
             Some(points) if (1..=MOST_POINTS).contains(&points) => {}
             _ => return Err(format!("grid `{name}` has {} x {} points", s.ni, s.nj)),
@@ -157,6 +211,7 @@ impl Grid {
     pub fn as_structured(&self) -> Option<&Structured> {
         match &self.shape {
             Shape::Structured(s) => Some(s),
+            Shape::Quadrilaterals(_) => None,
         }
     }
 
@@ -165,8 +220,19 @@ impl Grid {
     pub fn integrate(&self, values: &[f64]) -> f64 {
         match &self.shape {
             Shape::Structured(s) => s.element_area() * blocked_sum(values),
+            Shape::Quadrilaterals(q) => pairwise_sum(0..values.len(), &|n| q.area(n) * values[n]),
         }
     }
+}
+
+/// Sum of a term over a range, halved until it is short: its error grows like the logarithm of the
+/// length.
+pub fn pairwise_sum(range: std::ops::Range<usize>, term: &impl Fn(usize) -> f64) -> f64 {
+    if range.len() <= 32 {
+        return range.map(term).sum();
+    }
+    let middle = range.start.midpoint(range.end);
+    pairwise_sum(range.start..middle, term) + pairwise_sum(middle..range.end, term)
 }
 
 /// Sum in independent lanes and blocks: fast, and with an error that grows like the logarithm of

@@ -5,9 +5,10 @@ use super::known::Known;
 use super::quantity::parse_quantity;
 use super::schema::Shape;
 use super::suggest::{any_of, nearest};
-use super::tree::{Node, Value};
+use super::tree::{Node, Origin, Value};
 use proto::description::{KeyKind, KeySpec};
 use serde_json::{Number, Value as Json};
+use std::path::{Path, absolute};
 
 /// Why a value cannot be, and what to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,22 +17,23 @@ pub(super) struct Fault {
     pub(super) fix: String,
 }
 
-/// The SI value of a node, or what is wrong with it.
-pub(super) fn check(known: &Known, node: &Node) -> Result<Json, Fault> {
+/// The SI value of a node, or what is wrong with it. Files of the case are meant from `folder`, those
+/// of options from where the program runs.
+pub(super) fn check(known: &Known, node: &Node, folder: &Path) -> Result<Json, Fault> {
     match (known.shape, &node.value) {
         (Shape::List, Value::List(items)) if items.is_empty() => {
             let wanted = example(&known.spec, known.shape);
             Err(Fault { reason: "the list is empty".to_owned(), fix: format!("write {wanted}") })
         }
         (Shape::List | Shape::OneOrList, Value::List(items)) => {
-            items.iter().map(|item| one(&known.spec, item)).collect()
+            items.iter().map(|item| one(&known.spec, item, folder)).collect()
         }
         (Shape::List, value) => Err(mismatch(value, "a list", &known.spec, known.shape)),
-        _ => one(&known.spec, node),
+        _ => one(&known.spec, node, folder),
     }
 }
 
-fn one(spec: &KeySpec, node: &Node) -> Result<Json, Fault> {
+fn one(spec: &KeySpec, node: &Node, folder: &Path) -> Result<Json, Fault> {
     let expect = |what: &str| Err(mismatch(&node.value, what, spec, Shape::One));
     match (&spec.kind, &node.value) {
         (KeyKind::Quantity { unit }, Value::Number { value, .. }) => within(spec, *value, unit),
@@ -50,22 +52,44 @@ fn one(spec: &KeySpec, node: &Node) -> Result<Json, Fault> {
         (KeyKind::Text | KeyKind::NameIn { .. }, Value::Text(text)) => {
             Ok(Json::from(text.as_str()))
         }
+        (KeyKind::File, Value::Text(name)) => match node.origin {
+            Origin::Argument(_) => file(Path::new(name)),
+            Origin::File { .. } => file(&folder.join(name)),
+        },
         (KeyKind::Quantity { unit }, _) if unit == "1" => expect("a number"),
         (KeyKind::Quantity { unit }, _) => expect(&format!("a number or a text in {unit}")),
         (KeyKind::Integer, _) => expect("a whole number"),
         (KeyKind::Flag, _) => expect("true or false"),
         (KeyKind::Choice { .. } | KeyKind::NameIn { .. }, _) => expect("a word"),
         (KeyKind::Text, _) => expect("a text"),
+        (KeyKind::File, _) => expect("the name of a file"),
     }
+}
+
+/// The absolute path of a file that exists.
+fn file(path: &Path) -> Result<Json, Fault> {
+    let shown = path.display();
+    if !path.is_file() {
+        let reason = format!("there is no file `{shown}`");
+        let fix = "name a file; a relative name is meant from the case file's folder, in an option \
+                   from the working directory";
+        return Err(Fault { reason, fix: fix.to_owned() });
+    }
+    let path = absolute(path).ok().and_then(|path| path.to_str().map(Json::from));
+    path.ok_or_else(|| Fault {
+        reason: format!("the path of `{shown}` is not plain text"),
+        fix: "move the file to a folder whose name is UTF-8".to_owned(),
+    })
 }
 
 fn mismatch(value: &Value, what: &str, spec: &KeySpec, shape: Shape) -> Fault {
     let reason = format!("is {}, not {what}", value.describe());
     let fix = match (&spec.kind, value) {
         // What was meant is plain; it only lacks its quotes.
-        (KeyKind::Text, Value::Number { written: text, .. } | Value::Date(text))
-            if shape == Shape::One =>
-        {
+        (
+            KeyKind::Text | KeyKind::File,
+            Value::Number { written: text, .. } | Value::Date(text),
+        ) if shape == Shape::One => {
             format!("write \"{text}\", with quotes")
         }
         (KeyKind::Quantity { unit }, _) => format!("write {}", wanted(spec, unit)),

@@ -51,6 +51,7 @@ pub(super) fn example(spec: &KeySpec, shape: Shape) -> String {
         KeyKind::Flag => "true".to_owned(),
         KeyKind::Choice { of } => quoted(of.first().map_or("", String::as_str)),
         KeyKind::Text | KeyKind::NameIn { .. } => "\"NAME\"".to_owned(),
+        KeyKind::File => "\"FILE\"".to_owned(),
     };
     if shape == Shape::List { format!("[{one}]") } else { one }
 }

@@ -4,7 +4,7 @@ use super::diagnostics::{Place, Problem, Problems, Source};
 use super::tree::{Convert, Node, Origin, Table, TooDeep, Value};
 use super::{schema, text};
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::de::DeTable;
 
@@ -93,6 +93,12 @@ impl RawCase {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.source.name
+    }
+
+    /// The folder of the case file.
+    #[must_use]
+    pub fn folder(&self) -> PathBuf {
+        Path::new(&*self.source.name).parent().map(Path::to_owned).unwrap_or_default()
     }
 
     /// The case as TOML: the file's own text, or the case as the options have changed it.

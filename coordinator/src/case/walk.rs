@@ -40,9 +40,10 @@ impl Checker<'_> {
             let fix = "remove it, or write `time.mode = \"transient\"`".to_owned();
             return self.fault_at_name(node, key, reason, fix);
         }
+        let folder = self.case.folder();
         let checked = |active| {
             let of = readers.iter().filter(move |r| r.active == active);
-            of.map(|r| check(r, node)).collect::<Vec<_>>()
+            of.map(|r| check(r, node, &folder)).collect::<Vec<_>>()
         };
         let results = checked(true);
         let faults: Vec<&Fault> = results.iter().filter_map(|r| r.as_ref().err()).collect();

@@ -191,7 +191,9 @@ fn clear_fields(folder: &Path) -> Result<(), RunError> {
         let name = name.strip_suffix(".new").unwrap_or(name);
         name.strip_suffix(".pvd").is_some_and(|name| series.contains(name))
     };
-    for name in names.iter().filter(|name| series_of_image(name).is_some() || is_series(name)) {
+    let is_line = |name: &str| numbered(name, ".csv").is_some_and(|name| series.contains(name));
+    let is_ours = |name: &str| series_of_image(name).is_some() || is_series(name) || is_line(name);
+    for name in names.iter().filter(|name| is_ours(name)) {
         remove(&folder.join(name))?;
     }
     // What is not ours keeps the folder.
@@ -201,7 +203,12 @@ fn clear_fields(folder: &Path) -> Result<(), RunError> {
 
 /// `rail_contact` of `rail_contact_000012.vti`.
 fn series_of_image(name: &str) -> Option<&str> {
-    let (series, number) = name.strip_suffix(".vti")?.rsplit_once('_')?;
+    numbered(name, ".vti").or_else(|| numbered(name, ".vtu"))
+}
+
+/// What stands before the number of a file with this ending.
+fn numbered<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
+    let (series, number) = name.strip_suffix(ending)?.rsplit_once('_')?;
     (number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit())).then_some(series)
 }
 
@@ -230,8 +237,15 @@ mod tests {
 
     #[test]
     fn old_results_go_and_foreign_files_stay() {
-        let ours = ["fields/a_b_000001.vti", "fields/a_b.pvd", "summary.json", "case.toml"];
-        let foreign = ["notes.txt", "fields/mine.vti", "fields/mine.pvd", "fields/mine.dat"];
+        let ours = [
+            "fields/a_b_000001.vti",
+            "fields/a_b_000001.csv",
+            "fields/c_000000.vtu",
+            "fields/a_b.pvd",
+            "summary.json",
+            "case.toml",
+        ];
+        let foreign = ["notes.txt", "fields/mine.vti", "fields/mine.pvd", "fields/mine_000001.csv"];
         let all: Vec<_> =
             ours.iter().chain(&foreign).map(|name| (*name, "{\"schema\":1}")).collect();
         let (_place, out, case) = folder(&all);

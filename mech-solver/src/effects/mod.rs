@@ -3,14 +3,21 @@
 
 pub mod friction_heat;
 pub mod partial_slip;
+pub mod roughness;
+pub mod subsurface_stress;
 pub mod third_body_layer;
 
 use proto::configuration::{Configuration, Refusal};
 use proto::description::EffectSpec;
 
 /// Every effect of this crate.
-pub const EFFECTS: &[fn() -> EffectSpec] =
-    &[friction_heat::spec, partial_slip::spec, third_body_layer::spec];
+pub const EFFECTS: &[fn() -> EffectSpec] = &[
+    friction_heat::spec,
+    partial_slip::spec,
+    roughness::spec,
+    subsurface_stress::spec,
+    third_body_layer::spec,
+];
 
 /// The active effects of a configuration.
 ///

@@ -306,7 +306,7 @@ impl Convolution {
 }
 
 /// Smallest number from `least` on with the prime factors 2, 3 and 5 only.
-fn smooth_size(least: usize) -> usize {
+pub(super) fn smooth_size(least: usize) -> usize {
     let smooth = |size: &usize| {
         let strip = |mut rest: usize, prime: usize| {
             while rest.is_multiple_of(prime) {

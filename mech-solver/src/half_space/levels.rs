@@ -1,46 +1,74 @@
-//! Steady rolling by continuation in resolution: solve on a coarse grid, prolong, solve on the next.
+//! The tangential problem by continuation in resolution: solve on a coarse grid, prolong, solve on
+//! the next.
 //!
 //! Every second element of a grid, along x and along y, is an element of the next coarser one, with
 //! twice the side. The traction bound is restricted by full weighting (1/4, 1/2, 1/4 along each
 //! axis), which keeps its sum; the direction and the share p/g of the traction are prolonged
 //! bilinearly over the elements in contact, the state of an element by its nearest neighbour.
 //!
-//! A prescribed force is found on every grid by a secant method that starts from the creepage and the
-//! slope of the coarser one and cannot leave its bracket: forces below and above the one asked for,
-//! of which none at no creepage is the first.
+//! Prescribed forces are found on every grid ([`super::force_search`]), from the creepages and the
+//! slopes of the coarser one.
 
+use super::force_search::{ForceSearch, NotFound, Prescribed, Scales};
 use super::influence::{Elasticity, Influence};
 use super::slip_operator::SlipOperator;
-use super::steady_rolling::{
-    Creepage, Effort, ElementState, NotConverged, Problem, State, SteadyRolling,
-};
+use super::tangential::{Creepage, ElementState, NotConverged, Problem, State, TangentialSolver};
 use proto::grid::Structured;
+use serde::{Deserialize, Serialize};
 
 /// Grids with no more elements than this along their longer side are not made coarser.
 const COARSEST: usize = 26;
-/// Tractions have settled when they change by less than this share of the largest bound; a Newton
-/// step leaves about a third of that as error.
+/// Tractions have settled when they change by less than this share of the largest; a Newton step
+/// leaves about a third of that as error.
 const TOLERANCE: f64 = 1e-4;
-/// A prescribed force is met to this share of f N.
-const FORCE_TOLERANCE: f64 = 1e-6;
-/// Solves spent on a prescribed force at most, on one grid.
-const MOST_TRIALS: usize = 60;
-/// Largest growth of the creepage from one trial to the next while no upper bound is known.
-const GROWTH: f64 = 1.6;
+/// A prescribed force is met to this share of f N, on the finest grid and on coarser ones.
+const FORCE_TOLERANCES: [f64; 2] = [1e-6, 1e-4];
 
-/// What is prescribed.
+/// How the bodies move on each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Steady rolling along x.
+    SteadyRolling,
+    /// A step of transient rolling along x, by one element.
+    RollingStep,
+    /// A shift in place.
+    Shift,
+}
+
+/// A contact on which tangential problems are posed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Prescribed {
-    /// All creepages.
-    Creepage(Creepage),
-    /// The longitudinal force on body 1 [N]; lateral creepage and spin are zero.
-    Force(f64),
+pub struct Contact {
+    /// Elastic constants of the bodies.
+    pub bodies: Elasticity,
+    /// Tangential flexibility of a third body [m/Pa], 0 for none.
+    pub layer: f64,
+    /// Semi-axes a and b, or what comes near them [m].
+    pub semi_axes: [f64; 2],
+    /// How the bodies move.
+    pub motion: Motion,
+}
+
+impl Contact {
+    /// −∂F_x/∂ξ [N] of the linear theory, G a b C₁₁ with C₁₁ = 4; in a shift −∂F_x/∂s [N/m],
+    /// 4 G r/(2 − ν) of a circle.
+    fn slope(&self) -> f64 {
+        let [a, b] = self.semi_axes;
+        let Elasticity { shear_compliance, poisson_compliance, .. } = self.bodies;
+        match self.motion {
+            Motion::SteadyRolling => 4.0 * a * b / shear_compliance,
+            Motion::RollingStep | Motion::Shift => {
+                4.0 * (a * b).sqrt() / (2.0 * shear_compliance - poisson_compliance)
+            }
+        }
+    }
 }
 
 /// The solvers of all grids, finest first.
 #[derive(Debug)]
 pub struct Levels {
+    contact: Contact,
     levels: Vec<Level>,
+    search: ForceSearch,
 }
 
 /// One grid.
@@ -48,55 +76,106 @@ pub struct Levels {
 struct Level {
     nx: usize,
     ny: usize,
-    step: f64,
+    /// Δq and the place of the rigid slip within the step, as in [`Problem`].
+    distance: f64,
+    ahead: f64,
     area: f64,
     x: Vec<f64>,
     y: Vec<f64>,
     bound: Vec<f64>,
-    solver: SteadyRolling,
+    solver: TangentialSolver,
 }
 
 impl Level {
-    fn new(grid: &Structured, bodies: &Elasticity, layer: f64, semi_axis: f64) -> Self {
+    fn new(grid: &Structured, contact: &Contact) -> Self {
         let (dx, dy) = (grid.dx(), grid.dy());
-        let influence = Influence { dx, dy, elasticity: *bodies };
-        let operator = SlipOperator::new(&influence, layer, grid.ni, grid.nj, semi_axis / dx);
+        let Contact { bodies, layer, semi_axes: [a, _], motion } = *contact;
+        let influence = Influence { dx, dy, elasticity: bodies };
+        let (nx, ny) = (grid.ni, grid.nj);
+        let operator = match motion {
+            Motion::SteadyRolling => SlipOperator::rolling(&influence, layer, nx, ny, a / dx),
+            Motion::RollingStep | Motion::Shift => {
+                SlipOperator::instantaneous(&influence, layer, nx, ny)
+            }
+        };
+        let (distance, ahead) = match motion {
+            Motion::SteadyRolling | Motion::RollingStep => (dx, 0.5 * dx),
+            Motion::Shift => (1.0, 0.0),
+        };
         Self {
-            nx: grid.ni,
-            ny: grid.nj,
-            step: dx,
+            nx,
+            ny,
+            distance,
+            ahead,
             area: dx * dy,
-            x: (0..grid.ni).map(|i| grid.x(i)).collect(),
-            y: (0..grid.nj).map(|j| grid.y(j)).collect(),
+            x: (0..nx).map(|i| grid.x(i)).collect(),
+            y: (0..ny).map(|j| grid.y(j)).collect(),
             bound: vec![0.0; grid.points()],
-            solver: SteadyRolling::new(operator),
+            solver: TangentialSolver::new(operator),
         }
     }
 
-    fn solve(&mut self, state: &mut State) -> Result<Effort, NotConverged> {
-        let Self { nx, step, area, x, y, bound, solver, .. } = self;
-        let problem = Problem { nx: *nx, step: *step, element_area: *area, x, y, bound };
-        solver.solve(&problem, state, TOLERANCE)
-    }
-
-    fn force(&self, state: &State) -> f64 {
-        state.traction[0].iter().sum::<f64>() * self.area
+    /// Solves with prescribed creepages or forces; the number of Newton steps.
+    fn find(
+        &mut self,
+        target: &Target<'_>,
+        search: &mut ForceSearch,
+        start: Option<Creepage>,
+        state: &mut State,
+    ) -> Result<usize, TangentialError> {
+        let most_force = self.most_force();
+        let Self { nx, distance, ahead, area, x, y, bound, solver, .. } = self;
+        let (nx, distance, ahead, element_area) = (*nx, *distance, *ahead, *area);
+        let before = target.before;
+        let problem = Problem { nx, distance, ahead, element_area, x, y, bound, before };
+        if !target.prescribed.has_force() {
+            state.creepage = target.prescribed.creepage;
+            return Ok(solver.solve(&problem, state, TOLERANCE)?.newton_steps);
+        }
+        let moment_arm = problem.largest_moment() / most_force;
+        refuse_beyond_friction(target.prescribed, most_force, moment_arm)?;
+        let scales = Scales { most_force, ..target.scales };
+        let mut newton_steps = 0;
+        search.find(target.prescribed, start, &scales, |creepage, tolerance| {
+            state.creepage = creepage;
+            newton_steps += solver.solve(&problem, state, tolerance)?.newton_steps;
+            Ok::<_, TangentialError>(state.forces(&problem))
+        })?;
+        Ok(newton_steps)
     }
 
     /// f N on this grid [N].
     fn most_force(&self) -> f64 {
         self.bound.iter().sum::<f64>() * self.area
     }
+}
 
-    fn at_rest(&self, creepage: Creepage) -> State {
-        let Self { nx, step, area, x, y, bound, .. } = self;
-        let problem = Problem { nx: *nx, step: *step, element_area: *area, x, y, bound };
-        State::at_rest(&problem, creepage)
+/// What is asked of a grid.
+struct Target<'a> {
+    prescribed: &'a Prescribed,
+    before: Option<[&'a [f64]; 2]>,
+    scales: Scales,
+}
+
+fn refuse_beyond_friction(
+    prescribed: &Prescribed,
+    most_force: f64,
+    arm: f64,
+) -> Result<(), TangentialError> {
+    let [x, y, moment] = prescribed.force.map(Option::unwrap_or_default);
+    let force = x.hypot(y);
+    if force > most_force * (1.0 + FORCE_TOLERANCES[0]) {
+        return Err(TangentialError::BeyondFriction { force, most: most_force });
+    }
+    let most = arm * most_force;
+    match moment.abs() > most {
+        true => Err(TangentialError::MomentBeyondFriction { moment, most }),
+        false => Ok(()),
     }
 }
 
 /// A solution on the finest grid, and what it took.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Solution {
     /// Tractions, slips, states and creepages.
     pub state: State,
@@ -108,78 +187,146 @@ pub struct Solution {
 
 /// Why there is no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RollingError {
+pub enum TangentialError {
     /// A grid did not converge.
     #[error(transparent)]
     NotConverged(#[from] NotConverged),
     /// The force is beyond what friction carries.
-    #[error("a force of {force:.6e} N is beyond f N = {most:.6e} N")]
+    #[error("a tangential force of {force:.6e} N is beyond f N = {most:.6e} N")]
     BeyondFriction {
         /// The force asked for [N].
         force: f64,
         /// f N [N].
         most: f64,
     },
-    /// The force was not found.
-    #[error("no creepage was found that gives a force of {force:.6e} N")]
-    NoCreepage {
-        /// The force asked for [N].
-        force: f64,
+    /// The moment is beyond what friction carries.
+    #[error("a spin moment of {moment:.6e} N m is beyond the {most:.6e} N m of a turning contact")]
+    MomentBeyondFriction {
+        /// The moment asked for [N m].
+        moment: f64,
+        /// Σ g r dA about the origin [N m].
+        most: f64,
     },
+    /// The forces were not found.
+    #[error(transparent)]
+    NoCreepage(#[from] NotFound),
+}
+
+impl Solution {
+    /// A state that no work has gone into.
+    #[must_use]
+    pub fn new(state: State) -> Self {
+        Self { state, operator_applications: 0, newton_steps: 0 }
+    }
 }
 
 impl Levels {
-    /// Operators for this grid and all coarser ones. `layer` is the tangential flexibility of a
-    /// third body [m/Pa], 0 for none; `semi_axis` the contact's semi-axis a [m].
+    /// Operators for this grid and all coarser ones.
     #[must_use]
-    pub fn new(grid: &Structured, bodies: &Elasticity, layer: f64, semi_axis: f64) -> Self {
-        let mut levels = vec![Level::new(grid, bodies, layer, semi_axis)];
+    pub fn new(grid: &Structured, contact: &Contact) -> Self {
+        let mut levels = vec![Level::new(grid, contact)];
         let mut grid = *grid;
-        while grid.ni.max(grid.nj) > COARSEST && grid.ni.min(grid.nj) > 4 {
+        let coarsens = contact.motion != Motion::RollingStep;
+        while coarsens && grid.ni.max(grid.nj) > COARSEST && grid.ni.min(grid.nj) > 4 {
             grid.ni = grid.ni.div_ceil(2);
             grid.nj = grid.nj.div_ceil(2);
             grid.step_i = grid.step_i.map(|value| 2.0 * value);
             grid.step_j = grid.step_j.map(|value| 2.0 * value);
-            levels.push(Level::new(&grid, bodies, layer, semi_axis));
+            levels.push(Level::new(&grid, contact));
         }
-        Self { levels }
+        Self { contact: *contact, levels, search: ForceSearch::default() }
     }
 
-    /// Solves for this traction bound g [Pa] on the finest grid. `slope` is an estimate of
-    /// |dF/dξ| [N], by the linear theory, to start the search for a prescribed force.
+    /// Solves for this traction bound g [Pa] on the finest grid, coarsest grid first.
     ///
     /// # Errors
-    /// The force is beyond f N, or an iteration does not converge.
+    /// The forces are beyond what friction carries, or an iteration does not converge.
     pub fn solve(
         &mut self,
         bound: &[f64],
-        prescribed: Prescribed,
-        slope: f64,
-    ) -> Result<Solution, RollingError> {
+        prescribed: &Prescribed,
+    ) -> Result<Solution, TangentialError> {
         self.restrict(bound);
-        let before = self.levels[0].solver.work().0;
+        let applied = self.levels[0].solver.work().0;
         let mut state = State::default();
-        let mut search = Search { slope, ..Search::default() };
+        let mut newton_steps = 0;
+        self.search = ForceSearch::default();
         for index in (0..self.levels.len()).rev() {
+            let target = self.target(prescribed, None, index == 0);
             let (fine, coarse) = self.levels.split_at_mut(index + 1);
             let level = &mut fine[index];
-            let creepage = match prescribed {
-                Prescribed::Creepage(creepage) => creepage,
-                Prescribed::Force(_) => state.creepage,
-            };
-            state = match coarse.first() {
-                None => level.at_rest(creepage),
-                Some(coarse) => prolong(coarse, &state, level),
-            };
-            match prescribed {
-                Prescribed::Creepage(_) => {
-                    search.newton_steps += level.solve(&mut state)?.newton_steps
+            let start = match coarse.first() {
+                None => {
+                    state = State::at_rest(&level.bound, [0.0; 3]);
+                    None
                 }
-                Prescribed::Force(force) => search.find(level, &mut state, force)?,
-            }
+                Some(coarse) => {
+                    state = prolong(coarse, &state, level);
+                    Some(state.creepage)
+                }
+            };
+            newton_steps += level.find(&target, &mut self.search, start, &mut state)?;
         }
-        let operator_applications = self.levels[0].solver.work().0 - before;
-        Ok(Solution { state, operator_applications, newton_steps: search.newton_steps })
+        let operator_applications = self.levels[0].solver.work().0 - applied;
+        Ok(Solution { state, operator_applications, newton_steps })
+    }
+
+    /// Solves on the finest grid only, from a solution that is near, whose tractions are cut to the
+    /// new bound; `before` is the slip s₀ that is there without tractions [m].
+    ///
+    /// # Errors
+    /// As for [`Levels::solve`].
+    pub fn improve(
+        &mut self,
+        bound: &[f64],
+        prescribed: &Prescribed,
+        before: Option<[&[f64]; 2]>,
+        solution: &mut Solution,
+    ) -> Result<(), TangentialError> {
+        let target = self.target(prescribed, before, true);
+        let level = &mut self.levels[0];
+        level.bound.copy_from_slice(bound);
+        let applied = level.solver.work().0;
+        let state = &mut solution.state;
+        state.fit(bound);
+        let start = Some(state.creepage).filter(|creepage| *creepage != [0.0; 3]);
+        solution.newton_steps += level.find(&target, &mut self.search, start, state)?;
+        solution.operator_applications += level.solver.work().0 - applied;
+        Ok(())
+    }
+
+    /// The displacement difference A p of tractions on the finest grid [m]; for a motion whose
+    /// operator is A.
+    pub fn displacement(&mut self, traction: [&[f64]; 2], displacement: [&mut [f64]; 2]) {
+        assert!(
+            self.contact.motion != Motion::SteadyRolling,
+            "the operator of this motion is not A"
+        );
+        self.levels[0].solver.apply(traction, displacement);
+    }
+
+    /// The search for prescribed forces, whose slopes serve the next solve.
+    pub fn search(&mut self) -> &mut ForceSearch {
+        &mut self.search
+    }
+
+    fn target<'a>(
+        &self,
+        prescribed: &'a Prescribed,
+        before: Option<[&'a [f64]; 2]>,
+        finest: bool,
+    ) -> Target<'a> {
+        let [a, b] = self.contact.semi_axes;
+        // Rolling by one element shifts by ξ Δx.
+        let distance = self.levels[0].distance;
+        let slope = match self.contact.motion {
+            Motion::RollingStep => self.contact.slope() * distance,
+            Motion::SteadyRolling | Motion::Shift => self.contact.slope(),
+        };
+        let tolerance = FORCE_TOLERANCES[usize::from(!finest)];
+        let length = (a * b).sqrt();
+        let scales = Scales { slope, length, most_force: 0.0, tolerance, accuracy: TOLERANCE };
+        Target { prescribed, before, scales }
     }
 
     fn restrict(&mut self, bound: &[f64]) {
@@ -206,7 +353,7 @@ fn full_weighting(fine: &Level, coarse: &mut Level) {
 
 /// A coarse solution as the start on the next finer grid.
 fn prolong(coarse: &Level, from: &State, fine: &Level) -> State {
-    let mut state = fine.at_rest(from.creepage);
+    let mut state = State::at_rest(&fine.bound, from.creepage);
     for index in 0..fine.bound.len() {
         let g = fine.bound[index];
         if g == 0.0 {
@@ -243,64 +390,4 @@ fn share(coarse: &Level, from: &State, i: usize, j: usize) -> [f64; 2] {
         }
     }
     if weights > 0.0 { sum.map(|value| value / weights) } else { sum }
-}
-
-/// The search for a prescribed force, from grid to grid.
-#[derive(Clone, Copy, Debug, Default)]
-struct Search {
-    /// Creep |ξ| at which to start; 0 before the first grid.
-    creep: f64,
-    /// Slope d|F|/d|ξ| [N].
-    slope: f64,
-    newton_steps: usize,
-}
-
-impl Search {
-    /// Solves with the creepage that gives the force.
-    fn find(
-        &mut self,
-        level: &mut Level,
-        state: &mut State,
-        force: f64,
-    ) -> Result<(), RollingError> {
-        let most = level.most_force();
-        if force.abs() > most * (1.0 + FORCE_TOLERANCE) {
-            return Err(RollingError::BeyondFriction { force, most });
-        }
-        let (wanted, direction) = (force.abs(), -force.signum());
-        let (mut low, mut high) = (0.0, None);
-        let mut creep = if self.creep > 0.0 { self.creep } else { wanted / self.slope };
-        let mut before: Option<(f64, f64)> = None;
-        for _ in 0..MOST_TRIALS {
-            state.creepage = [direction * creep, 0.0, 0.0];
-            self.newton_steps += level.solve(state)?.newton_steps;
-            let excess = level.force(state).abs() - wanted;
-            if let Some((creep_before, excess_before)) = before
-                && (excess - excess_before) * (creep - creep_before) > 0.0
-            {
-                self.slope = (excess - excess_before) / (creep - creep_before);
-            }
-            self.creep = creep;
-            if excess.abs() <= FORCE_TOLERANCE * most {
-                return Ok(());
-            }
-            before = Some((creep, excess));
-            match excess < 0.0 {
-                true => low = creep,
-                false => high = Some(creep),
-            }
-            creep = next(creep - excess / self.slope, low, high);
-        }
-        Err(RollingError::NoCreepage { force })
-    }
-}
-
-/// The secant's proposal if it lies inside the bracket, else its middle; without an upper bound no
-/// more than a limited growth.
-fn next(proposal: f64, low: f64, high: Option<f64>) -> f64 {
-    match high {
-        None => proposal.clamp(low, low * GROWTH),
-        Some(high) if low < proposal && proposal < high => proposal,
-        Some(high) => 0.5 * (low + high),
-    }
 }

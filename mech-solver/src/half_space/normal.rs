@@ -32,7 +32,7 @@
 //! | 80 | 1.0e-5 | −7.9e-6 | 1.1e-5 | 3.3e-5 | 4.3e-3 | 12 |
 //! | 160 | 2.3e-6 | −2.2e-6 | 3.0e-6 | 8.6e-6 | 2.2e-3 | 14 |
 //!
-//! a and b are those of [`super::patch::equivalent_semi_axes`]. Elements that the edge of the
+//! a and b are those of [`super::extent::Moments`]. Elements that the edge of the
 //! contact cuts carry pressure too, so the number of elements in C is too large by first order.
 
 mod error;
@@ -154,6 +154,12 @@ impl NormalSolver {
                 image: zeros,
             },
         }
+    }
+
+    /// Elements along x and along y.
+    #[must_use]
+    pub fn shape(&self) -> (usize, usize) {
+        self.convolution.shape()
     }
 
     /// Solves for the pressure [Pa] at the undeformed distance h [m] of every element.

@@ -1,12 +1,17 @@
-//! From tractions to slip in steady rolling, and an approximate inverse.
+//! From tractions to slip, and an approximate inverse.
 //!
-//! In steady rolling a particle at element I was at the upstream element I + e_x one step Δq = Δx
+//! **Shift, and a step of transient rolling.** The slip distance of the step is
+//! S = w Δq + A p − u', where u' is the displacement difference that the particle had before it: that
+//! at the same place after a shift, that at the upstream element I + e_x after rolling Δq = Δx. The
+//! operator is A itself, and u' is known.
+//!
+//! **Steady rolling.** A particle at element I was at the upstream element I + e_x one step Δq = Δx
 //! earlier. The displacement difference u = A p of the bodies grew on the way, and the slip distance
 //! of the step is
 //!
 //! S_I = w_I Δq + (A p)_I − (A p)_{I+e_x} = w_I Δq + (B p)_I,   B = (1 − S) A,
 //!
-//! with the rigid slip w [-] and the shift S. B is a convolution like A, but not symmetric.
+//! with the rigid slip w [-] and the upstream shift S. B is a convolution like A, but not symmetric.
 //!
 //! **Layer.** A third body of tangential flexibility L [m/Pa] adds L to the diagonal of A_xx, A_yy.
 //!
@@ -52,7 +57,7 @@ impl Tensor {
     }
 }
 
-/// B and its approximate inverse on one grid.
+/// B of steady rolling, or A, and its approximate inverse on one grid.
 #[derive(Debug)]
 pub struct SlipOperator {
     convolution: Convolution,
@@ -65,9 +70,9 @@ pub struct SlipOperator {
 }
 
 impl SlipOperator {
-    /// The operator for nx × ny elements; `elements_per_semi_axis` is a/Δx.
+    /// B of steady rolling for nx × ny elements; `elements_per_semi_axis` is a/Δx.
     #[must_use]
-    pub fn new(
+    pub fn rolling(
         influence: &Influence,
         layer_flexibility: f64,
         nx: usize,
@@ -75,12 +80,34 @@ impl SlipOperator {
         elements_per_semi_axis: f64,
     ) -> Self {
         let table = Table::new(influence, layer_flexibility, nx, ny);
-        let mut convolution = Convolution::new(nx, ny);
-        let operator = Tensor::of(&mut convolution, |i, j| table.step(i, j));
-        let mut rough_convolution = Convolution::barely_padded(nx, ny);
         let damping = (-MEMORY / elements_per_semi_axis).exp();
-        let inverse = approximate_inverse(&mut rough_convolution, &table, damping);
-        let self_influence = table.step(0, 0)[0];
+        Self::new(nx, ny, &table, Some(damping), |i, j| table.step(i, j))
+    }
+
+    /// A, the operator of a shift and of a step of transient rolling, for nx × ny elements.
+    #[must_use]
+    pub fn instantaneous(
+        influence: &Influence,
+        layer_flexibility: f64,
+        nx: usize,
+        ny: usize,
+    ) -> Self {
+        let table = Table::new(influence, layer_flexibility, nx, ny);
+        Self::new(nx, ny, &table, None, |i, j| table.value(i, j))
+    }
+
+    fn new(
+        nx: usize,
+        ny: usize,
+        table: &Table,
+        damping: Option<f64>,
+        kernel: impl Fn(i32, i32) -> [f64; 3],
+    ) -> Self {
+        let mut convolution = Convolution::new(nx, ny);
+        let self_influence = kernel(0, 0)[0];
+        let operator = Tensor::of(&mut convolution, kernel);
+        let mut rough_convolution = Convolution::barely_padded(nx, ny);
+        let inverse = approximate_inverse(&mut rough_convolution, table, damping);
         Self {
             convolution,
             operator,
@@ -98,26 +125,30 @@ impl SlipOperator {
         self.self_influence
     }
 
-    /// Products with B, and with its approximate inverse, so far.
+    /// Products with the operator, and with its approximate inverse, so far.
     #[must_use]
     pub fn work(&self) -> (usize, usize) {
         (self.applications, self.preconditionings)
     }
 
-    /// slip = B traction [m]; fields of nx·ny values, components x and y.
+    /// slip = B traction, or A traction [m]; fields of nx·ny values, components x and y.
     pub fn apply(&mut self, traction: [&[f64]; 2], slip: [&mut [f64]; 2]) {
         self.applications += 1;
         self.operator.apply(&mut self.convolution, traction, slip);
     }
 
-    /// traction ≈ B⁻¹ slip [Pa].
+    /// traction ≈ B⁻¹ slip, or A⁻¹ slip [Pa].
     pub fn apply_inverse(&mut self, slip: [&[f64]; 2], traction: [&mut [f64]; 2]) {
         self.preconditionings += 1;
         self.inverse.apply(&mut self.rough_convolution, slip, traction);
     }
 }
 
-fn approximate_inverse(convolution: &mut Convolution, table: &Table, damping: f64) -> Tensor {
+fn approximate_inverse(
+    convolution: &mut Convolution,
+    table: &Table,
+    damping: Option<f64>,
+) -> Tensor {
     let (nx, ny) = convolution.shape();
     let window = |at: i32, count: usize| 1.0 - f64::from(at.unsigned_abs()) / count as f64;
     let direct = Tensor::of(convolution, |i, j| {
@@ -126,7 +157,7 @@ fn approximate_inverse(convolution: &mut Convolution, table: &Table, damping: f6
     });
     let shift = convolution.spectrum(|i, j| match (i, j) {
         (0, 0) => 1.0,
-        (-1, 0) => -damping,
+        (-1, 0) => -damping.unwrap_or(0.0),
         _ => 0.0,
     });
     let of = |which: fn(f64, f64, f64) -> f64| {

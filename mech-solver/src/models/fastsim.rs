@@ -101,6 +101,7 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let case = CheckedParams::new(&configuration.case, vec![flexibility_key()]);
     let kind = if case.text(FLEXIBILITY)? == "three" { Kind::Three } else { Kind::Single };
     let ellipse = Ellipse::solve(&scene, given)?;
+    Ellipse::refuse_rest(&scene)?;
     let prescribed = ellipse.prescribed(&scene)?;
     let grid = ellipse.grid(scene.resolution)?;
     let coefficients = coefficients(&scene, &ellipse)?;

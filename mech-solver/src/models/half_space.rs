@@ -1,56 +1,71 @@
 //! Model `half-space`: exact contact of elastic half-spaces by boundary elements.
 //!
-//! Normal problem on the gap of the undeformed bodies ([`crate::half_space::normal`]), or the
-//! elliptic pressure that the case gives under `[contact]`; then the tangential problem of steady
-//! rolling ([`crate::half_space::levels`]) with longitudinal, lateral and spin creepage, or with a
-//! longitudinal force. Without the effect `partial_slip` the whole contact slides: traction f p_n
-//! against the rigid slip, which is all the slip there is.
+//! Normal problem on the undeformed distance of the bodies ([`geometry`]), or the elliptic pressure
+//! that the case gives under `[contact]`; then the tangential problem: steady rolling ([`steady`]), or
+//! rolling and shifting with memory ([`transient`]). Of longitudinal, lateral and spin creepage each
+//! may be prescribed itself or by its force ([`drive`]). Without the effect `partial_slip` the whole
+//! contact slides: traction f p_n against the rigid slip, which is all the slip there is.
 //!
 //! Pressure and traction are constant in an element and belong to the grid `contact`. Slip and
 //! friction power belong to the step of a particle from an element's centre to the next one's:
 //! their grid, `passage`, is shifted upstream by half an element. That the power of a step takes the
 //! mean traction of both ends makes its sum the power of the forces over the creepages, exactly and
-//! at every resolution ([`crate::half_space::steady_rolling`]).
-//!
-//! The model is quasi-static and has no memory: it is solved in the first window and keeps its
-//! answer.
+//! at every resolution ([`crate::half_space::tangential`]).
 
 mod answer;
+mod contact;
+mod drive;
+mod geometry;
+mod steady;
+mod transient;
 
+use crate::effects::subsurface_stress::Sections;
 use crate::effects::{friction_heat, partial_slip, third_body_layer};
-use crate::ellipse::{self, Ellipse};
+use crate::ellipse::Ellipse;
 use crate::half_space::influence::Elasticity;
-use crate::half_space::levels::{Levels, Prescribed};
-use crate::half_space::normal_contact::NormalContact;
+use crate::keys::CheckedParams;
 use crate::models::{CONTACT_GRID, RIGID_GRID};
-use crate::reference::carter;
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
-use answer::Answer;
-use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
-use proto::description::{ModelSpec, names};
+use answer::{Answer, Passage};
+use drive::Driven;
+use geometry::Footprint;
+use proto::configuration::{Configuration, FieldOnGrid, Layout, Mode, Refusal};
+use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
-use proto::model::{
-    Inputs, Model, Outputs, Setup, StateBlob, StateError, Step, StepError, StepReport,
-};
+use proto::model::{Model, Outputs, Setup};
+use serde_json::{Value, json};
+use steady::Steady;
+use transient::Transient;
 
 /// Name in the case file.
 pub const NAME: &str = "half-space";
 /// Grid of what happens from one element's centre to the next one's.
 pub const PASSAGE_GRID: &str = "passage";
 
-/// More elements are refused: operators and Krylov space would take tens of gigabytes.
-const MOST_ELEMENTS: usize = 4_000_000;
-/// Elements round the contact that stay free: the trailing edge's passages need one.
-const MARGIN: usize = 1;
 /// Time of a solve over the elements^1.15, measured [s].
 const SECONDS: f64 = 8e-7;
 /// Working memory for an element, measured [byte].
 const BYTES: f64 = 700.0;
 
+const ROLLING: &str = "mech.rolling";
+
+fn rolling_key() -> KeySpec {
+    KeySpec::choice(
+        ROLLING,
+        &["steady", "transient"],
+        "steady: every instant in its steady state; transient: from the tractions before",
+    )
+    .default_value("steady")
+}
+
 /// What the description says of this model.
 #[must_use]
 pub fn spec() -> ModelSpec {
+    let mut keys = given_patch_keys();
+    keys.extend(geometry::keys());
+    keys.extend(drive::keys());
+    keys.push(rolling_key());
     ModelSpec {
         name: NAME.to_owned(),
         summary: "elastic half-spaces by boundary elements: exact partial slip, all creepages"
@@ -62,101 +77,77 @@ pub fn spec() -> ModelSpec {
         transient: true,
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
-        keys: given_patch_keys(),
+        keys,
     }
 }
 
-/// Checks a configuration; cheap, allocates no field.
+/// Checks a configuration; allocates no field that lasts.
 ///
 /// # Errors
-/// A case that is incomplete or out of range, bodies without an elliptic contact as a scale, a
-/// force beyond f N, a grid that is too large, dissimilar bodies.
+/// A case that is incomplete or out of range, shapes that do not touch or too steeply, a force
+/// beyond f N, a grid that is too large.
 pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
-    let given = GivenPatch::read(&configuration.case)?;
-    let ellipse = Ellipse::solve(&scene, given)?;
+    let patch = GivenPatch::read(&configuration.case)?;
+    let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
     let bodies = Elasticity::of_pair(&scene.wheel, &scene.rail);
-    if bodies.is_coupled() {
-        return Err(Refusal::new(
-            "rail.material",
-            "wheel and rail of different elastic constants couple normal and tangential contact, \
-             which this version does not solve",
-            "give both the same Young's modulus and Poisson's ratio, or use hertz-carter",
-        ));
-    }
-    let partial = configuration.has_effect(partial_slip::NAME);
-    let prescribed = prescribed(&scene, &ellipse, partial)?;
-    let grid = with_margin(ellipse.grid(scene.resolution)?)?;
-    let layer = third_body_layer::flexibility(configuration)?;
-    let mut layout = layout(configuration, grid);
-    layout.remarks.extend(ellipse.remark(&scene));
-    Ok(Box::new(Prepared {
+    let footprint = geometry::footprint(configuration, &scene, given, &bodies)?;
+    let driven = Driven::read(configuration, &scene, footprint.ellipse.as_ref())?;
+    let (grid, semi_axes) = (footprint.grid, footprint.semi_axes);
+    let case = Case {
+        sections: Sections::read(configuration, &scene, grid, semi_axes)?,
+        partial: configuration.has_effect(partial_slip::NAME),
+        layer: third_body_layer::flexibility(configuration)?,
+        memory: memory(configuration, &scene)?,
+        shift_duration: 0.0,
         scene,
-        given_pressure: given.is_some(),
-        ellipse,
         bodies,
-        prescribed,
-        partial,
-        layer,
-        grid,
-        layout,
-    }))
-}
-
-/// Creepages or force; without partial slip always creepages, for a prescribed force those of
-/// Carter's law, as in `hertz-carter`.
-fn prescribed(scene: &Scene, ellipse: &Ellipse, partial: bool) -> Result<Prescribed, Refusal> {
-    let most = scene.friction_coefficient * ellipse.normal_force;
-    let ratio = match ellipse.prescribed(scene)? {
-        ellipse::Prescribed::Creepage { xi, eta, phi } => {
-            return Ok(Prescribed::Creepage([xi, eta, phi]));
-        }
-        ellipse::Prescribed::ForceRatio(ratio) => ratio,
+        driven,
+        footprint,
     };
-    if partial && ratio.abs() < 1.0 {
-        return Ok(Prescribed::Force(ratio * most));
-    }
-    if partial {
+    if case.bodies.is_coupled() && case.footprint.gap.is_none() {
         return Err(Refusal::new(
-            "motion",
-            format!("a force of f N = {most:.6e} N leaves the creepage undetermined"),
-            "write less, or prescribe motion.creepage",
+            "contact",
+            "bodies of different elastic constants change the pressure, which is given",
+            "remove [contact], or give wheel and rail the same material",
         ));
     }
-    let (f, p0) = (scene.friction_coefficient, ellipse.max_pressure);
-    let prefactor = carter::prefactor_by_pressure(f, p0, scene.contact_compliance());
-    let creep = carter::creep(prefactor, ratio.abs());
-    Ok(Prescribed::Creepage([-ratio.signum() * creep, 0.0, 0.0]))
+    let layout = layout(configuration, &case);
+    Ok(Box::new(Prepared { case, layout }))
 }
 
-/// The grid of the ellipse with free elements all round.
-fn with_margin(grid: Structured) -> Result<Structured, Refusal> {
-    let (nx, ny) = (grid.ni + 2 * MARGIN, grid.nj + 2 * MARGIN);
-    if nx * ny > MOST_ELEMENTS {
+/// Whether the tractions of one step matter to the next.
+fn memory(configuration: &Configuration, scene: &Scene) -> Result<bool, Refusal> {
+    let case = CheckedParams::new(&configuration.case, vec![rolling_key()]);
+    let transient = case.text(ROLLING)? == "transient";
+    let rolls = scene.rolling_speed > 0.0;
+    let partial = configuration.has_effect(partial_slip::NAME);
+    if transient && configuration.mode == Mode::Steady {
         return Err(Refusal::new(
-            "mech.resolution",
-            format!("makes {} elements in all", nx * ny),
-            format!("lower it until there are no more than {MOST_ELEMENTS}"),
+            ROLLING,
+            "a steady case has no time in which tractions could build up",
+            "write time.mode = \"transient\", or remove the key",
         ));
     }
-    let (dx, dy) = (grid.dx(), grid.dy());
-    let (x0, y0) = (grid.x(0) - MARGIN as f64 * dx, grid.y(0) - MARGIN as f64 * dy);
-    Ok(Structured::contact_plane(x0, y0, dx, dy, nx, ny))
+    if (transient || !rolls) && !partial {
+        return Err(Refusal::new(
+            "effects.partial_slip",
+            "a contact that slides everywhere has no tractions to build up",
+            "add [effects.partial_slip]",
+        ));
+    }
+    Ok(transient || !rolls)
 }
 
-/// The contact grid shifted upstream by half an element.
-fn passage_grid(grid: &Structured) -> Structured {
-    let mut passage = *grid;
-    passage.origin[0] += 0.5 * grid.dx();
-    passage
-}
-
-fn layout(configuration: &Configuration, grid: Structured) -> Layout {
+fn layout(configuration: &Configuration, case: &Case) -> Layout {
+    let grid = case.footprint.grid;
     let wanted = |spec: &FieldSpec| {
         let mut asked = configuration.outputs.iter().chain(&configuration.observed);
         asked.any(|name| name == spec.name)
     };
+    let sections = case.sections.as_ref();
     let on = |spec: &FieldSpec| match *spec {
+        _ if let Some(grid) = sections.and_then(|sections| sections.grid_of(spec)) => grid,
         field::SURFACE_SPEED => RIGID_GRID,
         field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
         _ => CONTACT_GRID,
@@ -168,9 +159,24 @@ fn layout(configuration: &Configuration, grid: Structured) -> Layout {
         .collect();
     let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
     let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-    let grids = [(CONTACT_GRID, grid), (PASSAGE_GRID, passage_grid(&grid)), (RIGID_GRID, whole)];
+    let mut grids =
+        vec![(CONTACT_GRID, grid), (PASSAGE_GRID, case.passage_grid()), (RIGID_GRID, whole)];
+    grids.extend(sections.into_iter().flat_map(Sections::grids));
     let used = |name: &str| fields.iter().any(|on| on.grid == name);
     let elements = grid.points() as f64;
+    let how = match case.memory {
+        true => "one step an element rolled, or one for a shift",
+        false => "solved once, in the first window",
+    };
+    let size = format!(
+        "{} x {} elements of {:.4} x {:.4} mm; {how}",
+        grid.ni,
+        grid.nj,
+        1e3 * grid.dx(),
+        1e3 * grid.dy()
+    );
+    let given = case.footprint.ellipse.filter(|_| case.footprint.gap.is_none());
+    let remark = given.and_then(|ellipse| ellipse.remark(&case.scene));
     Layout {
         grids: grids
             .into_iter()
@@ -180,103 +186,85 @@ fn layout(configuration: &Configuration, grid: Structured) -> Layout {
         fields,
         solve_seconds: SECONDS * elements.powf(1.15),
         memory_bytes: (BYTES * elements) as u64,
-        remarks: vec![format!(
-            "{} x {} elements of {:.4} mm; solved once, in the first window",
-            grid.ni,
-            grid.nj,
-            1e3 * grid.dx()
-        )],
+        remarks: std::iter::once(size).chain(remark).collect(),
     }
 }
 
 /// A checked case.
-struct Prepared {
+#[derive(Clone, Debug)]
+struct Case {
     scene: Scene,
-    given_pressure: bool,
-    ellipse: Ellipse,
     bodies: Elasticity,
-    prescribed: Prescribed,
+    driven: Driven,
     partial: bool,
     layer: f64,
-    grid: Structured,
-    layout: Layout,
+    footprint: Footprint,
+    /// The tractions of one step matter to the next.
+    memory: bool,
+    /// Vertical sections in which stresses are wanted.
+    sections: Option<Sections>,
+    /// Duration of a shift, known when the window is [s].
+    shift_duration: f64,
 }
 
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
-        Ok(Box::new(HalfSpace { case: *self, answer: None }))
-    }
-}
-
-/// The model that runs.
-struct HalfSpace {
-    case: Prepared,
-    answer: Option<Answer>,
-}
-
-impl HalfSpace {
-    fn compute(&self) -> Result<Answer, StepError> {
-        let no_solution = |error: String| StepError::NoSolution(error);
-        let case = &self.case;
-        let normal = match case.given_pressure {
-            true => NormalContact::elliptic(&case.grid, &case.ellipse),
-            false => NormalContact::solve(
-                &case.grid,
-                &case.bodies,
-                [case.scene.gap_coefficient_x(), case.scene.gap_coefficient_y()],
-                case.ellipse.normal_force,
-            )
-            .map_err(|error| no_solution(error.to_string()))?,
-        };
-        if !case.partial {
-            return Ok(Answer::sliding(case, normal));
+impl Case {
+    /// What a particle goes through in a step.
+    fn passage(&self) -> Passage {
+        let (dx, speed) = (self.footprint.grid.dx(), self.scene.rolling_speed);
+        match speed > 0.0 {
+            true => Passage { distance: dx, ahead: 0.5 * dx, duration: dx / speed, rolls: true },
+            false => {
+                let duration = self.shift_duration;
+                Passage { distance: 1.0, ahead: 0.0, duration, rolls: false }
+            }
         }
-        let friction = case.scene.friction_coefficient;
-        let bound: Vec<f64> = normal.pressure.iter().map(|p| friction * p).collect();
-        let mut levels =
-            Levels::new(&case.grid, &case.bodies, case.layer, case.ellipse.semi_axis_a);
-        let solution = levels
-            .solve(&bound, case.prescribed, case.linear_slope())
-            .map_err(|error| no_solution(error.to_string()))?;
-        Ok(Answer::rolling(case, normal, solution))
     }
-}
 
-impl Prepared {
-    /// |dF/dξ| of the linear theory, roughly: G a b C_11 with C_11 = 4 [N].
-    fn linear_slope(&self) -> f64 {
-        4.0 * self.ellipse.semi_axis_a * self.ellipse.semi_axis_b / self.bodies.shear_compliance
+    /// The contact grid, shifted upstream by half an element if the bodies roll.
+    fn passage_grid(&self) -> Structured {
+        let mut passage = self.footprint.grid;
+        passage.origin[0] += self.passage().ahead;
+        passage
     }
-}
 
-impl Model for HalfSpace {
-    fn solve(
-        &mut self,
-        _step: &Step,
-        _inputs: &dyn Inputs,
-        outputs: &mut dyn Outputs,
-    ) -> Result<StepReport, StepError> {
-        let answer = match self.answer.take() {
-            Some(answer) => answer,
-            None => self.compute()?,
+    /// The pressure of the ellipse that the case gives, at the elements' centres, scaled so that it
+    /// carries the ellipse's load; zero if it is to be solved for.
+    fn given_pressure(&self) -> Vec<f64> {
+        let grid = &self.footprint.grid;
+        let (None, Some(ellipse)) = (&self.footprint.gap, &self.footprint.ellipse) else {
+            return vec![0.0; grid.points()];
         };
-        answer.write(outputs);
-        let report = StepReport {
-            substeps: 1,
-            inner_iterations: answer.iterations,
-            work: answer.work,
-            ..StepReport::default()
+        let [a, b] = self.footprint.semi_axes;
+        let at = |x: f64, y: f64| {
+            ellipse.max_pressure * (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt()
         };
-        self.answer = Some(answer);
-        Ok(report)
+        let mut pressure = crate::half_space::extent::sample(grid, &at);
+        let sum = pressure.iter().sum::<f64>() * grid.element_area();
+        pressure.iter_mut().for_each(|value| *value *= ellipse.normal_force / sum);
+        pressure
     }
 
-    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        let speeds = friction_heat::surface_speeds(self.case.scene.rolling_speed, 0.0);
+    /// Writes what is observed of an accepted window.
+    fn observe(&mut self, answer: &Answer, power: &[f64], outputs: &mut dyn Outputs) {
+        answer.write(power, outputs);
+        if let Some(sections) = &mut self.sections {
+            sections.compute(&answer.pressure, &answer.traction);
+            sections.write(outputs);
+        }
+    }
+
+    /// The sections of `summary.json`.
+    fn summary(&self, answer: &Answer) -> Value {
+        let mut summary = json!({ "contact": answer.figures(self) });
+        if let Some(stress) = self.sections.as_ref().and_then(Sections::summary) {
+            summary["stress"] = stress;
+        }
+        summary
+    }
+
+    /// What holds before the first solve: nothing slips.
+    fn first_outputs(&self, outputs: &mut dyn Outputs) {
+        let speeds = friction_heat::surface_speeds(self.scene.rolling_speed, 0.0);
         for spec in field::TABLE {
             if let Some(place) = outputs.get(spec) {
                 match *spec {
@@ -286,27 +274,26 @@ impl Model for HalfSpace {
             }
         }
     }
+}
 
-    fn accept(&mut self) {}
+/// A checked case and its grids.
+struct Prepared {
+    case: Case,
+    layout: Layout,
+}
 
-    fn observe(&mut self, outputs: &mut dyn Outputs) {
-        if let Some(answer) = &self.answer {
-            answer.write(outputs);
+impl Setup for Prepared {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+        let Self { case, .. } = *self;
+        if !case.memory {
+            return Ok(Box::new(Steady::new(case)));
         }
-    }
-
-    fn summary(&self) -> serde_json::Value {
-        self.answer.as_ref().map_or_else(|| serde_json::json!({}), Answer::summary)
-    }
-
-    fn save(&self, into: &mut StateBlob) {
-        into.0.clear();
-    }
-
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        match from.0.len() {
-            0 => Ok(()),
-            bytes => Err(StateError(format!("{NAME} has no state, but there are {bytes} bytes"))),
-        }
+        let fix = "check the shapes, the load and the units";
+        let model = Transient::new(case);
+        Ok(Box::new(model.map_err(|error| Refusal::new("load", error.to_string(), fix))?))
     }
 }

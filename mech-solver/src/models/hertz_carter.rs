@@ -79,6 +79,7 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
         _ => CreepLaw::Pressure,
     };
     let partial = configuration.has_effect(partial_slip::NAME);
+    Ellipse::refuse_rest(&scene)?;
     let contact = Contact::solve(&scene, Ellipse::solve(&scene, given)?, law, partial)?;
     let grid = contact.ellipse.grid(scene.resolution)?;
     let wanted = precomputed::wanted_fields(configuration);

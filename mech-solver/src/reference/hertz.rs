@@ -62,6 +62,13 @@ pub fn elliptic_contact(
     }
 }
 
+/// Normal force at an approach δ [m]: δ grows with N^(2/3) [N].
+#[must_use]
+pub fn force_at_approach(gap_x: f64, gap_y: f64, approach: f64, contact_compliance: f64) -> f64 {
+    let unit = elliptic_contact(gap_x, gap_y, 1.0, contact_compliance).approach;
+    (approach / unit).powf(1.5)
+}
+
 /// Shorter over longer semi-axis g for a ratio ≥ 1 of the gap's coefficients.
 ///
 /// Solves ln(R_D(0, 1, g²)/R_D(0, g², 1)) = ln(ratio) for ln g. The left side falls with a slope

@@ -1,7 +1,9 @@
 //! Closed forms: one truth for models, tests, documentation and reports.
 
 pub mod carter;
+pub mod cattaneo;
 pub mod elliptic_integrals;
 pub mod hertz;
 pub mod kalker;
 pub mod simplified;
+pub mod subsurface;

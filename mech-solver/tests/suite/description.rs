@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use mech_solver::MechSolver;
-use proto::description::{Description, KeySpec};
+use proto::description::{Description, KeyKind, KeySpec};
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -60,8 +60,11 @@ fn support_agrees_with_configure() {
         for effect in &description.effects {
             let mut case = paper();
             case["effects"] = json!({ effect.name.clone(): {} });
-            // An effect's required parameters are numbers; any positive one will do.
-            for key in effect.keys.iter().filter(|key| key.required) {
+            // An effect's required parameters are numbers, of its alternatives one is; any small
+            // positive one will do.
+            let a_number = |key: &&KeySpec| matches!(key.kind, KeyKind::Quantity { .. });
+            let needed = |key: &&KeySpec| key.required || key.one_of.is_some();
+            for key in effect.keys.iter().filter(needed).filter(a_number) {
                 let name = key.path.rsplit('.').next().unwrap();
                 case["effects"][&effect.name][name] = json!(1e-14);
             }

@@ -1,12 +1,11 @@
 //! The numerical base of the half-space model against Hertz, and its invariances.
 
+use mech_solver::half_space::extent::{Fitted, Moments, fit_grid};
 use mech_solver::half_space::influence::Elasticity;
 use mech_solver::half_space::normal::Prescribed;
-use mech_solver::half_space::patch::{
-    Grid, PatchSolution, equivalent_semi_axes, solve_normal_on_growing_grid,
-};
 use mech_solver::reference::hertz::{EllipticContact, elliptic_contact};
 use mech_solver::scene::Material;
+use proto::grid::Structured;
 
 const STEEL: Material = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
 const GAP_X: f64 = 0.5 / 0.46;
@@ -22,9 +21,20 @@ fn hertz(elasticity: &Elasticity) -> EllipticContact {
     elliptic_contact(GAP_X, GAP_Y, LOAD, elasticity.contact_compliance())
 }
 
-fn solve(grid: Grid, elasticity: Elasticity, gap: impl Fn(f64, f64) -> f64) -> PatchSolution {
-    solve_normal_on_growing_grid(grid, elasticity, gap, Prescribed::Load(LOAD), LIMIT)
-        .expect("the contact is regular")
+fn solve(grid: Structured, elasticity: Elasticity, gap: impl Fn(f64, f64) -> f64) -> Fitted {
+    fit_grid(grid, &elasticity, &gap, Prescribed::Load(LOAD), LIMIT).expect("a regular contact")
+}
+
+/// Elements of a/`resolution` over an ellipse and a free margin, one of them at the origin.
+fn grid_of(estimate: &EllipticContact, resolution: usize) -> Structured {
+    let side = estimate.semi_axis_a / resolution as f64;
+    let half = |semi_axis: f64| (1.05 * semi_axis / side + 0.5).ceil() as usize;
+    centred(half(estimate.semi_axis_a), half(estimate.semi_axis_b), side)
+}
+
+fn centred(half_x: usize, half_y: usize, side: f64) -> Structured {
+    let (x0, y0) = (-(half_x as f64) * side, -(half_y as f64) * side);
+    Structured::contact_plane(x0, y0, side, side, 2 * half_x + 1, 2 * half_y + 1)
 }
 
 fn paraboloid(x: f64, y: f64) -> f64 {
@@ -34,13 +44,13 @@ fn paraboloid(x: f64, y: f64) -> f64 {
 /// Relative errors of p_0, δ, a and b.
 fn errors(resolution: usize) -> [f64; 4] {
     let exact = hertz(&steel());
-    let grid = Grid::of_ellipse(&exact, resolution);
+    let grid = grid_of(&exact, resolution);
     let solution = solve(grid, steel(), paraboloid);
     assert_eq!(solution.enlargements, 0);
     assert!(solution.contact.iterations <= 15, "{}", solution.contact.iterations);
-    let (a, b) = equivalent_semi_axes(&grid, &solution.pressure);
+    let Moments { semi_axes: [a, b], .. } = Moments::of(&grid, &solution.pressure);
     [
-        solution.pressure[grid.elements() / 2] / exact.max_pressure - 1.0,
+        solution.pressure[grid.points() / 2] / exact.max_pressure - 1.0,
         solution.contact.approach / exact.approach - 1.0,
         a / exact.semi_axis_a - 1.0,
         b / exact.semi_axis_b - 1.0,
@@ -71,13 +81,13 @@ fn converges_to_hertz() {
 /// iteration's, which the pressure has a multiple of.
 #[test]
 fn mirror_images() {
-    let grid = Grid::of_ellipse(&hertz(&steel()), 15);
+    let grid = centred(20, 16, hertz(&steel()).semi_axis_a / 15.0);
     let skew = |x: f64, y: f64| paraboloid(x - 4e-4, y) + x * y + 30.0 * x * x * y;
     let one = solve(grid, steel(), skew);
     let other = solve(grid, steel(), |x, y| skew(-x, y));
     assert_eq!(one.grid, other.grid);
     let peak = one.pressure.iter().copied().fold(0.0, f64::max);
-    let nx = one.grid.nx;
+    let nx = one.grid.ni;
     for (row, mirrored) in one.pressure.chunks(nx).zip(other.pressure.chunks(nx)) {
         for (value, image) in row.iter().zip(mirrored.iter().rev()) {
             assert!((value - image).abs() < 1e-6 * peak, "{value} {image}");
@@ -89,11 +99,18 @@ fn mirror_images() {
 /// some iterations, and powers of two would need none.
 #[test]
 fn units_do_not_matter() {
-    let grid = Grid::of_ellipse(&hertz(&steel()), 12);
+    let grid = grid_of(&hertz(&steel()), 12);
     let metres = solve(grid, steel(), paraboloid);
     let material = Material { youngs_modulus: STEEL.youngs_modulus * 1e-6, ..STEEL };
     let elasticity = Elasticity::of_pair(&material, &material);
-    let scaled = Grid { dx: grid.dx * 1e3, dy: grid.dy * 1e3, ..grid };
+    let scaled = Structured::contact_plane(
+        1e3 * grid.x(0),
+        1e3 * grid.y(0),
+        1e3 * grid.dx(),
+        1e3 * grid.dy(),
+        grid.ni,
+        grid.nj,
+    );
     let gap = |x: f64, y: f64| 1e3 * paraboloid(x * 1e-3, y * 1e-3);
     let millimetres = solve(scaled, elasticity, gap);
     assert_eq!(metres.contact.iterations, millimetres.contact.iterations);
@@ -117,10 +134,10 @@ fn very_different_bodies() {
         coupling_compliance: 0.0,
     };
     let exact = hertz(&pair);
-    let grid = Grid::of_ellipse(&exact, 20);
+    let grid = grid_of(&exact, 20);
     let (one, other) = (solve(grid, pair, paraboloid), solve(grid, alike, paraboloid));
     assert!((one.contact.approach / other.contact.approach - 1.0).abs() < 1e-9);
-    let peak = one.pressure[grid.elements() / 2];
+    let peak = one.pressure[grid.points() / 2];
     // The discretisation at a/20.
     assert!((peak / exact.max_pressure - 1.0).abs() < 1e-3);
     assert!((one.contact.approach / exact.approach - 1.0).abs() < 1e-3);
@@ -133,16 +150,17 @@ fn two_crowns_merge() {
     let crowns = |apart: f64| move |x: f64, y: f64| GAP_X * ((x.abs() - apart).powi(2) + y * y);
     let compliance = steel().contact_compliance();
     let half = elliptic_contact(GAP_X, GAP_X, 0.5 * LOAD, compliance);
-    let start = Grid::covering(half.semi_axis_a, half.semi_axis_a, 3e-4, 3e-4);
+    let start = centred(27, 27, 3e-4);
     let far = solve(start, steel(), crowns(30e-3));
     let displacement = 0.5 * LOAD * compliance / (std::f64::consts::PI * 60e-3);
     let approach = far.contact.approach - displacement;
     // The discretisation at a/20, and the next term of the distance, (a/d)²/2.
     assert!((approach / half.approach - 1.0).abs() < 4e-3, "{}", approach / half.approach);
-    let pressed = |solution: &PatchSolution, at: f64| {
+    let pressed = |solution: &Fitted, at: f64| {
         let grid = solution.grid;
-        let column = (at / grid.dx).round() as usize + grid.nx / 2;
-        solution.pressure[(grid.ny / 2) * grid.nx + column] > 0.0
+        let column = ((at - grid.x(0)) / grid.dx()).round() as usize;
+        let row = (-grid.y(0) / grid.dy()).round() as usize;
+        solution.pressure[row * grid.ni + column] > 0.0
     };
     assert!(far.enlargements > 0 && pressed(&far, 30e-3) && !pressed(&far, 0.0));
     let near = solve(start, steel(), crowns(2e-3));

@@ -4,4 +4,5 @@ mod common;
 mod description;
 mod fastsim;
 mod half_space;
+mod half_space_model;
 mod hertz_carter;

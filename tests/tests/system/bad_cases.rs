@@ -54,14 +54,17 @@ fn wrong_units_and_ranges() {
 
 #[test]
 fn unknown_models_and_effects() {
-    refused(&changed(&[("\"hertz-carter\"", "\"herz-carter\"")]), &["mech.model", "hertz-carter"]);
+    refused(&changed(&[("\"half-space\"", "\"halfspace\"")]), &["mech.model", "half-space"]);
     let magnetism = changed(&[("[effects.partial_slip]", "[effects.magnetism]")]);
     refused(&magnetism, &["effects.magnetism: unknown effect", "partial_slip (mech)"]);
 }
 
 #[test]
 fn a_solver_refuses_what_only_it_can_judge() {
-    let spin = changed(&[("traction_coefficient = 0.58 ", "creepage = { xi = -0.01, phi = 1 } ")]);
+    let spin = changed(&[
+        ("traction_coefficient = 0.58 ", "creepage = { xi = -0.01, phi = 1 } "),
+        ("\"half-space\"", "\"hertz-carter\""),
+    ]);
     refused(&spin, &["motion.creepage.phi", "hertz-carter"]);
     let steady_only = changed(&[
         ("model = \"columns\"", "model = \"ertz-knothe\""),
@@ -76,10 +79,10 @@ fn all_errors_are_listed_at_once() {
         ("speed = 38.889 ", "sped = 38.889 "),
         ("134 kN", "134 kPa"),
         ("= 0.58 ", "= 0.75 "),
-        ("\"hertz-carter\"", "\"herz-carter\""),
+        ("\"half-space\"", "\"halfspace\""),
         ("[effects.partial_slip]", "[effects.magnetism]"),
     ]);
-    let parts = ["motion.sped", "kPa", "0.75", "herz-carter", "magnetism", "5 errors in"];
+    let parts = ["motion.sped", "kPa", "0.75", "halfspace", "magnetism", "5 errors in"];
     refused(&text, &parts);
 }
 

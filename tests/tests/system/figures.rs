@@ -56,7 +56,8 @@ fn carter_strips_on_table_2() {
     }
 }
 
-/// The tolerance is that of the reference figures' own digits.
+/// The shipped case solves for the pressure on a/40: its error, below 1e-4 for each figure, on top of
+/// the reference figures' own digits.
 #[test]
 fn hertz_patch_of_the_shipped_case() {
     let summary = Place::new().summary(&case("wheel-rail.toml"), &[]);
@@ -68,7 +69,7 @@ fn hertz_patch_of_the_shipped_case() {
         ("/contact/normal_force_n", 134e3),
     ];
     for (pointer, expected) in figures {
-        assert_close(number(&summary, pointer), expected, 1e-4 * expected, pointer);
+        assert_close(number(&summary, pointer), expected, 1.5e-4 * expected, pointer);
     }
     assert_eq!(summary["status"], "completed");
     assert_eq!(summary["schema"], 1);
@@ -117,7 +118,7 @@ fn the_two_creep_laws_differ_as_they_must() {
     let creepage = |law: &str| {
         let law = format!("motion.creep_law={law}");
         let mut more = TABLE_2.to_vec();
-        more.extend(["--set", &law]);
+        more.extend(["--set", "mech.model=hertz-carter", "--set", &law]);
         number(&Place::new().summary(&case("wheel-rail.toml"), &more), "/contact/creepage_xi")
     };
     // 1.149 % and 0.851 %: the paper's equation 18 equates the two.

@@ -20,17 +20,49 @@ fn the_files_of_a_steady_run() {
         .map(|e| e.file_name().into_string().unwrap())
         .collect();
     fields.sort();
-    let expected = [
-        "mech_contact.pvd",
-        "mech_contact_000000.vti",
-        "thermal_contact.pvd",
-        "thermal_contact_000000.vti",
-        "thermal_rail_section.pvd",
-        "thermal_rail_section_000000.vti",
-        "thermal_wheel_section.pvd",
-        "thermal_wheel_section_000000.vti",
+    let grids = [
+        "mech_contact",
+        "mech_passage",
+        "thermal_contact",
+        "thermal_rail_section",
+        "thermal_wheel_section",
     ];
-    assert_eq!(fields, expected);
+    let files = |grid| [".pvd", "_000000.csv", "_000000.vti"].map(|end| format!("{grid}{end}"));
+    assert_eq!(fields, grids.map(files).concat());
+}
+
+/// The paper's Figs. 5 to 7: traction along the centre line, on the bound f p in the slip zone at the
+/// trailing edge and below it in the stick zone, with slip in the former only.
+#[test]
+fn the_centre_line_shows_traction_and_slip() {
+    let place = Place::new();
+    place.summary(&case("wheel-rail.toml"), &["--set", "motion.traction_coefficient=0.4"]);
+    let table = |name: &str| {
+        let text = std::fs::read_to_string(place.out().join("fields").join(name)).unwrap();
+        let mut lines = text.lines();
+        let head: Vec<String> = lines.next().unwrap().split(',').map(str::to_owned).collect();
+        let numbers = |line: &str| line.split(',').map(|v| v.parse().unwrap()).collect();
+        let rows: Vec<Vec<f64>> = lines.map(numbers).collect();
+        move |column: &str| -> Vec<f64> {
+            let at = head.iter().position(|name| name == column).unwrap();
+            rows.iter().map(|row| row[at]).collect()
+        }
+    };
+    let contact = table("mech_contact_000000.csv");
+    let passage = table("mech_passage_000000.csv");
+    let (x, p, t) = (contact("x [m]"), contact("pressure [Pa]"), contact("traction_x [Pa]"));
+    let slip = passage("slip_velocity_x [m/s]");
+    assert_eq!(x.len(), 83);
+    let touching: Vec<usize> = (0..x.len()).filter(|&i| p[i] > 0.0).collect();
+    let slips = |i: usize| t[i] > 0.6 * p[i] * (1.0 - 1e-9);
+    let border = touching.iter().position(|&i| !slips(i)).unwrap();
+    assert!(border > 10 && border < 70, "{border}");
+    // The bound of the leading element is so small that it may slip too.
+    for (k, &i) in touching[..touching.len() - 1].iter().enumerate() {
+        assert_eq!(slips(i), k < border, "{i}");
+        // Adhesion ends where the iteration's tolerance does.
+        assert!(if k < border { slip[i] < 0.0 } else { slip[i].abs() < 1e-4 }, "{}", slip[i]);
+    }
 }
 
 /// The case as run gives the same answer again.

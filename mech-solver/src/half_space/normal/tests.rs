@@ -1,7 +1,8 @@
 use super::*;
+use crate::half_space::extent::sample;
 use crate::half_space::influence::Elasticity;
-use crate::half_space::patch::Grid;
 use crate::scene::Material;
+use proto::grid::Structured;
 
 const STEEL: Material = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
 
@@ -24,17 +25,17 @@ fn roughness(amplitude: f64) -> impl Fn(f64, f64) -> f64 {
 
 /// The conditions of contact, with direct sums. Tolerance: ten times the iteration's residual, for
 /// the largest against the mean square.
-fn assert_contact(grid: Grid, distance: &[f64], pressure: &[f64], contact: &NormalContact) {
-    let of = influence(grid.dx, grid.dy);
+fn assert_contact(grid: Structured, distance: &[f64], pressure: &[f64], contact: &NormalContact) {
+    let of = influence(grid.dx(), grid.dy());
     let displacement = |target: usize| -> f64 {
         let term = |(source, p): (usize, &f64)| {
-            let i = (target % grid.nx) as i32 - (source % grid.nx) as i32;
-            let j = (target / grid.nx) as i32 - (source / grid.nx) as i32;
+            let i = (target % grid.ni) as i32 - (source % grid.ni) as i32;
+            let j = (target / grid.ni) as i32 - (source / grid.ni) as i32;
             if *p == 0.0 { 0.0 } else { p * of.zz(i, j) }
         };
         pressure.iter().enumerate().map(term).sum()
     };
-    let gaps: Vec<(f64, f64)> = (0..grid.elements())
+    let gaps: Vec<(f64, f64)> = (0..grid.points())
         .map(displacement)
         .zip(distance)
         .map(|(u, h)| (u, h + u - contact.approach))
@@ -45,22 +46,27 @@ fn assert_contact(grid: Grid, distance: &[f64], pressure: &[f64], contact: &Norm
         assert!(*p >= 0.0 && *gap >= -tolerance, "p = {p} Pa, gap = {gap} m");
         assert!(*p == 0.0 || *gap <= tolerance, "p = {p} Pa, gap = {gap} m");
     }
-    let load = pressure.iter().sum::<f64>() * grid.dx * grid.dy;
+    let load = pressure.iter().sum::<f64>() * grid.element_area();
     assert!((load / contact.normal_force - 1.0).abs() < 1e-13);
 }
 
 /// Solves under a load and checks the solution in several ways; `iterations` is the limit.
-fn solve(grid: Grid, gap: impl Fn(f64, f64) -> f64, load: f64, iterations: usize) -> NormalContact {
-    let distance = grid.sample(gap);
-    let mut solver = NormalSolver::new(grid.nx, grid.ny, &influence(grid.dx, grid.dy));
-    let mut pressure = vec![0.0; grid.elements()];
+fn solve(
+    grid: Structured,
+    gap: impl Fn(f64, f64) -> f64,
+    load: f64,
+    iterations: usize,
+) -> NormalContact {
+    let distance = sample(&grid, &gap);
+    let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence(grid.dx(), grid.dy()));
+    let mut pressure = vec![0.0; grid.points()];
     let contact = solver.solve(&distance, Prescribed::Load(load), &mut pressure).unwrap();
     assert!(contact.iterations <= iterations, "{} iterations", contact.iterations);
     assert!((contact.normal_force / load - 1.0).abs() < 1e-12);
     assert_contact(grid, &distance, &pressure, &contact);
     // The approach found, prescribed, gives the same contact. Tolerance: both residuals, of which
     // the load has a multiple.
-    let mut again = vec![0.0; grid.elements()];
+    let mut again = vec![0.0; grid.points()];
     let prescribed = Prescribed::Approach(contact.approach);
     let reverse = solver.solve(&distance, prescribed, &mut again).unwrap();
     assert!((reverse.normal_force / load - 1.0).abs() < 1e-7, "{}", reverse.normal_force);
@@ -70,8 +76,14 @@ fn solve(grid: Grid, gap: impl Fn(f64, f64) -> f64, load: f64, iterations: usize
     contact
 }
 
-fn square(n: usize) -> Grid {
-    Grid { nx: n, ny: n, dx: 1e-4, dy: 1e-4 }
+/// An odd number of elements each way, one of them at the origin.
+fn centred(nx: usize, ny: usize, dx: f64, dy: f64) -> Structured {
+    let (x0, y0) = (-((nx / 2) as f64) * dx, -((ny / 2) as f64) * dy);
+    Structured::contact_plane(x0, y0, dx, dy, nx, ny)
+}
+
+fn square(n: usize) -> Structured {
+    centred(n, n, 1e-4, 1e-4)
 }
 
 #[test]
@@ -82,7 +94,7 @@ fn sphere() {
 
 #[test]
 fn two_patches_and_their_merger() {
-    let grid = Grid { nx: 121, ny: 61, dx: 2e-4, dy: 2e-4 };
+    let grid = centred(121, 61, 2e-4, 2e-4);
     let gap = |x: f64, y: f64| (x.abs() - 5e-3).powi(2) + y * y;
     let apart = solve(grid, gap, 1e3, 12);
     let merged = solve(grid, gap, 1e4, 15);
@@ -101,7 +113,7 @@ fn rough_surfaces() {
 
 #[test]
 fn slender_elements_and_contacts() {
-    let grid = Grid { nx: 61, ny: 41, dx: 4e-4, dy: 5e-5 };
+    let grid = centred(61, 41, 4e-4, 5e-5);
     solve(grid, |x, y| 0.01 * x * x + 5.0 * y * y, 10.0, 15);
 }
 
@@ -151,7 +163,7 @@ fn reports_that_it_did_not_converge() {
     let grid = square(41);
     let mut solver = NormalSolver::new(41, 41, &influence(1e-4, 1e-4));
     solver.iteration_limit = 2;
-    let distance = grid.sample(|x, y| x * x + 2.0 * y * y);
+    let distance = sample(&grid, &|x, y| x * x + 2.0 * y * y);
     let error = solver.solve(&distance, Prescribed::Load(1e3), &mut vec![0.0; 1681]).unwrap_err();
     let NormalError::NotConverged { iterations: 2, residual, tolerance } = error else {
         panic!("{error}");

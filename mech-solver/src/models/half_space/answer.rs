@@ -1,156 +1,177 @@
-//! What the model found: fields and figures.
+//! What an instant looks like: fields and figures.
 
-use super::Prepared;
+use super::Case;
+use super::contact::ContactSolver;
 use crate::effects::friction_heat;
-use crate::half_space::levels::{Prescribed, Solution};
-use crate::half_space::normal_contact::NormalContact;
-use crate::half_space::steady_rolling::ElementState;
+use crate::half_space::extent::{Moments, patches};
+use crate::half_space::levels::Solution;
+use crate::half_space::tangential::{Creepage, ElementState};
 use proto::field;
+use proto::grid::Structured;
 use proto::model::Outputs;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// The solution on the finest grid.
-#[derive(Debug)]
+/// The fields on the case's grid, components x and y one after the other.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Answer {
-    pressure: Vec<f64>,
-    /// Components x and y, one after the other.
-    traction: Vec<f64>,
-    slip_velocity: Vec<f64>,
-    friction_power: Vec<f64>,
-    surface_speed: [f64; 2],
-    contact: Value,
-    /// Newton steps, over all grids.
-    pub(super) iterations: u32,
-    /// Products with the operators on the finest grid.
-    pub(super) work: u64,
+    pub(super) pressure: Vec<f64>,
+    pub(super) traction: Vec<f64>,
+    pub(super) slip_velocity: Vec<f64>,
+    pub(super) friction_power: Vec<f64>,
+    pub(super) surface_speed: [f64; 2],
+    pub(super) creepage: Creepage,
+    slip_area_ratio: f64,
+    approach: Option<f64>,
 }
 
 impl Answer {
     /// Everything slides, against the rigid slip.
-    pub(super) fn sliding(case: &Prepared, normal: NormalContact) -> Self {
-        let Prescribed::Creepage([xi, eta, phi]) = case.prescribed else {
-            unreachable!("without partial slip the creepages are known")
-        };
-        let grid = &case.grid;
+    pub(super) fn sliding(case: &Case, contact: &ContactSolver) -> Self {
+        let creepage = case.driven.at(0.0).creepage;
+        let [xi, eta, phi] = creepage;
+        let grid = &case.footprint.grid;
         let count = grid.points();
-        let mut traction = vec![0.0; 2 * count];
-        let mut slip = vec![0.0; 2 * count];
+        let (mut traction, mut slip) = (vec![0.0; 2 * count], vec![0.0; 2 * count]);
         let friction = case.scene.friction_coefficient;
+        let passage = case.passage();
         for index in 0..count {
             let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
             let rigid = [xi - phi * y, eta + phi * x];
             let size = rigid[0].hypot(rigid[1]);
+            let middle = [rigid[0], rigid[1] + phi * passage.ahead];
             for component in 0..2 {
-                // The rigid slip of a step is that in its middle.
-                let middle = [rigid[0], rigid[1] + 0.5 * phi * grid.dx()];
-                slip[component * count + index] = middle[component] * grid.dx();
+                slip[component * count + index] = middle[component] * passage.distance;
                 if size > 0.0 {
                     traction[component * count + index] =
-                        -friction * normal.pressure[index] * rigid[component] / size;
+                        -friction * contact.pressure[index] * rigid[component] / size;
                 }
             }
         }
-        let slipping = if [xi, eta, phi] == [0.0; 3] { 0.0 } else { 1.0 };
-        Self::new(case, normal, traction, slip, [xi, eta, phi], slipping)
+        let mut answer = Self::new(case, contact, creepage);
+        answer.slip_area_ratio = if creepage == [0.0; 3] { 0.0 } else { 1.0 };
+        answer.set(case, traction, slip, None);
+        answer
     }
 
-    /// The solution of steady rolling.
-    pub(super) fn rolling(case: &Prepared, normal: NormalContact, solution: Solution) -> Self {
+    /// A solution; `before` are the tractions of the instant before, which steady rolling lacks.
+    pub(super) fn partial(
+        case: &Case,
+        contact: &ContactSolver,
+        solution: &Solution,
+        before: Option<&[Vec<f64>; 2]>,
+    ) -> Self {
         let state = &solution.state;
+        let mut answer = Self::new(case, contact, state.creepage);
         let count_of =
             |which: ElementState| state.element.iter().filter(|e| **e == which).count() as f64;
         let (slip, stick) = (count_of(ElementState::Slip), count_of(ElementState::Adhesion));
-        let ratio = if slip + stick > 0.0 { slip / (slip + stick) } else { 0.0 };
-        let traction = state.traction.concat();
-        let slips = state.slip.concat();
-        let mut answer = Self::new(case, normal, traction, slips, state.creepage, ratio);
-        answer.iterations = solution.newton_steps as u32;
-        answer.work = solution.operator_applications as u64;
+        answer.slip_area_ratio = if slip + stick > 0.0 { slip / (slip + stick) } else { 0.0 };
+        let before = before.map(|before| before.concat());
+        answer.set(case, state.traction.concat(), state.slip.concat(), before.as_deref());
         answer
     }
 
-    fn new(
-        case: &Prepared,
-        normal: NormalContact,
-        traction: Vec<f64>,
-        slip: Vec<f64>,
-        creepage: [f64; 3],
-        slip_area_ratio: f64,
-    ) -> Self {
-        let grid = &case.grid;
+    /// Pressed together, and nothing else.
+    pub(super) fn at_rest(case: &Case, contact: &ContactSolver) -> Self {
+        let mut answer = Self::new(case, contact, [0.0; 3]);
+        let count = case.footprint.grid.points();
+        answer.traction = vec![0.0; 2 * count];
+        answer.slip_velocity = vec![0.0; 2 * count];
+        answer.friction_power = vec![0.0; count];
+        answer
+    }
+
+    fn new(case: &Case, contact: &ContactSolver, creepage: Creepage) -> Self {
         let speed = case.scene.rolling_speed;
-        let rate = speed / grid.dx();
-        let passages = Passages { nx: grid.ni, traction: &traction, slip: &slip, rate };
-        let friction_power = passages.power();
-        let slip_velocity = passages.velocity(&normal.pressure);
-        let mut answer = Self {
-            surface_speed: friction_heat::surface_speeds(speed, creepage[0]),
-            contact: Value::Null,
-            iterations: normal.iterations,
-            work: 0,
-            pressure: normal.pressure,
-            traction,
-            slip_velocity,
-            friction_power,
-        };
-        answer.contact = answer.figures(case, normal.approach, creepage, slip_area_ratio);
-        answer
+        let rolls = speed > 0.0;
+        let along = if rolls { creepage[0] } else { 0.0 };
+        Self {
+            pressure: contact.pressure.clone(),
+            surface_speed: friction_heat::surface_speeds(speed, along),
+            creepage,
+            approach: contact.approach,
+            ..Self::default()
+        }
     }
 
-    fn figures(
-        &self,
-        case: &Prepared,
-        approach: Option<f64>,
-        [xi, eta, phi]: [f64; 3],
-        slip_area_ratio: f64,
-    ) -> Value {
-        let grid = &case.grid;
-        let (area, count) = (grid.element_area(), grid.points());
-        let (px, py) = self.traction.split_at(count);
-        let mut sums = [0.0; 4];
-        for index in 0..count {
-            let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
-            sums[0] += self.pressure[index];
-            sums[1] += px[index];
-            sums[2] += py[index];
-            sums[3] += x * py[index] - y * px[index];
-        }
-        let [normal, force_x, force_y, moment] = sums.map(|sum| sum * area);
+    fn set(&mut self, case: &Case, traction: Vec<f64>, slip: Vec<f64>, before: Option<&[f64]>) {
+        let passage = case.passage();
+        let start = before.unwrap_or(&traction);
+        self.friction_power = passage.power(&case.footprint.grid, start, &traction, &slip);
+        let touching = self.pressure.iter().chain(&self.pressure).map(|p| *p > 0.0);
+        let velocity = |(slip, touches): (&f64, bool)| match touches {
+            true => slip / passage.duration,
+            false => 0.0,
+        };
+        self.slip_velocity = slip.iter().zip(touching).map(velocity).collect();
+        self.traction = traction;
+    }
+
+    /// The section `contact` of `summary.json`.
+    pub(super) fn figures(&self, case: &Case) -> Value {
+        let grid = &case.footprint.grid;
+        let area = grid.element_area();
+        let [normal, force_x, force_y, moment] = self.sums(grid).map(|sum| sum * area);
         let touching = self.pressure.iter().filter(|p| **p > 0.0).count() as f64;
-        let largest =
-            |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max);
-        let (vx, vy) = self.slip_velocity.split_at(count);
+        let [a, b] = match case.footprint.gap {
+            Some(_) => Moments::of(grid, &self.pressure).semi_axes,
+            None => case.footprint.semi_axes,
+        };
         let mut figures = json!({
-            "semi_axis_a_m": case.ellipse.semi_axis_a,
-            "semi_axis_b_m": case.ellipse.semi_axis_b,
+            "semi_axis_a_m": a,
+            "semi_axis_b_m": b,
             "area_m2": touching * area,
+            "patches": patches(grid, &self.pressure),
             "max_pressure_pa": self.pressure.iter().copied().fold(0.0, f64::max),
             "normal_force_n": normal,
             "creep_force_x_n": force_x,
             "creep_force_y_n": force_y,
             "spin_moment_nm": moment,
             "traction_coefficient": force_x / normal,
-            "creepage_xi": xi,
-            "creepage_eta": eta,
-            "creepage_phi_per_m": phi,
-            "slip_area_ratio": slip_area_ratio,
-            "max_slip_velocity_m_per_s": largest(vx, vy),
-            "max_traction_pa": largest(px, py),
+            "slip_area_ratio": self.slip_area_ratio,
+            "max_slip_velocity_m_per_s": largest(&self.slip_velocity),
+            "max_traction_pa": largest(&self.traction),
             "friction_power_w": self.friction_power.iter().sum::<f64>() * area,
         });
-        if let Some(approach) = approach {
+        let names = match case.scene.rolling_speed > 0.0 {
+            true => ["creepage_xi", "creepage_eta", "creepage_phi_per_m"],
+            false => ["shift_x_m", "shift_y_m", "turn_rad"],
+        };
+        for (name, value) in names.into_iter().zip(self.creepage) {
+            figures[name] = value.into();
+        }
+        if let Some(approach) = self.approach {
             figures["approach_m"] = approach.into();
+        }
+        let origin = case.footprint.gap.as_ref().map_or(0.0, |gap| gap.origin);
+        if origin != 0.0 {
+            figures["origin_y_m"] = origin.into();
         }
         figures
     }
 
-    /// Writes the fields that are asked for.
-    pub(super) fn write(&self, outputs: &mut dyn Outputs) {
+    /// Sums of pressure, traction along x and y, and moment about z, over the elements.
+    fn sums(&self, grid: &Structured) -> [f64; 4] {
+        let (px, py) = self.traction.split_at(grid.points());
+        let mut sums = [0.0; 4];
+        for index in 0..grid.points() {
+            let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
+            sums[0] += self.pressure[index];
+            sums[1] += px[index];
+            sums[2] += py[index];
+            sums[3] += x * py[index] - y * px[index];
+        }
+        sums
+    }
+
+    /// Writes the fields that are asked for; the friction power is the mean over the window.
+    pub(super) fn write(&self, friction_power: &[f64], outputs: &mut dyn Outputs) {
         let fields: [(_, &[f64]); 5] = [
             (&field::PRESSURE, &self.pressure),
             (&field::TRACTION, &self.traction),
             (&field::SLIP_VELOCITY, &self.slip_velocity),
-            (&field::FRICTION_POWER, &self.friction_power),
+            (&field::FRICTION_POWER, friction_power),
             (&field::SURFACE_SPEED, &self.surface_speed),
         ];
         for (spec, values) in fields {
@@ -159,46 +180,44 @@ impl Answer {
             }
         }
     }
-
-    /// The section `contact` of `summary.json`.
-    pub(super) fn summary(&self) -> Value {
-        json!({ "contact": self.contact })
-    }
 }
 
-/// The steps of particles from one element's centre to the next one's downstream.
-struct Passages<'a> {
-    nx: usize,
-    traction: &'a [f64],
-    slip: &'a [f64],
-    /// V/Δx [1/s].
-    rate: f64,
+/// Largest size of a vector field.
+fn largest(vectors: &[f64]) -> f64 {
+    let (x, y) = vectors.split_at(vectors.len() / 2);
+    x.iter().zip(y).map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max)
 }
 
-impl Passages<'_> {
-    /// −½(p_I + p_{I+e_x})·S_I V/Δx [W/m²]; adding zero turns −0 into 0.
-    fn power(&self) -> Vec<f64> {
-        let count = self.slip.len() / 2;
-        let upstream = |index: usize, component: usize| {
-            if (index + 1).is_multiple_of(self.nx) {
-                return 0.0;
-            }
-            self.traction[component * count + index + 1]
+/// A step of the particles of the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Passage {
+    /// Distance to which creepages refer: Δx rolled, or 1 in a shift [m].
+    pub(super) distance: f64,
+    /// Where the rigid slip is taken, ahead of an element's centre [m].
+    pub(super) ahead: f64,
+    /// How long it takes [s].
+    pub(super) duration: f64,
+    /// Particles come from the upstream element.
+    pub(super) rolls: bool,
+}
+
+impl Passage {
+    /// −½(p'_J + p_I)·S_I/Δt [W/m²], J the element from which the particle comes and p' the traction
+    /// there at the start of the step; adding zero turns −0 into 0.
+    fn power(&self, grid: &Structured, start: &[f64], end: &[f64], slip: &[f64]) -> Vec<f64> {
+        let (nx, count) = (grid.ni, grid.points());
+        let from = |index: usize, component: usize| match self.rolls {
+            true if (index + 1).is_multiple_of(nx) => 0.0,
+            true => start[component * count + index + 1],
+            false => start[component * count + index],
         };
         let power = |index: usize| {
             let of = |component: usize| {
                 let at = component * count + index;
-                (self.traction[at] + upstream(index, component)) * self.slip[at]
+                (end[at] + from(index, component)) * slip[at]
             };
-            -0.5 * self.rate * (of(0) + of(1)) + 0.0
+            -0.5 / self.duration * (of(0) + of(1)) + 0.0
         };
         (0..count).map(power).collect()
-    }
-
-    /// Slip velocity [m/s], zero outside the contact.
-    fn velocity(&self, pressure: &[f64]) -> Vec<f64> {
-        let touching = pressure.iter().chain(pressure).map(|p| *p > 0.0);
-        let velocity = |(slip, touches): (&f64, bool)| if touches { slip * self.rate } else { 0.0 };
-        self.slip.iter().zip(touching).map(velocity).collect()
     }
 }

@@ -1,11 +1,13 @@
-//! The tangential problem of steady rolling on one grid.
+//! The tangential problem on one grid: a step of steady rolling, of transient rolling, or a shift.
 //!
-//! Find tractions p (two components an element) and their slip S = w Δx + B p with
+//! Find tractions p (two components an element) and their slip S = w Δq + s₀ + B p with
 //!
 //! - in the adhesion area |p| ≤ g and S = 0,
 //! - in the slip area |p| = g and S opposite to p,
 //!
-//! where g = f p_n is the traction bound and B the operator of [`super::slip_operator`].
+//! where g = f p_n is the traction bound, B the operator of [`super::slip_operator`] and s₀ the slip
+//! that is there without tractions, if any: what remains of the step before in transient rolling or
+//! in a shift, and what the pressure does on bodies of different material.
 //!
 //! **Algorithm.** A semismooth Newton method. Unknown are both components of p in the adhesion
 //! area, and in the slip area the change τ of p across its direction n, since its size is known:
@@ -17,16 +19,18 @@
 //! step is below the tolerance; a Newton method needs no relaxation here, and none is used.
 //!
 //! **Energy.** The power of the step from I + e_x to I is −½(p_I + p_{I+e_x})·S_I V/Δx. Summed over
-//! all steps, those that leave the contact too, the part of B vanishes exactly, because
-//! pᵀ(Sᵀ − S)A p = 0 for a symmetric A that commutes with the shift: the sum is
+//! all steps of steady rolling, those that leave the contact too, the part of B vanishes exactly,
+//! because pᵀ(Sᵀ − S)A p = 0 for a symmetric A that commutes with the shift: the sum is
 //! −V Σ w·p, the power of the forces over the creepages, at every resolution and whether or not the
-//! iteration has converged.
+//! iteration has converged. In transient rolling ([`super::transient`]) what remains is the change of
+//! elastic energy.
 //!
 //! Sources: Kalker (1990) for the problem; Alart & Curnier (1991) and Hüeber & Wohlmuth (2005) for
 //! Newton methods on Coulomb friction. The combination is this project's.
 
 use super::gmres::{Gmres, Preconditioned};
 use super::slip_operator::SlipOperator;
+use serde::{Deserialize, Serialize};
 
 /// Newton steps after which a solve is given up.
 const MOST_STEPS: usize = 60;
@@ -34,7 +38,7 @@ const MOST_STEPS: usize = 60;
 const LINEAR_REDUCTION: f64 = 0.3;
 
 /// What an element does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ElementState {
     /// No contact.
     Exterior,
@@ -52,8 +56,12 @@ pub type Creepage = [f64; 3];
 pub struct Problem<'a> {
     /// Elements along x.
     pub nx: usize,
-    /// Side of an element [m].
-    pub step: f64,
+    /// Distance Δq rolled in the step [m]; 1 in a shift, where the creepages are distances [m] and a
+    /// rotation [rad].
+    pub distance: f64,
+    /// Where in the step the rigid slip is taken, ahead of an element's centre: half the distance
+    /// rolled, 0 in a shift [m].
+    pub ahead: f64,
     /// Area of an element [m²].
     pub element_area: f64,
     /// Centres along x [m].
@@ -62,10 +70,23 @@ pub struct Problem<'a> {
     pub y: &'a [f64],
     /// Traction bound g = f p_n [Pa]; 0 outside the contact.
     pub bound: &'a [f64],
+    /// Slip s₀ that is there without tractions, x and y [m].
+    pub before: Option<[&'a [f64]; 2]>,
+}
+
+impl Problem<'_> {
+    /// The moment of a contact that turns about the origin, Σ g r dA [N m].
+    #[must_use]
+    pub fn largest_moment(&self) -> f64 {
+        let row = |(bounds, y): (&[f64], &f64)| -> f64 {
+            bounds.iter().zip(self.x).map(|(g, x)| g * x.hypot(*y)).sum()
+        };
+        self.bound.chunks_exact(self.nx).zip(self.y).map(row).sum::<f64>() * self.element_area
+    }
 }
 
 /// A solution, or the start of one.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct State {
     /// Tractions on body 1, x and y [Pa].
     pub traction: [Vec<f64>; 2],
@@ -86,7 +107,7 @@ pub struct Effort {
     pub linear_steps: usize,
     /// Elements that changed between adhesion and slip in the last step.
     pub changes: usize,
-    /// Largest change of a traction in the last step, over the largest bound.
+    /// Largest change of a traction in the last step, over the largest traction.
     pub last_change: f64,
 }
 
@@ -94,7 +115,7 @@ pub struct Effort {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the tangential problem did not converge in {MOST_STEPS} Newton steps: {} elements still \
-     change between adhesion and slip, tractions by {:.1e} of the bound",
+     change between adhesion and slip, tractions by {:.1e} of the largest",
     .0.changes, .0.last_change
 )]
 pub struct NotConverged(pub Effort);
@@ -102,8 +123,8 @@ pub struct NotConverged(pub Effort);
 impl State {
     /// Everything adheres, nothing pulls.
     #[must_use]
-    pub fn at_rest(problem: &Problem, creepage: Creepage) -> Self {
-        let zeros = vec![0.0; problem.bound.len()];
+    pub fn at_rest(bound: &[f64], creepage: Creepage) -> Self {
+        let zeros = vec![0.0; bound.len()];
         let state = |bound: &f64| match *bound > 0.0 {
             true => ElementState::Adhesion,
             false => ElementState::Exterior,
@@ -111,8 +132,30 @@ impl State {
         Self {
             traction: [zeros.clone(), zeros.clone()],
             slip: [zeros.clone(), zeros],
-            element: problem.bound.iter().map(state).collect(),
+            element: bound.iter().map(state).collect(),
             creepage,
+        }
+    }
+
+    /// Makes the state fit for another bound: elements enter and leave the contact, tractions are
+    /// cut, those that slip grow with the bound.
+    pub fn fit(&mut self, bound: &[f64]) {
+        let [px, py] = &mut self.traction;
+        for (index, (element, g)) in self.element.iter_mut().zip(bound).enumerate() {
+            let size = px[index].hypot(py[index]);
+            *element = match *element {
+                _ if *g == 0.0 => ElementState::Exterior,
+                ElementState::Slip if size > 0.0 => ElementState::Slip,
+                _ if size > *g => ElementState::Slip,
+                _ => ElementState::Adhesion,
+            };
+            let factor = match *element {
+                ElementState::Exterior => 0.0,
+                ElementState::Adhesion => 1.0,
+                ElementState::Slip => g / size,
+            };
+            px[index] *= factor;
+            py[index] *= factor;
         }
     }
 
@@ -135,7 +178,7 @@ impl State {
 
 /// The solver on one grid: operator and working memory.
 #[derive(Debug)]
-pub struct SteadyRolling {
+pub struct TangentialSolver {
     operator: SlipOperator,
     gmres: Gmres,
     field: [Vec<f64>; 2],
@@ -156,7 +199,7 @@ struct Turn {
     stiffness: f64,
 }
 
-impl SteadyRolling {
+impl TangentialSolver {
     /// A solver with this operator.
     #[must_use]
     pub fn new(operator: SlipOperator) -> Self {
@@ -172,8 +215,13 @@ impl SteadyRolling {
         self.operator.work()
     }
 
+    /// Product of the operator with tractions [m].
+    pub fn apply(&mut self, traction: [&[f64]; 2], slip: [&mut [f64]; 2]) {
+        self.operator.apply(traction, slip);
+    }
+
     /// Solves from the given state, with its creepages, until tractions change by less than
-    /// `tolerance` of the largest bound.
+    /// `tolerance` of the largest.
     ///
     /// # Errors
     /// It did not converge; the state is what was reached.
@@ -183,9 +231,8 @@ impl SteadyRolling {
         state: &mut State,
         tolerance: f64,
     ) -> Result<Effort, NotConverged> {
-        let largest = problem.bound.iter().copied().fold(0.0, f64::max);
         let mut effort = Effort::default();
-        if largest == 0.0 {
+        if problem.bound.iter().all(|g| *g == 0.0) {
             return Ok(effort);
         }
         for buffer in self.field.iter_mut().chain(&mut self.image) {
@@ -199,7 +246,7 @@ impl SteadyRolling {
             let change = self.advance(problem, state);
             self.update_slip(problem, state);
             effort.changes = self.release_or_stick(state) + change.released;
-            effort.last_change = change.largest / largest;
+            effort.last_change = change.relative();
             if effort.last_change < tolerance && effort.changes == 0 {
                 return Ok(effort);
             }
@@ -207,19 +254,21 @@ impl SteadyRolling {
         Err(NotConverged(effort))
     }
 
-    /// S = w Δx + B p, with the rigid slip w = (ξ − φ y, η + φ x).
+    /// S = w Δq + s₀ + B p, with the rigid slip w = (ξ − φ y, η + φ x).
     fn update_slip(&mut self, problem: &Problem, state: &mut State) {
         let [px, py] = &state.traction;
         let [sx, sy] = &mut state.slip;
         self.operator.apply([px, py], [sx, sy]);
-        let [xi, eta, phi] = state.creepage.map(|value| value * problem.step);
-        // The rigid slip of a step is that in its middle.
-        let half = 0.5 * problem.step;
+        if let Some([before_x, before_y]) = problem.before {
+            sx.iter_mut().zip(before_x).for_each(|(s, before)| *s += before);
+            sy.iter_mut().zip(before_y).for_each(|(s, before)| *s += before);
+        }
+        let [xi, eta, phi] = state.creepage.map(|value| value * problem.distance);
         for (row, y) in problem.y.iter().enumerate() {
             let range = row * problem.nx..(row + 1) * problem.nx;
             for ((sx, sy), x) in sx[range.clone()].iter_mut().zip(&mut sy[range]).zip(problem.x) {
                 *sx += xi - phi * y;
-                *sy += eta + phi * (x + half);
+                *sy += eta + phi * (x + problem.ahead);
             }
         }
     }
@@ -304,7 +353,9 @@ impl SteadyRolling {
 /// What a Newton step changed.
 #[derive(Clone, Copy, Debug, Default)]
 struct Change {
+    /// Largest change of a traction, and largest traction [Pa].
     largest: f64,
+    traction: f64,
     released: usize,
 }
 
@@ -312,6 +363,11 @@ impl Change {
     fn see(&mut self, before: [f64; 2], after: [f64; 2]) {
         let size = (after[0] - before[0]).hypot(after[1] - before[1]);
         self.largest = self.largest.max(size);
+        self.traction = self.traction.max(after[0].hypot(after[1]));
+    }
+
+    fn relative(&self) -> f64 {
+        if self.largest > 0.0 { self.largest / self.traction } else { 0.0 }
     }
 }
 

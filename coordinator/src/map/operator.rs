@@ -1,0 +1,80 @@
+//! A sparse matrix, stored row after row.
+
+/// Columns and weights of one row; a column may come several times.
+pub(super) type Row = Vec<(u32, f64)>;
+
+/// Matrix in compressed rows.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SparseOperator {
+    /// Row r has the entries `starts[r]..starts[r + 1]`.
+    starts: Vec<usize>,
+    columns: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl SparseOperator {
+    /// A matrix without rows, and room for some.
+    pub(super) fn with_rows(rows: usize) -> Self {
+        let mut starts = Vec::with_capacity(rows + 1);
+        starts.push(0);
+        Self { starts, columns: Vec::new(), weights: Vec::new() }
+    }
+
+    /// Adds a row, scaled so that it sums to one, its columns in order.
+    pub(super) fn push(&mut self, row: &mut Row) {
+        row.sort_unstable_by_key(|(column, _)| *column);
+        let sum: f64 = row.iter().map(|(_, weight)| weight).sum();
+        let start = self.columns.len();
+        for &(column, weight) in row.iter() {
+            if self.columns.len() > start && self.columns.last() == Some(&column) {
+                *self.weights.last_mut().expect("a weight for every column") += weight / sum;
+            } else {
+                self.columns.push(column);
+                self.weights.push(weight / sum);
+            }
+        }
+        self.starts.push(self.columns.len());
+    }
+
+    /// Number of entries.
+    pub(super) fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Columns and weights, row after row.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&[u32], &[f64])> {
+        self.starts.windows(2).map(|ends| {
+            let range = ends[0]..ends[1];
+            (&self.columns[range.clone()], &self.weights[range])
+        })
+    }
+
+    /// target = W source.
+    pub(super) fn apply(&self, source: &[f64], target: &mut [f64]) {
+        for ((columns, weights), value) in self.rows().zip(target) {
+            let terms = columns.iter().zip(weights).map(|(c, weight)| weight * source[*c as usize]);
+            *value = terms.sum();
+        }
+    }
+
+    /// W_ts = A_s C_st / A_t of this matrix C, with the areas of its rows (s) and columns (t).
+    pub(super) fn transposed(&self, row_areas: &[f64], column_areas: &[f64]) -> Self {
+        let mut starts = vec![0; column_areas.len() + 1];
+        for column in &self.columns {
+            starts[*column as usize + 1] += 1;
+        }
+        for column in 0..column_areas.len() {
+            starts[column + 1] += starts[column];
+        }
+        let mut next = starts.clone();
+        let (mut columns, mut weights) = (vec![0; self.len()], vec![0.0; self.len()]);
+        for (row, (old_columns, old_weights)) in self.rows().enumerate() {
+            for (column, weight) in old_columns.iter().map(|c| *c as usize).zip(old_weights) {
+                columns[next[column]] = row as u32;
+                weights[next[column]] = weight * (row_areas[row] / column_areas[column]);
+                next[column] += 1;
+            }
+        }
+        Self { starts, columns, weights }
+    }
+}

@@ -1,0 +1,289 @@
+//! Effect `roughness`: heights of the surfaces are added to the undeformed distance.
+//!
+//! Either a height map from a file, or a self-affine surface made from a seed. The latter is a sum of
+//! cosine waves with random directions and phases,
+//!
+//! z(x, y) = √(2/M) h Σ_m w_m cos(q_m·(x, y) + φ_m),
+//!
+//! whose wave numbers lie between 2π over the longest and 2π over the shortest wavelength, equally
+//! spaced in ln q, with amplitudes w_m ~ q^(−H) of the Hurst exponent H, normalised to Σ w² = M, so
+//! that h is the root mean square height. It does not depend on the grid, so that a finer grid sees
+//! the same surface.
+//!
+//! Source: Persson et al., J. Phys.: Condens. Matter 17 (2005) R1–R62, for self-affine surfaces;
+//! Longuet-Higgins, Phil. Trans. R. Soc. A 250 (1957) 157–174, for the sum of waves.
+
+use crate::keys::CheckedParams;
+use proto::configuration::{Configuration, Refusal};
+use proto::description::{EffectSpec, KeySpec};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// Name in the case file.
+pub const NAME: &str = "roughness";
+
+/// Waves of a self-affine surface.
+const WAVES: usize = 400;
+/// Larger files are refused.
+const MOST_BYTES: u64 = 1 << 28;
+
+const FILE: &str = "effects.roughness.file";
+const SPACING: &str = "effects.roughness.spacing";
+const SCALE: &str = "effects.roughness.scale";
+const RMS: &str = "effects.roughness.rms_height";
+const HURST: &str = "effects.roughness.hurst";
+const LONGEST: &str = "effects.roughness.longest_wavelength";
+const SHORTEST: &str = "effects.roughness.shortest_wavelength";
+const SEED: &str = "effects.roughness.seed";
+
+fn keys() -> Vec<KeySpec> {
+    const SOURCE: &str = "effects.roughness.source";
+    vec![
+        KeySpec::file(FILE, "height map: rows of numbers, a row along x for each y").one_of(SOURCE),
+        KeySpec::quantity(SPACING, "m", "distance between the points of the height map").above(0.0),
+        KeySpec::quantity(SCALE, "m", "height of the number 1 in the height map")
+            .default_value(1.0)
+            .above(0.0),
+        KeySpec::quantity(RMS, "m", "root mean square height of a self-affine surface")
+            .above(0.0)
+            .one_of(SOURCE),
+        KeySpec::number(HURST, "Hurst exponent").default_value(0.8).above(0.0).at_most(1.0),
+        KeySpec::quantity(LONGEST, "m", "longest wavelength").default_value(4e-3).above(0.0),
+        KeySpec::quantity(SHORTEST, "m", "shortest wavelength").default_value(4e-4).above(0.0),
+        KeySpec::integer(SEED, "seed of the random phases").default_value(1).at_least(0.0),
+    ]
+}
+
+/// What the description says of this effect.
+#[must_use]
+pub fn spec() -> EffectSpec {
+    EffectSpec {
+        name: NAME.to_owned(),
+        law: "heights from a map or of a self-affine surface, added to the undeformed distance"
+            .to_owned(),
+        source: "Persson et al., J. Phys.: Condens. Matter 17 (2005) R1-R62; Longuet-Higgins, \
+                 Phil. Trans. R. Soc. A 250 (1957) 157-174"
+            .to_owned(),
+        models: vec![crate::models::half_space::NAME.to_owned()],
+        consumes: Vec::new(),
+        provides: Vec::new(),
+        keys: keys(),
+    }
+}
+
+/// Heights of a rough surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Roughness {
+    /// Points of a regular map, continued periodically.
+    Map(HeightMap),
+    /// A sum of waves.
+    Waves(Vec<Wave>),
+}
+
+/// A regular map of heights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightMap {
+    columns: usize,
+    spacing: f64,
+    heights: Vec<f64>,
+}
+
+/// One wave of a self-affine surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wave {
+    /// Wave numbers along x and y [rad/m].
+    wave_number: [f64; 2],
+    /// Phase [rad].
+    phase: f64,
+    /// Amplitude [m].
+    amplitude: f64,
+}
+
+/// The roughness of a configuration; `None` when the effect is off.
+///
+/// # Errors
+/// The effect is on and its values are missing or out of range, or the file is no height map.
+pub(crate) fn read(configuration: &Configuration) -> Result<Option<Roughness>, Refusal> {
+    if !configuration.has_effect(NAME) {
+        return Ok(None);
+    }
+    let case = CheckedParams::new(&configuration.case, keys());
+    if case.has(FILE) {
+        let path = case.text(FILE)?;
+        let wrong = |reason: String| {
+            Refusal::new(FILE, format!("`{path}` {reason}"), "give rows of numbers of equal length")
+        };
+        let bytes = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?.len();
+        if bytes > MOST_BYTES {
+            return Err(wrong(format!("has {bytes} bytes")));
+        }
+        let text = std::fs::read(Path::new(path)).map_err(|error| wrong(error.to_string()))?;
+        let map = HeightMap::parse(&text, case.number(SPACING)?, case.number(SCALE)?);
+        return map.map(|map| Some(Roughness::Map(map))).map_err(wrong);
+    }
+    let (longest, shortest) = (case.number(LONGEST)?, case.number(SHORTEST)?);
+    if shortest >= longest {
+        return Err(Refusal::new(
+            SHORTEST,
+            format!("{shortest} m is not below the longest wavelength of {longest} m"),
+            format!("lower it, or raise {LONGEST}"),
+        ));
+    }
+    let seed = case.integer(SEED)?.unsigned_abs();
+    let waves = self_affine(case.number(RMS)?, case.number(HURST)?, [longest, shortest], seed);
+    Ok(Some(Roughness::Waves(waves)))
+}
+
+impl Roughness {
+    /// Height at a point [m].
+    #[must_use]
+    pub fn height(&self, x: f64, y: f64) -> f64 {
+        match self {
+            Self::Map(map) => map.height(x, y),
+            Self::Waves(waves) => {
+                let term = |wave: &Wave| {
+                    let [qx, qy] = wave.wave_number;
+                    wave.amplitude * (qx * x + qy * y + wave.phase).cos()
+                };
+                waves.iter().map(term).sum()
+            }
+        }
+    }
+}
+
+impl HeightMap {
+    /// Reads rows of numbers, separated by commas or blanks; `#` begins a comment.
+    ///
+    /// # Errors
+    /// What is wrong, after the file's name.
+    pub fn parse(text: &[u8], spacing: f64, scale: f64) -> Result<Self, String> {
+        let text = std::str::from_utf8(text).map_err(|_| "is not text".to_owned())?;
+        let (mut columns, mut heights) = (0, Vec::new());
+        for (line, row) in text.lines().enumerate() {
+            let row = row.split('#').next().unwrap_or_default().trim();
+            if row.is_empty() {
+                continue;
+            }
+            let before = heights.len();
+            for word in row.split([',', ';', ' ', '\t']).filter(|word| !word.is_empty()) {
+                match word.parse::<f64>() {
+                    Ok(value) if (value * scale).is_finite() => heights.push(value * scale),
+                    _ => return Err(format!("has {word:?} in line {}", line + 1)),
+                }
+            }
+            let count = heights.len() - before;
+            if columns == 0 {
+                columns = count;
+            }
+            if count != columns {
+                let line = line + 1;
+                return Err(format!("has {count} numbers in line {line}, and {columns} before"));
+            }
+        }
+        match heights.len() {
+            0 => Err("has no numbers".to_owned()),
+            _ => Ok(Self { columns, spacing, heights }),
+        }
+    }
+
+    /// Bilinear between the points; the map's first point lies at the origin.
+    fn height(&self, x: f64, y: f64) -> f64 {
+        let rows = self.heights.len() / self.columns;
+        let cell = |at: f64, count: usize| {
+            let at = (at / self.spacing).rem_euclid(count as f64);
+            let low = (at as usize).min(count - 1);
+            (low, (low + 1) % count, at - low as f64)
+        };
+        let ((i, right, s), (j, upper, t)) = (cell(x, self.columns), cell(y, rows));
+        let row = |j: usize| {
+            let at = |i: usize| self.heights[j * self.columns + i];
+            (1.0 - s) * at(i) + s * at(right)
+        };
+        (1.0 - t) * row(j) + t * row(upper)
+    }
+}
+
+/// The waves of a surface with this root mean square height [m] and wavelengths [m].
+fn self_affine(rms: f64, hurst: f64, [longest, shortest]: [f64; 2], seed: u64) -> Vec<Wave> {
+    let mut random = SplitMix { state: seed };
+    let mut waves: Vec<Wave> = (0..WAVES)
+        .map(|m| {
+            let share = (m as f64 + random.unit()) / WAVES as f64;
+            let wavelength = longest * (shortest / longest).powf(share);
+            let (angle, phase) = (TAU * random.unit(), TAU * random.unit());
+            let size = TAU / wavelength;
+            let wave_number = [size * angle.cos(), size * angle.sin()];
+            Wave { wave_number, phase, amplitude: wavelength.powf(hurst) }
+        })
+        .collect();
+    let square: f64 = waves.iter().map(|wave| 0.5 * wave.amplitude.powi(2)).sum();
+    waves.iter_mut().for_each(|wave| wave.amplitude *= rms / square.sqrt());
+    waves
+}
+
+/// The generator splitmix64 (Steele, Lea & Flood 2014): the same surface on every machine.
+struct SplitMix {
+    state: u64,
+}
+
+impl SplitMix {
+    /// A number in [0, 1).
+    fn unit(&mut self) -> f64 {
+        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Mean and mean square over an area many wavelengths wide. Tolerance: the scatter of a finite
+    /// area; that the longest waves weigh most leaves a few dozen independent patches.
+    #[test]
+    fn self_affine_heights_have_the_root_mean_square_asked_for() {
+        let surface = Roughness::Waves(self_affine(2e-6, 0.8, [1e-3, 1e-4], 7));
+        let heights: Vec<f64> = (0..40_000)
+            .map(|k| surface.height(f64::from(k % 200) * 7.3e-5, f64::from(k / 200) * 7.1e-5))
+            .collect();
+        let mean = heights.iter().sum::<f64>() / heights.len() as f64;
+        let square = heights.iter().map(|z| z * z).sum::<f64>() / heights.len() as f64;
+        assert!(mean.abs() < 0.05 * 2e-6, "{mean}");
+        assert!((square.sqrt() / 2e-6 - 1.0).abs() < 0.05, "{}", square.sqrt());
+    }
+
+    #[test]
+    fn seeds_differ_and_repeat() {
+        let surface = |seed| self_affine(1e-6, 0.5, [1e-3, 1e-4], seed);
+        assert_eq!(surface(3), surface(3));
+        assert_ne!(surface(3), surface(4));
+    }
+
+    #[test]
+    fn a_map_is_bilinear_and_periodic() {
+        let map = HeightMap::parse(b"# heights\n0, 1, 2\n3 4 5\n", 0.5, 2.0).unwrap();
+        assert_eq!(map.height(0.5, 0.0), 2.0);
+        assert_eq!(map.height(0.25, 0.25), 4.0);
+        assert_eq!(map.height(0.5 + 1.5, 1.0), 2.0);
+        assert_eq!(map.height(-0.5, 0.0), 4.0);
+        for (text, told) in [("", "no numbers"), ("1 2\n3", "line 2"), ("1 x", "\"x\" in line 1")] {
+            let error = HeightMap::parse(text.as_bytes(), 1.0, 1.0).unwrap_err();
+            assert!(error.contains(told), "{error}");
+        }
+        assert!(HeightMap::parse(b"1 inf", 1.0, 1.0).is_err());
+        assert!(HeightMap::parse(&[0xff], 1.0, 1.0).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_and_any_place(bytes in prop::collection::vec(any::<u8>(), 0..100), x in -1e6f64..1e6) {
+            if let Ok(map) = HeightMap::parse(&bytes, 0.3, 1.0) {
+                prop_assert!(map.height(x, -x).is_finite());
+            }
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What normal and tangential contact do to each other when the bodies differ.
+//!
+//! With the coupling constant K of the pair ([`super::influence`]) the pressure displaces the surfaces
+//! along the plane by A_tz p_n, which adds to the slip, and the tractions displace them along the
+//! normal by A_zt p_t, which adds to the undeformed distance. Both problems are solved in turn until
+//! the pressure rests; each turn changes it by a factor of about f K G less than the one before, below
+//! a fifth for any pair.
+//!
+//! Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421–432, for the iteration; Kalker (1990)
+//! §4.2.
+
+use super::convolution::{Convolution, Spectrum};
+use super::influence::Influence;
+
+/// The operators A_tz and A_zt on one grid.
+#[derive(Debug)]
+pub struct Coupling {
+    convolution: Convolution,
+    by_pressure: [Spectrum; 2],
+    by_traction: [Spectrum; 2],
+    part: Vec<f64>,
+}
+
+impl Coupling {
+    /// The operators for nx × ny elements. `rolling` takes the slip of steady rolling, (1 − S) A_tz,
+    /// in place of the displacement A_tz.
+    #[must_use]
+    pub fn new(influence: &Influence, nx: usize, ny: usize, rolling: bool) -> Self {
+        let mut convolution = Convolution::new(nx, ny);
+        let step = |kernel: &dyn Fn(i32, i32) -> f64, i: i32, j: i32| match rolling {
+            true => kernel(i, j) - kernel(i + 1, j),
+            false => kernel(i, j),
+        };
+        let by_pressure = [
+            convolution.spectrum(|i, j| step(&|i, j| influence.xz(i, j), i, j)),
+            convolution.spectrum(|i, j| step(&|i, j| influence.yz(i, j), i, j)),
+        ];
+        let by_traction = [
+            convolution.spectrum(|i, j| influence.zx(i, j)),
+            convolution.spectrum(|i, j| influence.zy(i, j)),
+        ];
+        Self { convolution, by_pressure, by_traction, part: vec![0.0; nx * ny] }
+    }
+
+    /// Slip, or displacement, along x and y by the pressure [m].
+    pub fn slip_by_pressure(&mut self, pressure: &[f64], slip: [&mut [f64]; 2]) {
+        for (spectrum, slip) in self.by_pressure.iter().zip(slip) {
+            self.convolution.apply(spectrum, pressure, slip);
+        }
+    }
+
+    /// Normal displacement by the tractions [m].
+    pub fn distance_by_traction(&mut self, traction: [&[f64]; 2], distance: &mut [f64]) {
+        let [along_x, along_y] = traction;
+        self.convolution.apply(&self.by_traction[0], along_x, distance);
+        self.convolution.apply(&self.by_traction[1], along_y, &mut self.part);
+        distance.iter_mut().zip(&self.part).for_each(|(sum, part)| *sum += part);
+    }
+}

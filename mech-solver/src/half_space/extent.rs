@@ -1,0 +1,215 @@
+//! The grid that holds a contact: enlarged until the contact stays off its edge.
+
+use super::influence::{Elasticity, Influence};
+use super::normal::{NormalContact, NormalError, NormalSolver, Prescribed};
+use proto::grid::Structured;
+
+/// Growth of the grid at a side that the contact touches, as a share of the whole length.
+const GROWTH: f64 = 0.25;
+
+/// A normal contact on a grid that holds it.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The grid.
+    pub grid: Structured,
+    /// Pressure of its elements [Pa].
+    pub pressure: Vec<f64>,
+    /// What the solver says.
+    pub contact: NormalContact,
+    /// How often the grid was enlarged.
+    pub enlargements: usize,
+}
+
+/// Solves a normal contact with the undeformed distance `distance(x, y)` [m] and enlarges the grid,
+/// elements unchanged, at the sides that the contact touches.
+///
+/// # Errors
+/// Those of [`NormalSolver::solve`], and a contact that needs more than `limit` elements.
+pub fn fit_grid(
+    mut grid: Structured,
+    bodies: &Elasticity,
+    distance: &dyn Fn(f64, f64) -> f64,
+    prescribed: Prescribed,
+    limit: usize,
+) -> Result<Fitted, NormalError> {
+    let mut pressure = vec![0.0; grid.points()];
+    for enlargements in 0.. {
+        let influence = Influence { dx: grid.dx(), dy: grid.dy(), elasticity: *bodies };
+        let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
+        let contact = solver.solve(&sample(&grid, distance), prescribed, &mut pressure)?;
+        if !contact.touches_edge {
+            return Ok(Fitted { grid, pressure, contact, enlargements });
+        }
+        let more = touched(&grid, &pressure).map(usize::from);
+        let larger = enlarged(&grid, more);
+        if larger.points() > limit {
+            break;
+        }
+        pressure = embed(&grid, &larger, &pressure);
+        grid = larger;
+    }
+    Err(NormalError::GridLimit { nx: grid.ni, ny: grid.nj, limit })
+}
+
+/// Values of a function of (x, y) at the elements' centres.
+#[must_use]
+pub fn sample(grid: &Structured, function: &dyn Fn(f64, f64) -> f64) -> Vec<f64> {
+    let at = |index: usize| function(grid.x(index % grid.ni), grid.y(index / grid.ni));
+    (0..grid.points()).map(at).collect()
+}
+
+/// Whether a pressure reaches the sides of least x, largest x, least y and largest y.
+fn touched(grid: &Structured, pressure: &[f64]) -> [bool; 4] {
+    let loaded = |i: usize, j: usize| pressure[j * grid.ni + i] > 0.0;
+    let (right, top) = (grid.ni - 1, grid.nj - 1);
+    [
+        (0..grid.nj).any(|j| loaded(0, j)),
+        (0..grid.nj).any(|j| loaded(right, j)),
+        (0..grid.ni).any(|i| loaded(i, 0)),
+        (0..grid.ni).any(|i| loaded(i, top)),
+    ]
+}
+
+/// The grid with whole elements added at some sides.
+fn enlarged(grid: &Structured, [left, right, low, high]: [usize; 4]) -> Structured {
+    let added = |count: usize| (GROWTH * count as f64).ceil() as usize;
+    let (along_x, along_y) = (added(grid.ni), added(grid.nj));
+    let (before_x, before_y) = (left * along_x, low * along_y);
+    let x0 = grid.x(0) - before_x as f64 * grid.dx();
+    let y0 = grid.y(0) - before_y as f64 * grid.dy();
+    let nx = grid.ni + before_x + right * along_x;
+    let ny = grid.nj + before_y + high * along_y;
+    Structured::contact_plane(x0, y0, grid.dx(), grid.dy(), nx, ny)
+}
+
+/// A field of a grid on a larger one of the same elements, zero around it.
+fn embed(grid: &Structured, larger: &Structured, field: &[f64]) -> Vec<f64> {
+    let left = ((grid.x(0) - larger.x(0)) / grid.dx()).round() as usize;
+    let low = ((grid.y(0) - larger.y(0)) / grid.dy()).round() as usize;
+    let mut embedded = vec![0.0; larger.points()];
+    for (j, row) in field.chunks_exact(grid.ni).enumerate() {
+        let start = (low + j) * larger.ni + left;
+        embedded[start..start + grid.ni].copy_from_slice(row);
+    }
+    embedded
+}
+
+/// Where a pressure stands and how large its contact is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// Centre of pressure, x and y [m].
+    pub centre: [f64; 2],
+    /// Semi-axes along x and y of the ellipse whose semi-ellipsoidal pressure has the second moments
+    /// of this one about its centre, ⟨x²⟩ = a²/5, an element's own Δx²/12 included [m].
+    pub semi_axes: [f64; 2],
+}
+
+impl Moments {
+    /// Those of a pressure; zero without pressure.
+    #[must_use]
+    pub fn of(grid: &Structured, pressure: &[f64]) -> Self {
+        let mut sums = [0.0; 5];
+        for (index, p) in pressure.iter().enumerate() {
+            let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
+            for (sum, weight) in sums.iter_mut().zip([1.0, x, y, x * x, y * y]) {
+                *sum += p * weight;
+            }
+        }
+        if sums[0] <= 0.0 {
+            return Self::default();
+        }
+        let [total, x, y, xx, yy] = sums;
+        let centre = [x / total, y / total];
+        let semi_axis = |square: f64, centre: f64, side: f64| {
+            (5.0 * (square / total - centre * centre + side * side / 12.0)).max(0.0).sqrt()
+        };
+        let semi_axes = [semi_axis(xx, centre[0], grid.dx()), semi_axis(yy, centre[1], grid.dy())];
+        Self { centre, semi_axes }
+    }
+}
+
+/// Number of patches of a pressure: elements that share a side are of one patch.
+#[must_use]
+pub fn patches(grid: &Structured, pressure: &[f64]) -> usize {
+    let mut seen: Vec<bool> = pressure.iter().map(|p| *p <= 0.0).collect();
+    let (mut count, mut waiting) = (0, Vec::new());
+    for start in 0..seen.len() {
+        if seen[start] {
+            continue;
+        }
+        count += 1;
+        seen[start] = true;
+        waiting.push(start);
+        while let Some(at) = waiting.pop() {
+            let (i, j) = (at % grid.ni, at / grid.ni);
+            let neighbours = [
+                (i > 0).then(|| at - 1),
+                (i + 1 < grid.ni).then(|| at + 1),
+                (j > 0).then(|| at - grid.ni),
+                (j + 1 < grid.nj).then(|| at + grid.ni),
+            ];
+            for neighbour in neighbours.into_iter().flatten() {
+                if !std::mem::replace(&mut seen[neighbour], true) {
+                    waiting.push(neighbour);
+                }
+            }
+        }
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Material;
+
+    const LOAD: Prescribed = Prescribed::Load(134e3);
+
+    fn steel() -> Elasticity {
+        let body = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
+        Elasticity::of_pair(&body, &body)
+    }
+
+    fn grid(half_x: usize, half_y: usize, side: f64) -> Structured {
+        let (x0, y0) = (-(half_x as f64) * side, -(half_y as f64) * side);
+        Structured::contact_plane(x0, y0, side, side, 2 * half_x + 1, 2 * half_y + 1)
+    }
+
+    /// A grid that starts too small, also off the contact, ends with the solution of one that was
+    /// large enough. Tolerance: that of the iteration.
+    #[test]
+    fn a_small_grid_grows_to_the_same_solution() {
+        let gap = |x: f64, y: f64| 0.5 / 0.46 * x * x + 0.5 / 0.3 * y * y;
+        let fit = |start, limit| fit_grid(start, &steel(), &gap, LOAD, limit);
+        let whole = fit(grid(13, 13, 8e-4), 10_000).unwrap();
+        assert_eq!((whole.enlargements, whole.grid), (0, grid(13, 13, 8e-4)));
+        let small = Structured::contact_plane(-2.4e-3, -0.8e-3, 8e-4, 8e-4, 9, 4);
+        let grown = fit(small, 10_000).unwrap();
+        assert!(grown.enlargements > 3);
+        assert_eq!(grown.contact.contact_elements, whole.contact.contact_elements);
+        assert!((grown.contact.approach / whole.contact.approach - 1.0).abs() < 1e-9);
+        let refused = fit(small, 200).unwrap_err();
+        assert!(matches!(refused, NormalError::GridLimit { limit: 200, .. }));
+    }
+
+    /// Tolerances: the area of the elements that the edge cuts, second order in their size; the
+    /// rounding that decides about elements on the edge.
+    #[test]
+    fn moments_of_a_known_pressure() {
+        let grid = Structured::contact_plane(-2.0, -1.0, 0.05, 0.04, 81, 51);
+        let ellipsoid =
+            |x: f64, y: f64| (1.0 - ((x - 0.2) / 1.5).powi(2) - (y / 0.8).powi(2)).max(0.0).sqrt();
+        let Moments { centre, semi_axes: [a, b] } = Moments::of(&grid, &sample(&grid, &ellipsoid));
+        assert!((a / 1.5 - 1.0).abs() < 2e-3 && (b / 0.8 - 1.0).abs() < 2e-3, "{a} {b}");
+        assert!((centre[0] - 0.2).abs() < 1e-6 && centre[1].abs() < 1e-6);
+        assert_eq!(Moments::of(&grid, &vec![0.0; grid.points()]), Moments::default());
+    }
+
+    #[test]
+    fn patches_are_counted() {
+        let grid = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 4, 3);
+        let pressure = [1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0];
+        assert_eq!(patches(&grid, &pressure), 3);
+        assert_eq!(patches(&grid, &[0.0; 12]), 0);
+    }
+}

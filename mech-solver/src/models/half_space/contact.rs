@@ -1,0 +1,228 @@
+//! Normal and tangential contact of one instant.
+//!
+//! Bodies of the same elastic constants: the pressure is solved once, then the tractions. Different
+//! ones: pressure and tractions in turn until the pressure rests ([`crate::half_space::coupling`]).
+
+use super::Case;
+use super::drive::Driven;
+use crate::half_space::coupling::Coupling;
+use crate::half_space::extent::sample;
+use crate::half_space::force_search::ForceSearch;
+use crate::half_space::influence::Influence;
+use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
+use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
+use crate::half_space::tangential::State;
+
+/// Change of the pressure, over the largest, at which it rests: far below the error of any grid.
+const REST: f64 = 1e-6;
+/// Turns of normal and tangential contact after which they are given up.
+const MOST_TURNS: usize = 30;
+
+/// Why an instant has no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(super) enum ContactError {
+    #[error(transparent)]
+    Normal(#[from] NormalError),
+    #[error(transparent)]
+    Tangential(#[from] TangentialError),
+    #[error(
+        "normal and tangential contact did not settle in {MOST_TURNS} turns: the pressure still \
+         changes by {change:.1e} of its maximum"
+    )]
+    Unsettled { change: f64 },
+    #[error("under this approach of {approach:.4e} m the bodies do not touch")]
+    Apart { approach: f64 },
+}
+
+/// The solvers of a contact, and its latest pressure.
+#[derive(Debug)]
+pub(super) struct ContactSolver {
+    normal: Option<Normal>,
+    levels: Option<Levels>,
+    coupling: Option<Coupling>,
+    friction: f64,
+    area: f64,
+    pub(super) pressure: Vec<f64>,
+    /// Approach [m]; unknown for a given pressure.
+    pub(super) approach: Option<f64>,
+    /// Iterations of the normal solver, in all.
+    pub(super) normal_iterations: usize,
+    /// Slip s₀ without tractions.
+    before: [Vec<f64>; 2],
+    bound: Vec<f64>,
+}
+
+/// A normal problem to be solved.
+#[derive(Debug)]
+struct Normal {
+    solver: NormalSolver,
+    prescribed: Prescribed,
+    undeformed: Vec<f64>,
+    /// With the normal displacement by tractions.
+    distance: Vec<f64>,
+}
+
+impl ContactSolver {
+    /// Operators of a case; solves the frictionless normal contact.
+    pub(super) fn new(case: &Case, motion: Motion) -> Result<Self, ContactError> {
+        let grid = &case.footprint.grid;
+        let influence = Influence { dx: grid.dx(), dy: grid.dy(), elasticity: case.bodies };
+        let coupled = case.bodies.is_coupled();
+        let normal = case.footprint.gap.as_ref().map(|gap| {
+            let undeformed = sample(grid, &|x, y| gap.distance(x, y));
+            Normal {
+                solver: NormalSolver::new(grid.ni, grid.nj, &influence),
+                prescribed: super::geometry::prescribed(case.scene.load),
+                distance: undeformed.clone(),
+                undeformed,
+            }
+        });
+        let contact = Contact {
+            bodies: case.bodies,
+            layer: case.layer,
+            semi_axes: case.footprint.semi_axes,
+            motion,
+        };
+        let zeros = vec![0.0; grid.points()];
+        let mut solver = Self {
+            normal,
+            levels: case.partial.then(|| Levels::new(grid, &contact)),
+            coupling: (case.partial && coupled).then(|| {
+                let rolling = motion == Motion::SteadyRolling;
+                Coupling::new(&influence, grid.ni, grid.nj, rolling)
+            }),
+            friction: case.scene.friction_coefficient,
+            area: grid.element_area(),
+            pressure: case.given_pressure(),
+            approach: None,
+            normal_iterations: 0,
+            before: [zeros.clone(), zeros.clone()],
+            bound: zeros,
+        };
+        solver.press()?;
+        solver.set_bound();
+        Ok(solver)
+    }
+
+    /// Normal force [N].
+    fn normal_force(&self) -> f64 {
+        self.pressure.iter().sum::<f64>() * self.area
+    }
+
+    fn set_bound(&mut self) {
+        for (bound, pressure) in self.bound.iter_mut().zip(&self.pressure) {
+            *bound = self.friction * pressure;
+        }
+    }
+
+    /// Solves the normal contact from the latest pressure; the largest change over the largest.
+    fn press(&mut self) -> Result<f64, ContactError> {
+        let Some(normal) = &mut self.normal else { return Ok(0.0) };
+        let before = self.pressure.clone();
+        let Normal { solver, prescribed, distance, .. } = normal;
+        let found = solver.solve(distance, *prescribed, &mut self.pressure)?;
+        if found.touches_edge {
+            let (nx, ny) = solver.shape();
+            return Err(NormalError::Edge { nx, ny }.into());
+        }
+        if found.contact_elements == 0 {
+            return Err(ContactError::Apart { approach: found.approach });
+        }
+        self.approach = Some(found.approach);
+        self.normal_iterations += found.iterations;
+        let largest = self.pressure.iter().copied().fold(0.0, f64::max);
+        let change = self.pressure.iter().zip(&before).map(|(p, q)| (p - q).abs());
+        Ok(change.fold(0.0, f64::max) / largest)
+    }
+
+    /// Solves for the tractions, from a solution that is near if there is one. `history` is the slip
+    /// that remains of the instant before, x and y [m].
+    pub(super) fn solve(
+        &mut self,
+        driven: &Driven,
+        near: Option<Solution>,
+        history: Option<[&[f64]; 2]>,
+    ) -> Result<Solution, ContactError> {
+        let levels = self.levels.as_mut().expect("partial slip has its operators");
+        let prescribed = |force| driven.at(force);
+        let normal_force = self.pressure.iter().sum::<f64>() * self.area;
+        let mut solution = match (near, history) {
+            (Some(near), _) => near,
+            (None, Some(_)) => Solution::new(State::at_rest(&self.bound, [0.0; 3])),
+            (None, None) => levels.solve(&self.bound, &prescribed(normal_force))?,
+        };
+        if self.coupling.is_none() {
+            if history.is_some() {
+                levels.improve(&self.bound, &prescribed(normal_force), history, &mut solution)?;
+            }
+            return Ok(solution);
+        }
+        let mut change = f64::INFINITY;
+        for _ in 0..MOST_TURNS {
+            self.turn(driven, history, &mut solution)?;
+            if change <= REST {
+                return Ok(solution);
+            }
+            change = self.yield_to(&solution.state)?;
+        }
+        Err(ContactError::Unsettled { change })
+    }
+
+    /// The tractions under the latest pressure, with the slip that it makes.
+    fn turn(
+        &mut self,
+        driven: &Driven,
+        history: Option<[&[f64]; 2]>,
+        solution: &mut Solution,
+    ) -> Result<(), ContactError> {
+        self.set_bound();
+        let prescribed = driven.at(self.normal_force());
+        let [before_x, before_y] = &mut self.before;
+        if let Some(coupling) = &mut self.coupling {
+            coupling.slip_by_pressure(&self.pressure, [before_x, before_y]);
+        }
+        if let Some(history) = history {
+            for (sum, more) in self.before.iter_mut().zip(history) {
+                sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+            }
+        }
+        let levels = self.levels.as_mut().expect("partial slip has its operators");
+        let [before_x, before_y] = &self.before;
+        levels.improve(&self.bound, &prescribed, Some([before_x, before_y]), solution)?;
+        Ok(())
+    }
+
+    /// The pressure under the tractions; its change.
+    fn yield_to(&mut self, state: &State) -> Result<f64, ContactError> {
+        let (Some(coupling), Some(normal)) = (&mut self.coupling, &mut self.normal) else {
+            return Ok(0.0);
+        };
+        let [along_x, along_y] = &state.traction;
+        coupling.distance_by_traction([along_x, along_y], &mut normal.distance);
+        for (sum, undeformed) in normal.distance.iter_mut().zip(&normal.undeformed) {
+            *sum += undeformed;
+        }
+        self.press()
+    }
+
+    /// The force search, whose slopes are part of a state.
+    pub(super) fn search(&mut self) -> &mut ForceSearch {
+        self.levels.as_mut().expect("partial slip has its operators").search()
+    }
+
+    /// The tangential displacement difference of an instant, by tractions and pressure [m]; for
+    /// motions in time.
+    pub(super) fn displacement(&mut self, state: &State, displacement: &mut [Vec<f64>; 2]) {
+        let [along_x, along_y] = displacement;
+        let [px, py] = &state.traction;
+        let levels = self.levels.as_mut().expect("partial slip has its operators");
+        levels.displacement([px, py], [along_x, along_y]);
+        if let Some(coupling) = &mut self.coupling {
+            let [before_x, before_y] = &mut self.before;
+            coupling.slip_by_pressure(&self.pressure, [before_x, before_y]);
+            for (sum, more) in displacement.iter_mut().zip(&self.before) {
+                sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+            }
+        }
+    }
+}

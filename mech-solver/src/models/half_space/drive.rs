@@ -1,0 +1,193 @@
+//! What drives the wheel, component by component: a force, or a creepage.
+
+use crate::effects::partial_slip;
+use crate::ellipse::Ellipse;
+use crate::half_space::force_search::Prescribed;
+use crate::keys::CheckedParams;
+use crate::reference::carter;
+use crate::scene::{Drive, Load, SPEED, Scene, shift_keys};
+use proto::configuration::{Configuration, Mode, Refusal};
+use proto::description::KeySpec;
+
+const LATERAL_CREEPAGE: &str = "motion.lateral_creepage";
+const LATERAL_FORCE: &str = "motion.lateral_force";
+const SPIN_CREEPAGE: &str = "motion.spin_creepage";
+const SPIN_MOMENT: &str = "motion.spin_moment";
+
+/// The keys besides the scene's.
+pub(super) fn keys() -> Vec<KeySpec> {
+    let mut keys = vec![
+        KeySpec::number(LATERAL_CREEPAGE, "lateral creepage beside a prescribed force"),
+        KeySpec::quantity(LATERAL_FORCE, "N", "lateral force on the wheel")
+            .magnitude_below(&["friction.coefficient", "load.normal_force"]),
+        KeySpec::quantity(SPIN_CREEPAGE, "1/m", "spin [rad/m] beside a prescribed force"),
+        KeySpec::quantity(SPIN_MOMENT, "N m", "spin moment on the wheel"),
+    ];
+    keys.extend(shift_keys());
+    keys
+}
+
+/// One component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Component {
+    /// Creepage, or shift.
+    Creepage(f64),
+    /// Force [N], or moment [N m].
+    Force(f64),
+    /// Force over the normal force [-].
+    Coefficient(f64),
+}
+
+/// What drives the wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Driven {
+    components: [Component; 3],
+}
+
+impl Driven {
+    /// Reads and checks it. `ellipse` is the contact, where it is one.
+    pub(super) fn read(
+        configuration: &Configuration,
+        scene: &Scene,
+        ellipse: Option<&Ellipse>,
+    ) -> Result<Self, Refusal> {
+        refuse_wrong_motion(configuration, scene)?;
+        let case = CheckedParams::new(&configuration.case, keys());
+        let [along, mut across, mut spin] = match scene.drive {
+            Drive::TractionCoefficient(value) => {
+                [Component::Coefficient(value), Component::Creepage(0.0), Component::Creepage(0.0)]
+            }
+            Drive::TangentialForce(value) => {
+                [Component::Force(value), Component::Creepage(0.0), Component::Creepage(0.0)]
+            }
+            Drive::Creepage { xi, eta, phi } => [xi, eta, phi].map(Component::Creepage),
+            Drive::Shift(shift) => shift.map(Component::Creepage),
+        };
+        override_with(&case, &mut across, LATERAL_CREEPAGE, LATERAL_FORCE)?;
+        override_with(&case, &mut spin, SPIN_CREEPAGE, SPIN_MOMENT)?;
+        let driven = Self { components: [along, across, spin] };
+        let normal_force = match (scene.load, ellipse) {
+            (_, Some(ellipse)) => Some(ellipse.normal_force),
+            (Load::NormalForce(force), None) => Some(force),
+            (Load::Approach(_), None) => None,
+        };
+        let partial = configuration.has_effect(partial_slip::NAME);
+        if let Some(normal_force) = normal_force {
+            driven.refuse_beyond_friction(scene.friction_coefficient, normal_force, partial)?;
+        }
+        if partial { Ok(driven) } else { driven.sliding(scene, ellipse) }
+    }
+
+    /// Forces and creepages at this normal force [N].
+    pub(super) fn at(&self, normal_force: f64) -> Prescribed {
+        let mut prescribed = Prescribed::creepages([0.0; 3]);
+        for (k, component) in self.components.iter().enumerate() {
+            match component {
+                Component::Creepage(value) => prescribed.creepage[k] = *value,
+                Component::Force(value) => prescribed.force[k] = Some(*value),
+                Component::Coefficient(value) => prescribed.force[k] = Some(value * normal_force),
+            }
+        }
+        prescribed
+    }
+
+    /// After the shift of the first window: the bodies rest, forces remain.
+    pub(super) fn resting(&self) -> Self {
+        let rest = |component| match component {
+            Component::Creepage(_) => Component::Creepage(0.0),
+            force => force,
+        };
+        Self { components: self.components.map(rest) }
+    }
+
+    fn refuse_beyond_friction(
+        &self,
+        friction: f64,
+        normal_force: f64,
+        partial: bool,
+    ) -> Result<(), Refusal> {
+        let [along, across, _] = self.at(normal_force).force.map(Option::unwrap_or_default);
+        let (force, most) = (along.hypot(across), friction * normal_force);
+        if force < most || (force == most && !partial) {
+            return Ok(());
+        }
+        let reason = match force > most {
+            true => format!("a force of {force:.6e} N is beyond f N = {most:.6e} N"),
+            false => format!("a force of f N = {most:.6e} N leaves the creepage undetermined"),
+        };
+        Err(Refusal::new("motion", reason, "write less, or prescribe motion.creepage"))
+    }
+
+    /// Without partial slip all creepages must be known: for a longitudinal force the one of
+    /// Carter's law, as in `hertz-carter`.
+    fn sliding(self, scene: &Scene, ellipse: Option<&Ellipse>) -> Result<Self, Refusal> {
+        let [along, across, spin] = self.components;
+        let known = |component: Component| matches!(component, Component::Creepage(_));
+        if !known(across) || !known(spin) || (!known(along) && ellipse.is_none()) {
+            return Err(Refusal::new(
+                "motion",
+                "a contact that slides everywhere has the force f N, whatever is prescribed",
+                "add [effects.partial_slip], or prescribe motion.creepage",
+            ));
+        }
+        let (false, Some(ellipse)) = (known(along), ellipse) else { return Ok(self) };
+        let friction = scene.friction_coefficient;
+        let force = self.at(ellipse.normal_force).force[0].unwrap_or_default();
+        let ratio = (force / (friction * ellipse.normal_force)).clamp(-1.0, 1.0);
+        let compliance = scene.contact_compliance();
+        let prefactor = carter::prefactor_by_pressure(friction, ellipse.max_pressure, compliance);
+        let creep = -ratio.signum() * carter::creep(prefactor, ratio.abs());
+        Ok(Self { components: [Component::Creepage(creep), across, spin] })
+    }
+}
+
+/// A body that rolls has creepages, one that does not is shifted, and has no steady state.
+fn refuse_wrong_motion(configuration: &Configuration, scene: &Scene) -> Result<(), Refusal> {
+    let rolls = scene.rolling_speed > 0.0;
+    match scene.drive {
+        Drive::Creepage { .. } if !rolls => Err(Refusal::new(
+            "motion.creepage",
+            "a wheel that does not roll has no creepage",
+            format!("write motion.shift, a force, or {SPEED} above 0 m/s"),
+        )),
+        Drive::Shift(_) if rolls => Err(Refusal::new(
+            "motion.shift",
+            "a wheel that rolls has creepages; a shift is for bodies that do not roll",
+            format!("write motion.creepage, or {SPEED} = 0"),
+        )),
+        _ if !rolls && configuration.mode == Mode::Steady => Err(Refusal::new(
+            SPEED,
+            "bodies that do not roll have no steady state",
+            "write time.mode = \"transient\", with a window for the shift",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Replaces the component by the force, or by the creepage, if the case has one.
+fn override_with(
+    case: &CheckedParams<'_>,
+    component: &mut Component,
+    creepage: &str,
+    force: &str,
+) -> Result<(), Refusal> {
+    let given = (case.maybe_number(creepage)?, case.maybe_number(force)?);
+    let (key, value) = match given {
+        (None, None) => return Ok(()),
+        (Some(_), Some(_)) => {
+            let reason = format!("stands beside `{creepage}`, and each alone decides the other");
+            return Err(Refusal::new(force, reason, "keep one of them"));
+        }
+        (Some(value), None) => (creepage, Component::Creepage(value)),
+        (None, Some(value)) => (force, Component::Force(value)),
+    };
+    if *component != Component::Creepage(0.0) {
+        return Err(Refusal::new(
+            key,
+            "stands beside motion.creepage or motion.shift, which has this component too",
+            "keep one of them",
+        ));
+    }
+    *component = value;
+    Ok(())
+}

@@ -1,0 +1,228 @@
+//! Rolling or shifting with memory: every step starts from the tractions of the one before.
+//!
+//! A rolling contact moves on by one element a step, Δq = Δx, in the time Δx/V: then the particles
+//! of an element come from the centre of the upstream one, nothing is interpolated, and the power
+//! balance is exact. With p' and u' the tractions and displacement differences before the step and S
+//! the upstream shift, the slip is S = w Δq + u − S u', and
+//!
+//! Σ −½(S p' + p)·S = −Σ ½(S p' + p)·w Δq − (½ pᵀu − ½ p'ᵀu'):
+//!
+//! what the forces put in less the change of elastic energy. The mechanical steps need not fit into
+//! the windows of the coupling: a step that reaches beyond a window goes on in the next one, and the
+//! friction power of a window is the mean over the parts of steps in it, so that no heat is lost.
+//!
+//! A contact that does not roll is shifted in the first window and rests from then on.
+//!
+//! In the beginning the bodies are pressed together without friction.
+
+use super::answer::Answer;
+use super::contact::{ContactError, ContactSolver};
+use super::{Case, NAME};
+use crate::half_space::force_search::ForceSearch;
+use crate::half_space::levels::{Motion, Solution};
+use crate::half_space::tangential::State;
+use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// A rest of a mechanical step shorter than this share of it is rounding.
+const ROUNDING: f64 = 1e-9;
+/// More bytes are no state of this model.
+const MOST_BYTES: usize = 4 << 30;
+
+/// The model that runs.
+pub(super) struct Transient {
+    case: Case,
+    contact: ContactSolver,
+    accepted: Memory,
+    trial: Memory,
+    /// Mean friction power over the window [W/m²].
+    power: Vec<f64>,
+    /// Slip that remains of the step before, x and y [m].
+    history: [Vec<f64>; 2],
+}
+
+/// What a step leaves for the next one.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Memory {
+    solution: Solution,
+    pressure: Vec<f64>,
+    approach: Option<f64>,
+    /// Displacement differences u, x and y [m].
+    displacement: [Vec<f64>; 2],
+    search: ForceSearch,
+    /// Fields of the step in progress.
+    answer: Answer,
+    /// Time left of the step in progress [s].
+    left: f64,
+    /// Shift so far [m, m, rad]; of a contact that does not roll.
+    shift: [f64; 3],
+    /// Whether a step has been made.
+    moved: bool,
+}
+
+impl Memory {
+    fn at_rest(case: &Case, contact: &mut ContactSolver) -> Self {
+        let zeros = vec![0.0; contact.pressure.len()];
+        let state = State::at_rest(&contact.pressure, [0.0; 3]);
+        let mut displacement = [zeros.clone(), zeros];
+        contact.displacement(&state, &mut displacement);
+        Self {
+            solution: Solution::new(state),
+            pressure: contact.pressure.clone(),
+            approach: contact.approach,
+            displacement,
+            search: ForceSearch::default(),
+            answer: Answer::at_rest(case, contact),
+            left: 0.0,
+            shift: [0.0; 3],
+            moved: false,
+        }
+    }
+
+    /// It belongs to a grid of this many elements.
+    fn fits(&self, count: usize) -> bool {
+        let Self { solution: Solution { state, .. }, answer, .. } = self;
+        let one = [&self.pressure, &answer.pressure, &answer.friction_power];
+        let two = [&answer.traction, &answer.slip_velocity];
+        let pairs = [&self.displacement, &state.traction, &state.slip];
+        state.element.len() == count
+            && one.iter().all(|field| field.len() == count)
+            && two.iter().all(|field| field.len() == 2 * count)
+            && pairs.iter().all(|pair| pair.iter().all(|field| field.len() == count))
+    }
+}
+
+impl Transient {
+    pub(super) fn new(case: Case) -> Result<Self, ContactError> {
+        let motion = match case.scene.rolling_speed > 0.0 {
+            true => Motion::RollingStep,
+            false => Motion::Shift,
+        };
+        let mut contact = ContactSolver::new(&case, motion)?;
+        let accepted = Memory::at_rest(&case, &mut contact);
+        let zeros = vec![0.0; contact.pressure.len()];
+        let history = [zeros.clone(), zeros.clone()];
+        Ok(Self { trial: accepted.clone(), accepted, case, contact, power: zeros, history })
+    }
+
+    /// Goes from the accepted state to the end of the window.
+    fn advance(&mut self, duration: f64) -> Result<StepReport, ContactError> {
+        self.trial.clone_from(&self.accepted);
+        self.trial.solution.newton_steps = 0;
+        self.trial.solution.operator_applications = 0;
+        self.contact.pressure.clone_from(&self.accepted.pressure);
+        self.contact.approach = self.accepted.approach;
+        *self.contact.search() = self.accepted.search.clone();
+        self.power.fill(0.0);
+        let mut report = StepReport::default();
+        let mut rest = duration;
+        while rest > ROUNDING * duration {
+            if self.trial.left == 0.0 {
+                self.trial.left = self.step(duration)?;
+                report.substeps += 1;
+            }
+            let taken = self.trial.left.min(rest);
+            let share = taken / duration;
+            for (mean, power) in self.power.iter_mut().zip(&self.trial.answer.friction_power) {
+                *mean += share * power;
+            }
+            rest -= taken;
+            self.trial.left -= taken;
+            if self.trial.left <= ROUNDING * taken {
+                self.trial.left = 0.0;
+            }
+        }
+        if duration == 0.0 {
+            self.power.clone_from(&self.trial.answer.friction_power);
+        }
+        self.trial.search = self.contact.search().clone();
+        report.inner_iterations = self.trial.solution.newton_steps as u32;
+        report.work = self.trial.solution.operator_applications as u64;
+        Ok(report)
+    }
+
+    /// One mechanical step of the trial; its duration [s].
+    fn step(&mut self, window: f64) -> Result<f64, ContactError> {
+        let (case, trial) = (&mut self.case, &mut self.trial);
+        let columns = case.footprint.grid.ni;
+        let rolls = case.scene.rolling_speed > 0.0;
+        for (history, displacement) in self.history.iter_mut().zip(&trial.displacement) {
+            let rows = history.chunks_exact_mut(columns).zip(displacement.chunks_exact(columns));
+            for (history, before) in rows {
+                let from = if rolls { &before[1..] } else { before };
+                history.iter_mut().zip(from).for_each(|(slip, before)| *slip = -before);
+            }
+        }
+        if !rolls {
+            case.shift_duration = window;
+        }
+        let driven = if rolls || !trial.moved { case.driven } else { case.driven.resting() };
+        let [along, across] = &self.history;
+        let before = trial.solution.state.traction.clone();
+        let near = trial.solution.clone();
+        trial.solution = self.contact.solve(&driven, Some(near), Some([along, across]))?;
+        let state = &trial.solution.state;
+        self.contact.displacement(state, &mut trial.displacement);
+        trial.answer = Answer::partial(case, &self.contact, &trial.solution, Some(&before));
+        if !rolls {
+            for (sum, shift) in trial.shift.iter_mut().zip(state.creepage) {
+                *sum += shift;
+            }
+            trial.answer.creepage = trial.shift;
+        }
+        trial.pressure.clone_from(&self.contact.pressure);
+        trial.approach = self.contact.approach;
+        trial.moved = true;
+        Ok(case.passage().duration)
+    }
+}
+
+impl Model for Transient {
+    fn solve(
+        &mut self,
+        step: &Step,
+        _inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        let report = self.advance(step.duration());
+        let report = report.map_err(|error| StepError::NoSolution(error.to_string()))?;
+        self.trial.answer.write(&self.power, outputs);
+        Ok(report)
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        self.case.first_outputs(outputs);
+    }
+
+    fn accept(&mut self) {
+        self.accepted.clone_from(&self.trial);
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        self.case.observe(&self.accepted.answer, &self.power, outputs);
+    }
+
+    fn summary(&self) -> Value {
+        self.case.summary(&self.accepted.answer)
+    }
+
+    fn save(&self, into: &mut StateBlob) {
+        into.0 = bincode::serde::encode_to_vec(&self.accepted, bincode::config::standard())
+            .expect("plain numbers in memory can be encoded");
+    }
+
+    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
+        let config = bincode::config::standard().with_limit::<MOST_BYTES>();
+        let wrong = |reason: String| StateError(format!("{NAME}: {reason}"));
+        let (memory, read): (Memory, usize) =
+            bincode::serde::decode_from_slice(&from.0, config).map_err(|e| wrong(e.to_string()))?;
+        if read != from.0.len() || !memory.fits(self.power.len()) {
+            return Err(wrong("it belongs to another grid".to_owned()));
+        }
+        self.trial.clone_from(&memory);
+        self.accepted = memory;
+        self.power.clone_from(&self.accepted.answer.friction_power);
+        Ok(())
+    }
+}
