@@ -1,6 +1,7 @@
 //! How a command can end badly, and the exit code that goes with it.
 
 use crate::case::Problems;
+use crate::couple::converge::Why;
 use crate::programs::Program;
 use proto::configuration::Refusal;
 
@@ -33,6 +34,9 @@ pub enum RunError {
     /// A participant or the machine failed.
     #[error(transparent)]
     Failed(#[from] Failure),
+    /// A window did not converge, and the case is strict.
+    #[error(transparent)]
+    NotConverged(#[from] NotConverged),
     /// Stopped by the user.
     #[error("interrupted by {signal} {when}; every participant was ended in order")]
     Interrupted {
@@ -73,13 +77,68 @@ pub struct Failure {
     pub fix: String,
 }
 
+/// Which window did not converge, how, and what to do about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotConverged {
+    /// Divergence, stagnation, or too few iterations.
+    pub why: Why,
+    /// Number of the window, from 0.
+    pub window: u64,
+    /// The last iteration.
+    pub iteration: u32,
+    /// The field that is farthest from its end.
+    pub field: String,
+    /// Its residual over its values, in two-norms \[-\].
+    pub residual: f64,
+    /// Word of the accelerator.
+    pub acceleration: &'static str,
+}
+
+impl std::error::Error for NotConverged {}
+
+impl std::fmt::Display for NotConverged {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { window, iteration, field, residual, .. } = self;
+        let word = match self.why {
+            Why::Diverged => "the coupling diverged",
+            Why::Stagnated => "the coupling stagnated",
+            Why::OutOfIterations => "the coupling has not converged",
+        };
+        write!(
+            f,
+            "{word} in window {window}, iteration {iteration}: the relative residual of `{field}` \
+             is {residual:.3e}; {}",
+            self.fix()
+        )
+    }
+}
+
+impl NotConverged {
+    fn fix(&self) -> String {
+        let other = match self.acceleration {
+            "none" | "constant" | "aitken" => "set coupling.acceleration to \"iqn-ils\"",
+            _ => "raise coupling.max_columns",
+        };
+        match self.why {
+            Why::Diverged => format!("{other}, lower coupling.relaxation, or shorten time.window"),
+            Why::Stagnated => format!(
+                "{other}, or loosen coupling.relative: the participants may not be more precise"
+            ),
+            Why::OutOfIterations => {
+                format!("raise coupling.max_iterations, {other}, or shorten time.window")
+            }
+        }
+    }
+}
+
 impl RunError {
-    /// The exit code: 1 a solver or the machine failed, 2 bad usage or case.
+    /// The exit code: 1 a solver or the machine failed, 2 bad usage or case, 3 not converged.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Case(_) | Self::Refused { .. } | Self::NoProgram { .. } => 2,
             Self::Failed(_) | Self::Interrupted { .. } | Self::NotFinite { .. } => 1,
+            Self::NotConverged(_) => 3,
             Self::Both { first, .. } => first.exit_code(),
         }
     }

@@ -8,7 +8,7 @@ mod make;
 mod route;
 pub(crate) mod show;
 
-use crate::case::Case;
+use crate::case::{Acceleration, Case, Implicit, Scheme};
 use crate::programs::Program;
 use crate::session::Deadlines;
 use proto::configuration::{Configuration, Layout, Mode};
@@ -31,6 +31,8 @@ pub struct Plan {
     pub windows: Windows,
     /// Coupling scheme, and why this one.
     pub scheme: SchemeChoice,
+    /// How an implicit scheme iterates.
+    pub implicit: Implicit,
     /// Participants that run, in the order in which data flows.
     pub participants: Vec<Participant>,
     /// Participants that the case has but that do not run, and why.
@@ -91,11 +93,11 @@ impl Windows {
     }
 }
 
-/// A coupling scheme that this version has.
+/// The coupling scheme of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SchemeChoice {
-    /// Its name in the case file.
-    pub name: &'static str,
+    /// The scheme; never `Auto`.
+    pub scheme: Scheme,
     /// Why it was chosen.
     pub reason: String,
 }
@@ -126,6 +128,8 @@ pub struct Field {
     pub producer: usize,
     /// Indices of the participants that consume it; empty for a field that is only observed.
     pub consumers: Vec<usize>,
+    /// Those of the consumers that hear the coordinator's iterate of it, and not the producer.
+    pub fed_back: Vec<usize>,
     /// The case wants it written out.
     pub wanted: bool,
 }
@@ -152,6 +156,15 @@ pub struct Effect {
 }
 
 impl Plan {
+    /// How the next iterate is chosen.
+    #[must_use]
+    pub fn acceleration(&self) -> Acceleration {
+        match self.scheme.scheme.is_implicit() {
+            true => self.implicit.acceleration,
+            false => Acceleration::None,
+        }
+    }
+
     /// Bytes of one sample of a field, as far as its grid is known.
     #[must_use]
     pub fn sample_bytes(&self, field: &Field) -> Option<u64> {

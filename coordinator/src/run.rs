@@ -1,15 +1,16 @@
 //! `coordinator run`: from a plan to a result directory.
 
 use crate::case::Case;
+use crate::couple::converge::Verdict;
 use crate::couple::{Coupling, WindowOutcome};
 use crate::error::{Failure, RunError};
 use crate::plan::{Plan, Planned};
 use crate::progress::Progress;
-use crate::results::iterations::IterationTable;
+use crate::results::iterations::{IterationTable, Row};
 use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
-use crate::session::{HeatBalance, Session, SolveRecord};
+use crate::session::{HeatBalance, Session};
 use proto::message::Finished;
 use proto::model::Step;
 use serde_json::Value;
@@ -57,7 +58,7 @@ pub fn run(
     let not_finite = sections.not_finite.clone();
     let error = error.or(not_finite.map(|(role, key)| RunError::NotFinite { role, key }));
     let (status, reason) = match &error {
-        None => (Status::Completed, plan.scheme.reason.clone()),
+        None => success(plan, &counts),
         Some(error) => (Status::Failed, error.to_string()),
     };
     let wall_seconds = clock.since.elapsed().as_secs_f64();
@@ -67,6 +68,16 @@ pub fn run(
     let text = serde_json::to_vec_pretty(&summary).expect("a summary is plain data");
     let error = first(error, folder.write("summary.json", &text));
     Ok(Outcome { summary, error })
+}
+
+/// The status of a run without an error, and its reason.
+fn success(plan: &Plan, counts: &Counts) -> (Status, String) {
+    let reason = &plan.scheme.reason;
+    match counts.not_converged {
+        _ if !plan.scheme.scheme.is_implicit() => (Status::Completed, reason.clone()),
+        0 => (Status::Converged, format!("every window is within its tolerances; {reason}")),
+        few => (Status::Completed, format!("{few} window(s) have not converged; {reason}")),
+    }
 }
 
 /// The first of two errors, with the second one added.
@@ -102,7 +113,9 @@ fn perform(
     counts: &mut Counts,
 ) -> Result<Vec<Finished>, RunError> {
     let roles: Vec<&str> = plan.participants.iter().map(|p| p.role.as_str()).collect();
-    let mut table = IterationTable::create(&folder.file("iterations.csv"), &roles)?;
+    let fed_back = plan.fields.iter().filter(|field| !field.fed_back.is_empty());
+    let fields: Vec<&str> = fed_back.map(|field| field.kind.name.as_str()).collect();
+    let mut table = IterationTable::create(&folder.file("iterations.csv"), &roles, &fields)?;
     let mut fields = FieldWriter::new(folder.file("fields"));
     let starting = Instant::now();
     let started = tracing::info_span!("start").in_scope(|| Session::start(plan));
@@ -129,21 +142,26 @@ fn windows(
     progress: &mut Progress,
     counts: &mut Counts,
 ) -> Result<(), RunError> {
-    let mut coupling = Coupling::explicit();
+    let mut coupling = coupling(plan, session);
     let total = plan.windows.count();
     for window in 0..total {
         let (start, end) = plan.windows.interval(window);
-        let mut step = Step { window, iteration: 1, start, end };
         let _span = tracing::debug_span!("window", window, start, end).entered();
-        let outcome = solve(&mut coupling, session, &step, counts)?;
-        step.iteration = outcome.iterations;
+        let step = Step { window, iteration: 0, start, end };
+        let outcome = solve(&mut coupling, session, &step, table, counts)?;
+        if let Some(not_converged) = outcome.not_converged {
+            if plan.implicit.strict {
+                return Err(not_converged.into());
+            }
+            tracing::warn!("{not_converged}");
+            counts.not_converged += 1;
+        }
         let writing = Instant::now();
-        let heat = session.heat_balance();
-        table.row(&step, outcome.residual, &heat, session.solved())?;
-        audit(&heat, window, counts)?;
+        audit(&session.heat_balance(), window, counts)?;
         let last = window + 1 == total;
         let observe = last || plan.output_every.is_some_and(|n| (window + 1) % n == 0);
-        session.accept(&step, observe)?;
+        coupling.accept_window();
+        session.accept(coupling.step(), observe)?;
         if observe {
             fields.write(session.taps(), window, end)?;
             table.flush()?;
@@ -155,27 +173,56 @@ fn windows(
     Ok(())
 }
 
-/// Solves one window, and counts what that took.
+/// The coupling that the plan has chosen.
+fn coupling(plan: &Plan, session: &Session) -> Coupling {
+    let scheme = plan.scheme.scheme;
+    match (scheme.is_implicit(), scheme.is_parallel()) {
+        (true, parallel) => Coupling::implicit(&plan.implicit, parallel, session),
+        (false, true) => Coupling::explicit_parallel(),
+        (false, false) => Coupling::explicit(),
+    }
+}
+
+/// Iterates one window, tells of every iteration, and counts what that took.
 fn solve(
     coupling: &mut Coupling,
     session: &mut Session,
-    step: &Step,
+    window: &Step,
+    table: &mut IterationTable,
     counts: &mut Counts,
 ) -> Result<WindowOutcome, RunError> {
-    let solving = Instant::now();
-    let outcome = coupling.solve_window(session, step)?;
-    let wall = solving.elapsed().as_secs_f64();
-    counts.coupling_seconds += beside_the_models(wall, session.solved());
-    counts.iterations += u64::from(outcome.iterations);
-    counts.max_iterations_in_window = counts.max_iterations_in_window.max(outcome.iterations);
-    counts.final_residual = outcome.residual;
-    Ok(outcome)
+    coupling.begin_window(window);
+    loop {
+        let (solving, computed) = (Instant::now(), session.computed_seconds());
+        let verdict = coupling.iterate(session)?;
+        let models = session.computed_seconds() - computed;
+        let coupling_seconds = beside_the_models(solving.elapsed().as_secs_f64(), models);
+        counts.coupling_seconds += coupling_seconds;
+        counts.iterations += 1;
+        let writing = Instant::now();
+        table.row(&Row {
+            step: coupling.step(),
+            residual: coupling.residual(),
+            residuals: coupling.residuals(),
+            taken: coupling.taken(),
+            coupling_seconds,
+            heat: &session.heat_balance(),
+            solved: session.solved(),
+        })?;
+        counts.output_seconds += writing.elapsed().as_secs_f64();
+        if verdict != Verdict::Continue {
+            let outcome = coupling.outcome(verdict);
+            counts.final_residual = outcome.residual;
+            let most = counts.max_iterations_in_window.max(outcome.iterations);
+            counts.max_iterations_in_window = most;
+            return Ok(outcome);
+        }
+    }
 }
 
-/// The part of `wall` seconds in which no model computed. The schemes make one pass a window and
-/// one participant computes at a time, so only rounding can make it negative.
-fn beside_the_models(wall: f64, solved: &[SolveRecord]) -> f64 {
-    (wall - solved.iter().map(|record| record.model_seconds).sum::<f64>()).max(0.0)
+/// The part of `wall` seconds in which no model computed; only rounding can make it negative.
+fn beside_the_models(wall: f64, models: f64) -> f64 {
+    (wall - models).max(0.0)
 }
 
 /// Heat that is lost or made between the participants ends the run.
@@ -237,8 +284,7 @@ mod tests {
 
     #[test]
     fn coupling_is_what_the_models_leave() {
-        let record = |model_seconds| SolveRecord { model_seconds, ..SolveRecord::default() };
-        assert_eq!(beside_the_models(1.0, &[record(0.25), record(0.5)]), 0.25);
-        assert_eq!(beside_the_models(1.0, &[record(1.0 + 1e-12)]), 0.0);
+        assert_eq!(beside_the_models(1.0, 0.75), 0.25);
+        assert_eq!(beside_the_models(1.0, 1.0 + 1e-12), 0.0);
     }
 }

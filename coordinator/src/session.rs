@@ -7,6 +7,7 @@
 //! that the run has left on the machine.
 
 mod audit;
+mod feedback;
 mod link;
 mod setup;
 mod tap;
@@ -14,11 +15,12 @@ mod tap;
 pub use audit::HeatBalance;
 pub use tap::Tap;
 
-use crate::couple::Exchange;
+use crate::couple::{Exchange, Part};
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
 use crate::signals;
 use crate::supervise::{Exit, Supervisor};
+use feedback::Feedback;
 use link::Link;
 use proto::message::{Command, CommandKind, Finished, OBSERVE, Reply, Status};
 use proto::model::Step;
@@ -26,6 +28,9 @@ use proto::run_dir::RunDir;
 use proto::transport::{Doorbell, Endpoint, Message, TransportError};
 use std::os::unix::process::ExitStatusExt;
 use std::time::{Duration, Instant};
+
+/// The name under which the coordinator itself sends fields; no role can have it.
+pub(crate) const COORDINATOR: &str = "coordinator";
 
 /// How long a participant may take to end after its last word.
 const LEAVE: Duration = Duration::from_secs(2);
@@ -86,6 +91,9 @@ pub struct SolveRecord {
 pub struct Session {
     supervisor: Supervisor,
     taps: Vec<Tap>,
+    feedback: Vec<Feedback>,
+    /// The fields of `feedback` as parts of the coupling vector.
+    parts: Vec<Part>,
     links: Vec<Link>,
     doorbell: Doorbell,
     _endpoint: Endpoint,
@@ -93,6 +101,7 @@ pub struct Session {
     deadlines: Deadlines,
     phase: Phase,
     solved: Vec<SolveRecord>,
+    computed_seconds: f64,
     bytes_exchanged: u64,
 }
 
@@ -120,10 +129,17 @@ impl Session {
         self.bytes_exchanged
     }
 
+    /// Seconds so far in which some model computed; models that compute at the same time count
+    /// once, with the longest.
+    #[must_use]
+    pub fn computed_seconds(&self) -> f64 {
+        self.computed_seconds
+    }
+
     /// Heat sent and received in the last iteration.
     #[must_use]
     pub fn heat_balance(&self) -> HeatBalance {
-        audit::balance(&self.taps, &self.solved)
+        audit::balance(&self.taps, &self.feedback, &self.solved)
     }
 
     /// Makes the last solve of every participant its accepted state. With `observe` the observed
@@ -370,21 +386,38 @@ impl Exchange for Session {
                     command.expected[reader.slot] = tap.sequence();
                 }
             }
+            for feedback in &self.feedback {
+                for reader in feedback.readers.iter().filter(|r| r.participant == one) {
+                    command.expected[reader.slot] = feedback.sequence();
+                }
+            }
             self.post(one, command, &[], true)?;
         }
-        // While they compute, what the others have sent is looked through.
-        for tap in 0..self.taps.len() {
-            if !participants.contains(&self.taps[tap].producer()) {
-                self.check_finite(tap)?;
-            }
-        }
+        // While they compute, what was sent before is looked through.
+        (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
+        let mut longest = 0.0_f64;
         for &one in participants {
             let message = self.await_done(one, self.deadlines.solve)?;
             self.solved[one] = solve_record(message.header());
+            longest = longest.max(self.solved[one].model_seconds);
             drop(message);
             self.collect(one, step, false)?;
         }
+        self.computed_seconds += longest;
         Ok(())
+    }
+
+    fn fed_back(&self) -> &[Part] {
+        &self.parts
+    }
+
+    fn send(&mut self, iterate: &[f64], step: &Step) -> Result<(), RunError> {
+        self.phase = Phase::Solving(*step);
+        self.send_iterate(iterate, step)
+    }
+
+    fn returned(&self, returned: &mut [f64]) {
+        self.copy_returned(returned);
     }
 }
 

@@ -1,14 +1,23 @@
-//! Coupling round trip: coordinator and two trivial participants, three real processes, one scalar
-//! field each way, serial and explicit. The time is that of one window: two solves, four control
-//! messages, two fields of n doubles, the finiteness check of both, and the acceptance.
+//! What coupling costs: coordinator and two trivial participants, three real processes, one field
+//! each way.
+//!
+//! `round_trip` is a window of an explicit scheme: two solves, four control messages, two fields of
+//! n doubles, the finiteness check of both, and the acceptance. `iqn_ils` is one iteration of a
+//! window of ten, with the iterate sent and the residual measured: `fresh` forgets each window,
+//! `reuse` remembers ten, that is a hundred columns. The time of the participants, which copy the
+//! field once and multiply it once, is included. `accelerator` is the choice of the iterate alone.
 
-use coordinator::case::RawCase;
-use coordinator::couple::Coupling;
-use coordinator::plan::plan;
+use coordinator::case::{Acceleration, Implicit, RawCase};
+use coordinator::couple::{Coupling, accelerate, parts};
+use coordinator::plan::{Planned, plan};
 use coordinator::session::Session;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use proto::model::Step;
 use std::time::{Duration, Instant};
+
+const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
+/// Iterations of a window.
+const ITERATIONS: u32 = 10;
 
 /// The participants lie where cargo puts executables, one folder above the bench's own.
 fn program(name: &str) -> String {
@@ -19,37 +28,61 @@ fn program(name: &str) -> String {
     path.display().to_string()
 }
 
-fn case(points: usize) -> String {
+fn planned(case: &str) -> Planned {
+    plan(RawCase::parse("bench", case).expect("the case is TOML")).expect("the case is valid")
+}
+
+const TIME: &str = "[time]\nmode = \"transient\"\nwindow = 1\nend = 1e9\n\
+                    [output]\nfields = \"none\"\n";
+
+fn explicit(points: usize) -> Planned {
     let (left, right) = (program("toy-left"), program("toy-right"));
-    format!(
+    planned(&format!(
         "[case]\nname = \"exchange\"\n\
          [left]\nmodel = \"increment\"\ncommand = [{left:?}]\npoints = {points}\n\
          [right]\nmodel = \"increment\"\ncommand = [{right:?}]\npoints = {points}\n\
-         [time]\nmode = \"transient\"\nwindow = 1\nend = 1e9\n\
-         [coupling]\nscheme = \"serial-explicit\"\n[output]\nfields = \"none\"\n"
-    )
+         {TIME}[coupling]\nscheme = \"serial-explicit\"\n"
+    ))
+}
+
+/// Ten iterations a window, whatever the residual.
+fn implicit(points: usize, reuse: u64) -> Planned {
+    let (relay, operator) = (program("toy-relay"), program("toy-operator"));
+    planned(&format!(
+        "[case]\nname = \"linear\"\n\
+         [linear]\nproblem = \"diagonal\"\nsize = {points}\n\
+         [relay]\nmodel = \"identity\"\ncommand = [{relay:?}]\n\
+         [operator]\nmodel = \"affine\"\ncommand = [{operator:?}]\n\
+         {TIME}[coupling]\nacceleration = \"iqn-ils\"\nreuse_windows = {reuse}\n\
+         min_iterations = {ITERATIONS}\nmax_iterations = {ITERATIONS}\n"
+    ))
+}
+
+fn step(window: u64) -> Step {
+    Step { window, iteration: 1, start: window as f64, end: window as f64 + 1.0 }
+}
+
+/// Solves windows, and accepts them.
+fn windows(session: &mut Session, coupling: &mut Coupling, from: &mut u64, count: u64) {
+    for _ in 0..count {
+        coupling.solve_window(session, &step(*from)).expect("the window is solved");
+        session.accept(&step(*from), false).expect("the window is accepted");
+        *from += 1;
+    }
 }
 
 fn round_trip(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("coupling");
     group.measurement_time(Duration::from_secs(5));
-    for points in [1_000, 10_000, 100_000, 1_000_000] {
-        let raw = RawCase::parse("bench", &case(points)).expect("the case is valid");
-        let planned = plan(raw).expect("the case is valid");
-        let mut session = Session::start(&planned.plan).expect("the participants start");
+    for points in SIZES {
+        let mut session = Session::start(&explicit(points).plan).expect("the participants start");
         let mut coupling = Coupling::explicit();
         let mut window = 0;
         group.throughput(Throughput::Elements(points as u64));
         group.bench_function(BenchmarkId::new("round_trip", points), |bencher| {
             bencher.iter_custom(|count| {
                 let start = Instant::now();
-                for _ in 0..count {
-                    let (from, to) = (window as f64, window as f64 + 1.0);
-                    let step = Step { window, iteration: 1, start: from, end: to };
-                    coupling.solve_window(&mut session, &step).expect("the window is solved");
-                    session.accept(&step, false).expect("the window is accepted");
-                    window += 1;
-                }
+                windows(&mut session, &mut coupling, &mut window, count);
                 start.elapsed()
             });
         });
@@ -58,5 +91,69 @@ fn round_trip(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, round_trip);
+fn iteration(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("iqn_ils");
+    group.measurement_time(Duration::from_secs(5)).sample_size(10);
+    for (name, reuse) in [("fresh", 0), ("reuse", 10)] {
+        for points in SIZES {
+            let Planned { plan, .. } = implicit(points, reuse);
+            let mut session = Session::start(&plan).expect("the participants start");
+            let mut coupling = Coupling::implicit(&plan.implicit, false, &session);
+            let mut window = 0;
+            // Until as many columns are there as ever will be.
+            windows(&mut session, &mut coupling, &mut window, reuse + 1);
+            group.throughput(Throughput::Elements(points as u64));
+            group.bench_function(BenchmarkId::new(name, points), |bencher| {
+                bencher.iter_custom(|count| {
+                    let start = Instant::now();
+                    windows(&mut session, &mut coupling, &mut window, count);
+                    start.elapsed() / ITERATIONS
+                });
+            });
+            session.finish().expect("the participants leave");
+        }
+    }
+    group.finish();
+}
+
+/// One window of ten iterations of the accelerator alone, on x ↦ Λx + 1.
+fn window_of(accelerator: &mut dyn accelerate::Accelerator, sent: &mut [f64], out: &mut [f64]) {
+    let size = sent.len() as f64;
+    sent.fill(0.0);
+    accelerator.begin_window();
+    for _ in 0..ITERATIONS {
+        for (index, (out, sent)) in out.iter_mut().zip(&*sent).enumerate() {
+            *out = 0.95 * (2.0 * index as f64 / size - 1.0) * sent + 1.0;
+        }
+        accelerator.next(sent, out);
+    }
+    accelerator.accept_window(sent, out);
+}
+
+fn accelerator(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("accelerator");
+    group.measurement_time(Duration::from_secs(3)).sample_size(10);
+    let settings = implicit(1000, 0).plan.implicit;
+    let kinds = [Acceleration::Aitken, Acceleration::Anderson, Acceleration::IqnIls];
+    for kind in kinds {
+        for points in [1_000, 100_000] {
+            let settings = Implicit { acceleration: kind, ..settings.clone() };
+            let mut accelerator = accelerate::build(&settings, &parts([("x", points)]));
+            let (mut sent, mut returned) = (vec![0.0; points], vec![0.0; points]);
+            group.throughput(Throughput::Elements(points as u64));
+            group.bench_function(BenchmarkId::new(kind.word(), points), |bencher| {
+                bencher.iter_custom(|count| {
+                    let start = Instant::now();
+                    for _ in 0..count {
+                        window_of(&mut *accelerator, &mut sent, &mut returned);
+                    }
+                    start.elapsed() / ITERATIONS
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, round_trip, iteration, accelerator);
 criterion_main!(benches);

@@ -1,5 +1,6 @@
 //! Small participants for system tests and benches. They compute almost nothing, and can be told
 //! to misbehave.
 
+pub mod linear;
 pub mod rogue;
 pub mod toy;

@@ -24,6 +24,7 @@
 mod alternatives;
 mod check;
 mod checker;
+mod coupling;
 mod diagnostics;
 mod example;
 mod groups;
@@ -44,10 +45,11 @@ mod tree;
 mod unit;
 mod walk;
 
+pub use coupling::{Acceleration, Implicit, Preconditioner, Predictor, Scheme, Tolerances};
 pub use diagnostics::{Place, Problem, Problems};
 pub use quantity::{QuantityError, parse_quantity};
 pub use raw::{RawCase, RawParticipant};
-pub use settled::{Case, Coupling, Limits, Output, OutputFields, ParticipantCase, Scheme, Timing};
+pub use settled::{Case, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
 
 use checker::{Checker, fill_defaults};
 use known::{instances, known_keys};

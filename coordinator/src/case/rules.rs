@@ -179,11 +179,12 @@ impl Checker<'_> {
             let reason = format!("{window} s is longer than time.end = {end} s");
             self.fault("time.window", reason, "shorten it, or raise time.end");
         }
+        self.iterations();
         let key = "output.fields";
         match self.values.get(key).cloned() {
             Some(serde_json::Value::Array(names)) => {
                 for name in names.iter().filter_map(|n| n.as_str()) {
-                    self.output_field(key, name);
+                    self.provided_field(key, name, "write \"all\" or \"none\"");
                 }
             }
             Some(serde_json::Value::String(word)) if word != "all" && word != "none" => {
@@ -192,6 +193,21 @@ impl Checker<'_> {
                 self.fault(key, reason, fix);
             }
             _ => {}
+        }
+    }
+
+    /// Iterations that fit together, and tolerances of fields that somebody provides.
+    fn iterations(&mut self) {
+        let count = |name: &str| self.values.get(&format!("coupling.{name}"))?.as_u64();
+        if let (Some(least), Some(most)) = (count("min_iterations"), count("max_iterations"))
+            && least > most
+        {
+            let reason = format!("{least} is more than coupling.max_iterations = {most}");
+            let fix = "lower it, or raise coupling.max_iterations";
+            self.fault("coupling.min_iterations", reason, fix);
+        }
+        for name in self.case.tree.names("coupling.fields") {
+            self.provided_field(&format!("coupling.fields.{name}"), &name, "remove it");
         }
     }
 
@@ -205,7 +221,8 @@ impl Checker<'_> {
         }
     }
 
-    fn output_field(&mut self, key: &str, name: &str) {
+    /// Checks that a participant provides a field; `otherwise` is the fix if there are no fields.
+    fn provided_field(&mut self, key: &str, name: &str, otherwise: &str) {
         let provided = self.selection.players.iter().filter(|p| p.needed).flat_map(|player| {
             let effects = player.description.effects.iter().flat_map(|e| &e.provides);
             player.description.models.iter().flat_map(|m| &m.provides).chain(effects)
@@ -218,7 +235,7 @@ impl Checker<'_> {
         let hint = near.map(|n| format!("; did you mean `{n}`?")).unwrap_or_default();
         let known: Vec<&str> = fields.into_iter().collect();
         let fix = match known.as_slice() {
-            [] => "write \"all\" or \"none\"".to_owned(),
+            [] => otherwise.to_owned(),
             known => format!("the participants provide {}", all_of(known)),
         };
         self.fault(key, format!("unknown field `{name}`{hint}"), fix);

@@ -1,5 +1,6 @@
 //! The coordinator's own keys, declared like those of the participants.
 
+use super::coupling::{Acceleration, Preconditioner, Predictor, Scheme};
 use proto::description::KeySpec;
 
 /// Roles that are participants by their section alone.
@@ -10,9 +11,6 @@ pub const SECTIONS: &[&str] = &["case", "time", "coupling", "output", "limits", 
 
 /// Stands for the name of a participant's section in [`own_keys`].
 pub const ROLE: &str = "ROLE";
-
-/// Coupling schemes, as a case names them.
-pub const SCHEMES: &[&str] = &["auto", "serial-explicit"];
 
 /// How many values a key takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +35,18 @@ pub struct OwnKey {
 /// Every key that the coordinator itself reads; [`ROLE`] in a path stands for a role.
 #[must_use]
 pub fn own_keys() -> Vec<OwnKey> {
-    let one = |spec| OwnKey { spec, shape: Shape::One };
+    let mut keys = case_and_time();
+    keys.extend(coupling());
+    keys.extend(output_and_limits());
+    keys.extend(participant());
+    keys
+}
+
+fn one(spec: KeySpec) -> OwnKey {
+    OwnKey { spec, shape: Shape::One }
+}
+
+fn case_and_time() -> Vec<OwnKey> {
     vec![
         one(KeySpec::text("case.name", "short name of the case").required()),
         one(KeySpec::text("case.title", "one line for people")),
@@ -45,11 +54,67 @@ pub fn own_keys() -> Vec<OwnKey> {
             .default_value("steady")),
         one(KeySpec::quantity("time.window", "s", "coupling window of a transient case").above(0.0)),
         one(KeySpec::quantity("time.end", "s", "end of a transient case").above(0.0)),
-        one(KeySpec::choice("coupling.scheme", SCHEMES, "order and iteration of the participants")
-            .default_value("auto")),
+    ]
+}
+
+fn coupling() -> Vec<OwnKey> {
+    let key = |name: &str| format!("coupling.{name}");
+    let word = |name, of, default: &str, help| {
+        one(KeySpec::choice(&key(name), of, help).default_value(default))
+    };
+    let count = |name, least: f64, default: u32, help| {
+        let spec = KeySpec::integer(&key(name), help).at_least(least).at_most(1e6);
+        one(spec.default_value(default))
+    };
+    let mut keys = vec![
+        word("scheme", Scheme::WORDS, "auto", "order and iteration of the participants"),
+        word("acceleration", Acceleration::WORDS, "auto", "choice of the next iterate"),
+        word("preconditioner", Preconditioner::WORDS, "residual-sum", "weights of several fields"),
+        word("predictor", Predictor::WORDS, "last", "first iterate of a window"),
+        count("min_iterations", 1.0, 1, "fewest iterations of a window"),
+        count("max_iterations", 1.0, 100, "most iterations of a window"),
+        count("reuse_windows", 0.0, 10, "earlier windows whose iterations serve the accelerator"),
+        one(KeySpec::integer(
+            &key("max_columns"),
+            "most iterations that the accelerator remembers",
+        )
+        .at_least(1.0)
+        .at_most(1000.0)
+        .default_value(100)),
+        one(KeySpec::number(&key("relaxation"), "part of the residual that is added")
+            .above(0.0)
+            .at_most(2.0)
+            .default_value(0.5)),
+        // Gram matrices hold the square of the new part, to sixteen digits.
+        one(KeySpec::number(&key("filter"), "part of a column that has to be new")
+            .at_least(1e-7)
+            .at_most(0.9)
+            .default_value(1e-6)),
+        one(KeySpec::flag(&key("strict"), "a window that does not converge ends the run")
+            .default_value(true)),
         one(deadline("coupling.solve_deadline", "longest wait for one solve", 3600.0)),
         one(deadline("coupling.start_deadline", "longest wait for a participant to start", 30.0)),
         one(deadline("coupling.heartbeat_deadline", "longest silence of a participant", 30.0)),
+    ];
+    keys.extend(tolerances("coupling"));
+    keys.extend(tolerances("coupling.fields.*"));
+    keys
+}
+
+/// The measures of convergence, for all fields or for one.
+fn tolerances(section: &str) -> impl Iterator<Item = OwnKey> {
+    let measures = [
+        ("absolute", "largest two-norm of the residual, in the field's unit"),
+        ("relative", "largest residual over the values returned, in two-norms"),
+        ("residual_relative", "largest residual over the first one of the window, in two-norms"),
+    ];
+    measures
+        .map(|(name, help)| one(KeySpec::number(&format!("{section}.{name}"), help).above(0.0)))
+        .into_iter()
+}
+
+fn output_and_limits() -> Vec<OwnKey> {
+    vec![
         OwnKey {
             spec: KeySpec::text("output.fields", "\"all\", \"none\" or a list of field names")
                 .default_value("all"),
@@ -59,6 +124,11 @@ pub fn own_keys() -> Vec<OwnKey> {
             .at_least(1.0)),
         one(KeySpec::quantity("limits.shared_memory", "B", "most shared memory of a run")
             .at_least(1.0)),
+    ]
+}
+
+fn participant() -> Vec<OwnKey> {
+    vec![
         one(KeySpec::text(&format!("{ROLE}.model"), "model of the participant").required()),
         OwnKey {
             spec: KeySpec::text(&format!("{ROLE}.command"), "program and arguments that start it"),

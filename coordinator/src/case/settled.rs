@@ -1,6 +1,7 @@
 //! The validated case: what the planner starts from.
 
 use super::checker::{fill_defaults, put};
+use super::coupling::{Implicit, Scheme};
 use super::diagnostics::{Problem, Problems};
 use super::known::{References, instances, read_by};
 use super::raw::RawCase;
@@ -75,32 +76,13 @@ impl Timing {
     }
 }
 
-/// Order and iteration of the participants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scheme {
-    /// Explicit where no effect closes a loop, implicit where one does.
-    Auto,
-    /// One after the other, one pass.
-    SerialExplicit,
-}
-
-impl Scheme {
-    /// The scheme of a word of [`super::schema::SCHEMES`].
-    #[must_use]
-    pub fn from_word(word: &str) -> Option<Self> {
-        Some(match word {
-            "auto" => Self::Auto,
-            "serial-explicit" => Self::SerialExplicit,
-            _ => return None,
-        })
-    }
-}
-
 /// Settings of the coupling.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Coupling {
     /// Order and iteration.
     pub scheme: Scheme,
+    /// How an implicit scheme iterates.
+    pub implicit: Implicit,
     /// Longest wait for one solve \[s\].
     pub solve_deadline: f64,
     /// Longest wait for a participant to start \[s\].
@@ -217,6 +199,7 @@ impl Settings<'_> {
         let word = self.text("coupling.scheme");
         Coupling {
             scheme: word.as_deref().and_then(Scheme::from_word).unwrap_or(Scheme::Auto),
+            implicit: self.implicit(),
             solve_deadline: seconds("solve_deadline"),
             start_deadline: seconds("start_deadline"),
             heartbeat_deadline: seconds("heartbeat_deadline"),

@@ -1,35 +1,85 @@
-//! The next iterate of the fields that close a loop.
+//! The next iterate of the fields that are fed back.
+//!
+//! | word | x ↦ |
+//! |---|---|
+//! | `none` | x̃ |
+//! | `constant`, `aitken` | x + ωr |
+//! | `anderson`, `iqn-ils`, `iqn-imvj` | x̃ + a combination of what earlier iterations have changed |
+
+mod aitken;
+mod columns;
+mod least_squares;
+mod quasi_newton;
+mod relaxation;
+mod weights;
+
+pub use aitken::Aitken;
+pub use quasi_newton::{QuasiNewton, Rule};
+pub use relaxation::{Constant, Unaccelerated};
+
+use super::part::Part;
+use super::state::{Reader, StateMismatch};
+use crate::case::{Acceleration, Implicit};
+
+/// Iterations without a better residual that an accelerator may need which remembers nothing.
+const PATIENCE: u32 = 100;
+
+/// How an iterate was chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepTaken {
+    /// Relaxation ω, if it is one.
+    pub relaxation: Option<f64>,
+    /// Columns that took part.
+    pub columns: Option<usize>,
+    /// Columns that were dropped because they held nothing new.
+    pub dropped: usize,
+}
 
 /// Chooses the next iterate. Sees slices only: one vector of everything that is fed back.
 pub trait Accelerator {
-    /// `sent` went into this iteration, `returned` came out of it; both have the same length. On
-    /// return `sent` holds what goes into the next iteration.
-    fn next(&mut self, sent: &mut [f64], returned: &[f64]);
+    /// Its word in the case file.
+    fn name(&self) -> &'static str;
 
-    /// The window is done; what was learned may serve the next one.
-    fn accept_window(&mut self);
-}
-
-/// What came out goes in.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Unaccelerated;
-
-impl Accelerator for Unaccelerated {
-    fn next(&mut self, sent: &mut [f64], returned: &[f64]) {
-        sent.copy_from_slice(returned);
+    /// Iterations without a better residual after which it will not find one.
+    fn patience(&self) -> u32 {
+        PATIENCE
     }
 
-    fn accept_window(&mut self) {}
+    /// A window begins, or begins again: what its last attempt has taught, if it was not accepted,
+    /// is forgotten.
+    fn begin_window(&mut self);
+
+    /// `sent` went into this iteration, `returned` came out of it; both have the same length. On
+    /// return `sent` holds what goes into the next iteration.
+    fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> StepTaken;
+
+    /// The window is done with this iteration; what was learned may serve the next one.
+    fn accept_window(&mut self, sent: &[f64], returned: &[f64]);
+
+    /// Writes what was learned in the windows accepted so far.
+    fn save(&self, into: &mut Vec<u8>);
+
+    /// Reads what [`Accelerator::save`] of one with the same settings has written.
+    ///
+    /// # Errors
+    /// The state is that of other settings.
+    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateMismatch>;
+}
+
+/// The accelerator that a case asks for.
+#[must_use]
+pub fn build(settings: &Implicit, parts: &[Part]) -> Box<dyn Accelerator> {
+    match settings.acceleration {
+        Acceleration::None => Box::new(Unaccelerated),
+        Acceleration::Constant => Box::new(Constant::new(settings.relaxation)),
+        Acceleration::Aitken => Box::new(Aitken::new(settings, parts)),
+        Acceleration::Anderson => Box::new(QuasiNewton::new(Rule::Anderson, settings, parts)),
+        Acceleration::IqnImvj => Box::new(QuasiNewton::new(Rule::MultiVector, settings, parts)),
+        Acceleration::Auto | Acceleration::IqnIls => {
+            Box::new(QuasiNewton::new(Rule::LeastSquares, settings, parts))
+        }
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unaccelerated_passes_on_what_came_back() {
-        let mut sent = [1.0, 2.0];
-        Unaccelerated.next(&mut sent, &[3.0, 4.0]);
-        assert_eq!(sent, [3.0, 4.0]);
-    }
-}
+pub(in crate::couple) mod tests;

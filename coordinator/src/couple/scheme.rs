@@ -19,3 +19,18 @@ impl Scheme for Serial {
         (0..exchange.participants()).try_for_each(|one| exchange.solve(&[one], step))
     }
 }
+
+/// All at once, each with what was there before.
+#[derive(Clone, Debug, Default)]
+pub struct Parallel {
+    everybody: Vec<usize>,
+}
+
+impl Scheme for Parallel {
+    fn pass(&mut self, exchange: &mut dyn Exchange, step: &Step) -> Result<(), RunError> {
+        if self.everybody.len() != exchange.participants() {
+            self.everybody = (0..exchange.participants()).collect();
+        }
+        exchange.solve(&self.everybody, step)
+    }
+}

@@ -164,7 +164,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         case.problem_at(&second, reason, "keep one of the two")
     });
     refuse(case, twice.collect())?;
-    let fields = route::fields(&running, case).map_err(|unprovided| {
+    let mut fields = route::fields(&running, case).map_err(|unprovided| {
         let problems = unprovided.iter().map(|u| {
             let reason = format!(
                 "{} needs the field `{}` for `{}`, which no participant provides",
@@ -178,6 +178,9 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         });
         case.report(problems.collect()).expect("there is at least one problem")
     })?;
+    let scheme = scheme(case, &fields, &running);
+    route::feed_back(&mut fields, scheme.scheme);
+    refuse(case, unused_tolerances(case, &fields, scheme.scheme))?;
     let idle = case.idle.iter().map(|role| {
         let description = described.iter().find(|(r, _)| r == role).map(|(_, d)| d);
         let effects = description.into_iter().flat_map(|d| &d.effects);
@@ -193,7 +196,8 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
             Timing::Steady => Windows::Steady,
             Timing::Transient { window, end } => Windows::Fixed { window, end },
         },
-        scheme: scheme(case, &fields, &running)?,
+        scheme,
+        implicit: case.coupling.implicit.clone(),
         participants: participants(case, &running, &fields)?,
         idle: idle.collect(),
         effects: route::effects(&offers, case),
@@ -208,31 +212,41 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
     })
 }
 
-fn scheme(case: &Case, fields: &[Field], running: &[Candidate]) -> Result<SchemeChoice, RunError> {
+fn scheme(case: &Case, fields: &[Field], running: &[Candidate]) -> SchemeChoice {
     let feedback = route::feedback(fields);
-    let name = "serial-explicit";
-    match (case.coupling.scheme, feedback.first()) {
-        (Scheme::SerialExplicit, _) => {
-            Ok(SchemeChoice { name, reason: "the case asks for it".to_owned() })
-        }
+    let (scheme, reason) = match (case.coupling.scheme, feedback.first()) {
         (Scheme::Auto, None) if running.len() == 1 => {
-            Ok(SchemeChoice { name, reason: "only one participant runs".to_owned() })
+            (Scheme::SerialExplicit, "only one participant runs".to_owned())
         }
-        (Scheme::Auto, None) => Ok(SchemeChoice {
-            name,
-            reason: "no active effect closes a loop: data flows one way".to_owned(),
-        }),
+        (Scheme::Auto, None) => {
+            let reason = "no active effect closes a loop: data flows one way";
+            (Scheme::SerialExplicit, reason.to_owned())
+        }
         (Scheme::Auto, Some(field)) => {
-            let reason = format!(
-                "`{}` from `{}` closes a loop, which takes an implicit scheme, and this version \
-                 has none yet",
-                field.kind.name, running[field.producer].role
-            );
-            let fix = "set coupling.scheme = \"serial-explicit\" for one pass a window";
-            let problem = case.problem_at("coupling.scheme", reason, fix);
-            Err(case.report(vec![problem]).expect("there is a problem").into())
+            let (name, producer) = (&field.kind.name, running[field.producer].role);
+            (Scheme::SerialImplicit, format!("`{name}` from `{producer}` closes a loop"))
         }
-    }
+        (Scheme::SerialImplicit, None) => {
+            (Scheme::SerialExplicit, "nothing closes a loop: one pass is enough".to_owned())
+        }
+        (Scheme::ParallelImplicit, _) if fields.iter().all(Field::observed_only) => {
+            (Scheme::SerialExplicit, "nothing is exchanged: one pass is enough".to_owned())
+        }
+        (asked, _) => (asked, "the case asks for it".to_owned()),
+    };
+    SchemeChoice { scheme, reason }
+}
+
+/// Tolerances of fields that have no residual.
+fn unused_tolerances(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem> {
+    let fed_back =
+        |name: &str| fields.iter().any(|f| f.kind.name == name && !f.fed_back.is_empty());
+    let names = case.coupling.implicit.fields.keys().filter(|_| scheme.is_implicit());
+    let unused = names.filter(|name| !fed_back(name)).map(|name| {
+        let reason = format!("`{name}` is not fed back, so it has no residual");
+        case.problem_at(&format!("coupling.fields.{name}"), reason, "remove it")
+    });
+    unused.collect()
 }
 
 fn participants(

@@ -1,7 +1,7 @@
 //! Routing: who runs, which fields exist, who sends them to whom, and in which order.
 
 use super::{Effect, Field};
-use crate::case::{Case, OutputFields};
+use crate::case::{Case, OutputFields, Scheme};
 use proto::description::{Description, EffectSpec, ModelSpec};
 use proto::field::{self, FieldKind};
 
@@ -83,7 +83,13 @@ pub(super) fn fields(
                 && fields.iter().all(|f| f.kind.name != name)
             {
                 let wanted = wanted(&case.output.fields, name);
-                fields.push(Field { kind, producer, consumers: Vec::new(), wanted });
+                fields.push(Field {
+                    kind,
+                    producer,
+                    consumers: Vec::new(),
+                    fed_back: Vec::new(),
+                    wanted,
+                });
             }
         }
     }
@@ -135,6 +141,15 @@ pub(super) fn provided_twice(
 /// The fields that close a loop: somebody who solves earlier needs them from somebody later.
 pub(super) fn feedback(fields: &[Field]) -> Vec<&Field> {
     fields.iter().filter(|f| f.consumers.iter().any(|&c| c <= f.producer)).collect()
+}
+
+/// Settles who hears the coordinator's iterates: with an implicit scheme those who solve before,
+/// or at the same time as, the producer; with an explicit one nobody.
+pub(super) fn feed_back(fields: &mut [Field], scheme: Scheme) {
+    for field in fields.iter_mut().filter(|_| scheme.is_implicit()) {
+        let late = |c: &&usize| scheme.is_parallel() || **c <= field.producer;
+        field.fed_back = field.consumers.iter().filter(late).copied().collect();
+    }
 }
 
 /// Every effect that somebody offers, with whom it concerns.

@@ -1,6 +1,7 @@
 //! The plan as a person reads it.
 
 use super::{Plan, Windows};
+use crate::case::Implicit;
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Plan {
@@ -30,7 +31,18 @@ impl Plan {
                 seconds(end)
             )?,
         }
-        writeln!(f, "scheme     {}: {}", self.scheme.name, self.scheme.reason)
+        let scheme = self.scheme.scheme;
+        writeln!(f, "scheme     {}: {}", scheme.word(), self.scheme.reason)?;
+        if scheme.is_implicit() {
+            let Implicit { max_iterations, reuse_windows, .. } = self.implicit;
+            writeln!(
+                f,
+                "           {}, at most {max_iterations} iterations a window, {reuse_windows} \
+                 windows remembered",
+                self.implicit.acceleration.word()
+            )?;
+        }
+        Ok(())
     }
 
     fn show_processes(&self, f: &mut Formatter<'_>) -> Result {
@@ -74,7 +86,8 @@ impl Plan {
                 false => field.consumers.iter().map(|&c| role(c)).collect::<Vec<_>>().join(", "),
             };
             let size = self.sample_bytes(field).map_or_else(|| "size unknown".to_owned(), bytes);
-            let route = format!("{} -> {to}", role(field.producer));
+            let through = if field.fed_back.is_empty() { "->" } else { "-> (iterate) ->" };
+            let route = format!("{} {through} {to}", role(field.producer));
             writeln!(f, "{head:10} {:26} {route:24} {size:>12}", field.kind.name)?;
             head = "";
         }

@@ -1,5 +1,19 @@
 //! `iterations.csv`: one row an iteration, written as the run goes.
+//!
+//! | column | |
+//! |---|---|
+//! | `window`, `iteration` | from 0, from 1 |
+//! | `start_s`, `end_s` | the window |
+//! | `residual`, `residual_FIELD` | ‖r‖/‖x̃‖ of what is fed back: the largest, and each |
+//! | `relaxation`, `columns`, `dropped` | how the next iterate was chosen; empty in the last one |
+//! | `coupling_s` | time of the iteration in which no model computed |
+//! | `heat_sent_w`, `heat_received_w` | mean power through conservative fields |
+//! | `ROLE_s`, `ROLE_work`, ... | what each participant reports of its solve |
+//!
+//! What an explicit scheme does not have, residuals of fields and the choice of iterates, has no
+//! column.
 
+use crate::couple::accelerate::StepTaken;
 use crate::error::{RunError, file_failure};
 use crate::session::{HeatBalance, SolveRecord};
 use proto::model::Step;
@@ -11,6 +25,25 @@ use std::time::{Duration, Instant};
 /// Longest time for which rows stay in memory while more are written.
 const UNWRITTEN: Duration = Duration::from_secs(1);
 
+/// What there is to tell of an iteration.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'a> {
+    /// Window and iteration.
+    pub step: &'a Step,
+    /// The largest relative residual.
+    pub residual: Option<f64>,
+    /// That of every field that is fed back.
+    pub residuals: &'a [f64],
+    /// How the next iterate was chosen.
+    pub taken: &'a StepTaken,
+    /// Seconds in which no model computed.
+    pub coupling_seconds: f64,
+    /// Heat across the interface.
+    pub heat: &'a HeatBalance,
+    /// What the participants report.
+    pub solved: &'a [SolveRecord],
+}
+
 /// The table being written.
 #[derive(Debug)]
 pub struct IterationTable {
@@ -20,25 +53,19 @@ pub struct IterationTable {
 }
 
 impl IterationTable {
-    /// Creates the file and writes its head.
-    pub fn create(path: &Path, roles: &[&str]) -> Result<Self, RunError> {
+    /// Creates the file and writes its head, for participants of these roles and fields of these
+    /// names that are fed back.
+    pub fn create(path: &Path, roles: &[&str], fields: &[&str]) -> Result<Self, RunError> {
         let failed = |error| file_failure(path, &error);
         let mut out = BufWriter::new(File::create(path).map_err(failed)?);
-        head(&mut out, roles).map_err(failed)?;
+        head(&mut out, roles, fields).map_err(failed)?;
         out.flush().map_err(failed)?;
         Ok(Self { out, path: path.to_owned(), flushed: Instant::now() })
     }
 
     /// Writes the row of an iteration; it is on disk a second later, if the run goes on.
-    pub fn row(
-        &mut self,
-        step: &Step,
-        residual: Option<f64>,
-        heat: &HeatBalance,
-        solved: &[SolveRecord],
-    ) -> Result<(), RunError> {
-        write_row(&mut self.out, step, residual, heat, solved)
-            .map_err(|error| file_failure(&self.path, &error))?;
+    pub fn row(&mut self, row: &Row<'_>) -> Result<(), RunError> {
+        write_row(&mut self.out, row).map_err(|error| file_failure(&self.path, &error))?;
         if self.flushed.elapsed() >= UNWRITTEN { self.flush() } else { Ok(()) }
     }
 
@@ -49,47 +76,92 @@ impl IterationTable {
     }
 }
 
-fn head(out: &mut impl Write, roles: &[&str]) -> io::Result<()> {
-    write!(out, "window,iteration,start_s,end_s,residual,heat_sent_w,heat_received_w")?;
+fn head(out: &mut impl Write, roles: &[&str], fields: &[&str]) -> io::Result<()> {
+    write!(out, "window,iteration,start_s,end_s,residual")?;
+    for field in fields {
+        write!(out, ",residual_{field}")?;
+    }
+    if !fields.is_empty() {
+        write!(out, ",relaxation,columns,dropped")?;
+    }
+    write!(out, ",coupling_s,heat_sent_w,heat_received_w")?;
     for role in roles {
         write!(out, ",{role}_s,{role}_work,{role}_substeps,{role}_inner_iterations")?;
     }
     writeln!(out)
 }
 
-fn write_row(
-    out: &mut impl Write,
-    step: &Step,
-    residual: Option<f64>,
-    heat: &HeatBalance,
-    solved: &[SolveRecord],
-) -> io::Result<()> {
+fn write_row(out: &mut impl Write, row: &Row<'_>) -> io::Result<()> {
+    let step = row.step;
     write!(out, "{},{},{},{}", step.window, step.iteration, step.start, step.end)?;
-    for value in [residual, heat.sent, heat.received] {
-        match value {
-            Some(value) => write!(out, ",{value:e}")?,
-            None => write!(out, ",")?,
+    cell(out, row.residual)?;
+    for residual in row.residuals {
+        cell(out, Some(*residual))?;
+    }
+    if !row.residuals.is_empty() {
+        cell(out, row.taken.relaxation)?;
+        match row.taken.columns {
+            Some(columns) => write!(out, ",{columns},{}", row.taken.dropped)?,
+            None => write!(out, ",,")?,
         }
     }
-    for s in solved {
+    write!(out, ",{:.9}", row.coupling_seconds)?;
+    cell(out, row.heat.sent)?;
+    cell(out, row.heat.received)?;
+    for s in row.solved {
         write!(out, ",{:.9},{},{},{}", s.model_seconds, s.work, s.substeps, s.inner_iterations)?;
     }
     writeln!(out)
+}
+
+/// A number, or nothing.
+fn cell(out: &mut impl Write, value: Option<f64>) -> io::Result<()> {
+    match value {
+        Some(value) => write!(out, ",{value:e}"),
+        None => write!(out, ","),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn head_and_rows_have_the_same_columns() {
+    /// Head and one row, with these fields fed back.
+    fn table(fields: &[&str], residuals: &[f64], taken: StepTaken) -> Vec<String> {
         let mut text = Vec::new();
-        head(&mut text, &["mech", "thermal"]).unwrap();
-        let heat = HeatBalance { sent: Some(1.5), received: None };
-        write_row(&mut text, &Step::STEADY, None, &heat, &[SolveRecord::default(); 2]).unwrap();
+        head(&mut text, &["mech", "thermal"], fields).unwrap();
+        let row = Row {
+            step: &Step::STEADY,
+            residual: residuals.first().copied(),
+            residuals,
+            taken: &taken,
+            coupling_seconds: 0.25,
+            heat: &HeatBalance { sent: Some(1.5), received: None },
+            solved: &[SolveRecord::default(); 2],
+        };
+        write_row(&mut text, &row).unwrap();
         let text = String::from_utf8(text).unwrap();
         let columns: Vec<usize> = text.lines().map(|l| l.split(',').count()).collect();
-        assert_eq!(columns, [15, 15]);
-        assert!(text.contains("\n0,1,0,0,,1.5e0,,0.000000000,0,0,0,"));
+        assert_eq!(columns[0], columns[1], "{text}");
+        text.lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn an_explicit_scheme_has_no_columns_for_iterates() {
+        let lines = table(&[], &[], StepTaken::default());
+        let head = "window,iteration,start_s,end_s,residual,coupling_s,heat_sent_w,heat_received_w";
+        assert!(lines[0].starts_with(&format!("{head},mech_s,mech_work,")), "{}", lines[0]);
+        assert!(lines[1].starts_with("0,1,0,0,,0.250000000,1.5e0,,0.000000000,0,0,0,"));
+    }
+
+    #[test]
+    fn an_implicit_scheme_tells_how_it_goes_on() {
+        let taken = StepTaken { relaxation: None, columns: Some(7), dropped: 1 };
+        let lines = table(&["rail_temperature", "x"], &[2.0, 1e-7], taken);
+        let part = "residual,residual_rail_temperature,residual_x,relaxation,columns,dropped,";
+        assert!(lines[0].contains(part), "{}", lines[0]);
+        assert!(lines[1].starts_with("0,1,0,0,2e0,2e0,1e-7,,7,1,0.25"), "{}", lines[1]);
+        let done = table(&["x"], &[1e-7], StepTaken::default());
+        assert!(done[1].starts_with("0,1,0,0,1e-7,1e-7,,,,0.25"), "{}", done[1]);
     }
 }

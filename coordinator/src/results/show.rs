@@ -54,6 +54,8 @@ pub fn text(summary: &Value, title: Option<&str>) -> String {
         "coupling",
         &[
             Some(word("/coupling/scheme").to_owned()).filter(|scheme| !scheme.is_empty()),
+            Some(word("/coupling/acceleration").to_owned())
+                .filter(|word| !word.is_empty() && word != "none"),
             of("/coupling/windows").map(|v| format!("{v:.0} window(s)")),
             of("/coupling/iterations").map(|v| format!("{v:.0} iteration(s)")),
             of("/coupling/final_residual").map(|v| format!("residual {v:.1e}")),

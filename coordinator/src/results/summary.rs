@@ -10,7 +10,10 @@ use serde_json::{Map, Value, json};
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// An explicit scheme went through; there was nothing to converge.
+    /// Every window of an implicit scheme has converged.
+    Converged,
+    /// It went through: an explicit scheme, which has nothing to converge, or an implicit one with
+    /// windows that have not converged, in a case that is not strict.
     Completed,
     /// It did not.
     Failed,
@@ -21,6 +24,7 @@ impl Status {
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
+            Self::Converged => "converged",
             Self::Completed => "completed",
             Self::Failed => "failed",
         }
@@ -34,9 +38,11 @@ pub struct Counts {
     pub windows: u64,
     /// Iterations in all.
     pub iterations: u64,
+    /// Windows accepted that had not converged.
+    pub not_converged: u64,
     /// Most iterations in one window.
     pub max_iterations_in_window: u32,
-    /// Residual of the last iteration.
+    /// Largest relative residual of the last iteration.
     pub final_residual: Option<f64>,
     /// Largest heat imbalance of a window, relative.
     pub energy_imbalance: Option<f64>,
@@ -143,8 +149,8 @@ pub fn build(of: &Ingredients) -> Value {
 fn coupling(of: &Ingredients) -> Value {
     let counts = &of.counts;
     let mut section = json!({
-        "scheme": of.plan.scheme.name,
-        "acceleration": "none",
+        "scheme": of.plan.scheme.scheme.word(),
+        "acceleration": of.plan.acceleration().word(),
         "windows": counts.windows,
         "iterations": counts.iterations,
         "max_iterations_in_window": counts.max_iterations_in_window,

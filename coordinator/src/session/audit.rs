@@ -1,8 +1,9 @@
 //! The energy audit: what one participant sends through a conservative field, another has to say
 //! it received.
 
+use super::feedback::Feedback;
+use super::tap::Consumer;
 use super::{SolveRecord, Tap};
-use proto::field::Mapping;
 
 /// Heat across the interface in one iteration, as mean power over the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,19 +25,29 @@ impl HeatBalance {
     }
 }
 
-/// The balance over all conservative fields that somebody consumes.
-pub(super) fn balance(taps: &[Tap], solved: &[SolveRecord]) -> HeatBalance {
+/// The balance over all conservative fields that somebody consumes. Sent is what each consumer was
+/// given to read: the producer's values, or the coordinator's iterate of them.
+pub(super) fn balance(taps: &[Tap], feedback: &[Feedback], solved: &[SolveRecord]) -> HeatBalance {
     let mut balance = HeatBalance::default();
-    let conserved = || taps.iter().filter(|tap| tap.kind.mapping == Mapping::Conservative);
-    for tap in conserved() {
+    let mut consumers = 0_u64;
+    let mut deliver = |heat: f64, readers: &[Consumer]| {
+        *balance.sent.get_or_insert(0.0) += heat * readers.len() as f64;
+        consumers |= readers.iter().fold(0, |all, reader| all | 1 << reader.participant);
+    };
+    for tap in taps.iter().filter(|tap| tap.is_conservative()) {
         if let Some(values) = tap.values() {
-            let heat = tap.grid.integrate(values) * tap.readers.len() as f64;
-            *balance.sent.get_or_insert(0.0) += heat;
+            // What is only fed back costs no sum here.
+            let heat = if tap.readers.is_empty() { 0.0 } else { tap.grid.integrate(values) };
+            deliver(heat, &tap.readers);
+        }
+    }
+    for fed_back in feedback {
+        if let Some(heat) = fed_back.heat {
+            deliver(heat, &fed_back.readers);
         }
     }
     for (participant, record) in solved.iter().enumerate() {
-        let consumes = |tap: &Tap| tap.readers.iter().any(|r| r.participant == participant);
-        if let (true, Some(heat)) = (conserved().any(consumes), record.heat_received) {
+        if let (true, Some(heat)) = (consumers >> participant & 1 == 1, record.heat_received) {
             *balance.received.get_or_insert(0.0) += heat;
         }
     }

@@ -1,7 +1,8 @@
 //! From a plan to a session that is ready for its first window.
 
+use super::feedback::Feedback;
 use super::tap::Consumer;
-use super::{Context, Link, Phase, Session, SolveRecord, Tap, Waiting};
+use super::{COORDINATOR, Context, Link, Phase, Session, SolveRecord, Tap, Waiting};
 use crate::error::{Failure, RunError};
 use crate::plan::{Participant, Plan, sample_bytes, topic_bytes};
 use crate::supervise::{Launch, Supervisor};
@@ -49,7 +50,7 @@ fn launch(plan: &Plan) -> Result<Session, RunError> {
         machine("shared memory", "while preparing the run", error, "check /dev/shm")
     };
     let endpoint = Endpoint::open(run.info()).map_err(|e| opened(&e))?;
-    let doorbell = endpoint.doorbell("coordinator").map_err(|e| opened(&e))?;
+    let doorbell = endpoint.doorbell(COORDINATOR).map_err(|e| opened(&e))?;
     let links: Result<Vec<Link>, TransportError> = plan
         .participants
         .iter()
@@ -79,6 +80,8 @@ fn launch(plan: &Plan) -> Result<Session, RunError> {
     Ok(Session {
         supervisor,
         taps: Vec::new(),
+        feedback: Vec::new(),
+        parts: Vec::new(),
         solved: vec![SolveRecord::default(); links.len()],
         links,
         doorbell,
@@ -86,6 +89,7 @@ fn launch(plan: &Plan) -> Result<Session, RunError> {
         run,
         deadlines: plan.deadlines,
         phase: Phase::Starting,
+        computed_seconds: 0.0,
         bytes_exchanged: 0,
     })
 }
@@ -189,16 +193,22 @@ impl Session {
         for field in &plan.fields {
             let topic = topic(plan, field, layouts);
             self.open_tap(plan, field, &topic)?;
+            if !field.fed_back.is_empty() {
+                self.open_feedback(plan, field, &topic)?;
+            }
             topics.push(topic);
         }
         let deadline = self.deadlines.start.as_secs_f64();
         for one in 0..self.links.len() {
-            let of = |wanted: &dyn Fn(&crate::plan::Field) -> bool| -> Vec<Topic> {
-                let pairs = plan.fields.iter().zip(&topics);
-                pairs.filter(|(f, _)| wanted(f)).map(|(_, t)| t.clone()).collect()
-            };
-            let inputs = of(&|f| f.consumers.contains(&one));
-            let outputs = of(&|f| f.producer == one);
+            let pairs = || plan.fields.iter().zip(&topics);
+            let outputs = pairs().filter(|(f, _)| f.producer == one).map(|(_, t)| t.clone());
+            let outputs = outputs.collect();
+            let consumed = pairs().filter(|(f, _)| f.consumers.contains(&one));
+            let inputs = consumed.map(|(field, topic)| match field.fed_back.contains(&one) {
+                true => iterates(field, topic),
+                false => topic.clone(),
+            });
+            let inputs = inputs.collect();
             let body = serde_json::to_vec(&Topics { inputs, outputs, deadline })
                 .expect("topics are plain data");
             self.post(one, Command::new(CommandKind::Initialise), &body, true)?;
@@ -208,6 +218,8 @@ impl Session {
             self.await_done(one, self.deadlines.start + self.deadlines.solve)?;
             self.collect(one, &before, false)?;
         }
+        self.wait_for_readers()?;
+        self.parts = self.coupling_parts();
         (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))
     }
 
@@ -220,17 +232,13 @@ impl Session {
         let reader = self._endpoint.field_reader(&topic.service).map_err(|error| {
             machine("shared memory", "while initialising", &error, "check /dev/shm")
         })?;
-        let consumer = |&participant: &usize| {
-            let inputs = &plan.participants[participant].configuration.inputs;
-            let slot = inputs.iter().position(|i| i.field.name == field.kind.name);
-            Consumer { participant, slot: slot.expect("a consumer has the field as an input") }
-        };
+        let direct = field.consumers.iter().filter(|one| !field.fed_back.contains(one));
         self.taps.push(Tap {
             kind: field.kind.clone(),
             grid: topic.grid.clone(),
             producer: field.producer,
             producer_role: plan.participants[field.producer].role.clone(),
-            readers: field.consumers.iter().map(consumer).collect(),
+            readers: direct.map(|&one| consumer(plan, field, one)).collect(),
             observed_only: field.observed_only(),
             wanted: field.wanted,
             reader,
@@ -239,6 +247,37 @@ impl Session {
         });
         Ok(())
     }
+
+    /// The coordinator's own topic of the field whose tap was opened last.
+    fn open_feedback(
+        &mut self,
+        plan: &Plan,
+        field: &crate::plan::Field,
+        topic: &Topic,
+    ) -> Result<(), RunError> {
+        let values = topic.grid.points() * field.kind.components as usize;
+        let (service, subscribers) = (Feedback::service(&field.kind.name), field.fed_back.len());
+        let writer =
+            self._endpoint.field_writer(&service, values, subscribers).map_err(|error| {
+                machine("shared memory", "while initialising", &error, "check /dev/shm")
+            })?;
+        let readers = field.fed_back.iter().map(|&one| consumer(plan, field, one)).collect();
+        let (tap, of) = (self.taps.len() - 1, (&field.kind, &topic.grid));
+        self.feedback.push(Feedback::new(tap, of, readers, writer));
+        Ok(())
+    }
+}
+
+fn consumer(plan: &Plan, field: &crate::plan::Field, participant: usize) -> Consumer {
+    let inputs = &plan.participants[participant].configuration.inputs;
+    let slot = inputs.iter().position(|i| i.field.name == field.kind.name);
+    Consumer { participant, slot: slot.expect("a consumer has the field as an input") }
+}
+
+/// The topic on which the coordinator sends its iterates of a field.
+fn iterates(field: &crate::plan::Field, topic: &Topic) -> Topic {
+    let (service, subscribers) = (Feedback::service(&topic.field), field.fed_back.len());
+    Topic { service, subscribers, ..topic.clone() }
 }
 
 fn topic(plan: &Plan, field: &crate::plan::Field, layouts: &[Layout]) -> Topic {
@@ -248,8 +287,8 @@ fn topic(plan: &Plan, field: &crate::plan::Field, layouts: &[Layout]) -> Topic {
         field: field.kind.name.clone(),
         service: format!("field/{role}/{}", field.kind.name),
         grid: grid.clone(),
-        // Its consumers, and our own tap.
-        subscribers: field.consumers.len() + 1,
+        // Those of its consumers who hear it directly, and our own tap.
+        subscribers: field.consumers.len() - field.fed_back.len() + 1,
     }
 }
 
@@ -260,7 +299,8 @@ fn check_shared_memory<'a>(
 ) -> Result<(), RunError> {
     let fields = plan.fields.iter().filter_map(|field| {
         let grid = layout(field.producer)?.grid_of(&field.kind.name)?;
-        Some(topic_bytes(sample_bytes(grid.points(), field.kind.components)))
+        let topics = 1 + u64::from(!field.fed_back.is_empty());
+        Some(topics * topic_bytes(sample_bytes(grid.points(), field.kind.components)))
     });
     let needed = OVERHEAD + fields.sum::<u64>();
     let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);

@@ -3,7 +3,7 @@
 
 use super::{Phase, Session};
 use crate::error::{Failure, RunError};
-use proto::field::FieldKind;
+use proto::field::{FieldKind, Mapping};
 use proto::grid::Grid;
 use proto::message::FieldHeader;
 use proto::model::{Step, first_non_finite};
@@ -58,10 +58,15 @@ impl Tap {
         &self.producer_role
     }
 
-    /// Who consumes it.
+    /// Who hears it directly; those to whom it is fed back hear the coordinator.
     #[must_use]
     pub fn readers(&self) -> &[Consumer] {
         &self.readers
+    }
+
+    /// Its surface integral is what a mapping preserves.
+    pub(super) fn is_conservative(&self) -> bool {
+        self.kind.mapping == Mapping::Conservative
     }
 
     /// The case wants it written out.

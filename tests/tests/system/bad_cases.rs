@@ -88,9 +88,14 @@ fn all_errors_are_listed_at_once() {
 
 #[test]
 fn a_good_case_passes_the_check_and_starts_nothing() {
-    for name in
-        ["wheel-rail.toml", "full-slip.toml", "cold-start.toml", "third-body.toml", "exchange.toml"]
-    {
+    for name in [
+        "wheel-rail.toml",
+        "full-slip.toml",
+        "cold-start.toml",
+        "third-body.toml",
+        "exchange.toml",
+        "linear.toml",
+    ] {
         let place = Place::new();
         let ended = place.start(&["check", &case(name)]).wait();
         assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));

@@ -53,12 +53,27 @@ fn a_participant_started_by_hand_is_waited_for() {
     place.assert_nothing_left();
 }
 
+/// Both add one: the loop has no fixed point, and `auto` does not pretend that it has.
 #[test]
-fn a_loop_needs_an_implicit_scheme_or_the_users_word() {
+fn a_loop_is_iterated_unless_the_user_wants_one_pass() {
     let place = Place::new();
-    let ended = place.run(&case("exchange.toml"), &["--set", "coupling.scheme=auto"]);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.stderr.contains("closes a loop"), "{}", ended.stderr);
-    assert!(ended.stderr.contains("--set coupling.scheme=auto"), "{}", ended.stderr);
+    let auto = ["--set", "coupling.scheme=auto"];
+    let plan = place.start(&[&["plan", &case("exchange.toml")], &auto[..]].concat()).wait().stdout;
+    let reason = "serial-implicit: `right_value` from `right` closes a loop";
+    assert!(plan.contains(reason), "{plan}");
+    let ended = place.run(&case("exchange.toml"), &auto);
+    assert_eq!(ended.code, Some(3), "{}", ended.stderr);
+    assert!(ended.stderr.contains("in window 0, iteration 100"), "{}", ended.stderr);
     place.assert_nothing_left();
+}
+
+/// With `left` and `right` at once each window adds one to what the other had.
+#[test]
+fn a_parallel_pass_uses_what_was_there_before() {
+    let place = Place::new();
+    let more = ["coupling.scheme=parallel-explicit", "time.end=250", "output.fields=all"];
+    let summary = place.summary(&case("exchange.toml"), &more.map(|set| ["--set", set]).concat());
+    assert_eq!(summary["coupling"]["scheme"], "parallel-explicit");
+    assert_eq!(last_value(&place, "left_numbers_000249.vti"), 250.0);
+    assert_eq!(last_value(&place, "right_numbers_000249.vti"), 250.0);
 }

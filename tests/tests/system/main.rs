@@ -11,5 +11,6 @@ mod exchange;
 mod faults;
 mod figures;
 mod harness;
+mod implicit;
 mod off_means_off;
 mod results;

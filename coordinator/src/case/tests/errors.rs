@@ -345,7 +345,20 @@ const ROWS: &[Row] = &[
         replace: "[load]",
         by: "[coupling]\nscheme = \"serial\"\n[load]",
         errors: &[
-            r#"19:10 coupling.scheme: unknown scheme `serial` | write "auto" or "serial-explicit""#,
+            r#"19:10 coupling.scheme: unknown scheme `serial` | write "auto", "serial-explicit", "serial-implicit", "parallel-explicit" or "parallel-implicit""#,
+        ],
+    },
+    Row {
+        replace: "[load]",
+        by: "[coupling]\nacceleration = \"iqn\"\nrelaxation = 3\nfilter = 0\nmin_iterations = 200\n\
+             [coupling.fields.presure]\nrelative = -1\n[load]",
+        errors: &[
+            r#"19:16 coupling.acceleration: unknown acceleration `iqn` | write "auto", "none", "constant", "aitken", "anderson", "iqn-ils" or "iqn-imvj""#,
+            "20:14 coupling.relaxation: 3 is not above 0 and at most 2 | write a value that is above 0 and at most 2, for example 0.5",
+            "21:10 coupling.filter: 0 is not at least 1e-7 and at most 0.9 | write a value that is at least 1e-7 and at most 0.9, for example 0.5",
+            "22:18 coupling.min_iterations: 200 is more than coupling.max_iterations = 100 | lower it, or raise coupling.max_iterations",
+            "23:1 coupling.fields.presure: unknown field `presure`; did you mean `pressure`? | the participants provide friction_power and pressure",
+            "24:12 coupling.fields.presure.relative: -1 is not above 0 | write a value that is above 0, for example 0.5",
         ],
     },
     Row {

@@ -1,8 +1,10 @@
 //! What a good case becomes.
 
 use super::{GOOD, case, case_with, descriptions, effect, lines, mech, thermal};
-use crate::case::schema::{ROLE, SCHEMES, own_keys};
-use crate::case::{OutputFields, Place, RawCase, Scheme, Timing, validate};
+use crate::case::schema::{ROLE, own_keys};
+use crate::case::{
+    Acceleration, OutputFields, Place, Predictor, RawCase, Scheme, Timing, Tolerances, validate,
+};
 use proto::description::KeySpec;
 use serde_json::json;
 
@@ -44,6 +46,35 @@ fn settings_have_their_values_and_defaults() {
 }
 
 #[test]
+fn settings_of_an_implicit_scheme() {
+    let plain = case(GOOD).unwrap().coupling.implicit;
+    assert_eq!(plain.acceleration, Acceleration::IqnIls);
+    assert_eq!((plain.min_iterations, plain.max_iterations, plain.strict), (1, 100, true));
+    assert_eq!((plain.relaxation, plain.filter), (0.5, 1e-6));
+    assert_eq!((plain.reuse_windows, plain.max_columns), (10, 100));
+    let relative = Tolerances { relative: Some(1e-6), ..Tolerances::default() };
+    assert_eq!(plain.tolerances_of("pressure"), relative);
+    let set = case_with(
+        GOOD,
+        &[
+            "coupling={acceleration=\"aitken\", absolute=1e-3, strict=false, predictor=\"linear\"}",
+            "coupling.fields.pressure.residual_relative=0.1",
+        ],
+    );
+    let set = set.unwrap().coupling.implicit;
+    assert_eq!((set.acceleration, set.strict), (Acceleration::Aitken, false));
+    assert_eq!(set.predictor, Predictor::Linear);
+    let absolute = Tolerances { absolute: Some(1e-3), ..Tolerances::default() };
+    assert_eq!(
+        set.tolerances_of("friction_power"),
+        absolute,
+        "a measure given replaces the default"
+    );
+    let own = Tolerances { residual_relative: Some(0.1), ..Tolerances::default() };
+    assert_eq!(set.tolerances_of("pressure"), own);
+}
+
+#[test]
 fn own_keys_are_declared_soundly() {
     let keys = own_keys();
     for (at, key) in keys.iter().enumerate() {
@@ -52,7 +83,7 @@ fn own_keys_are_declared_soundly() {
         let own = crate::case::schema::SECTIONS.contains(&section);
         assert!(own || section == ROLE, "{}", key.spec.path);
     }
-    assert!(SCHEMES.iter().all(|word| Scheme::from_word(word).is_some()));
+    assert!(Scheme::WORDS.iter().all(|word| Scheme::from_word(word).is_some()));
 }
 
 #[test]

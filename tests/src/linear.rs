@@ -1,0 +1,26 @@
+//! Two participants that solve x = Mx + b_w together: `relay` sends on what it receives, `operator`
+//! answers x with Mx + b_w in window w.
+//!
+//! From a seed come, by splitmix64 as numbers in [−1, 1), two vectors b₀ and b₁, ten vectors v_k, and
+//! for P5 and P6 a matrix G, by rows. With Q the product of the reflections H_k = I − 2v_kv_kᵀ/v_kᵀv_k
+//! and i = 0..n−1,
+//!
+//! | problem | M |
+//! |---|---|
+//! | P1 | QΛQᵀ, λ_i = 0.95(−1 + 2i/(n−1)) |
+//! | P2 | QΛQᵀ, λ_i = −1.5 + 2i/(n−1) |
+//! | P3 | QΛQᵀ, λ_i = −1.5 · 0.8^i |
+//! | P4 | QΛQᵀ, λ_i = 0.95 · 0.8^i |
+//! | P5 | 0.95 G/ρ(G) |
+//! | P6 | 1.5 G/ρ(G) |
+//! | diagonal | Λ of P1, with b_w alone |
+//!
+//! and b_w = (1 + 0.2 sin w) b₀ + 0.2 cos w b₁. The operator knows the solution from a direct solve
+//! and puts the largest relative error of an accepted window into the summary.
+
+mod dense;
+mod participant;
+mod problem;
+
+pub use participant::{Linear, OPERATOR_VALUE, RELAY_VALUE};
+pub use problem::{LARGEST_DENSE, PROBLEMS, Problem};

@@ -1,0 +1,221 @@
+//! The two participants.
+
+use super::problem::{LARGEST_DENSE, PROBLEMS, Problem};
+use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::description::{Description, KeySpec, ModelSpec};
+use proto::field::{Body, FieldSpec, Mapping};
+use proto::grid::{Grid, Structured};
+use proto::model::{
+    Inputs, Model, Outputs, Setup, Solver, StateBlob, StateError, Step, StepError, StepReport,
+};
+
+/// What `relay` sends.
+pub const RELAY_VALUE: FieldSpec = field("relay_value");
+/// What `operator` sends.
+pub const OPERATOR_VALUE: FieldSpec = field("operator_value");
+
+const fn field(name: &'static str) -> FieldSpec {
+    FieldSpec {
+        name,
+        unit: "1",
+        components: 1,
+        mapping: Mapping::Consistent,
+        body: Body::Interface,
+        meaning: "a vector of unknowns",
+    }
+}
+
+/// One of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Linear {
+    /// Sends on what it receives.
+    Relay,
+    /// Answers x with Mx + b_w.
+    Operator,
+}
+
+impl Linear {
+    fn role(self) -> &'static str {
+        match self {
+            Self::Relay => "relay",
+            Self::Operator => "operator",
+        }
+    }
+
+    fn sends(self) -> FieldSpec {
+        match self {
+            Self::Relay => RELAY_VALUE,
+            Self::Operator => OPERATOR_VALUE,
+        }
+    }
+
+    fn receives(self) -> FieldSpec {
+        match self {
+            Self::Relay => OPERATOR_VALUE,
+            Self::Operator => RELAY_VALUE,
+        }
+    }
+
+    fn model(self) -> ModelSpec {
+        let (name, summary) = match self {
+            Self::Relay => ("identity", "sends on what it receives"),
+            Self::Operator => ("affine", "answers x with Mx + b"),
+        };
+        ModelSpec {
+            name: name.to_owned(),
+            summary: summary.to_owned(),
+            source: "linear algebra".to_owned(),
+            steady: true,
+            transient: true,
+            consumes: vec![self.receives().name.to_owned()],
+            provides: vec![self.sends().name.to_owned()],
+            keys: Vec::new(),
+        }
+    }
+}
+
+impl Solver for Linear {
+    fn description(&self) -> Description {
+        Description {
+            protocol: proto::PROTOCOL_VERSION,
+            name: format!("toy-{}", self.role()),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            role: self.role().to_owned(),
+            standalone: true,
+            estimates: true,
+            models: vec![self.model()],
+            effects: Vec::new(),
+            keys: vec![
+                KeySpec::choice("linear.problem", PROBLEMS, "kind of matrix").default_value("P1"),
+                KeySpec::integer("linear.seed", "seed of its numbers")
+                    .at_least(0.0)
+                    .default_value(42),
+                KeySpec::integer("linear.size", "number of unknowns")
+                    .at_least(2.0)
+                    .at_most(1e8)
+                    .default_value(100),
+            ],
+            fields: vec![RELAY_VALUE.kind(), OPERATOR_VALUE.kind()],
+        }
+    }
+
+    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+        let case = &configuration.case;
+        let size = case.integer("linear.size")? as usize;
+        let name = case.text("linear.problem")?.to_owned();
+        if matches!(name.as_str(), "P5" | "P6") && size > LARGEST_DENSE {
+            let reason = format!("{name} is a full matrix, of at most {LARGEST_DENSE} unknowns");
+            return Err(Refusal::new("linear.size", reason, "write less, or take P1 to P4"));
+        }
+        let shape = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, size, 1);
+        let on_grid = |field: FieldSpec| FieldOnGrid {
+            field: field.name.to_owned(),
+            grid: "unknowns".to_owned(),
+        };
+        Ok(Box::new(LinearSetup {
+            part: *self,
+            name,
+            seed: case.integer("linear.seed")? as u64,
+            size,
+            layout: Layout {
+                grids: vec![Grid::structured("unknowns", shape)],
+                fields: vec![on_grid(self.sends())],
+                ..Layout::default()
+            },
+        }))
+    }
+}
+
+#[derive(Clone, Debug)]
+struct LinearSetup {
+    part: Linear,
+    name: String,
+    seed: u64,
+    size: usize,
+    layout: Layout,
+}
+
+impl Setup for LinearSetup {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+        let problem = match self.part {
+            Linear::Relay => None,
+            Linear::Operator => {
+                let unknown =
+                    || Refusal::new("linear.problem", "unknown", format!("one of {PROBLEMS:?}"));
+                Some(Problem::new(&self.name, self.seed, self.size).ok_or_else(unknown)?)
+            }
+        };
+        let last = vec![0.0; if problem.is_some() { self.size } else { 0 }];
+        Ok(Box::new(LinearModel { part: self.part, problem, last, window: 0, true_error: 0.0 }))
+    }
+}
+
+#[derive(Debug)]
+struct LinearModel {
+    part: Linear,
+    /// The operator's.
+    problem: Option<Problem>,
+    /// What the operator has answered last.
+    last: Vec<f64>,
+    window: u64,
+    true_error: f64,
+}
+
+impl Model for LinearModel {
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        let missing = |field: &FieldSpec| StepError::MissingInput { field: field.name.to_owned() };
+        let (receives, sends) = (self.part.receives(), self.part.sends());
+        let received = inputs.get(&receives).ok_or_else(|| missing(&receives))?;
+        let sent = outputs.get(&sends).ok_or_else(|| missing(&sends))?;
+        match &self.problem {
+            None => sent.copy_from_slice(received.values),
+            Some(problem) => {
+                problem.apply(step.window, received.values, sent);
+                self.last.copy_from_slice(sent);
+            }
+        }
+        self.window = step.window;
+        Ok(StepReport { substeps: 1, work: sent.len() as u64, ..StepReport::default() })
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        if let Some(values) = outputs.get(&self.part.sends()) {
+            values.fill(0.0);
+        }
+    }
+
+    fn accept(&mut self) {
+        if let Some(problem) = &self.problem {
+            self.true_error = self.true_error.max(problem.true_error(self.window, &self.last));
+        }
+    }
+
+    fn observe(&mut self, _outputs: &mut dyn Outputs) {}
+
+    fn summary(&self) -> serde_json::Value {
+        match self.part {
+            Linear::Relay => serde_json::json!({}),
+            Linear::Operator => serde_json::json!({ "linear": { "true_error": self.true_error } }),
+        }
+    }
+
+    fn save(&self, into: &mut StateBlob) {
+        into.0 = self.true_error.to_le_bytes().to_vec();
+    }
+
+    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
+        let bytes = from.0.as_slice().try_into();
+        let bytes = bytes.map_err(|_| StateError(format!("{} bytes, not 8", from.0.len())))?;
+        self.true_error = f64::from_le_bytes(bytes);
+        Ok(())
+    }
+}
