@@ -37,7 +37,10 @@ impl Scene {
         let (nx, ny) = (2 * half_x + 1, 2 * half_y + 1);
         let grid = Structured::contact_plane(x0, y0, step, step, nx, ny);
         let motion = Motion::SteadyRolling;
-        Self { contact: Contact { bodies, layer: 0.0, semi_axes: [a, b], motion }, grid }
+        Self {
+            contact: Contact { bodies, layer: 0.0, semi_axes: [a, b], motion, tolerance: 1e-4 },
+            grid,
+        }
     }
 
     fn pressure(&self) -> Vec<f64> {

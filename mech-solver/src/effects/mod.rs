@@ -5,6 +5,7 @@ pub mod friction_heat;
 pub mod partial_slip;
 pub mod roughness;
 pub mod subsurface_stress;
+pub mod temperature_friction;
 pub mod third_body_layer;
 
 use proto::configuration::{Configuration, Refusal};
@@ -16,6 +17,7 @@ pub const EFFECTS: &[fn() -> EffectSpec] = &[
     partial_slip::spec,
     roughness::spec,
     subsurface_stress::spec,
+    temperature_friction::spec,
     third_body_layer::spec,
 ];
 

@@ -32,8 +32,10 @@ const INTO_THE_BRACKET: f64 = 0.5;
 
 /// Accuracy of the tractions asked for, over the last error of the forces, both over their bounds.
 const ACCURACY: f64 = 0.1;
-/// Best and worst accuracy asked for.
-const ACCURACIES: [f64; 2] = [1e-6, 2e-3];
+/// Best accuracy asked for, unless the result needs a better one.
+const BEST_ACCURACY: f64 = 1e-6;
+/// Worst accuracy asked for.
+const WORST_ACCURACY: f64 = 2e-3;
 
 /// What is prescribed: a force for some components, a creepage for the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,7 +124,7 @@ impl ForceSearch {
         };
         let mut bracket = scaled.known_planes();
         let mut before: Option<(Vector3<f64>, Vector3<f64>)> = None;
-        let mut accuracy = ACCURACIES[1];
+        let mut accuracy = WORST_ACCURACY;
         let mut error = f64::INFINITY;
         for _ in 0..MOST_TRIALS {
             let lack = scaled.lack(forces(scaled.creepage_out(at), accuracy)?);
@@ -134,7 +136,8 @@ impl ForceSearch {
                 self.jacobian = Some(jacobian.transpose().into());
                 return Ok(());
             }
-            accuracy = (ACCURACY * error).clamp(ACCURACIES[0], ACCURACIES[1]);
+            let best = BEST_ACCURACY.min(scales.accuracy);
+            accuracy = (ACCURACY * error).clamp(best, WORST_ACCURACY);
             if error <= scales.tolerance {
                 accuracy = accuracy.min(scales.accuracy);
                 before = None;

@@ -18,11 +18,13 @@ use serde::{Deserialize, Serialize};
 
 /// Grids with no more elements than this along their longer side are not made coarser.
 const COARSEST: usize = 26;
-/// Tractions have settled when they change by less than this share of the largest; a Newton step
-/// leaves about a third of that as error.
-const TOLERANCE: f64 = 1e-4;
-/// A prescribed force is met to this share of f N, on the finest grid and on coarser ones.
-const FORCE_TOLERANCES: [f64; 2] = [1e-6, 1e-4];
+/// On coarser grids tractions have settled when they change by less than this share of the largest;
+/// a Newton step leaves about a third of that as error.
+const COARSE_TOLERANCE: f64 = 1e-4;
+/// A prescribed force is met to this share of f N on coarser grids.
+const COARSE_FORCE: f64 = 1e-4;
+/// On the finest grid the same: this share of the tolerance of the tractions.
+const FORCE_SHARE: f64 = 0.01;
 
 /// How the bodies move on each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +48,9 @@ pub struct Contact {
     pub semi_axes: [f64; 2],
     /// How the bodies move.
     pub motion: Motion,
+    /// Tractions on the finest grid have settled when they change by less than this share of the
+    /// largest.
+    pub tolerance: f64,
 }
 
 impl Contact {
@@ -89,7 +94,7 @@ struct Level {
 impl Level {
     fn new(grid: &Structured, contact: &Contact) -> Self {
         let (dx, dy) = (grid.dx(), grid.dy());
-        let Contact { bodies, layer, semi_axes: [a, _], motion } = *contact;
+        let Contact { bodies, layer, semi_axes: [a, _], motion, .. } = *contact;
         let influence = Influence { dx, dy, elasticity: bodies };
         let (nx, ny) = (grid.ni, grid.nj);
         let operator = match motion {
@@ -130,7 +135,7 @@ impl Level {
         let problem = Problem { nx, distance, ahead, element_area, x, y, bound, before };
         if !target.prescribed.has_force() {
             state.creepage = target.prescribed.creepage;
-            return Ok(solver.solve(&problem, state, TOLERANCE)?.newton_steps);
+            return Ok(solver.solve(&problem, state, target.scales.accuracy)?.newton_steps);
         }
         let moment_arm = problem.largest_moment() / most_force;
         refuse_beyond_friction(target.prescribed, most_force, moment_arm)?;
@@ -164,7 +169,7 @@ fn refuse_beyond_friction(
 ) -> Result<(), TangentialError> {
     let [x, y, moment] = prescribed.force.map(Option::unwrap_or_default);
     let force = x.hypot(y);
-    if force > most_force * (1.0 + FORCE_TOLERANCES[0]) {
+    if force > most_force * (1.0 + COARSE_FORCE) {
         return Err(TangentialError::BeyondFriction { force, most: most_force });
     }
     let most = arm * most_force;
@@ -323,9 +328,10 @@ impl Levels {
             Motion::RollingStep => self.contact.slope() * distance,
             Motion::SteadyRolling | Motion::Shift => self.contact.slope(),
         };
-        let tolerance = FORCE_TOLERANCES[usize::from(!finest)];
+        let accuracy = if finest { self.contact.tolerance } else { COARSE_TOLERANCE };
+        let tolerance = if finest { FORCE_SHARE * accuracy } else { COARSE_FORCE };
         let length = (a * b).sqrt();
-        let scales = Scales { slope, length, most_force: 0.0, tolerance, accuracy: TOLERANCE };
+        let scales = Scales { slope, length, most_force: 0.0, tolerance, accuracy };
         Target { prescribed, before, scales }
     }
 

@@ -20,6 +20,7 @@ mod steady;
 mod transient;
 
 use crate::effects::subsurface_stress::Sections;
+use crate::effects::temperature_friction::FrictionLaw;
 use crate::effects::{friction_heat, partial_slip, third_body_layer};
 use crate::ellipse::Ellipse;
 use crate::half_space::influence::Elasticity;
@@ -96,6 +97,7 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let (grid, semi_axes) = (footprint.grid, footprint.semi_axes);
     let case = Case {
         sections: Sections::read(configuration, &scene, grid, semi_axes)?,
+        friction_law: FrictionLaw::read(configuration, scene.friction_coefficient)?,
         partial: configuration.has_effect(partial_slip::NAME),
         layer: third_body_layer::flexibility(configuration)?,
         memory: memory(configuration, &scene)?,
@@ -198,6 +200,8 @@ struct Case {
     driven: Driven,
     partial: bool,
     layer: f64,
+    /// How friction depends on temperature, if it does.
+    friction_law: Option<FrictionLaw>,
     footprint: Footprint,
     /// The tractions of one step matter to the next.
     memory: bool,

@@ -9,20 +9,24 @@
 //!
 //! Fields are element means, see `strips`. The model is quasi-static and has no memory: its answer
 //! is the same in every window of a transient case. It is computed once, when the model is built; a
-//! solve copies it to the outputs that are asked for.
+//! solve copies it to the outputs that are asked for. Under the effect `temperature_friction` it is
+//! computed in every iteration ([`heated`]).
 //!
 //! Deviations from the sources: the strips of an elliptic patch share one prefactor A and take ξ
 //! from their own half length, so that the friction power is V s F in every strip.
 
 mod contact;
 mod fields;
+mod heated;
 
 use crate::effects::partial_slip;
+use crate::effects::temperature_friction::FrictionLaw;
 use crate::ellipse::Ellipse;
 use crate::keys::CheckedParams;
 use crate::models::precomputed::{self, Precomputed};
 use crate::scene::{Drive, GivenPatch, Scene, given_patch_keys};
 use contact::{Contact, CreepLaw};
+use heated::Heated;
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
@@ -86,7 +90,8 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let values: usize = wanted.iter().map(|spec| precomputed::count(spec, &grid)).sum();
     let mut layout = precomputed::layout(&wanted, grid, SECONDS_PER_VALUE * values as f64);
     layout.remarks.extend(remarks(&scene, &contact, given, partial));
-    Ok(Box::new(Prepared { contact, grid, wanted, layout }))
+    let friction = FrictionLaw::read(configuration, scene.friction_coefficient)?;
+    Ok(Box::new(Prepared { scene, contact, law, partial, friction, grid, wanted, layout }))
 }
 
 fn remarks(
@@ -109,7 +114,12 @@ fn remarks(
 
 /// A checked case.
 struct Prepared {
+    scene: Scene,
     contact: Contact,
+    law: CreepLaw,
+    partial: bool,
+    /// How friction depends on temperature, if it does.
+    friction: Option<FrictionLaw>,
     grid: Structured,
     wanted: Vec<&'static FieldSpec>,
     layout: Layout,
@@ -120,7 +130,10 @@ impl Setup for Prepared {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+    fn build(mut self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+        if let Some(law) = self.friction.take() {
+            return Ok(Box::new(Heated::new(*self, law)));
+        }
         let Self { contact, grid, wanted, .. } = *self;
         let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
         let fields = wanted.iter().map(values).collect();

@@ -14,3 +14,4 @@ mod harness;
 mod implicit;
 mod off_means_off;
 mod results;
+mod two_way;

@@ -6,8 +6,10 @@
 //!
 //! - *diverges* when d_k exceeds 10⁶ times its first value (or times the part 10⁻⁶ of the field,
 //!   where the first was below that), or when it has found no better d for as many iterations as
-//!   its accelerator needs to learn the problem (its patience) and is where it began: d_k > d₁/2;
-//! - *stagnates* when it has found no better d for that long, but is nearer than at its beginning.
+//!   its accelerator needs to learn the problem (its patience) and is where it began, d_k > d₁/2, or
+//!   swings by more than a hundredth of the field;
+//! - *stagnates* when it has found no better d for that long, but is nearer than at its beginning: the
+//!   precision of the participants is what is left.
 //!
 //! Residuals that rise for a while, as those of quasi-Newton methods do until they know the
 //! problem, are neither: an accelerator with m columns has a patience of 2m.
@@ -18,6 +20,11 @@ use super::{Norms, Why};
 const GROWTH: f64 = 1e6;
 /// A first distance below this says nothing about growth.
 const LEAST_FIRST: f64 = 1e-6;
+/// A residual above this part of what comes back is no question of precision.
+const SWING: f64 = 0.01;
+/// A residual is better than another when it is below this part of it: iterations that run into a
+/// cycle come a little nearer to its least residual for ever.
+const BETTER: f64 = 0.999;
 /// Nearer than this part of the first distance is progress.
 const NEARER: f64 = 0.5;
 
@@ -50,7 +57,7 @@ impl Progress {
         if iteration == 1 {
             self.first = distance;
         }
-        if distance < self.best {
+        if distance < BETTER * self.best {
             (self.best, self.best_at) = (distance, iteration);
         }
         if distance > GROWTH * self.first.max(LEAST_FIRST) {
@@ -59,7 +66,9 @@ impl Progress {
         if iteration - self.best_at < self.patience {
             return None;
         }
-        Some(if distance > NEARER * self.first { Why::Diverged } else { Why::Stagnated })
+        let swings = norms.iter().any(|norms| norms.residual > SWING * norms.returned);
+        let diverged = swings || distance > NEARER * self.first;
+        Some(if diverged { Why::Diverged } else { Why::Stagnated })
     }
 
     fn distance(&mut self, norms: &[Norms]) -> f64 {
@@ -103,6 +112,14 @@ mod tests {
         let slow = |k: u32| 1.001_f64.powi(k as i32);
         assert_eq!(ends(100, slow), Some((101, Why::Diverged)));
         assert_eq!(ends(100, |_| 0.3), Some((101, Why::Diverged)));
+    }
+
+    #[test]
+    fn a_cycle_is_divergence() {
+        let cycle =
+            |k: u32| if k.is_multiple_of(2) { 1.0 } else { 0.7 + 0.1 * 0.99_f64.powi(k as i32) };
+        let (iteration, why) = ends(100, cycle).unwrap();
+        assert!(why == Why::Diverged && iteration < 800, "{iteration}");
     }
 
     #[test]

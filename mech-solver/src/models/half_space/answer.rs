@@ -33,7 +33,6 @@ impl Answer {
         let grid = &case.footprint.grid;
         let count = grid.points();
         let (mut traction, mut slip) = (vec![0.0; 2 * count], vec![0.0; 2 * count]);
-        let friction = case.scene.friction_coefficient;
         let passage = case.passage();
         for index in 0..count {
             let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
@@ -44,7 +43,7 @@ impl Answer {
                 slip[component * count + index] = middle[component] * passage.distance;
                 if size > 0.0 {
                     traction[component * count + index] =
-                        -friction * contact.pressure[index] * rigid[component] / size;
+                        -contact.bound()[index] * rigid[component] / size;
                 }
             }
         }

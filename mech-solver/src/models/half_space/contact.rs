@@ -5,6 +5,7 @@
 
 use super::Case;
 use super::drive::Driven;
+use crate::effects::temperature_friction::FrictionLaw;
 use crate::half_space::coupling::Coupling;
 use crate::half_space::extent::sample;
 use crate::half_space::force_search::ForceSearch;
@@ -12,9 +13,14 @@ use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
 use crate::half_space::tangential::State;
+use proto::model::{Inputs, StepError};
 
 /// Change of the pressure, over the largest, at which it rests: far below the error of any grid.
 const REST: f64 = 1e-6;
+/// Accuracy of the tractions, over the largest: below the error of any grid.
+const TOLERANCE: f64 = 1e-4;
+/// The same where a coupling loop iterates on them: well below what it is asked for.
+const LOOP_TOLERANCE: f64 = 1e-10;
 /// Turns of normal and tangential contact after which they are given up.
 const MOST_TURNS: usize = 30;
 
@@ -40,8 +46,11 @@ pub(super) struct ContactSolver {
     normal: Option<Normal>,
     levels: Option<Levels>,
     coupling: Option<Coupling>,
-    friction: f64,
+    /// Friction coefficient of every element.
+    friction: Vec<f64>,
     area: f64,
+    /// Pressure and approach without friction.
+    frictionless: (Vec<f64>, Option<f64>),
     pub(super) pressure: Vec<f64>,
     /// Approach [m]; unknown for a given pressure.
     pub(super) approach: Option<f64>,
@@ -82,6 +91,7 @@ impl ContactSolver {
             layer: case.layer,
             semi_axes: case.footprint.semi_axes,
             motion,
+            tolerance: if case.friction_law.is_some() { LOOP_TOLERANCE } else { TOLERANCE },
         };
         let zeros = vec![0.0; grid.points()];
         let mut solver = Self {
@@ -91,7 +101,8 @@ impl ContactSolver {
                 let rolling = motion == Motion::SteadyRolling;
                 Coupling::new(&influence, grid.ni, grid.nj, rolling)
             }),
-            friction: case.scene.friction_coefficient,
+            friction: vec![case.scene.friction_coefficient; grid.points()],
+            frictionless: Default::default(),
             area: grid.element_area(),
             pressure: case.given_pressure(),
             approach: None,
@@ -101,7 +112,36 @@ impl ContactSolver {
         };
         solver.press()?;
         solver.set_bound();
+        solver.frictionless = (solver.pressure.clone(), solver.approach);
         Ok(solver)
+    }
+
+    /// Goes back to the pressure without friction, so that a solve depends on its inputs only.
+    pub(super) fn reset(&mut self) {
+        self.pressure.clone_from(&self.frictionless.0);
+        self.approach = self.frictionless.1;
+        self.normal_iterations = 0;
+        if let Some(normal) = &mut self.normal {
+            normal.distance.clone_from(&normal.undeformed);
+        }
+        self.set_bound();
+    }
+
+    /// Takes the friction coefficients of a law at the temperatures that come in.
+    pub(super) fn heat(
+        &mut self,
+        case: &Case,
+        law: &FrictionLaw,
+        inputs: &dyn Inputs,
+    ) -> Result<(), StepError> {
+        law.on_grid(inputs, &case.footprint.grid, &mut self.friction)?;
+        self.set_bound();
+        Ok(())
+    }
+
+    /// Traction bound f p of every element [Pa].
+    pub(super) fn bound(&self) -> &[f64] {
+        &self.bound
     }
 
     /// Normal force [N].
@@ -110,8 +150,9 @@ impl ContactSolver {
     }
 
     fn set_bound(&mut self) {
-        for (bound, pressure) in self.bound.iter_mut().zip(&self.pressure) {
-            *bound = self.friction * pressure;
+        let pairs = self.friction.iter().zip(&self.pressure);
+        for (bound, (friction, pressure)) in self.bound.iter_mut().zip(pairs) {
+            *bound = friction * pressure;
         }
     }
 

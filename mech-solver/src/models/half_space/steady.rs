@@ -1,6 +1,8 @@
 //! Steady rolling, or sliding without partial slip: no memory.
 //!
-//! Solved in the first window; the answer is kept, since nothing that it depends on changes.
+//! Solved in the first window; the answer is kept, since nothing that it depends on changes. Under the
+//! effect `temperature_friction` it is solved in every iteration, from scratch, so that it depends on
+//! the temperatures that come in and on nothing else.
 
 use super::answer::Answer;
 use super::contact::{ContactError, ContactSolver};
@@ -12,25 +14,36 @@ use serde_json::{Value, json};
 /// The model that runs.
 pub(super) struct Steady {
     case: Case,
+    contact: Option<ContactSolver>,
     answer: Option<(Answer, StepReport)>,
 }
 
 impl Steady {
     pub(super) fn new(case: Case) -> Self {
-        Self { case, answer: None }
+        Self { case, contact: None, answer: None }
     }
 
-    fn compute(&self) -> Result<(Answer, StepReport), ContactError> {
+    /// The solver, with the pressure of no friction.
+    fn contact(&mut self) -> Result<ContactSolver, ContactError> {
+        match self.contact.take() {
+            Some(mut contact) => {
+                contact.reset();
+                Ok(contact)
+            }
+            None => ContactSolver::new(&self.case, Motion::SteadyRolling),
+        }
+    }
+
+    fn compute(&self, contact: &mut ContactSolver) -> Result<(Answer, StepReport), ContactError> {
         let case = &self.case;
-        let mut contact = ContactSolver::new(case, Motion::SteadyRolling)?;
         let mut report = StepReport { substeps: 1, ..StepReport::default() };
         let answer = match case.partial {
-            false => Answer::sliding(case, &contact),
+            false => Answer::sliding(case, contact),
             true => {
                 let solution = contact.solve(&case.driven, None, None)?;
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
-                Answer::partial(case, &contact, &solution, None)
+                Answer::partial(case, contact, &solution, None)
             }
         };
         report.inner_iterations += contact.normal_iterations as u32;
@@ -42,12 +55,22 @@ impl Model for Steady {
     fn solve(
         &mut self,
         _step: &Step,
-        _inputs: &dyn Inputs,
+        inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        let (answer, report) = match self.answer.take() {
+        let known = self.answer.take().filter(|_| self.case.friction_law.is_none());
+        let (answer, report) = match known {
             Some(known) => known,
-            None => self.compute().map_err(|error| StepError::NoSolution(error.to_string()))?,
+            None => {
+                let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+                let mut contact = self.contact().map_err(no_solution)?;
+                if let Some(law) = &self.case.friction_law {
+                    contact.heat(&self.case, law, inputs)?;
+                }
+                let found = self.compute(&mut contact).map_err(no_solution)?;
+                self.contact = Some(contact);
+                found
+            }
         };
         answer.write(&answer.friction_power, outputs);
         self.answer = Some((answer, report));

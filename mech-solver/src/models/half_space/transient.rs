@@ -182,9 +182,12 @@ impl Model for Transient {
     fn solve(
         &mut self,
         step: &Step,
-        _inputs: &dyn Inputs,
+        inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
+        if let Some(law) = &self.case.friction_law {
+            self.contact.heat(&self.case, law, inputs)?;
+        }
         let report = self.advance(step.duration());
         let report = report.map_err(|error| StepError::NoSolution(error.to_string()))?;
         self.trial.answer.write(&self.power, outputs);

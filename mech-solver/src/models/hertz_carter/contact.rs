@@ -34,7 +34,7 @@ pub(super) struct Contact {
 }
 
 impl Contact {
-    /// Solves the tangential contact on an ellipse.
+    /// Solves the tangential contact on an ellipse with the scene's friction coefficient.
     pub(super) fn solve(
         scene: &Scene,
         ellipse: Ellipse,

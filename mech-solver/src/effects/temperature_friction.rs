@@ -1,0 +1,287 @@
+//! Effect `temperature_friction`: the friction coefficient depends on the contact temperature.
+//!
+//! Either f(T) = f_∞ + (f_0 − f_∞) e^{−T/T_c}, with f_0 the case's friction coefficient, or a table of
+//! temperatures and coefficients with straight lines between. T is the mean of the temperature rises
+//! of both surfaces over their initial temperature, at the centre of an element.
+//!
+//! The effect closes a loop: friction heats, heat changes friction.
+//!
+//! Source: Ertz & Bucher, Vehicle System Dynamics 37 supplement (2002) 675–684, for friction that
+//! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over the
+//! slip velocity.
+
+use crate::keys::CheckedParams;
+use crate::models::{half_space, hertz_carter};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::{EffectSpec, KeySpec, names};
+use proto::field::{self, FieldSpec};
+use proto::grid::{Shape, Structured};
+use proto::model::{Inputs, StepError, first_non_finite};
+use std::path::Path;
+
+/// Name in the case file.
+pub const NAME: &str = "temperature_friction";
+
+const LIMIT: &str = "effects.temperature_friction.limit";
+const DECAY: &str = "effects.temperature_friction.decay_temperature";
+const TABLE: &str = "effects.temperature_friction.table";
+const BEYOND: &str = "effects.temperature_friction.beyond";
+
+/// The surfaces whose temperatures count.
+const SURFACES: [FieldSpec; 2] = [field::WHEEL_TEMPERATURE, field::RAIL_TEMPERATURE];
+/// Larger files are refused.
+const MOST_BYTES: u64 = 1 << 24;
+
+fn keys() -> Vec<KeySpec> {
+    const LAW: &str = "effects.temperature_friction.law";
+    vec![
+        KeySpec::number(LIMIT, "friction coefficient at high temperature")
+            .at_least(0.0)
+            .one_of(LAW),
+        KeySpec::quantity(DECAY, "K", "temperature rise at which 1/e of the fall is left")
+            .default_value(200.0)
+            .above(0.0),
+        KeySpec::file(TABLE, "lines of temperature rise [K] and friction coefficient, rising")
+            .one_of(LAW),
+        KeySpec::choice(BEYOND, &["refuse", "clamp"], "what happens beyond the table")
+            .default_value("refuse"),
+    ]
+}
+
+/// What the description says of this effect.
+#[must_use]
+pub fn spec() -> EffectSpec {
+    EffectSpec {
+        name: NAME.to_owned(),
+        law: "f(T) = f_inf + (f_0 - f_inf) exp(-T/T_c), or a table; T the mean rise of both \
+              surfaces"
+            .to_owned(),
+        source:
+            "Ertz & Bucher, Vehicle System Dynamics 37 suppl. (2002) 675-684; Polach, Wear 258 \
+                 (2005) 992-1000"
+                .to_owned(),
+        models: [hertz_carter::NAME, half_space::NAME].map(str::to_owned).to_vec(),
+        consumes: names(&[&SURFACES[0], &SURFACES[1]]),
+        provides: Vec::new(),
+        keys: keys(),
+    }
+}
+
+/// How friction depends on temperature.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum FrictionLaw {
+    /// f_∞ + (f_0 − f_∞) e^{−T/T_c}.
+    Decay {
+        /// f_0 [-].
+        cold: f64,
+        /// f_∞ [-].
+        hot: f64,
+        /// T_c [K].
+        scale: f64,
+    },
+    /// Straight lines between points.
+    Table {
+        /// Temperature rises [K], rising, and coefficients.
+        points: Vec<(f64, f64)>,
+        /// The first and last coefficient hold beyond the table.
+        clamp: bool,
+    },
+}
+
+impl FrictionLaw {
+    /// The law of a configuration; `None` when the effect is off.
+    ///
+    /// # Errors
+    /// The effect is on and its values are missing or out of range.
+    pub(crate) fn read(
+        configuration: &Configuration,
+        friction: f64,
+    ) -> Result<Option<Self>, Refusal> {
+        if !configuration.has_effect(NAME) {
+            return Ok(None);
+        }
+        let case = CheckedParams::new(&configuration.case, keys());
+        if case.has(TABLE) {
+            let path = case.text(TABLE)?;
+            let points = read_table(Path::new(path)).map_err(|reason| {
+                let fix = "give lines of two numbers, temperature rising";
+                Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
+            })?;
+            let clamp = case.text(BEYOND)? == "clamp";
+            return Ok(Some(Self::Table { points, clamp }));
+        }
+        Ok(Some(Self::Decay {
+            cold: friction,
+            hot: case.number(LIMIT)?,
+            scale: case.number(DECAY)?,
+        }))
+    }
+
+    /// f(T); `None` beyond the table.
+    pub(crate) fn coefficient(&self, temperature: f64) -> Option<f64> {
+        match self {
+            Self::Decay { cold, hot, scale } => {
+                Some(hot + (cold - hot) * (-temperature / scale).exp())
+            }
+            Self::Table { points, clamp } => {
+                let right = points.partition_point(|(at, _)| *at <= temperature);
+                let (first, last) = (points[0], points[points.len() - 1]);
+                if temperature == last.0 {
+                    return Some(last.1);
+                }
+                match right {
+                    0 => clamp.then_some(first.1),
+                    _ if right == points.len() => clamp.then_some(last.1),
+                    _ => {
+                        let ((t0, f0), (t1, f1)) = (points[right - 1], points[right]);
+                        Some(f0 + (f1 - f0) * (temperature - t0) / (t1 - t0))
+                    }
+                }
+            }
+        }
+    }
+
+    /// Friction coefficients at the centres of a grid's elements.
+    ///
+    /// # Errors
+    /// A temperature is missing, not finite, not on a structured grid, or beyond the table.
+    pub(crate) fn on_grid(
+        &self,
+        inputs: &dyn Inputs,
+        grid: &Structured,
+        friction: &mut Vec<f64>,
+    ) -> Result<(), StepError> {
+        friction.clear();
+        friction.resize(grid.points(), 0.0);
+        for surface in &SURFACES {
+            let missing = || StepError::MissingInput { field: surface.name.to_owned() };
+            let input = inputs.get(surface).ok_or_else(missing)?;
+            if let Some(index) = first_non_finite(input.values) {
+                let (field, value) = (surface.name.to_owned(), input.values[index]);
+                return Err(StepError::NonFiniteInput { field, index, value });
+            }
+            let Shape::Structured(from) = &input.grid.shape else {
+                let reason = format!("`{}` is not on a structured grid", surface.name);
+                return Err(StepError::NoSolution(reason));
+            };
+            for (index, sum) in friction.iter_mut().enumerate() {
+                let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
+                *sum += 0.5 * bilinear(from, input.values, x, y);
+            }
+        }
+        for value in friction.iter_mut() {
+            let temperature = *value;
+            *value = self.coefficient(temperature).ok_or_else(|| {
+                StepError::NoSolution(format!(
+                    "the contact temperature rise of {temperature:.1} K is beyond the table of \
+                     {TABLE}; extend it, or write {BEYOND} = \"clamp\""
+                ))
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// Between the centres of a contact-plane grid's elements; beyond them the nearest.
+fn bilinear(grid: &Structured, values: &[f64], x: f64, y: f64) -> f64 {
+    let cell = |at: f64, first: f64, step: f64, count: usize| {
+        let at = ((at - first) / step).clamp(0.0, (count - 1) as f64);
+        let low = (at as usize).min(count.saturating_sub(2));
+        (low, (low + 1).min(count - 1), at - low as f64)
+    };
+    let (i, right, s) = cell(x, grid.x(0), grid.dx(), grid.ni);
+    let (j, upper, t) = cell(y, grid.y(0), grid.dy(), grid.nj);
+    let at = |i: usize, j: usize| values[j * grid.ni + i];
+    (1.0 - t) * ((1.0 - s) * at(i, j) + s * at(right, j))
+        + t * ((1.0 - s) * at(i, upper) + s * at(right, upper))
+}
+
+/// Lines of two numbers; `#` begins a comment.
+fn read_table(path: &Path) -> Result<Vec<(f64, f64)>, String> {
+    let bytes = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
+    if bytes > MOST_BYTES {
+        return Err(format!("has {bytes} bytes"));
+    }
+    parse_table(&std::fs::read(path).map_err(|error| error.to_string())?)
+}
+
+fn parse_table(text: &[u8]) -> Result<Vec<(f64, f64)>, String> {
+    let text = std::str::from_utf8(text).map_err(|_| "is not text".to_owned())?;
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for (line, number) in text.lines().zip(1..) {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        if line.is_empty() {
+            continue;
+        }
+        let words: Vec<f64> = line
+            .split([',', ' ', '\t'])
+            .filter(|word| !word.is_empty())
+            .map_while(|word| word.parse().ok().filter(|value: &f64| value.is_finite()))
+            .collect();
+        match words[..] {
+            [_, friction] if friction <= 0.0 => {
+                return Err(format!("has no friction coefficient above 0 in line {number}"));
+            }
+            [temperature, _] if points.last().is_some_and(|(last, _)| temperature <= *last) => {
+                return Err(format!("does not rise in line {number}"));
+            }
+            [temperature, friction] => points.push((temperature, friction)),
+            _ => return Err(format!("is not two numbers in line {number}")),
+        }
+    }
+    if points.is_empty() { Err("has no line".to_owned()) } else { Ok(points) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn decay_from_cold_to_hot() {
+        let law = FrictionLaw::Decay { cold: 0.6, hot: 0.2, scale: 100.0 };
+        assert_eq!(law.coefficient(0.0), Some(0.6));
+        let value = law.coefficient(100.0).unwrap();
+        assert!((value - (0.2 + 0.4 / std::f64::consts::E)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn table_lines_and_ends() {
+        let points = parse_table(b"# rise, f\n0, 0.5\n100 0.3\n200\t0.2 # hot\n").unwrap();
+        let law = |clamp| FrictionLaw::Table { points: points.clone(), clamp };
+        assert_eq!(law(false).coefficient(50.0), Some(0.4));
+        assert_eq!(law(false).coefficient(200.0), Some(0.2));
+        assert_eq!((law(false).coefficient(201.0), law(false).coefficient(-1.0)), (None, None));
+        assert_eq!(law(true).coefficient(1e9), Some(0.2));
+        assert_eq!(law(true).coefficient(-1.0), Some(0.5));
+        for (text, told) in
+            [("", "no line"), ("1,2\n1,2", "line 2"), ("1", "line 1"), ("0,0", "above 0")]
+        {
+            let error = parse_table(text.as_bytes()).unwrap_err();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+
+    /// A linear field is met exactly inside, also between shifted grids.
+    #[test]
+    fn bilinear_between_grids() {
+        let grid = Structured::contact_plane(-1.0, -2.0, 0.5, 1.0, 5, 4);
+        let values: Vec<f64> = (0..20).map(|k| 3.0 * grid.x(k % 5) - grid.y(k / 5)).collect();
+        for (x, y) in [(-1.0, -2.0), (0.3, 0.4), (1.0, 1.0), (-0.75, 0.0)] {
+            assert!((bilinear(&grid, &values, x, y) - (3.0 * x - y)).abs() < 1e-14);
+        }
+        assert_eq!(bilinear(&grid, &values, 9.0, -9.0), 3.0 * 1.0 + 2.0);
+        let point = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 1, 1);
+        assert_eq!(bilinear(&point, &[7.0], 3.0, 3.0), 7.0);
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..100), t in -1e6f64..1e6) {
+            if let Ok(points) = parse_table(&bytes) {
+                let law = FrictionLaw::Table { points, clamp: true };
+                prop_assert!(law.coefficient(t).is_some_and(|f| f > 0.0));
+            }
+        }
+    }
+}

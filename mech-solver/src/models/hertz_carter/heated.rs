@@ -1,0 +1,85 @@
+//! The contact under the effect `temperature_friction`.
+//!
+//! Carter's strips know one friction coefficient: the mean of f(T) over the contact, weighted with
+//! the pressure, which keeps the force f N of a contact that slides. It is solved anew in every
+//! iteration.
+
+use super::Prepared;
+use super::contact::Contact;
+use super::fields;
+use crate::effects::temperature_friction::FrictionLaw;
+use crate::scene::Scene;
+use proto::field;
+use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
+use serde_json::Value;
+
+/// The model that runs.
+pub(super) struct Heated {
+    case: Prepared,
+    law: FrictionLaw,
+    pressure: Vec<f64>,
+    friction: Vec<f64>,
+}
+
+impl Heated {
+    pub(super) fn new(case: Prepared, law: FrictionLaw) -> Self {
+        let pressure = fields::values(&field::PRESSURE, &case.contact, case.grid);
+        Self { law, pressure, friction: Vec::new(), case }
+    }
+
+    fn write(&self, outputs: &mut dyn Outputs) {
+        for spec in &self.case.wanted {
+            if let Some(place) = outputs.get(spec) {
+                place.copy_from_slice(&fields::values(spec, &self.case.contact, self.case.grid));
+            }
+        }
+    }
+}
+
+impl Model for Heated {
+    fn solve(
+        &mut self,
+        _step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        self.law.on_grid(inputs, &self.case.grid, &mut self.friction)?;
+        let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
+        let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
+        let scene = Scene { friction_coefficient: friction, ..self.case.scene };
+        let Prepared { contact, law, partial, .. } = &mut self.case;
+        *contact = Contact::solve(&scene, contact.ellipse, *law, *partial)
+            .map_err(|refusal| StepError::NoSolution(refusal.reason))?;
+        self.write(outputs);
+        let work = self.case.grid.points() as u64;
+        Ok(StepReport { substeps: 1, work, ..StepReport::default() })
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        self.write(outputs);
+    }
+
+    fn accept(&mut self) {}
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        self.write(outputs);
+    }
+
+    fn summary(&self) -> Value {
+        self.case.contact.summary()
+    }
+
+    fn save(&self, into: &mut StateBlob) {
+        into.0.clear();
+    }
+
+    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
+        match from.0.len() {
+            0 => Ok(()),
+            bytes => {
+                let name = super::NAME;
+                Err(StateError(format!("{name} has no state, but there are {bytes} bytes")))
+            }
+        }
+    }
+}
