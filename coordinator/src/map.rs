@@ -82,6 +82,12 @@ impl Method {
         }
     }
 
+    /// The method of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+
     /// What suits a field that nobody chose a method for: second order without overshoot for point
     /// values, exact areas for densities.
     #[must_use]
@@ -119,6 +125,30 @@ pub struct Coverage {
     pub outside: usize,
     /// Largest distance of such a centre from the border, along the surface [m].
     pub farthest: f64,
+}
+
+impl Coverage {
+    /// More than one element in a hundred lies beyond the border: what is there is not mapped but
+    /// taken to the border, or from it.
+    #[must_use]
+    pub fn is_poor(&self) -> bool {
+        100 * self.outside > self.elements
+    }
+}
+
+impl std::fmt::Display for Coverage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { elements, outside, farthest } = *self;
+        match outside {
+            0 => write!(f, "all of {elements} elements lie within the other grid's border"),
+            _ => write!(
+                f,
+                "{outside} of {elements} elements lie beyond the other grid's border, up to \
+                 {:.3} mm",
+                1e3 * farthest
+            ),
+        }
+    }
 }
 
 /// A mapping between two grids as they are now.

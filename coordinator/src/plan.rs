@@ -5,10 +5,12 @@
 //! [`crate::session::Session`] gets.
 
 mod make;
+mod mapping;
 mod route;
 pub(crate) mod show;
 
 use crate::case::{Acceleration, Case, Implicit, Scheme};
+use crate::map::Method;
 use crate::programs::Program;
 use crate::session::Deadlines;
 use proto::configuration::{Configuration, Layout, Mode};
@@ -17,6 +19,7 @@ use proto::field::FieldKind;
 use proto::transport::FIELD_SLOTS;
 
 pub use make::plan;
+pub use mapping::non_matching;
 
 /// What will run.
 #[derive(Clone, Debug)]
@@ -130,6 +133,8 @@ pub struct Field {
     pub consumers: Vec<usize>,
     /// Those of the consumers that hear the coordinator's iterate of it, and not the producer.
     pub fed_back: Vec<usize>,
+    /// How it is mapped for those of the consumers whose grid does not match the producer's.
+    pub method: Method,
     /// The case wants it written out.
     pub wanted: bool,
 }

@@ -248,7 +248,7 @@ mod tests {
 
     fn audited(sent: f64, received: f64) -> (Result<(), String>, Option<f64>) {
         let mut counts = Counts::default();
-        let heat = HeatBalance { sent: Some(sent), received: Some(received) };
+        let heat = HeatBalance { sent: Some(sent), received: Some(received), mapping: None };
         let judged = audit(&heat, 7, &mut counts).map_err(|error| error.to_string());
         (judged, counts.energy_imbalance)
     }
@@ -259,7 +259,7 @@ mod tests {
         let (judged, worst) = audited(1e3, 1e3 * (1.0 + 1e-9));
         assert_eq!(judged, Ok(()));
         assert!(worst.unwrap() > 0.9e-9);
-        let unknown = HeatBalance { sent: Some(1.0), received: None };
+        let unknown = HeatBalance { sent: Some(1.0), received: None, mapping: None };
         assert!(audit(&unknown, 0, &mut Counts::default()).is_ok());
     }
 

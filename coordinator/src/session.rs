@@ -9,6 +9,8 @@
 mod audit;
 mod feedback;
 mod link;
+mod mapped;
+mod outlet;
 mod setup;
 mod tap;
 
@@ -22,6 +24,7 @@ use crate::signals;
 use crate::supervise::{Exit, Supervisor};
 use feedback::Feedback;
 use link::Link;
+use mapped::Mapped;
 use proto::message::{Command, CommandKind, Finished, OBSERVE, Reply, Status};
 use proto::model::Step;
 use proto::run_dir::RunDir;
@@ -92,6 +95,7 @@ pub struct Session {
     supervisor: Supervisor,
     taps: Vec<Tap>,
     feedback: Vec<Feedback>,
+    mapped: Vec<Mapped>,
     /// The fields of `feedback` as parts of the coupling vector.
     parts: Vec<Part>,
     links: Vec<Link>,
@@ -139,7 +143,7 @@ impl Session {
     /// Heat sent and received in the last iteration.
     #[must_use]
     pub fn heat_balance(&self) -> HeatBalance {
-        audit::balance(&self.taps, &self.feedback, &self.solved)
+        audit::balance(&self.taps, &self.feedback, &self.mapped, &self.solved)
     }
 
     /// Makes the last solve of every participant its accepted state. With `observe` the observed
@@ -379,6 +383,7 @@ impl Exchange for Session {
 
     fn solve(&mut self, participants: &[usize], step: &Step) -> Result<(), RunError> {
         self.phase = Phase::Solving(*step);
+        self.send_mapped(participants)?;
         for &one in participants {
             let mut command = Command::about(CommandKind::Solve, step);
             for tap in &self.taps {
@@ -390,6 +395,9 @@ impl Exchange for Session {
                 for reader in feedback.readers.iter().filter(|r| r.participant == one) {
                     command.expected[reader.slot] = feedback.sequence();
                 }
+            }
+            for mapped in self.mapped.iter().filter(|m| m.reader.participant == one) {
+                command.expected[mapped.reader.slot] = mapped.outlet().sequence();
             }
             self.post(one, command, &[], true)?;
         }

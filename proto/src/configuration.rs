@@ -63,10 +63,14 @@ impl Configuration {
 /// Answer to `Configure` and to `--estimate`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
-    /// The grids of the outputs.
+    /// The grids of the outputs, and those on which inputs are wanted.
     pub grids: Vec<Grid>,
     /// Which grid each output and observed field lives on.
     pub fields: Vec<FieldOnGrid>,
+    /// Which grid each input is wanted on: the coordinator maps it there, if its producer's is
+    /// another. An input without a wish arrives on its producer's grid.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub inputs: Vec<FieldOnGrid>,
     /// Expected processor seconds of one solve.
     pub solve_seconds: f64,
     /// Expected memory of the participant's own arrays [byte].
@@ -89,12 +93,21 @@ impl Layout {
     /// What is wrong with a layout that came from outside.
     ///
     /// # Errors
-    /// A grid that [`Grid::check`] refuses, or two of the same name.
+    /// A grid that [`Grid::check`] refuses, two of the same name, or an input that is wanted twice
+    /// or on no grid of the layout.
     pub fn check(&self) -> Result<(), String> {
         for (index, grid) in self.grids.iter().enumerate() {
             grid.check()?;
             if self.grids[..index].iter().any(|other| other.name == grid.name) {
                 return Err(format!("two grids are called `{}`", grid.name));
+            }
+        }
+        for (index, FieldOnGrid { field, grid }) in self.inputs.iter().enumerate() {
+            if self.inputs[..index].iter().any(|other| other.field == *field) {
+                return Err(format!("the input `{field}` is wanted on two grids"));
+            }
+            if self.input_grid(field).is_none() {
+                return Err(format!("the input `{field}` is wanted on `{grid}`, which is no grid"));
             }
         }
         Ok(())
@@ -103,7 +116,17 @@ impl Layout {
     /// The grid of a field.
     #[must_use]
     pub fn grid_of(&self, field: &str) -> Option<&Grid> {
-        let name = &self.fields.iter().find(|f| f.field == field)?.grid;
+        self.among(&self.fields, field)
+    }
+
+    /// The grid on which an input is wanted; `None` if its producer's will do.
+    #[must_use]
+    pub fn input_grid(&self, field: &str) -> Option<&Grid> {
+        self.among(&self.inputs, field)
+    }
+
+    fn among(&self, placed: &[FieldOnGrid], field: &str) -> Option<&Grid> {
+        let name = &placed.iter().find(|f| f.field == field)?.grid;
         self.grids.iter().find(|g| &g.name == name)
     }
 }
@@ -135,4 +158,43 @@ pub enum Estimate {
     Layout(Layout),
     /// The case is refused.
     Refused(Refusal),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Structured;
+
+    fn wanting(inputs: &[(&str, &str)]) -> Layout {
+        let shape = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 3, 2);
+        let on = |(field, grid): &(&str, &str)| FieldOnGrid {
+            field: (*field).to_owned(),
+            grid: (*grid).to_owned(),
+        };
+        Layout {
+            grids: vec![Grid::structured("fine", shape)],
+            inputs: inputs.iter().map(on).collect(),
+            ..Layout::default()
+        }
+    }
+
+    #[test]
+    fn wishes_are_found_and_checked() {
+        let layout = wanting(&[("friction_power", "fine")]);
+        assert_eq!(layout.check(), Ok(()));
+        assert_eq!(layout.input_grid("friction_power"), layout.grids.first());
+        assert_eq!((layout.input_grid("pressure"), layout.grid_of("friction_power")), (None, None));
+        let nowhere = wanting(&[("x", "coarse")]).check();
+        assert_eq!(nowhere, Err("the input `x` is wanted on `coarse`, which is no grid".into()));
+        let twice = wanting(&[("x", "fine"), ("y", "fine"), ("x", "fine")]).check();
+        assert_eq!(twice, Err("the input `x` is wanted on two grids".into()));
+    }
+
+    /// A participant that knows of no wishes says and reads what it always did.
+    #[test]
+    fn a_layout_without_wishes_is_written_as_before() {
+        let text = serde_json::to_string(&wanting(&[])).unwrap();
+        assert!(!text.contains("inputs"), "{text}");
+        assert_eq!(serde_json::from_str::<Layout>(&text).unwrap(), wanting(&[]));
+    }
 }

@@ -15,12 +15,13 @@
 //! | P6 | 1.5 G/ρ(G) |
 //! | diagonal | Λ of P1, with b_w alone |
 //!
-//! and b_w = (1 + 0.2 sin w) b₀ + 0.2 cos w b₁. The operator knows the solution from a direct solve
+//! and b_w = (1 + 0.2 sin w) b₀ + 0.2 cos w b₁. Each wants what it receives on its own grid. `relay.points`
+//! gives the relay another one; then M is taken between the mappings there and back. The operator knows the solution from a direct solve
 //! and puts the largest relative error of an accepted window into the summary.
 
 mod dense;
 mod participant;
 mod problem;
 
-pub use participant::{Linear, OPERATOR_VALUE, RELAY_VALUE};
+pub use participant::{Linear, OPERATOR_VALUE, RELAY_VALUE, grid};
 pub use problem::{LARGEST_DENSE, PROBLEMS, Problem};

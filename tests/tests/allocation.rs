@@ -18,6 +18,9 @@ const LOANS: u64 = 4;
 /// What it sends in an iteration of an implicit scheme: two commands, one iterate.
 const LOANS_PER_ITERATION: u64 = 3;
 
+/// One more for each field that it maps besides.
+const LOANS_PER_ITERATION_WITH_MAPPINGS: u64 = 4;
+
 /// Counts the allocations of the thread that asks.
 struct Counting;
 
@@ -82,38 +85,48 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
     assert!(counted[10..].iter().all(|count| *count == LOANS), "a window each: {counted:?}");
 }
 
-/// Windows of four iterations: what the accelerator remembers is full after the first ones.
 #[test]
 fn a_steady_iteration_does_not_allocate() {
-    let (relay, operator) = (program("toy-relay"), program("toy-operator"));
     for acceleration in ["none", "constant", "aitken", "anderson", "iqn-ils", "iqn-imvj"] {
-        let case = format!(
-            "[case]\nname = \"steady\"\n\
-             [linear]\nproblem = \"P1\"\n\
-             [relay]\nmodel = \"identity\"\ncommand = [{relay:?}]\n\
-             [operator]\nmodel = \"affine\"\ncommand = [{operator:?}]\n\
-             [time]\nmode = \"transient\"\nwindow = 1\nend = 1e6\n\
-             [coupling]\nacceleration = \"{acceleration}\"\nmax_columns = 9\n\
-             min_iterations = 4\nmax_iterations = 4\n[output]\nfields = \"none\"\n"
-        );
-        let planned = plan(RawCase::parse("test", &case).unwrap()).unwrap();
-        let mut session = Session::start(&planned.plan).unwrap();
-        let mut coupling = Coupling::implicit(&planned.plan.implicit, false, &session);
-        let mut counted = Vec::with_capacity(40);
-        for window in 0..40 {
-            let before = COUNT.get();
-            let (start, end) = (window as f64, window as f64 + 1.0);
-            let step = Step { window, iteration: 0, start, end };
-            coupling.begin_window(&step);
-            for _ in 0..4 {
-                coupling.iterate(&mut session).unwrap();
-            }
-            coupling.accept_window();
-            session.accept(&step, false).unwrap();
-            counted.push(COUNT.get() - before);
-        }
-        session.finish().unwrap();
-        let loans = 4 * LOANS_PER_ITERATION + 2;
-        assert!(counted[10..].iter().all(|count| *count == loans), "{acceleration}: {counted:?}");
+        iterate(acceleration, 100, LOANS_PER_ITERATION);
     }
+}
+
+/// Both fields are mapped: the iterate to the relay's grid, its answer back.
+#[test]
+fn a_steady_iteration_with_mappings_does_not_allocate() {
+    iterate("iqn-ils", 137, LOANS_PER_ITERATION_WITH_MAPPINGS);
+}
+
+/// Windows of four iterations: what the accelerator remembers is full after the first ones.
+fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
+    let (relay, operator) = (program("toy-relay"), program("toy-operator"));
+    let case = format!(
+        "[case]\nname = \"steady\"\n\
+         [linear]\nproblem = \"P1\"\n\
+         [relay]\nmodel = \"identity\"\ncommand = [{relay:?}]\npoints = {points}\n\
+         [operator]\nmodel = \"affine\"\ncommand = [{operator:?}]\n\
+         [time]\nmode = \"transient\"\nwindow = 1\nend = 1e6\n\
+         [coupling]\nacceleration = \"{acceleration}\"\nmax_columns = 9\n\
+         min_iterations = 4\nmax_iterations = 4\n[output]\nfields = \"none\"\n"
+    );
+    let planned = plan(RawCase::parse("test", &case).unwrap()).unwrap();
+    let mut session = Session::start(&planned.plan).unwrap();
+    let mut coupling = Coupling::implicit(&planned.plan.implicit, false, &session);
+    let mut counted = Vec::with_capacity(40);
+    for window in 0..40 {
+        let before = COUNT.get();
+        let (start, end) = (window as f64, window as f64 + 1.0);
+        let step = Step { window, iteration: 0, start, end };
+        coupling.begin_window(&step);
+        for _ in 0..4 {
+            coupling.iterate(&mut session).unwrap();
+        }
+        coupling.accept_window();
+        session.accept(&step, false).unwrap();
+        counted.push(COUNT.get() - before);
+    }
+    session.finish().unwrap();
+    let loans = 4 * loans_per_iteration + 2;
+    assert!(counted[10..].iter().all(|count| *count == loans), "{acceleration}: {counted:?}");
 }

@@ -51,6 +51,42 @@ fn layout_places_the_fields_and_sections_only_when_asked() {
     assert!(layout.memory_bytes > 0 && layout.solve_seconds > 0.0);
 }
 
+/// The patch of the heat flux, cut into as many elements as asked for.
+#[test]
+fn resolution_gives_a_grid_of_its_own() {
+    let arriving = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 4);
+    let asked = |model: &str, elements: usize| {
+        let mut case = steel();
+        case["thermal"] = serde_json::json!({ "resolution": elements });
+        let given = configuration(model, Mode::Steady, arriving, case);
+        ThermalSolver.configure(&given).unwrap().layout().clone()
+    };
+    let layout = asked("columns", 55);
+    assert_eq!(layout.check(), Ok(()));
+    let grid = layout.input_grid("friction_power").unwrap();
+    assert_eq!(layout.grid_of("wheel_temperature"), Some(grid));
+    let shape = *grid.as_structured().unwrap();
+    assert_eq!((shape.ni, shape.nj), (55, 14), "8 mm by 2 mm");
+    let edges = |s: &Structured| {
+        let (low, high) = (s.centre(0, 0), s.centre(s.ni - 1, s.nj - 1));
+        let half = [0.5 * s.dx(), 0.5 * s.dy()];
+        [low[0] - half[0], low[1] - half[1], high[0] + half[0], high[1] + half[1]]
+    };
+    for (edge, expected) in edges(&shape).iter().zip(edges(&arriving)) {
+        assert!((edge - expected).abs() <= 1e-17, "rounding: {edge} {expected}");
+    }
+    let section = layout.grid_of("rail_section_temperature").unwrap().points();
+    assert_eq!(section, 55 * 33);
+    // Elements are square, so that the same number along x is another grid.
+    assert!(asked("columns", 40).input_grid("friction_power").is_some());
+    let square = Structured { step_j: [0.0, 2e-4, 0.0], nj: 10, ..arriving };
+    let mut case = steel();
+    case["thermal"] = serde_json::json!({ "resolution": 40 });
+    let given = configuration("columns", Mode::Steady, square, case);
+    let layout = ThermalSolver.configure(&given).unwrap().layout().clone();
+    assert_eq!((layout.inputs.len(), layout.grids[0].as_structured()), (0, Some(&square)));
+}
+
 #[test]
 fn a_grid_not_yet_known_can_be_planned_but_not_built() {
     let grid = row(10, -1.0, 1.0);

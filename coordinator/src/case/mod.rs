@@ -29,6 +29,7 @@ mod diagnostics;
 mod example;
 mod groups;
 mod known;
+mod mapping;
 mod missing;
 mod quantity;
 mod raw;
@@ -47,6 +48,7 @@ mod walk;
 
 pub use coupling::{Acceleration, Implicit, Preconditioner, Predictor, Scheme, Tolerances};
 pub use diagnostics::{Place, Problem, Problems};
+pub use mapping::Mappings;
 pub use quantity::{QuantityError, parse_quantity};
 pub use raw::{RawCase, RawParticipant};
 pub use settled::{Case, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
@@ -115,6 +117,7 @@ fn settle(
         effects: selection.effects.clone(),
         timing: settings.timing(),
         coupling: settings.coupling(),
+        mappings: settings.mappings(),
         limits: settings.limits(),
         output: settings.output(),
         values,

@@ -6,6 +6,7 @@ use super::checker::Checker;
 use super::example::{example, with_unit};
 use super::known::Instance;
 use super::schema::WELL_KNOWN_ROLES;
+use super::selection::Selection;
 use super::suggest::{all_of, any_of, nearest};
 use proto::configuration::Mode;
 use proto::description::{KeyKind, ModelSpec};
@@ -180,6 +181,7 @@ impl Checker<'_> {
             self.fault("time.window", reason, "shorten it, or raise time.end");
         }
         self.iterations();
+        self.mapped_fields();
         let key = "output.fields";
         match self.values.get(key).cloned() {
             Some(serde_json::Value::Array(names)) => {
@@ -208,6 +210,28 @@ impl Checker<'_> {
         }
         for name in self.case.tree.names("coupling.fields") {
             self.provided_field(&format!("coupling.fields.{name}"), &name, "remove it");
+        }
+    }
+
+    /// Methods are for fields that somebody may receive.
+    fn mapped_fields(&mut self) {
+        let consumed = consumed(self.selection);
+        for name in self.case.tree.names("mapping.fields") {
+            let key = format!("mapping.fields.{name}");
+            if consumed.contains(name.as_str()) {
+                continue;
+            }
+            let before = self.problems.len();
+            self.provided_field(&key, &name, "remove it");
+            if self.problems.len() > before {
+                continue;
+            }
+            let known: Vec<&str> = consumed.iter().copied().collect();
+            let fix = match known.as_slice() {
+                [] => "remove it".to_owned(),
+                known => format!("remove it; the participants consume {}", all_of(known)),
+            };
+            self.fault(&key, format!("no participant consumes `{name}`: it is never mapped"), fix);
         }
     }
 
@@ -240,6 +264,16 @@ impl Checker<'_> {
         };
         self.fault(key, format!("unknown field `{name}`{hint}"), fix);
     }
+}
+
+/// Fields that the participants needed may consume, whatever models and effects are chosen.
+fn consumed<'a>(selection: &'a Selection<'a>) -> BTreeSet<&'a str> {
+    let needed = selection.players.iter().filter(|p| p.needed);
+    let consumed = needed.flat_map(|player| {
+        let effects = player.description.effects.iter().flat_map(|e| &e.consumes);
+        player.description.models.iter().flat_map(|m| &m.consumes).chain(effects)
+    });
+    consumed.map(String::as_str).collect()
 }
 
 /// Longest name of a case [byte].

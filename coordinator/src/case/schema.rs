@@ -1,13 +1,15 @@
 //! The coordinator's own keys, declared like those of the participants.
 
 use super::coupling::{Acceleration, Preconditioner, Predictor, Scheme};
+use super::mapping;
 use proto::description::KeySpec;
 
 /// Roles that are participants by their section alone.
 pub const WELL_KNOWN_ROLES: &[&str] = &["mech", "thermal"];
 
 /// Sections that belong to the coordinator; none of them can be a role.
-pub const SECTIONS: &[&str] = &["case", "time", "coupling", "output", "limits", "effects"];
+pub const SECTIONS: &[&str] =
+    &["case", "time", "coupling", "mapping", "output", "limits", "effects"];
 
 /// Stands for the name of a participant's section in [`own_keys`].
 pub const ROLE: &str = "ROLE";
@@ -37,6 +39,7 @@ pub struct OwnKey {
 pub fn own_keys() -> Vec<OwnKey> {
     let mut keys = case_and_time();
     keys.extend(coupling());
+    keys.extend(mappings());
     keys.extend(output_and_limits());
     keys.extend(participant());
     keys
@@ -111,6 +114,13 @@ fn tolerances(section: &str) -> impl Iterator<Item = OwnKey> {
     measures
         .map(|(name, help)| one(KeySpec::number(&format!("{section}.{name}"), help).above(0.0)))
         .into_iter()
+}
+
+fn mappings() -> Vec<OwnKey> {
+    let method = |path: &str, help| KeySpec::choice(path, &mapping::words(), help);
+    let all = method("mapping.method", "how fields come to a grid that does not match");
+    let own = method("mapping.fields.*.method", "the same for one field");
+    vec![one(all.default_value(mapping::AUTO)), one(own)]
 }
 
 fn output_and_limits() -> Vec<OwnKey> {

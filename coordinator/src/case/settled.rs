@@ -4,6 +4,7 @@ use super::checker::{fill_defaults, put};
 use super::coupling::{Implicit, Scheme};
 use super::diagnostics::{Problem, Problems};
 use super::known::{References, instances, read_by};
+use super::mapping::Mappings;
 use super::raw::RawCase;
 use proto::configuration::Mode;
 use proto::description::Description;
@@ -27,6 +28,8 @@ pub struct Case {
     pub timing: Timing,
     /// How the participants are coupled.
     pub coupling: Coupling,
+    /// How fields come from one grid to another.
+    pub mappings: Mappings,
     /// What a run may use.
     pub limits: Limits,
     /// What a run writes.

@@ -4,7 +4,7 @@ mod conservation;
 mod invariants;
 mod orders;
 
-use super::{GridMapping, Method};
+use super::{Coverage, GridMapping, Method};
 use proto::field::Mapping;
 use proto::grid::{Grid, Quadrilaterals, Structured};
 use std::collections::HashMap;
@@ -115,4 +115,15 @@ fn noisy_field(grid: &Grid, components: usize, seed: u64) -> Vec<f64> {
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn coverage_is_poor_beyond_one_in_a_hundred() {
+    let coverage = |outside| Coverage { elements: 1000, outside, farthest: 2.5e-4 };
+    assert!(!coverage(10).is_poor() && coverage(11).is_poor());
+    let told = "11 of 1000 elements lie beyond the other grid's border, up to 0.250 mm";
+    assert_eq!(coverage(11).to_string(), told);
+    let all = "all of 1000 elements lie within the other grid's border";
+    assert_eq!(coverage(0).to_string(), all);
+    assert!(Method::ALL.iter().all(|method| Method::from_name(method.name()) == Some(*method)));
 }

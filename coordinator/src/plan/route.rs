@@ -83,8 +83,10 @@ pub(super) fn fields(
                 && fields.iter().all(|f| f.kind.name != name)
             {
                 let wanted = wanted(&case.output.fields, name);
+                let method = case.mappings.method_of(&kind);
                 fields.push(Field {
                     kind,
+                    method,
                     producer,
                     consumers: Vec::new(),
                     fed_back: Vec::new(),

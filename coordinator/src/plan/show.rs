@@ -15,6 +15,7 @@ impl Display for Plan {
         self.show_processes(f)?;
         self.show_effects(f)?;
         self.show_fields(f)?;
+        self.show_mappings(f)?;
         self.show_cost(f)
     }
 }
@@ -88,11 +89,12 @@ impl Plan {
             let size = self.sample_bytes(field).map_or_else(|| "size unknown".to_owned(), bytes);
             let through = if field.fed_back.is_empty() { "->" } else { "-> (iterate) ->" };
             let route = format!("{} {through} {to}", role(field.producer));
-            writeln!(f, "{head:10} {:26} {route:24} {size:>12}", field.kind.name)?;
+            writeln!(f, "{head:10} {:30} {route:24} {size:>12}", field.kind.name)?;
             head = "";
         }
         let exchanged = self.fields.iter().filter(|f| !f.observed_only());
-        match exchanged.map(|f| self.sample_bytes(f)).sum::<Option<u64>>() {
+        let bytes_of = |field| Some(self.sample_bytes(field)? + self.mapped_bytes(field));
+        match exchanged.map(bytes_of).sum::<Option<u64>>() {
             Some(total) => writeln!(f, "{:10} exchanged per iteration: {}", "", bytes(total)),
             None => writeln!(f, "{:10} exchanged per iteration: not known before the run", ""),
         }

@@ -1,5 +1,6 @@
 //! Fields along the centre line of a structured grid, as a table for plots: the row of elements along
-//! i whose centre line passes nearest to the origin.
+//! i whose centre line passes nearest to the origin; where all is zero there, as between two patches,
+//! the row of the first field's largest value.
 
 use proto::field::FieldKind;
 use proto::grid::Structured;
@@ -14,7 +15,7 @@ pub(super) fn write(
     out: &mut impl Write,
     fields: &[(&FieldKind, &[f64])],
 ) -> io::Result<()> {
-    let row = nearest_row(grid);
+    let row = told_row(grid, fields);
     write!(out, "x [m],y [m],z [m]")?;
     for (kind, _) in fields {
         for component in 0..kind.components as usize {
@@ -38,6 +39,21 @@ pub(super) fn write(
         writeln!(out)?;
     }
     Ok(())
+}
+
+fn told_row(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> usize {
+    let nearest = nearest_row(grid);
+    let in_row = |index: usize| index % grid.points() / grid.ni == nearest;
+    let told = |values: &[f64]| values.iter().enumerate().any(|(k, v)| in_row(k) && *v != 0.0);
+    if fields.iter().any(|(_, values)| told(values)) {
+        return nearest;
+    }
+    let first = fields.first().map_or(&[][..], |(_, values)| *values);
+    let largest = first.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    match largest {
+        Some((index, value)) if *value != 0.0 => index % grid.points() / grid.ni,
+        _ => nearest,
+    }
 }
 
 fn nearest_row(grid: &Structured) -> usize {
@@ -67,5 +83,14 @@ mod tests {
                         -1e0,9.999999999999998e-2,0e0,2e0,1.2e1,1.8e1\n\
                         0e0,9.999999999999998e-2,0e0,3e0,1.3e1,1.9e1\n";
         assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn between_two_patches_the_row_of_the_larger_one() {
+        let grid = Structured::contact_plane(0.0, -1.0, 1.0, 1.0, 2, 3);
+        let pressure = proto::field::PRESSURE.kind();
+        let mut out = Vec::new();
+        write(&grid, &mut out, &[(&pressure, &[1.0, 2.0, 0.0, 0.0, 4.0, 3.0])]).unwrap();
+        assert!(String::from_utf8(out).unwrap().contains("0e0,1e0,0e0,4e0"));
     }
 }

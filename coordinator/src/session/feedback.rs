@@ -3,48 +3,32 @@
 //!
 //! Only the consumers that close the loop hear the coordinator; everybody else hears the producer
 //! directly. The topic is `field/coordinator/NAME`; its samples have sequence numbers of their own.
+//! Consumers on a grid of their own have a topic of their own ([`super::mapped`]).
 
+use super::outlet::Outlet;
 use super::tap::Consumer;
 use super::{COORDINATOR, Session};
 use crate::couple::Part;
 use crate::error::{Failure, RunError};
-use proto::field::FieldKind;
-use proto::grid::Grid;
-use proto::message::{FieldHeader, Label};
 use proto::model::Step;
-use proto::transport::{FieldWriter, TransportError};
+use proto::transport::TransportError;
 
 /// One field that is fed back.
 #[derive(Debug)]
 pub(super) struct Feedback {
     /// Index of its tap.
     pub(super) tap: usize,
+    /// Who hears the iterates on the producer's grid.
     pub(super) readers: Vec<Consumer>,
     /// Surface integral of the last iterate, if its mapping conserves it.
     pub(super) heat: Option<f64>,
-    writer: FieldWriter,
-    header: FieldHeader,
+    /// Where they hear them; `None` if nobody does.
+    outlet: Option<Outlet>,
 }
 
 impl Feedback {
-    pub(super) fn new(
-        tap: usize,
-        (kind, grid): (&FieldKind, &Grid),
-        readers: Vec<Consumer>,
-        writer: FieldWriter,
-    ) -> Self {
-        let header = FieldHeader {
-            protocol: proto::PROTOCOL_VERSION,
-            components: kind.components,
-            points: grid.points() as u64,
-            grid_revision: grid.revision,
-            name: Label::new(&kind.name),
-            unit: Label::new(&kind.unit),
-            producer: Label::new(COORDINATOR),
-            grid: Label::new(&grid.name),
-            ..FieldHeader::default()
-        };
-        Self { tap, readers, heat: None, writer, header }
+    pub(super) fn new(tap: usize, readers: Vec<Consumer>, outlet: Option<Outlet>) -> Self {
+        Self { tap, readers, heat: None, outlet }
     }
 
     /// The service on which the iterates of a field travel.
@@ -54,26 +38,26 @@ impl Feedback {
 
     /// Sequence number of the newest iterate.
     pub(super) fn sequence(&self) -> u64 {
-        self.header.sequence
+        self.outlet.as_ref().map_or(0, Outlet::sequence)
     }
+}
 
-    fn publish(&mut self, values: &[f64], step: &Step) -> Result<(), TransportError> {
-        let mut loan = self.writer.loan(values.len())?;
-        loan.values().copy_from_slice(values);
-        self.header.sequence += 1;
-        self.header.window = step.window;
-        self.header.iteration = step.iteration;
-        (self.header.start, self.header.end) = (step.start, step.end);
-        self.writer.publish(loan, &self.header)
-    }
+/// Sends an iterate on its producer's grid; how many bytes that were.
+fn publish(outlet: &mut Outlet, values: &[f64], step: &Step) -> Result<u64, TransportError> {
+    let mut loan = outlet.loan()?;
+    loan.values().copy_from_slice(values);
+    outlet.publish(loan, step)?;
+    Ok(std::mem::size_of_val(values) as u64)
 }
 
 impl Session {
     /// The consumers listen to the iterates.
     pub(super) fn wait_for_readers(&self) -> Result<(), RunError> {
         let deadline = std::time::Instant::now() + self.deadlines.start;
-        let wait = |of: &Feedback| of.writer.wait_for_subscribers(deadline);
-        self.feedback.iter().try_for_each(wait).map_err(|error| self.not_sent(&error))
+        let iterates = self.feedback.iter().filter_map(|feedback| feedback.outlet.as_ref());
+        let mut outlets = iterates.chain(self.mapped.iter().map(|mapped| mapped.outlet()));
+        let waited = outlets.try_for_each(|outlet| outlet.wait_for_subscribers(deadline));
+        waited.map_err(|error| self.not_sent(&error))
     }
 
     /// The coupling vector: the fields that are fed back, in the order of the plan.
@@ -90,10 +74,12 @@ impl Session {
             let feedback = &mut self.feedback[index];
             let tap = &self.taps[feedback.tap];
             let values = &iterate[self.parts[index].range.clone()];
-            feedback.heat = tap.is_conservative().then(|| tap.grid.integrate(values));
-            let sent = feedback.publish(values, step);
-            sent.map_err(|error| self.not_sent(&error))?;
-            self.bytes_exchanged += std::mem::size_of_val(values) as u64;
+            if let Some(outlet) = &mut feedback.outlet {
+                feedback.heat = tap.is_conservative().then(|| tap.grid.integrate(values));
+                let sent = publish(outlet, values, step);
+                self.bytes_exchanged += sent.map_err(|error| self.not_sent(&error))?;
+            }
+            self.send_mapped_iterate(index, values, step)?;
         }
         Ok(())
     }
@@ -108,7 +94,7 @@ impl Session {
 
     fn not_sent(&self, error: &TransportError) -> RunError {
         RunError::Failed(Failure {
-            who: "the exchange of iterates".to_owned(),
+            who: "the exchange of fields".to_owned(),
             when: self.phase.to_string(),
             what: error.to_string(),
             fix: "see log.jsonl; a participant may have left its inputs unread".to_owned(),

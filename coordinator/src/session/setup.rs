@@ -1,10 +1,12 @@
 //! From a plan to a session that is ready for its first window.
 
 use super::feedback::Feedback;
+use super::mapped::Mapped;
+use super::outlet::Outlet;
 use super::tap::Consumer;
 use super::{COORDINATOR, Context, Link, Phase, Session, SolveRecord, Tap, Waiting};
 use crate::error::{Failure, RunError};
-use crate::plan::{Participant, Plan, sample_bytes, topic_bytes};
+use crate::plan::{Field, Participant, Plan, non_matching, sample_bytes, topic_bytes};
 use crate::supervise::{Launch, Supervisor};
 use proto::configuration::{Configuration, Layout};
 use proto::description::Description;
@@ -81,6 +83,7 @@ fn launch(plan: &Plan) -> Result<Session, RunError> {
         supervisor,
         taps: Vec::new(),
         feedback: Vec::new(),
+        mapped: Vec::new(),
         parts: Vec::new(),
         solved: vec![SolveRecord::default(); links.len()],
         links,
@@ -185,17 +188,24 @@ impl Session {
                 return Err(self.misbehaved(one, format!("it gives no grid for `{field}`")));
             }
         }
-        Ok(())
+        let received = |field: &str| configuration.inputs.iter().any(|i| i.field.name == field);
+        match layout.inputs.iter().find(|wish| !received(&wish.field)) {
+            Some(wish) => {
+                let what = format!("it wants a grid for `{}`, which it does not get", wish.field);
+                Err(self.misbehaved(one, what))
+            }
+            None => Ok(()),
+        }
     }
 
     fn initialise(&mut self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
         let mut topics = Vec::new();
         for field in &plan.fields {
             let topic = topic(plan, field, layouts);
-            self.open_tap(plan, field, &topic)?;
-            if !field.fed_back.is_empty() {
-                self.open_feedback(plan, field, &topic)?;
-            }
+            self.open_tap(plan, field, &topic, layouts)?;
+            self.open_outlets(plan, field, &topic.grid, layouts).map_err(|error| {
+                machine("shared memory", "while initialising", &error, "check /dev/shm")
+            })?;
             topics.push(topic);
         }
         let deadline = self.deadlines.start.as_secs_f64();
@@ -204,10 +214,7 @@ impl Session {
             let outputs = pairs().filter(|(f, _)| f.producer == one).map(|(_, t)| t.clone());
             let outputs = outputs.collect();
             let consumed = pairs().filter(|(f, _)| f.consumers.contains(&one));
-            let inputs = consumed.map(|(field, topic)| match field.fed_back.contains(&one) {
-                true => iterates(field, topic),
-                false => topic.clone(),
-            });
+            let inputs = consumed.map(|(field, topic)| self.heard(one, field, topic, layouts));
             let inputs = inputs.collect();
             let body = serde_json::to_vec(&Topics { inputs, outputs, deadline })
                 .expect("topics are plain data");
@@ -219,6 +226,7 @@ impl Session {
             self.collect(one, &before, false)?;
         }
         self.wait_for_readers()?;
+        self.make_mappings()?;
         self.parts = self.coupling_parts();
         (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))
     }
@@ -226,19 +234,20 @@ impl Session {
     fn open_tap(
         &mut self,
         plan: &Plan,
-        field: &crate::plan::Field,
+        field: &Field,
         topic: &Topic,
+        layouts: &[Layout],
     ) -> Result<(), RunError> {
         let reader = self._endpoint.field_reader(&topic.service).map_err(|error| {
             machine("shared memory", "while initialising", &error, "check /dev/shm")
         })?;
-        let direct = field.consumers.iter().filter(|one| !field.fed_back.contains(one));
+        let direct = readers(field, layouts, &Hears::Producer);
         self.taps.push(Tap {
             kind: field.kind.clone(),
             grid: topic.grid.clone(),
             producer: field.producer,
             producer_role: plan.participants[field.producer].role.clone(),
-            readers: direct.map(|&one| consumer(plan, field, one)).collect(),
+            readers: direct.map(|one| consumer(plan, field, one)).collect(),
             observed_only: field.observed_only(),
             wanted: field.wanted,
             reader,
@@ -248,39 +257,85 @@ impl Session {
         Ok(())
     }
 
-    /// The coordinator's own topic of the field whose tap was opened last.
-    fn open_feedback(
+    /// The coordinator's own topics of the field whose tap was opened last.
+    fn open_outlets(
         &mut self,
         plan: &Plan,
-        field: &crate::plan::Field,
-        topic: &Topic,
-    ) -> Result<(), RunError> {
-        let values = topic.grid.points() * field.kind.components as usize;
-        let (service, subscribers) = (Feedback::service(&field.kind.name), field.fed_back.len());
-        let writer =
-            self._endpoint.field_writer(&service, values, subscribers).map_err(|error| {
-                machine("shared memory", "while initialising", &error, "check /dev/shm")
-            })?;
-        let readers = field.fed_back.iter().map(|&one| consumer(plan, field, one)).collect();
-        let (tap, of) = (self.taps.len() - 1, (&field.kind, &topic.grid));
-        self.feedback.push(Feedback::new(tap, of, readers, writer));
+        field: &Field,
+        source: &Grid,
+        layouts: &[Layout],
+    ) -> Result<(), TransportError> {
+        let (kind, tap) = (&field.kind, self.taps.len() - 1);
+        if !field.fed_back.is_empty() {
+            let iterates = readers(field, layouts, &Hears::Iterates);
+            let readers: Vec<Consumer> = iterates.map(|one| consumer(plan, field, one)).collect();
+            let open = |subscribers| {
+                let service = Feedback::service(&kind.name);
+                Outlet::open(&self._endpoint, &service, (kind, source), subscribers)
+            };
+            let outlet = (!readers.is_empty()).then(|| open(readers.len())).transpose()?;
+            self.feedback.push(Feedback::new(tap, readers, outlet));
+        }
+        for &one in &field.consumers {
+            let Hears::Mapped(grid) = hears(field, one, layouts) else { continue };
+            let service = Mapped::service(&kind.name, &plan.participants[one].role);
+            let outlet = Outlet::open(&self._endpoint, &service, (kind, grid), 1)?;
+            let part = field.fed_back.contains(&one).then(|| self.feedback.len() - 1);
+            let (of, reader) = ((kind, grid), consumer(plan, field, one));
+            self.mapped.push(Mapped::new((tap, part), of, field.method, reader, outlet));
+        }
         Ok(())
+    }
+
+    /// The topic on which a consumer hears a field, given the producer's.
+    fn heard(&self, one: usize, field: &Field, topic: &Topic, layouts: &[Layout]) -> Topic {
+        let name = &topic.field;
+        let (service, grid, subscribers) = match hears(field, one, layouts) {
+            Hears::Producer => return topic.clone(),
+            Hears::Iterates => {
+                let together = readers(field, layouts, &Hears::Iterates).count();
+                (Feedback::service(name), &topic.grid, together)
+            }
+            Hears::Mapped(grid) => (Mapped::service(name, self.links[one].role()), grid, 1),
+        };
+        Topic { field: name.clone(), service, grid: grid.clone(), subscribers }
     }
 }
 
-fn consumer(plan: &Plan, field: &crate::plan::Field, participant: usize) -> Consumer {
+/// Whom a consumer hears.
+#[derive(Debug, PartialEq)]
+enum Hears<'a> {
+    Producer,
+    /// The coordinator, on the producer's grid.
+    Iterates,
+    /// The coordinator, on the grid that the consumer wants, maybe iterates too.
+    Mapped(&'a Grid),
+}
+
+fn hears<'a>(field: &Field, one: usize, layouts: &'a [Layout]) -> Hears<'a> {
+    match non_matching(field, one, |index| layouts.get(index)) {
+        Some([_, wanted]) => Hears::Mapped(wanted),
+        None if field.fed_back.contains(&one) => Hears::Iterates,
+        None => Hears::Producer,
+    }
+}
+
+/// The consumers of a field that hear it like this.
+fn readers<'a>(
+    field: &'a Field,
+    layouts: &'a [Layout],
+    like: &'a Hears<'a>,
+) -> impl Iterator<Item = usize> + 'a {
+    field.consumers.iter().copied().filter(move |&one| hears(field, one, layouts) == *like)
+}
+
+fn consumer(plan: &Plan, field: &Field, participant: usize) -> Consumer {
     let inputs = &plan.participants[participant].configuration.inputs;
     let slot = inputs.iter().position(|i| i.field.name == field.kind.name);
     Consumer { participant, slot: slot.expect("a consumer has the field as an input") }
 }
 
-/// The topic on which the coordinator sends its iterates of a field.
-fn iterates(field: &crate::plan::Field, topic: &Topic) -> Topic {
-    let (service, subscribers) = (Feedback::service(&topic.field), field.fed_back.len());
-    Topic { service, subscribers, ..topic.clone() }
-}
-
-fn topic(plan: &Plan, field: &crate::plan::Field, layouts: &[Layout]) -> Topic {
+fn topic(plan: &Plan, field: &Field, layouts: &[Layout]) -> Topic {
     let role = &plan.participants[field.producer].role;
     let grid: &Grid = layouts[field.producer].grid_of(&field.kind.name).expect("layout is checked");
     Topic {
@@ -288,7 +343,7 @@ fn topic(plan: &Plan, field: &crate::plan::Field, layouts: &[Layout]) -> Topic {
         service: format!("field/{role}/{}", field.kind.name),
         grid: grid.clone(),
         // Those of its consumers who hear it directly, and our own tap.
-        subscribers: field.consumers.len() - field.fed_back.len() + 1,
+        subscribers: readers(field, layouts, &Hears::Producer).count() + 1,
     }
 }
 
@@ -299,8 +354,11 @@ fn check_shared_memory<'a>(
 ) -> Result<(), RunError> {
     let fields = plan.fields.iter().filter_map(|field| {
         let grid = layout(field.producer)?.grid_of(&field.kind.name)?;
-        let topics = 1 + u64::from(!field.fed_back.is_empty());
-        Some(topics * topic_bytes(sample_bytes(grid.points(), field.kind.components)))
+        let bytes = |on: &Grid| topic_bytes(sample_bytes(on.points(), field.kind.components));
+        let wanted = |&one: &usize| non_matching(field, one, &layout).map(|[_, wanted]| wanted);
+        let mapped = field.consumers.iter().filter_map(wanted).map(bytes).sum::<u64>();
+        let iterates = field.fed_back.iter().any(|one| wanted(one).is_none());
+        Some((1 + u64::from(iterates)) * bytes(grid) + mapped)
     });
     let needed = OVERHEAD + fields.sum::<u64>();
     let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);

@@ -58,7 +58,7 @@ impl Tap {
         &self.producer_role
     }
 
-    /// Who hears it directly; those to whom it is fed back hear the coordinator.
+    /// Who hears it directly; those to whom it is fed back or mapped hear the coordinator.
     #[must_use]
     pub fn readers(&self) -> &[Consumer] {
         &self.readers

@@ -3,8 +3,8 @@
 //! With the coupling constant K of the pair ([`super::influence`]) the pressure displaces the surfaces
 //! along the plane by A_tz p_n, which adds to the slip, and the tractions displace them along the
 //! normal by A_zt p_t, which adds to the undeformed distance. Both problems are solved in turn until
-//! the pressure rests; each turn changes it by a factor of about f K G less than the one before, below
-//! a fifth for any pair.
+//! the pressure rests; each turn changes it by a factor of about f K G/(1 − ν) less than the one
+//! before, below a fifth for any pair at f = 0.6.
 //!
 //! Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421–432, for the iteration; Kalker (1990)
 //! §4.2.

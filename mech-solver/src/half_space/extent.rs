@@ -21,15 +21,18 @@ pub struct Fitted {
 }
 
 /// Solves a normal contact with the undeformed distance `distance(x, y)` [m] and enlarges the grid,
-/// elements unchanged, at the sides that the contact touches.
+/// elements unchanged, at the sides that the contact touches. The shapes are known for the lateral
+/// coordinates `within` [m].
 ///
 /// # Errors
-/// Those of [`NormalSolver::solve`], and a contact that needs more than `limit` elements.
+/// Those of [`NormalSolver::solve`], a contact that needs more than `limit` elements, and one that
+/// reaches the end of the shapes.
 pub fn fit_grid(
     mut grid: Structured,
     bodies: &Elasticity,
     distance: &dyn Fn(f64, f64) -> f64,
     prescribed: Prescribed,
+    within: [f64; 2],
     limit: usize,
 ) -> Result<Fitted, NormalError> {
     let mut pressure = vec![0.0; grid.points()];
@@ -40,7 +43,12 @@ pub fn fit_grid(
         if !contact.touches_edge {
             return Ok(Fitted { grid, pressure, contact, enlargements });
         }
-        let more = touched(&grid, &pressure).map(usize::from);
+        let touched = touched(&grid, &pressure);
+        let (low, high) = (grid.y(0) - grid.dy(), grid.y(grid.nj - 1) + grid.dy());
+        if touched[2] && low < within[0] || touched[3] && high > within[1] {
+            return Err(NormalError::EndOfShape);
+        }
+        let more = touched.map(usize::from);
         let larger = enlarged(&grid, more);
         if larger.points() > limit {
             break;
@@ -164,6 +172,7 @@ mod tests {
     use crate::scene::Material;
 
     const LOAD: Prescribed = Prescribed::Load(134e3);
+    const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
     fn steel() -> Elasticity {
         let body = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
@@ -180,7 +189,7 @@ mod tests {
     #[test]
     fn a_small_grid_grows_to_the_same_solution() {
         let gap = |x: f64, y: f64| 0.5 / 0.46 * x * x + 0.5 / 0.3 * y * y;
-        let fit = |start, limit| fit_grid(start, &steel(), &gap, LOAD, limit);
+        let fit = |start, limit| fit_grid(start, &steel(), &gap, LOAD, EVERYWHERE, limit);
         let whole = fit(grid(13, 13, 8e-4), 10_000).unwrap();
         assert_eq!((whole.enlargements, whole.grid), (0, grid(13, 13, 8e-4)));
         let small = Structured::contact_plane(-2.4e-3, -0.8e-3, 8e-4, 8e-4, 9, 4);
@@ -190,6 +199,8 @@ mod tests {
         assert!((grown.contact.approach / whole.contact.approach - 1.0).abs() < 1e-9);
         let refused = fit(small, 200).unwrap_err();
         assert!(matches!(refused, NormalError::GridLimit { limit: 200, .. }));
+        let end = fit_grid(small, &steel(), &gap, LOAD, [-1e-3, 1.0], 10_000).unwrap_err();
+        assert_eq!(end, NormalError::EndOfShape);
     }
 
     /// Tolerances: the area of the elements that the edge cuts, second order in their size; the

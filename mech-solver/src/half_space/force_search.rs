@@ -8,10 +8,12 @@
 //!
 //! **Bracket.** More creepage against a force raises it: (F(c) − F(c'))·(c − c') ≤ 0 for any two, as
 //! friction dissipates. So every trial k leaves the solution on one side of a plane,
-//! (F* − F_k)·(c − c_k) ≤ 0. No proposal leaves the polyhedron of these planes, which for one
-//! force is the bracket of the trials below and above: one that would is cut to half the way to the
-//! wall, for one force the bisection. Steps are limited to a part of the creepage besides, since
-//! towards f N the creepage grows without bound.
+//! (F* − F_k)·(c − c_k) ≤ 0. No step leaves the polyhedron of these planes, which for one force is the
+//! bracket of the trials below and above: one that would is turned along the walls, and at last cut
+//! to half the way, for one force the bisection. Planes hold as far as the forces are right, so that
+//! a lack of the size of their noise is looked at again, more accurately, before it becomes one.
+//! Where Broyden's updates lose pace, J is taken anew by differences. Steps are limited to a part of
+//! the creepage besides, since towards f N the creepage grows without bound.
 //!
 //! Spin and moment are scaled by a length of the contact, so that all components are alike.
 //!
@@ -33,9 +35,25 @@ const INTO_THE_BRACKET: f64 = 0.5;
 /// Accuracy of the tractions asked for, over the last error of the forces, both over their bounds.
 const ACCURACY: f64 = 0.1;
 /// Best accuracy asked for, unless the result needs a better one.
-const BEST_ACCURACY: f64 = 1e-6;
+const BEST_ACCURACY: f64 = 1e-8;
 /// Worst accuracy asked for.
 const WORST_ACCURACY: f64 = 2e-3;
+
+/// Forces err by about this much of the accuracy of the tractions.
+const NOISE: f64 = 2.0;
+/// Steps shorter than this share of the creepage mean nothing.
+const NARROWEST: f64 = 1e-9;
+/// Trials without a halved error after which J is taken anew by differences.
+const PATIENCE: usize = 6;
+/// Side of the differences, as a share of the creepage, and accuracy of the tractions for them.
+const DIFFERENCE: f64 = 1e-3;
+const DIFFERENCE_ACCURACY: f64 = 1e-6;
+/// Small forces are met to this share of themselves.
+const RELATIVE_TOLERANCE: f64 = 1e-4;
+/// Rounding of the forces over f N.
+const ROUNDING: f64 = 1e-13;
+/// Turns along the walls of the bracket.
+const MOST_WALLS: usize = 20;
 
 /// What is prescribed: a force for some components, a creepage for the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +89,7 @@ impl Prescribed {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "no creepages were found that give the prescribed forces: after {MOST_TRIALS} trials the \
-     largest error is {error:.2e} of f N"
+     largest error is {error:.2e} of f N; together they may be beyond what friction carries"
 )]
 pub struct NotFound {
     /// Largest error of a force over f N.
@@ -91,6 +109,8 @@ pub struct Scales {
     pub tolerance: f64,
     /// Accuracy of the tractions that the result must have.
     pub accuracy: f64,
+    /// Nothing but creepage makes forces: no history, no pressure on different bodies.
+    pub passive: bool,
 }
 
 /// What a search has learned; it serves the next one.
@@ -116,38 +136,80 @@ impl ForceSearch {
     ) -> Result<(), E> {
         let scaled = Scaled::new(prescribed, scales);
         let linear = scaled.linear_theory(scales.slope);
-        let mut jacobian =
-            self.jacobian.take().map_or(linear, |rows| Matrix3::from(rows).transpose());
+        let learned = self.jacobian.take().map(|rows| Matrix3::from(rows).transpose());
+        let mut jacobian = learned.unwrap_or(linear);
         let mut at = match start {
             Some(creepage) => scaled.creepage_in(creepage),
             None => scaled.first_guess(&linear),
         };
-        let mut bracket = scaled.known_planes();
+        let mut lack_at = |at, accuracy| -> Result<Vector3<f64>, E> {
+            Ok(scaled.lack(forces(scaled.creepage_out(at), accuracy)?))
+        };
+        let tolerance = scaled.tolerance(scales);
+        let mut bracket = scaled.known_planes(scales);
         let mut before: Option<(Vector3<f64>, Vector3<f64>)> = None;
         let mut accuracy = WORST_ACCURACY;
         let mut error = f64::INFINITY;
+        let mut pace = Pace::default();
         for _ in 0..MOST_TRIALS {
-            let lack = scaled.lack(forces(scaled.creepage_out(at), accuracy)?);
+            let lack = lack_at(at, accuracy)?;
             error = lack.amax() / scales.most_force;
-            if let Some((at_before, lack_before)) = before {
+            if let Some((at_before, lack_before)) = before.take() {
                 update(&mut jacobian, at - at_before, lack - lack_before);
             }
-            if error <= scales.tolerance && accuracy <= scales.accuracy {
+            if error <= tolerance && accuracy <= scales.accuracy {
                 self.jacobian = Some(jacobian.transpose().into());
                 return Ok(());
             }
-            let best = BEST_ACCURACY.min(scales.accuracy);
-            accuracy = (ACCURACY * error).clamp(best, WORST_ACCURACY);
-            if error <= scales.tolerance {
+            let used = accuracy;
+            accuracy = (ACCURACY * error).clamp(BEST_ACCURACY.min(scales.accuracy), WORST_ACCURACY);
+            if error <= tolerance || (error < NOISE * used && accuracy < used) {
+                // What is lacking may be noise: the same creepage again, more accurately.
                 accuracy = accuracy.min(scales.accuracy);
-                before = None;
                 continue;
             }
             bracket.push(Plane { point: at, normal: lack });
+            if pace.is_lost(error) && scaled.is_several() {
+                accuracy = DIFFERENCE_ACCURACY;
+                let base = lack_at(at, accuracy)?;
+                let side = DIFFERENCE * scaled.size(at);
+                for k in (0..3).filter(|k| scaled.free[*k]) {
+                    let near = at + Vector3::from_fn(|row, _| if row == k { side } else { 0.0 });
+                    jacobian.set_column(k, &((lack_at(near, accuracy)? - base) / side));
+                }
+            }
+            let step = bracket.cut(at, scaled.step(&jacobian, &linear, at, lack));
             before = Some((at, lack));
-            at += bracket.cut(at, scaled.step(&jacobian, &linear, at, lack));
+            at += step;
+            if step.norm() < NARROWEST * at.norm() {
+                // Narrower than the forces are precise: the planes contradict each other.
+                bracket.planes.clear();
+            }
         }
         Err(NotFound { error }.into())
+    }
+}
+
+/// Whether the error still falls.
+#[derive(Default)]
+struct Pace {
+    best: Option<f64>,
+    stale: usize,
+}
+
+impl Pace {
+    /// The error has not halved in the last trials.
+    fn is_lost(&mut self, error: f64) -> bool {
+        if self.best.is_none_or(|best| error < 0.5 * best) {
+            (self.best, self.stale) = (Some(error), 0);
+            return false;
+        }
+        self.stale += 1;
+        let lost = self.stale >= PATIENCE;
+        if lost {
+            (self.best, self.stale) = (Some(error), 0);
+        }
+        lost
     }
 }
 
@@ -204,13 +266,30 @@ impl Scaled {
         -linear.lu().solve(&self.masked(self.wanted)).unwrap_or_default()
     }
 
-    /// Without creepage there is no force.
-    fn known_planes(&self) -> Bracket {
-        let planes = match self.given == Vector3::zeros() {
+    /// Without creepage there is no force, if nothing else makes one.
+    fn known_planes(&self, scales: &Scales) -> Bracket {
+        let planes = match scales.passive && self.given == Vector3::zeros() {
             true => vec![Plane { point: Vector3::zeros(), normal: self.masked(self.wanted) }],
             false => Vec::new(),
         };
         Bracket { planes }
+    }
+
+    /// Error of the forces allowed, over f N.
+    fn tolerance(&self, scales: &Scales) -> f64 {
+        let wanted = self.wanted.amax() / scales.most_force;
+        let alone = scales.passive && self.given == Vector3::zeros() && wanted > 0.0;
+        let relative = if alone { RELATIVE_TOLERANCE * wanted } else { f64::INFINITY };
+        scales.tolerance.min(relative.max(ROUNDING))
+    }
+
+    fn is_several(&self) -> bool {
+        self.free.iter().filter(|free| **free).count() > 1
+    }
+
+    /// Size of the creepages.
+    fn size(&self, at: Vector3<f64>) -> f64 {
+        at.norm().max(self.given.norm())
     }
 
     /// A step towards the forces, of limited length.
@@ -226,8 +305,7 @@ impl Scaled {
         // What does not lead against the lack is of no use.
         let leads = proposal.dot(&lack) < 0.0 && proposal.iter().all(|value| value.is_finite());
         let step = if leads { proposal } else { by(linear) };
-        let size = at.norm().max(self.given.norm()).max(self.first_guess(linear).norm());
-        let most = GROWTH * size;
+        let most = GROWTH * self.size(at).max(by(linear).norm());
         if step.norm() > most { step * (most / step.norm()) } else { step }
     }
 }
@@ -248,8 +326,22 @@ impl Bracket {
         self.planes.push(plane);
     }
 
-    /// The step, or as much of it as stays well inside.
-    fn cut(&self, at: Vector3<f64>, step: Vector3<f64>) -> Vector3<f64> {
+    /// The step, turned along the walls that it would cross, and as much of it as stays well inside.
+    fn cut(&self, at: Vector3<f64>, mut step: Vector3<f64>) -> Vector3<f64> {
+        for _ in 0..MOST_WALLS {
+            let mut turned = false;
+            for Plane { point, normal } in &self.planes {
+                let room = (-normal.dot(&(at - point))).max(0.0);
+                let (along, square) = (normal.dot(&step), normal.norm_squared());
+                if square > 0.0 && along > room {
+                    step -= normal * ((along - INTO_THE_BRACKET * room) / square);
+                    turned = true;
+                }
+            }
+            if !turned {
+                break;
+            }
+        }
         let wall = |plane: &Plane| {
             let room = -plane.normal.dot(&(at - plane.point));
             let rate = plane.normal.dot(&step);
@@ -280,8 +372,14 @@ mod tests {
         [x * share, y * share, spin * share]
     }
 
-    const SCALES: Scales =
-        Scales { slope: 3.0, length: 0.7, most_force: 1.0, tolerance: 1e-9, accuracy: 1e-4 };
+    const SCALES: Scales = Scales {
+        slope: 3.0,
+        length: 0.7,
+        most_force: 1.0,
+        tolerance: 1e-9,
+        accuracy: 1e-4,
+        passive: true,
+    };
 
     /// The found creepage and the number of trials.
     fn find(prescribed: &Prescribed) -> Result<(Creepage, usize), NotFound> {
@@ -295,7 +393,7 @@ mod tests {
 
     #[test]
     fn one_force_up_to_the_limit() {
-        for (share, most) in [(1e-8, 6), (0.1, 6), (0.7, 12), (0.999, 20), (0.999_999, 30)] {
+        for (share, most) in [(1e-8, 6), (0.1, 8), (0.7, 12), (0.999, 20), (0.999_999, 30)] {
             for sign in [1.0, -1.0] {
                 let force = Prescribed::longitudinal_force(sign * share);
                 let (creepage, trials) = find(&force).unwrap();

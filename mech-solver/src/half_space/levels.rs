@@ -331,7 +331,8 @@ impl Levels {
         let accuracy = if finest { self.contact.tolerance } else { COARSE_TOLERANCE };
         let tolerance = if finest { FORCE_SHARE * accuracy } else { COARSE_FORCE };
         let length = (a * b).sqrt();
-        let scales = Scales { slope, length, most_force: 0.0, tolerance, accuracy };
+        let passive = before.is_none();
+        let scales = Scales { slope, length, most_force: 0.0, tolerance, accuracy, passive };
         Target { prescribed, before, scales }
     }
 

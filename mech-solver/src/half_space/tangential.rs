@@ -28,7 +28,7 @@
 //! Sources: Kalker (1990) for the problem; Alart & Curnier (1991) and Hüeber & Wohlmuth (2005) for
 //! Newton methods on Coulomb friction. The combination is this project's.
 
-use super::gmres::{Gmres, Preconditioned};
+use super::gmres::{Achieved, Gmres, Preconditioned};
 use super::slip_operator::SlipOperator;
 use serde::{Deserialize, Serialize};
 
@@ -242,12 +242,14 @@ impl TangentialSolver {
         self.update_slip(problem, state);
         for _ in 0..MOST_STEPS {
             effort.newton_steps += 1;
-            effort.linear_steps += self.linear_step(state, problem.bound);
+            let linear = self.linear_step(state, problem.bound);
+            effort.linear_steps += linear.steps;
             let change = self.advance(problem, state);
             self.update_slip(problem, state);
             effort.changes = self.release_or_stick(state) + change.released;
             effort.last_change = change.relative();
-            if effort.last_change < tolerance && effort.changes == 0 {
+            let solved = linear.reduction <= LINEAR_REDUCTION;
+            if solved && effort.last_change < tolerance && effort.changes == 0 {
                 return Ok(effort);
             }
         }
@@ -273,8 +275,8 @@ impl TangentialSolver {
         }
     }
 
-    /// Solves the linearised problem for a step of the tractions; GMRES iterations.
-    fn linear_step(&mut self, state: &State, bound: &[f64]) -> usize {
+    /// Solves the linearised problem for a step of the tractions.
+    fn linear_step(&mut self, state: &State, bound: &[f64]) -> Achieved {
         self.sticking.clear();
         self.slipping.clear();
         self.right.clear();
@@ -304,7 +306,7 @@ impl TangentialSolver {
             sticking: &self.sticking,
             slipping: &self.slipping,
         };
-        self.gmres.solve(&mut system, &self.right, LINEAR_REDUCTION, &mut self.step).steps
+        self.gmres.solve(&mut system, &self.right, LINEAR_REDUCTION, &mut self.step)
     }
 
     /// Adds the step and cuts tractions to the bound.

@@ -49,6 +49,9 @@ const SECONDS: f64 = 8e-7;
 /// Working memory for an element, measured [byte].
 const BYTES: f64 = 700.0;
 
+/// Contacts larger than this part of the wheel's radius are remarked on.
+const LARGEST_SHARE: f64 = 0.2;
+
 const ROLLING: &str = "mech.rolling";
 
 fn rolling_key() -> KeySpec {
@@ -93,7 +96,7 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
     let bodies = Elasticity::of_pair(&scene.wheel, &scene.rail);
     let footprint = geometry::footprint(configuration, &scene, given, &bodies)?;
-    let driven = Driven::read(configuration, &scene, footprint.ellipse.as_ref())?;
+    let driven = Driven::read(configuration, &scene, given.as_ref(), footprint.ellipse.as_ref())?;
     let (grid, semi_axes) = (footprint.grid, footprint.semi_axes);
     let case = Case {
         sections: Sections::read(configuration, &scene, grid, semi_axes)?,
@@ -177,6 +180,14 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         1e3 * grid.dx(),
         1e3 * grid.dy()
     );
+    let [a, _] = case.footprint.semi_axes;
+    let too_large = (a > LARGEST_SHARE * case.scene.wheel_radius).then(|| {
+        format!("a = {a:.3e} m is no small part of the wheel's radius: half-spaces do not hold")
+    });
+    let idle = (case.layer > 0.0 && !case.partial).then(|| {
+        "third_body_layer changes nothing without partial_slip: all of the contact slides"
+            .to_owned()
+    });
     let given = case.footprint.ellipse.filter(|_| case.footprint.gap.is_none());
     let remark = given.and_then(|ellipse| ellipse.remark(&case.scene));
     Layout {
@@ -188,7 +199,8 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         fields,
         solve_seconds: SECONDS * elements.powf(1.15),
         memory_bytes: (BYTES * elements) as u64,
-        remarks: std::iter::once(size).chain(remark).collect(),
+        remarks: std::iter::once(size).chain(remark).chain(too_large).chain(idle).collect(),
+        ..Layout::default()
     }
 }
 

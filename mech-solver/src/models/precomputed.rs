@@ -49,6 +49,7 @@ pub(super) fn layout(
         remarks: vec![format!(
             "the fields are computed once, in about {build_seconds:.1e} s; a solve copies them"
         )],
+        ..Layout::default()
     }
 }
 

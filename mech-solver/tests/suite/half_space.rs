@@ -22,7 +22,9 @@ fn hertz(elasticity: &Elasticity) -> EllipticContact {
 }
 
 fn solve(grid: Structured, elasticity: Elasticity, gap: impl Fn(f64, f64) -> f64) -> Fitted {
-    fit_grid(grid, &elasticity, &gap, Prescribed::Load(LOAD), LIMIT).expect("a regular contact")
+    let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
+    fit_grid(grid, &elasticity, &gap, Prescribed::Load(LOAD), everywhere, LIMIT)
+        .expect("a regular contact")
 }
 
 /// Elements of a/`resolution` over an ellipse and a free margin, one of them at the origin.

@@ -365,8 +365,8 @@ fn dissimilar_bodies() {
     let run_1 = run(&case);
     assert_close(run_1.number("traction_coefficient"), 0.5, 1e-5);
     assert_close(run_1.number("normal_force_n"), 1e3, 1e-9);
-    let nx = 2 * 16 + 3;
     let skewness = |run: &Run| {
+        let nx = run.grid().as_structured().expect("a plane contact").ni;
         let rows = run.fields["pressure"].chunks(nx);
         let sum: f64 = rows
             .map(|row| {
@@ -463,5 +463,109 @@ fn kalkers_table() {
                 );
             }
         }
+    }
+}
+
+/// A prescribed force in transient rolling, over ten contact lengths: met in every step, with the
+/// creepage of steady rolling in the end.
+#[test]
+fn transient_rolling_under_a_force() {
+    for (resolution, traction) in [(10, 0.58), (15, 0.3)] {
+        let mut case = half_space(resolution);
+        case["motion"]["traction_coefficient"] = json!(traction);
+        let steady = run(&case);
+        case["mech"]["rolling"] = json!("transient");
+        let mut transient = InTime::new(&case, 2.0 * 7.896e-3 / 38.889);
+        for _ in 0..10 {
+            transient.next();
+            assert_close(transient.number("traction_coefficient"), traction, 1e-5);
+        }
+        assert_close(transient.number("creepage_xi"), steady.number("creepage_xi"), 1e-3);
+    }
+}
+
+/// Different bodies roll freely with a creepage of their own, since pressure alone makes them slip;
+/// the force of that creepage, prescribed, is zero.
+#[test]
+fn different_bodies_roll_freely() {
+    for modulus in [190e9, 70e9, 2.1e9] {
+        let mut case = half_space(16);
+        case["materials"]["soft"] = json!({"youngs_modulus": modulus, "poisson_ratio": 0.33});
+        case["load"] = json!({"normal_force": 10e3});
+        case["rail"]["material"] = json!("soft");
+        for traction in [0.0, 0.01, -0.1] {
+            case["motion"]["traction_coefficient"] = json!(traction);
+            let force = run(&case);
+            assert!((force.number("traction_coefficient") - traction).abs() < 1e-5);
+            let creepage = run(&rolling(case.clone(), [force.number("creepage_xi"), 0.0, 0.0]));
+            let found = creepage.number("traction_coefficient");
+            // The tractions' own tolerance.
+            assert!((found - traction).abs() < 2e-4, "{modulus:e} {traction}: {found}");
+        }
+    }
+}
+
+/// Two forces and a moment at once close to what friction carries, with much spin.
+#[test]
+fn several_forces_near_the_limit() {
+    for (spin, lateral) in [(2.0, 70e3), (8.0, 74e3), (20.0, -74e3), (50.0, 70e3)] {
+        let mut case = half_space(16);
+        case["motion"] = json!({
+            "speed": 38.889, "traction_coefficient": 0.2, "spin_creepage": spin,
+            "lateral_force": lateral
+        });
+        let run = run(&case);
+        assert_close(run.number("traction_coefficient"), 0.2, 1e-5);
+        assert_close(run.number("creep_force_y_n"), lateral, 1e-5);
+        assert_close(run.number("friction_power_w"), power_of_the_forces(&run, 38.889), 1e-9);
+    }
+    let mut case = half_space(16);
+    case["motion"] = json!({"speed": 38.889, "traction_coefficient": 0.3, "spin_moment": 270.0});
+    assert_close(run(&case).number("spin_moment_nm"), 270.0, 1e-5);
+}
+
+/// A force of a millionth of f N is met to a ten-thousandth of itself.
+#[test]
+fn small_forces_are_met() {
+    for traction in [1e-7, 1e-5, 1e-3] {
+        let mut case = half_space(10);
+        case["motion"]["traction_coefficient"] = json!(traction);
+        assert_close(run(&case).number("traction_coefficient"), traction, 2e-4);
+    }
+}
+
+/// What would be solved wrongly or ignored is refused with the case.
+#[test]
+fn refusals_of_the_geometry() {
+    let refused = |change: &dyn Fn(&mut Value)| {
+        let mut case = half_space(10);
+        change(&mut case);
+        super::common::refusal(&configuration(&case)).key
+    };
+    assert_eq!(
+        refused(&|case| case["wheel"]["lateral_shift"] = json!(1e-3)),
+        "wheel.lateral_shift"
+    );
+    let folder = std::env::temp_dir();
+    let profile = |name: &str, slope: f64| {
+        let path = folder.join(format!("half-space-model-{}-{name}.csv", std::process::id()));
+        let point = |k: i32| format!("{}, {}\n", f64::from(k), slope * f64::from(k * k) / 40.0);
+        let lines: String = (-20..=20).map(point).collect();
+        std::fs::write(&path, format!("y [mm], z [mm]\n{lines}")).expect("a writable folder");
+        path
+    };
+    for (slope, told) in [(0.0, "the end of a profile"), (-2.0, "rad to the plane")] {
+        let path = profile(told.split(' ').next().expect("words"), slope);
+        let mut case = half_space(10);
+        case["rail"] = json!({"profile": path, "material": "steel"});
+        if slope != 0.0 {
+            // A wheel as hollow as the rail is round, but for a hair: contact over all its width.
+            case["wheel"]["tread_radius"] = json!(-0.013);
+            case["load"]["normal_force"] = json!(600e3);
+        }
+        let refusal = super::common::refusal(&configuration(&case));
+        std::fs::remove_file(&path).expect("the file is there");
+        assert_eq!(refusal.key, "rail.profile");
+        assert!(refusal.reason.contains(told), "{refusal}");
     }
 }

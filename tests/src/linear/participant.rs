@@ -8,6 +8,7 @@ use proto::grid::{Grid, Structured};
 use proto::model::{
     Inputs, Model, Outputs, Setup, Solver, StateBlob, StateError, Step, StepError, StepReport,
 };
+use proto::params::Params;
 
 /// What `relay` sends.
 pub const RELAY_VALUE: FieldSpec = field("relay_value");
@@ -24,6 +25,17 @@ const fn field(name: &'static str) -> FieldSpec {
         meaning: "a vector of unknowns",
     }
 }
+
+/// The grid of a participant with so many points, over as many lengths of 1 as there are unknowns,
+/// and moved by `offset` along x: with one point an unknown all grids match.
+#[must_use]
+pub fn grid(unknowns: usize, points: usize, offset: f64) -> Grid {
+    let step = unknowns as f64 / points as f64;
+    let first = 0.5 * (step - 1.0) + offset;
+    Grid::structured(GRID, Structured::contact_plane(first, 0.0, step, 1.0, points, 1))
+}
+
+const GRID: &str = "unknowns";
 
 /// One of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +86,33 @@ impl Linear {
     }
 }
 
+impl Linear {
+    /// The relay may have a grid of its own.
+    fn own_keys(self) -> Vec<KeySpec> {
+        match self {
+            Self::Operator => Vec::new(),
+            Self::Relay => vec![
+                KeySpec::integer("relay.points", "points of the grid; absent: the unknowns")
+                    .at_least(2.0)
+                    .at_most(1e8),
+                KeySpec::number("relay.offset", "way by which the grid is moved")
+                    .default_value(0.0),
+            ],
+        }
+    }
+
+    fn own_grid(self, case: &Params, size: usize) -> Result<Grid, Refusal> {
+        if self == Self::Operator {
+            return Ok(grid(size, size, 0.0));
+        }
+        let points = match case.has("relay.points") {
+            true => case.integer("relay.points")? as usize,
+            false => size,
+        };
+        Ok(grid(size, points, case.number("relay.offset")?))
+    }
+}
+
 impl Solver for Linear {
     fn description(&self) -> Description {
         Description {
@@ -94,7 +133,10 @@ impl Solver for Linear {
                     .at_least(2.0)
                     .at_most(1e8)
                     .default_value(100),
-            ],
+            ]
+            .into_iter()
+            .chain(self.own_keys())
+            .collect(),
             fields: vec![RELAY_VALUE.kind(), OPERATOR_VALUE.kind()],
         }
     }
@@ -107,19 +149,17 @@ impl Solver for Linear {
             let reason = format!("{name} is a full matrix, of at most {LARGEST_DENSE} unknowns");
             return Err(Refusal::new("linear.size", reason, "write less, or take P1 to P4"));
         }
-        let shape = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, size, 1);
-        let on_grid = |field: FieldSpec| FieldOnGrid {
-            field: field.name.to_owned(),
-            grid: "unknowns".to_owned(),
-        };
+        let on_grid =
+            |field: FieldSpec| FieldOnGrid { field: field.name.to_owned(), grid: GRID.to_owned() };
         Ok(Box::new(LinearSetup {
             part: *self,
             name,
             seed: case.integer("linear.seed")? as u64,
             size,
             layout: Layout {
-                grids: vec![Grid::structured("unknowns", shape)],
+                grids: vec![self.own_grid(case, size)?],
                 fields: vec![on_grid(self.sends())],
+                inputs: vec![on_grid(self.receives())],
                 ..Layout::default()
             },
         }))

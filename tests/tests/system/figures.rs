@@ -252,3 +252,37 @@ fn half_space_at_the_corners() {
     let one_element = half_space(0.3, 1, &[]);
     assert_power_is_kept(&one_element);
 }
+
+/// Profiles from files: two patches while the hollow stands over the crown, and no heat lost.
+#[test]
+fn measured_profiles_touch_at_two_places() {
+    for shift in ["-2 mm", "-1 mm", "0 mm"] {
+        let shift = format!("wheel.lateral_shift={shift}");
+        let summary = Place::new().summary(&case("measured-profile.toml"), &["--set", &shift]);
+        assert_eq!(summary["contact"]["patches"], 2, "{shift}");
+        assert_close(number(&summary, "/contact/normal_force_n"), 80e3, 1e-3, "load");
+        assert_power_is_kept(&summary);
+    }
+}
+
+/// Sub-surface stresses of the smooth contact: under normal load alone the largest shear of a Hertz
+/// contact of this aspect is about 0.32 p0 some 0.5 b below the surface (Johnson, table 4.1); friction
+/// raises it towards the surface.
+#[test]
+fn stresses_below_the_surface() {
+    let stress = |traction: &str| {
+        let traction = format!("motion.traction_coefficient={traction}");
+        let more = ["--set", "effects.subsurface_stress={}", "--set", &traction];
+        let summary = Place::new().summary(&case("wheel-rail.toml"), &more);
+        let p0 = number(&summary, "/contact/max_pressure_pa");
+        let b = number(&summary, "/contact/semi_axis_b_m");
+        let shear = number(&summary, "/stress/rail/max_shear_pa") / p0;
+        (shear, number(&summary, "/stress/rail/shear_depth_m") / b)
+    };
+    // A table for b/a = 0.75 by interpolation; the layers are 0.04 b thick.
+    let (shear, depth) = stress("0.001");
+    assert_close(shear, 0.32, 0.01, "largest shear over p0");
+    assert_close(depth, 0.56, 0.06, "its depth over b");
+    let (more, higher) = stress("0.3");
+    assert!(more > shear && higher < depth, "{more} {higher}");
+}

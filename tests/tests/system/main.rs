@@ -12,6 +12,7 @@ mod faults;
 mod figures;
 mod harness;
 mod implicit;
+mod mapping;
 mod off_means_off;
 mod results;
 mod two_way;

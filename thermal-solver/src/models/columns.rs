@@ -2,7 +2,7 @@
 //! and time. Equations and discretisation: [`crate::columns`].
 
 use super::fields;
-use super::setup::{Cost, Frame};
+use super::setup::{Cost, Frame, resolution};
 use super::shell::{Conduction, Peak, Work};
 use crate::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
@@ -34,7 +34,7 @@ pub fn spec() -> ModelSpec {
         transient: true,
         consumes,
         provides,
-        keys: Vec::new(),
+        keys: vec![resolution()],
     }
 }
 

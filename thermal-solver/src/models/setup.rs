@@ -5,6 +5,7 @@ use crate::effects::friction_heat::{self, Partition};
 use crate::scene::Scene;
 use crate::{RAIL, WHEEL};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};
+use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
 use proto::model::{Model, Setup};
@@ -22,6 +23,16 @@ pub const SECTIONS: [&FieldSpec; 2] =
     [&field::WHEEL_SECTION_TEMPERATURE, &field::RAIL_SECTION_TEMPERATURE];
 const SECTION_GRIDS: [&str; 2] = ["wheel_section", "rail_section"];
 
+/// Elements along the larger extent of the grid.
+const RESOLUTION: &str = "thermal.resolution";
+
+/// The key for a grid that is not the heat flux's.
+#[must_use]
+pub fn resolution() -> KeySpec {
+    let help = "elements along the larger extent of the heat flux's grid; absent: its grid";
+    KeySpec::integer(RESOLUTION, help).at_least(2.0).at_most(1e5)
+}
+
 /// What a model knows before it is built.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -31,7 +42,7 @@ pub struct Frame {
     pub partition: Partition,
     /// Steady or transient.
     pub mode: Mode,
-    /// The grid of the heat flux, along x in i and along y in j.
+    /// The grid of heat flux and temperatures, along x in i and along y in j.
     pub grid: Structured,
 }
 
@@ -112,9 +123,13 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     let mut layout = Layout::default();
     let mut frame = None;
     match heat_grid(given)? {
-        Some(grid) => {
+        Some(arriving) => {
+            let grid = own_grid(given, &arriving)?;
             let known = Frame { scene, partition, mode: given.mode, grid };
             layout = lay_out::<C>(&known, given);
+            if grid != arriving {
+                layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));
+            }
             frame = Some(known);
         }
         None => layout.remarks.push("grid and cost follow the grid of friction_power".to_owned()),
@@ -143,6 +158,29 @@ fn heat_grid(given: &Configuration) -> Result<Option<Structured>, Refusal> {
     }
 }
 
+/// The grid that the case asks for: on the patch of the arriving grid, elements as square as whole
+/// numbers of them allow.
+fn own_grid(given: &Configuration, arriving: &Structured) -> Result<Structured, Refusal> {
+    if !given.case.has(RESOLUTION) {
+        return Ok(*arriving);
+    }
+    let along = given.case.integer(RESOLUTION)? as f64;
+    let counts = [arriving.ni, arriving.nj];
+    let extents = [counts[0] as f64 * arriving.dx(), counts[1] as f64 * arriving.dy()];
+    let largest = extents[0].max(extents[1]);
+    // Rounding must not make one more of what is whole.
+    let elements = extents.map(|extent| (along * extent / largest * (1.0 - 1e-12)).ceil());
+    let [ni, nj] = elements.map(|count| count as usize);
+    if [ni, nj] == counts {
+        return Ok(*arriving);
+    }
+    let [dx, dy] = [extents[0] / elements[0], extents[1] / elements[1]];
+    let mut origin = arriving.origin;
+    origin[0] += 0.5 * (dx - arriving.dx());
+    origin[1] += 0.5 * (dy - arriving.dy());
+    Ok(Structured { origin, step_i: [dx, 0.0, 0.0], step_j: [0.0, dy, 0.0], ni, nj })
+}
+
 fn not_a_plane(input: &Input) -> Refusal {
     Refusal::new(
         &format!("{}.model", input.producer),
@@ -155,10 +193,6 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
     let asked = |spec: &FieldSpec| {
         given.outputs.iter().chain(&given.observed).any(|name| name == spec.name)
     };
-    let on = |spec: &FieldSpec, grid: &str| FieldOnGrid {
-        field: spec.name.to_owned(),
-        grid: grid.to_owned(),
-    };
     let cost = C::cost(frame);
     let mut layout = Layout {
         grids: vec![Grid::structured(CONTACT, frame.grid)],
@@ -166,6 +200,7 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         solve_seconds: cost.solve_seconds,
         memory_bytes: cost.memory_bytes,
         remarks: C::remarks(frame),
+        ..Layout::default()
     };
     for body in [RAIL, WHEEL] {
         if asked(SECTIONS[body]) {
@@ -174,6 +209,10 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         }
     }
     layout
+}
+
+fn on(spec: &FieldSpec, grid: &str) -> FieldOnGrid {
+    FieldOnGrid { field: spec.name.to_owned(), grid: grid.to_owned() }
 }
 
 struct Prepared<C> {

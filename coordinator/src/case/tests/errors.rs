@@ -363,6 +363,16 @@ const ROWS: &[Row] = &[
     },
     Row {
         replace: "[load]",
+        by: "[mapping]\nmethod = \"linear\"\n[mapping.fields.presure]\nmethod = \"auto\"\n\
+             [mapping.fields.pressure]\nmethod = \"overlap\"\n[load]",
+        errors: &[
+            r#"19:10 mapping.method: unknown method `linear` | write "auto", "nearest-neighbour", "nearest-projection", "radial-basis" or "overlap""#,
+            "20:1 mapping.fields.presure: unknown field `presure`; did you mean `pressure`? | the participants provide friction_power and pressure",
+            "22:1 mapping.fields.pressure: no participant consumes `pressure`: it is never mapped | remove it; the participants consume friction_power",
+        ],
+    },
+    Row {
+        replace: "[load]",
         by: "[output]\nfields = \"some\"\nevery = 0\n[load]",
         errors: &[
             r#"19:10 output.fields: `some` is neither `all` nor `none` | write "all", "none" or a list of field names"#,

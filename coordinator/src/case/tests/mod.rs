@@ -144,11 +144,14 @@ fn thermal() -> Description {
         KeySpec::choice("effects.friction_heat.partition", &["equal", "by-effusivity"], "share");
     Description {
         models: vec![model("columns", true, Vec::new()), model("moving-source", true, Vec::new())],
-        effects: vec![effect(
-            "friction_heat",
-            &["columns", "moving-source"],
-            vec![partition.default_value("equal")],
-        )],
+        effects: vec![EffectSpec {
+            consumes: vec!["friction_power".to_owned()],
+            ..effect(
+                "friction_heat",
+                &["columns", "moving-source"],
+                vec![partition.default_value("equal")],
+            )
+        }],
         keys: vec![
             KeySpec::quantity("motion.speed", "m/s", "rolling speed").required().above(0.0),
             KeySpec::name_in("rail.material", "materials", "material").required(),

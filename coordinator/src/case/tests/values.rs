@@ -5,7 +5,9 @@ use crate::case::schema::{ROLE, own_keys};
 use crate::case::{
     Acceleration, OutputFields, Place, Predictor, RawCase, Scheme, Timing, Tolerances, validate,
 };
+use crate::map::Method;
 use proto::description::KeySpec;
+use proto::field;
 use serde_json::json;
 
 #[test]
@@ -72,6 +74,19 @@ fn settings_of_an_implicit_scheme() {
     );
     let own = Tolerances { residual_relative: Some(0.1), ..Tolerances::default() };
     assert_eq!(set.tolerances_of("pressure"), own);
+}
+
+#[test]
+fn methods_of_mapping_suit_the_field_unless_chosen() {
+    let [consistent, conservative] = [field::RAIL_TEMPERATURE, field::FRICTION_POWER];
+    let methods = |sets: &[&str]| {
+        let mappings = case_with(GOOD, sets).unwrap().mappings;
+        [consistent, conservative].map(|field| mappings.method_of(&field.kind()))
+    };
+    assert_eq!(methods(&[]), [Method::NearestProjection, Method::Overlap]);
+    assert_eq!(methods(&["mapping.method=radial-basis"]), [Method::RadialBasis; 2]);
+    let own = ["mapping.method=nearest-neighbour", "mapping.fields.friction_power.method=auto"];
+    assert_eq!(methods(&own), [Method::NearestNeighbour, Method::Overlap]);
 }
 
 #[test]

@@ -39,6 +39,9 @@ pub enum NormalError {
         /// Most elements allowed.
         limit: usize,
     },
+    /// The contact reaches lateral coordinates for which a shape is not given.
+    #[error("the contact reaches the end of a profile")]
+    EndOfShape,
     /// The contact reaches the edge of a grid that does not grow.
     #[error("the contact reaches the edge of its grid of {nx} x {ny} elements")]
     Edge {

@@ -138,7 +138,8 @@ impl Answer {
             false => ["shift_x_m", "shift_y_m", "turn_rad"],
         };
         for (name, value) in names.into_iter().zip(self.creepage) {
-            figures[name] = value.into();
+            // Adding zero turns −0 into 0.
+            figures[name] = (value + 0.0).into();
         }
         if let Some(approach) = self.approach {
             figures["approach_m"] = approach.into();

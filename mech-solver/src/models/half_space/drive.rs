@@ -45,10 +45,12 @@ pub(super) struct Driven {
 }
 
 impl Driven {
-    /// Reads and checks it. `ellipse` is the contact, where it is one.
+    /// Reads and checks it. `given` is the ellipse that the case gives, `ellipse` the contact where it
+    /// is one.
     pub(super) fn read(
         configuration: &Configuration,
         scene: &Scene,
+        given: Option<&Ellipse>,
         ellipse: Option<&Ellipse>,
     ) -> Result<Self, Refusal> {
         refuse_wrong_motion(configuration, scene)?;
@@ -66,10 +68,11 @@ impl Driven {
         override_with(&case, &mut across, LATERAL_CREEPAGE, LATERAL_FORCE)?;
         override_with(&case, &mut spin, SPIN_CREEPAGE, SPIN_MOMENT)?;
         let driven = Self { components: [along, across, spin] };
-        let normal_force = match (scene.load, ellipse) {
-            (_, Some(ellipse)) => Some(ellipse.normal_force),
-            (Load::NormalForce(force), None) => Some(force),
-            (Load::Approach(_), None) => None,
+        let normal_force = match (given, scene.load) {
+            (Some(given), _) => Some(given.normal_force),
+            (None, Load::NormalForce(force)) => Some(force),
+            // Known when the contact is solved.
+            (None, Load::Approach(_)) => None,
         };
         let partial = configuration.has_effect(partial_slip::NAME);
         if let Some(normal_force) = normal_force {

@@ -30,6 +30,10 @@ const COARSE: f64 = 12.0;
 const COARSE_MARGIN: f64 = 2.0;
 /// Growth of the grid for a rough contact, which is wider than the smooth one.
 const ROUGH_GROWTH: f64 = 1.25;
+/// Growth of the grid for different bodies, whose contact the tractions shift.
+const COUPLED_GROWTH: f64 = 1.4;
+/// Elements of the coarse grid at most.
+const MOST_COARSE_ELEMENTS: usize = 200_000;
 /// Points at which the lateral distance is searched for its smallest value.
 const SAMPLES: usize = 2000;
 /// Steepest contact that is treated as plane [rad].
@@ -149,11 +153,19 @@ impl Gap {
             Some(profile) => profile,
             None => Shape::Curvature(scene.tread_curvature),
         };
+        let shift = case.number(LATERAL_SHIFT)?;
+        if shift != 0.0 && matches!(wheel, Shape::Curvature(_)) {
+            return Err(Refusal::new(
+                LATERAL_SHIFT,
+                "shifts a measured wheel, and this one has no profile",
+                format!("add `{WHEEL_PROFILE}`, or remove the key"),
+            ));
+        }
         Ok(Self {
             wheel,
             rail,
             wheel_radius: scene.wheel_radius,
-            shift: case.number(LATERAL_SHIFT)?,
+            shift,
             closest: 0.0,
             origin: 0.0,
             roughness: roughness::read(configuration)?,
@@ -206,18 +218,23 @@ impl Gap {
         let lowest = |y: &f64, z: &f64| self.lateral(*y).total_cmp(&self.lateral(*z));
         let y = (0..=SAMPLES).map(at).min_by(lowest).expect("there are samples");
         (self.origin, self.closest) = (y, self.lateral(y));
-        let slope = self.rail.slope(y).abs().max(self.wheel.slope(y - self.shift).abs());
-        if slope.atan() > STEEPEST {
-            return Err(Refusal::new(
-                RAIL_PROFILE,
-                format!(
-                    "the bodies touch at y = {y:.4} m under {:.2} rad to the plane",
-                    slope.atan()
-                ),
-                format!(
-                    "shift or turn the profiles until the contact is flatter than {STEEPEST} rad"
-                ),
-            ));
+        Ok(())
+    }
+
+    /// Refuses a contact that is steep anywhere.
+    fn refuse_steep(&self, fitted: &Fitted) -> Result<(), Refusal> {
+        let rows = fitted.pressure.chunks_exact(fitted.grid.ni).enumerate();
+        for (row, _) in rows.filter(|(_, row)| row.iter().any(|p| *p > 0.0)) {
+            let y = fitted.grid.y(row) + self.origin;
+            let slope = self.rail.slope(y).abs().max(self.wheel.slope(y - self.shift).abs());
+            if slope.atan() > STEEPEST {
+                let angle = slope.atan();
+                return Err(Refusal::new(
+                    RAIL_PROFILE,
+                    format!("the bodies touch at y = {y:.4} m under {angle:.2} rad to the plane"),
+                    format!("shift or turn the profiles until all contact is below {STEEPEST} rad"),
+                ));
+            }
         }
         Ok(())
     }
@@ -261,8 +278,13 @@ pub(super) fn footprint(
         let ellipse = given.map_or_else(|| Ellipse::solve(scene, None), Ok)?;
         let semi_axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
         let [dx, dy] = sides(semi_axes);
+        let growth = match (rough, bodies.is_coupled()) {
+            (_, true) => COUPLED_GROWTH,
+            (true, false) => ROUGH_GROWTH,
+            (false, false) => 1.0,
+        };
         let reach = |semi_axis: f64, side: f64| {
-            let elements = if rough { ROUGH_GROWTH * semi_axis / side } else { semi_axis / side };
+            let elements = growth * semi_axis / side;
             [-elements, elements].map(|end| end + end.signum() * (MARGIN - 0.5))
         };
         let smooth_grid = lay([reach(semi_axes[0], dx), reach(semi_axes[1], dy)], [dx, dy])?;
@@ -279,7 +301,8 @@ pub(super) fn footprint(
     gap.origin += centre[1];
     let [dx, dy] = sides(semi_axes);
     let [x_range, y_range] = bounds(&coarse);
-    let elements = |range: [f64; 2], side: f64| range.map(|end| end / side);
+    let growth = if bodies.is_coupled() { COUPLED_GROWTH } else { 1.0 };
+    let elements = |range: [f64; 2], side: f64| range.map(|end| growth * end / side);
     let y_range = y_range.map(|y| y - centre[1]);
     let mut grid = lay([elements(x_range, dx), elements(y_range, dy)], [dx, dy])?;
     if rough {
@@ -319,7 +342,9 @@ pub(super) fn prescribed(load: Load) -> Prescribed {
 
 fn fit(gap: &Gap, scene: &Scene, bodies: &Elasticity, grid: Structured) -> Result<Fitted, Refusal> {
     let distance = |x: f64, y: f64| gap.distance(x, y);
-    fit_grid(grid, bodies, &distance, prescribed(scene.load), MOST_ELEMENTS).map_err(refused)
+    let within = gap.range().map(|end| end - gap.origin);
+    fit_grid(grid, bodies, &distance, prescribed(scene.load), within, MOST_ELEMENTS)
+        .map_err(refused)
 }
 
 fn refused(error: NormalError) -> Refusal {
@@ -342,15 +367,16 @@ fn coarse_contact(gap: &Gap, scene: &Scene, bodies: &Elasticity) -> Result<Fitte
     let grid = lay([x, [reach(first) + 1.0, reach(last) - 1.0]], [side, side])?;
     let smooth = |x: f64, y: f64| gap.smooth(x, y);
     let load = prescribed(scene.load);
-    let fitted = fit_grid(grid, bodies, &smooth, load, MOST_ELEMENTS).map_err(refused)?;
-    let [_, [low, high]] = bounds(&fitted);
-    if low < first || high > last {
-        return Err(Refusal::new(
-            RAIL_PROFILE,
-            "the contact reaches the end of a profile",
-            "give profiles that reach farther, or check wheel.lateral_shift",
-        ));
-    }
+    let fitted = fit_grid(grid, bodies, &smooth, load, [first, last], MOST_COARSE_ELEMENTS)
+        .map_err(|error| match error {
+            NormalError::EndOfShape | NormalError::GridLimit { .. } => Refusal::new(
+                RAIL_PROFILE,
+                "the contact reaches the end of a profile, or the bodies are flat",
+                "give profiles that reach farther, or check wheel.lateral_shift and the units",
+            ),
+            error => refused(error),
+        })?;
+    gap.refuse_steep(&fitted)?;
     Ok(fitted)
 }
 

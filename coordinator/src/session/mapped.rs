@@ -1,0 +1,164 @@
+//! Fields that are mapped: the coordinator takes them from their producer's grid to that of a
+//! consumer, and sends them on.
+//!
+//! One topic for each such consumer, `field/coordinator/NAME/ROLE`, with sequence numbers of its own.
+//! What is fed back is accelerated on its producer's grid and mapped thereafter. Everything else is
+//! mapped when its consumer is about to solve, from the newest sample, once.
+
+use super::outlet::Outlet;
+use super::tap::Consumer;
+use super::{COORDINATOR, Session, Tap};
+use crate::error::{Failure, RunError};
+use crate::map::{CurrentMapping, MapError, Method};
+use proto::field::FieldKind;
+use proto::grid::Grid;
+use proto::model::Step;
+use proto::transport::TransportError;
+
+/// One field for one consumer.
+#[derive(Debug)]
+pub(super) struct Mapped {
+    /// Index of its tap.
+    pub(super) tap: usize,
+    /// Index among what is fed back, if the consumer hears the iterates.
+    pub(super) part: Option<usize>,
+    pub(super) reader: Consumer,
+    /// What the last sample has of a field whose integral is kept.
+    pub(super) heat: Option<Heat>,
+    grid: Grid,
+    mapping: CurrentMapping,
+    /// Sequence number of the producer's sample that was mapped last.
+    seen: u64,
+    outlet: Outlet,
+}
+
+/// A conservative field before and after.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Heat {
+    /// Surface integral on the producer's grid.
+    pub(super) sent: f64,
+    /// What the mapping has changed of it, see [`crate::map::GridMapping::imbalance`].
+    pub(super) imbalance: f64,
+}
+
+/// Why a field could not be mapped and sent.
+#[derive(Debug, thiserror::Error)]
+enum MappingError {
+    #[error(transparent)]
+    Map(#[from] MapError),
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+}
+
+impl Mapped {
+    pub(super) fn new(
+        (tap, part): (usize, Option<usize>),
+        (kind, grid): (&FieldKind, &Grid),
+        method: Method,
+        reader: Consumer,
+        outlet: Outlet,
+    ) -> Self {
+        let mapping = CurrentMapping::new(method, kind.mapping);
+        Self { tap, part, reader, heat: None, grid: grid.clone(), mapping, seen: 0, outlet }
+    }
+
+    /// The service on which a field travels to the role that it is mapped for.
+    pub(super) fn service(field: &str, role: &str) -> String {
+        format!("field/{COORDINATOR}/{field}/{role}")
+    }
+
+    pub(super) fn outlet(&self) -> &Outlet {
+        &self.outlet
+    }
+
+    /// Maps the values of the tap's field and sends them; how many bytes that were.
+    fn send(&mut self, tap: &Tap, values: &[f64], step: &Step) -> Result<u64, MappingError> {
+        let mapping = self.mapping.between(tap.grid(), &self.grid)?;
+        let mut loan = self.outlet.loan()?;
+        let target = loan.values();
+        mapping.apply(values, target);
+        let bytes = std::mem::size_of_val(target) as u64;
+        self.heat = tap.is_conservative().then(|| Heat {
+            sent: tap.grid().integrate(values),
+            imbalance: mapping.imbalance(values, target),
+        });
+        self.outlet.publish(loan, step)?;
+        Ok(bytes)
+    }
+}
+
+impl Session {
+    /// Makes the mappings, and says what they cover.
+    pub(super) fn make_mappings(&mut self) -> Result<(), RunError> {
+        for index in 0..self.mapped.len() {
+            let Self { mapped, taps, links, .. } = self;
+            let one = &mut mapped[index];
+            let (tap, role) = (&taps[one.tap], links[one.reader.participant].role());
+            let field = &tap.kind().name;
+            match one.mapping.between(tap.grid(), &one.grid) {
+                Ok(mapping) if mapping.coverage().is_poor() => {
+                    tracing::warn!("`{field}` mapped for {role}: {}", mapping.coverage());
+                }
+                Ok(mapping) => {
+                    tracing::info!("`{field}` mapped for {role}: {}", mapping.coverage());
+                }
+                Err(error) => return Err(self.not_mapped(index, &error.into())),
+            }
+        }
+        Ok(())
+    }
+
+    /// Sends those who are about to solve the newest samples of what is mapped for them.
+    pub(super) fn send_mapped(&mut self, participants: &[usize]) -> Result<(), RunError> {
+        for index in 0..self.mapped.len() {
+            let Self { mapped, taps, .. } = self;
+            let one = &mut mapped[index];
+            let tap = &taps[one.tap];
+            let due = one.part.is_none() && participants.contains(&one.reader.participant);
+            let (Some(sample), true) = (&tap.sample, due && tap.sequence() != one.seen) else {
+                continue;
+            };
+            let header = sample.header();
+            let step = Step {
+                window: header.window,
+                iteration: header.iteration,
+                start: header.start,
+                end: header.end,
+            };
+            one.seen = header.sequence;
+            let sent = one.send(tap, sample.values(), &step);
+            self.bytes_exchanged += sent.map_err(|error| self.not_mapped(index, &error))?;
+        }
+        Ok(())
+    }
+
+    /// Maps an iterate of what is fed back for those whose grid does not match.
+    pub(super) fn send_mapped_iterate(
+        &mut self,
+        part: usize,
+        values: &[f64],
+        step: &Step,
+    ) -> Result<(), RunError> {
+        for index in 0..self.mapped.len() {
+            let Self { mapped, taps, .. } = self;
+            let one = &mut mapped[index];
+            if one.part == Some(part) {
+                let sent = one.send(&taps[one.tap], values, step);
+                self.bytes_exchanged += sent.map_err(|error| self.not_mapped(index, &error))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn not_mapped(&self, index: usize, error: &MappingError) -> RunError {
+        let one = &self.mapped[index];
+        let (field, role) =
+            (&self.taps[one.tap].kind.name, self.links[one.reader.participant].role());
+        RunError::Failed(Failure {
+            who: format!("the mapping of `{field}` for {role}"),
+            when: self.phase.to_string(),
+            what: error.to_string(),
+            fix: "see log.jsonl; a participant may have left its inputs unread".to_owned(),
+        })
+    }
+}

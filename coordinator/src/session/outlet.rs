@@ -1,0 +1,65 @@
+//! A topic on which the coordinator itself sends a field: what is fed back, or mapped.
+
+use super::COORDINATOR;
+use proto::field::FieldKind;
+use proto::grid::Grid;
+use proto::message::{FieldHeader, Label};
+use proto::model::Step;
+use proto::transport::{Endpoint, FieldLoan, FieldWriter, TransportError};
+use std::time::Instant;
+
+/// The writer of a topic, and the label of its samples.
+#[derive(Debug)]
+pub(super) struct Outlet {
+    values: usize,
+    writer: FieldWriter,
+    header: FieldHeader,
+}
+
+impl Outlet {
+    /// Opens a topic for a field on a grid.
+    pub(super) fn open(
+        endpoint: &Endpoint,
+        service: &str,
+        (kind, grid): (&FieldKind, &Grid),
+        subscribers: usize,
+    ) -> Result<Self, TransportError> {
+        let values = grid.points() * kind.components as usize;
+        let writer = endpoint.field_writer(service, values, subscribers)?;
+        let header = FieldHeader {
+            protocol: proto::PROTOCOL_VERSION,
+            components: kind.components,
+            points: grid.points() as u64,
+            grid_revision: grid.revision,
+            name: Label::new(&kind.name),
+            unit: Label::new(&kind.unit),
+            producer: Label::new(COORDINATOR),
+            grid: Label::new(&grid.name),
+            ..FieldHeader::default()
+        };
+        Ok(Self { values, writer, header })
+    }
+
+    /// Its subscribers are there.
+    pub(super) fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
+        self.writer.wait_for_subscribers(deadline)
+    }
+
+    /// Sequence number of the newest sample.
+    pub(super) fn sequence(&self) -> u64 {
+        self.header.sequence
+    }
+
+    /// A place for the next sample.
+    pub(super) fn loan(&self) -> Result<FieldLoan, TransportError> {
+        self.writer.loan(self.values)
+    }
+
+    pub(super) fn publish(&mut self, loan: FieldLoan, step: &Step) -> Result<(), TransportError> {
+        self.header.sequence += 1;
+        self.header.window = step.window;
+        self.header.iteration = step.iteration;
+        (self.header.start, self.header.end) = (step.start, step.end);
+        self.writer.publish(loan, &self.header)
+    }
+}

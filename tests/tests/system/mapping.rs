@@ -1,0 +1,229 @@
+//! Grids that do not match: what is mapped arrives whole, loops converge through it, and matching
+//! grids know nothing of it.
+
+use crate::harness::{Place, case};
+use coordinator::map::{GridMapping, Method};
+use proto::field::Mapping;
+use serde_json::Value;
+use tests::linear::{Problem, grid};
+
+fn number(summary: &Value, pointer: &str) -> f64 {
+    let value = summary.pointer(pointer).and_then(Value::as_f64);
+    value.unwrap_or_else(|| panic!("{pointer} is missing in {summary}"))
+}
+
+fn run(name: &str, settings: &[&str]) -> (Place, Value) {
+    let place = Place::new();
+    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+    let summary = place.summary(&case(name), &more);
+    (place, summary)
+}
+
+fn shown(command: &str, name: &str, settings: &[&str]) -> (Option<i32>, String) {
+    let name = case(name);
+    let sets = settings.iter().flat_map(|set| ["--set", set]);
+    let arguments: Vec<&str> = [command, &name].into_iter().chain(sets).collect();
+    let ended = Place::new().start(&arguments).wait();
+    (ended.code, ended.stdout + &ended.stderr)
+}
+
+/// The columns of a table whose heads are these, row by row.
+fn columns<const N: usize>(place: &Place, file: &str, heads: [&str; N]) -> Vec<[f64; N]> {
+    let table = std::fs::read_to_string(place.out().join(file)).unwrap();
+    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let at = heads.map(|wanted| head.iter().position(|head| *head == wanted).unwrap());
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        at.map(|column| cells[column].parse().unwrap())
+    };
+    table.lines().skip(1).map(row).collect()
+}
+
+/// In every iteration, not only at the end; the bound is that of the contract, rounding is smaller.
+fn assert_heat_arrives(place: &Place, summary: &Value) {
+    let imbalance = number(summary, "/coupling/energy_imbalance");
+    assert!(imbalance <= 1e-10, "{imbalance:e}");
+    let rows = columns(place, "iterations.csv", ["heat_sent_w", "heat_received_w"]);
+    assert!(!rows.is_empty());
+    for [sent, received] in rows {
+        assert!(sent > 0.0 && (sent - received).abs() <= 1e-10 * sent, "{sent} {received}");
+    }
+}
+
+const PEAK: &str = "/temperature/rail/max_rise_k";
+
+/// 43 × 33 elements to 59 × 46. The mapped flux is a staircase between the strips of adhesion and
+/// slip, where the exact one jumps: an error of first order, at a/20 0.34 % of the peak.
+#[test]
+fn heat_of_half_spaces_arrives_on_a_finer_grid() {
+    let (place, matching) = run("wheel-rail.toml", &["mech.resolution=20"]);
+    assert_heat_arrives(&place, &matching);
+    let settings = ["mech.resolution=20", "thermal.resolution=59"];
+    let (place, mapped) = run("wheel-rail.toml", &settings);
+    assert_heat_arrives(&place, &mapped);
+    let (of, expected) = (number(&mapped, PEAK), number(&matching, PEAK));
+    assert!((of - expected).abs() <= 0.006 * expected, "{of} K, {expected} K");
+    assert!(of != expected, "it is another grid");
+    let bytes = |summary: &Value| summary["cost"]["bytes_exchanged"].as_u64().unwrap();
+    // What is mapped, in the one pass; temperatures first, last and in sections.
+    let (elements, more) = (59 * 46, 59 * 46 - 43 * 33);
+    let sections = 2 * 33 * (59 - 43);
+    assert_eq!(bytes(&mapped) - bytes(&matching), 8 * (elements + 2 * more + sections));
+    let log = place.log().iter().map(ToString::to_string).collect::<String>();
+    assert!(log.contains("`friction_power` mapped for thermal: all of 1419 elements"), "{log}");
+}
+
+/// Strips of Carter at a/40, a/80, a/160 to grids 1.37 times as fine: the difference from the peak of
+/// matching grids, first order with the phase of the two grids in it, more than halves over the two
+/// halvings.
+#[test]
+fn the_peak_tends_to_that_of_matching_grids() {
+    let difference = |(mech, thermal): (u32, u32)| {
+        let model = "mech.model=hertz-carter";
+        let mech = format!("mech.resolution={mech}");
+        let thermal = format!("thermal.resolution={thermal}");
+        let (_, matching) = run("wheel-rail.toml", &[model, &mech]);
+        let (place, mapped) = run("wheel-rail.toml", &[model, &mech, &thermal]);
+        assert_heat_arrives(&place, &mapped);
+        (number(&mapped, PEAK) / number(&matching, PEAK) - 1.0).abs()
+    };
+    let differences = [(40, 114), (80, 223), (160, 443)].map(difference);
+    assert!(differences[0] <= 2e-4, "{differences:?}");
+    assert!(differences.is_sorted_by(|a, b| a > b), "{differences:?}");
+    assert!(differences[2] < 0.5 * differences[0], "{differences:?}");
+}
+
+/// Rolling on from cold: heat arrives whole in each of the windows.
+#[test]
+fn heat_of_a_cold_start_arrives_in_every_window() {
+    for method in ["auto", "radial-basis"] {
+        let method = format!("mapping.fields.friction_power.method={method}");
+        let settings = ["thermal.resolution=60", &method, "time.end=200 us", "output.every=1000"];
+        let (place, mapped) = run("cold-start.toml", &settings);
+        assert_eq!(mapped["coupling"]["windows"], 10);
+        assert_heat_arrives(&place, &mapped);
+    }
+}
+
+/// The relay has 137 points for 100 unknowns: M acts between two mappings. What was accepted solves
+/// that problem, whose operators are made here from the same grids: after one more pass the change
+/// is within the tolerance 1e-6 times the norms of M and of the mappings, about one each, for every
+/// field that is fed back.
+#[test]
+fn a_loop_converges_through_mappings_both_ways() {
+    for (scheme, acceleration, fed_back) in [
+        ("serial-implicit", "iqn-ils", 1.0),
+        ("serial-implicit", "aitken", 1.0),
+        ("parallel-implicit", "iqn-ils", 2.0),
+    ] {
+        let scheme = format!("coupling.scheme={scheme}");
+        let acceleration = format!("coupling.acceleration={acceleration}");
+        let settings =
+            [&scheme, &acceleration, "linear.problem=P4", "relay.points=137", "output.fields=all"];
+        let (place, summary) = run("linear.toml", &settings);
+        assert_eq!(summary["status"], "converged");
+        let file = "fields/operator_unknowns_000009.csv";
+        let found = columns(&place, file, ["operator_value [1]"]).concat();
+        let change = distance(&passed(&found, 137), &found);
+        assert!(change <= 2.0 * fed_back * 1e-6, "{settings:?}: {change:e}");
+        let unmapped = number(&summary, "/linear/true_error");
+        assert!(unmapped > 0.01, "{settings:?}: mapping makes it another problem: {unmapped:e}");
+    }
+}
+
+/// One pass from the operator's grid to the relay's and back, and through the operator.
+fn passed(values: &[f64], points: usize) -> Vec<f64> {
+    let size = values.len();
+    let (operator, relay) = (grid(size, size, 0.0), grid(size, points, 0.0));
+    let map = |from, to, values: &[f64], count: usize| {
+        let method = Method::NearestProjection;
+        let mapping = GridMapping::between(from, to, method, Mapping::Consistent).unwrap();
+        let mut target = vec![f64::NAN; count];
+        mapping.apply(values, &mut target);
+        target
+    };
+    let there = map(&operator, &relay, values, points);
+    let back = map(&relay, &operator, &there, size);
+    let mut answer = vec![0.0; size];
+    Problem::new("P4", 42, size).unwrap().apply(9, &back, &mut answer);
+    answer
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+    norm(&mut a.iter().zip(b).map(|(a, b)| a - b)) / norm(&mut b.iter().copied())
+}
+
+/// The work of acceleration does not grow through mappings: iterations over ten windows.
+#[test]
+fn work_of_loops_with_mappings() {
+    let iterations = |settings: &[&str]| {
+        let (_, summary) = run("linear.toml", settings);
+        summary["coupling"]["iterations"].as_u64().unwrap()
+    };
+    let counts = ["relay.points=73", "relay.points=100", "relay.points=137"]
+        .map(|points| iterations(&["linear.problem=P4", points]));
+    assert_eq!(counts, [31, 34, 33]);
+}
+
+#[test]
+fn the_plan_tells_what_is_mapped_and_how_well() {
+    let settings = ["mech.resolution=20", "thermal.resolution=59"];
+    let (_, plan) = shown("plan", "wheel-rail.toml", &settings);
+    for told in ["mech -> thermal          overlap, conservative", "1419 to 2714 elements; all of"]
+    {
+        assert!(plan.contains(told), "{told}: {plan}");
+    }
+    assert!(!plan.contains("warning"), "{plan}");
+    let nearest = [&settings[..], &["mapping.method=nearest-neighbour"]].concat();
+    let (_, plan) = shown("plan", "wheel-rail.toml", &nearest);
+    assert!(plan.contains("nearest-neighbour, conservative"), "{plan}");
+    assert!(plan.contains("warning: this keeps the integral but not the density"), "{plan}");
+    let aside = ["relay.offset=20", "mapping.fields.relay_value.method=radial-basis"];
+    let (_, plan) = shown("plan", "linear.toml", &aside);
+    assert!(plan.contains("radial-basis, consistent"), "{plan}");
+    assert!(plan.contains("nearest-projection, consistent"), "{plan}");
+    let told = "warning: 20 of 100 elements lie beyond the other grid's border, up to 19500.000 mm";
+    assert_eq!(plan.matches(told).count(), 2, "both ways: {plan}");
+}
+
+#[test]
+fn methods_that_make_no_sense_are_refused() {
+    for (set, told) in [
+        ("mapping.method=linear", "unknown method `linear`"),
+        ("mapping.fields.heat.method=auto", "unknown field `heat`"),
+        (
+            "mapping.fields.pressure.method=overlap",
+            "no participant consumes `pressure`: it is never mapped",
+        ),
+    ] {
+        let (code, text) = shown("check", "wheel-rail.toml", &[set]);
+        assert_eq!(code, Some(2), "{text}");
+        assert!(text.contains(told) && text.contains("fix"), "{text}");
+    }
+    let (code, text) = shown("check", "wheel-rail.toml", &["thermal.resolution=1"]);
+    assert_eq!(code, Some(2), "{text}");
+}
+
+/// A grid that is asked for and matches is no other: same files, same bytes, nothing mapped.
+#[test]
+fn matching_grids_are_not_mapped() {
+    let files = |place: &Place| {
+        let entries = std::fs::read_dir(place.out().join("fields")).unwrap().flatten();
+        let mut files: Vec<_> =
+            entries.map(|e| (e.file_name(), std::fs::read(e.path()).unwrap())).collect();
+        files.sort();
+        files
+    };
+    let (never, plain) = run("wheel-rail.toml", &[]);
+    let settings = ["thermal.resolution=83", "mapping.method=radial-basis"];
+    let (asked, summary) = run("wheel-rail.toml", &settings);
+    assert_eq!(files(&never), files(&asked));
+    for key in ["temperature", "contact"] {
+        assert_eq!(plain[key], summary[key]);
+    }
+    assert_eq!(plain["cost"]["bytes_exchanged"], summary["cost"]["bytes_exchanged"]);
+    assert!(asked.log().iter().all(|event| !event.to_string().contains("mapped")));
+    let (_, plan) = shown("plan", "wheel-rail.toml", &settings);
+    assert!(!plan.contains("mapping"), "{plan}");
+}
