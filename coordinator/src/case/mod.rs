@@ -49,7 +49,7 @@ pub use coupling::{Acceleration, Implicit, Preconditioner, Predictor, Scheme, To
 pub use diagnostics::{Place, Problem, Problems};
 pub use quantity::{QuantityError, parse_quantity};
 pub use raw::{RawCase, RawParticipant};
-pub use settled::{Case, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
+pub use settled::{Case, Control, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
 
 use checker::{Checker, fill_defaults};
 use known::{instances, known_keys};

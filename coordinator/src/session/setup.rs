@@ -198,7 +198,7 @@ impl Session {
             }
             topics.push(topic);
         }
-        let deadline = self.deadlines.start.as_secs_f64();
+        let (deadline, interpolation) = (self.deadlines.start.as_secs_f64(), plan.interpolation);
         for one in 0..self.links.len() {
             let pairs = || plan.fields.iter().zip(&topics);
             let outputs = pairs().filter(|(f, _)| f.producer == one).map(|(_, t)| t.clone());
@@ -209,7 +209,7 @@ impl Session {
                 false => topic.clone(),
             });
             let inputs = inputs.collect();
-            let body = serde_json::to_vec(&Topics { inputs, outputs, deadline })
+            let body = serde_json::to_vec(&Topics { inputs, outputs, deadline, interpolation })
                 .expect("topics are plain data");
             self.post(one, Command::new(CommandKind::Initialise), &body, true)?;
         }

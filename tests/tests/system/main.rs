@@ -14,3 +14,5 @@ mod harness;
 mod implicit;
 mod off_means_off;
 mod results;
+mod resume;
+mod time;
