@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::case::RawCase;
+use crate::checkpoint::{Checkpoint, Checkpoints, Torn};
 use crate::error::{RunError, file_failure};
 use crate::logging::{Level, Logging};
 use crate::plan::{Planned, plan};
@@ -11,7 +12,7 @@ use crate::run::{self, Clock};
 use clap::{Args, Parser, Subcommand};
 use proto::description::Description;
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Plans, runs and couples mechanical-thermal contact simulations.
@@ -31,13 +32,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Run a case and write its results.
-    Run {
-        #[command(flatten)]
-        case: CaseArguments,
-        /// Result directory [default: results/NAME].
-        #[arg(long, value_name = "DIR")]
-        out: Option<PathBuf>,
-    },
+    Run(RunArguments),
     /// Check a case: every error at once, each with its place, reason and fix.
     Check {
         #[command(flatten)]
@@ -50,6 +45,25 @@ enum Command {
     },
     /// Show the models and effects that the installed solvers offer.
     Solvers,
+}
+
+#[derive(Debug, Args)]
+struct RunArguments {
+    /// The case file.
+    #[arg(required_unless_present = "resume")]
+    case: Option<PathBuf>,
+    /// Change a key: dotted name and TOML value (a bare word is a text).
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Remove a key.
+    #[arg(long, value_name = "KEY")]
+    unset: Vec<String>,
+    /// Result directory [default: results/NAME].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Go on with the run of this result directory from its last checkpoint.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out"])]
+    resume: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -104,7 +118,13 @@ pub fn main(since: Instant) -> u8 {
 
 fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended> {
     match &arguments.command {
-        Command::Run { case, out } => run_case(case, out.as_ref(), arguments.quiet, log, since),
+        Command::Run(run) => {
+            let begun = match &run.resume {
+                Some(folder) => resume(folder, log)?,
+                None => begin(run, log)?,
+            };
+            run_case(&begun, arguments.quiet, log, since)
+        }
         Command::Check { case } => {
             case.plan()?;
             print(arguments.quiet, &format!("{}: no errors\n", case.case.display()));
@@ -118,28 +138,71 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
     }
 }
 
-fn run_case(
-    case: &CaseArguments,
-    out: Option<&PathBuf>,
-    quiet: bool,
-    log: &Logging,
-    since: Instant,
-) -> Result<(), Ended> {
+/// A run that has been planned and has its folder.
+struct Begun {
+    planned: Planned,
+    folder: ResultFolder,
+    plan_seconds: f64,
+    from: Option<Checkpoint>,
+}
+
+fn begin(run: &RunArguments, log: &Logging) -> Result<Begun, RunError> {
     let planning = Instant::now();
+    let RunArguments { set, unset, .. } = run;
+    let case = run.case.clone().expect("required unless a run is resumed");
+    let case = CaseArguments { case, set: set.clone(), unset: unset.clone() };
     let planned = case.plan()?;
-    let clock = Clock { since, plan_seconds: planning.elapsed().as_secs_f64() };
+    let plan_seconds = planning.elapsed().as_secs_f64();
     let default = || PathBuf::from("results").join(&planned.plan.name);
-    let folder = ResultFolder::prepare(&out.cloned().unwrap_or_else(default), &case.case)?;
-    let log_path = folder.log_path();
-    log.write_to(folder.log()?).map_err(|error| file_failure(&log_path, &error))?;
+    let folder = ResultFolder::prepare(&run.out.clone().unwrap_or_else(default), &case.case)?;
+    log_into(&folder, log)?;
+    Ok(Begun { planned, folder, plan_seconds, from: None })
+}
+
+/// A run goes on from its newest checkpoint that is whole, with the case as it was run.
+fn resume(path: &Path, log: &Logging) -> Result<Begun, RunError> {
+    let planning = Instant::now();
+    let folder = ResultFolder::resume(path)?;
+    let (newest, torn) = Checkpoints::of(path).newest();
+    for Torn { name, reason } in &torn {
+        let next = if newest.is_some() { "; the one before is used" } else { "" };
+        tracing::warn!("checkpoint {name} is not used: {reason}{next}");
+    }
+    let shown = path.display();
+    let checkpoint = newest.ok_or_else(|| {
+        let whole = if torn.is_empty() { "no checkpoint" } else { "no checkpoint that is whole" };
+        RunError::Usage(format!(
+            "{shown} holds {whole}; a case writes them with output.checkpoint_every"
+        ))
+    })?;
+    if folder.has_ended() {
+        return Err(RunError::Usage(format!("the run in {shown} has come to its end already")));
+    }
+    let raw = RawCase::read(&folder.file("case.toml"))?;
+    let raw = raw.with_folder(checkpoint.state.origin.folder.clone());
+    let planned = tracing::info_span!("plan").in_scope(|| plan(raw))?;
+    run::check_origin(&checkpoint.state.origin, &run::origin(&planned))?;
+    log_into(&folder, log)?;
+    folder.reopen()?;
+    let plan_seconds = planning.elapsed().as_secs_f64();
+    Ok(Begun { planned, folder, plan_seconds, from: Some(checkpoint) })
+}
+
+fn log_into(folder: &ResultFolder, log: &Logging) -> Result<(), RunError> {
+    log.write_to(folder.log()?).map_err(|error| file_failure(&folder.log_path(), &error))
+}
+
+fn run_case(begun: &Begun, quiet: bool, log: &Logging, since: Instant) -> Result<(), Ended> {
+    let Begun { planned, folder, plan_seconds, from } = begun;
+    let clock = Clock { since, plan_seconds: *plan_seconds };
     let mut progress = Progress::new(quiet, planned.plan.windows.count());
     log.share_screen(progress.bar());
-    let told = |error| Ended { error: Box::new(error), log: Some(log_path.clone()) };
-    let outcome = run::run(&planned, &folder, &mut progress, clock).map_err(told)?;
+    let told = |error| Ended { error: Box::new(error), log: Some(folder.log_path()) };
+    let outcome = run::run(planned, folder, &mut progress, clock, from.as_ref()).map_err(told)?;
     match outcome.error {
         Some(error) => Err(told(error)),
         None => {
-            print(quiet, &run::report(&outcome, &planned.plan, &folder));
+            print(quiet, &run::report(&outcome, &planned.plan, folder));
             Ok(())
         }
     }

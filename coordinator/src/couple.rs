@@ -199,6 +199,12 @@ impl Coupling {
         &self.step
     }
 
+    /// What was sent into the last iteration, once the window is done.
+    #[must_use]
+    pub fn sent(&self) -> &[f64] {
+        &self.sent
+    }
+
     /// The fields that are fed back.
     #[must_use]
     pub fn parts(&self) -> &[Part] {

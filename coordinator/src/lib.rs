@@ -4,6 +4,7 @@
 //! [`results`]. Each arrow is one module; only the left side of an arrow reaches it.
 
 pub mod case;
+pub mod checkpoint;
 pub mod cli;
 pub mod couple;
 pub mod error;
@@ -17,3 +18,4 @@ pub mod run;
 pub mod session;
 pub mod signals;
 pub mod supervise;
+pub mod windows;

@@ -13,9 +13,11 @@ use crate::case::{Acceleration, Case, Implicit, Scheme};
 use crate::map::Method;
 use crate::programs::Program;
 use crate::session::Deadlines;
+use crate::windows::Windows;
 use proto::configuration::{Configuration, Layout, Mode};
 use proto::description::Description;
 use proto::field::FieldKind;
+use proto::message::Interpolation;
 use proto::transport::FIELD_SLOTS;
 
 pub use make::plan;
@@ -36,6 +38,8 @@ pub struct Plan {
     pub scheme: SchemeChoice,
     /// How an implicit scheme iterates.
     pub implicit: Implicit,
+    /// How inputs vary within a window.
+    pub interpolation: Interpolation,
     /// Participants that run, in the order in which data flows.
     pub participants: Vec<Participant>,
     /// Participants that the case has but that do not run, and why.
@@ -46,54 +50,12 @@ pub struct Plan {
     pub effects: Vec<Effect>,
     /// Windows between outputs; `None` for the last window only.
     pub output_every: Option<u64>,
+    /// Windows between checkpoints; `None` for none.
+    pub checkpoint_every: Option<u64>,
     /// Limits of the waits.
     pub deadlines: Deadlines,
     /// Most shared memory that the run may take [byte].
     pub shared_memory_limit: Option<u64>,
-}
-
-/// Windows in time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Windows {
-    /// One window without duration.
-    Steady,
-    /// Equal windows, the last one cut at the end.
-    Fixed {
-        /// Length of a window [s].
-        window: f64,
-        /// End of the run [s].
-        end: f64,
-    },
-}
-
-impl Windows {
-    /// Number of windows. A remainder below a billionth of the whole is rounding, not a window.
-    #[must_use]
-    pub fn count(&self) -> u64 {
-        match self {
-            Self::Steady => 1,
-            Self::Fixed { window, end } => {
-                let ratio = end / window;
-                let whole = ratio.round();
-                let count =
-                    if (ratio - whole).abs() <= 1e-9 * ratio { whole } else { ratio.ceil() };
-                (count as u64).max(1)
-            }
-        }
-    }
-
-    /// Start and end of a window [s].
-    #[must_use]
-    pub fn interval(&self, index: u64) -> (f64, f64) {
-        match self {
-            Self::Steady => (0.0, 0.0),
-            Self::Fixed { window, end } => {
-                let last = index + 1 == self.count();
-                let stop = if last { *end } else { (index + 1) as f64 * window };
-                (index as f64 * window, stop)
-            }
-        }
-    }
 }
 
 /// The coupling scheme of a run.
@@ -201,24 +163,4 @@ pub struct Planned {
     pub case: Case,
     /// The plan.
     pub plan: Plan,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn windows_cover_the_time_exactly() {
-        let windows = Windows::Fixed { window: 0.1, end: 0.3 };
-        assert_eq!(windows.count(), 3, "0.3 / 0.1 is a rounding error above 2");
-        assert_eq!(windows.interval(2).1, 0.3);
-        let cut = Windows::Fixed { window: 0.4, end: 1.0 };
-        assert_eq!(cut.count(), 3);
-        assert_eq!(cut.interval(2), (0.8, 1.0));
-        assert_eq!(Windows::Fixed { window: 2.0, end: 1.0 }.count(), 1);
-        let long = Windows::Fixed { window: 5.23e-05, end: 18647.8858082 };
-        let (start, end) = long.interval(long.count() - 1);
-        assert!(start < end, "no window without length");
-        assert_eq!((Windows::Steady.count(), Windows::Steady.interval(0)), (1, (0.0, 0.0)));
-    }
 }

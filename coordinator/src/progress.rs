@@ -17,22 +17,24 @@ pub enum Progress {
     /// In a file or a pipe: a line now and then.
     Lines {
         /// Windows in all.
-        total: u64,
+        total: Option<u64>,
         /// When the last line was written.
         last: Instant,
     },
 }
 
 impl Progress {
-    /// Chooses how to show the progress of `total` windows.
+    /// Chooses how to show the progress of `total` windows; `None` if nobody knows how many.
     #[must_use]
-    pub fn new(quiet: bool, total: u64) -> Self {
-        if quiet || total < 2 {
+    pub fn new(quiet: bool, total: Option<u64>) -> Self {
+        if quiet || total.is_some_and(|total| total < 2) {
             Self::Silent
         } else if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::new(total);
-            let style =
-                ProgressStyle::with_template("{bar:40} {pos}/{len} windows {msg} {eta} left");
+            let bar = total.map_or_else(ProgressBar::no_length, ProgressBar::new);
+            let style = ProgressStyle::with_template(match total {
+                Some(_) => "{bar:40} {pos}/{len} windows {msg} {eta} left",
+                None => "{pos} windows {msg} {elapsed}",
+            });
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             Self::Bar(bar)
         } else {
@@ -60,8 +62,8 @@ impl Progress {
                 }
             }
             Self::Lines { total, last } if last.elapsed() > PLAIN => {
-                let _ =
-                    writeln!(std::io::stderr(), "window {done} of {total}, t = {reached:.4e} s");
+                let of = total.map_or_else(String::new, |total| format!(" of {total}"));
+                let _ = writeln!(std::io::stderr(), "window {done}{of}, t = {reached:.4e} s");
                 *last = Instant::now();
             }
             Self::Lines { .. } => {}

@@ -12,6 +12,7 @@ mod link;
 mod mapped;
 mod outlet;
 mod setup;
+mod state;
 mod tap;
 
 pub use audit::HeatBalance;
@@ -57,6 +58,8 @@ enum Phase {
     Initialising,
     Solving(Step),
     Accepting(Step),
+    Saving(Step),
+    Restoring(Step),
     Finishing,
 }
 
@@ -68,6 +71,8 @@ impl std::fmt::Display for Phase {
             Self::Initialising => f.write_str("while initialising"),
             Self::Solving(s) => write!(f, "in window {}, iteration {}", s.window, s.iteration),
             Self::Accepting(s) => write!(f, "while accepting window {}", s.window),
+            Self::Saving(s) => write!(f, "while saving its state after window {}", s.window),
+            Self::Restoring(s) => write!(f, "while restoring its state after window {}", s.window),
             Self::Finishing => f.write_str("while finishing"),
         }
     }
@@ -86,6 +91,8 @@ pub struct SolveRecord {
     pub inner_iterations: u32,
     /// Mean power received through conservative inputs [W].
     pub heat_received: Option<f64>,
+    /// Longest window that it would take from the start of this one [s].
+    pub wanted_window: Option<f64>,
 }
 
 /// A run in progress.
@@ -125,6 +132,17 @@ impl Session {
     #[must_use]
     pub fn solved(&self) -> &[SolveRecord] {
         &self.solved
+    }
+
+    /// The shortest window that a participant wants from the start of the last one [s].
+    #[must_use]
+    pub fn wanted_window(&self) -> Option<f64> {
+        self.solved.iter().filter_map(|record| record.wanted_window).reduce(f64::min)
+    }
+
+    /// What the participants sent last to each other, field by field.
+    pub fn exchanged(&self) -> impl Iterator<Item = &[f64]> + Clone {
+        self.taps.iter().filter(|tap| !tap.observed_only).filter_map(Tap::values)
     }
 
     /// Bytes of field values exchanged so far.
@@ -436,5 +454,6 @@ fn solve_record(reply: &Reply) -> SolveRecord {
         substeps: reply.substeps,
         inner_iterations: reply.inner_iterations,
         heat_received: Some(reply.heat_received).filter(|heat| !heat.is_nan()),
+        wanted_window: Some(reply.wanted_window).filter(|w| *w > 0.0 && w.is_finite()),
     }
 }

@@ -61,9 +61,10 @@ pub enum CommandKind {
     /// The last solve becomes the accepted state. With [`OBSERVE`] the observed fields are
     /// published and a reply is sent; without, there is no reply.
     Accept = 5,
-    /// Write the accepted state to the file named in the body's `path`, reply.
+    /// Body: [`StateFile`]; write the accepted state to the file `path`, reply.
     Save = 6,
-    /// Read the state from the file named in the body's `path`, reply.
+    /// Body: [`StateFile`]; read the state from the file `path`, publish the `outputs` with the
+    /// labels of the command's step, reply. The state is that at the end of this step.
     Restore = 7,
     /// Reply with the summary ([`Finished`]) and leave the run.
     Finish = 8,
@@ -183,6 +184,8 @@ pub struct Reply {
     pub heat_received: f64,
     /// Seconds spent in the model.
     pub model_seconds: f64,
+    /// Longest window that the model would take from this one's start [s]; 0 for no wish.
+    pub wanted_window: f64,
 }
 
 impl Reply {
@@ -205,6 +208,7 @@ impl Reply {
         self.substeps = report.substeps;
         self.inner_iterations = report.inner_iterations;
         self.heat_received = report.heat_received.unwrap_or(f64::NAN);
+        self.wanted_window = report.wanted_window.unwrap_or(0.0);
         self
     }
 }
@@ -252,6 +256,21 @@ pub struct Topics {
     pub outputs: Vec<Topic>,
     /// Longest time to wait for the other side's ports [s].
     pub deadline: f64,
+    /// How inputs vary within a window.
+    #[serde(default)]
+    pub interpolation: Interpolation,
+}
+
+/// How the inputs with consistent mapping vary within a window. What is mapped conservatively is a
+/// mean over the window, and does not vary.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interpolation {
+    /// They have the values of the window's end throughout.
+    #[default]
+    Constant,
+    /// They go in a straight line from the accepted values at its start to those at its end.
+    Linear,
 }
 
 /// A service that carries one field.
@@ -278,6 +297,19 @@ pub struct Failure {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct StateFile {
     /// Where the state is written or read.
+    pub path: std::path::PathBuf,
+    /// What to publish after `Restore`, every output that is published in each iteration; empty
+    /// for `Save`.
+    #[serde(default)]
+    pub outputs: Vec<OutputFile>,
+}
+
+/// The values of an output in a file.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct OutputFile {
+    /// Name of the field.
+    pub field: String,
+    /// File of `components * points` little-endian doubles, component-major.
     pub path: std::path::PathBuf,
 }
 
@@ -316,7 +348,7 @@ mod tests {
 
     #[test]
     fn golden_layout_of_reply() {
-        assert_eq!((size_of::<Reply>(), align_of::<Reply>()), (48, 8));
+        assert_eq!((size_of::<Reply>(), align_of::<Reply>()), (56, 8));
         let offsets = [
             offset_of!(Reply, protocol),
             offset_of!(Reply, status),
@@ -326,8 +358,9 @@ mod tests {
             offset_of!(Reply, inner_iterations),
             offset_of!(Reply, heat_received),
             offset_of!(Reply, model_seconds),
+            offset_of!(Reply, wanted_window),
         ];
-        assert_eq!(offsets, [0, 4, 8, 16, 24, 28, 32, 40]);
+        assert_eq!(offsets, [0, 4, 8, 16, 24, 28, 32, 40, 48]);
     }
 
     #[test]

@@ -53,6 +53,13 @@ impl Step {
 pub trait Inputs {
     /// Values of a field, component-major, with its grid; `None` when no active effect needs it.
     fn get(&self, field: &FieldSpec) -> Option<InputField<'_>>;
+
+    /// Values of a field at the start of the window, component-major, as long as those of
+    /// [`Inputs::get`]; within the window the field goes in a straight line from these to those.
+    /// `None` for a field that does not vary within a window.
+    fn start(&self, _field: &FieldSpec) -> Option<&[f64]> {
+        None
+    }
 }
 
 /// One input.
@@ -83,6 +90,9 @@ pub struct StepReport {
     /// Heat received through conservative inputs, as the mean power over the window [W]; `None`
     /// for a model that receives none.
     pub heat_received: Option<f64>,
+    /// Longest window that the model would take from this one's start [s]: up to an event, or for
+    /// its accuracy. Adaptive windows obey it where it is shorter than the window solved.
+    pub wanted_window: Option<f64>,
 }
 
 /// Why a solve failed.

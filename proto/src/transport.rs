@@ -57,7 +57,7 @@ unsafe impl ZeroCopySend for Command {
 // SAFETY: as above.
 unsafe impl ZeroCopySend for Reply {
     unsafe fn type_name() -> &'static str {
-        "cosim.Reply.v1"
+        "cosim.Reply.v2"
     }
 }
 // SAFETY: as above.

@@ -2,5 +2,6 @@
 //! to misbehave.
 
 pub mod linear;
+pub mod lumped;
 pub mod rogue;
 pub mod toy;

@@ -1,6 +1,7 @@
 //! The settings under `[coupling]`: words, numbers, and tolerances for one field or for all.
 
 use super::settled::Settings;
+use proto::message::Interpolation;
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
 
@@ -105,6 +106,9 @@ words! {
     }
 }
 
+/// How inputs vary within a window, in the words of a case: [`Interpolation`].
+pub(super) const INTERPOLATIONS: &[&str] = &["constant", "linear"];
+
 /// What the residual of a field has to meet; every measure given has to hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerances {
@@ -154,6 +158,13 @@ impl Implicit {
 }
 
 impl Settings<'_> {
+    pub(super) fn interpolation(&self) -> Interpolation {
+        match self.text("coupling.interpolation").as_deref() {
+            Some("linear") => Interpolation::Linear,
+            _ => Interpolation::Constant,
+        }
+    }
+
     pub(super) fn implicit(&self) -> Implicit {
         let key = |name: &str| format!("coupling.{name}");
         let value = |name: &str| self.0.get(&key(name)).expect("own keys with defaults are there");

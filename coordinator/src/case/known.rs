@@ -51,9 +51,10 @@ pub(super) fn known_keys(selection: &Selection<'_>, extra_roles: &[String]) -> V
                 known(for_role(&own.spec, role, rest, *player), needed)
             })),
             None => {
-                let transient = matches!(own.spec.path.as_str(), "time.window" | "time.end");
+                let path = own.spec.path.as_str();
+                let transient = path.starts_with("time.") && path != "time.mode";
                 let active = !transient || selection.mode == Mode::Transient;
-                let required = own.spec.required || transient;
+                let required = own.spec.required || matches!(path, "time.window" | "time.end");
                 keys.push(known(KeySpec { required, ..own.spec.clone() }, active));
             }
         }

@@ -51,7 +51,7 @@ pub use diagnostics::{Place, Problem, Problems};
 pub use mapping::Mappings;
 pub use quantity::{QuantityError, parse_quantity};
 pub use raw::{RawCase, RawParticipant};
-pub use settled::{Case, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
+pub use settled::{Case, Control, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
 
 use checker::{Checker, fill_defaults};
 use known::{instances, known_keys};

@@ -20,6 +20,7 @@ pub struct RawCase {
     pub(super) tree: Table,
     /// The options that changed it, in full.
     pub(super) arguments: Vec<String>,
+    folder: PathBuf,
 }
 
 /// A section of the case that names a participant; what is of the wrong type counts as absent
@@ -86,7 +87,8 @@ impl RawCase {
             let problem = Problem::new(place, "", "nested too deeply", "use fewer levels");
             Problems::new(Arc::clone(&source), vec![problem])
         })?;
-        Ok(Self { source, tree, arguments: Vec::new() })
+        let folder = Path::new(name).parent().map(Path::to_owned).unwrap_or_default();
+        Ok(Self { source, tree, arguments: Vec::new(), folder })
     }
 
     /// The name of the case file, as the user gave it.
@@ -95,10 +97,17 @@ impl RawCase {
         &self.source.name
     }
 
-    /// The folder of the case file.
+    /// The folder from which relative file names are meant: that of the case file.
     #[must_use]
-    pub fn folder(&self) -> PathBuf {
-        Path::new(&*self.source.name).parent().map(Path::to_owned).unwrap_or_default()
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The same case, with relative file names meant from another folder: that of the file of which
+    /// this one is a copy.
+    #[must_use]
+    pub fn with_folder(self, folder: PathBuf) -> Self {
+        Self { folder, ..self }
     }
 
     /// The case as TOML: the file's own text, or the case as the options have changed it.

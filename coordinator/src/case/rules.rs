@@ -180,6 +180,7 @@ impl Checker<'_> {
             let reason = format!("{window} s is longer than time.end = {end} s");
             self.fault("time.window", reason, "shorten it, or raise time.end");
         }
+        self.window_bounds();
         self.iterations();
         self.mapped_fields();
         let key = "output.fields";
@@ -195,6 +196,22 @@ impl Checker<'_> {
                 self.fault(key, reason, fix);
             }
             _ => {}
+        }
+    }
+
+    /// Bounds of adaptive windows that hold the first one.
+    fn window_bounds(&mut self) {
+        let number = |key: &str| self.values.get(key).and_then(serde_json::Value::as_f64);
+        let (window, least, most) =
+            (number("time.window"), number("time.window_min"), number("time.window_max"));
+        let Some(window) = window else { return };
+        if let Some(least) = least.filter(|least| *least > window) {
+            let reason = format!("{least} s is longer than time.window = {window} s");
+            self.fault("time.window_min", reason, "lower it, or raise time.window");
+        }
+        if let Some(most) = most.filter(|most| *most < window) {
+            let reason = format!("{most} s is shorter than time.window = {window} s");
+            self.fault("time.window_max", reason, "raise it, or shorten time.window");
         }
     }
 

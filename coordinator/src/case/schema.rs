@@ -1,6 +1,6 @@
 //! The coordinator's own keys, declared like those of the participants.
 
-use super::coupling::{Acceleration, Preconditioner, Predictor, Scheme};
+use super::coupling::{Acceleration, INTERPOLATIONS, Preconditioner, Predictor, Scheme};
 use super::mapping;
 use proto::description::KeySpec;
 
@@ -57,6 +57,14 @@ fn case_and_time() -> Vec<OwnKey> {
             .default_value("steady")),
         one(KeySpec::quantity("time.window", "s", "coupling window of a transient case").above(0.0)),
         one(KeySpec::quantity("time.end", "s", "end of a transient case").above(0.0)),
+        one(KeySpec::choice("time.control", &["fixed", "adaptive"], "lengths of the windows")
+            .default_value("fixed")),
+        one(KeySpec::number("time.tolerance", "relative error that adaptive windows aim at")
+            .above(0.0)
+            .at_most(0.1)
+            .default_value(1e-3)),
+        one(KeySpec::quantity("time.window_min", "s", "shortest adaptive window").above(0.0)),
+        one(KeySpec::quantity("time.window_max", "s", "longest adaptive window").above(0.0)),
     ]
 }
 
@@ -74,6 +82,7 @@ fn coupling() -> Vec<OwnKey> {
         word("acceleration", Acceleration::WORDS, "auto", "choice of the next iterate"),
         word("preconditioner", Preconditioner::WORDS, "residual-sum", "weights of several fields"),
         word("predictor", Predictor::WORDS, "last", "first iterate of a window"),
+        word("interpolation", INTERPOLATIONS, "constant", "course of inputs within a window"),
         count("min_iterations", 1.0, 1, "fewest iterations of a window"),
         count("max_iterations", 1.0, 100, "most iterations of a window"),
         count("reuse_windows", 0.0, 10, "earlier windows whose iterations serve the accelerator"),
@@ -132,6 +141,11 @@ fn output_and_limits() -> Vec<OwnKey> {
         },
         one(KeySpec::integer("output.every", "windows between outputs; absent: the last only")
             .at_least(1.0)),
+        one(KeySpec::integer(
+            "output.checkpoint_every",
+            "windows between checkpoints; absent: none",
+        )
+        .at_least(1.0)),
         one(KeySpec::quantity("limits.shared_memory", "B", "most shared memory of a run")
             .at_least(1.0)),
     ]

@@ -6,10 +6,13 @@ use super::diagnostics::{Problem, Problems};
 use super::known::{References, instances, read_by};
 use super::mapping::Mappings;
 use super::raw::RawCase;
+use super::tree::{Origin, Table, Value};
 use proto::configuration::Mode;
 use proto::description::Description;
+use proto::message::Interpolation;
 use proto::params::Params;
 use serde_json::{Map, Value as Json};
+use std::path::Path;
 
 /// A case in which everything that can be known before the run is right.
 #[derive(Clone, Debug)]
@@ -65,8 +68,29 @@ pub enum Timing {
         window: f64,
         /// End of the run \[s\], at least one window.
         end: f64,
+        /// Lengths of the windows.
+        control: Control,
     },
 }
+
+/// What decides how long a window is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Control {
+    /// All have the same length.
+    Fixed,
+    /// They are as long as the error allows; the first has the length of the case.
+    Adaptive {
+        /// Relative error of what is exchanged that is aimed at \[-\].
+        tolerance: f64,
+        /// Shortest window \[s\].
+        shortest: f64,
+        /// Longest window \[s\].
+        longest: f64,
+    },
+}
+
+/// The shortest adaptive window, over the first one, unless the case says otherwise: ten halvings.
+const SHORTEST: f64 = 1.0 / 1024.0;
 
 impl Timing {
     /// The mode, as participants know it.
@@ -86,6 +110,8 @@ pub struct Coupling {
     pub scheme: Scheme,
     /// How an implicit scheme iterates.
     pub implicit: Implicit,
+    /// How inputs vary within a window.
+    pub interpolation: Interpolation,
     /// Longest wait for one solve \[s\].
     pub solve_deadline: f64,
     /// Longest wait for a participant to start \[s\].
@@ -108,6 +134,8 @@ pub struct Output {
     pub fields: OutputFields,
     /// Windows between outputs; absent: the last window only.
     pub every: Option<u64>,
+    /// Windows between checkpoints; absent: none are written.
+    pub checkpoint_every: Option<u64>,
 }
 
 /// Fields that a run writes.
@@ -122,10 +150,19 @@ pub enum OutputFields {
 }
 
 impl Case {
-    /// The case as run: TOML that gives this case again, without options.
+    /// The case as run: TOML that gives this case again, without options. Relative file names in it
+    /// are meant from [`Case::folder`].
     #[must_use]
     pub fn text(&self) -> String {
-        self.raw.text()
+        let mut raw = self.raw.clone();
+        absolute_files(&mut raw.tree, "", &self.values);
+        raw.text()
+    }
+
+    /// The folder from which relative file names are meant.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        self.raw.folder()
     }
 
     /// An error at a dotted key, such as a participant's refusal, with its place in the file.
@@ -172,6 +209,23 @@ impl Case {
     }
 }
 
+/// A file named by an option is meant from where the program runs: it gets its absolute path. It is
+/// the only kind of text that checking changes.
+fn absolute_files(table: &mut Table, section: &str, values: &Params) {
+    for (name, node) in &mut table.entries {
+        let key = if section.is_empty() { name.clone() } else { format!("{section}.{name}") };
+        match (&mut node.value, &node.origin) {
+            (Value::Table(inner), _) => absolute_files(inner, &key, values),
+            (Value::Text(text), Origin::Argument(_)) => {
+                if let Some(checked) = values.get(&key).and_then(Json::as_str) {
+                    checked.clone_into(text);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
 /// The coordinator's own settings, from values that have been checked and have their defaults.
 pub(super) struct Settings<'a>(pub(super) &'a Params);
 
@@ -190,8 +244,21 @@ impl Settings<'_> {
             self.number("time.window"),
             self.number("time.end"),
         ) {
-            (Some("transient"), Some(window), Some(end)) => Timing::Transient { window, end },
+            (Some("transient"), Some(window), Some(end)) => {
+                Timing::Transient { window, end, control: self.control(window, end) }
+            }
             _ => Timing::Steady,
+        }
+    }
+
+    fn control(&self, window: f64, end: f64) -> Control {
+        if self.text("time.control").as_deref() != Some("adaptive") {
+            return Control::Fixed;
+        }
+        Control::Adaptive {
+            tolerance: self.number("time.tolerance").expect("an own key with a default"),
+            shortest: self.number("time.window_min").unwrap_or(SHORTEST * window),
+            longest: self.number("time.window_max").unwrap_or(end),
         }
     }
 
@@ -203,6 +270,7 @@ impl Settings<'_> {
         Coupling {
             scheme: word.as_deref().and_then(Scheme::from_word).unwrap_or(Scheme::Auto),
             implicit: self.implicit(),
+            interpolation: self.interpolation(),
             solve_deadline: seconds("solve_deadline"),
             start_deadline: seconds("start_deadline"),
             heartbeat_deadline: seconds("heartbeat_deadline"),
@@ -222,7 +290,9 @@ impl Settings<'_> {
             Some(Json::String(word)) if word == "none" => OutputFields::None,
             _ => OutputFields::All,
         };
-        Output { fields, every: self.0.get("output.every").and_then(Json::as_u64) }
+        let count = |key: &str| self.0.get(key).and_then(Json::as_u64);
+        let (every, checkpoint_every) = (count("output.every"), count("output.checkpoint_every"));
+        Output { fields, every, checkpoint_every }
     }
 
     pub(super) fn participant(&self, role: &str) -> ParticipantCase {

@@ -40,7 +40,7 @@ impl Checker<'_> {
             let fix = "remove it, or write `time.mode = \"transient\"`".to_owned();
             return self.fault_at_name(node, key, reason, fix);
         }
-        let folder = self.case.folder();
+        let folder = self.case.folder().to_owned();
         let checked = |active| {
             let of = readers.iter().filter(move |r| r.active == active);
             of.map(|r| check(r, node, &folder)).collect::<Vec<_>>()

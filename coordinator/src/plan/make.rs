@@ -1,12 +1,13 @@
 //! Making a plan: describe, validate, route, estimate.
 
 use super::route::{self, Candidate};
-use super::{Field, Participant, Plan, Planned, SchemeChoice, Windows};
+use super::{Field, Participant, Plan, Planned, SchemeChoice};
 use crate::case::schema::WELL_KNOWN_ROLES;
-use crate::case::{Case, Problem, RawCase, RawParticipant, Scheme, Timing, validate};
+use crate::case::{Case, Control, Problem, RawCase, RawParticipant, Scheme, Timing, validate};
 use crate::error::RunError;
 use crate::programs::Program;
 use crate::session::Deadlines;
+use crate::windows::Windows;
 use proto::configuration::{Configuration, Estimate, Input, Layout};
 use proto::description::Description;
 use proto::grid::check_name;
@@ -127,12 +128,16 @@ fn check_roles(case: &Case, described: &[(String, Description)]) -> Result<(), R
             problem(role, reason, "name the section after the role, or the right program");
         }
     }
-    if let Timing::Transient { window, end } = case.timing
-        && end / window > MOST_WINDOWS
-    {
-        let reason =
-            format!("{:.1e} windows up to time.end, {MOST_WINDOWS:.0e} at most", end / window);
-        problems.push(case.problem_at("time.window", reason, "choose longer windows"));
+    if let Timing::Transient { window, end, control } = case.timing {
+        let (least, key) = match control {
+            Control::Fixed => (window, "time.window"),
+            Control::Adaptive { shortest, .. } => (shortest, "time.window_min"),
+        };
+        if end / least > MOST_WINDOWS {
+            let most = format!("{MOST_WINDOWS:.0e} at most");
+            let reason = format!("{:.1e} windows up to time.end, {most}", end / least);
+            problems.push(case.problem_at(key, reason, "choose longer windows"));
+        }
     }
     refuse(case, problems)
 }
@@ -181,6 +186,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
     let scheme = scheme(case, &fields, &running);
     route::feed_back(&mut fields, scheme.scheme);
     refuse(case, unused_tolerances(case, &fields, scheme.scheme))?;
+    refuse(case, cannot_go_back(case, &fields, scheme.scheme))?;
     let idle = case.idle.iter().map(|role| {
         let description = described.iter().find(|(r, _)| r == role).map(|(_, d)| d);
         let effects = description.into_iter().flat_map(|d| &d.effects);
@@ -192,17 +198,16 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         name: case.name.clone(),
         title: case.title.clone(),
         mode: case.timing.mode(),
-        windows: match case.timing {
-            Timing::Steady => Windows::Steady,
-            Timing::Transient { window, end } => Windows::Fixed { window, end },
-        },
+        windows: windows(case.timing),
         scheme,
         implicit: case.coupling.implicit.clone(),
+        interpolation: case.coupling.interpolation,
         participants: participants(case, &running, &fields)?,
         idle: idle.collect(),
         effects: route::effects(&offers, case),
         fields,
         output_every: case.output.every,
+        checkpoint_every: case.output.checkpoint_every,
         deadlines: Deadlines {
             start: Duration::from_secs_f64(case.coupling.start_deadline),
             solve: Duration::from_secs_f64(case.coupling.solve_deadline),
@@ -235,6 +240,40 @@ fn scheme(case: &Case, fields: &[Field], running: &[Candidate]) -> SchemeChoice 
         (asked, _) => (asked, "the case asks for it".to_owned()),
     };
     SchemeChoice { scheme, reason }
+}
+
+fn windows(timing: Timing) -> Windows {
+    match timing {
+        Timing::Steady => Windows::Steady,
+        Timing::Transient { window, end, control: Control::Fixed } => {
+            Windows::Fixed { window, end }
+        }
+        Timing::Transient {
+            window,
+            end,
+            control: Control::Adaptive { tolerance, shortest, longest },
+        } => Windows::Adaptive { first: window, tolerance, shortest, longest, end },
+    }
+}
+
+/// Adaptive windows in a scheme whose participants hear a field a window late: a window that is
+/// solved again would begin with what its first attempt has sent.
+fn cannot_go_back(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem> {
+    let adaptive =
+        matches!(case.timing, Timing::Transient { control: Control::Adaptive { .. }, .. });
+    let late = |field: &&Field| {
+        let before = |consumer: &usize| *consumer <= field.producer;
+        scheme.is_parallel() || field.consumers.iter().any(before)
+    };
+    let late = fields.iter().filter(|f| !f.observed_only()).find(late);
+    let problem = late.filter(|_| adaptive && !scheme.is_implicit()).map(|field| {
+        let (name, word) = (&field.kind.name, scheme.word());
+        let reason =
+            format!("with {word} `{name}` is a window late, and no window can be repeated");
+        let fix = "set coupling.scheme to \"serial-implicit\", or remove time.control";
+        case.problem_at("time.control", reason, fix)
+    });
+    problem.into_iter().collect()
 }
 
 /// Tolerances of fields that have no residual.

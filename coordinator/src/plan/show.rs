@@ -1,7 +1,8 @@
 //! The plan as a person reads it.
 
-use super::{Plan, Windows};
+use super::Plan;
 use crate::case::Implicit;
+use crate::windows::Windows;
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Plan {
@@ -27,8 +28,17 @@ impl Plan {
             Windows::Fixed { window, end } => writeln!(
                 f,
                 "\ntime       transient: {} windows of {} to {}",
-                self.windows.count(),
+                self.windows.count().unwrap_or(0),
                 seconds(window),
+                seconds(end)
+            )?,
+            Windows::Adaptive { first, tolerance, shortest, longest, end } => writeln!(
+                f,
+                "\ntime       transient: adaptive windows of {} to {}, the first of {}, to {}; \
+                 tolerance {tolerance:e}",
+                seconds(shortest),
+                seconds(longest),
+                seconds(first),
                 seconds(end)
             )?,
         }
@@ -105,13 +115,14 @@ impl Plan {
         writeln!(f)?;
         for p in &self.participants {
             if let Some(e) = &p.estimate {
-                let total = e.solve_seconds * self.windows.count() as f64;
+                let total = |windows: u64| seconds(e.solve_seconds * windows as f64);
+                let total = self.windows.count().map(|n| format!(", {} in all", total(n)));
                 writeln!(
                     f,
-                    "{head:10} {:10} about {} a window, {} in all, {} of arrays",
+                    "{head:10} {:10} about {} a window{}, {} of arrays",
                     p.role,
                     seconds(e.solve_seconds),
-                    seconds(total),
+                    total.unwrap_or_default(),
                     bytes(e.memory_bytes)
                 )?;
                 head = "";

@@ -4,7 +4,9 @@
 //! known by its `summary.json` or `log.jsonl` as a result folder is refused, and so is one that
 //! another run is writing into: a run holds a lock on its `log.jsonl` until its process ends.
 
+use crate::checkpoint::Checkpoints;
 use crate::error::{RunError, file_failure};
+use crate::results::summary::Status;
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use std::collections::BTreeSet;
@@ -45,8 +47,39 @@ impl ResultFolder {
             )));
         }
         let log = lock(path)?;
+        log.set_len(0).map_err(|error| file_failure(path, &error))?;
         clear(path)?;
         Ok(Self { path: path.to_owned(), log })
+    }
+
+    /// The folder of a run that is resumed; nothing is cleared.
+    ///
+    /// # Errors
+    /// [`RunError::Usage`] if no run has written into it, or another run is doing so.
+    pub fn resume(path: &Path) -> Result<Self, RunError> {
+        if !path.is_dir() || !is_log(&path.join(LOG)) {
+            let shown = path.display();
+            return Err(RunError::Usage(format!("{shown} holds no results of a run")));
+        }
+        Ok(Self { path: path.to_owned(), log: lock(path)? })
+    }
+
+    /// The run in it has come to its end, with success.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        let text = fs::read(self.file("summary.json")).ok();
+        let summary: Option<serde_json::Value> =
+            text.and_then(|text| serde_json::from_slice(&text).ok());
+        let status = summary.as_ref().and_then(|summary| summary["status"].as_str());
+        status.is_some_and(|status| status != Status::Failed.word())
+    }
+
+    /// Removes the summary of the end that a resumed run has come to before.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn reopen(&self) -> Result<(), RunError> {
+        remove(&self.file("summary.json"))
     }
 
     /// Path of the folder.
@@ -67,7 +100,7 @@ impl ResultFolder {
         self.file(LOG)
     }
 
-    /// The log, empty, to be written into.
+    /// The log, to be written into.
     pub fn log(&self) -> Result<File, RunError> {
         self.log.try_clone().map_err(|error| file_failure(&self.log_path(), &error))
     }
@@ -140,16 +173,11 @@ fn is_summary(path: &Path) -> bool {
     summary.is_some_and(|summary: serde_json::Value| summary["schema"].is_u64())
 }
 
-/// Takes the log for this run, and empties it.
+/// Takes the log for this run.
 fn lock(path: &Path) -> Result<File, RunError> {
     let log_path = path.join(LOG);
     let failed = |error: io::Error| file_failure(&log_path, &error);
-    let log = OpenOptions::new()
-        .create(true)
-        .truncate(false)
-        .write(true)
-        .open(&log_path)
-        .map_err(failed)?;
+    let log = OpenOptions::new().create(true).append(true).open(&log_path).map_err(failed)?;
     match flock(&log, FlockOperation::NonBlockingLockExclusive) {
         Err(Errno::WOULDBLOCK) => {
             return Err(RunError::Usage(format!(
@@ -161,13 +189,13 @@ fn lock(path: &Path) -> Result<File, RunError> {
         Err(error) => tracing::warn!(%error, "the result folder cannot be locked"),
         Ok(()) => {}
     }
-    log.set_len(0).map_err(failed)?;
     Ok(log)
 }
 
 /// Removes the results of an earlier run.
 fn clear(path: &Path) -> Result<(), RunError> {
     FILES.iter().try_for_each(|name| remove(&path.join(name)))?;
+    Checkpoints::of(path).clear()?;
     clear_fields(&path.join("fields"))
 }
 

@@ -10,6 +10,8 @@
 //! | `heat_sent_w`, `heat_received_w` | mean power through conservative fields |
 //! | `ROLE_s`, `ROLE_work`, ... | what each participant reports of its solve |
 //!
+//! A window that is solved again, with another end, has its number again.
+//!
 //! What an explicit scheme does not have, residuals of fields and the choice of iterates, has no
 //! column.
 
@@ -18,7 +20,7 @@ use crate::error::{RunError, file_failure};
 use crate::session::{HeatBalance, SolveRecord};
 use proto::model::Step;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -61,6 +63,34 @@ impl IterationTable {
         head(&mut out, roles, fields).map_err(failed)?;
         out.flush().map_err(failed)?;
         Ok(Self { out, path: path.to_owned(), flushed: Instant::now() })
+    }
+
+    /// Opens the table of a run that is resumed, and forgets what comes after its first `bytes`
+    /// bytes.
+    ///
+    /// # Errors
+    /// The file is shorter, or cannot be opened.
+    pub fn resume(path: &Path, bytes: u64) -> Result<Self, RunError> {
+        let failed = |error| file_failure(path, &error);
+        let mut file = File::options().write(true).open(path).map_err(failed)?;
+        let found = file.metadata().map_err(failed)?.len();
+        if found < bytes {
+            let shown = path.display();
+            return Err(RunError::Usage(format!(
+                "{shown} has {found} bytes, and had {bytes} at the checkpoint; the run cannot be \
+                 resumed without them"
+            )));
+        }
+        file.set_len(bytes).and_then(|()| file.seek(SeekFrom::End(0))).map_err(failed)?;
+        Ok(Self { out: BufWriter::new(file), path: path.to_owned(), flushed: Instant::now() })
+    }
+
+    /// Flushes everything to the disk; the length of the file \[byte\].
+    pub fn seal(&mut self) -> Result<u64, RunError> {
+        self.flush()?;
+        let file = self.out.get_ref();
+        let length = file.sync_data().and_then(|()| file.metadata()).map(|data| data.len());
+        length.map_err(|error| file_failure(&self.path, &error))
     }
 
     /// Writes the row of an iteration; it is on disk a second later, if the run goes on.

@@ -5,6 +5,7 @@
 
 use crate::plan::Plan;
 use proto::message::Finished;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 /// How a run ended.
@@ -32,7 +33,7 @@ impl Status {
 }
 
 /// What the coupling counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
     /// Windows accepted.
     pub windows: u64,
@@ -58,6 +59,28 @@ pub struct Counts {
     pub finish_seconds: f64,
     /// Bytes of field values exchanged.
     pub bytes_exchanged: u64,
+    /// Windows that were solved again with another length; `None` with fixed windows.
+    pub repeated_windows: Option<u64>,
+    /// Shortest and longest window [s]; `None` with fixed windows.
+    pub window_lengths: Option<(f64, f64)>,
+    /// The window with which the run was resumed; times are those from there on.
+    pub resumed_at: Option<u64>,
+}
+
+impl Counts {
+    /// What is counted on from a checkpoint, by a process that has just planned: times are its own.
+    #[must_use]
+    pub fn resumed(self, plan_seconds: f64) -> Self {
+        Self {
+            plan_seconds,
+            start_seconds: 0.0,
+            coupling_seconds: 0.0,
+            output_seconds: 0.0,
+            finish_seconds: 0.0,
+            resumed_at: Some(self.windows),
+            ..self
+        }
+    }
 }
 
 /// Everything that goes into the summary.
@@ -162,12 +185,22 @@ fn coupling(of: &Ingredients) -> Value {
             section[key] = value.into();
         }
     }
+    if let Some(repeated) = counts.repeated_windows {
+        section["repeated_windows"] = repeated.into();
+    }
+    if let Some((shortest, longest)) = counts.window_lengths {
+        section["shortest_window_s"] = shortest.into();
+        section["longest_window_s"] = longest.into();
+    }
     section
 }
 
 fn cost(of: &Ingredients) -> Value {
     let counts = &of.counts;
     let mut section = Map::new();
+    if let Some(window) = counts.resumed_at {
+        section.insert("resumed_at_window".to_owned(), window.into());
+    }
     section.insert("wall_s".to_owned(), of.wall_seconds.into());
     section.insert("plan_s".to_owned(), counts.plan_seconds.into());
     section.insert("start_s".to_owned(), counts.start_seconds.into());

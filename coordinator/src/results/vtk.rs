@@ -16,6 +16,7 @@ use crate::session::Tap;
 use image::Image;
 use proto::field::FieldKind;
 use proto::grid::{Grid, Quadrilaterals, Shape};
+use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -32,9 +33,10 @@ pub struct FieldWriter {
 }
 
 /// One grid of one participant through time.
-#[derive(Debug)]
-struct Series {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Series {
     name: String,
+    /// Time [s] and name of each file.
     files: Vec<(f64, String)>,
 }
 
@@ -43,6 +45,17 @@ impl FieldWriter {
     #[must_use]
     pub fn new(folder: PathBuf) -> Self {
         Self { folder, series: Vec::new() }
+    }
+
+    /// What has been written so far.
+    #[must_use]
+    pub fn series(&self) -> &[Series] {
+        &self.series
+    }
+
+    /// Goes on after what was written before.
+    pub fn resume(&mut self, series: Vec<Series>) {
+        self.series = series;
     }
 
     /// Writes the fields that the case asks for as they are at `time` [s].

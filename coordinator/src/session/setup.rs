@@ -208,7 +208,7 @@ impl Session {
             })?;
             topics.push(topic);
         }
-        let deadline = self.deadlines.start.as_secs_f64();
+        let (deadline, interpolation) = (self.deadlines.start.as_secs_f64(), plan.interpolation);
         for one in 0..self.links.len() {
             let pairs = || plan.fields.iter().zip(&topics);
             let outputs = pairs().filter(|(f, _)| f.producer == one).map(|(_, t)| t.clone());
@@ -216,7 +216,7 @@ impl Session {
             let consumed = pairs().filter(|(f, _)| f.consumers.contains(&one));
             let inputs = consumed.map(|(field, topic)| self.heard(one, field, topic, layouts));
             let inputs = inputs.collect();
-            let body = serde_json::to_vec(&Topics { inputs, outputs, deadline })
+            let body = serde_json::to_vec(&Topics { inputs, outputs, deadline, interpolation })
                 .expect("topics are plain data");
             self.post(one, Command::new(CommandKind::Initialise), &body, true)?;
         }

@@ -1,8 +1,8 @@
 //! The field ports of a participant: inputs read in place, outputs written into loans.
 
-use crate::field::{FieldKind, FieldSpec};
+use crate::field::{FieldKind, FieldSpec, Mapping};
 use crate::grid::Grid;
-use crate::message::{Command, FieldHeader, Label, Topic};
+use crate::message::{Command, FieldHeader, Interpolation, Label, OutputFile, Topic};
 use crate::model::{InputField, Inputs, Outputs, Step};
 use crate::transport::{
     Endpoint, FieldLoan, FieldReader, FieldSample, FieldWriter, TransportError,
@@ -24,6 +24,8 @@ pub(super) enum PortError {
     Label { expected: String, found: String },
     #[error("more than one sample of output `{0}` at a time")]
     Loan(String),
+    #[error("output `{field}` cannot be restored from {path}: {reason}")]
+    Restore { field: String, path: std::path::PathBuf, reason: String },
 }
 
 /// One input and the sample that is in use.
@@ -32,12 +34,29 @@ struct InputPort {
     grid: Grid,
     reader: FieldReader,
     sample: Option<FieldSample>,
+    start: Option<Start>,
+}
+
+/// The values of an input at the start of a window.
+#[derive(Debug, Default)]
+struct Start {
+    values: Vec<f64>,
+    /// Those in use are themselves of an earlier window: the input does not vary.
+    in_use: bool,
+}
+
+/// A sample is of an earlier window than this one, or of before the first.
+fn is_earlier(sample: &FieldSample, window: u64) -> bool {
+    sample.header().window < window || sample.header().iteration == 0
 }
 
 impl InputPort {
     /// Moves on to the sample with this sequence number; every one before must have come too.
     /// Newer ones stay in the queue: a producer that solves at the same time may be ahead.
-    fn advance(&mut self, expected: u64) -> Result<(), PortError> {
+    ///
+    /// The last sample of an earlier window is the accepted one: its values are those at the start
+    /// of `window`, however often that is begun again.
+    fn advance(&mut self, expected: u64, window: u64) -> Result<(), PortError> {
         loop {
             let before = self.sample.as_ref().map_or(0, |s| s.header().sequence);
             if before >= expected {
@@ -49,11 +68,26 @@ impl InputPort {
                 return Err(self.out_of_sequence(header.sequence, before + 1));
             }
             self.check(&sample)?;
+            self.keep_start(window);
             self.sample = Some(sample);
+        }
+        if let (Some(start), Some(sample)) = (&mut self.start, &self.sample) {
+            start.in_use = is_earlier(sample, window);
         }
         match self.sample.as_ref().map_or(0, |s| s.header().sequence) {
             found if found == expected => Ok(()),
             found => Err(self.out_of_sequence(found, expected)),
+        }
+    }
+
+    /// Copies the values in use, which are about to be replaced, if they hold at the start of this
+    /// window and if that is asked for.
+    fn keep_start(&mut self, window: u64) {
+        if let (Some(start), Some(sample)) = (&mut self.start, &self.sample)
+            && is_earlier(sample, window)
+        {
+            start.values.clear();
+            start.values.extend_from_slice(sample.values());
         }
     }
 
@@ -91,16 +125,20 @@ impl InputPorts {
         endpoint: &Endpoint,
         topics: &[Topic],
         fields: impl Iterator<Item = FieldKind>,
+        interpolation: Interpolation,
     ) -> Result<Self, TransportError> {
         let ports = topics.iter().zip(fields).map(|(topic, field)| {
             let reader = endpoint.field_reader(&topic.service)?;
-            Ok(InputPort { field, grid: topic.grid.clone(), reader, sample: None })
+            let varies = interpolation == Interpolation::Linear;
+            let start = (varies && field.mapping == Mapping::Consistent).then(Start::default);
+            Ok(InputPort { field, grid: topic.grid.clone(), reader, sample: None, start })
         });
         Ok(Self(ports.collect::<Result<_, TransportError>>()?))
     }
 
     pub(super) fn advance(&mut self, command: &Command) -> Result<(), PortError> {
-        self.0.iter_mut().zip(command.expected).try_for_each(|(port, seq)| port.advance(seq))
+        let mut ports = self.0.iter_mut().zip(command.expected);
+        ports.try_for_each(|(port, sequence)| port.advance(sequence, command.window))
     }
 }
 
@@ -109,6 +147,14 @@ impl Inputs for InputPorts {
         let port = self.0.iter().find(|port| port.field.name == field.name)?;
         let sample = port.sample.as_ref()?;
         Some(InputField { values: sample.values(), grid: &port.grid })
+    }
+
+    fn start(&self, field: &FieldSpec) -> Option<&[f64]> {
+        let port = self.0.iter().find(|port| port.field.name == field.name)?;
+        match port.start.as_ref()? {
+            Start { in_use: true, .. } => port.sample.as_ref().map(FieldSample::values),
+            Start { values, .. } => Some(values.as_slice()).filter(|v| !v.is_empty()),
+        }
     }
 }
 
@@ -166,6 +212,32 @@ impl OutputPorts {
                 return Err(PortError::Loan(port.name.clone()));
             }
             port.loan = Some(port.writer.loan(port.values)?);
+        }
+        Ok(())
+    }
+
+    /// Fills the loans with the values in files, one for each output.
+    pub(super) fn read(&mut self, files: &[OutputFile]) -> Result<(), PortError> {
+        for port in &mut self.0 {
+            let Some(loan) = port.loan.as_mut() else { continue };
+            let file = files.iter().find(|file| file.field == port.name);
+            let path = file.map(|file| file.path.clone()).unwrap_or_default();
+            let failed = |reason: String| {
+                let (field, path) = (port.name.clone(), path.clone());
+                Err(PortError::Restore { field, path, reason })
+            };
+            let bytes = match std::fs::read(&path) {
+                Ok(bytes) => bytes,
+                Err(error) => return failed(error.to_string()),
+            };
+            let values = loan.values();
+            if bytes.len() != std::mem::size_of_val(values) {
+                let (found, expected) = (bytes.len(), std::mem::size_of_val(values));
+                return failed(format!("{found} bytes, expected {expected}"));
+            }
+            for (value, bytes) in values.iter_mut().zip(bytes.as_chunks().0) {
+                *value = f64::from_le_bytes(*bytes);
+            }
         }
         Ok(())
     }

@@ -139,7 +139,7 @@ impl<'a> Server<'a> {
             CommandKind::Accept => self.running(kind)?.accept_observed(done)?,
             CommandKind::Save => self.running(kind)?.save(done, &serde_json::from_slice(body)?)?,
             CommandKind::Restore => {
-                self.running(kind)?.restore(done, &serde_json::from_slice(body)?)?
+                self.running(kind)?.restore(command, done, &serde_json::from_slice(body)?)?
             }
             CommandKind::Finish => return self.finish(done),
         };
@@ -180,7 +180,7 @@ impl<'a> Server<'a> {
         let model = setup.build()?;
         let model_time = start.elapsed();
         let mut running = Running {
-            inputs: InputPorts::open(&self.endpoint, &topics.inputs, fields)?,
+            inputs: InputPorts::open(&self.endpoint, &topics.inputs, fields, topics.interpolation)?,
             outputs: OutputPorts::open(&self.endpoint, &published, &self.role, kind)?,
             observed: OutputPorts::open(&self.endpoint, &observed, &self.role, kind)?,
             model,
@@ -252,10 +252,22 @@ impl Running {
         Ok(done)
     }
 
-    fn restore(&mut self, done: Reply, file: &StateFile) -> Result<Reply, CommandError> {
+    fn restore(
+        &mut self,
+        command: &Command,
+        done: Reply,
+        file: &StateFile,
+    ) -> Result<Reply, CommandError> {
         let bytes = std::fs::read(&file.path)
             .map_err(|error| CommandError::StateFile { path: file.path.clone(), error })?;
         self.model.restore(&StateBlob(bytes))?;
+        self.step = command.step();
+        self.outputs.loan()?;
+        if let Err(error) = self.outputs.read(&file.outputs) {
+            self.outputs.discard();
+            return Err(error.into());
+        }
+        self.outputs.publish(&self.step)?;
         Ok(done)
     }
 }

@@ -15,4 +15,6 @@ mod implicit;
 mod mapping;
 mod off_means_off;
 mod results;
+mod resume;
+mod time;
 mod two_way;

@@ -182,6 +182,7 @@ impl<C: Conduction> Model for Shell<C> {
             inner_iterations: 0,
             work: work.operations,
             heat_received: Some(area * work.heat[0] + area * work.heat[1]),
+            wanted_window: None,
         })
     }
 

@@ -3,7 +3,8 @@
 use super::{GOOD, case, case_with, descriptions, effect, lines, mech, thermal};
 use crate::case::schema::{ROLE, own_keys};
 use crate::case::{
-    Acceleration, OutputFields, Place, Predictor, RawCase, Scheme, Timing, Tolerances, validate,
+    Acceleration, Control, OutputFields, Place, Predictor, RawCase, Scheme, Timing, Tolerances,
+    validate,
 };
 use crate::map::Method;
 use proto::description::KeySpec;
@@ -37,7 +38,8 @@ fn settings_have_their_values_and_defaults() {
         ],
     )
     .unwrap();
-    assert_eq!(set.timing, Timing::Transient { window: 0.001, end: 0.5 });
+    let control = Control::Fixed;
+    assert_eq!(set.timing, Timing::Transient { window: 0.001, end: 0.5, control });
     assert_eq!(set.coupling.scheme, Scheme::SerialExplicit);
     assert_eq!(set.coupling.solve_deadline, 120.0);
     assert_eq!(set.limits.shared_memory, Some(64_000_000));

@@ -1,0 +1,82 @@
+//! The state of all participants, written to a folder and read back between two windows.
+//!
+//! Each participant writes a file of its own, `ROLE.state`. What it sent last is the coordinator's
+//! to keep, `FIELD.values`: on return the participant publishes it again, so that whoever needs it a
+//! window later finds it where it would have been.
+
+use super::{Phase, Session};
+use crate::error::{RunError, file_failure};
+use proto::message::{Command, CommandKind, OutputFile, StateFile};
+use proto::model::Step;
+use std::path::Path;
+
+impl Session {
+    /// Writes the state after the accepted step into a folder, given by its absolute path; the
+    /// names of the files.
+    pub fn save(&mut self, step: &Step, folder: &Path) -> Result<Vec<String>, RunError> {
+        self.phase = Phase::Saving(*step);
+        let mut names = Vec::new();
+        for one in 0..self.links.len() {
+            let name = state_file(self.links[one].role());
+            let file = StateFile { path: folder.join(&name), outputs: Vec::new() };
+            self.command_about(one, CommandKind::Save, step, &file)?;
+            names.push(name);
+        }
+        for tap in self.taps.iter().filter(|tap| !tap.observed_only) {
+            let (name, values) = (values_file(&tap.kind.name), tap.values().unwrap_or_default());
+            let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+            let path = folder.join(&name);
+            std::fs::write(&path, bytes).map_err(|error| file_failure(&path, &error))?;
+            names.push(name);
+        }
+        for one in 0..self.links.len() {
+            self.await_done(one, self.deadlines.solve)?;
+        }
+        Ok(names)
+    }
+
+    /// Returns to the state that [`Session::save`] wrote after `step`, before the first window is
+    /// solved; `iterate` is what was sent last to those who close the loop.
+    pub fn restore(&mut self, step: &Step, folder: &Path, iterate: &[f64]) -> Result<(), RunError> {
+        self.phase = Phase::Restoring(*step);
+        for one in 0..self.links.len() {
+            let sent = self.taps.iter().filter(|t| t.producer == one && !t.observed_only);
+            let output = |name: &String| OutputFile {
+                field: name.clone(),
+                path: folder.join(values_file(name)),
+            };
+            let outputs = sent.map(|tap| output(&tap.kind.name)).collect();
+            let path = folder.join(state_file(self.links[one].role()));
+            self.command_about(one, CommandKind::Restore, step, &StateFile { path, outputs })?;
+        }
+        for one in 0..self.links.len() {
+            self.await_done(one, self.deadlines.solve)?;
+            self.collect(one, step, false)?;
+        }
+        self.send_iterate(iterate, step)
+    }
+
+    fn command_about(
+        &mut self,
+        one: usize,
+        kind: CommandKind,
+        step: &Step,
+        file: &StateFile,
+    ) -> Result<(), RunError> {
+        let body = serde_json::to_vec(file).expect("paths in a result directory are UTF-8");
+        self.post(one, Command::about(kind, step), &body, true)
+    }
+
+    /// Counts bytes exchanged from here on as if this many had been before.
+    pub fn continue_counting(&mut self, bytes_exchanged: u64) {
+        self.bytes_exchanged = bytes_exchanged;
+    }
+}
+
+fn state_file(role: &str) -> String {
+    format!("{role}.state")
+}
+
+fn values_file(field: &str) -> String {
+    format!("{field}.values")
+}

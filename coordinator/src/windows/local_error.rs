@@ -1,0 +1,166 @@
+//! The local error of a window, estimated from a straight line.
+//!
+//! What is exchanged is constant, or a line, within a window, so that the coupling is of first
+//! order: with windows of length Δt the values y at their ends have the local error ½Δt²y″. The
+//! line through the ends of the two windows before, y^P = yₙ + (Δt/Δt′)(yₙ − yₙ₋₁), misses them by
+//! −½Δt(Δt + Δt′)y″. Milne's device takes the error from the difference of the two:
+//!
+//! e = Δt/(2Δt + Δt′) · ‖y − y^P‖ / Y,
+//!
+//! in two-norms, with Y the largest norm of the field so far in the run; of several fields the
+//! largest e counts. No solve is made for the estimate. Source: E. Hairer, S. P. Nørsett &
+//! G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. (1993), section III.7, for
+//! Milne's device; here over the windows of a coupling, whose participants may be more exact than
+//! that within.
+//!
+//! A field that jumps lies on no line: there is no estimate before two ends on the same branch are
+//! known, at the beginning of a run and after [`LocalError::forget`].
+
+use serde::{Deserialize, Serialize};
+
+/// Remembers the ends of the last windows, and how fast the fields change.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LocalError {
+    fields: Vec<Line>,
+    /// Ends known on the present branch; more than two count as two.
+    ends: u32,
+    /// Length of the last window \[s\].
+    duration: f64,
+}
+
+/// One field.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Line {
+    last: Vec<f64>,
+    /// Change per second over the last window \[unit/s\].
+    slope: Vec<f64>,
+    /// Largest two-norm so far.
+    largest: f64,
+}
+
+impl LocalError {
+    /// The relative local error of a window of this duration \[s\] that ends with these values, field
+    /// by field in a steady order; `None` if there is no line yet. Not a number if a value is none.
+    #[must_use]
+    pub fn estimate<'a>(
+        &self,
+        duration: f64,
+        fields: impl IntoIterator<Item = &'a [f64]>,
+    ) -> Option<f64> {
+        if self.ends < 2 {
+            return None;
+        }
+        let milne = duration / (2.0 * duration + self.duration);
+        let errors = self.fields.iter().zip(fields).map(|(line, values)| {
+            let scale = line.largest.max(norm(values.iter().copied()));
+            let ends = line.last.iter().zip(&line.slope);
+            let apart = ends.zip(values).map(|((last, slope), y)| y - (last + duration * slope));
+            let apart = norm(apart);
+            if apart == 0.0 { 0.0 } else { milne * apart / scale }
+        });
+        // `f64::max` would lose a NaN.
+        errors.reduce(|a, b| if a >= b || a.is_nan() { a } else { b })
+    }
+
+    /// A window of this duration \[s\] was accepted with these values at its end.
+    pub fn accept<'a>(&mut self, duration: f64, fields: impl IntoIterator<Item = &'a [f64]>) {
+        for (index, values) in fields.into_iter().enumerate() {
+            if self.fields.len() == index {
+                self.fields.push(Line {
+                    last: values.to_vec(),
+                    slope: vec![0.0; values.len()],
+                    largest: 0.0,
+                });
+            }
+            let line = &mut self.fields[index];
+            line.largest = line.largest.max(norm(values.iter().copied()));
+            let ends = line.last.iter_mut().zip(values);
+            for (slope, (last, value)) in line.slope.iter_mut().zip(ends) {
+                *slope = (value - *last) / duration;
+                *last = *value;
+            }
+        }
+        self.ends = (self.ends + 1).min(2);
+        self.duration = duration;
+    }
+
+    /// What was known belongs to another branch: something has jumped.
+    pub fn forget(&mut self) {
+        self.ends = 0;
+    }
+}
+
+fn norm(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(|value| value * value).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The estimate for the window [t, t + h] of y, after windows of these lengths before t.
+    fn estimated(y: impl Fn(f64) -> f64, t: f64, before: [f64; 2], h: f64) -> f64 {
+        let mut local = LocalError::default();
+        let mut at = t - before[0] - before[1];
+        for length in before {
+            at += length;
+            local.accept(length, [[y(at)].as_slice()]);
+        }
+        local.estimate(h, [[y(t + h)].as_slice()]).unwrap()
+    }
+
+    /// Backward Euler of y′ = −y over one window from an exact start: the estimate from its result
+    /// and exact ends before has the limit of its true local error ½h². What is left is of higher
+    /// order in h: the ratio tends to 1 at first order.
+    #[test]
+    fn the_estimate_is_the_local_error_of_a_first_order_window() {
+        let exact = |t: f64| (-t).exp();
+        let off = |h: f64| {
+            let before = [1.7 * h, 0.6 * h];
+            let euler = |t: f64| if t > 1.0 + 0.5 * h { exact(1.0) / (1.0 + h) } else { exact(t) };
+            let estimate = estimated(euler, 1.0, before, h) * exact(1.0 - before[1]);
+            let truth = exact(1.0) / (1.0 + h) - exact(1.0 + h);
+            // The history here is exact, and its slope lies half a window back.
+            estimate / truth - 1.0
+        };
+        let errors: Vec<f64> = [0.1, 0.05, 0.025, 0.0125].iter().map(|h| off(*h).abs()).collect();
+        for pair in errors.windows(2) {
+            let order = (pair[0] / pair[1]).log2();
+            assert!((0.8..1.3).contains(&order), "{errors:?}");
+        }
+        assert!(errors[3] < 0.03, "{errors:?}");
+    }
+
+    #[test]
+    fn a_line_has_no_error_and_a_jump_has_no_line() {
+        let line = |t: f64| 2.0 + 3.0 * t;
+        // Rounding of a value of size 10.
+        assert!(estimated(line, 1.0, [0.5, 0.25], 0.75) < 1e-15);
+        let mut local = LocalError::default();
+        assert_eq!(local.estimate(1.0, [[1.0].as_slice()]), None);
+        local.accept(1.0, [[1.0].as_slice()]);
+        assert_eq!(local.estimate(1.0, [[1.0].as_slice()]), None, "the start is on no branch");
+        local.accept(1.0, [[1.0].as_slice()]);
+        assert_eq!(local.estimate(1.0, [[4.0].as_slice()]), Some(3.0 / 4.0 / 3.0));
+        local.forget();
+        local.accept(1.0, [[4.0].as_slice()]);
+        assert_eq!(local.estimate(1.0, [[4.0].as_slice()]), None);
+    }
+
+    #[test]
+    fn the_worst_field_counts_and_nothing_hides_what_is_no_number() {
+        let mut local = LocalError::default();
+        let fields = |a: f64, b: f64| [vec![a], vec![b, 0.0]];
+        for _ in 0..2 {
+            let values = fields(1.0, 1e6);
+            local.accept(1.0, values.iter().map(Vec::as_slice));
+        }
+        let of = |a, b| {
+            let values = fields(a, b);
+            local.estimate(1.0, values.iter().map(Vec::as_slice)).unwrap()
+        };
+        assert_eq!(of(1.0, 1e6), 0.0);
+        assert!((of(0.7, 1e6 - 3.0) - 0.1).abs() < 1e-15, "rounding");
+        assert!(of(f64::NAN, 1e6).is_nan() && of(1.0, f64::NAN).is_nan());
+    }
+}

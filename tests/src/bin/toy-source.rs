@@ -1,0 +1,7 @@
+//! What heats in the lumped pair.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    proto::participant::main(&tests::lumped::Lumped::Source)
+}

@@ -1,0 +1,268 @@
+//! Restart: a run that is killed and resumed ends to the bit as if nothing had happened.
+
+use crate::harness::{Ended, Place, case, wait_until};
+use rustix::process::Signal;
+use serde_json::Value;
+use std::path::Path;
+
+/// What a run leaves that does not depend on how fast the machine is.
+#[derive(Debug, PartialEq)]
+struct Results {
+    /// Every field file, byte by byte.
+    fields: Vec<(String, Vec<u8>)>,
+    /// The table of iterations without its times.
+    table: Vec<Vec<String>>,
+    /// The summary with the bytes exchanged alone for its cost.
+    summary: Value,
+}
+
+fn results(place: &Place) -> Results {
+    let files = std::fs::read_dir(place.out().join("fields")).into_iter().flatten().flatten();
+    let mut fields: Vec<_> = files
+        .map(|e| (e.file_name().into_string().unwrap(), std::fs::read(e.path()).unwrap()))
+        .collect();
+    fields.sort();
+    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
+    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let timeless = |head: &str| !head.ends_with("_s") || head == "start_s" || head == "end_s";
+    let row = |line: &str| {
+        let cells = line.split(',').zip(&head).filter(|(_, head)| timeless(head));
+        cells.map(|(cell, _)| cell.to_owned()).collect()
+    };
+    let mut summary = place.read_summary();
+    let cost = summary.as_object_mut().unwrap().remove("cost").unwrap();
+    summary["bytes_exchanged"] = cost["bytes_exchanged"].clone();
+    Results { fields, table: table.lines().map(row).collect(), summary }
+}
+
+fn resume(place: &Place) -> Ended {
+    place.start(&["run", "--resume", &place.out().display().to_string()]).wait()
+}
+
+/// Names of the checkpoints, oldest first.
+fn checkpoints(out: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(out.join("checkpoints")).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries
+        .filter_map(|e| e.file_name().into_string().ok())
+        .filter(|name| !name.ends_with(".new"))
+        .collect();
+    names.sort();
+    names
+}
+
+/// Kills a run when this many checkpoints have been written; true if it was still running.
+fn kill_at(place: &Place, case: &str, more: &[&str], written: u64) -> bool {
+    let running = place.start_run(case, more);
+    let count = || {
+        let log = place.log();
+        let is = |event: &&Value| event["fields"]["message"] == "checkpoint written";
+        log.iter().filter(is).count() as u64
+    };
+    wait_until("a checkpoint", || count() >= written || place.out().join("summary.json").exists());
+    running.signal(Signal::KILL);
+    let ended = running.wait();
+    place.assert_nothing_left();
+    ended.code.is_none()
+}
+
+/// splitmix64: windows that are random, and the same in every run of the tests.
+fn random(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
+
+fn pairs<'a>(settings: &[&'a str]) -> Vec<&'a str> {
+    settings.iter().flat_map(|set| ["--set", set]).collect()
+}
+
+/// Runs undisturbed, and killed after a random number of checkpoints and resumed; both have to end
+/// alike.
+fn killed_and_resumed(case: &str, settings: &[&str], most: u64, seed: &mut u64) {
+    let more = pairs(settings);
+    let undisturbed = Place::new();
+    undisturbed.summary(case, &more);
+    let expected = results(&undisturbed);
+    let place = Place::new();
+    // On a machine that is fast enough the run may end before it is killed.
+    let killed = (0..20).any(|_| kill_at(&place, case, &more, 1 + random(seed) % most));
+    assert!(killed, "{settings:?}: never killed in time");
+    let ended = resume(&place);
+    assert_eq!(ended.code, Some(0), "{settings:?}: {}", ended.stderr);
+    place.assert_nothing_left();
+    let found = results(&place);
+    assert_eq!(found.summary, expected.summary, "{settings:?}");
+    assert_eq!(found.table, expected.table, "{settings:?}");
+    assert!(found.fields == expected.fields, "{settings:?}: a field file differs");
+    assert!(
+        found.summary["coupling"]["windows"].as_u64()
+            > place.read_summary()["cost"]["resumed_at_window"].as_u64()
+    );
+}
+
+#[test]
+fn the_accelerators_history_survives() {
+    let seed = &mut 4;
+    for (acceleration, scheme) in [
+        ("iqn-ils", "serial-implicit"),
+        ("iqn-imvj", "serial-implicit"),
+        ("iqn-ils", "parallel-implicit"),
+        ("aitken", "parallel-implicit"),
+    ] {
+        let acceleration = format!("coupling.acceleration={acceleration}");
+        let scheme = format!("coupling.scheme={scheme}");
+        let settings = [
+            acceleration.as_str(),
+            &scheme,
+            "coupling.predictor=linear",
+            "linear.problem=P4",
+            "linear.size=500",
+            "coupling.relative=1e-9",
+            "time.end=60",
+            "output.fields=all",
+            "output.every=7",
+            "output.checkpoint_every=5",
+        ];
+        killed_and_resumed(&case("linear.toml"), &settings, 10, seed);
+    }
+}
+
+/// What an explicit scheme hears a window late has to be there again.
+#[test]
+fn what_is_a_window_late_survives() {
+    for scheme in ["serial-explicit", "parallel-explicit"] {
+        let scheme = format!("coupling.scheme={scheme}");
+        let settings = [
+            scheme.as_str(),
+            "time.end=400",
+            "left.delay=1 ms",
+            "output.fields=all",
+            "output.checkpoint_every=10",
+        ];
+        killed_and_resumed(&case("exchange.toml"), &settings, 20, &mut 7);
+    }
+}
+
+#[test]
+fn adaptive_windows_and_interpolation_survive() {
+    let settings = [
+        "time.control=adaptive",
+        "coupling.interpolation=linear",
+        "coupling.predictor=linear",
+        "source.substeps=7",
+        "time.tolerance=5e-3",
+        "time.end=10",
+        "output.fields=all",
+        "output.every=10",
+        "output.checkpoint_every=8",
+    ];
+    killed_and_resumed(&case("lumped.toml"), &settings, 10, &mut 11);
+}
+
+/// The real solvers: mechanics that are the same in every window, heat that remembers all of them.
+#[test]
+fn a_transient_of_the_real_solvers_survives() {
+    let settings = ["mech.resolution=16", "output.every=5", "output.checkpoint_every=3"];
+    killed_and_resumed(&case("cold-start.toml"), &settings, 8, &mut 3);
+}
+
+/// A run of many windows that has been killed after at least two checkpoints.
+fn killed(settings: &[&str]) -> Place {
+    let place = Place::new();
+    let all =
+        [&["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"], settings].concat();
+    assert!(kill_at(&place, &case("exchange.toml"), &pairs(&all), 4));
+    assert_eq!(checkpoints(&place.out()).len(), 2, "the last two are kept");
+    place
+}
+
+#[test]
+fn a_torn_checkpoint_is_named_and_the_one_before_used() {
+    let undisturbed = Place::new();
+    let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
+    undisturbed.summary(&case("exchange.toml"), &pairs(&settings));
+    for file in ["left.state", "right_value.values", "coordinator.state"] {
+        let place = killed(&[]);
+        let names = checkpoints(&place.out());
+        let path = place.out().join("checkpoints").join(&names[1]).join(file);
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() - 3]).unwrap();
+        let ended = resume(&place);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let told = format!("checkpoint {} is not used: {file} is torn", names[1]);
+        assert!(ended.stderr.contains(&told), "{}", ended.stderr);
+        assert!(ended.stderr.contains("the one before is used"), "{}", ended.stderr);
+        let at: u64 = names[0].parse().unwrap();
+        assert_eq!(place.read_summary()["cost"]["resumed_at_window"], at);
+        assert_eq!(results(&place), results(&undisturbed));
+    }
+}
+
+#[test]
+fn without_a_whole_checkpoint_nothing_is_resumed() {
+    let place = killed(&[]);
+    for name in checkpoints(&place.out()) {
+        std::fs::write(place.out().join("checkpoints").join(name).join("left.state"), "x").unwrap();
+    }
+    let ended = resume(&place);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains("no checkpoint that is whole"), "{}", ended.stderr);
+    let none = Place::new();
+    none.summary(&case("exchange.toml"), &["--set", "time.end=3"]);
+    let ended = resume(&none);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains("output.checkpoint_every"), "{}", ended.stderr);
+}
+
+#[test]
+fn another_case_and_a_run_that_has_ended_are_refused() {
+    let place = killed(&[]);
+    let file = place.out().join("case.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("end = 400", "end = 500")).unwrap();
+    let ended = resume(&place);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains("case.toml is not the case"), "{}", ended.stderr);
+    std::fs::write(&file, text).unwrap();
+    assert_eq!(resume(&place).code, Some(0));
+    let ended = resume(&place);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains("has come to its end"), "{}", ended.stderr);
+    let both = ["run", "x.toml", "--resume", "y"];
+    assert_eq!(place.start(&both).wait().code, Some(2), "either a case or a run");
+}
+
+/// A participant that dies does not cost what was computed before.
+#[test]
+fn a_run_that_failed_can_be_resumed_and_ends_alike() {
+    let place = Place::new();
+    let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
+    let running = place.start_run(&case("exchange.toml"), &pairs(&settings));
+    wait_until("a checkpoint", || !checkpoints(&place.out()).is_empty());
+    rustix::process::kill_process(place.pid_of("right"), Signal::KILL).unwrap();
+    assert_eq!(running.wait().code, Some(1));
+    assert_eq!(place.read_summary()["status"], "failed");
+    assert_eq!(resume(&place).code, Some(0));
+    assert_eq!(place.read_summary()["left"]["solves"], 400);
+    place.assert_nothing_left();
+}
+
+/// Relative file names are meant from the folder of the case file, also when the run is resumed
+/// from another one.
+#[test]
+fn files_of_the_case_are_found_again() {
+    let place = Place::new();
+    let settings = [
+        "mech.resolution=10",
+        "time.mode=transient",
+        "time.window=20 us",
+        "time.end=1 ms",
+        "output.checkpoint_every=1",
+    ];
+    assert!(kill_at(&place, &case("measured-profile.toml"), &pairs(&settings), 2));
+    let ended = resume(&place);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(place.read_summary()["coupling"]["windows"], 50);
+}

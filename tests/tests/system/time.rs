@@ -1,0 +1,137 @@
+//! Time: adaptive windows, subcycling, and what is conserved over it.
+
+use crate::harness::{Place, case};
+use serde_json::Value;
+
+/// Runs the lumped pair with these settings; the summary.
+fn lumped(settings: &[&str]) -> Value {
+    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+    Place::new().summary(&case("lumped.toml"), &more)
+}
+
+fn number(summary: &Value, pointer: &str) -> f64 {
+    summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
+}
+
+fn error(summary: &Value) -> f64 {
+    number(summary, "/body/largest_error")
+}
+
+/// Windows solved, those that were repeated too.
+fn solved(summary: &Value) -> u64 {
+    let count = |key: &str| summary["coupling"][key].as_u64().unwrap_or(0);
+    count("windows") + count("repeated_windows")
+}
+
+/// The error asked for is met, with the step announced or not, in fewer windows, repeated ones
+/// counted, than the coarsest of a series of fixed grids that meets it.
+#[test]
+fn a_load_step_is_met_with_fewer_windows_than_a_fixed_grid_needs() {
+    for tolerance in [1e-2, 3e-3] {
+        let fixed = (0..)
+            .map(|n| 400.0 * 1.25_f64.powi(n))
+            .map(|windows| lumped(&[&format!("time.window={}", 40.0 / windows.round())]))
+            .find(|summary| error(summary) <= tolerance)
+            .unwrap();
+        for announce in [false, true] {
+            let adaptive = lumped(&[
+                "time.control=adaptive",
+                &format!("time.tolerance={tolerance}"),
+                &format!("source.announce={announce}"),
+            ]);
+            let (found, windows) = (error(&adaptive), solved(&adaptive));
+            assert!(found <= tolerance, "{tolerance}, {announce}: {found:e}");
+            let most = solved(&fixed);
+            println!("{tolerance} {announce}: {windows} with {found:e}, {most} fixed");
+            assert!(2 * windows < most, "{tolerance}, {announce}: {windows} against {most}");
+            let lengths = ["/coupling/shortest_window_s", "/coupling/longest_window_s"];
+            let [shortest, longest] = lengths.map(|pointer| number(&adaptive, pointer));
+            assert!(longest / shortest > 100.0, "{shortest} to {longest}");
+        }
+    }
+}
+
+/// Every window that is cut at the announced step, and the last one, end where they have to.
+#[test]
+fn windows_end_where_a_participant_wants_and_at_the_end() {
+    let place = Place::new();
+    let more = ["time.control=adaptive", "time.tolerance=1e-2", "source.announce=true"];
+    place.summary(&case("lumped.toml"), &more.map(|set| ["--set", set]).concat());
+    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
+    let ends: Vec<f64> =
+        table.lines().skip(1).map(|l| l.split(',').nth(3).unwrap().parse().unwrap()).collect();
+    assert_eq!(*ends.last().unwrap(), 40.0);
+    // start + (step − start) rounds once.
+    let step = 3.1234;
+    assert!(ends.iter().any(|end| (end - step).abs() <= f64::EPSILON * step));
+}
+
+/// A window that does not converge is halved until it does: plain iteration converges only where
+/// the loop's gain, which grows with the window, is below one.
+#[test]
+fn a_window_that_does_not_converge_is_repeated_with_a_shorter_one() {
+    let stiff = ["lumped.gain=20", "coupling.acceleration=none", "time.window=0.5", "time.end=4"];
+    let place = Place::new();
+    let more: Vec<&str> = stiff.iter().flat_map(|set| ["--set", set]).collect();
+    let ended = place.run(&case("lumped.toml"), &more);
+    assert_eq!(ended.code, Some(3), "fixed windows end the run: {}", ended.stderr);
+    let adaptive = lumped(&[&stiff[..], &["time.control=adaptive", "time.tolerance=0.1"]].concat());
+    assert_eq!(adaptive["status"], "converged");
+    assert!(adaptive["coupling"]["repeated_windows"].as_u64().unwrap() >= 2, "{adaptive}");
+}
+
+/// A window that is repeated needs inputs that can be given again.
+#[test]
+fn adaptive_windows_with_a_late_field_are_refused() {
+    let place = Place::new();
+    let more = ["time.control=adaptive", "coupling.scheme=serial-explicit"];
+    let ended = place.run(&case("lumped.toml"), &more.map(|set| ["--set", set]).concat());
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains("is a window late"), "{}", ended.stderr);
+}
+
+/// One substep of the source against seven of the body, and the other way round: what the source
+/// has sent over the run, what the body has received, and what it has stored and lost are the same
+/// heat. 1e-10 is far above the rounding of some thousand windows, far below any step's error.
+#[test]
+fn heat_is_conserved_over_subcycling() {
+    for settings in [
+        ["source.substeps=1", "body.substeps=7"],
+        ["source.substeps=7", "body.substeps=1"],
+        ["source.substeps=3", "body.substeps=7"],
+    ] {
+        for course in ["coupling.interpolation=constant", "coupling.interpolation=linear"] {
+            for control in ["time.control=fixed", "time.control=adaptive"] {
+                let more = [&settings[..], &[course, control, "time.end=10"]].concat();
+                let summary = lumped(&more);
+                let books =
+                    ["/source/sent_j", "/body/received_j", "/body/stored_j", "/body/lost_j"];
+                let [sent, received, stored, lost] = books.map(|at| number(&summary, at));
+                assert!(sent > 5.0, "{sent} J");
+                assert!((sent - received).abs() <= 1e-10 * sent, "{more:?}: {sent} {received}");
+                assert!((received - stored - lost).abs() <= 1e-10 * sent, "{more:?}");
+                assert!(number(&summary, "/coupling/energy_imbalance") <= 1e-10);
+            }
+        }
+    }
+}
+
+/// With the temperature constant within a window the coupling is of first order, with a straight
+/// line, which seven midpoints resolve, of second.
+#[test]
+fn a_straight_line_within_the_window_raises_the_order() {
+    // Aligned with the step, which would otherwise limit the order.
+    let base = ["lumped.step_at=2", "time.end=8", "source.substeps=7", "body.substeps=7"];
+    let order = |course: &str| {
+        let errors = ["0.1", "0.05", "0.025"].map(|window| {
+            let (course, window) =
+                (format!("coupling.interpolation={course}"), format!("time.window={window}"));
+            error(&lumped(&[&base[..], &[&course, &window]].concat()))
+        });
+        println!("{course}: {errors:?}");
+        (errors[1] / errors[2]).log2()
+    };
+    let (constant, linear) = (order("constant"), order("linear"));
+    assert!((0.9..1.1).contains(&constant), "{constant}");
+    assert!((1.9..2.1).contains(&linear), "{linear}");
+}
