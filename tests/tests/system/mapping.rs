@@ -227,3 +227,26 @@ fn matching_grids_are_not_mapped() {
     let (_, plan) = shown("plan", "wheel-rail.toml", &settings);
     assert!(!plan.contains("mapping"), "{plan}");
 }
+
+/// A transient in which mechanics take seven steps a window and heat one, on a grid of its own:
+/// the heat of every window arrives.
+#[test]
+fn seven_steps_a_window_between_grids_keep_the_heat() {
+    // Seven elements of a/10 at 38.889 m/s.
+    let (place, summary) = run(
+        "cold-start.toml",
+        &[
+            "mech.model=half-space",
+            "mech.rolling=transient",
+            "mech.resolution=10",
+            "thermal.resolution=31",
+            "time.window=1.4212e-4",
+            "time.end=1.4212e-3",
+        ],
+    );
+    assert_heat_arrives(&place, &summary);
+    let steps = columns(&place, "iterations.csv", ["mech_substeps"]).concat();
+    // Rounding of the window's length may move a step to the next one.
+    assert!(steps.iter().all(|steps| (6.0..=8.0).contains(steps)), "{steps:?}");
+    assert!((steps.iter().sum::<f64>() - 70.0).abs() <= 1.0, "{steps:?}");
+}

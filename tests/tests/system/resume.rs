@@ -168,6 +168,20 @@ fn a_transient_of_the_real_solvers_survives() {
     killed_and_resumed(&case("cold-start.toml"), &settings, 8, &mut 3);
 }
 
+/// Mapped fields and the tractions of transient rolling are there again too.
+#[test]
+fn mapping_and_transient_rolling_survive() {
+    let settings = [
+        "mech.resolution=10",
+        "thermal.resolution=27",
+        "mech.model=half-space",
+        "mech.rolling=transient",
+        "output.every=5",
+        "output.checkpoint_every=3",
+    ];
+    killed_and_resumed(&case("cold-start.toml"), &settings, 8, &mut 5);
+}
+
 /// A run of many windows that has been killed after at least two checkpoints.
 fn killed(settings: &[&str]) -> Place {
     let place = Place::new();
