@@ -89,8 +89,11 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let wanted = precomputed::wanted_fields(configuration);
     let values: usize = wanted.iter().map(|spec| precomputed::count(spec, &grid)).sum();
     let mut layout = precomputed::layout(&wanted, grid, SECONDS_PER_VALUE * values as f64);
-    layout.remarks.extend(remarks(&scene, &contact, given, partial));
     let friction = FrictionLaw::read(configuration, scene.friction_coefficient)?;
+    if friction.is_some() {
+        layout.remarks = vec!["the fields are computed in every iteration".to_owned()];
+    }
+    layout.remarks.extend(remarks(&scene, &contact, given, partial));
     Ok(Box::new(Prepared { scene, contact, law, partial, friction, grid, wanted, layout }))
 }
 

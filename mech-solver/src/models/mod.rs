@@ -8,7 +8,7 @@ mod precomputed;
 
 use proto::configuration::{Configuration, Refusal};
 use proto::description::ModelSpec;
-use proto::model::Setup;
+use proto::model::{Setup, StateBlob, StateError};
 use serde_json::Value;
 
 /// Name of the grid that covers the contact.
@@ -42,6 +42,14 @@ pub fn find(name: &str) -> Result<&'static ModelEntry, Refusal> {
         let reason = format!("there is no mechanical model `{name}`");
         Refusal::new("mech.model", reason, format!("choose one of {}", known.join(", ")))
     })
+}
+
+/// Restores a model that has no state.
+fn restore_nothing(name: &str, from: &StateBlob) -> Result<(), StateError> {
+    match from.0.len() {
+        0 => Ok(()),
+        bytes => Err(StateError(format!("{name} has no state, but there are {bytes} bytes"))),
+    }
 }
 
 /// Adds the keys of one object to another.
