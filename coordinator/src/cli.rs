@@ -3,14 +3,19 @@
 use crate::case::RawCase;
 use crate::checkpoint::{Checkpoint, Checkpoints, Torn};
 use crate::error::{RunError, file_failure};
+use crate::export::{self, Target};
+use crate::inspect::{self, Wanted};
 use crate::logging::{Level, Logging};
 use crate::plan::{Planned, plan};
-use crate::programs;
+use crate::programs::{self, Program};
 use crate::progress::Progress;
+use crate::record::Compression;
+use crate::replay::{self, Request};
 use crate::results::ResultFolder;
 use crate::run::{self, Clock};
 use clap::{Args, Parser, Subcommand};
 use proto::description::Description;
+use proto::recording::End;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -45,6 +50,77 @@ enum Command {
     },
     /// Show the models and effects that the installed solvers offer.
     Solvers,
+    /// Show what a recording holds: windows, iterations, ranges, residuals, timings.
+    Inspect(InspectArguments),
+    /// Drive one participant through a recording, and compare all that it sends.
+    Replay(ReplayArguments),
+    /// Write the fields of a recording as VTK series or CSV.
+    Export(ExportArguments),
+}
+
+#[derive(Debug, Args)]
+struct ReplayArguments {
+    /// The recording.
+    recording: PathBuf,
+    /// Role of the participant to drive.
+    #[arg(long, value_name = "ROLE")]
+    only: String,
+    /// The program to drive, with its arguments [default: ROLE-solver].
+    #[arg(long, num_args = 1.., value_name = "COMMAND", conflicts_with = "serve")]
+    command: Vec<String>,
+    /// Largest difference that passes, relative to the largest value of a sample [default: none, to
+    /// the bit].
+    #[arg(long, value_name = "RELATIVE")]
+    tolerance: Option<f64>,
+    /// Begin with this window, from a recorded state.
+    #[arg(long, value_name = "WINDOW")]
+    from: Option<u64>,
+    /// End with this window.
+    #[arg(long, value_name = "WINDOW")]
+    until: Option<u64>,
+    /// Change a value of the recorded configuration: dotted name and SI number, or text.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Ask before every command.
+    #[arg(long)]
+    step: bool,
+    /// Wait for a solver that is started by hand, in a debugger say; nothing has a deadline.
+    #[arg(long)]
+    serve: bool,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+struct InspectArguments {
+    /// The recording.
+    recording: PathBuf,
+    /// List the samples of this field (or topic) one by one.
+    #[arg(long, value_name = "NAME")]
+    field: Option<String>,
+    /// List iterations and samples of this window.
+    #[arg(long, value_name = "NUMBER")]
+    window: Option<u64>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("form").required(true).multiple(true).args(["vtk", "csv"]))]
+struct ExportArguments {
+    /// The recording.
+    recording: PathBuf,
+    /// Folder for VTK series (`.vti`, `.vtu`, `.pvd`).
+    #[arg(long, value_name = "DIR")]
+    vtk: Option<PathBuf>,
+    /// Folder for CSV, one file a topic and instant.
+    #[arg(long, value_name = "DIR")]
+    csv: Option<PathBuf>,
+    /// Every iteration, and not only what was accepted.
+    #[arg(long)]
+    iterations: bool,
 }
 
 #[derive(Debug, Args)]
@@ -61,6 +137,10 @@ struct RunArguments {
     /// Result directory [default: results/NAME].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Record every exchange in DIR/recording.mcap, uncompressed or by zstd.
+    #[arg(long, value_name = "COMPRESSION", num_args = 0..=1, require_equals = true,
+          default_missing_value = "none", value_parser = compression)]
+    record: Option<Compression>,
     /// Go on with the run of this result directory from its last checkpoint.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out"])]
     resume: Option<PathBuf>,
@@ -123,7 +203,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                 Some(folder) => resume(folder, log)?,
                 None => begin(run, log)?,
             };
-            run_case(&begun, arguments.quiet, log, since)
+            run_case(&begun, run.record, arguments.quiet, log, since)
         }
         Command::Check { case } => {
             case.plan()?;
@@ -135,6 +215,9 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             Ok(())
         }
         Command::Solvers => Ok(solvers()?),
+        Command::Inspect(asked) => Ok(inspect_recording(asked)?),
+        Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
+        Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
     }
 }
 
@@ -192,13 +275,28 @@ fn log_into(folder: &ResultFolder, log: &Logging) -> Result<(), RunError> {
     log.write_to(folder.log()?).map_err(|error| file_failure(&folder.log_path(), &error))
 }
 
-fn run_case(begun: &Begun, quiet: bool, log: &Logging, since: Instant) -> Result<(), Ended> {
+fn compression(word: &str) -> Result<Compression, String> {
+    match word {
+        "none" => Ok(Compression::None),
+        "zstd" => Ok(Compression::Zstd),
+        other => Err(format!("`{other}` is neither none nor zstd")),
+    }
+}
+
+fn run_case(
+    begun: &Begun,
+    record: Option<Compression>,
+    quiet: bool,
+    log: &Logging,
+    since: Instant,
+) -> Result<(), Ended> {
     let Begun { planned, folder, plan_seconds, from } = begun;
     let clock = Clock { since, plan_seconds: *plan_seconds };
     let mut progress = Progress::new(quiet, planned.plan.windows.count());
     log.share_screen(progress.bar());
     let told = |error| Ended { error: Box::new(error), log: Some(folder.log_path()) };
-    let outcome = run::run(planned, folder, &mut progress, clock, from.as_ref()).map_err(told)?;
+    let outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), record);
+    let outcome = outcome.map_err(told)?;
     match outcome.error {
         Some(error) => Err(told(error)),
         None => {
@@ -206,6 +304,86 @@ fn run_case(begun: &Begun, quiet: bool, log: &Logging, since: Instant) -> Result
             Ok(())
         }
     }
+}
+
+fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {
+    let path = &asked.recording;
+    let wanted = Wanted { field: asked.field.clone(), window: asked.window };
+    let mut recording = inspect::open(path)?;
+    let survey =
+        inspect::survey(&mut recording, &wanted).map_err(|error| inspect::failed(path, &error))?;
+    if asked.json {
+        let json = serde_json::to_string_pretty(&survey).expect("a survey is plain data");
+        print(false, &(json + "\n"));
+        return Ok(());
+    }
+    print(false, &inspect::text(&survey, path));
+    if let Some(details) = &survey.details {
+        print(false, &inspect::details_text(details, wanted.window.is_none()));
+    }
+    Ok(())
+}
+
+fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError> {
+    if asked.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
+        return Err(RunError::Usage("--tolerance is a number from 0 on".to_owned()));
+    }
+    // One text with spaces is a command line.
+    let words: Vec<String> = match asked.command.as_slice() {
+        [line] => line.split_whitespace().map(str::to_owned).collect(),
+        words => words.to_vec(),
+    };
+    let program = (!words.is_empty()).then(|| Program::of_role(&asked.only, Some(&words)));
+    let request = Request {
+        recording: asked.recording.clone(),
+        only: asked.only.clone(),
+        program,
+        serve: asked.serve,
+        tolerance: asked.tolerance,
+        from: asked.from,
+        until: asked.until,
+        set: asked.set.iter().map(|option| assignment(option)).collect::<Result<_, _>>()?,
+        step: asked.step,
+    };
+    let replay = replay::replay(&request)?;
+    if asked.json {
+        let json = serde_json::to_string_pretty(&replay).expect("a replay is plain data");
+        print(false, &(json + "\n"));
+    } else {
+        print(quiet, &replay::text(&replay, &request));
+    }
+    let compared = &replay.comparison;
+    let first = compared.first.as_ref().map(replay::difference);
+    match first.or_else(|| compared.other.clone()) {
+        None => Ok(()),
+        Some(difference) => Err(RunError::Differs(difference.trim().to_owned())),
+    }
+}
+
+/// A key and a value: a number, true or false, or a text.
+fn assignment(option: &str) -> Result<(String, serde_json::Value), RunError> {
+    let (key, value) = option
+        .split_once('=')
+        .filter(|(key, _)| !key.is_empty())
+        .ok_or_else(|| RunError::Usage(format!("`--set {option}` is not KEY=VALUE")))?;
+    let value = serde_json::from_str(value).unwrap_or_else(|_| value.into());
+    Ok((key.to_owned(), value))
+}
+
+fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError> {
+    let ExportArguments { recording: path, vtk, csv, iterations } = asked;
+    let mut recording = inspect::open(path)?;
+    let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
+    let instants = export::export(path, &mut recording, &target)?;
+    let mut text = format!("{instants} instant(s)");
+    for folder in [vtk, csv].into_iter().flatten() {
+        text += &format!(" -> {}", folder.display());
+    }
+    if let End::Cut(bytes) = recording.end() {
+        text += &format!(" (the recording is cut after {bytes} bytes)");
+    }
+    print(quiet, &(text + "\n"));
+    Ok(())
 }
 
 fn solvers() -> Result<(), RunError> {

@@ -37,6 +37,9 @@ pub enum RunError {
     /// A window did not converge, and the case is strict.
     #[error(transparent)]
     NotConverged(#[from] NotConverged),
+    /// A replayed participant does not send what was recorded.
+    #[error("the replay differs from the recording: {0}")]
+    Differs(String),
     /// Stopped by the user.
     #[error("interrupted by {signal} {when}; every participant was ended in order")]
     Interrupted {
@@ -132,13 +135,15 @@ impl NotConverged {
 }
 
 impl RunError {
-    /// The exit code: 1 a solver or the machine failed, 2 bad usage or case, 3 not converged.
+    /// The exit code: 1 a solver or the machine failed, 2 bad usage or case, 3 not converged, 4 a replay
+    /// differs.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Case(_) | Self::Refused { .. } | Self::NoProgram { .. } => 2,
             Self::Failed(_) | Self::Interrupted { .. } | Self::NotFinite { .. } => 1,
             Self::NotConverged(_) => 3,
+            Self::Differs(_) => 4,
             Self::Both { first, .. } => first.exit_code(),
         }
     }

@@ -10,6 +10,7 @@ use crate::checkpoint::{Checkpoint, Checkpoints};
 use crate::error::RunError;
 use crate::plan::{Plan, Planned};
 use crate::progress::Progress;
+use crate::record::{Compression, Recorder};
 use crate::results::iterations::IterationTable;
 use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
@@ -18,6 +19,7 @@ use crate::session::Session;
 use march::March;
 use proto::message::Finished;
 use serde_json::Value;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// How a run ended: its summary, and the error if there was one.
@@ -46,6 +48,7 @@ pub fn run(
     progress: &mut Progress,
     clock: Clock,
     from: Option<&Checkpoint>,
+    record: Option<Compression>,
 ) -> Result<Outcome, RunError> {
     let Planned { case, plan } = planned;
     let mut counts = match from {
@@ -55,8 +58,11 @@ pub fn run(
             Counts { plan_seconds: clock.plan_seconds, ..Counts::default() }
         }
     };
-    let ended = perform(planned, folder, progress, &mut counts, from);
+    let start = |compression| recorder(planned, folder, from, compression).map(Arc::new);
+    let recorder = record.map(start).transpose()?;
+    let ended = perform(planned, folder, progress, &mut counts, from, recorder.clone());
     progress.finish();
+    let ended = finish_recording(ended, recorder.as_deref());
     let (finished, error) = match ended {
         Ok(finished) => (finished, None),
         Err(error) => (Vec::new(), Some(place(case, error))),
@@ -96,6 +102,40 @@ fn first(error: Option<RunError>, then: Result<(), RunError>) -> Option<RunError
     }
 }
 
+/// A resumed run has a recording of its own, named after the window it begins with.
+fn recorder(
+    planned: &Planned,
+    folder: &ResultFolder,
+    from: Option<&Checkpoint>,
+    compression: Compression,
+) -> Result<Recorder, RunError> {
+    let name = match from {
+        Some(checkpoint) => format!("recording-{:06}.mcap", checkpoint.state.step.0 + 1),
+        None => "recording.mcap".to_owned(),
+    };
+    Recorder::start(&folder.file(&name), compression, &planned.plan, &planned.case.text())
+}
+
+/// Ends the recording with the end of the run.
+fn finish_recording(
+    ended: Result<Vec<Finished>, RunError>,
+    recorder: Option<&Recorder>,
+) -> Result<Vec<Finished>, RunError> {
+    let Some(recorder) = recorder else { return ended };
+    let written = recorder.finish(ended.as_ref().err().map(ToString::to_string).as_deref());
+    if let Ok(bytes) = &written {
+        tracing::info!(bytes, path = %recorder.path().display(), "recording complete");
+    }
+    match ended {
+        Ok(finished) => written.map(|_| finished),
+        // A run that the recording has ended has told of it already.
+        Err(error) if written.as_ref().is_err_and(|w| w.to_string() == error.to_string()) => {
+            Err(error)
+        }
+        Err(error) => Err(error.and(written.map(drop))),
+    }
+}
+
 /// The text for a person.
 #[must_use]
 pub fn report(outcome: &Outcome, plan: &Plan, folder: &ResultFolder) -> String {
@@ -120,12 +160,14 @@ fn perform(
     progress: &mut Progress,
     counts: &mut Counts,
     from: Option<&Checkpoint>,
+    recorder: Option<Arc<Recorder>>,
 ) -> Result<Vec<Finished>, RunError> {
     let plan = &planned.plan;
     let mut table = table(plan, folder, from)?;
     let mut fields = FieldWriter::new(folder.file("fields"));
     let starting = Instant::now();
-    let started = tracing::info_span!("start").in_scope(|| Session::start(plan));
+    let session = || Session::start(plan, recorder.clone());
+    let started = tracing::info_span!("start").in_scope(session);
     counts.start_seconds = starting.elapsed().as_secs_f64();
     let mut session = started?;
     let windows = || {
@@ -136,6 +178,7 @@ fn perform(
         });
         let mut march =
             March::new(plan, &mut session, &mut table, &mut fields, counts, checkpoints);
+        march.record(recorder.as_deref());
         if let Some(checkpoint) = from {
             march.resume(checkpoint)?;
         }

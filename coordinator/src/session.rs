@@ -16,11 +16,13 @@ mod state;
 mod tap;
 
 pub use audit::HeatBalance;
+pub(crate) use setup::Seat;
 pub use tap::Tap;
 
 use crate::couple::{Exchange, Part};
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
+use crate::record::Recorder;
 use crate::signals;
 use crate::supervise::{Exit, Supervisor};
 use feedback::Feedback;
@@ -31,6 +33,7 @@ use proto::model::Step;
 use proto::run_dir::RunDir;
 use proto::transport::{Doorbell, Endpoint, Message, TransportError};
 use std::os::unix::process::ExitStatusExt;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The name under which the coordinator itself sends fields; no role can have it.
@@ -100,6 +103,7 @@ pub struct SolveRecord {
 #[derive(Debug)]
 pub struct Session {
     supervisor: Supervisor,
+    recorder: Option<Arc<Recorder>>,
     taps: Vec<Tap>,
     feedback: Vec<Feedback>,
     mapped: Vec<Mapped>,
@@ -117,9 +121,47 @@ pub struct Session {
 }
 
 impl Session {
-    /// Starts the participants of a plan and brings them to the first window.
-    pub fn start(plan: &Plan) -> Result<Self, RunError> {
-        setup::start(plan)
+    /// Starts the participants of a plan and brings them to the first window. With a recorder,
+    /// everything that is exchanged is recorded.
+    pub fn start(plan: &Plan, recorder: Option<Arc<Recorder>>) -> Result<Self, RunError> {
+        setup::start(plan, recorder)
+    }
+
+    /// What the command now under way is called in messages.
+    pub(crate) fn about(&mut self, command: &Command) {
+        let step = command.step();
+        self.phase = match CommandKind::from_number(command.kind) {
+            Some(CommandKind::Describe) | None => Phase::Starting,
+            Some(CommandKind::Configure) => Phase::Configuring,
+            Some(CommandKind::Initialise) => Phase::Initialising,
+            Some(CommandKind::Solve) => Phase::Solving(step),
+            Some(CommandKind::Accept) => Phase::Accepting(step),
+            Some(CommandKind::Save) => Phase::Saving(step),
+            Some(CommandKind::Restore) => Phase::Restoring(step),
+            Some(CommandKind::Finish) => Phase::Finishing,
+        };
+    }
+
+    /// The run's folder, which goes with it.
+    pub(crate) fn folder(&self) -> &std::path::Path {
+        &self.run.info().folder
+    }
+
+    /// The services of the run.
+    pub(crate) fn endpoint(&self) -> &Endpoint {
+        &self._endpoint
+    }
+
+    /// Limits of the waits.
+    pub(crate) fn deadlines(&self) -> &Deadlines {
+        &self.deadlines
+    }
+
+    /// Gives those who have been asked to finish the time to do so.
+    pub(crate) fn wait_for_exits(&self) {
+        if !self.supervisor.wait_for_exits(LEAVE) {
+            tracing::warn!("a participant did not leave after Finish and is ended");
+        }
     }
 
     /// Every field of the run with its newest sample.
@@ -186,6 +228,9 @@ impl Session {
     /// Asks every participant for its summary and lets it go.
     pub fn finish(mut self) -> Result<Vec<Finished>, RunError> {
         self.phase = Phase::Finishing;
+        if let Some(recorder) = &self.recorder {
+            recorder.stop_listening()?;
+        }
         for one in 0..self.links.len() {
             self.post(one, Command::new(CommandKind::Finish), &[], true)?;
         }
@@ -198,13 +243,11 @@ impl Session {
             );
         }
         // They end by themselves now; who does not is ended when the session is dropped.
-        if !self.supervisor.wait_for_exits(LEAVE) {
-            tracing::warn!("a participant did not leave after Finish and is ended");
-        }
+        self.wait_for_exits();
         Ok(finished)
     }
 
-    fn post(
+    pub(crate) fn post(
         &mut self,
         one: usize,
         command: Command,
@@ -212,11 +255,19 @@ impl Session {
         ring: bool,
     ) -> Result<(), RunError> {
         let sent = self.links[one].post(command, body, ring);
-        sent.map_err(|error| self.transport_failed(one, &error))
+        let command = sent.map_err(|error| self.transport_failed(one, &error))?;
+        if let Some(recorder) = &self.recorder {
+            recorder.command(one, &command, body);
+        }
+        Ok(())
     }
 
     /// Waits for the reply to the last command of a participant.
-    fn await_reply(&mut self, one: usize, patience: Duration) -> Result<Message<Reply>, RunError> {
+    pub(crate) fn await_reply(
+        &mut self,
+        one: usize,
+        patience: Duration,
+    ) -> Result<Message<Reply>, RunError> {
         let deadline = Instant::now() + patience;
         let Self { links, doorbell, supervisor, run, deadlines, phase, .. } = self;
         let context = Context { supervisor, run, phase: *phase, deadlines };
@@ -239,10 +290,14 @@ impl Session {
                 }
             },
         );
-        reply.map_err(|waiting| match waiting {
+        let reply = reply.map_err(|waiting| match waiting {
             Waiting::Run(error) => error,
             Waiting::Transport(error) => self.transport_failed(one, &error),
-        })
+        })?;
+        if let Some(recorder) = &self.recorder {
+            recorder.reply(one, reply.header(), reply.body());
+        }
+        Ok(reply)
     }
 
     /// Waits for the reply, and takes everything but success as an error.
@@ -304,6 +359,15 @@ impl Session {
             std::thread::sleep(Duration::from_millis(1));
         }
         self.failed(one, error.to_string())
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        if let Some(recorder) = &self.recorder {
+            // Its failure has been told by whoever noticed it, or will be by `finish`.
+            let _ = recorder.stop_listening();
+        }
     }
 }
 
@@ -401,6 +465,9 @@ impl Exchange for Session {
 
     fn solve(&mut self, participants: &[usize], step: &Step) -> Result<(), RunError> {
         self.phase = Phase::Solving(*step);
+        if let Some(recorder) = &self.recorder {
+            recorder.wait_for_room()?;
+        }
         self.send_mapped(participants)?;
         for &one in participants {
             let mut command = Command::about(CommandKind::Solve, step);
@@ -419,7 +486,10 @@ impl Exchange for Session {
             }
             self.post(one, command, &[], true)?;
         }
-        // While they compute, what was sent before is looked through.
+        // While they compute, what was sent before is recorded and looked through.
+        if let Some(recorder) = &self.recorder {
+            recorder.hand_over();
+        }
         (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
         let mut longest = 0.0_f64;
         for &one in participants {

@@ -13,12 +13,15 @@
 //! | [`params`] | typed access to the case values inside a configuration |
 //! | [`model`] | the trait that every model implements |
 //! | [`message`] | the fixed layouts of commands, replies and field headers |
+//! | [`recording`] | what was exchanged in a run, in one file |
+//! | [`binary`] | the binary form of what only this project reads back |
 //! | [`run_dir`] | isolation of a run on the machine, and removal of what dead runs left |
 //! | [`transport`] | the only module that knows iceoryx2 |
 //! | [`participant`] | the state machine that serves any [`model::Setup`] |
 //!
 //! Invariants held here are listed in `docs/ARCHITECTURE.md`.
 
+pub mod binary;
 pub mod configuration;
 pub mod description;
 pub mod field;
@@ -27,6 +30,7 @@ pub mod message;
 pub mod model;
 pub mod params;
 pub mod participant;
+pub mod recording;
 pub mod run_dir;
 pub mod transport;
 

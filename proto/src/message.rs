@@ -95,7 +95,7 @@ pub const OBSERVE: u32 = 1;
 
 /// From the coordinator to one participant.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Command {
     /// [`crate::PROTOCOL_VERSION`] of the sender.
     pub protocol: u32,
@@ -166,7 +166,7 @@ impl Status {
 
 /// From one participant to the coordinator.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Reply {
     /// [`crate::PROTOCOL_VERSION`] of the sender.
     pub protocol: u32,

@@ -19,7 +19,7 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::{
     port::listener::{Listener, ListenerWaitError},
-    port::{BackpressureAction, notifier::Notifier},
+    port::{BackpressureAction, notifier::Notifier, update_connections::UpdateConnections as _},
     port::{publisher::Publisher, subscriber::Subscriber},
     sample::Sample,
     sample_mut::SampleMut,
@@ -463,6 +463,12 @@ impl FieldSample {
 }
 
 impl FieldReader {
+    /// Connects to the writer as it is now: what it sends from here on is received even if it has
+    /// left by then. [`FieldReader::receive`] does so too.
+    pub fn connect(&self) -> Result<(), TransportError> {
+        self.subscriber.update_connections().map_err(|e| exchange_error(&self.name, e))
+    }
+
     /// The next sample, if one has come.
     pub fn receive(&self) -> Result<Option<FieldSample>, TransportError> {
         let sample = self.subscriber.receive().map_err(|e| exchange_error(&self.name, e))?;

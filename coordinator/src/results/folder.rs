@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 const LOG: &str = "log.jsonl";
 
 /// Files that a run writes besides the log and the fields.
-const FILES: [&str; 4] = ["summary.json", "summary.json.new", "iterations.csv", "case.toml"];
+const FILES: [&str; 5] =
+    ["summary.json", "summary.json.new", "iterations.csv", "case.toml", "recording.mcap"];
 
 /// What every `log.jsonl` begins with.
 const LOG_HEAD: &[u8] = b"{\"timestamp\"";

@@ -25,6 +25,31 @@ use std::path::PathBuf;
 /// Fields and their values.
 type Fields<'a> = [(&'a FieldKind, &'a [f64])];
 
+/// One field as it is now.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// Role of the participant that sends it.
+    pub producer: &'a str,
+    /// Where it lives.
+    pub grid: &'a Grid,
+    /// Kind of the field.
+    pub kind: &'a FieldKind,
+    /// Values, component-major.
+    pub values: &'a [f64],
+}
+
+impl<'a> Shown<'a> {
+    fn of(tap: &'a Tap) -> Option<Self> {
+        let (producer, grid, kind) = (tap.producer_role(), tap.grid(), tap.kind());
+        Some(Self { producer, grid, kind, values: tap.values()? })
+    }
+
+    /// Fields of the same producer and grid share their files.
+    fn series_name(&self) -> String {
+        format!("{}_{}", self.producer, self.grid.name)
+    }
+}
+
 /// Writes the newest samples of all fields, one file a grid and an instant.
 #[derive(Debug)]
 pub struct FieldWriter {
@@ -60,18 +85,30 @@ impl FieldWriter {
 
     /// Writes the fields that the case asks for as they are at `time` [s].
     pub fn write(&mut self, taps: &[Tap], window: u64, time: f64) -> Result<(), RunError> {
+        let wanted = taps.iter().filter(|tap| tap.wanted());
+        let shown: Vec<Shown> = wanted.filter_map(Shown::of).collect();
+        self.write_fields(&shown, window, time)
+    }
+
+    /// Writes these fields as they are at `time` [s].
+    pub fn write_fields(
+        &mut self,
+        shown: &[Shown],
+        window: u64,
+        time: f64,
+    ) -> Result<(), RunError> {
         let mut written: Vec<String> = Vec::new();
-        let wanted = || taps.iter().filter(|tap| tap.wanted());
-        for tap in wanted() {
-            let name = series_name(tap);
-            if tap.grid().points() < 2 || written.contains(&name) {
+        for one in shown {
+            let name = one.series_name();
+            if one.grid.points() < 2 || written.contains(&name) {
                 continue;
             }
-            let together: Vec<(&FieldKind, &[f64])> = wanted()
-                .filter(|other| series_name(other) == name)
-                .filter_map(|other| Some((other.kind(), other.values()?)))
+            let together: Vec<(&FieldKind, &[f64])> = shown
+                .iter()
+                .filter(|other| other.series_name() == name)
+                .map(|other| (other.kind, other.values))
                 .collect();
-            self.write_grid(tap.grid(), &name, &together, window, time)?;
+            self.write_grid(one.grid, &name, &together, window, time)?;
             written.push(name);
         }
         Ok(())
@@ -122,10 +159,6 @@ impl FieldWriter {
         files.push((time, file));
         replace(&self.folder.join(format!("{name}.pvd")), collection(files).as_bytes())
     }
-}
-
-fn series_name(tap: &Tap) -> String {
-    format!("{}_{}", tap.producer_role(), tap.grid().name)
 }
 
 fn collection(files: &[(f64, String)]) -> String {

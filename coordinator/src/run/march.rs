@@ -1,18 +1,21 @@
 //! The windows of a run, one after the other: solved, judged, accepted, written, checkpointed.
 
 use crate::checkpoint::{Checkpoint, Checkpoints, Origin, State};
+use crate::couple::Exchange as _;
 use crate::couple::converge::Verdict;
 use crate::couple::state::Reader;
 use crate::couple::{Coupling, WindowOutcome};
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
 use crate::progress::Progress;
+use crate::record::Recorder;
 use crate::results::iterations::{IterationTable, Row};
 use crate::results::summary::Counts;
 use crate::results::vtk::FieldWriter;
 use crate::session::{HeatBalance, Session};
 use crate::windows::{self, Controller};
 use proto::model::Step;
+use proto::recording::{Event, Iteration};
 use std::time::Instant;
 
 /// Largest relative difference between the heat sent and received in a window: rounding only.
@@ -35,6 +38,7 @@ pub(super) struct March<'a> {
     fields: &'a mut FieldWriter,
     counts: &'a mut Counts,
     checkpoints: Option<Writing>,
+    recorder: Option<&'a Recorder>,
     coupling: Coupling,
     time: Controller,
 }
@@ -50,7 +54,13 @@ impl<'a> March<'a> {
     ) -> Self {
         let coupling = coupling(plan, session);
         let time = Controller::new(plan.windows);
-        Self { plan, session, table, fields, counts, checkpoints, coupling, time }
+        let recorder = None;
+        Self { plan, session, table, fields, counts, checkpoints, recorder, coupling, time }
+    }
+
+    /// Tells a recorder what the coordinator makes of each iteration.
+    pub(super) fn record(&mut self, recorder: Option<&'a Recorder>) {
+        self.recorder = recorder;
     }
 
     /// Returns everything to where it was at a checkpoint.
@@ -80,6 +90,10 @@ impl<'a> March<'a> {
             match self.time.judge(&step, converged, wanted, self.session.exchanged()) {
                 windows::Verdict::Repeat(cause) => {
                     tracing::debug!(step.window, end = step.end, %cause, "solved again");
+                    if let Some(recorder) = self.recorder {
+                        let (window, cause) = (step.window, cause.to_string());
+                        recorder.event(Event::Repeated { window, cause });
+                    }
                 }
                 windows::Verdict::Accept => {
                     self.tell(outcome, wanted, &step)?;
@@ -183,6 +197,9 @@ impl<'a> March<'a> {
                 heat: &self.session.heat_balance(),
                 solved: self.session.solved(),
             })?;
+            if let Some(recorder) = self.recorder {
+                recorder.event(Event::Iteration(self.iteration(coupling_seconds)));
+            }
             self.counts.output_seconds += writing.elapsed().as_secs_f64();
             if verdict != Verdict::Continue {
                 let outcome = self.coupling.outcome(verdict);
@@ -191,6 +208,29 @@ impl<'a> March<'a> {
                 self.counts.max_iterations_in_window = most;
                 return Ok(outcome);
             }
+        }
+    }
+}
+
+impl March<'_> {
+    /// What there is to record of the last iteration.
+    fn iteration(&self, coupling_seconds: f64) -> Iteration {
+        let (step, taken) = (self.coupling.step(), self.coupling.taken());
+        let heat = self.session.heat_balance();
+        let names = self.session.fed_back().iter().map(|part| part.name.clone());
+        Iteration {
+            window: step.window,
+            iteration: step.iteration,
+            start: step.start,
+            end: step.end,
+            residual: self.coupling.residual(),
+            residuals: names.zip(self.coupling.residuals().iter().copied()).collect(),
+            relaxation: taken.relaxation,
+            columns: taken.columns.map(|columns| columns as u64),
+            heat_sent: heat.sent,
+            heat_received: heat.received,
+            coupling_seconds,
+            model_seconds: self.session.solved().iter().map(|s| s.model_seconds).collect(),
         }
     }
 }

@@ -50,19 +50,23 @@ impl Link {
         self.commands.is_heard() && self.replies.is_served()
     }
 
-    /// Sends a command; `ring` only when an answer is wanted soon.
+    /// Sends a command, and gives it back with its number; `ring` only when an answer is wanted
+    /// soon.
     pub(super) fn post(
         &mut self,
         mut command: Command,
         body: &[u8],
         ring: bool,
-    ) -> Result<(), TransportError> {
+    ) -> Result<Command, TransportError> {
         self.sequence += 1;
         command.sequence = self.sequence;
         self.commands.send(&command, body)?;
         // Silence counts from here: heartbeats are only heard while waiting.
         self.alive = Instant::now();
-        if ring { self.ringer.ring() } else { Ok(()) }
+        if ring {
+            self.ringer.ring()?;
+        }
+        Ok(command)
     }
 
     /// Sequence number of the last command.

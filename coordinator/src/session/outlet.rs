@@ -1,11 +1,13 @@
 //! A topic on which the coordinator itself sends a field: what is fed back, or mapped.
 
 use super::COORDINATOR;
+use crate::record::{Recorder, TopicNumber};
 use proto::field::FieldKind;
 use proto::grid::Grid;
 use proto::message::{FieldHeader, Label};
 use proto::model::Step;
 use proto::transport::{Endpoint, FieldLoan, FieldWriter, TransportError};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// The writer of a topic, and the label of its samples.
@@ -14,16 +16,23 @@ pub(super) struct Outlet {
     values: usize,
     writer: FieldWriter,
     header: FieldHeader,
+    recorded: Option<(Arc<Recorder>, TopicNumber)>,
 }
 
 impl Outlet {
-    /// Opens a topic for a field on a grid.
+    /// Opens a topic for a field on a grid; the recorder, if there is one, is one more subscriber.
     pub(super) fn open(
         endpoint: &Endpoint,
         service: &str,
         (kind, grid): (&FieldKind, &Grid),
         subscribers: usize,
+        recorder: Option<&Arc<Recorder>>,
     ) -> Result<Self, TransportError> {
+        let recorded = recorder.map(|recorder| {
+            Ok::<_, TransportError>((Arc::clone(recorder), recorder.listen(endpoint, service)?))
+        });
+        let recorded = recorded.transpose()?;
+        let subscribers = subscribers + usize::from(recorded.is_some());
         let values = grid.points() * kind.components as usize;
         let writer = endpoint.field_writer(service, values, subscribers)?;
         let header = FieldHeader {
@@ -37,7 +46,7 @@ impl Outlet {
             grid: Label::new(&grid.name),
             ..FieldHeader::default()
         };
-        Ok(Self { values, writer, header })
+        Ok(Self { values, writer, header, recorded })
     }
 
     /// Its subscribers are there.
@@ -60,6 +69,10 @@ impl Outlet {
         self.header.window = step.window;
         self.header.iteration = step.iteration;
         (self.header.start, self.header.end) = (step.start, step.end);
-        self.writer.publish(loan, &self.header)
+        self.writer.publish(loan, &self.header)?;
+        if let Some((recorder, topic)) = &self.recorded {
+            recorder.sample(*topic, self.header.sequence);
+        }
+        Ok(())
     }
 }

@@ -4,9 +4,11 @@ use super::feedback::Feedback;
 use super::mapped::Mapped;
 use super::outlet::Outlet;
 use super::tap::Consumer;
-use super::{COORDINATOR, Context, Link, Phase, Session, SolveRecord, Tap, Waiting};
+use super::{COORDINATOR, Context, Deadlines, Link, Phase, Session, SolveRecord, Tap, Waiting};
 use crate::error::{Failure, RunError};
 use crate::plan::{Field, Participant, Plan, non_matching, sample_bytes, topic_bytes};
+use crate::programs::Program;
+use crate::record::Recorder;
 use crate::supervise::{Launch, Supervisor};
 use proto::configuration::{Configuration, Layout};
 use proto::description::Description;
@@ -15,16 +17,23 @@ use proto::message::{Command, CommandKind, Topic, Topics};
 use proto::model::Step;
 use proto::run_dir::{RunDir, free_shared_memory};
 use proto::transport::{Endpoint, TransportError};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Shared memory that a run takes besides its fields [byte].
 const OVERHEAD: u64 = 1 << 20;
 
-pub(super) fn start(plan: &Plan) -> Result<Session, RunError> {
+pub(super) fn start(plan: &Plan, recorder: Option<Arc<Recorder>>) -> Result<Session, RunError> {
     // Before anything exists, with what the participants expect; once more with what they say.
     check_shared_memory(plan, |index| plan.participants[index].estimate.as_ref())?;
-    let mut session = launch(plan)?;
-    session.wait_for_joining(plan)?;
+    let seat = |p: &Participant| Seat {
+        role: p.role.clone(),
+        program: p.program.clone(),
+        attach: p.attach,
+    };
+    let seats: Vec<Seat> = plan.participants.iter().map(seat).collect();
+    let mut session = Session::open(&seats, plan.deadlines, recorder)?;
+    session.wait_for_joining()?;
     session.phase = Phase::Configuring;
     for (index, participant) in plan.participants.iter().enumerate() {
         session.check_description(index, participant)?;
@@ -37,70 +46,83 @@ pub(super) fn start(plan: &Plan) -> Result<Session, RunError> {
     Ok(session)
 }
 
-fn launch(plan: &Plan) -> Result<Session, RunError> {
-    let roles: Vec<String> = plan.participants.iter().map(|p| p.role.clone()).collect();
-    let run = RunDir::create(&roles).map_err(|error| {
-        machine(
-            "the machine",
-            "while preparing the run",
-            &error,
-            "set COSIM_RUNTIME_DIR to a folder of yours in memory",
-        )
-    })?;
-    tracing::info!(prefix = run.info().prefix, folder = %run.info().folder.display(), "run created");
-    let opened = |error: &TransportError| {
-        machine("shared memory", "while preparing the run", error, "check /dev/shm")
-    };
-    let endpoint = Endpoint::open(run.info()).map_err(|e| opened(&e))?;
-    let doorbell = endpoint.doorbell(COORDINATOR).map_err(|e| opened(&e))?;
-    let links: Result<Vec<Link>, TransportError> = plan
-        .participants
-        .iter()
-        .map(|p| {
-            let commands = endpoint.command_sender(&p.role)?;
-            let replies = endpoint.reply_receiver(&p.role)?;
-            let ringer = endpoint.ringer(&p.role)?;
-            let name = (p.role.as_str(), p.program.name());
-            Ok(Link::new(name, p.attach, commands, replies, ringer))
-        })
-        .collect();
-    let links = links.map_err(|e| opened(&e))?;
-    let launches: Vec<Launch> = plan
-        .participants
-        .iter()
-        .filter(|p| !p.attach)
-        .map(|p| Launch { role: p.role.clone(), program: p.program.clone() })
-        .collect();
-    let supervisor = Supervisor::start(&launches, &run.info().folder).map_err(|(who, error)| {
-        machine(&who, "while starting", &error, "check the command of this participant")
-    })?;
-    for p in plan.participants.iter().filter(|p| p.attach) {
-        let folder = run.info().folder.display();
-        let program = p.program.command_line();
-        tracing::warn!("waiting for {0}: start `{program} --join {folder} --role {0}`", p.role);
-    }
-    Ok(Session {
-        supervisor,
-        taps: Vec::new(),
-        feedback: Vec::new(),
-        mapped: Vec::new(),
-        parts: Vec::new(),
-        solved: vec![SolveRecord::default(); links.len()],
-        links,
-        doorbell,
-        _endpoint: endpoint,
-        run,
-        deadlines: plan.deadlines,
-        phase: Phase::Starting,
-        computed_seconds: 0.0,
-        bytes_exchanged: 0,
-    })
+/// A place in a run, and who is to take it.
+#[derive(Clone, Debug)]
+pub(crate) struct Seat {
+    pub(crate) role: String,
+    pub(crate) program: Program,
+    /// Started by hand, and waited for.
+    pub(crate) attach: bool,
 }
 
 impl Session {
-    fn wait_for_joining(&mut self, plan: &Plan) -> Result<(), RunError> {
+    /// Makes a run and starts its participants; nobody has joined yet.
+    pub(crate) fn open(
+        seats: &[Seat],
+        deadlines: Deadlines,
+        recorder: Option<Arc<Recorder>>,
+    ) -> Result<Self, RunError> {
+        let roles: Vec<String> = seats.iter().map(|seat| seat.role.clone()).collect();
+        let run = RunDir::create(&roles).map_err(|error| {
+            machine(
+                "the machine",
+                "while preparing the run",
+                &error,
+                "set COSIM_RUNTIME_DIR to a folder of yours in memory",
+            )
+        })?;
+        let (prefix, folder) = (&run.info().prefix, run.info().folder.display());
+        tracing::info!(prefix, %folder, "run created");
+        let opened = |error: &TransportError| {
+            machine("shared memory", "while preparing the run", error, "check /dev/shm")
+        };
+        let endpoint = Endpoint::open(run.info()).map_err(|e| opened(&e))?;
+        let doorbell = endpoint.doorbell(COORDINATOR).map_err(|e| opened(&e))?;
+        let link = |seat: &Seat| {
+            let commands = endpoint.command_sender(&seat.role)?;
+            let replies = endpoint.reply_receiver(&seat.role)?;
+            let ringer = endpoint.ringer(&seat.role)?;
+            let name = (seat.role.as_str(), seat.program.name());
+            Ok(Link::new(name, seat.attach, commands, replies, ringer))
+        };
+        let links: Result<Vec<Link>, TransportError> = seats.iter().map(link).collect();
+        let links = links.map_err(|e| opened(&e))?;
+        let started = seats.iter().filter(|seat| !seat.attach);
+        let launch =
+            |seat: &Seat| Launch { role: seat.role.clone(), program: seat.program.clone() };
+        let launches: Vec<Launch> = started.map(launch).collect();
+        let supervisor =
+            Supervisor::start(&launches, &run.info().folder).map_err(|(who, error)| {
+                machine(&who, "while starting", &error, "check the command of this participant")
+            })?;
+        for seat in seats.iter().filter(|seat| seat.attach) {
+            let (role, program) = (&seat.role, seat.program.command_line());
+            let folder = run.info().folder.display();
+            tracing::warn!("waiting for {role}: start `{program} --join {folder} --role {role}`");
+        }
+        Ok(Self {
+            supervisor,
+            recorder,
+            taps: Vec::new(),
+            feedback: Vec::new(),
+            mapped: Vec::new(),
+            parts: Vec::new(),
+            solved: vec![SolveRecord::default(); links.len()],
+            links,
+            doorbell,
+            _endpoint: endpoint,
+            run,
+            deadlines,
+            phase: Phase::Starting,
+            computed_seconds: 0.0,
+            bytes_exchanged: 0,
+        })
+    }
+
+    /// Waits until everybody has joined.
+    pub(crate) fn wait_for_joining(&mut self) -> Result<(), RunError> {
         for one in 0..self.links.len() {
-            let patience = if plan.participants[one].attach {
+            let patience = if self.links[one].is_attached() {
                 self.deadlines.solve
             } else {
                 self.deadlines.start
@@ -201,7 +223,8 @@ impl Session {
     fn initialise(&mut self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
         let mut topics = Vec::new();
         for field in &plan.fields {
-            let topic = topic(plan, field, layouts);
+            let mut topic = topic(plan, field, layouts);
+            topic.subscribers += usize::from(self.recorder.is_some());
             self.open_tap(plan, field, &topic, layouts)?;
             self.open_outlets(plan, field, &topic.grid, layouts).map_err(|error| {
                 machine("shared memory", "while initialising", &error, "check /dev/shm")
@@ -226,6 +249,9 @@ impl Session {
             self.collect(one, &before, false)?;
         }
         self.wait_for_readers()?;
+        if let Some(recorder) = &self.recorder {
+            recorder.connect()?;
+        }
         self.make_mappings()?;
         self.parts = self.coupling_parts();
         (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))
@@ -241,6 +267,10 @@ impl Session {
         let reader = self._endpoint.field_reader(&topic.service).map_err(|error| {
             machine("shared memory", "while initialising", &error, "check /dev/shm")
         })?;
+        let listen = |recorder: &Arc<Recorder>| recorder.listen(&self._endpoint, &topic.service);
+        let recorded = self.recorder.as_ref().map(listen).transpose().map_err(|error| {
+            machine("shared memory", "while initialising", &error, "check /dev/shm")
+        })?;
         let direct = readers(field, layouts, &Hears::Producer);
         self.taps.push(Tap {
             kind: field.kind.clone(),
@@ -253,6 +283,7 @@ impl Session {
             reader,
             sample: None,
             checked: 0,
+            recorded,
         });
         Ok(())
     }
@@ -265,13 +296,13 @@ impl Session {
         source: &Grid,
         layouts: &[Layout],
     ) -> Result<(), TransportError> {
-        let (kind, tap) = (&field.kind, self.taps.len() - 1);
+        let (kind, tap, recorder) = (&field.kind, self.taps.len() - 1, self.recorder.as_ref());
         if !field.fed_back.is_empty() {
             let iterates = readers(field, layouts, &Hears::Iterates);
             let readers: Vec<Consumer> = iterates.map(|one| consumer(plan, field, one)).collect();
             let open = |subscribers| {
                 let service = Feedback::service(&kind.name);
-                Outlet::open(&self._endpoint, &service, (kind, source), subscribers)
+                Outlet::open(&self._endpoint, &service, (kind, source), subscribers, recorder)
             };
             let outlet = (!readers.is_empty()).then(|| open(readers.len())).transpose()?;
             self.feedback.push(Feedback::new(tap, readers, outlet));
@@ -279,7 +310,7 @@ impl Session {
         for &one in &field.consumers {
             let Hears::Mapped(grid) = hears(field, one, layouts) else { continue };
             let service = Mapped::service(&kind.name, &plan.participants[one].role);
-            let outlet = Outlet::open(&self._endpoint, &service, (kind, grid), 1)?;
+            let outlet = Outlet::open(&self._endpoint, &service, (kind, grid), 1, recorder)?;
             let part = field.fed_back.contains(&one).then(|| self.feedback.len() - 1);
             let (of, reader) = ((kind, grid), consumer(plan, field, one));
             self.mapped.push(Mapped::new((tap, part), of, field.method, reader, outlet));

@@ -31,6 +31,7 @@ impl Session {
         }
         for one in 0..self.links.len() {
             self.await_done(one, self.deadlines.solve)?;
+            self.record_state(one, folder)?;
         }
         Ok(names)
     }
@@ -46,6 +47,7 @@ impl Session {
                 path: folder.join(values_file(name)),
             };
             let outputs = sent.map(|tap| output(&tap.kind.name)).collect();
+            self.record_state(one, folder)?;
             let path = folder.join(state_file(self.links[one].role()));
             self.command_about(one, CommandKind::Restore, step, &StateFile { path, outputs })?;
         }
@@ -54,6 +56,12 @@ impl Session {
             self.collect(one, step, false)?;
         }
         self.send_iterate(iterate, step)
+    }
+
+    fn record_state(&self, one: usize, folder: &Path) -> Result<(), RunError> {
+        let Some(recorder) = &self.recorder else { return Ok(()) };
+        let role = self.links[one].role();
+        recorder.state(role, &folder.join(state_file(role)))
     }
 
     fn command_about(

@@ -3,6 +3,7 @@
 
 use super::{Phase, Session};
 use crate::error::{Failure, RunError};
+use crate::record::TopicNumber;
 use proto::field::{FieldKind, Mapping};
 use proto::grid::Grid;
 use proto::message::FieldHeader;
@@ -31,6 +32,7 @@ pub struct Tap {
     pub(super) reader: FieldReader,
     pub(super) sample: Option<FieldSample>,
     pub(super) checked: u64,
+    pub(super) recorded: Option<TopicNumber>,
 }
 
 impl Tap {
@@ -167,6 +169,9 @@ impl Session {
                 return Err(self.misbehaved(one, fault));
             }
             self.bytes_exchanged += std::mem::size_of_val(sample.values()) as u64;
+            if let (Some(recorder), Some(topic)) = (&self.recorder, tap.recorded) {
+                recorder.sample(topic, sample.header().sequence);
+            }
             self.taps[index].sample = Some(sample);
         }
         Ok(())

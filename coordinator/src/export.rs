@@ -1,0 +1,196 @@
+//! `coordinator export`: the fields of a recording for other tools.
+//!
+//! As VTK series, the same as a run writes, or as CSV: one file a topic and instant, with a row for
+//! each value. By default one instant a window, the accepted one; with every iteration, the instants
+//! are numbered in the order of the recording.
+
+use crate::error::{RunError, file_failure};
+use crate::inspect::{FileRecording, failed};
+use crate::results::vtk::{FieldWriter, Shown};
+use proto::field::{Body, FieldKind, Mapping};
+use proto::grid::Grid;
+use proto::message::{CommandKind, FieldHeader, Topics};
+use proto::model::Step;
+use proto::recording::{Event, Item};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// What is written, and where.
+#[derive(Clone, Debug, Default)]
+pub struct Target {
+    /// Folder for VTK series.
+    pub vtk: Option<PathBuf>,
+    /// Folder for CSV.
+    pub csv: Option<PathBuf>,
+    /// Every iteration, and not only what was accepted.
+    pub every_iteration: bool,
+}
+
+/// The newest sample of a topic.
+struct Newest {
+    kind: FieldKind,
+    producer: String,
+    values: Vec<f64>,
+    /// Not written yet.
+    fresh: bool,
+}
+
+/// Writes what is asked for; how many instants there were.
+///
+/// # Errors
+/// The recording is damaged, or a file cannot be written.
+pub fn export(
+    path: &Path,
+    recording: &mut FileRecording,
+    target: &Target,
+) -> Result<u64, RunError> {
+    let mut export = Export {
+        target,
+        vtk: target.vtk.as_ref().map(|folder| FieldWriter::new(folder.clone())),
+        grids: BTreeMap::new(),
+        newest: BTreeMap::new(),
+        step: None,
+        instants: 0,
+    };
+    while let Some(entry) = recording.read().map_err(|error| failed(path, &error))? {
+        match entry.item {
+            Item::Event(event) => export.event(&event)?,
+            Item::Sample { service, header, values } => export.sample(service, &header, values),
+            Item::State { .. } => {}
+        }
+    }
+    export.write_window()?;
+    Ok(export.instants)
+}
+
+struct Export<'a> {
+    target: &'a Target,
+    vtk: Option<FieldWriter>,
+    /// The grid of each topic.
+    grids: BTreeMap<String, Grid>,
+    newest: BTreeMap<String, Newest>,
+    /// The last that somebody was asked to solve.
+    step: Option<Step>,
+    instants: u64,
+}
+
+impl Export<'_> {
+    fn event(&mut self, event: &Event) -> Result<(), RunError> {
+        let Event::Command { command, body, .. } = event else {
+            return match event {
+                Event::Iteration(iteration) if self.target.every_iteration => {
+                    self.write(self.instants, iteration.end)
+                }
+                _ => Ok(()),
+            };
+        };
+        match CommandKind::from_number(command.kind) {
+            Some(CommandKind::Initialise) => {
+                if let Ok(topics) = serde_json::from_slice::<Topics>(body) {
+                    for topic in topics.inputs.into_iter().chain(topics.outputs) {
+                        self.grids.insert(topic.service, topic.grid);
+                    }
+                }
+            }
+            Some(CommandKind::Solve) => {
+                if self.step.is_some_and(|step| step.window != command.window) {
+                    self.write_window()?;
+                }
+                self.step = Some(command.step());
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Writes the window that is over.
+    fn write_window(&mut self) -> Result<(), RunError> {
+        match self.step {
+            Some(step) if !self.target.every_iteration => self.write(step.window, step.end),
+            Some(step) => self.write(self.instants, step.end),
+            None => Ok(()),
+        }
+    }
+
+    fn sample(&mut self, service: &str, header: &FieldHeader, values: &[f64]) {
+        let newest = self.newest.entry(service.to_owned()).or_insert_with(|| Newest {
+            kind: kind(header),
+            producer: header.producer.as_str().to_owned(),
+            values: Vec::new(),
+            fresh: false,
+        });
+        newest.values.clear();
+        newest.values.extend_from_slice(values);
+        newest.fresh = true;
+    }
+
+    fn write(&mut self, number: u64, time: f64) -> Result<(), RunError> {
+        let fresh = self.newest.iter().filter(|(_, newest)| newest.fresh);
+        let shown: Vec<(&str, Shown)> = fresh
+            .filter_map(|(service, newest)| {
+                let Newest { kind, producer, values, .. } = newest;
+                let grid = self.grids.get(service)?;
+                Some((service.as_str(), Shown { producer, grid, kind, values }))
+            })
+            .collect();
+        if shown.is_empty() {
+            return Ok(());
+        }
+        if let Some(vtk) = &mut self.vtk {
+            let fields: Vec<Shown> = shown.iter().map(|(_, shown)| *shown).collect();
+            vtk.write_fields(&fields, number, time)?;
+        }
+        if let Some(folder) = &self.target.csv {
+            for (service, shown) in &shown {
+                write_csv(folder, service, shown, number)?;
+            }
+        }
+        self.newest.values_mut().for_each(|newest| newest.fresh = false);
+        self.instants += 1;
+        Ok(())
+    }
+}
+
+/// The kind of a field as its label tells it; what the label does not say is of no matter here.
+fn kind(header: &FieldHeader) -> FieldKind {
+    let name = header.name.as_str();
+    proto::field::find(name).map(proto::field::FieldSpec::kind).unwrap_or_else(|| FieldKind {
+        name: name.to_owned(),
+        unit: header.unit.as_str().to_owned(),
+        components: header.components,
+        mapping: Mapping::Consistent,
+        body: Body::Interface,
+        meaning: String::new(),
+    })
+}
+
+/// One row a point: index, place, and the components.
+fn write_csv(folder: &Path, service: &str, shown: &Shown, number: u64) -> Result<(), RunError> {
+    std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
+    let name = service.trim_start_matches("field/").replace('/', "_");
+    let path = folder.join(format!("{name}_{number:06}.csv"));
+    let written = File::create(&path).map(BufWriter::new).and_then(|mut out| {
+        let Shown { grid, kind, values, .. } = shown;
+        write!(out, "index,x [m],y [m],z [m]")?;
+        for component in 0..kind.components {
+            match kind.components {
+                1 => write!(out, ",{} [{}]", kind.name, kind.unit)?,
+                _ => write!(out, ",{}_{component} [{}]", kind.name, kind.unit)?,
+            }
+        }
+        writeln!(out)?;
+        let points = values.len() / kind.components.max(1) as usize;
+        for point in 0..points {
+            let [x, y, z] = grid.centre(point);
+            write!(out, "{point},{x:e},{y:e},{z:e}")?;
+            for component in 0..kind.components as usize {
+                write!(out, ",{:e}", values[component * points + point])?;
+            }
+            writeln!(out)?;
+        }
+        out.flush()
+    });
+    written.map_err(|error| file_failure(&path, &error))
+}

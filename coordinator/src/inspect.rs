@@ -1,0 +1,48 @@
+//! `coordinator inspect`: what a recording holds, in one pass over the file.
+
+mod range;
+mod show;
+mod survey;
+
+pub use range::Range;
+pub use show::{details_text, text};
+pub use survey::{Details, FieldSurvey, IterationSurvey, SampleSurvey, Survey, Wanted, survey};
+
+use crate::error::{Failure, RunError, file_failure};
+use proto::recording::{Recording, RecordingError};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+/// A recording in a file.
+pub type FileRecording = Recording<BufReader<File>>;
+
+/// Opens a recording.
+///
+/// # Errors
+/// There is no such file, or it is no recording.
+pub fn open(path: &Path) -> Result<FileRecording, RunError> {
+    let file = File::open(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => RunError::Usage(format!(
+            "there is no recording {}; `coordinator run CASE --record` writes one",
+            path.display()
+        )),
+        _ => file_failure(path, &error),
+    })?;
+    Recording::open(BufReader::with_capacity(1 << 20, file)).map_err(|error| failed(path, &error))
+}
+
+/// The error for a recording that cannot be read on.
+#[must_use]
+pub fn failed(path: &Path, error: &RecordingError) -> RunError {
+    let fix = match error {
+        RecordingError::Format { .. } => "read it with the version that wrote it",
+        _ => "what stands before this place can be read with --until",
+    };
+    RunError::Failed(Failure {
+        who: "the recording".to_owned(),
+        when: format!("at {}", path.display()),
+        what: error.to_string(),
+        fix: fix.to_owned(),
+    })
+}

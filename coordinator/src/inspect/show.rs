@@ -1,0 +1,180 @@
+//! A survey as a person reads it.
+
+use super::{Details, FieldSurvey, Range, Survey};
+use crate::plan::show::{bytes, seconds};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The whole recording on a page.
+#[must_use]
+pub fn text(survey: &Survey, path: &Path) -> String {
+    let mut out = format!("{} · {}\n", survey.case, path.display());
+    let state = if survey.complete { "complete" } else { "CUT: it ends in the middle" };
+    let _ = writeln!(
+        out,
+        "  recording     {}, {state}, {} of run time, by {}",
+        bytes(survey.bytes),
+        seconds(survey.duration_s),
+        survey.writer
+    );
+    match &survey.error {
+        Some(error) => {
+            let _ = writeln!(out, "  the run       FAILED: {error}");
+        }
+        None if survey.complete => out += "  the run       ended well\n",
+        None => {}
+    }
+    participants(&mut out, survey);
+    coupling(&mut out, survey);
+    if !survey.fields.is_empty() {
+        fields(&mut out, &survey.fields);
+    }
+    out
+}
+
+fn participants(out: &mut String, survey: &Survey) {
+    for (n, one) in survey.participants.iter().enumerate() {
+        let title = if n == 0 { "participants" } else { "" };
+        let states = match one.states {
+            0 => String::new(),
+            n => format!(", {n} state(s)"),
+        };
+        let model = if one.model.is_empty() { "?" } else { &one.model };
+        let _ = writeln!(
+            out,
+            "  {title:13} {:10} {model:14} {} solve(s) in {}{states}, by {}",
+            one.role,
+            one.solves,
+            seconds(one.model_s),
+            one.program
+        );
+    }
+}
+
+fn coupling(out: &mut String, survey: &Survey) {
+    let acceleration = match survey.acceleration.as_str() {
+        "none" => String::new(),
+        word => format!(", {word}"),
+    };
+    let repeated = match survey.repeated_windows {
+        0 => String::new(),
+        n => format!(", {n} solved again"),
+    };
+    let _ = writeln!(
+        out,
+        "  coupling      {}{acceleration}: {} window(s){repeated} up to {} s, {} iteration(s), at \
+         most {} in a window, {} beside the models",
+        survey.scheme,
+        survey.windows,
+        survey.end_s,
+        survey.iterations,
+        survey.max_iterations_in_window,
+        seconds(survey.coupling_s)
+    );
+    for (field, residual) in &survey.final_residuals {
+        let _ = writeln!(out, "  residual      {field} {residual:.3e} in the last iteration");
+    }
+    if let Some(imbalance) = survey.energy_imbalance {
+        let _ =
+            writeln!(out, "  energy        sent and received differ by at most {imbalance:.1e}");
+    }
+}
+
+fn fields(out: &mut String, fields: &[FieldSurvey]) {
+    let short = |field: &FieldSurvey| field.topic.trim_start_matches("field/").to_owned();
+    let wide = fields.iter().map(|f| short(f).len()).max().unwrap_or(0).max(5);
+    let _ = writeln!(
+        out,
+        "\n  {:wide$} {:>6} {:>9} {:>8} {:>10} {:>12} {:>12} {:>12}",
+        "field", "unit", "values", "samples", "bytes", "min", "mean", "max"
+    );
+    for field in fields {
+        let Range { min, max, mean, first_non_finite } = field.range;
+        let _ = writeln!(
+            out,
+            "  {:wide$} {:>6} {:>9} {:>8} {:>10} {} {} {}",
+            short(field),
+            field.unit,
+            field.values,
+            field.samples,
+            bytes(field.bytes),
+            number(min),
+            number(mean),
+            number(max)
+        );
+        if let (Some(index), Some((window, iteration))) = (first_non_finite, field.non_finite_at) {
+            let _ = writeln!(
+                out,
+                "  {:wide$} NOT FINITE: index {index} in window {window}, iteration {iteration}",
+                ""
+            );
+        }
+    }
+}
+
+/// Iterations and samples one by one.
+#[must_use]
+pub fn details_text(details: &Details, fields_only: bool) -> String {
+    let mut out = String::new();
+    if !fields_only && !details.iterations.is_empty() {
+        let _ = writeln!(
+            out,
+            "\n  {:>7} {:>9} {:>12} {:>10} {:>7} {:>11} {:>14} {:>14}",
+            "window",
+            "iteration",
+            "residual",
+            "relaxation",
+            "columns",
+            "beside",
+            "sent [W]",
+            "received [W]"
+        );
+        for one in &details.iterations {
+            let columns = one.columns.map_or_else(|| "-".to_owned(), |n| n.to_string());
+            let relaxation = one.relaxation.map_or_else(|| "-".to_owned(), |w| format!("{w:.4}"));
+            let _ = writeln!(
+                out,
+                "  {:>7} {:>9} {} {relaxation:>10} {columns:>7} {:>11} {:>14} {:>14}",
+                one.window,
+                one.iteration,
+                number(one.residual),
+                seconds(one.coupling_seconds),
+                number(one.heat_sent),
+                number(one.heat_received)
+            );
+        }
+    }
+    if details.samples.is_empty() {
+        out += "\n  no sample like that is in the recording\n";
+        return out;
+    }
+    let wide = details.samples.iter().map(|s| s.topic.len()).max().unwrap_or(0).max(5);
+    let _ = writeln!(
+        out,
+        "\n  {:wide$} {:>7} {:>9} {:>8} {:>12} {:>12} {:>12} {:>12}",
+        "topic", "window", "iteration", "sample", "at [s]", "min", "mean", "max"
+    );
+    for one in &details.samples {
+        let bad = one
+            .range
+            .first_non_finite
+            .map_or_else(String::new, |index| format!("  NOT FINITE at index {index}"));
+        let _ = writeln!(
+            out,
+            "  {:wide$} {:>7} {:>9} {:>8} {:>12.6} {} {} {}{bad}",
+            one.topic,
+            one.window,
+            one.iteration,
+            one.sequence,
+            one.at_s,
+            number(one.range.min),
+            number(one.range.mean),
+            number(one.range.max)
+        );
+    }
+    out
+}
+
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(|| format!("{:>12}", "-"), |value| format!("{value:>12.4e}"))
+}

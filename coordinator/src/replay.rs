@@ -1,0 +1,166 @@
+//! `coordinator replay`: one participant, driven through exactly what was recorded, without the
+//! others.
+//!
+//! The participant is asked what it was asked, in the same order, with the same inputs: every
+//! iteration of every window, what was accepted, saved and restored. Everything it sends is compared
+//! with what was sent then. It may be the program of the recorded run, another build of it, or any
+//! other that plays the role; its partners need not be on the machine.
+//!
+//! Samples are numbered anew, so that a replay may begin in the middle ([`Request::from`]): at the
+//! last state of the participant that the recording holds before.
+
+mod compare;
+mod drive;
+mod feed;
+mod show;
+mod walk;
+
+pub use compare::{Comparison, Difference, Growth, StepDifference};
+pub use show::{difference, text};
+
+use crate::error::RunError;
+use crate::inspect;
+use crate::programs::Program;
+use crate::session::{Deadlines, Seat, Session};
+use drive::Driver;
+use proto::recording::{Item, Participant};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// What is to be replayed.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The recording.
+    pub recording: PathBuf,
+    /// Role of the participant that is driven.
+    pub only: String,
+    /// The program to drive; by default that of the role.
+    pub program: Option<Program>,
+    /// It is started by hand, and nothing has a deadline.
+    pub serve: bool,
+    /// Largest difference that passes, relative to the largest value of the sample; `None` for
+    /// none, to the bit.
+    pub tolerance: Option<f64>,
+    /// The first window to be solved; earlier ones are skipped as far as a state allows.
+    pub from: Option<u64>,
+    /// The last window to be solved.
+    pub until: Option<u64>,
+    /// Values of the recorded configuration to change: dotted key and SI value.
+    pub set: Vec<(String, serde_json::Value)>,
+    /// Ask before every command.
+    pub step: bool,
+}
+
+/// How a replay went.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Replay {
+    /// Role that was driven.
+    pub role: String,
+    /// Program and version that was driven.
+    pub program: String,
+    /// Program and version that was recorded.
+    pub recorded_program: String,
+    /// Solves asked for.
+    pub solves: u64,
+    /// First window that was solved, if not 0.
+    pub from_window: u64,
+    /// What was compared, and how it differs.
+    pub comparison: Comparison,
+    /// Remarks, one line each.
+    pub remarks: Vec<String>,
+    /// Seconds in the model, as recorded, of the solves that were replayed.
+    pub recorded_model_s: f64,
+    /// Seconds in the model now.
+    pub model_s: f64,
+    /// Seconds of the whole replay.
+    pub wall_s: f64,
+    /// The recording is cut, and the replay with it.
+    pub cut: bool,
+}
+
+/// Drives the participant.
+///
+/// # Errors
+/// The recording cannot be read, has no such role, or the participant fails otherwise than it did
+/// then. A difference is no error here: see [`Replay::comparison`].
+pub fn replay(request: &Request) -> Result<Replay, RunError> {
+    let begun = Instant::now();
+    let path = &request.recording;
+    let from = match request.from {
+        Some(window) if window > 0 => last_state_before(path, &request.only, window)?,
+        _ => None,
+    };
+    let mut recording = inspect::open(path)?;
+    let index = participant(path, &recording.head().participants, &request.only)?;
+    let recorded = recording.head().participants[index].clone();
+    let program = match &request.program {
+        Some(program) => program.clone(),
+        None => Program::of_role(&request.only, None),
+    };
+    let seat = Seat { role: request.only.clone(), program, attach: request.serve };
+    let deadlines = if request.serve { NO_DEADLINES } else { DEADLINES };
+    let mut session = Session::open(&[seat], deadlines, None)?;
+    session.wait_for_joining()?;
+    let mut driver = Driver::new(request, index, &recorded, &mut session, from)?;
+    driver.attach_files(&recording)?;
+    while let Some(entry) = recording.read().map_err(|error| inspect::failed(path, &error))? {
+        if !driver.entry(entry.item)? {
+            break;
+        }
+    }
+    let mut replay = driver.finish()?;
+    replay.cut = matches!(recording.end(), proto::recording::End::Cut(_));
+    replay.wall_s = begun.elapsed().as_secs_f64();
+    Ok(replay)
+}
+
+/// Waits of a replay.
+const DEADLINES: Deadlines = Deadlines {
+    start: Duration::from_secs(30),
+    solve: Duration::from_secs(3600),
+    heartbeat: Duration::from_secs(10),
+};
+
+/// A debugger may hold the participant for as long as it likes.
+const NO_DEADLINES: Deadlines = Deadlines {
+    start: Duration::from_secs(365 * 86_400),
+    solve: Duration::from_secs(365 * 86_400),
+    heartbeat: Duration::from_secs(365 * 86_400),
+};
+
+fn participant(path: &Path, all: &[Participant], role: &str) -> Result<usize, RunError> {
+    all.iter().position(|p| p.role == role).ok_or_else(|| {
+        let roles: Vec<&str> = all.iter().map(|p| p.role.as_str()).collect();
+        RunError::Usage(format!(
+            "nobody in {} plays `{role}`; give --only one of: {}",
+            path.display(),
+            roles.join(", ")
+        ))
+    })
+}
+
+/// How many states of the role come up to the last one with which `window` can still be solved.
+fn last_state_before(path: &Path, role: &str, window: u64) -> Result<Option<u64>, RunError> {
+    let mut recording = inspect::open(path)?;
+    let index = participant(path, &recording.head().participants, role)?;
+    let (mut states, mut last, mut saving) = (0, None, None);
+    while let Some(entry) = recording.read().map_err(|error| inspect::failed(path, &error))? {
+        match entry.item {
+            Item::State { role: whose, .. } if whose == role => {
+                states += 1;
+                if saving.is_some_and(|after: u64| after < window) {
+                    last = Some(states);
+                }
+            }
+            Item::Event(proto::recording::Event::Command { participant, command, .. })
+                if usize::from(participant) == index =>
+            {
+                let saves = command.kind == proto::message::CommandKind::Save as u32;
+                saving = saves.then_some(command.window);
+            }
+            _ => {}
+        }
+    }
+    Ok(last)
+}

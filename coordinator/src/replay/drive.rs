@@ -1,0 +1,486 @@
+//! From one recorded event to the next.
+
+use super::feed::Feed;
+use super::walk::{Answer, Walk, tell};
+use super::{Replay, Request};
+use crate::error::{Failure, RunError, file_failure};
+use crate::inspect::FileRecording;
+use crate::session::Session;
+use proto::configuration::{Layout, Refusal};
+use proto::description::Description;
+use proto::message::{
+    Command, CommandKind, Failure as Unsuccessful, FieldHeader, Finished, OBSERVE, OutputFile,
+    Reply, StateFile, Status, Topic, Topics,
+};
+use proto::model::Step;
+use proto::recording::{CaseFile, Event, Item, Participant};
+use proto::transport::{FieldReader, TransportError};
+use serde_json::Value;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// One output of the participant.
+#[derive(Debug)]
+struct Output {
+    topic: Topic,
+    reader: FieldReader,
+    /// Published in every iteration; otherwise only when a window is observed.
+    exchanged: bool,
+    /// As recorded last.
+    recorded: Option<(FieldHeader, Vec<f64>)>,
+    /// Recorded since the last restore was held back.
+    restored: bool,
+}
+
+/// What the recording says next is not what the participant has just done.
+#[derive(Clone, Debug, PartialEq)]
+enum Done {
+    Nothing,
+    Answered(Vec<u8>),
+    Failed(String),
+}
+
+/// Drives one participant.
+pub(super) struct Driver<'a> {
+    request: &'a Request,
+    index: usize,
+    session: &'a mut Session,
+    replay: Replay,
+    folder: PathBuf,
+    files: Vec<CaseFile>,
+    feed: Feed,
+    outputs: Vec<Output>,
+    walk: Walk,
+    done: Done,
+    /// States to pass before the first solve; `None` once there.
+    skipping: Option<u64>,
+    /// State that was recorded last.
+    state: Vec<u8>,
+    /// A restore whose outputs are still to come.
+    held: Option<Command>,
+    /// The last command that concerned a step.
+    step: Step,
+    solving: bool,
+    finished: bool,
+}
+
+impl<'a> Driver<'a> {
+    pub(super) fn new(
+        request: &'a Request,
+        index: usize,
+        recorded: &Participant,
+        session: &'a mut Session,
+        from: Option<u64>,
+    ) -> Result<Self, RunError> {
+        let folder = session.folder().join("replay");
+        std::fs::create_dir(&folder).map_err(|error| file_failure(&folder, &error))?;
+        let mut replay = Replay {
+            role: request.only.clone(),
+            recorded_program: program(&recorded.description),
+            ..Replay::default()
+        };
+        if let (Some(window), None) = (request.from.filter(|w| *w > 0), from) {
+            replay.remarks.push(format!(
+                "the recording holds no state before window {window}: all windows before are \
+                 solved too (output.checkpoint_every records states)"
+            ));
+        }
+        let walk = Walk::new(request.step);
+        Ok(Self {
+            request,
+            index,
+            session,
+            replay,
+            folder,
+            files: Vec::new(),
+            feed: Feed::default(),
+            outputs: Vec::new(),
+            walk,
+            done: Done::Nothing,
+            skipping: from,
+            state: Vec::new(),
+            held: None,
+            step: Step { iteration: 0, ..Step::STEADY },
+            solving: false,
+            finished: false,
+        })
+    }
+
+    /// Puts the files that the case names where the participant can read them.
+    pub(super) fn attach_files(&mut self, recording: &FileRecording) -> Result<(), RunError> {
+        self.files.clone_from(&recording.head().files);
+        for (number, file) in self.files.iter_mut().enumerate() {
+            let content = recording.attachment(&file.attachment).unwrap_or_default();
+            let path = self.folder.join(format!("file-{number}"));
+            std::fs::write(&path, content).map_err(|error| file_failure(&path, &error))?;
+            file.key = path.to_string_lossy().into_owned();
+        }
+        Ok(())
+    }
+
+    /// Does what an entry asks for; false when there is nothing more to do.
+    pub(super) fn entry(&mut self, item: Item<'_>) -> Result<bool, RunError> {
+        match item {
+            Item::Event(Event::Command { participant, command, body })
+                if usize::from(participant) == self.index =>
+            {
+                return self.command(command, &body);
+            }
+            Item::Event(Event::Reply { participant, reply, body })
+                if usize::from(participant) == self.index =>
+            {
+                self.reply(&reply, &body)?;
+            }
+            Item::Event(_) => {}
+            Item::Sample { service, header, values } => self.sample(service, &header, values)?,
+            Item::State { role, bytes } if role == self.request.only => {
+                self.recorded_state(bytes)?;
+            }
+            Item::State { .. } => {}
+        }
+        Ok(true)
+    }
+
+    /// Everything has been driven: lets the participant go.
+    pub(super) fn finish(mut self) -> Result<Replay, RunError> {
+        if !self.finished {
+            let finish = Command::new(CommandKind::Finish);
+            self.ask(finish, &[])?;
+        }
+        self.session.wait_for_exits();
+        Ok(self.replay)
+    }
+
+    fn command(&mut self, mut command: Command, body: &[u8]) -> Result<bool, RunError> {
+        let Some(kind) = CommandKind::from_number(command.kind) else { return Ok(true) };
+        let about_steps = matches!(
+            kind,
+            CommandKind::Solve | CommandKind::Accept | CommandKind::Save | CommandKind::Restore
+        );
+        if about_steps {
+            if kind == CommandKind::Solve
+                && self.request.until.is_some_and(|until| command.window > until)
+            {
+                return Ok(false);
+            }
+            self.step = command.step();
+            if self.skipping.is_some() && kind != CommandKind::Restore {
+                return Ok(true);
+            }
+        }
+        if self.walk.ask(&self.request.only, &command)? == Answer::Stop {
+            return Ok(false);
+        }
+        match kind {
+            CommandKind::Describe => self.ask(command, &[])?,
+            CommandKind::Configure => {
+                let body = self.configuration(body)?;
+                self.ask(command, &body)?;
+            }
+            CommandKind::Initialise => self.initialise(command, body)?,
+            CommandKind::Solve => {
+                let published = self.feed.publish(&mut command);
+                published.map_err(|error| self.transport(&error))?;
+                self.solving = true;
+                self.replay.solves += 1;
+                self.ask(command, &[])?;
+            }
+            CommandKind::Accept if command.flags & OBSERVE == 0 => {
+                self.session.post(0, command, &[], false)?;
+            }
+            CommandKind::Accept => self.ask(command, &[])?,
+            CommandKind::Save => {
+                let path = self.folder.join("saved.state");
+                self.ask(command, &state_file(path, Vec::new()))?;
+            }
+            CommandKind::Restore => {
+                self.outputs.iter_mut().for_each(|output| output.restored = false);
+                self.held = Some(command);
+            }
+            CommandKind::Finish => {
+                self.finished = true;
+                self.ask(command, &[])?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Sends a command and keeps what comes back until the recording says what came then.
+    fn ask(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
+        self.session.about(&command);
+        self.session.post(0, command, body, true)?;
+        let message = self.session.await_reply(0, self.session.deadlines().solve)?;
+        let (reply, body) = (message.header(), message.body());
+        self.done = match Status::from_number(reply.status) {
+            Some(Status::Done) => {
+                if self.solving {
+                    self.replay.model_s += reply.model_seconds;
+                }
+                Done::Answered(body.to_vec())
+            }
+            _ => Done::Failed(words(body)),
+        };
+        Ok(())
+    }
+
+    fn reply(&mut self, reply: &Reply, body: &[u8]) -> Result<(), RunError> {
+        if std::mem::take(&mut self.solving) && reply.model_seconds.is_finite() {
+            self.replay.recorded_model_s += reply.model_seconds;
+        }
+        let done = std::mem::replace(&mut self.done, Done::Nothing);
+        let failed_then = reply.status != Status::Done as u32;
+        match done {
+            Done::Nothing => Ok(()),
+            Done::Answered(_) if failed_then => {
+                let what = format!("it succeeds; recorded was a failure: {}", words(body));
+                self.replay.comparison.other(&self.step, &what);
+                Ok(())
+            }
+            Done::Failed(now) if failed_then => {
+                self.replay.remarks.push(format!("it fails as recorded: {now}"));
+                Ok(())
+            }
+            Done::Failed(now) => Err(RunError::Failed(Failure {
+                who: self.request.only.clone(),
+                when: format!(
+                    "in window {}, iteration {} of the replay",
+                    self.step.window, self.step.iteration
+                ),
+                what: now,
+                fix: "it did not fail when it was recorded".to_owned(),
+            })),
+            Done::Answered(now) => {
+                self.answered(&now, body);
+                Ok(())
+            }
+        }
+    }
+
+    /// Descriptions, layouts and summaries side by side.
+    fn answered(&mut self, now: &[u8], then: &[u8]) {
+        if let Ok(description) = serde_json::from_slice::<Description>(now) {
+            self.replay.program = program(&description);
+        } else if let (Ok(now), Ok(then)) =
+            (serde_json::from_slice::<Layout>(now), serde_json::from_slice::<Layout>(then))
+        {
+            if (&now.grids, &now.fields, &now.inputs) != (&then.grids, &then.fields, &then.inputs) {
+                let what = "its grids, or where its fields live, are not the recorded ones";
+                self.replay.comparison.other.get_or_insert(what.to_owned());
+            }
+        } else if let (Ok(now), Ok(then)) =
+            (serde_json::from_slice::<Finished>(now), serde_json::from_slice::<Finished>(then))
+            && self.request.tolerance.is_none()
+            && now.summary != then.summary
+        {
+            let what = match first_unequal(&now.summary, &then.summary, String::new()) {
+                Some((key, a, b)) => format!("its summary: {key} is {a}, recorded {b}"),
+                None => "its summary".to_owned(),
+            };
+            self.replay.comparison.other.get_or_insert(what);
+        }
+    }
+
+    fn initialise(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
+        let mut topics: Topics = serde_json::from_slice(body)
+            .map_err(|error| self.damaged(&format!("its topics: {error}")))?;
+        let endpoint = self.session.endpoint();
+        self.feed = Feed::open(endpoint, &topics.inputs).map_err(|e| self.transport(&e))?;
+        let mut outputs = Vec::new();
+        for topic in &mut topics.outputs {
+            topic.subscribers = 1;
+            let reader = endpoint.field_reader(&topic.service).map_err(|e| self.transport(&e))?;
+            let topic = topic.clone();
+            let (exchanged, recorded, restored) = (false, None, false);
+            outputs.push(Output { topic, reader, exchanged, recorded, restored });
+        }
+        self.outputs = outputs;
+        let body = serde_json::to_vec(&topics).expect("topics are plain data");
+        self.ask(command, &body)?;
+        let deadline = Instant::now() + self.session.deadlines().start;
+        self.feed.wait_for_subscriber(deadline).map_err(|e| self.transport(&e))
+    }
+
+    /// A recorded sample: an input to come, or an output to compare with.
+    fn sample(
+        &mut self,
+        service: &str,
+        header: &FieldHeader,
+        values: &[f64],
+    ) -> Result<(), RunError> {
+        self.feed.take(service, header, values);
+        let Some(at) = self.outputs.iter().position(|o| o.topic.service == service) else {
+            return Ok(());
+        };
+        let output = &mut self.outputs[at];
+        // What comes before any solve is sent in each iteration thereafter.
+        output.exchanged |= header.iteration == 0;
+        output.restored = true;
+        let kept = output.recorded.take().map(|(_, values)| values).unwrap_or_default();
+        output.recorded = Some((*header, refilled(kept, values)));
+        if self.held.is_some() {
+            if self.outputs.iter().all(|output| output.restored || !output.exchanged) {
+                self.restore()?;
+            }
+            return Ok(());
+        }
+        if self.skipping.is_some() && header.iteration > 0 {
+            return Ok(());
+        }
+        self.compare(at)
+    }
+
+    /// The next sample of an output against the recorded one.
+    fn compare(&mut self, at: usize) -> Result<(), RunError> {
+        let received = self.outputs[at].reader.receive().map_err(|e| self.transport(&e))?;
+        let output = &self.outputs[at];
+        let Some((header, then)) = &output.recorded else { return Ok(()) };
+        match received {
+            Some(sample) => {
+                let tolerance = self.request.tolerance;
+                self.replay.comparison.sample((header, then), sample.values(), tolerance);
+                if self.request.step
+                    && let Some(first) = &self.replay.comparison.first
+                    && self.replay.comparison.different_samples == 1
+                {
+                    tell(&super::show::difference(first));
+                }
+            }
+            None => {
+                let what = format!("it did not send `{}`", output.topic.field);
+                self.replay.comparison.other(&self.step, &what);
+            }
+        }
+        Ok(())
+    }
+
+    /// A state of the participant stands in the recording: after a save, or before a restore.
+    fn recorded_state(&mut self, bytes: &[u8]) -> Result<(), RunError> {
+        self.state = refilled_bytes(std::mem::take(&mut self.state), bytes);
+        match &mut self.skipping {
+            Some(left) if *left > 1 => *left -= 1,
+            Some(_) => {
+                self.skipping = None;
+                self.replay.from_window = self.step.window + 1;
+                self.held = Some(Command::about(CommandKind::Restore, &self.step));
+                self.restore()?;
+            }
+            None => {}
+        }
+        Ok(())
+    }
+
+    /// Gives the participant its recorded state, and what it had sent last.
+    fn restore(&mut self) -> Result<(), RunError> {
+        let Some(command) = self.held.take() else { return Ok(()) };
+        let path = self.folder.join("recorded.state");
+        std::fs::write(&path, &self.state).map_err(|error| file_failure(&path, &error))?;
+        let mut files = Vec::new();
+        for output in self.outputs.iter().filter(|output| output.exchanged) {
+            let Some((_, values)) = &output.recorded else { continue };
+            let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+            let path = self.folder.join(format!("{}.values", output.topic.field));
+            std::fs::write(&path, bytes).map_err(|error| file_failure(&path, &error))?;
+            files.push(OutputFile { field: output.topic.field.clone(), path });
+        }
+        self.ask(command, &state_file(path, files))?;
+        if let Done::Failed(why) = std::mem::replace(&mut self.done, Done::Nothing) {
+            return Err(self.damaged(&format!("its state cannot be restored: {why}")));
+        }
+        let sent: Vec<usize> =
+            (0..self.outputs.len()).filter(|&n| self.outputs[n].exchanged).collect();
+        sent.into_iter().try_for_each(|at| self.compare(at))
+    }
+
+    /// The recorded configuration with the paths of the files on this machine, and what is to be
+    /// changed.
+    fn configuration(&self, body: &[u8]) -> Result<Vec<u8>, RunError> {
+        if self.files.is_empty() && self.request.set.is_empty() {
+            return Ok(body.to_vec());
+        }
+        let mut configuration: Value = serde_json::from_slice(body)
+            .map_err(|error| self.damaged(&format!("its configuration: {error}")))?;
+        replace_texts(&mut configuration, &self.files);
+        for (key, value) in &self.request.set {
+            let pointer = format!("/case/{}", key.replace('.', "/"));
+            let Some(found) = configuration.pointer_mut(&pointer) else {
+                let role = &self.request.only;
+                return Err(RunError::Usage(format!("{role} was not told any `{key}`")));
+            };
+            found.clone_from(value);
+        }
+        Ok(serde_json::to_vec(&configuration).expect("it was JSON before"))
+    }
+
+    fn transport(&self, error: &TransportError) -> RunError {
+        self.damaged(&error.to_string())
+    }
+
+    fn damaged(&self, what: &str) -> RunError {
+        RunError::Failed(Failure {
+            who: self.request.only.clone(),
+            when: "in a replay".to_owned(),
+            what: what.to_owned(),
+            fix: "see what it wrote; `coordinator inspect` shows what the recording holds"
+                .to_owned(),
+        })
+    }
+}
+
+/// Replaces the names of attachments by paths, wherever they stand.
+fn replace_texts(tree: &mut Value, files: &[CaseFile]) {
+    match tree {
+        Value::String(text) => {
+            if let Some(file) = files.iter().find(|file| file.attachment == *text) {
+                text.clone_from(&file.key);
+            }
+        }
+        Value::Object(table) => table.values_mut().for_each(|value| replace_texts(value, files)),
+        Value::Array(list) => list.iter_mut().for_each(|value| replace_texts(value, files)),
+        _ => {}
+    }
+}
+
+fn state_file(path: PathBuf, outputs: Vec<OutputFile>) -> Vec<u8> {
+    serde_json::to_vec(&StateFile { path, outputs }).expect("paths of a run are UTF-8")
+}
+
+/// What a failed or refusing reply says.
+fn words(body: &[u8]) -> String {
+    let refusal = serde_json::from_slice::<Refusal>(body).map(|refusal| refusal.to_string());
+    let failure = || serde_json::from_slice::<Unsuccessful>(body).map(|failure| failure.error);
+    refusal.or_else(|_| failure()).unwrap_or_else(|_| "no reason given".to_owned())
+}
+
+fn program(description: &Description) -> String {
+    format!("{} {}", description.name, description.version)
+}
+
+fn refilled(mut kept: Vec<f64>, values: &[f64]) -> Vec<f64> {
+    kept.clear();
+    kept.extend_from_slice(values);
+    kept
+}
+
+fn refilled_bytes(mut kept: Vec<u8>, bytes: &[u8]) -> Vec<u8> {
+    kept.clear();
+    kept.extend_from_slice(bytes);
+    kept
+}
+
+/// The first key in which two trees differ, with both values.
+fn first_unequal(now: &Value, then: &Value, key: String) -> Option<(String, Value, Value)> {
+    match (now, then) {
+        (Value::Object(a), Value::Object(b)) => {
+            let names = a.keys().chain(b.keys().filter(|name| !a.contains_key(*name)));
+            names.into_iter().find_map(|name| {
+                let of = |table: &serde_json::Map<String, Value>| {
+                    table.get(name).cloned().unwrap_or(Value::Null)
+                };
+                let key = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+                first_unequal(&of(a), &of(b), key)
+            })
+        }
+        (a, b) if a == b => None,
+        (a, b) => Some((key, a.clone(), b.clone())),
+    }
+}

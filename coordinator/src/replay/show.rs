@@ -1,0 +1,84 @@
+//! How a replay went, for a person.
+
+use super::{Difference, Replay, Request};
+use crate::plan::show::seconds;
+use std::fmt::Write as _;
+
+/// A few lines: what was driven, what was compared, where it first differs and how that grows.
+#[must_use]
+pub fn text(replay: &Replay, request: &Request) -> String {
+    let mut out = format!(
+        "replay of {} by {} from {}\n",
+        replay.role,
+        replay.program,
+        request.recording.display()
+    );
+    if replay.program != replay.recorded_program {
+        let _ = writeln!(out, "  recorded was {}", replay.recorded_program);
+    }
+    for remark in &replay.remarks {
+        let _ = writeln!(out, "  {remark}");
+    }
+    let compared = &replay.comparison;
+    let _ = writeln!(
+        out,
+        "  {} solve(s), {} sample(s) of {} value(s) compared{}",
+        replay.solves,
+        compared.samples,
+        compared.values,
+        if replay.cut { "; the recording is cut here" } else { "" }
+    );
+    let verdict = match (compared.differs(), request.tolerance) {
+        (false, None) => "  bit-identical".to_owned(),
+        (false, Some(tolerance)) => format!(
+            "  within {tolerance:e} of the recording: {} sample(s) differ, by {:.2e} at most",
+            compared.unequal_samples, compared.largest
+        ),
+        (true, _) => format!("  DIFFERS in {} sample(s)", compared.different_samples),
+    };
+    let _ = writeln!(out, "{verdict}");
+    if let Some(first) = &compared.first {
+        let _ = writeln!(out, "{}", difference(first));
+        let growth: Vec<String> = thinned(replay).collect();
+        let _ = writeln!(out, "  growth    {}", growth.join("\n            "));
+    }
+    if let Some(other) = &compared.other {
+        let _ = writeln!(out, "  also      {other}");
+    }
+    let _ = writeln!(
+        out,
+        "  time      {} in the model, {} when recorded; {} in all",
+        seconds(replay.model_s),
+        seconds(replay.recorded_model_s),
+        seconds(replay.wall_s)
+    );
+    out
+}
+
+/// The first difference in a line.
+#[must_use]
+pub fn difference(first: &Difference) -> String {
+    format!(
+        "  first     window {}, iteration {}: {}[{}] is {:e} {unit}, recorded {:e} {unit} (off by \
+         {:.3e} of the largest)",
+        first.window,
+        first.iteration,
+        first.field,
+        first.index,
+        first.now,
+        first.recorded,
+        first.relative,
+        unit = first.unit
+    )
+}
+
+/// At most eight steps of the growth, the last among them.
+fn thinned(replay: &Replay) -> impl Iterator<Item = String> + '_ {
+    let steps = &replay.comparison.growth.steps;
+    let stride = steps.len().div_ceil(8).max(1);
+    let last = steps.len().saturating_sub(1);
+    let chosen = move |(n, _): &(usize, _)| n.is_multiple_of(stride) || *n == last;
+    steps.iter().enumerate().filter(chosen).map(|(_, step)| {
+        format!("window {}, iteration {}: {:.3e}", step.window, step.iteration, step.relative)
+    })
+}

@@ -1,0 +1,64 @@
+//! Walking through a replay by hand.
+
+use crate::error::{RunError, file_failure};
+use proto::message::{Command, CommandKind};
+use std::io::{self, BufRead, Write};
+use std::path::Path;
+
+/// What the person at the keyboard wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Answer {
+    Go,
+    Stop,
+}
+
+/// Asks before each command, until told to go on alone.
+#[derive(Debug)]
+pub(super) struct Walk {
+    asking: bool,
+}
+
+impl Walk {
+    pub(super) fn new(asking: bool) -> Self {
+        if asking {
+            tell("Enter: do it · c: go on without asking · q: stop here");
+        }
+        Self { asking }
+    }
+
+    pub(super) fn ask(&mut self, role: &str, command: &Command) -> Result<Answer, RunError> {
+        if !self.asking {
+            return Ok(Answer::Go);
+        }
+        let kind = CommandKind::from_number(command.kind);
+        let what = kind.map_or_else(|| "?".to_owned(), |kind| format!("{kind:?}"));
+        let place = match kind {
+            Some(CommandKind::Solve) => format!(
+                " window {}, iteration {}, {} s to {} s",
+                command.window, command.iteration, command.start, command.end
+            ),
+            Some(CommandKind::Accept | CommandKind::Save | CommandKind::Restore) => {
+                format!(" window {}", command.window)
+            }
+            _ => String::new(),
+        };
+        let mut out = io::stdout();
+        let _ = write!(out, "{role}: {what}{place} > ").and_then(|()| out.flush());
+        let mut line = String::new();
+        let failed = |error| file_failure(Path::new("standard input"), &error);
+        let read = io::stdin().lock().read_line(&mut line).map_err(failed)?;
+        match line.trim() {
+            "q" => return Ok(Answer::Stop),
+            "c" => self.asking = false,
+            // Nobody is there to ask any more.
+            _ if read == 0 => self.asking = false,
+            _ => {}
+        }
+        Ok(Answer::Go)
+    }
+}
+
+/// A line for the person.
+pub(super) fn tell(line: &str) {
+    let _ = writeln!(io::stdout(), "{line}");
+}

@@ -1,0 +1,71 @@
+//! What is recorded besides fields: the conversation, and what the coordinator made of it.
+
+use crate::message::{Command, Reply};
+use serde::{Deserialize, Serialize};
+
+/// One event of a run. Participants are named by their index in [`super::Head::participants`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Event {
+    /// The coordinator has sent a command.
+    Command {
+        /// To whom.
+        participant: u16,
+        /// The fixed part.
+        command: Command,
+        /// What stands behind it; empty for `Save` and `Restore`, whose files are recorded as
+        /// states.
+        body: Vec<u8>,
+    },
+    /// A participant has answered.
+    Reply {
+        /// Who.
+        participant: u16,
+        /// The fixed part.
+        reply: Reply,
+        /// What stands behind it.
+        body: Vec<u8>,
+    },
+    /// An iteration is complete and judged.
+    Iteration(Iteration),
+    /// A window is solved again, with another end.
+    Repeated {
+        /// Number of the window.
+        window: u64,
+        /// Why.
+        cause: String,
+    },
+    /// The run is over.
+    Ended {
+        /// What ended it, if that was no success.
+        error: Option<String>,
+    },
+}
+
+/// What the coordinator says of an iteration.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Iteration {
+    /// Number of the window, from 0.
+    pub window: u64,
+    /// Iteration within the window, from 1.
+    pub iteration: u32,
+    /// Start of the window [s].
+    pub start: f64,
+    /// End of it [s].
+    pub end: f64,
+    /// Largest relative residual of what is fed back; `None` in an explicit scheme.
+    pub residual: Option<f64>,
+    /// That of each field that is fed back, by name.
+    pub residuals: Vec<(String, f64)>,
+    /// Relaxation of the next iterate, if there was one.
+    pub relaxation: Option<f64>,
+    /// Columns from which the next iterate was made.
+    pub columns: Option<u64>,
+    /// Heat sent through conservative fields [W].
+    pub heat_sent: Option<f64>,
+    /// Heat received [W].
+    pub heat_received: Option<f64>,
+    /// Seconds in which no model computed.
+    pub coupling_seconds: f64,
+    /// Seconds in each participant's model.
+    pub model_seconds: Vec<f64>,
+}

@@ -1,0 +1,277 @@
+//! Reading a recording from front to back.
+
+use super::{CONTROL, Event, FORMAT, Head, LONGEST_RECORD, RecordingError, STATE, read_label};
+use crate::binary;
+use crate::message::FieldHeader;
+use mcap::records::{Record, op};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use std::collections::HashMap;
+use std::io::Read;
+
+/// The most that is asked of the file at a time [byte]: what a length in the file claims is
+/// allocated only as far as the bytes are there.
+const READ: usize = 1 << 20;
+
+/// A recording being read. Memory is bounded by its longest message.
+pub struct Recording<R: Read> {
+    source: Source<R>,
+    head: Head,
+    attachments: Vec<(String, Vec<u8>)>,
+    channels: HashMap<u16, String>,
+    values: Vec<f64>,
+    /// The record that ended the head, to be given out first.
+    held: Option<(u8, Vec<u8>)>,
+}
+
+/// One message.
+#[derive(Debug)]
+pub struct Entry<'a> {
+    /// Since the start of the recording [ns].
+    pub nanoseconds: u64,
+    /// What was recorded.
+    pub item: Item<'a>,
+}
+
+/// What a message is.
+#[derive(Debug)]
+pub enum Item<'a> {
+    /// A part of the conversation.
+    Event(Event),
+    /// A sample of a field.
+    Sample {
+        /// The service that it travelled on.
+        service: &'a str,
+        /// Its label.
+        header: FieldHeader,
+        /// `components * points` values, component-major.
+        values: &'a [f64],
+    },
+    /// A participant's state.
+    State {
+        /// Whose.
+        role: &'a str,
+        /// As that participant wrote it.
+        bytes: &'a [u8],
+    },
+}
+
+/// How a recording ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// It has not been read to its end.
+    Unknown,
+    /// With index and footer.
+    Complete,
+    /// The file stops after this many bytes, in the middle.
+    Cut(u64),
+}
+
+impl<R: Read> Recording<R> {
+    /// Reads the head and everything that is attached.
+    ///
+    /// # Errors
+    /// It is no recording, or of another format, or damaged, or cut before its first message.
+    pub fn open(file: R) -> Result<Self, RecordingError> {
+        let mut source = Source::new(file);
+        let mut attachments = Vec::new();
+        let mut held = None;
+        while let Some((opcode, bytes)) = source.next()? {
+            match mcap::parse_record(opcode, bytes)? {
+                Record::Header(header) if header.profile != super::PROFILE => {
+                    let profile = header.profile;
+                    let what = format!("an MCAP file of profile {profile:?}, not of a run");
+                    return Err(RecordingError::Content(what));
+                }
+                Record::Attachment { header, data, .. } => {
+                    attachments.push((header.name, data.into_owned()));
+                }
+                Record::Header(_) => {}
+                _ => {
+                    held = Some((opcode, bytes.to_vec()));
+                    break;
+                }
+            }
+        }
+        let head = attachments.iter().find(|(name, _)| name == "head.json");
+        let (_, head) = head.ok_or(RecordingError::NoHead)?;
+        let format: Format = serde_json::from_slice(head).map_err(content)?;
+        if format.format != FORMAT {
+            return Err(RecordingError::Format { found: format.format });
+        }
+        let head = serde_json::from_slice(head).map_err(content)?;
+        let (channels, values) = (HashMap::new(), Vec::new());
+        Ok(Self { source, head, attachments, channels, values, held })
+    }
+
+    /// What the recording is of.
+    #[must_use]
+    pub fn head(&self) -> &Head {
+        &self.head
+    }
+
+    /// A text or file by its name.
+    #[must_use]
+    pub fn attachment(&self, name: &str) -> Option<&[u8]> {
+        self.attachments.iter().find(|(found, _)| found == name).map(|(_, data)| data.as_slice())
+    }
+
+    /// How it ends; known when [`Recording::read`] has given `None`.
+    #[must_use]
+    pub fn end(&self) -> End {
+        self.source.end
+    }
+
+    /// Bytes of the file read so far.
+    #[must_use]
+    pub fn bytes_read(&self) -> u64 {
+        self.source.bytes_read
+    }
+
+    /// The next message; `None` at the end, or at the place where the file is cut.
+    ///
+    /// # Errors
+    /// The file cannot be read or is damaged.
+    pub fn read(&mut self) -> Result<Option<Entry<'_>>, RecordingError> {
+        let Self { source, head, channels, values, held, .. } = self;
+        if let Some((opcode, bytes)) = held.take()
+            && let Record::Channel(channel) = mcap::parse_record(opcode, &bytes)?
+        {
+            channels.insert(channel.id, channel.topic);
+        }
+        loop {
+            let Some((opcode, bytes)) = source.next()? else { return Ok(None) };
+            match opcode {
+                op::CHANNEL => {
+                    if let Record::Channel(channel) = mcap::parse_record(opcode, bytes)? {
+                        channels.insert(channel.id, channel.topic);
+                    }
+                }
+                op::MESSAGE => break,
+                _ => {}
+            }
+        }
+        let Record::Message { header, data } = mcap::parse_record(op::MESSAGE, source.record())?
+        else {
+            return Err(RecordingError::Content("a message that is none".to_owned()));
+        };
+        let Some(channel) = channels.get(&header.channel_id) else {
+            let what = format!("a message on channel {}, which is unknown", header.channel_id);
+            return Err(RecordingError::Content(what));
+        };
+        // The record lies in the source's own buffer: what is borrowed from it stays borrowed.
+        let std::borrow::Cow::Borrowed(data) = data else {
+            return Err(RecordingError::Content("a message that is not whole".to_owned()));
+        };
+        let item = match channel.strip_prefix(STATE) {
+            Some(role) => Item::State { role, bytes: data },
+            None if channel == CONTROL => Item::Event(event(data, head)?),
+            None => sample(channel, data, values)?,
+        };
+        Ok(Some(Entry { nanoseconds: header.log_time, item }))
+    }
+}
+
+/// The part of the head that every format has.
+#[derive(serde::Deserialize)]
+struct Format {
+    format: u32,
+}
+
+fn content(error: serde_json::Error) -> RecordingError {
+    RecordingError::Content(format!("head.json: {error}"))
+}
+
+fn event(bytes: &[u8], head: &Head) -> Result<Event, RecordingError> {
+    let event = binary::read(bytes)
+        .map_err(|error| RecordingError::Content(format!("a control event: {error}")))?;
+    if let Event::Command { participant, .. } | Event::Reply { participant, .. } = &event
+        && usize::from(*participant) >= head.participants.len()
+    {
+        let what = format!("an event of participant {participant}, which is unknown");
+        return Err(RecordingError::Content(what));
+    }
+    Ok(event)
+}
+
+fn sample<'a>(
+    service: &'a str,
+    bytes: &[u8],
+    values: &'a mut Vec<f64>,
+) -> Result<Item<'a>, RecordingError> {
+    let wrong = |what: &str| Err(RecordingError::Content(format!("a sample of {service} {what}")));
+    let Some((header, bytes)) = read_label(bytes) else { return wrong("without a label") };
+    let (doubles, rest) = bytes.as_chunks();
+    let count = header.points.checked_mul(u64::from(header.components));
+    if !rest.is_empty() || count != Some(doubles.len() as u64) {
+        return wrong("whose length is not that of its label");
+    }
+    values.clear();
+    values.extend(doubles.iter().map(|bytes| f64::from_le_bytes(*bytes)));
+    Ok(Item::Sample { service, header, values })
+}
+
+/// The container's records, one after the other, the chunks opened.
+struct Source<R: Read> {
+    file: R,
+    reader: LinearReader,
+    record: Vec<u8>,
+    bytes_read: u64,
+    end: End,
+}
+
+impl<R: Read> Source<R> {
+    fn new(file: R) -> Self {
+        let options = LinearReaderOptions::default()
+            .with_skip_end_magic(true)
+            .with_validate_chunk_crcs(true)
+            .with_record_length_limit(LONGEST_RECORD + 64);
+        let reader = LinearReader::new_with_options(options);
+        Self { file, reader, record: Vec::new(), bytes_read: 0, end: End::Unknown }
+    }
+
+    /// The bytes of the record that [`Source::next`] gave last.
+    fn record(&self) -> &[u8] {
+        &self.record
+    }
+
+    /// The next record's opcode and bytes; `None` at the end or at the cut.
+    fn next(&mut self) -> Result<Option<(u8, &[u8])>, RecordingError> {
+        if self.end != End::Unknown {
+            return Ok(None);
+        }
+        loop {
+            match self.reader.next_event() {
+                None => break self.end = End::Cut(self.bytes_read),
+                Some(Err(mcap::McapError::UnexpectedEof)) => {
+                    break self.end = End::Cut(self.bytes_read);
+                }
+                Some(Err(error)) => return Err(error.into()),
+                Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
+                    let space = self.reader.insert(wanted.clamp(1, READ));
+                    let count = read(&mut self.file, space)?;
+                    self.reader.notify_read(count);
+                    self.bytes_read += count as u64;
+                }
+                Some(Ok(LinearReadEvent::Record { opcode: op::FOOTER, .. })) => {
+                    break self.end = End::Complete;
+                }
+                Some(Ok(LinearReadEvent::Record { opcode, data })) => {
+                    self.record.clear();
+                    self.record.extend_from_slice(data);
+                    return Ok(Some((opcode, &self.record)));
+                }
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// What the file has, up to the length of the buffer; 0 at its end.
+fn read(file: &mut impl Read, into: &mut [u8]) -> Result<usize, RecordingError> {
+    loop {
+        match file.read(into) {
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+            outcome => return Ok(outcome?),
+        }
+    }
+}
