@@ -14,6 +14,7 @@ mod harness;
 mod implicit;
 mod mapping;
 mod off_means_off;
+mod python;
 mod results;
 mod resume;
 mod time;

@@ -1,0 +1,209 @@
+"""What a participant is told before a run, and what it answers. All of it travels as JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from .fields import FieldKind
+from .grids import Grid
+
+
+class Refusal(Exception):
+    """A case that a participant cannot take; raise it in `configure` or `build`.
+
+    `key` is the dotted key of the case at fault, `reason` why it cannot be, `fix` what to write
+    instead.
+    """
+
+    def __init__(self, key: str, reason: str, fix: str) -> None:
+        super().__init__(f"{key}: {reason}; {fix}")
+        self.key, self.reason, self.fix = key, reason, fix
+
+    def to_json(self) -> dict[str, Any]:
+        """As it travels."""
+        return {"key": self.key, "reason": self.reason, "fix": self.fix}
+
+
+class Case:
+    """Case values in SI units, addressed by dotted keys.
+
+    The coordinator has checked types, units and ranges against the description's keys and filled in
+    the defaults; under another coordinator a wrong value still is a `Refusal`, which names the key.
+    """
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self.values = values
+
+    def get(self, key: str, default: Any = None) -> Any:
+        """The value or table at a dotted key."""
+        value: Any = self.values
+        for part in key.split("."):
+            if not isinstance(value, Mapping) or part not in value:
+                return default
+            value = value[part]
+        return value
+
+    def __contains__(self, key: str) -> bool:
+        return self.get(key) is not None
+
+    def number(self, key: str) -> float:
+        """A number that must be there [SI]."""
+        value = self._given(key)
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not math.isfinite(value)
+        ):
+            raise _wrong(key, value, "a finite number")
+        return float(value)
+
+    def integer(self, key: str) -> int:
+        """A whole number that must be there."""
+        value = self._given(key)
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise _wrong(key, value, "a whole number")
+        return value
+
+    def text(self, key: str) -> str:
+        """A text or word that must be there."""
+        value = self._given(key)
+        if not isinstance(value, str):
+            raise _wrong(key, value, "a text")
+        return value
+
+    def _given(self, key: str) -> Any:
+        if key not in self:
+            raise Refusal(key, "missing", f"add `{key}`")
+        return self.get(key)
+
+
+def _wrong(key: str, value: Any, expected: str) -> Refusal:
+    return Refusal(key, f"{value!r} is not {expected}", f"write {expected}")
+
+
+@dataclass(frozen=True)
+class Input:
+    """A field that a participant receives."""
+
+    field: FieldKind
+    """Kind of the field."""
+    producer: str
+    """Role of the participant that computes it."""
+    grid: Grid | None
+    """The grid it arrives on; `None` while that is not known yet."""
+    moves: bool = False
+    """The grid changes during the run."""
+
+    @classmethod
+    def from_json(cls, value: dict[str, Any]) -> Input:
+        """As it travelled."""
+        grid = value.get("grid")
+        return cls(
+            FieldKind.from_json(value["field"]),
+            value["producer"],
+            None if grid is None else Grid.from_json(grid),
+            bool(value.get("moves", False)),
+        )
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """Sent with `Configure`, and on standard input of `--estimate`."""
+
+    role: str
+    """The role to play."""
+    model: str
+    """The model chosen, one of the description's."""
+    mode: str
+    """`steady`: a single window without duration; `transient`: windows of coupling time."""
+    case: Case
+    """The case values this participant reads."""
+    inputs: Sequence[Input]
+    """Fields it will receive."""
+    outputs: Sequence[str]
+    """Names of the fields it has to publish in every iteration."""
+    observed: Sequence[str]
+    """Names of the fields it has to publish when an accepted window is observed."""
+
+    @property
+    def is_steady(self) -> bool:
+        """A single window without duration."""
+        return self.mode == "steady"
+
+    def has_effect(self, name: str) -> bool:
+        """An effect is active and claimed by this participant."""
+        return f"effects.{name}" in self.case
+
+    def input(self, name: str) -> Input | None:
+        """An input, by the name of its field."""
+        return next((given for given in self.inputs if given.field.name == name), None)
+
+    def wants(self, name: str) -> bool:
+        """A field has to be published, in every iteration or when observed."""
+        return name in self.outputs or name in self.observed
+
+    @classmethod
+    def from_json(cls, value: dict[str, Any]) -> Configuration:
+        """As it travelled; raises `KeyError`, `TypeError` or `ValueError` for what is none."""
+        return cls(
+            role=value["role"],
+            model=value["model"],
+            mode=value["mode"],
+            case=Case(value["case"]),
+            inputs=[Input.from_json(given) for given in value["inputs"]],
+            outputs=list(value["outputs"]),
+            observed=list(value["observed"]),
+        )
+
+
+@dataclass
+class Layout:
+    """Answer to `configure`: grids, placement of the fields and expected cost."""
+
+    grids: list[Grid] = field(default_factory=list)
+    """The grids of the outputs, and those on which inputs are wanted."""
+    fields: dict[str, str] = field(default_factory=dict)
+    """Name of the grid of each output and observed field."""
+    inputs: dict[str, str] = field(default_factory=dict)
+    """Name of the grid on which an input is wanted; without a wish it arrives on its producer's."""
+    solve_seconds: float = 0.0
+    """Expected processor seconds of one solve."""
+    memory_bytes: int = 0
+    """Expected memory of the participant's own arrays [byte]."""
+    remarks: list[str] = field(default_factory=list)
+    """Remarks for `plan`, one line each."""
+
+    def grid(self, name: str) -> Grid | None:
+        """A grid of the layout, by name."""
+        return next((grid for grid in self.grids if grid.name == name), None)
+
+    def check(self) -> None:
+        """Raise `ValueError` for what no coordinator would take."""
+        for grid in self.grids:
+            grid.check()
+            if sum(other.name == grid.name for other in self.grids) > 1:
+                raise ValueError(f"two grids are called `{grid.name}`")
+        for placed in (self.fields, self.inputs):
+            for name, grid_name in placed.items():
+                if self.grid(grid_name) is None:
+                    raise ValueError(f"`{name}` is placed on `{grid_name}`, which is no grid")
+
+    def to_json(self) -> dict[str, Any]:
+        """As it travels."""
+        value: dict[str, Any] = {
+            "grids": [grid.to_json() for grid in self.grids],
+            "fields": _placed(self.fields),
+            "solve_seconds": float(self.solve_seconds),
+            "memory_bytes": int(self.memory_bytes),
+            "remarks": list(self.remarks),
+        }
+        if self.inputs:
+            value["inputs"] = _placed(self.inputs)
+        return value
+
+
+def _placed(fields: Mapping[str, str]) -> list[dict[str, str]]:
+    return [{"field": name, "grid": grid} for name, grid in fields.items()]

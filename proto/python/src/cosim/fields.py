@@ -1,0 +1,105 @@
+"""Kinds of fields that may cross the interface, and the table of those that everybody knows.
+
+The table is that of `proto/src/field.rs`. A solver that exchanges further fields lists them in
+`Solver.fields`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+Mapping = Literal["conservative", "consistent"]
+Body = Literal["wheel", "rail", "interface"]
+
+
+@dataclass(frozen=True)
+class FieldKind:
+    """Everything about a field that does not depend on a run."""
+
+    name: str
+    """Name on the wire, in results and in case files; at most 31 bytes of ASCII."""
+    unit: str
+    """SI unit; at most 15 bytes of ASCII."""
+    components: int = 1
+    """Number of components; the values are component-major."""
+    mapping: Mapping = "consistent"
+    """What a mapping between grids preserves: the surface integral, or a constant."""
+    body: Body = "interface"
+    """The body whose surface it belongs to."""
+    meaning: str = ""
+    """One line for people."""
+
+    def to_json(self) -> dict[str, Any]:
+        """As it travels."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, value: dict[str, Any]) -> FieldKind:
+        """As it travelled."""
+        return cls(**{name: value[name] for name in cls.__dataclass_fields__})
+
+
+BODIES: tuple[Body, Body] = ("rail", "wheel")
+
+TABLE: dict[str, FieldKind] = {
+    kind.name: kind
+    for kind in (
+        FieldKind("pressure", "Pa", meaning="normal contact pressure, positive in compression"),
+        FieldKind("traction", "Pa", 2, meaning="tangential traction (x, y) acting on the wheel"),
+        FieldKind(
+            "slip_velocity",
+            "m/s",
+            2,
+            meaning="velocity (x, y) of the wheel surface relative to the rail surface",
+        ),
+        FieldKind(
+            "friction_power",
+            "W/m2",
+            mapping="conservative",
+            meaning="frictional power density, element and window mean",
+        ),
+        FieldKind(
+            "surface_speed",
+            "m/s",
+            2,
+            meaning="speeds (wheel, rail) at which material passes through the contact, on a "
+            "one-point grid",
+        ),
+        *(
+            FieldKind(
+                f"{body}_temperature",
+                "K",
+                body=body,
+                meaning=f"temperature rise of the {body} surface",
+            )
+            for body in BODIES
+        ),
+        FieldKind(
+            "rail_section_temperature",
+            "K",
+            body="rail",
+            meaning="temperature rise of the rail in the vertical plane y = 0 under the surface",
+        ),
+        FieldKind(
+            "wheel_section_temperature",
+            "K",
+            body="wheel",
+            meaning="temperature rise of the wheel in the vertical plane y = 0 over the surface",
+        ),
+        *(
+            FieldKind(
+                f"{body}_section_{name}_stress",
+                "Pa",
+                body=body,
+                meaning=f"{words} of the {body} in a vertical plane along x {side} the surface",
+            )
+            for name, words in (
+                ("von_mises", "von Mises stress"),
+                ("max_shear", "largest shear stress"),
+            )
+            for body, side in zip(BODIES, ("under", "over"))
+        ),
+    )
+}
+"""Every row of the table, by name."""

@@ -1,0 +1,241 @@
+"""Surface grids: where the values of a field live.
+
+Values belong to element centres. On a structured grid the value of element (i, j) stands at
+`j * ni + i`; for the contact plane `step_i` points along x, the rolling direction, and `step_j`
+along y, to the left.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def check_name(what: str, name: str) -> None:
+    """Demand a name that fits labels and file names.
+
+    Raises `ValueError` for anything but 1 to 31 letters, digits, `_` or `-`.
+    """
+    if not re.fullmatch(r"[A-Za-z0-9_-]{1,31}", name):
+        raise ValueError(
+            f"the {what} name {name[:40]!r} is not 1 to 31 letters, digits, `_` or `-`"
+        )
+
+
+@dataclass(frozen=True)
+class Structured:
+    """Plane patch of `ni` x `nj` equal parallelogram elements."""
+
+    origin: tuple[float, float, float]
+    """Centre of element (0, 0) [m]."""
+    step_i: tuple[float, float, float]
+    """From one element to the next in i [m]."""
+    step_j: tuple[float, float, float]
+    """From one element to the next in j [m]."""
+    ni: int
+    """Number of elements in i."""
+    nj: int
+    """Number of elements in j."""
+
+    kind: ClassVar[str] = "structured"
+
+    @classmethod
+    def contact_plane(
+        cls, x0: float, y0: float, dx: float, dy: float, nx: int, ny: int
+    ) -> Structured:
+        """In the plane z = 0, with its first element centred on (x0, y0) [m]."""
+        return cls((x0, y0, 0.0), (dx, 0.0, 0.0), (0.0, dy, 0.0), nx, ny)
+
+    @property
+    def points(self) -> int:
+        """Number of elements."""
+        return self.ni * self.nj
+
+    @property
+    def dx(self) -> float:
+        """Element length along x of a contact-plane grid [m]."""
+        return self.step_i[0]
+
+    @property
+    def dy(self) -> float:
+        """Element length along y of a contact-plane grid [m]."""
+        return self.step_j[1]
+
+    @property
+    def x(self) -> Array:
+        """x of the columns [m], shape (ni,)."""
+        return np.asarray(self.origin[0] + np.arange(self.ni) * self.step_i[0], dtype=np.float64)
+
+    @property
+    def y(self) -> Array:
+        """y of the rows [m], shape (nj,)."""
+        return np.asarray(self.origin[1] + np.arange(self.nj) * self.step_j[1], dtype=np.float64)
+
+    def centres(self) -> Array:
+        """Element centres [m], shape (points, 3)."""
+        i, j = np.tile(np.arange(self.ni), self.nj), np.repeat(np.arange(self.nj), self.ni)
+        origin, along, across = map(np.asarray, (self.origin, self.step_i, self.step_j))
+        return np.asarray(origin + i[:, None] * along + j[:, None] * across, dtype=np.float64)
+
+    def areas(self) -> Array:
+        """Element areas [m²], shape (points,)."""
+        return np.full(self.points, self.element_area)
+
+    @property
+    def element_area(self) -> float:
+        """Area of one element [m²]."""
+        return float(np.linalg.norm(np.cross(self.step_i, self.step_j)))
+
+    def is_contact_plane(self) -> bool:
+        """Its rows run along x and its columns along y, both upwards."""
+        return (
+            self.step_i[1:] == (0.0, 0.0)
+            and (self.step_j[0], self.step_j[2]) == (0.0, 0.0)
+            and self.dx > 0.0
+            and self.dy > 0.0
+        )
+
+    def check(self) -> None:
+        """Raise `ValueError` for no points, or for elements without an area."""
+        if self.ni < 1 or self.nj < 1 or self.points > 1 << 36:
+            raise ValueError(f"{self.ni} x {self.nj} points")
+        finite = np.isfinite([*self.origin, *self.step_i, *self.step_j]).all()
+        if not finite or self.element_area <= 0.0:
+            raise ValueError("elements without an area")
+
+    def to_json(self) -> dict[str, Any]:
+        """As it travels."""
+        return {
+            "kind": self.kind,
+            "origin": [float(v) for v in self.origin],
+            "step_i": [float(v) for v in self.step_i],
+            "step_j": [float(v) for v in self.step_j],
+            "ni": int(self.ni),
+            "nj": int(self.nj),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Quadrilaterals:
+    """Unstructured surface of quadrilaterals over shared vertices.
+
+    An element is the bilinear patch through its corners; its centre is their mean, and its area
+    half the length of the cross product of its diagonals.
+    """
+
+    points_xyz: Array
+    """Vertices [m], shape (vertices, 3)."""
+    elements: NDArray[np.uint32]
+    """The four vertices of each element, in order round it, shape (elements, 4)."""
+
+    kind: ClassVar[str] = "quadrilaterals"
+
+    @property
+    def points(self) -> int:
+        """Number of elements."""
+        return len(self.elements)
+
+    def corners(self) -> Array:
+        """Corners of the elements [m], shape (elements, 4, 3)."""
+        return self.points_xyz[self.elements]
+
+    def centres(self) -> Array:
+        """Element centres [m], shape (points, 3)."""
+        return np.asarray(self.corners().mean(axis=1), dtype=np.float64)
+
+    def areas(self) -> Array:
+        """Element areas [m²], shape (points,)."""
+        a, b, c, d = self.corners().swapaxes(0, 1)
+        return np.asarray(0.5 * np.linalg.norm(np.cross(c - a, d - b), axis=1), dtype=np.float64)
+
+    def check(self) -> None:
+        """Raise `ValueError` for missing vertices or elements that are not convex."""
+        vertices, elements = self.points_xyz, self.elements
+        if elements.ndim != 2 or elements.shape[1] != 4 or len(elements) == 0:
+            raise ValueError("no elements of four vertices")
+        if vertices.ndim != 2 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
+            raise ValueError("vertices that are not three finite numbers")
+        if elements.max() >= len(vertices):
+            raise ValueError(f"an element names vertex {elements.max()} of {len(vertices)}")
+        corners = self.corners()
+        edges = np.roll(corners, -1, axis=1) - corners
+        turns = np.cross(edges, np.roll(edges, -1, axis=1))
+        normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        if not (np.einsum("nkc,nc->nk", turns, normal) > 0.0).all():
+            raise ValueError("an element that is not a convex quadrilateral with an area")
+
+    def to_json(self) -> dict[str, Any]:
+        """As it travels."""
+        points, elements = self.points_xyz.tolist(), self.elements.tolist()
+        return {"kind": self.kind, "points": points, "elements": elements}
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A named grid with a revision that rises whenever its geometry changes."""
+
+    name: str
+    """Unique within the participant that owns it; at most 31 bytes of ASCII."""
+    shape: Structured | Quadrilaterals
+    """Geometry."""
+    revision: int = 1
+    """The first is 1."""
+
+    @property
+    def points(self) -> int:
+        """Number of elements, that is, of values of a one-component field."""
+        return self.shape.points
+
+    def centres(self) -> Array:
+        """Element centres [m], shape (points, 3)."""
+        return self.shape.centres()
+
+    def areas(self) -> Array:
+        """Element areas [m²], shape (points,)."""
+        return self.shape.areas()
+
+    def integrate(self, values: Array) -> float:
+        """Surface integral of a one-component field [unit m²]; pairwise summation."""
+        if isinstance(self.shape, Structured):
+            return self.shape.element_area * float(np.sum(values))
+        return float(np.sum(self.shape.areas() * values))
+
+    def check(self) -> None:
+        """Raise `ValueError` for what no coordinator would take."""
+        check_name("grid", self.name)
+        try:
+            self.shape.check()
+        except ValueError as why:
+            raise ValueError(f"grid `{self.name}` has {why}") from None
+
+    def to_json(self) -> dict[str, Any]:
+        """As it travels."""
+        return {"name": self.name, "revision": self.revision, **self.shape.to_json()}
+
+    @classmethod
+    def from_json(cls, value: dict[str, Any]) -> Grid:
+        """As it travelled; raises `KeyError` or `ValueError` for what is no grid."""
+        shape: Structured | Quadrilaterals
+        if value["kind"] == Structured.kind:
+            origin, step_i, step_j = (
+                _vector(value[name]) for name in ("origin", "step_i", "step_j")
+            )
+            shape = Structured(origin, step_i, step_j, int(value["ni"]), int(value["nj"]))
+        elif value["kind"] == Quadrilaterals.kind:
+            vertices = np.array(value["points"], dtype=np.float64).reshape(-1, 3)
+            elements = np.array(value["elements"], dtype=np.uint32).reshape(-1, 4)
+            shape = Quadrilaterals(vertices, elements)
+        else:
+            raise ValueError(f"unknown kind of grid `{value['kind']}`")
+        return cls(value["name"], shape, int(value["revision"]))
+
+
+def _vector(values: list[float]) -> tuple[float, float, float]:
+    x, y, z = map(float, values)
+    return x, y, z

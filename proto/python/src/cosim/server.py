@@ -1,0 +1,331 @@
+"""The state machine that serves a solver: one command, one answer."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+import traceback
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .configuration import Configuration, Refusal
+from .fields import TABLE
+from .grids import Array
+from .messages import OBSERVE, PROTOCOL_VERSION, Command, CommandKind, Reply, Status
+from .ports import (
+    InputPort,
+    Inputs,
+    OutputPort,
+    Outputs,
+    PortError,
+    Topic,
+    advance,
+    open_inputs,
+    open_outputs,
+)
+from .run_dir import Membership, peak_resident_memory
+from .solver import Solver, StateError, Step, StepError, StepReport, checked_layout
+from .transport import Endpoint, TransportError
+from .views import KeptView
+
+
+class ProtocolError(Exception):
+    """A command that cannot be understood, or not now."""
+
+
+class StateFileError(Exception):
+    """A state file that cannot be written or read."""
+
+
+#: Errors that say enough by themselves; of all others the kind is told too.
+PLAIN = (StepError, StateError, StateFileError, PortError, KeptView, TransportError, ProtocolError)
+
+
+@dataclass
+class Running:
+    """The ports of a solver that has been built."""
+
+    inputs: dict[str, InputPort]
+    outputs: dict[str, OutputPort]
+    observed: dict[str, OutputPort]
+    step: Step
+    unpublished: dict[str, Array]
+    """What the last solve wrote of observed fields, for a solver that does not observe itself."""
+
+
+class Server:
+    """Answers the commands of a run for one solver."""
+
+    def __init__(self, solver: Solver, membership: Membership, role: str) -> None:
+        self._solver, self._role = solver, role
+        self._configuration: Configuration | None = None
+        self._running: Running | None = None
+        self._finished = False
+        self._model_seconds = 0.0
+        self._late: Exception | None = None
+        self._endpoint = Endpoint(membership.info)
+        self._doorbell = self._endpoint.doorbell(role)
+        self._replies = self._endpoint.reply_sender(role)
+        self.ringer = self._endpoint.ringer("coordinator")
+        self._commands = self._endpoint.command_receiver(role)
+        self.ringer.ring()
+
+    def serve(self) -> None:
+        """Answer until the run is finished. The heart ends the process with the coordinator."""
+        while not self._finished:
+            message = self._doorbell.wait(self._commands.receive)
+            command, body = message.header, message.body()
+            del message
+            try:
+                answer = self._handle(command, body)
+            except Exception as error:
+                answer = _failed(command, error)
+            if answer is not None:
+                self._replies.send(*answer)
+                self.ringer.ring()
+
+    def _handle(self, command: Command, body: bytes) -> tuple[Reply, bytes] | None:
+        if command.protocol != PROTOCOL_VERSION:
+            raise ProtocolError(
+                f"the coordinator speaks protocol {command.protocol}, this program "
+                f"{PROTOCOL_VERSION}"
+            )
+        if command.kind not in set(CommandKind):
+            raise ProtocolError(f"unknown command {command.kind}")
+        late, self._late = self._late, None
+        if late is not None:
+            raise late
+        kind = CommandKind(command.kind)
+        done = _reply(Status.DONE, command)
+        match kind:
+            case CommandKind.DESCRIBE:
+                return done, to_json(self._solver.description())
+            case CommandKind.CONFIGURE:
+                return done, self._configure(body)
+            case CommandKind.INITIALISE:
+                self._initialise(parse(body))
+            case CommandKind.SOLVE:
+                self._solve(self._ready(kind), command, done)
+            case CommandKind.ACCEPT:
+                running = self._ready(kind)
+                if not command.flags & OBSERVE:
+                    self._accept()
+                    return None
+                self._accept_observed(running, done)
+            case CommandKind.SAVE:
+                self._ready(kind)
+                self._save(Path(parse(body)["path"]))
+            case CommandKind.RESTORE:
+                self._restore(self._ready(kind), command, parse(body))
+            case CommandKind.FINISH:
+                return done, self._finish()
+        return done, b""
+
+    def _ready(self, kind: CommandKind) -> Running:
+        if self._running is None:
+            raise ProtocolError(f"{kind.name.title()} before Initialise")
+        return self._running
+
+    def _timed(self, call: Any, *arguments: Any) -> tuple[Any, float]:
+        start = time.perf_counter()
+        try:
+            result = call(*arguments)
+        finally:
+            spent = time.perf_counter() - start
+            self._model_seconds += spent
+        return result, spent
+
+    def _configure(self, body: bytes) -> bytes:
+        configuration = understood(Configuration.from_json, parse(body))
+        layout = checked_layout(self._solver, configuration)
+        self._configuration = configuration
+        return to_json(layout.to_json())
+
+    def _initialise(self, topics: dict[str, Any]) -> None:
+        configuration, self._configuration = self._configuration, None
+        if configuration is None:
+            raise ProtocolError("Initialise before Configure")
+        kinds = {**{kind.name: kind for kind in self._solver.fields}, **TABLE}
+        inputs, outputs = (
+            [understood(Topic.from_json, topic) for topic in topics[name]]
+            for name in ("inputs", "outputs")
+        )
+        self._timed(self._solver.build)
+        received = [given.field for given in configuration.inputs]
+        interpolation = topics.get("interpolation", "constant")
+        published = [topic for topic in outputs if topic.field in configuration.outputs]
+        observed = [topic for topic in outputs if topic.field not in configuration.outputs]
+        running = Running(
+            open_inputs(self._endpoint, inputs, received, interpolation),
+            open_outputs(self._endpoint, published, self._role, kinds),
+            open_outputs(self._endpoint, observed, self._role, kinds),
+            Step(0, 0, 0.0, 0.0),
+            {},
+        )
+        if type(self._solver).observe is Solver.observe:
+            ports = running.observed.items()
+            running.unpublished = {name: np.zeros(port.shape) for name, port in ports}
+        deadline = time.monotonic() + min(max(float(topics["deadline"]), 0.0), 1e6)
+        for port in [*running.outputs.values(), *running.observed.values()]:
+            port.writer.wait_for_subscribers(deadline)
+        self._write(running.outputs, running.step, self._solver.first_outputs)
+        self._running = running
+
+    def _write(
+        self,
+        ports: Mapping[str, OutputPort],
+        step: Step,
+        write: Any,
+        inputs: Inputs | None = None,
+    ) -> float:
+        """Let `write` fill loans, and publish them; seconds spent."""
+        private = None if inputs is None or self._running is None else self._running.unpublished
+        outputs = Outputs(ports, self._provided, private)
+        try:
+            _, spent = self._timed(write, outputs)
+            if inputs is not None:
+                inputs.end()
+            outputs.publish(step)
+        finally:
+            outputs.discard()
+        return spent
+
+    @cached_property
+    def _provided(self) -> frozenset[str]:
+        claims = [model.provides for model in self._solver.models]
+        claims += [effect.provides for effect in self._solver.effects]
+        return frozenset(name for claim in claims for name in claim)
+
+    def _solve(self, running: Running, command: Command, done: Reply) -> None:
+        advance(running.inputs, command)
+        running.step = _step(command)
+        inputs = Inputs(running.inputs)
+        report = StepReport()
+
+        def solve(outputs: Outputs) -> None:
+            nonlocal report
+            report = self._solver.solve(running.step, inputs, outputs) or StepReport()
+
+        spent = self._write(running.outputs, running.step, solve, inputs)
+        done.work, done.substeps = report.work, report.substeps
+        done.inner_iterations = report.inner_iterations
+        if report.heat_received is not None:
+            done.heat_received = report.heat_received
+        done.wanted_window = report.wanted_window or 0.0
+        done.model_seconds = spent
+
+    def _accept(self) -> None:
+        """Nobody waits for an answer: an error is told with that to the next command."""
+        try:
+            self._timed(self._solver.accept)
+        except Exception as error:
+            self._late = error
+
+    def _accept_observed(self, running: Running, done: Reply) -> None:
+        _, accepting = self._timed(self._solver.accept)
+        observe = self._solver.observe
+        if running.unpublished:
+            observe = partial(_assign, running.unpublished)
+        observing = self._write(running.observed, running.step, observe)
+        done.model_seconds = accepting + observing
+
+    def _save(self, path: Path) -> None:
+        unfinished, state = path.with_suffix(".partial"), self._solver.save()
+        try:
+            unfinished.write_bytes(state)
+            unfinished.rename(path)
+        except OSError as error:
+            raise StateFileError(f"state file {path}: {error}") from error
+
+    def _restore(self, running: Running, command: Command, file: dict[str, Any]) -> None:
+        path = Path(file["path"])
+        try:
+            state = path.read_bytes()
+        except OSError as error:
+            raise StateFileError(f"state file {path}: {error}") from error
+        self._solver.restore(state)
+        running.step = _step(command)
+        files = {output["field"]: Path(output["path"]) for output in file.get("outputs", [])}
+        self._write(running.outputs, running.step, lambda outputs: outputs.read(files))
+
+    def _finish(self) -> bytes:
+        self._finished = True
+        finished: dict[str, Any] = {"summary": None, "model_seconds": 0.0, "peak_rss_bytes": 0}
+        if self._running is not None:
+            finished = {
+                "summary": self._solver.summary(),
+                "model_seconds": self._model_seconds,
+                "peak_rss_bytes": peak_resident_memory(),
+            }
+        return to_json(finished)
+
+
+def parse(body: bytes) -> dict[str, Any]:
+    """An object from JSON; raises `ProtocolError` for anything else."""
+    try:
+        value = json.loads(body)
+    except ValueError as error:
+        raise ProtocolError(f"malformed message: {error}") from error
+    if not isinstance(value, dict):
+        raise ProtocolError(f"malformed message: {type(value).__name__} is no object")
+    return value
+
+
+def understood(read: Any, value: Any) -> Any:
+    """`read(value)`; raises `ProtocolError` where something is missing or of another kind."""
+    try:
+        return read(value)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise ProtocolError(f"malformed message: {error!r}") from error
+
+
+def to_json(value: Any) -> bytes:
+    """JSON of plain values and numpy's; numbers that are not finite become null."""
+    return json.dumps(plain(value), allow_nan=False).encode()
+
+
+def plain(value: Any) -> Any:
+    """The value in Python's own types."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, np.generic | np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _assign(values: Mapping[str, Array], outputs: Outputs) -> None:
+    for name, array in values.items():
+        outputs[name] = array
+
+
+def _step(command: Command) -> Step:
+    return Step(command.window, command.iteration, command.start, command.end)
+
+
+def _reply(status: Status, command: Command) -> Reply:
+    return Reply(
+        protocol=PROTOCOL_VERSION,
+        status=status,
+        sequence=command.sequence,
+        heat_received=math.nan,
+    )
+
+
+def _failed(command: Command, error: Exception) -> tuple[Reply, bytes]:
+    if isinstance(error, Refusal):
+        return _reply(Status.REFUSED, command), to_json(error.to_json())
+    with suppress(OSError):
+        traceback.print_exception(error)
+    told = str(error) if isinstance(error, PLAIN) else f"{type(error).__name__}: {error}"
+    return _reply(Status.FAILED, command), to_json({"error": told})

@@ -1,0 +1,221 @@
+"""The base class of a solver, and what passes through it.
+
+A participant's life, in the order of the calls (docs/ARCHITECTURE.md, "A run"):
+
+    configure → build → first_outputs → ( solve … solve → accept → [observe] ) … → summary
+
+and between windows `save` and `restore`. A window may be solved any number of times: `solve` always
+starts from the accepted state, and only `accept` moves on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from .configuration import Configuration, Layout, Refusal
+from .description import Effect, Key, Model
+from .fields import FieldKind
+from .grids import Array, check_name
+from .messages import PROTOCOL_VERSION
+
+if TYPE_CHECKING:
+    from .ports import Inputs, Outputs
+
+
+class StepError(Exception):
+    """A solve that failed; its text is what the coordinator tells."""
+
+
+class NonFiniteInput(StepError):
+    """An input holds a NaN or an infinity."""
+
+    def __init__(self, field: str, index: int, value: float) -> None:
+        super().__init__(f"input `{field}` is not finite at index {index} ({value})")
+        self.field, self.index, self.value = field, index, value
+
+
+class MissingInput(StepError, KeyError):
+    """An input that the model cannot do without is missing."""
+
+    def __init__(self, field: str) -> None:
+        super().__init__(f"input `{field}` is missing")
+        self.field = field
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class StateError(Exception):
+    """A state that cannot be restored."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(f"state does not fit: {reason}")
+
+
+@dataclass(frozen=True)
+class Step:
+    """One iteration of one window."""
+
+    window: int
+    """Number of the window, from 0."""
+    iteration: int
+    """Iteration within the window, from 1; 0 stands for the first outputs before any solve."""
+    start: float
+    """Start of the window [s]."""
+    end: float
+    """End of the window [s]; equal to `start` in a steady case."""
+
+    @property
+    def duration(self) -> float:
+        """Length of the window [s]."""
+        return self.end - self.start
+
+
+@dataclass
+class StepReport:
+    """What a solve says besides its outputs."""
+
+    substeps: int = 1
+    """Steps taken inside the window."""
+    inner_iterations: int = 0
+    """Iterations of the inner solver."""
+    work: int = 0
+    """Number of elementary operations in the model's own measure."""
+    heat_received: float | None = None
+    """Heat received through conservative inputs, as the mean power over the window [W]."""
+    wanted_window: float | None = None
+    """Longest window that the model would take from this one's start [s]."""
+
+
+def first_non_finite(values: Array) -> int | None:
+    """Index of the first NaN or infinity, in memory order; `None` if every value is finite.
+
+    One pass without a temporary: a sum is finite only if all its terms are. The search is made only
+    where the sum is not, which finite values that overflow reach too.
+    """
+    with np.errstate(all="ignore"):
+        if np.isfinite(np.add.reduce(values, axis=None)):
+            return None
+    bad = ~np.isfinite(values).ravel()
+    return int(bad.argmax()) if bad.any() else None
+
+
+class Solver:
+    """A participant's program; subclass it and hand the class to `cosim.main`.
+
+    Only `configure` and `solve` must be written. A solver without memory of earlier windows needs
+    nothing else; one with memory writes `accept`, and `save` and `restore` if its runs are to be
+    resumed.
+    """
+
+    name: ClassVar[str] = ""
+    """Name of the program; the class's name where it is empty."""
+    version: ClassVar[str] = "0"
+    """Version of the program."""
+    role: ClassVar[str] = ""
+    """The role it plays: `mech`, `thermal`, or another word that a case names as a table."""
+    standalone: ClassVar[bool] = False
+    """It has an answer of its own even if no effect is active."""
+    estimates: ClassVar[bool] = True
+    """It answers `--estimate`, so that a plan knows its grids."""
+    models: ClassVar[Sequence[Model]] = ()
+    """Models, cheapest first."""
+    effects: ClassVar[Sequence[Effect]] = ()
+    """Effects it can take part in."""
+    keys: ClassVar[Sequence[Key]] = ()
+    """Case keys it reads whatever the model; keys of a model or an effect stand there."""
+    fields: ClassVar[Sequence[FieldKind]] = ()
+    """Fields that are not in `cosim.fields.TABLE`."""
+
+    def configure(self, configuration: Configuration) -> Layout:
+        """Check a configuration; cheap, allocates no field.
+
+        Returns grids, placement of the fields and expected cost; raises `Refusal` for a case that
+        it cannot take. The grid of an input may not be known yet (`--estimate`).
+        """
+        raise NotImplementedError
+
+    def build(self) -> None:
+        """Allocate everything that solves need. May raise `Refusal`."""
+
+    def first_outputs(self, outputs: Outputs) -> None:
+        """Write the outputs that hold before the first solve; zero unless overridden."""
+        for name in outputs:
+            outputs[name] = 0.0
+
+    def solve(self, step: Step, inputs: Inputs, outputs: Outputs) -> StepReport | None:
+        """Solve one window from the accepted state, and write every value of the outputs.
+
+        Inputs and outputs are views of shared memory that end with this call: what is to be kept
+        must be copied. Any exception ends the run with its text.
+        """
+        raise NotImplementedError
+
+    def accept(self) -> None:
+        """Make the last solve the accepted state."""
+
+    def observe(self, outputs: Outputs) -> None:
+        """Write the observed fields of the accepted state.
+
+        A solver that does not override this finds them among the outputs of `solve`, and what the
+        accepted solve wrote there is sent.
+        """
+
+    def save(self) -> bytes:
+        """The accepted state; empty for a solver without memory."""
+        return b""
+
+    def restore(self, state: bytes) -> None:
+        """Return to a saved state; raises `StateError` if it does not fit."""
+        if state:
+            raise StateError(f"{len(state)} bytes for a solver without memory")
+
+    def summary(self) -> dict[str, Any]:
+        """Sections of `summary.json` of this solver, such as `{"temperature": {...}}`."""
+        return {}
+
+    @classmethod
+    def description(cls) -> dict[str, Any]:
+        """What `--describe` prints. Raises `ValueError` for names that cannot travel."""
+        check_name("role", cls.role)
+        for kind in cls.fields:
+            check_name("field", kind.name)
+        return {
+            "protocol": PROTOCOL_VERSION,
+            "name": cls.name or cls.__name__,
+            "version": cls.version,
+            "role": cls.role,
+            "standalone": cls.standalone,
+            "estimates": cls.estimates,
+            "models": [model.to_json() for model in cls.models],
+            "effects": [effect.to_json() for effect in cls.effects],
+            "keys": [key.to_json() for key in cls.keys],
+            "fields": [kind.to_json() for kind in cls.fields],
+        }
+
+
+def checked_layout(solver: Solver, configuration: Configuration) -> Layout:
+    """`Solver.configure`, with what no solver can take refused before, and its answer checked."""
+    for given in configuration.inputs:
+        if given.moves:
+            raise Refusal(
+                f"{given.producer}.model",
+                f"the grid of `{given.field.name}` moves, and `{type(solver).__name__}` takes "
+                "grids that stay",
+                f"name a model of {given.producer} whose grid stays",
+            )
+    layout = solver.configure(configuration)
+    layout.check()
+    grids_known = all(given.grid is not None for given in configuration.inputs)
+    unplaced = [
+        name
+        for name in [*configuration.outputs, *configuration.observed]
+        if grids_known and name not in layout.fields
+    ]
+    if unplaced:
+        raise ValueError(f"the layout places no `{unplaced[0]}`, which the run needs")
+    return layout

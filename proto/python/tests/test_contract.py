@@ -1,0 +1,167 @@
+"""What crosses the process boundary: layouts, JSON, refusals."""
+
+import ctypes
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from strip_columns import StripColumns
+
+from cosim import Configuration, Grid, Layout, Quadrilaterals, Refusal, Solver, Structured
+from cosim.messages import Command, FieldHeader, Reply
+from cosim.server import to_json
+from cosim.solver import checked_layout, first_non_finite
+
+# The golden numbers of proto/src/message.rs.
+LAYOUTS = [
+    (Command, 176, [0, 4, 8, 16, 24, 28, 32, 40, 48]),
+    (Reply, 56, [0, 4, 8, 16, 24, 28, 32, 40, 48]),
+    (FieldHeader, 176, [0, 4, 8, 16, 24, 32, 36, 40, 48, 56, 64, 96, 112, 144]),
+]
+
+
+@pytest.mark.parametrize(("layout", "size", "offsets"), LAYOUTS)
+def test_layouts_are_those_of_the_contract(layout, size, offsets):
+    assert (ctypes.sizeof(layout), ctypes.alignment(layout)) == (size, 8)
+    assert [getattr(layout, name).offset for name, _ in layout._fields_] == offsets
+
+
+def configuration(**more):
+    plane = Structured.contact_plane(-0.1 / 3, -1e-3, 1e-4, 2e-4, 8, 4)
+    fields = {
+        "friction_power": ("W/m2", 1, "conservative", Grid("contact", plane).to_json()),
+        "surface_speed": ("m/s", 2, "consistent", None),
+    }
+    inputs = [
+        {
+            "field": {
+                "name": name,
+                "unit": unit,
+                "components": components,
+                "mapping": mapping,
+                "body": "interface",
+                "meaning": "",
+            },
+            "producer": "mech",
+            "grid": grid,
+        }
+        for name, (unit, components, mapping, grid) in fields.items()
+    ]
+    steel = {"density": 7850.0, "specific_heat": 419.5, "conductivity": 50.0}
+    return {
+        "role": "thermal",
+        "model": "columns",
+        "mode": "steady",
+        "case": {
+            "wheel": {"material": "steel"},
+            "rail": {"material": "steel"},
+            "materials": {"steel": steel},
+            "motion": {"speed": 38.889},
+            "effects": {"friction_heat": {"partition": "equal"}},
+        },
+        "inputs": inputs,
+        "outputs": ["rail_temperature"],
+        "observed": [],
+        **more,
+    }
+
+
+def laid_out(**more):
+    return checked_layout(StripColumns(), Configuration.from_json(configuration(**more)))
+
+
+def test_a_layout_places_fields_and_wishes_inputs_only_when_asked():
+    layout = laid_out()
+    assert layout.fields["rail_temperature"] == "contact"
+    assert "inputs" not in layout.to_json()
+    case = {**configuration()["case"], "thermal": {"resolution": 16}}
+    layout = laid_out(case=case)
+    # The patch is 8 x 1e-4 m by 4 x 2e-4 m: square elements of 5e-5 m, on the same patch.
+    shape = layout.grid("contact").shape
+    assert (shape.ni, shape.nj) == (16, 16)
+    assert layout.to_json()["inputs"] == [{"field": "friction_power", "grid": "contact"}]
+    low = np.array(shape.origin) - 0.5 * np.array(shape.step_i) - 0.5 * np.array(shape.step_j)
+    # Rounding of sums of 0.03.
+    assert np.allclose(low, [-0.1 / 3 - 5e-5, -1e-3 - 1e-4, 0.0], rtol=0, atol=1e-16)
+
+
+def test_refusals_name_the_key():
+    def refused(**more):
+        with pytest.raises(Refusal) as refusal:
+            laid_out(**more)
+        return refusal.value.key
+
+    case = configuration()["case"]
+    assert refused(model="fe") == "thermal.model"
+    assert refused(case={**case, "effects": {}}) == "effects.friction_heat"
+    assert refused(case={**case, "motion": {"speed": "fast"}}) == "motion.speed"
+    assert refused(case={**case, "materials": {}}) == "materials.steel.density"
+    inputs = configuration()["inputs"]
+    assert refused(inputs=[{**inputs[0], "moves": True}, inputs[1]]) == "mech.model"
+
+
+def test_a_wrong_layout_is_not_sent():
+    class Wrong(Solver):
+        def configure(self, configuration):
+            return Layout(grids=self.grids, fields=self.fields_on)
+
+    def told(grids, fields_on):
+        solver = Wrong()
+        solver.grids, solver.fields_on = grids, fields_on
+        given = Configuration.from_json(configuration(inputs=[]))
+        with pytest.raises(ValueError) as error:
+            checked_layout(solver, given)
+        return str(error.value)
+
+    plane = Structured.contact_plane(0.0, 0.0, 1.0, 1.0, 2, 2)
+    flat = Structured.contact_plane(0.0, 0.0, 0.0, 1.0, 2, 2)
+    assert "no `rail_temperature`" in told([Grid("g", plane)], {})
+    assert "no grid" in told([], {"rail_temperature": "g"})
+    assert "without an area" in told([Grid("g", flat)], {"rail_temperature": "g"})
+    assert "letters" in told([Grid("../g", plane)], {"rail_temperature": "../g"})
+    assert "two grids" in told([Grid("g", plane)] * 2, {"rail_temperature": "g"})
+
+
+def test_grids_travel_with_every_bit_and_agree_with_each_other():
+    plane = Structured((-0.1 / 3, 1e-17, 0.2), (0.1, 0.02, 0.0), (0.03, 0.0, -0.2), 3, 2)
+    again = Grid.from_json(json.loads(json.dumps(Grid("g", plane).to_json())))
+    assert again == Grid("g", plane)
+    corner = [
+        np.array(plane.origin)
+        + (i - 0.5) * np.array(plane.step_i)
+        + (j - 0.5) * np.array(plane.step_j)
+        for j in range(3)
+        for i in range(4)
+    ]
+    n = [j * 4 + i for j in range(2) for i in range(3)]
+    elements = np.array([[k, k + 1, k + 5, k + 4] for k in n], dtype=np.uint32)
+    surface = Quadrilaterals(np.array(corner), elements)
+    surface.check()
+    again = Grid.from_json(json.loads(json.dumps(Grid("g", surface).to_json()))).shape
+    assert np.array_equal(again.points_xyz, surface.points_xyz)
+    # Rounding of coordinates of order 0.1.
+    assert np.allclose(surface.centres(), plane.centres(), rtol=0, atol=1e-16)
+    assert np.allclose(surface.areas(), plane.areas(), rtol=1e-14)
+    twisted = Quadrilaterals(surface.points_xyz, elements[:, [0, 2, 1, 3]])
+    with pytest.raises(ValueError, match="convex"):
+        twisted.check()
+
+
+def test_first_non_finite_value_and_sums_that_overflow():
+    values = np.full(5000, 1e308)
+    assert first_non_finite(values) is None
+    values[4001], values[4500] = -math.inf, math.nan
+    assert first_non_finite(values) == 4001
+
+
+def test_summaries_of_numpy_values_are_json():
+    value = {"a": np.float64(0.5), "b": np.arange(2), "c": math.nan, "d": (np.int64(3), True)}
+    assert json.loads(to_json(value)) == {"a": 0.5, "b": [0, 1], "c": None, "d": [3, True]}
+
+
+def test_the_readme_shows_the_example():
+    package = Path(__file__).parent.parent
+    shown = (package / "README.md").read_text().split("```python\n")[1].split("```")[0]
+    assert shown == (package / "examples/short_columns.py").read_text()

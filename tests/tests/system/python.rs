@@ -1,0 +1,328 @@
+//! A participant in Python takes the place of ours: the same answer within its method's error, the
+//! same manners when something goes wrong.
+
+use crate::harness::{Place, case, root};
+use rustix::process::Signal;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// An interpreter that has the package, made by `proto/python/environment.py` once.
+fn interpreter() -> &'static Path {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(|| {
+        let script = root().join("proto/python/environment.py");
+        let made = Command::new("python3").arg(script).output().expect("Python 3.11 is installed");
+        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+        PathBuf::from(String::from_utf8(made.stdout).unwrap().trim_end())
+    })
+}
+
+/// The interpreter with the examples on its path.
+fn python() -> Command {
+    let mut command = Command::new(interpreter());
+    command.env("PYTHONPATH", root().join("proto/python/examples"));
+    command
+}
+
+fn strip_columns() -> String {
+    let program = "proto/python/examples/strip_columns.py";
+    format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string())
+}
+
+/// The solver with a fault, started by a shell that tells it where the examples are.
+fn faulty(fault: &str) -> String {
+    let examples = root().join("proto/python/examples");
+    let script = format!(
+        "PYTHONPATH={} exec {} tests/tests/system/python/faulty.py {fault} \"$@\"",
+        examples.display(),
+        interpreter().display()
+    );
+    format!("thermal.command=[\"sh\", \"-c\", {script:?}, \"sh\"]")
+}
+
+fn run(name: &str, settings: &[&str]) -> (Place, Value) {
+    let place = Place::new();
+    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+    let summary = place.summary(&case(name), &more);
+    (place, summary)
+}
+
+fn number(summary: &Value, pointer: &str) -> f64 {
+    let value = summary.pointer(pointer).and_then(Value::as_f64);
+    value.unwrap_or_else(|| panic!("{pointer} is missing in {summary}"))
+}
+
+const PEAK: &str = "/temperature/rail/max_rise_k";
+const IMBALANCE: &str = "/coupling/energy_imbalance";
+
+/// A one-component field of a .vti file: raw doubles behind their number of bytes.
+fn field(place: &Place, file: &str, name: &str) -> Vec<f64> {
+    let bytes = std::fs::read(place.out().join("fields").join(file)).unwrap();
+    let mark = b"<AppendedData encoding=\"raw\">\n_";
+    let data = bytes.windows(mark.len()).position(|window| window == mark).unwrap();
+    let head = String::from_utf8(bytes[..data].to_vec()).unwrap();
+    let line = head.lines().find(|line| line.contains(&format!("Name=\"{name} ["))).unwrap();
+    let offset = line.split("offset=\"").nth(1).unwrap().split('"').next().unwrap();
+    let start = data + mark.len() + offset.parse::<usize>().unwrap();
+    let size = u64::from_le_bytes(bytes[start..start + 8].try_into().unwrap()) as usize;
+    let values = bytes[start + 8..start + 8 + size].as_chunks().0.iter();
+    values.map(|value| f64::from_le_bytes(*value)).collect()
+}
+
+/// Largest difference of two fields, relative to the largest value of the second.
+fn difference(found: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(found.len(), expected.len());
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    largest(&mut found.iter().zip(expected).map(|(a, b)| (a - b).abs()))
+        / largest(&mut expected.iter().copied())
+}
+
+/// Ours is of order 2.5 and counts as exact here. A flux that is constant over elements costs, near
+/// the peak, an error of order 1.5 (0.23 % at a/20, 0.07 % at a/40); where slip sets in with a jump
+/// of the flux inside an element, one of order 1 (1.1 %, 0.53 %). The bounds are those and a half
+/// more.
+#[test]
+fn strip_columns_give_what_ours_give() {
+    let mut errors = Vec::new();
+    for (resolution, of_peak, of_field) in [(20, 3.5e-3, 1.6e-2), (40, 1.0e-3, 0.8e-2)] {
+        let resolution = format!("mech.resolution={resolution}");
+        let (ours, expected) = run("wheel-rail.toml", &[&resolution]);
+        let (theirs, found) = run("wheel-rail.toml", &[&resolution, &strip_columns()]);
+        for body in ["rail", "wheel"] {
+            let at = |name: &str| format!("/temperature/{body}/{name}");
+            let ratio = |name: &str| number(&found, &at(name)) / number(&expected, &at(name));
+            assert!((ratio("max_rise_k") - 1.0).abs() < of_peak, "{}", ratio("max_rise_k"));
+            // The peak is flat: its place moves by the root of the error.
+            let moved = number(&found, &at("x_over_a")) - number(&expected, &at("x_over_a"));
+            assert!(moved.abs() < 0.01, "{moved}");
+            assert_eq!(number(&found, &at("y_m")), number(&expected, &at("y_m")));
+            assert!((ratio("penetration_depth_m") - 1.0).abs() < 5.0 * of_peak);
+            let read = |place: &Place| {
+                let name = format!("{body}_temperature");
+                field(place, "thermal_contact_000000.vti", &name)
+            };
+            let error = difference(&read(&theirs), &read(&ours));
+            assert!(error < of_field, "{body}: {error:e}");
+            errors.push(error);
+            let read = |place: &Place| {
+                let name = format!("{body}_section");
+                let file = format!("thermal_{name}_000000.vti");
+                field(place, &file, &format!("{name}_temperature"))
+            };
+            assert!(difference(&read(&theirs), &read(&ours)) < of_field);
+        }
+        assert!(number(&found, IMBALANCE) <= 1e-12);
+    }
+    // The differences shrink as the method says: they are its error and nothing else.
+    let order = (errors[0] / errors[2]).log2();
+    assert!((0.8..1.8).contains(&order), "{errors:?}");
+}
+
+/// The README's solver sums directly what the other transforms: the rail's field is the same, to
+/// rounding. It has no `observe` of its own.
+#[test]
+fn the_short_solver_agrees_with_the_long_one() {
+    let program = "proto/python/examples/short_columns.py";
+    let short = format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string());
+    let settings = ["mech.model=hertz-carter", "mech.resolution=20"];
+    let (long, _) = run("wheel-rail.toml", &[&settings[..], &[&strip_columns()]].concat());
+    let (short, summary) =
+        run("wheel-rail.toml", &[&settings[..], &[&short, "thermal.model=short"]].concat());
+    assert!(number(&summary, IMBALANCE) <= 1e-12);
+    let read = |place| field(place, "thermal_contact_000000.vti", "rail_temperature");
+    assert!(difference(&read(&short), &read(&long)) < 1e-14);
+}
+
+/// What a case may say to ours it may say to theirs, in the same words.
+#[test]
+fn it_describes_what_ours_describe() {
+    let program = root().join("proto/python/examples/strip_columns.py");
+    let told = python().arg(program).arg("--describe").output().unwrap();
+    let theirs: Value = serde_json::from_slice(&told.stdout).unwrap();
+    let ours = proto::model::Solver::description(&thermal_solver::ThermalSolver);
+    let ours = serde_json::to_value(ours).unwrap();
+    assert_eq!(theirs["protocol"], proto::PROTOCOL_VERSION);
+    let by_path = |keys: &Value| {
+        let mut keys = keys.as_array().unwrap().clone();
+        keys.sort_by_key(|key| key["path"].to_string());
+        let specs = keys.into_iter().map(|key| serde_json::from_value(key).unwrap());
+        specs.collect::<Vec<proto::description::KeySpec>>()
+    };
+    let columns = |said: &Value| {
+        let models = said["models"].as_array().unwrap().iter();
+        models.into_iter().find(|model| model["name"] == "columns").unwrap().clone()
+    };
+    assert_eq!(by_path(&theirs["keys"]), by_path(&ours["keys"]));
+    for (found, expected) in [
+        (columns(&theirs), columns(&ours)),
+        (theirs["effects"][0].clone(), ours["effects"][0].clone()),
+    ] {
+        for part in ["name", "consumes", "provides", "steady", "transient"] {
+            assert_eq!(found[part], expected[part], "{part}");
+        }
+        assert_eq!(by_path(&found["keys"]), by_path(&expected["keys"]));
+    }
+}
+
+/// The package's table of fields is the contract's.
+#[test]
+fn the_tables_of_fields_are_the_same() {
+    let script = "import json, cosim.fields as f; \
+                  print(json.dumps([kind.to_json() for kind in f.TABLE.values()]))";
+    let told = python().args(["-c", script]).output().unwrap();
+    let mut theirs: Vec<Value> = serde_json::from_slice(&told.stdout).unwrap();
+    let kinds = proto::field::TABLE.iter().map(proto::field::FieldSpec::kind);
+    let mut ours: Vec<Value> = kinds.map(|kind| serde_json::to_value(kind).unwrap()).collect();
+    for table in [&mut theirs, &mut ours] {
+        table.sort_by_key(|kind| kind["name"].to_string());
+    }
+    assert_eq!(theirs, ours);
+}
+
+/// Each pass starts from the accepted state, or the loop would not settle. Bound: as above, times the
+/// loop's way of answering an error of the temperature, which is below 1.
+#[test]
+fn a_loop_through_python_converges_to_the_same_state() {
+    let (_, expected) = run("falling-friction.toml", &[]);
+    let (_, found) = run("falling-friction.toml", &[&strip_columns()]);
+    assert_eq!(found["status"], "converged");
+    assert_eq!(found["coupling"]["iterations"], expected["coupling"]["iterations"]);
+    for pointer in [PEAK, "/contact/friction_power_w"] {
+        let ratio = number(&found, pointer) / number(&expected, pointer);
+        assert!((ratio - 1.0).abs() < 1e-3, "{pointer}: {ratio}");
+    }
+    assert!(number(&found, IMBALANCE) <= 1e-12);
+}
+
+/// After five passages the transient field is the steady one, to rounding: no heat of a window is
+/// lost or counted twice. Windows that are a fiftieth of an element's passage are merged, which
+/// moves no heat once the flux no longer changes.
+#[test]
+fn windows_add_up_to_the_steady_field() {
+    let python = strip_columns();
+    let steady = |settings: &[&str]| {
+        let given = [settings, &["time.mode=steady", &python]].concat();
+        let sets = given.iter().flat_map(|set| ["--set", set]);
+        let unset = ["--unset", "time.window", "--unset", "time.end", "--unset", "output.every"];
+        Place::new().summary(&case("cold-start.toml"), &sets.chain(unset).collect::<Vec<_>>())
+    };
+    let (_, transient) = run("cold-start.toml", &[&python]);
+    assert_eq!(transient["coupling"]["windows"], 51);
+    let short = ["mech.resolution=8", "time.window=0.5 us", "output.every=1000", &python];
+    let (_, merged) = run("cold-start.toml", &short);
+    assert!(merged["coupling"]["windows"].as_u64().unwrap() > 2000);
+    let (steady, coarse) = (steady(&[]), steady(&["mech.resolution=8"]));
+    for (found, expected) in [(&transient, &steady), (&merged, &coarse)] {
+        let ratio = number(found, PEAK) / number(expected, PEAK);
+        assert!((ratio - 1.0).abs() < 1e-10, "{ratio}");
+        assert!(number(found, IMBALANCE) <= 1e-12);
+    }
+}
+
+/// A grid of its own, on which the coordinator maps the heat.
+#[test]
+fn a_wished_grid_gets_all_the_heat() {
+    let settings = ["mech.resolution=20", "thermal.resolution=59", &strip_columns()];
+    let (place, mapped) = run("wheel-rail.toml", &settings);
+    assert!(number(&mapped, IMBALANCE) <= 1e-10);
+    let values = field(&place, "thermal_contact_000000.vti", "rail_temperature");
+    assert_eq!(values.len(), 59 * 46);
+}
+
+/// A run whose coordinator is killed leaves nothing, and goes on to the bit as if it had not been.
+#[test]
+fn a_killed_run_is_resumed() {
+    let python = strip_columns();
+    let settings = [python.as_str(), "time.end=2.5 ms", "output.checkpoint_every=7"];
+    let more = settings.map(|set| ["--set", set]).concat();
+    let (undisturbed, expected) = run("cold-start.toml", &settings);
+    let place = Place::new();
+    let running = place.start_run(&case("cold-start.toml"), &more);
+    place.wait_for_log("checkpoint written");
+    running.signal(Signal::KILL);
+    assert_eq!(running.wait().code, None, "killed while it ran");
+    place.assert_nothing_left();
+    let resumed = place.start(&["run", "--resume", &place.out().display().to_string()]).wait();
+    assert_eq!(resumed.code, Some(0), "{}", resumed.stderr);
+    place.assert_nothing_left();
+    assert_eq!(place.read_summary()["temperature"], expected["temperature"]);
+    let last = format!("thermal_contact_{:06}.vti", 124);
+    let read = |place: &Place| field(place, &last, "wheel_temperature");
+    assert_eq!(read(&place), read(&undisturbed));
+}
+
+/// A thread of Python's own watches the coordinator, also while the solver never rests.
+#[test]
+fn a_killed_coordinator_leaves_nothing_in_mid_solve() {
+    for fault in ["sleep", "spin"] {
+        let place = Place::new();
+        let running = place.start_run(&case("cold-start.toml"), &["--set", &faulty(fault)]);
+        place.wait_for_log("every participant is ready");
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        running.signal(Signal::KILL);
+        assert_eq!(running.wait().code, None, "killed by a signal");
+        place.assert_nothing_left();
+    }
+}
+
+/// A heart beats beside a loop that never lets go of the interpreter for long: it is the solve's
+/// deadline that ends it.
+#[test]
+fn a_busy_solve_keeps_its_heart() {
+    let place = Place::new();
+    let settings =
+        [&faulty("spin"), "coupling.heartbeat_deadline=1.5", "coupling.solve_deadline=4"];
+    let ended = place.run(&case("cold-start.toml"), &settings.map(|set| ["--set", set]).concat());
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    assert!(ended.stderr.contains("although its heart beats"), "{}", ended.stderr);
+    place.assert_nothing_left();
+}
+
+#[test]
+fn faults_in_python_are_told_in_its_words() {
+    let cases = [
+        ("raise", "in window 0, iteration 1", "ValueError: told to fail"),
+        ("keep-input", "in window 0, iteration 1", "an array of `friction_power` was kept"),
+        ("keep-output", "in window 0, iteration 1", "an array of `rail_temperature` was kept"),
+        ("write-input", "in window 0, iteration 1", "read-only"),
+        ("unwritten", "in window 0, iteration 1", "`rail_temperature` is not finite at index 7"),
+        ("unknown", "in window 0, iteration 1", "the description provides no `rail_temperatur`"),
+        ("exit", "in window 0, iteration 1", "ended with exit code 9"),
+        // Nobody waits for an answer to Accept: the next command is answered with the error.
+        ("accept", "in window 1, iteration 1", "ValueError: told to fail"),
+    ];
+    for (fault, when, what) in cases {
+        let place = Place::new();
+        let name = if fault == "accept" { "cold-start.toml" } else { "falling-friction.toml" };
+        let ended = place.run(&case(name), &["--set", &faulty(fault)]);
+        assert_eq!(ended.code, Some(1), "{fault}: {}", ended.stderr);
+        for part in ["thermal (sh) failed", when, what] {
+            assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
+        }
+        if fault == "raise" {
+            let traced = |event: &Value| event.to_string().contains("faulty.py");
+            assert!(place.log().iter().any(traced), "the traceback is in the log");
+        }
+        place.assert_nothing_left();
+    }
+}
+
+#[test]
+fn what_python_refuses_is_an_error_of_the_case() {
+    let refused = [
+        (vec!["thermal.model=ertz-knothe".to_owned(), strip_columns()], 2, "thermal.model"),
+        (vec![faulty("refuse")], 2, "told to refuse"),
+        (vec!["thermal.resolution=1".to_owned(), strip_columns()], 2, "thermal.resolution"),
+        (vec![faulty("layout")], 1, "the layout places no `rail_temperature`"),
+    ];
+    for (settings, code, what) in refused {
+        let place = Place::new();
+        let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+        let ended = place.run(&case("falling-friction.toml"), &more);
+        assert_eq!(ended.code, Some(code), "{settings:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(what), "`{what}` is missing in: {}", ended.stderr);
+        place.assert_nothing_left();
+    }
+}
