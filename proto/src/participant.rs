@@ -16,6 +16,7 @@ use crate::model::Solver;
 use crate::run_dir::RunDir;
 use clap::Parser;
 use std::error::Error;
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -41,19 +42,32 @@ struct Arguments {
 
 /// The whole `main` of a participant.
 pub fn main(solver: &dyn Solver) -> ExitCode {
+    ExitCode::from(main_from(std::env::args_os(), solver))
+}
+
+/// [`main`] for a program that is not Rust: the arguments, the program's name first; the exit code.
+pub fn main_from(arguments: impl IntoIterator<Item = OsString>, solver: &dyn Solver) -> u8 {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    tracing_subscriber::fmt()
+    // A host that has a subscriber of its own keeps it.
+    let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
         .with_ansi(false)
         .without_time()
-        .init();
-    match act(&Arguments::parse(), solver) {
-        Ok(()) => ExitCode::SUCCESS,
+        .try_init();
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(2);
+        }
+    };
+    match act(&arguments, solver) {
+        Ok(()) => 0,
         Err(error) => {
             let _ = writeln!(std::io::stderr(), "error: {error}");
-            ExitCode::FAILURE
+            1
         }
     }
 }

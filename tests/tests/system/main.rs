@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
 
 mod bad_cases;
+mod c_interface;
 mod crowd;
 mod exchange;
 mod faults;

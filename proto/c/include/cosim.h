@@ -1,0 +1,447 @@
+/*
+ * libcosim: a participant of a co-simulation in C, C++ or Fortran.
+ *
+ * Fill a cosim_solver and hand it to cosim_main(); proto/c/README.md shows how, and
+ * proto/c/examples/closed_form.c is a whole solver.
+ *
+ * Numbers are in SI units. Strings end with a NUL and are UTF-8. A pointer that a callback is given
+ * holds until it returns. A NULL where none is allowed, like every other wrong use, makes the
+ * callback in which it happens fail, whatever that returns.
+ */
+
+#ifndef COSIM_H
+#define COSIM_H
+
+/* Written from the sources by `COSIM_HEADER=write cargo test -p cosim-c --test header`. */
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** JSON without quotes to escape: COSIM_JSON({"name": "mine"}). */
+#define COSIM_JSON(...) #__VA_ARGS__
+
+/**
+ * Status of a callback or function: done.
+ */
+#define COSIM_OK 0
+
+/**
+ * Status of a callback or function: the case is refused, see cosim_refuse().
+ */
+#define COSIM_REFUSED 1
+
+/**
+ * Status of a callback or function: it failed, see cosim_fail().
+ */
+#define COSIM_FAILED 2
+
+/**
+ * Kind of a grid: a plane patch of ni x nj equal elements.
+ */
+#define COSIM_STRUCTURED 1
+
+/**
+ * Kind of a grid: a surface of quadrilaterals.
+ */
+#define COSIM_QUADRILATERALS 2
+
+/**
+ * Version of this interface. Raised when a program has to be changed, and not only compiled again.
+ */
+#define COSIM_VERSION 1
+
+/**
+ * A state that is being saved.
+ */
+typedef struct cosim_blob cosim_blob;
+
+/**
+ * What a program is told before a run: role, model, case values, inputs and outputs. Strings that
+ * come from it hold until configure returns.
+ */
+typedef struct cosim_configuration cosim_configuration;
+
+/**
+ * The inputs of a solve.
+ */
+typedef struct cosim_inputs cosim_inputs;
+
+/**
+ * What configure answers: the program's grids, which field lives on which, and the expected cost.
+ */
+typedef struct cosim_layout cosim_layout;
+
+/**
+ * The outputs of a callback.
+ */
+typedef struct cosim_outputs cosim_outputs;
+
+/**
+ * One iteration of one window.
+ */
+typedef struct cosim_step {
+    /**
+     * Number of the window, from 0.
+     */
+    uint64_t window;
+    /**
+     * Iteration within the window, from 1.
+     */
+    uint32_t iteration;
+    /**
+     * Start of the window [s].
+     */
+    double start;
+    /**
+     * End of the window [s]; equal to start in a steady case.
+     */
+    double end;
+} cosim_step;
+
+/**
+ * What a solve says besides its outputs. The library sets everything to 0 or NAN before.
+ */
+typedef struct cosim_report {
+    /**
+     * Steps taken inside the window.
+     */
+    uint32_t substeps;
+    /**
+     * Iterations of the inner solver.
+     */
+    uint32_t inner_iterations;
+    /**
+     * Number of elementary operations in the program's own measure.
+     */
+    uint64_t work;
+    /**
+     * Heat received through conservative inputs, as the mean power over the window [W]: the
+     * coordinator's audit compares it with what was sent. NAN for a program that receives none.
+     */
+    double heat_received;
+    /**
+     * Longest window that the program would take from this one's start [s]: up to an event, or for
+     * its accuracy. Adaptive windows obey it where it is shorter. NAN for no wish.
+     */
+    double wanted_window;
+} cosim_report;
+
+/**
+ * A solver: its callbacks, each called with the `user` of cosim_main() as the first argument, and
+ * never from two threads at once.
+ *
+ * A callback answers COSIM_OK, or what cosim_refuse() or cosim_fail() return; one that answers with
+ * a text, NULL after one of these. It must not throw a C++ exception nor jump out. A callback that
+ * is NULL is left out; describe, configure and solve must be there.
+ */
+typedef struct cosim_solver {
+    /**
+     * sizeof(cosim_solver): callbacks that a later version appends are NULL for this program.
+     */
+    size_t size;
+    /**
+     * COSIM_VERSION.
+     */
+    uint32_t version;
+    /**
+     * What the program can do, as JSON (see proto/c/README.md); called once. The text is the
+     * program's and stays until destroy.
+     */
+    const char *(*describe)(void *user);
+    /**
+     * Checks a configuration and answers with grids and cost; cheap, allocates no field. May be
+     * called more than once, the last one counts.
+     */
+    int (*configure)(void *user,
+                     const struct cosim_configuration *configuration,
+                     struct cosim_layout *layout);
+    /**
+     * Allocates everything the solver needs. NULL: nothing.
+     */
+    int (*build)(void *user);
+    /**
+     * Writes the outputs that hold before the first solve. NULL: zeros.
+     */
+    int (*first_outputs)(void *user, struct cosim_outputs *outputs);
+    /**
+     * Solves one window from the accepted state with the given inputs, and writes the outputs. A
+     * window may be solved any number of times: only accept moves on.
+     */
+    int (*solve)(void *user,
+                 const struct cosim_step *step,
+                 const struct cosim_inputs *inputs,
+                 struct cosim_outputs *outputs,
+                 struct cosim_report *report);
+    /**
+     * Makes the last solve the accepted state. NULL: there is no state.
+     */
+    int (*accept)(void *user);
+    /**
+     * Writes the observed fields of the accepted state: those that are only looked at and need not
+     * be there in every iteration. NULL: a run that would observe any is refused.
+     */
+    int (*observe)(void *user, struct cosim_outputs *outputs);
+    /**
+     * Writes the accepted state with cosim_blob_write(). NULL, together with restore: no state.
+     */
+    int (*save)(void *user, struct cosim_blob *blob);
+    /**
+     * Returns to a saved state, `size` bytes that hold until the callback returns; the run then
+     * continues bit-identically.
+     */
+    int (*restore)(void *user, const void *bytes, size_t size);
+    /**
+     * The program's part of summary.json, a JSON object of sections that are merged over the
+     * participants: {"temperature": {...}}. The text is the program's and stays until destroy.
+     * NULL: none.
+     */
+    const char *(*summary)(void *user);
+    /**
+     * Frees what `user` holds; called once, last.
+     */
+    void (*destroy)(void *user);
+} cosim_solver;
+
+/**
+ * A surface grid. Values belong to element centres.
+ *
+ * Structured: the centre of element (i, j) is origin + i step_i + j step_j, its value stands at
+ * j ni + i. For the contact plane step_i points along x, the rolling direction, and step_j along
+ * y, to the left. Quadrilaterals: element n has the corners elements[4n] to elements[4n+3], in
+ * order round it; vertex v is at vertices[3v] to vertices[3v+2].
+ *
+ * In a grid that comes from the library the pointers are the library's and hold until the callback
+ * returns; members of the other kind are 0.
+ */
+typedef struct cosim_grid {
+    /**
+     * Name, unique within the program that owns the grid: letters, digits, `_` and `-`.
+     */
+    char name[32];
+    /**
+     * Rises by one whenever the geometry changes; the first is 1, and 0 is taken for 1.
+     */
+    uint64_t revision;
+    /**
+     * COSIM_STRUCTURED or COSIM_QUADRILATERALS.
+     */
+    int kind;
+    /**
+     * Number of elements, whatever the kind; for a structured grid given to the library, unused.
+     */
+    size_t points;
+    /**
+     * Structured: centre of element (0, 0) [m].
+     */
+    double origin[3];
+    /**
+     * Structured: from one element to the next in i [m].
+     */
+    double step_i[3];
+    /**
+     * Structured: from one element to the next in j [m].
+     */
+    double step_j[3];
+    /**
+     * Structured: number of elements in i.
+     */
+    size_t ni;
+    /**
+     * Structured: number of elements in j.
+     */
+    size_t nj;
+    /**
+     * Quadrilaterals: number of vertices.
+     */
+    size_t vertex_count;
+    /**
+     * Quadrilaterals: three coordinates of each vertex [m].
+     */
+    const double *vertices;
+    /**
+     * Quadrilaterals: four vertices of each element, counted from 0.
+     */
+    const uint32_t *elements;
+} cosim_grid;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * The whole main of a participant: answers --describe and --estimate, and with --join takes part in
+ * a run until it is finished. `user` is handed to every callback and not looked at.
+ *
+ * Returns the exit code: 0, 1 for an error, which is written to standard error, 2 for wrong
+ * arguments. While it runs, a thread of the library's own beats the heart; should the coordinator
+ * die, that thread ends the process. SIGPIPE is ignored from here on, unless the program handles it.
+ */
+int cosim_main(int argc,
+               char **argv,
+               const struct cosim_solver *solver,
+               void *user);
+
+/**
+ * The whole configuration as JSON, for what has no accessor. NULL on failure.
+ */
+const char *cosim_configuration_json(const struct cosim_configuration *configuration);
+
+/**
+ * The role to play ("thermal"). NULL on failure.
+ */
+const char *cosim_role(const struct cosim_configuration *configuration);
+
+/**
+ * The model chosen, one of the description's. NULL on failure.
+ */
+const char *cosim_model(const struct cosim_configuration *configuration);
+
+/**
+ * Whether the case is transient: windows of coupling time, and not one without duration.
+ */
+bool cosim_is_transient(const struct cosim_configuration *configuration);
+
+/**
+ * Whether an effect is active and claimed by this program.
+ */
+bool cosim_has_effect(const struct cosim_configuration *configuration, const char *effect);
+
+/**
+ * Whether an output is wanted: in every iteration, or observed.
+ */
+bool cosim_is_wanted(const struct cosim_configuration *configuration, const char *field);
+
+/**
+ * Whether the case has a value or table at a dotted key.
+ */
+bool cosim_case_has(const struct cosim_configuration *configuration, const char *key);
+
+/**
+ * Reads a number of the case, in SI units, at a dotted key ("materials.steel.conductivity").
+ *
+ * COSIM_OK; or COSIM_REFUSED with a reason that names the key, ready to be returned, if it is
+ * missing or no finite number; *value then stays as it was.
+ */
+int cosim_case_number(const struct cosim_configuration *configuration,
+                      const char *key,
+                      double *value);
+
+/**
+ * Reads a whole number of the case; otherwise as cosim_case_number().
+ */
+int cosim_case_integer(const struct cosim_configuration *configuration,
+                       const char *key,
+                       int64_t *value);
+
+/**
+ * Reads a truth value of the case; otherwise as cosim_case_number().
+ */
+int cosim_case_flag(const struct cosim_configuration *configuration, const char *key, bool *value);
+
+/**
+ * A text or word of the case at a dotted key. NULL, with a refusal that names the key ready to be
+ * returned, if it is missing or no text.
+ */
+const char *cosim_case_text(const struct cosim_configuration *configuration, const char *key);
+
+/**
+ * Writes the grid on which an input will arrive, and says whether it is known. It is not for a
+ * field that is no input of this run, nor as long as its producer has not been configured: then
+ * configure answers without grids, and is called again later.
+ */
+bool cosim_input_grid(const struct cosim_configuration *configuration,
+                      const char *field,
+                      struct cosim_grid *grid);
+
+/**
+ * Says why a case cannot be computed; the run ends before it has begun, with exit code 2.
+ *
+ * For configure and build: `return cosim_refuse(...)`. `key` is the dotted key of the case at
+ * fault ("motion.speed"), `reason` why its value cannot be, `fix` what to write instead. All three
+ * are copied. Returns COSIM_REFUSED.
+ */
+int cosim_refuse(const char *key, const char *reason, const char *fix);
+
+/**
+ * Says why a callback failed; the run ends with exit code 1 and an error that has this text.
+ *
+ * `return cosim_fail("...")` from any callback, on the thread on which it was called. `message` is
+ * copied. Returns COSIM_FAILED.
+ */
+int cosim_fail(const char *message);
+
+/**
+ * The values of an input at the end of the window: its components one after the other, each with
+ * one value an element, read in place and valid until the callback returns.
+ *
+ * Writes the number of values and the grid as it is now; both pointers may be NULL. NULL, and a
+ * count of 0, for a field that does not arrive in this run.
+ */
+const double *cosim_input(const struct cosim_inputs *inputs,
+                          const char *field,
+                          size_t *count,
+                          struct cosim_grid *grid);
+
+/**
+ * The values of an input at the start of the window, as long as those of cosim_input(): within the
+ * window the field goes in a straight line from these to those. NULL for a field that does not
+ * vary within a window.
+ */
+const double *cosim_input_start(const struct cosim_inputs *inputs,
+                                const char *field,
+                                size_t *count);
+
+/**
+ * As cosim_input(), for an input that the program cannot do without: `count` values, all finite.
+ * NULL, with a reason that names the field ready to be returned as COSIM_FAILED, if it does not
+ * arrive, has another number of values, or holds a NaN or an infinity.
+ */
+const double *cosim_require_input(const struct cosim_inputs *inputs,
+                                  const char *field,
+                                  size_t count);
+
+/**
+ * The place for the values of an output: its components one after the other, each with one value an
+ * element, valid until the callback returns. Every value has to be written; the place holds old
+ * data before. Writes the number of values; `count` may be NULL. NULL, and a count of 0, for a
+ * field that nobody needs now.
+ */
+double *cosim_output(struct cosim_outputs *outputs, const char *field, size_t *count);
+
+/**
+ * Appends `size` bytes to a state that is being saved; they are copied.
+ */
+int cosim_blob_write(struct cosim_blob *blob, const void *bytes, size_t size);
+
+/**
+ * Adds a grid, which is copied. COSIM_FAILED if it cannot be: name, counts, elements without area.
+ */
+int cosim_layout_grid(struct cosim_layout *layout, const struct cosim_grid *grid);
+
+/**
+ * Says on which of the grids an output, or an observed field, lives. Both names are copied.
+ */
+int cosim_layout_output(struct cosim_layout *layout, const char *field, const char *grid);
+
+/**
+ * Asks for an input on one of the grids: the coordinator maps it there, if its producer's is
+ * another. An input without such a wish arrives on its producer's grid. Both names are copied.
+ */
+int cosim_layout_input(struct cosim_layout *layout, const char *field, const char *grid);
+
+/**
+ * Sets the expected processor time of one solve [s] and the memory of the program's arrays [byte].
+ */
+int cosim_layout_cost(struct cosim_layout *layout, double solve_seconds, uint64_t memory_bytes);
+
+/**
+ * Adds a line to what `coordinator plan` prints: what the model makes of the case. It is copied.
+ */
+int cosim_layout_remark(struct cosim_layout *layout, const char *remark);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* COSIM_H */

@@ -1,0 +1,318 @@
+//! What a participant is told, as C asks for it.
+
+use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
+use crate::grid::CosimGrid;
+use proto::configuration::{Configuration, Mode, Refusal};
+use std::cell::RefCell;
+use std::ffi::{CString, c_char, c_int};
+
+/// What a program is told before a run: role, model, case values, inputs and outputs. Strings that
+/// come from it hold until configure returns.
+pub struct CosimConfiguration<'a> {
+    configuration: &'a Configuration,
+    texts: RefCell<Vec<CString>>,
+}
+
+impl<'a> CosimConfiguration<'a> {
+    pub(crate) fn new(configuration: &'a Configuration) -> Self {
+        Self { configuration, texts: RefCell::default() }
+    }
+
+    /// Keeps a text for C.
+    fn lend(&self, text: &str) -> Result<*const c_char, Fault> {
+        let text = CString::new(text)
+            .map_err(|_| Fault::Misused(format!("a text of the case has a NUL: {text:?}")))?;
+        // The bytes stay where they are when the list grows.
+        let pointer = text.as_ptr();
+        self.texts.borrow_mut().push(text);
+        Ok(pointer)
+    }
+}
+
+/// What every accessor begins with.
+unsafe fn told<'a>(
+    configuration: *const CosimConfiguration<'a>,
+) -> Result<&'a CosimConfiguration<'a>, Fault> {
+    // SAFETY: the header asks for what the library has handed out.
+    unsafe { shared("configuration", configuration) }
+}
+
+/// A key of the case and where to put its value.
+unsafe fn value<'a, T>(
+    configuration: *const CosimConfiguration<'a>,
+    key: *const c_char,
+    into: *mut T,
+    read: impl FnOnce(&Configuration, &str) -> Result<T, Refusal>,
+) -> Result<c_int, Fault> {
+    // SAFETY: the header asks for a configuration, a string and room for a value.
+    let (told, key, into) =
+        unsafe { (told(configuration)?, text("key", key)?, exclusive("value", into)?) };
+    *into = read(told.configuration, key).map_err(Fault::Refused)?;
+    Ok(COSIM_OK)
+}
+
+/// The whole configuration as JSON, for what has no accessor. NULL on failure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_configuration_json(
+    configuration: *const CosimConfiguration<'_>,
+) -> *const c_char {
+    guard("cosim_configuration_json", || {
+        // SAFETY: as the header asks.
+        let told = unsafe { told(configuration)? };
+        let json = serde_json::to_string(told.configuration);
+        told.lend(&json.map_err(|error| Fault::Failed(error.to_string()))?)
+    })
+}
+
+/// The role to play ("thermal"). NULL on failure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_role(configuration: *const CosimConfiguration<'_>) -> *const c_char {
+    guard("cosim_role", || {
+        // SAFETY: as the header asks.
+        let told = unsafe { told(configuration)? };
+        told.lend(&told.configuration.role)
+    })
+}
+
+/// The model chosen, one of the description's. NULL on failure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_model(
+    configuration: *const CosimConfiguration<'_>,
+) -> *const c_char {
+    guard("cosim_model", || {
+        // SAFETY: as the header asks.
+        let told = unsafe { told(configuration)? };
+        told.lend(&told.configuration.model)
+    })
+}
+
+/// Whether the case is transient: windows of coupling time, and not one without duration.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_is_transient(configuration: *const CosimConfiguration<'_>) -> bool {
+    guard("cosim_is_transient", || {
+        // SAFETY: as the header asks.
+        Ok(unsafe { told(configuration)? }.configuration.mode == Mode::Transient)
+    })
+}
+
+/// Whether an effect is active and claimed by this program.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_has_effect(
+    configuration: *const CosimConfiguration<'_>,
+    effect: *const c_char,
+) -> bool {
+    guard("cosim_has_effect", || {
+        // SAFETY: as the header asks.
+        let (told, effect) = unsafe { (told(configuration)?, text("effect", effect)?) };
+        Ok(told.configuration.has_effect(effect))
+    })
+}
+
+/// Whether an output is wanted: in every iteration, or observed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_is_wanted(
+    configuration: *const CosimConfiguration<'_>,
+    field: *const c_char,
+) -> bool {
+    guard("cosim_is_wanted", || {
+        // SAFETY: as the header asks.
+        let (told, field) = unsafe { (told(configuration)?, text("field", field)?) };
+        let Configuration { outputs, observed, .. } = told.configuration;
+        Ok(outputs.iter().chain(observed).any(|name| name == field))
+    })
+}
+
+/// Whether the case has a value or table at a dotted key.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_case_has(
+    configuration: *const CosimConfiguration<'_>,
+    key: *const c_char,
+) -> bool {
+    guard("cosim_case_has", || {
+        // SAFETY: as the header asks.
+        let (told, key) = unsafe { (told(configuration)?, text("key", key)?) };
+        Ok(told.configuration.case.has(key))
+    })
+}
+
+/// Reads a number of the case, in SI units, at a dotted key ("materials.steel.conductivity").
+///
+/// COSIM_OK; or COSIM_REFUSED with a reason that names the key, ready to be returned, if it is
+/// missing or no finite number; *value then stays as it was.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_case_number(
+    configuration: *const CosimConfiguration<'_>,
+    key: *const c_char,
+    value: *mut f64,
+) -> c_int {
+    guard("cosim_case_number", || {
+        // SAFETY: as the header asks.
+        unsafe { self::value(configuration, key, value, |told, key| told.case.number(key)) }
+    })
+}
+
+/// Reads a whole number of the case; otherwise as cosim_case_number().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_case_integer(
+    configuration: *const CosimConfiguration<'_>,
+    key: *const c_char,
+    value: *mut i64,
+) -> c_int {
+    guard("cosim_case_integer", || {
+        // SAFETY: as the header asks.
+        unsafe { self::value(configuration, key, value, |told, key| told.case.integer(key)) }
+    })
+}
+
+/// Reads a truth value of the case; otherwise as cosim_case_number().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_case_flag(
+    configuration: *const CosimConfiguration<'_>,
+    key: *const c_char,
+    value: *mut bool,
+) -> c_int {
+    guard("cosim_case_flag", || {
+        let read = |told: &Configuration, key: &str| {
+            told.case.get(key).and_then(serde_json::Value::as_bool).ok_or_else(|| {
+                Refusal::new(key, "is not true or false", format!("write `{key} = true`"))
+            })
+        };
+        // SAFETY: as the header asks.
+        unsafe { self::value(configuration, key, value, read) }
+    })
+}
+
+/// A text or word of the case at a dotted key. NULL, with a refusal that names the key ready to be
+/// returned, if it is missing or no text.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_case_text(
+    configuration: *const CosimConfiguration<'_>,
+    key: *const c_char,
+) -> *const c_char {
+    guard("cosim_case_text", || {
+        // SAFETY: as the header asks.
+        let (told, key) = unsafe { (told(configuration)?, text("key", key)?) };
+        told.lend(told.configuration.case.text(key).map_err(Fault::Refused)?)
+    })
+}
+
+/// Writes the grid on which an input will arrive, and says whether it is known. It is not for a
+/// field that is no input of this run, nor as long as its producer has not been configured: then
+/// configure answers without grids, and is called again later.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_input_grid(
+    configuration: *const CosimConfiguration<'_>,
+    field: *const c_char,
+    grid: *mut CosimGrid,
+) -> bool {
+    guard("cosim_input_grid", || {
+        // SAFETY: as the header asks.
+        let (told, field, into) =
+            unsafe { (told(configuration)?, text("field", field)?, exclusive("grid", grid)?) };
+        let Some(grid) = told.configuration.input_grid(field) else { return Ok(false) };
+        *into = CosimGrid::of(grid);
+        Ok(true)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::{COSIM_FAILED, COSIM_REFUSED, call};
+    use std::ffi::CStr;
+    use std::ptr::{null, null_mut};
+
+    fn configuration() -> Configuration {
+        serde_json::from_value(serde_json::json!({
+            "role": "thermal", "model": "closed", "mode": "steady",
+            "case": {
+                "materials": {"steel": {"density": 7850.0}}, "thermal": {"n": 3, "on": true},
+                "effects": {"friction_heat": {"partition": "equal"}},
+            },
+            "inputs": [{
+                "field": proto::field::FRICTION_POWER.kind(), "producer": "mech",
+                "grid": {"name": "contact", "revision": 4, "kind": "structured",
+                    "origin": [0.0, 0.0, 0.0], "step_i": [1.0, 0.0, 0.0],
+                    "step_j": [0.0, 2.0, 0.0], "ni": 5, "nj": 7},
+            }],
+            "outputs": ["rail_temperature"], "observed": ["wheel_temperature"],
+        }))
+        .unwrap()
+    }
+
+    #[test]
+    fn values_by_dotted_key() {
+        let given = configuration();
+        let told = CosimConfiguration::new(&given);
+        let told = &raw const told;
+        let (mut number, mut integer, mut flag) = (0.0, 0, false);
+        unsafe {
+            let key = c"materials.steel.density".as_ptr();
+            assert_eq!(cosim_case_number(told, key, &raw mut number), COSIM_OK);
+            let key = c"thermal.n".as_ptr();
+            assert_eq!(cosim_case_integer(told, key, &raw mut integer), COSIM_OK);
+            assert_eq!(cosim_case_flag(told, c"thermal.on".as_ptr(), &raw mut flag), COSIM_OK);
+            assert_eq!((number, integer, flag), (7850.0, 3, true));
+            let partition = cosim_case_text(told, c"effects.friction_heat.partition".as_ptr());
+            let names = [cosim_role(told), cosim_model(told), partition];
+            let names = names.map(|name| CStr::from_ptr(name).to_str().unwrap());
+            assert_eq!(names, ["thermal", "closed", "equal"]);
+            let json = CStr::from_ptr(cosim_configuration_json(told)).to_str().unwrap();
+            assert_eq!(serde_json::from_str::<Configuration>(json).unwrap(), given);
+        }
+    }
+
+    #[test]
+    fn what_is_there() {
+        let given = configuration();
+        let told = CosimConfiguration::new(&given);
+        let told = &raw const told;
+        unsafe {
+            assert!(!cosim_is_transient(told));
+            let effects = [c"friction_heat", c"wear"];
+            assert_eq!(effects.map(|e| cosim_has_effect(told, e.as_ptr())), [true, false]);
+            let outputs = [c"rail_temperature", c"wheel_temperature", c"pressure"];
+            let wanted = outputs.map(|o| cosim_is_wanted(told, o.as_ptr()));
+            assert_eq!(wanted, [true, true, false]);
+            assert!(cosim_case_has(told, c"materials.steel".as_ptr()));
+            assert!(!cosim_case_has(told, c"materials.iron".as_ptr()));
+            let mut grid = std::mem::zeroed();
+            assert!(cosim_input_grid(told, c"friction_power".as_ptr(), &raw mut grid));
+            assert_eq!((grid.ni, grid.nj, grid.points, grid.revision), (5, 7, 35, 4));
+            assert!(!cosim_input_grid(told, c"pressure".as_ptr(), &raw mut grid));
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_key_and_null_is_told() {
+        let given = configuration();
+        let told = CosimConfiguration::new(&given);
+        let told = &raw const told;
+        let mut number = -1.0;
+        let fault = call("configure", || unsafe {
+            let status = cosim_case_number(told, c"thermal.depth".as_ptr(), &raw mut number);
+            assert_eq!((status, number), (COSIM_REFUSED, -1.0));
+            status
+        });
+        assert_eq!(fault.unwrap_err().to_string(), "thermal.depth: missing; add `thermal.depth`");
+        let fault = call("configure", || unsafe {
+            assert!(cosim_case_text(told, c"thermal.n".as_ptr()).is_null());
+            COSIM_REFUSED
+        });
+        assert_eq!(fault.unwrap_err().to_string(), "thermal.n: 3 is not a text; write a text");
+        let key = c"thermal.n".as_ptr();
+        let misuses: [(&str, &dyn Fn() -> c_int); 4] = [
+            ("configuration", &|| unsafe { cosim_case_number(null(), key, null_mut()) }),
+            ("key", &|| unsafe { cosim_case_number(told, null(), null_mut()) }),
+            ("value", &|| unsafe { cosim_case_number(told, key, null_mut()) }),
+            ("configuration", &|| unsafe { c_int::from(!cosim_role(null()).is_null()) }),
+        ];
+        for (what, misuse) in misuses {
+            let fault = call("configure", || [misuse(), COSIM_OK][1]).unwrap_err().to_string();
+            assert!(fault.ends_with(&format!("`{what}` is NULL")), "{fault}");
+        }
+        let mut flag = true;
+        assert_eq!(unsafe { cosim_case_flag(told, key, &raw mut flag) }, COSIM_REFUSED);
+        assert_eq!(unsafe { cosim_case_flag(told, key, null_mut()) }, COSIM_FAILED);
+    }
+}

@@ -1,0 +1,164 @@
+//! Grids as C sees them.
+
+use crate::fault::Fault;
+use proto::grid::{Grid, Quadrilaterals, Shape, Structured};
+use std::ffi::{c_char, c_int};
+
+/// Kind of a grid: a plane patch of ni x nj equal elements.
+pub const COSIM_STRUCTURED: c_int = 1;
+/// Kind of a grid: a surface of quadrilaterals.
+pub const COSIM_QUADRILATERALS: c_int = 2;
+
+/// A surface grid. Values belong to element centres.
+///
+/// Structured: the centre of element (i, j) is origin + i step_i + j step_j, its value stands at
+/// j ni + i. For the contact plane step_i points along x, the rolling direction, and step_j along
+/// y, to the left. Quadrilaterals: element n has the corners elements[4n] to elements[4n+3], in
+/// order round it; vertex v is at vertices[3v] to vertices[3v+2].
+///
+/// In a grid that comes from the library the pointers are the library's and hold until the callback
+/// returns; members of the other kind are 0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CosimGrid {
+    /// Name, unique within the program that owns the grid: letters, digits, `_` and `-`.
+    pub name: [c_char; 32],
+    /// Rises by one whenever the geometry changes; the first is 1, and 0 is taken for 1.
+    pub revision: u64,
+    /// COSIM_STRUCTURED or COSIM_QUADRILATERALS.
+    pub kind: c_int,
+    /// Number of elements, whatever the kind; for a structured grid given to the library, unused.
+    pub points: usize,
+    /// Structured: centre of element (0, 0) [m].
+    pub origin: [f64; 3],
+    /// Structured: from one element to the next in i [m].
+    pub step_i: [f64; 3],
+    /// Structured: from one element to the next in j [m].
+    pub step_j: [f64; 3],
+    /// Structured: number of elements in i.
+    pub ni: usize,
+    /// Structured: number of elements in j.
+    pub nj: usize,
+    /// Quadrilaterals: number of vertices.
+    pub vertex_count: usize,
+    /// Quadrilaterals: three coordinates of each vertex [m].
+    pub vertices: *const f64,
+    /// Quadrilaterals: four vertices of each element, counted from 0.
+    pub elements: *const u32,
+}
+
+impl CosimGrid {
+    /// A view of a grid.
+    pub(crate) fn of(grid: &Grid) -> Self {
+        let mut name = [0; 32];
+        // The last byte stays 0: `Grid::check` has seen every grid that comes here.
+        for (to, from) in name[..31].iter_mut().zip(grid.name.bytes()) {
+            *to = from as c_char;
+        }
+        let mut view = Self {
+            name,
+            revision: grid.revision,
+            kind: COSIM_STRUCTURED,
+            points: grid.points(),
+            origin: [0.0; 3],
+            step_i: [0.0; 3],
+            step_j: [0.0; 3],
+            ni: 0,
+            nj: 0,
+            vertex_count: 0,
+            vertices: std::ptr::null(),
+            elements: std::ptr::null(),
+        };
+        match &grid.shape {
+            Shape::Structured(s) => {
+                (view.origin, view.step_i, view.step_j) = (s.origin, s.step_i, s.step_j);
+                (view.ni, view.nj) = (s.ni, s.nj);
+            }
+            Shape::Quadrilaterals(q) => {
+                view.kind = COSIM_QUADRILATERALS;
+                view.vertex_count = q.points.len();
+                view.vertices = q.points.as_flattened().as_ptr();
+                view.elements = q.elements.as_flattened().as_ptr();
+            }
+        }
+        view
+    }
+
+    /// A copy for Rust, checked.
+    ///
+    /// # Safety
+    /// Of quadrilaterals, the pointers hold as many numbers as the counts say.
+    pub(crate) unsafe fn copied(&self) -> Result<Grid, Fault> {
+        let shape = match self.kind {
+            COSIM_STRUCTURED => Shape::Structured(Structured {
+                origin: self.origin,
+                step_i: self.step_i,
+                step_j: self.step_j,
+                ni: self.ni,
+                nj: self.nj,
+            }),
+            // SAFETY: the caller answers for the pointers.
+            COSIM_QUADRILATERALS => Shape::Quadrilaterals(unsafe { self.surface() }?),
+            kind => return Err(Fault::Misused(format!("the grid has the kind {kind}"))),
+        };
+        let name = self.name.iter().take_while(|c| **c != 0).map(|c| *c as u8);
+        let name = String::from_utf8_lossy(&name.collect::<Vec<u8>>()).into_owned();
+        let grid = Grid { name, revision: self.revision.max(1), shape };
+        grid.check().map_err(Fault::Misused)?;
+        Ok(grid)
+    }
+
+    unsafe fn surface(&self) -> Result<Quadrilaterals, Fault> {
+        if self.vertices.is_null() || self.elements.is_null() {
+            return Err(Fault::Misused("`vertices` or `elements` is NULL".to_owned()));
+        }
+        // SAFETY: not NULL, and the caller answers for the counts.
+        let (points, elements) = unsafe {
+            (
+                std::slice::from_raw_parts(self.vertices.cast::<[f64; 3]>(), self.vertex_count),
+                std::slice::from_raw_parts(self.elements.cast::<[u32; 4]>(), self.points),
+            )
+        };
+        Ok(Quadrilaterals { points: points.to_vec(), elements: elements.to_vec() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn structured() -> Grid {
+        let shape = Structured::contact_plane(-0.1, 0.2, 0.3, 0.4, 5, 3);
+        Grid::structured("contact_plane-of-31-letters_abc", shape)
+    }
+
+    #[test]
+    fn there_and_back() {
+        let Shape::Structured(shape) = structured().shape else { unreachable!() };
+        let mut surface = Grid::quadrilaterals("rail", Quadrilaterals::from(&shape));
+        surface.revision = 7;
+        for grid in [structured(), surface] {
+            let view = CosimGrid::of(&grid);
+            assert_eq!((view.points, view.revision), (15, grid.revision));
+            assert_eq!(unsafe { view.copied() }, Ok(grid));
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_told() {
+        let good = CosimGrid::of(&structured());
+        let name = [b'x' as c_char; 32];
+        let surface = CosimGrid { kind: COSIM_QUADRILATERALS, ..good };
+        for (grid, why) in [
+            (CosimGrid { kind: 0, ..good }, "the kind 0"),
+            (CosimGrid { ni: 0, ..good }, "0 x 3 points"),
+            (CosimGrid { name: [0; 32], ..good }, "grid name"),
+            (CosimGrid { name, ..good }, "grid name"),
+            (surface, "is NULL"),
+        ] {
+            let fault = unsafe { grid.copied() }.unwrap_err().to_string();
+            assert!(fault.contains(why), "{fault}");
+        }
+        assert_eq!(unsafe { CosimGrid { revision: 0, ..good }.copied() }, Ok(structured()));
+    }
+}

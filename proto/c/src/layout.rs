@@ -1,0 +1,152 @@
+//! What a participant answers: grids, placement of the fields, cost.
+
+use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
+use crate::grid::CosimGrid;
+use proto::configuration::{FieldOnGrid, Layout};
+use std::ffi::{c_char, c_int};
+
+/// What configure answers: the program's grids, which field lives on which, and the expected cost.
+#[derive(Default)]
+pub struct CosimLayout {
+    pub(crate) layout: Layout,
+}
+
+fn placed(
+    field: *const c_char,
+    grid: *const c_char,
+    among: &mut Vec<FieldOnGrid>,
+) -> Result<c_int, Fault> {
+    // SAFETY: the header asks for strings.
+    let (field, grid) = unsafe { (text("field", field)?, text("grid", grid)?) };
+    among.push(FieldOnGrid { field: field.to_owned(), grid: grid.to_owned() });
+    Ok(COSIM_OK)
+}
+
+/// Adds a grid, which is copied. COSIM_FAILED if it cannot be: name, counts, elements without area.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_grid(
+    layout: *mut CosimLayout,
+    grid: *const CosimGrid,
+) -> c_int {
+    guard("cosim_layout_grid", || {
+        // SAFETY: the header asks for a layout, and for a grid whose pointers hold what it counts.
+        let (layout, grid) =
+            unsafe { (exclusive("layout", layout)?, shared("grid", grid)?.copied()?) };
+        layout.layout.grids.push(grid);
+        Ok(COSIM_OK)
+    })
+}
+
+/// Says on which of the grids an output, or an observed field, lives. Both names are copied.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_output(
+    layout: *mut CosimLayout,
+    field: *const c_char,
+    grid: *const c_char,
+) -> c_int {
+    guard("cosim_layout_output", || {
+        // SAFETY: the header asks for a layout.
+        let layout = unsafe { exclusive("layout", layout)? };
+        placed(field, grid, &mut layout.layout.fields)
+    })
+}
+
+/// Asks for an input on one of the grids: the coordinator maps it there, if its producer's is
+/// another. An input without such a wish arrives on its producer's grid. Both names are copied.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_input(
+    layout: *mut CosimLayout,
+    field: *const c_char,
+    grid: *const c_char,
+) -> c_int {
+    guard("cosim_layout_input", || {
+        // SAFETY: the header asks for a layout.
+        let layout = unsafe { exclusive("layout", layout)? };
+        placed(field, grid, &mut layout.layout.inputs)
+    })
+}
+
+/// Sets the expected processor time of one solve [s] and the memory of the program's arrays [byte].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_cost(
+    layout: *mut CosimLayout,
+    solve_seconds: f64,
+    memory_bytes: u64,
+) -> c_int {
+    guard("cosim_layout_cost", || {
+        // SAFETY: the header asks for a layout.
+        let layout = unsafe { exclusive("layout", layout)? };
+        if !(solve_seconds >= 0.0 && solve_seconds.is_finite()) {
+            return Err(Fault::Misused(format!("a solve takes {solve_seconds} s")));
+        }
+        layout.layout.solve_seconds = solve_seconds;
+        layout.layout.memory_bytes = memory_bytes;
+        Ok(COSIM_OK)
+    })
+}
+
+/// Adds a line to what `coordinator plan` prints: what the model makes of the case. It is copied.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_remark(
+    layout: *mut CosimLayout,
+    remark: *const c_char,
+) -> c_int {
+    guard("cosim_layout_remark", || {
+        // SAFETY: the header asks for a layout and a string.
+        let (layout, remark) = unsafe { (exclusive("layout", layout)?, text("remark", remark)?) };
+        layout.layout.remarks.push(remark.to_owned());
+        Ok(COSIM_OK)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::{COSIM_FAILED, call};
+    use proto::grid::{Grid, Structured};
+    use std::ptr::{null, null_mut};
+
+    #[test]
+    fn a_layout_in_parts() {
+        let grid = Grid::structured("contact", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 2, 3));
+        let mut layout = CosimLayout::default();
+        let (to, view) = (&raw mut layout, CosimGrid::of(&grid));
+        let (field, on) = (c"rail_temperature".as_ptr(), c"contact".as_ptr());
+        let statuses = unsafe {
+            [
+                cosim_layout_grid(to, &raw const view),
+                cosim_layout_output(to, field, on),
+                cosim_layout_input(to, c"friction_power".as_ptr(), on),
+                cosim_layout_cost(to, 1e-3, 800),
+                cosim_layout_remark(to, c"coarse".as_ptr()),
+            ]
+        };
+        assert_eq!(statuses, [COSIM_OK; 5]);
+        let Layout { solve_seconds, memory_bytes, remarks, .. } = &layout.layout;
+        assert_eq!((*solve_seconds, *memory_bytes, remarks.len()), (1e-3, 800, 1));
+        assert_eq!(layout.layout.grid_of("rail_temperature"), Some(&grid));
+        assert_eq!(layout.layout.input_grid("friction_power"), Some(&grid));
+        assert_eq!(layout.layout.check(), Ok(()));
+    }
+
+    #[test]
+    fn null_and_nonsense_are_told() {
+        let mut layout = CosimLayout::default();
+        let (to, word) = (&raw mut layout, c"x".as_ptr());
+        let all = call("configure", || unsafe {
+            let statuses = [
+                cosim_layout_grid(null_mut(), null()),
+                cosim_layout_grid(to, null()),
+                cosim_layout_output(null_mut(), word, word),
+                cosim_layout_output(to, null(), word),
+                cosim_layout_input(to, word, null()),
+                cosim_layout_cost(to, f64::NAN, 0),
+                cosim_layout_remark(to, null()),
+            ];
+            assert_eq!(statuses, [COSIM_FAILED; 7]);
+            COSIM_OK
+        });
+        assert_eq!(all.unwrap_err().to_string(), "cosim_layout_grid: `layout` is NULL");
+        assert_eq!(layout.layout, Layout::default());
+    }
+}

@@ -1,0 +1,304 @@
+//! The callbacks as a [`Solver`], [`Setup`] and [`Model`] of the contract.
+//!
+//! A fault of a callback becomes the error of the trait's method. Where there is none (first outputs,
+//! accept, observe, save, summary, and what is no refusal in configure and build) it unwinds to
+//! `cosim_main`, which says it and ends the process, so that the coordinator names the participant
+//! with these last words.
+
+use crate::configuration::CosimConfiguration;
+use crate::fault::{Fault, call, call_text};
+use crate::fields::{CosimBlob, CosimInputs, CosimOutputs};
+use crate::layout::CosimLayout;
+use crate::solver::{CosimReport, CosimSolver, CosimStep};
+use proto::configuration::{Configuration, Layout, Refusal};
+use proto::description::Description;
+use proto::field::{FieldKind, FieldSpec};
+use proto::model::{
+    Inputs, Model, Outputs, Setup, Solver, StateBlob, StateError, Step, StepError, StepReport,
+};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
+use std::ffi::c_void;
+use std::panic::resume_unwind;
+use std::sync::{Mutex, PoisonError};
+
+const CHECKED: &str = "the table was checked when it was read";
+
+/// Callbacks and what they are called with.
+#[derive(Clone, Copy)]
+struct Callbacks {
+    table: CosimSolver,
+    user: *mut c_void,
+}
+
+/// A program whose description is known.
+pub(crate) struct Program {
+    callbacks: Callbacks,
+    description: Description,
+}
+
+impl Program {
+    /// Asks the program what it is.
+    ///
+    /// # Safety
+    /// The callbacks keep what the header asks of them, with this `user`.
+    pub(crate) unsafe fn new(table: CosimSolver, user: *mut c_void) -> Result<Self, String> {
+        let describe = table.describe.expect(CHECKED);
+        // SAFETY: the caller answers for the callbacks.
+        let text = call_text("describe", || unsafe { describe(user) });
+        let description = text.map_err(|fault| fault.to_string()).and_then(|text| described(&text));
+        match description {
+            Ok(description) => Ok(Self { callbacks: Callbacks { table, user }, description }),
+            Err(error) => {
+                destroy(Callbacks { table, user });
+                Err(error)
+            }
+        }
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        destroy(self.callbacks);
+    }
+}
+
+fn destroy(callbacks: Callbacks) {
+    if let Some(destroy) = callbacks.table.destroy {
+        // SAFETY: who made the callbacks answers for them; nothing is called after this.
+        unsafe { destroy(callbacks.user) };
+    }
+}
+
+/// A description from the program's text: what the library knows better or can guess is filled in.
+fn described(text: &str) -> Result<Description, String> {
+    let wrong = |error: serde_json::Error| format!("the text of `describe`: {error}");
+    let mut value: Value = serde_json::from_str(text).map_err(wrong)?;
+    if let Some(object) = value.as_object_mut() {
+        object.insert("protocol".to_owned(), json!(proto::PROTOCOL_VERSION));
+        let defaults = [("standalone", json!(false)), ("estimates", json!(true))];
+        let lists = ["effects", "keys", "fields"].map(|list| (list, json!([])));
+        fill(object, defaults.into_iter().chain(lists));
+        for section in ["models", "effects"] {
+            let entries = object.get_mut(section).and_then(Value::as_array_mut);
+            for entry in entries.into_iter().flatten().filter_map(Value::as_object_mut) {
+                fill(entry, ["consumes", "provides", "keys"].map(|list| (list, json!([]))));
+            }
+        }
+    }
+    let description: Description = serde_json::from_value(value).map_err(wrong)?;
+    description.check().map_err(|why| format!("the text of `describe`: {why}"))?;
+    Ok(description)
+}
+
+fn fill(
+    object: &mut Map<String, Value>,
+    defaults: impl IntoIterator<Item = (&'static str, Value)>,
+) {
+    for (key, value) in defaults {
+        object.entry(key).or_insert(value);
+    }
+}
+
+impl Solver for Program {
+    fn description(&self) -> Description {
+        self.description.clone()
+    }
+
+    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+        let Callbacks { table, user } = self.callbacks;
+        let configure = table.configure.expect(CHECKED);
+        let told = CosimConfiguration::new(configuration);
+        let mut layout = CosimLayout::default();
+        // SAFETY: who made the callbacks answers for them.
+        let configured =
+            call("configure", || unsafe { configure(user, &raw const told, &raw mut layout) });
+        refusing(configured)?;
+        if table.observe.is_none()
+            && let Some(field) = configuration.observed.first()
+        {
+            return Err(Refusal::new(
+                "output.fields",
+                format!("the program has no `observe` that would write `{field}`"),
+                "leave the field out, or complete the program",
+            ));
+        }
+        Ok(Box::new(Prepared {
+            callbacks: self.callbacks,
+            layout: layout.layout,
+            fields: fields(&self.description, configuration),
+        }))
+    }
+}
+
+/// Every field that the program may ask for in this run.
+fn fields(description: &Description, configuration: &Configuration) -> Vec<FieldSpec> {
+    let inputs = configuration.inputs.iter().map(|input| kept(&input.field));
+    let known = |name: &String| {
+        let own = || description.fields.iter().find(|f| f.name == *name).map(kept);
+        proto::field::find(name).copied().or_else(own)
+    };
+    let sent = configuration.outputs.iter().chain(&configuration.observed);
+    inputs.chain(sent.filter_map(known)).collect()
+}
+
+/// The form in which a model asks for a field. Its texts live as long as the process: one copy of
+/// each.
+fn kept(kind: &FieldKind) -> FieldSpec {
+    static TEXTS: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut keep = |text: &str| {
+        let known = texts.get(text).copied();
+        known.unwrap_or_else(|| {
+            let text: &'static str = String::leak(text.to_owned());
+            texts.insert(text);
+            text
+        })
+    };
+    FieldSpec {
+        name: keep(&kind.name),
+        unit: keep(&kind.unit),
+        components: kind.components,
+        mapping: kind.mapping,
+        body: kind.body,
+        meaning: keep(&kind.meaning),
+    }
+}
+
+/// A callback that may refuse the case; every other fault ends the program.
+fn refusing(called: Result<(), Fault>) -> Result<(), Refusal> {
+    match called {
+        Ok(()) => Ok(()),
+        Err(Fault::Refused(refusal)) => Err(refusal),
+        Err(fault) => end(&fault),
+    }
+}
+
+struct Prepared {
+    callbacks: Callbacks,
+    layout: Layout,
+    fields: Vec<FieldSpec>,
+}
+
+impl Setup for Prepared {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+        let Callbacks { table, user } = self.callbacks;
+        if let Some(build) = table.build {
+            // SAFETY: who made the callbacks answers for them.
+            refusing(call("build", || unsafe { build(user) }))?;
+        }
+        Ok(Box::new(Built { callbacks: self.callbacks, fields: self.fields }))
+    }
+}
+
+struct Built {
+    callbacks: Callbacks,
+    fields: Vec<FieldSpec>,
+}
+
+/// What a program says last, on the way to `cosim_main`.
+pub(crate) struct LastWords(pub(crate) String);
+
+fn end(fault: &Fault) -> ! {
+    resume_unwind(Box::new(LastWords(fault.to_string())))
+}
+
+impl Model for Built {
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        let Callbacks { table, user } = self.callbacks;
+        let solve = table.solve.expect(CHECKED);
+        let (step, fields) = (CosimStep::from(step), self.fields.as_slice());
+        let inputs = CosimInputs { inputs, fields };
+        let mut outputs = CosimOutputs { outputs, fields };
+        let mut report = CosimReport::EMPTY;
+        // SAFETY: who made the callbacks answers for them; all four live until it returns.
+        call("solve", || unsafe {
+            solve(user, &raw const step, &raw const inputs, &raw mut outputs, &raw mut report)
+        })
+        .map_err(|fault| StepError::NoSolution(fault.to_string()))?;
+        Ok(report.into())
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        let fields = self.fields.as_slice();
+        let Callbacks { table, user } = self.callbacks;
+        let Some(first_outputs) = table.first_outputs else {
+            for field in fields {
+                if let Some(values) = outputs.get(field) {
+                    values.fill(0.0);
+                }
+            }
+            return;
+        };
+        let mut outputs = CosimOutputs { outputs, fields };
+        // SAFETY: who made the callbacks answers for them.
+        call("first_outputs", || unsafe { first_outputs(user, &raw mut outputs) })
+            .unwrap_or_else(|fault| end(&fault));
+    }
+
+    fn accept(&mut self) {
+        let Callbacks { table, user } = self.callbacks;
+        if let Some(accept) = table.accept {
+            // SAFETY: who made the callbacks answers for them.
+            call("accept", || unsafe { accept(user) }).unwrap_or_else(|fault| end(&fault));
+        }
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        let Callbacks { table, user } = self.callbacks;
+        if let Some(observe) = table.observe {
+            let mut outputs = CosimOutputs { outputs, fields: &self.fields };
+            // SAFETY: who made the callbacks answers for them.
+            call("observe", || unsafe { observe(user, &raw mut outputs) })
+                .unwrap_or_else(|fault| end(&fault));
+        }
+    }
+
+    fn summary(&self) -> Value {
+        let Callbacks { table, user } = self.callbacks;
+        let Some(summary) = table.summary else { return json!({}) };
+        // SAFETY: who made the callbacks answers for them.
+        let text = call_text("summary", || unsafe { summary(user) });
+        let text = text.unwrap_or_else(|fault| end(&fault));
+        match serde_json::from_str(&text) {
+            Ok(Value::Object(sections)) => Value::Object(sections),
+            Ok(_) => end(&Fault::Failed(format!("`summary` is no JSON object: {text}"))),
+            Err(error) => end(&Fault::Failed(format!("`summary` is not JSON: {error}: {text}"))),
+        }
+    }
+
+    fn save(&self, into: &mut StateBlob) {
+        into.0.clear();
+        let Callbacks { table, user } = self.callbacks;
+        if let Some(save) = table.save {
+            let mut blob = CosimBlob { bytes: &mut into.0 };
+            // SAFETY: who made the callbacks answers for them.
+            call("save", || unsafe { save(user, &raw mut blob) })
+                .unwrap_or_else(|fault| end(&fault));
+        }
+    }
+
+    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
+        let Callbacks { table, user } = self.callbacks;
+        let (bytes, size) = (from.0.as_ptr().cast::<c_void>(), from.0.len());
+        let Some(restore) = table.restore else {
+            let stateless = || StateError(format!("{size} bytes for a solver without a state"));
+            return if size == 0 { Ok(()) } else { Err(stateless()) };
+        };
+        // SAFETY: who made the callbacks answers for them.
+        call("restore", || unsafe { restore(user, bytes, size) })
+            .map_err(|fault| StateError(fault.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,244 @@
+//! Participants in C: the header and the library of `proto/c`, compiled and run as a user would.
+
+use crate::harness::{Place, case, programs, root};
+use rustix::process::Signal;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// The folder of `libcosim.so`, built once per test process in the profile of the tests.
+fn library() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let mut build = Command::new(env!("CARGO"));
+        // The whole workspace, so that nothing is built again with other features.
+        build.args(["build", "--workspace", "--lib", "--bins", "--quiet"]).current_dir(root());
+        if !cfg!(debug_assertions) {
+            build.arg("--release");
+        }
+        assert!(build.status().unwrap().success(), "the library does not build");
+        programs().to_owned()
+    })
+}
+
+/// A program in C, compiled into a folder of its own.
+struct Compiled {
+    folder: tempfile::TempDir,
+}
+
+impl Compiled {
+    fn from(source: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let (lib, root) = (library().display(), root());
+        let mut cc = Command::new("cc");
+        cc.args(["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-Iproto/c/include", source]);
+        cc.args([format!("-L{lib}"), format!("-Wl,-rpath,{lib}")]).args(["-lcosim", "-lm"]);
+        let built = cc.arg("-o").arg(folder.path().join("solver")).current_dir(root).output();
+        let built = built.expect("a C compiler is on the search path as `cc`");
+        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+        Self { folder }
+    }
+
+    /// `--set ROLE.command=[...]` for this program, with a word before the contract's arguments.
+    fn command(&self, role: &str, word: Option<&str>) -> [String; 2] {
+        let words = std::iter::once(self.folder.path().join("solver").display().to_string());
+        let words: Vec<String> = words.chain(word.map(str::to_owned)).collect();
+        ["--set".to_owned(), format!("{role}.command={words:?}")]
+    }
+}
+
+/// Runs a case with settings and, in the place of `role`, a program in C.
+fn with<'a>(settings: &[&'a str], command: &'a [String; 2]) -> Vec<&'a str> {
+    let settings = settings.iter().flat_map(|set| ["--set", set]);
+    settings.chain(command.iter().map(String::as_str)).collect()
+}
+
+/// The values of a field in the appended data of an image, by the offset its element names.
+fn field(place: &Place, name: &str) -> Vec<f64> {
+    let path = place.out().join("fields/thermal_contact_000000.vti");
+    let bytes = std::fs::read(path).unwrap();
+    let marker = b"<AppendedData encoding=\"raw\">\n_";
+    let start = bytes.windows(marker.len()).position(|w| w == marker).unwrap() + marker.len();
+    let head = String::from_utf8_lossy(&bytes[..start]).into_owned();
+    let element = head.split("<DataArray").find(|e| e.contains(&format!("\"{name}"))).unwrap();
+    let offset = element.split("offset=\"").nth(1).unwrap().split('"').next().unwrap();
+    let data = &bytes[start + offset.parse::<usize>().unwrap()..];
+    let length = u64::from_le_bytes(*data.first_chunk().unwrap()) as usize;
+    data[8..8 + length].as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect()
+}
+
+fn number(summary: &Value, pointer: &str) -> f64 {
+    summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer}"))
+}
+
+fn largest_work(place: &Place) -> u64 {
+    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
+    let column = table.lines().next().unwrap().split(',').position(|h| h == "thermal_work");
+    let of = |line: &str| line.split(',').nth(column.unwrap()).unwrap().parse().unwrap();
+    table.lines().skip(1).map(of).max().unwrap()
+}
+
+/// The two runs of a case, one with ours and one with the closed form in C, agree.
+fn assert_same_answer(program: &Compiled, settings: &[&str]) {
+    let settings = [&["thermal.model=ertz-knothe", "output.fields=all"], settings].concat();
+    let command = program.command("thermal", None);
+    let (ours, theirs) = (Place::new(), Place::new());
+    let own: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+    let expected = ours.summary(&case("wheel-rail.toml"), &own);
+    let found = theirs.summary(&case("wheel-rail.toml"), &with(&settings, &command));
+    for body in ["rail", "wheel"] {
+        let pointer = |key: &str| format!("/temperature/{body}/{key}");
+        let peak = number(&expected, &pointer("max_rise_k"));
+        let off = (number(&found, &pointer("max_rise_k")) / peak - 1.0).abs();
+        assert!(off < 1e-13, "rounding of the moments' sums: {off:e}");
+        // Ours finds the place to the root of the rounding error, relative to the semi-axis.
+        let off = number(&found, &pointer("x_m")) - number(&expected, &pointer("x_m"));
+        assert!(off.abs() < 1e-7 * number(&expected, "/contact/semi_axis_a_m"), "{off:e}");
+        assert_eq!(number(&found, &pointer("y_m")), number(&expected, &pointer("y_m")));
+        let name = format!("{body}_temperature");
+        let (a, b) = (field(&ours, &name), field(&theirs, &name));
+        assert_eq!(a.len(), b.len());
+        let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak;
+        // Ours integrates the tail behind a short row, to 1e-12 of F; the rest is rounding.
+        assert!(off < 1e-12 && off.is_finite(), "{settings:?} {name}: {off:e}");
+    }
+    assert!(number(&found, "/coupling/energy_imbalance") <= 1e-12);
+    assert_eq!(largest_work(&theirs), largest_work(&ours));
+}
+
+#[test]
+fn the_closed_form_in_c_answers_like_ours() {
+    let program = Compiled::from("proto/c/examples/closed_form.c");
+    assert_same_answer(&program, &[]);
+    assert_same_answer(&program, &["mech.model=hertz-carter", "mech.resolution=17"]);
+    assert_same_answer(&program, &["effects.friction_heat.partition=effusivity"]);
+}
+
+#[test]
+fn the_closed_form_refuses_what_it_cannot() {
+    let program = Compiled::from("proto/c/examples/closed_form.c");
+    let command = program.command("thermal", None);
+    let settings = ["thermal.model=ertz-knothe", "materials.steel.conductivity=-1"];
+    let ended = Place::new().run(&case("wheel-rail.toml"), &with(&settings, &command));
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.stderr.contains("materials.steel.conductivity"), "{}", ended.stderr);
+    // Past the coordinator's own checks: the program by hand, which reads no configuration.
+    let solver = program.folder.path().join("solver");
+    let ended = Command::new(solver).arg("--estimate").output().unwrap();
+    assert_eq!(ended.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&ended.stderr).starts_with("error: "));
+}
+
+const TOY: &str = "proto/c/tests/toy.c";
+
+/// Each way to fail ends with the right exit code, and with what the program said.
+#[test]
+fn failures_say_who_when_and_why() {
+    let program = Compiled::from(TOY);
+    let command = program.command("right", None);
+    for (fault, code, parts) in [
+        ("refuse", 2, ["right.fault", "is a word too many"]),
+        ("missing", 2, ["right.depth", "missing"]),
+        ("configure", 1, ["asked to estimate", "told to fail"]),
+        ("build", 1, ["while initialising", "told to fail"]),
+        ("solve", 1, ["in window 3, iteration 1", "told to fail"]),
+        ("silent", 1, ["in window 3, iteration 1", "`solve` returned 5 without a reason"]),
+        ("misuse", 1, ["in window 3, iteration 1", "cosim_output: `outputs` is NULL"]),
+        ("accept", 1, ["its process ended with exit code 1", "told to fail"]),
+        ("summary", 1, ["while finishing", "told to fail"]),
+    ] {
+        let place = Place::new();
+        let fault = format!("right.fault={fault}");
+        let ended = place.run(&case("exchange.toml"), &with(&["time.end=9", &fault], &command));
+        assert_eq!(ended.code, Some(code), "{fault}: {}", ended.stderr);
+        for part in parts {
+            assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
+        }
+        place.assert_nothing_left();
+    }
+}
+
+#[test]
+fn a_table_that_cannot_be_is_told() {
+    let program = Compiled::from(TOY);
+    for (word, part) in [
+        ("no-solve", "cosim_solver.solve is NULL"),
+        ("old", "cosim_solver has version 0"),
+        ("bad-json", "the text of `describe`"),
+    ] {
+        let place = Place::new();
+        let command = program.command("right", Some(word));
+        let ended = place.run(&case("exchange.toml"), &with(&[], &command));
+        assert_eq!(ended.code, Some(1), "{word}: {}", ended.stderr);
+        assert!(ended.stderr.contains(part), "{}", ended.stderr);
+        assert!(ended.stderr.contains("right (solver) failed"), "{}", ended.stderr);
+    }
+}
+
+/// Every field file, byte by byte, and what the toy adds to the summary.
+fn results(place: &Place) -> (Vec<(String, Vec<u8>)>, Value) {
+    let files = std::fs::read_dir(place.out().join("fields")).unwrap().flatten();
+    let mut files: Vec<_> = files
+        .map(|e| (e.file_name().into_string().unwrap(), std::fs::read(e.path()).unwrap()))
+        .collect();
+    files.sort();
+    (files, place.read_summary()["right"].clone())
+}
+
+#[test]
+fn a_killed_run_continues_bit_identically() {
+    let program = Compiled::from(TOY);
+    let command = program.command("right", None);
+    let settings = [
+        "time.end=400",
+        "left.delay=1 ms",
+        "output.fields=all",
+        "output.every=20",
+        "output.checkpoint_every=10",
+    ];
+    let settings = with(&settings, &command);
+    let undisturbed = Place::new();
+    undisturbed.summary(&case("exchange.toml"), &settings);
+    // On a machine that is fast enough the run may end before it is killed.
+    let killed = (0..20).map(|_| Place::new()).find(|place| {
+        let running = place.start_run(&case("exchange.toml"), &settings);
+        place.wait_for_log("checkpoint written");
+        running.signal(Signal::KILL);
+        running.wait().code.is_none()
+    });
+    let place = killed.expect("killed in time");
+    place.assert_nothing_left();
+    let resumed = place.start(&["run", "--resume", &place.out().display().to_string()]).wait();
+    assert_eq!(resumed.code, Some(0), "{}", resumed.stderr);
+    assert!(place.read_summary()["cost"]["resumed_at_window"].as_u64() >= Some(10));
+    let (expected, found) = (results(&undisturbed), results(&place));
+    assert_eq!(found.1, expected.1);
+    assert!(found.0 == expected.0, "a field file differs");
+    assert!(number(&found.1, "/sum").is_finite() && number(&found.1, "/sum") != 0.0);
+}
+
+/// C++ programs include the same header; where there is no compiler for them, nobody will.
+#[test]
+fn the_header_is_also_cpp() {
+    if Command::new("c++").arg("--version").output().is_err() {
+        println!("there is no C++ compiler");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("header.cpp");
+    let text = "#include \"cosim.h\"\n\
+                static const char *const text = COSIM_JSON({\"name\": \"x\", \"list\": [1, 2]});\n\
+                int main(int argc, char **argv) {\n\
+                    cosim_solver solver = {};\n\
+                    solver.size = sizeof solver;\n\
+                    solver.version = COSIM_VERSION;\n\
+                    solver.describe = [](void *) { return text; };\n\
+                    return cosim_main(argc, argv, &solver, nullptr);\n\
+                }\n";
+    std::fs::write(&source, text).unwrap();
+    let mut check = Command::new("c++");
+    check.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-Iproto/c/include"]);
+    let checked = check.arg(&source).current_dir(root()).output().unwrap();
+    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
+}
