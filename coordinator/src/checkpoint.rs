@@ -21,6 +21,7 @@ use crate::error::{RunError, file_failure};
 use crate::results::summary::Counts;
 use crate::results::vtk::Series;
 use crate::windows;
+use proto::binary;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io;
@@ -221,13 +222,30 @@ fn seal(folder: &Path, name: &str) -> io::Result<Part> {
 }
 
 fn write_own(path: &Path, content: &(Vec<Part>, &State)) -> io::Result<()> {
-    let content = bincode::serde::encode_to_vec(content, bincode::config::standard())
-        .expect("a state is plain data");
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend(sum(&content).to_le_bytes());
-    bytes.extend(content);
-    fs::write(path, bytes)?;
+    fs::write(path, encode_own(content))?;
     File::open(path)?.sync_all()
+}
+
+fn encode_own(content: &(Vec<Part>, &State)) -> Vec<u8> {
+    let mut encoded = Vec::new();
+    binary::append(&mut encoded, content).expect("a state is plain data");
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(sum(&encoded).to_le_bytes());
+    bytes.extend(encoded);
+    bytes
+}
+
+/// The inverse of [`encode_own`], or what is wrong with the bytes.
+fn decode_own(bytes: &[u8]) -> Result<(Vec<Part>, State), String> {
+    let rest = bytes.strip_prefix(MAGIC.as_slice());
+    let head = rest.and_then(<[u8]>::split_first_chunk);
+    let Some((expected, content)) = head else {
+        return Err(format!("{OWN} is no checkpoint of this version"));
+    };
+    if sum(content) != u64::from_le_bytes(*expected) {
+        return Err(format!("{OWN} is torn: its {} bytes have another sum", bytes.len()));
+    }
+    binary::read(content).map_err(|error| format!("{OWN}: {error}"))
 }
 
 /// Reads a checkpoint, or says what is wrong with it.
@@ -237,17 +255,7 @@ fn read(folder: &Path) -> Result<Checkpoint, String> {
         move |error: io::Error| format!("{name}: {error}")
     };
     let bytes = fs::read(folder.join(OWN)).map_err(failed(OWN))?;
-    let rest = bytes.strip_prefix(MAGIC.as_slice());
-    let head = rest.and_then(<[u8]>::split_first_chunk);
-    let Some((expected, content)) = head else {
-        return Err(format!("{OWN} is no checkpoint of this version"));
-    };
-    if sum(content) != u64::from_le_bytes(*expected) {
-        return Err(format!("{OWN} is torn: its {} bytes have another sum", bytes.len()));
-    }
-    let decoded = bincode::serde::decode_from_slice(content, bincode::config::standard());
-    let ((parts, state), _): ((Vec<Part>, State), usize) =
-        decoded.map_err(|error| format!("{OWN}: {error}"))?;
+    let (parts, state) = decode_own(&bytes)?;
     for part in &parts {
         let content = fs::read(folder.join(&part.name)).map_err(failed(&part.name))?;
         if content.len() as u64 != part.bytes {

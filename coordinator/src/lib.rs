@@ -23,3 +23,10 @@ pub mod session;
 pub mod signals;
 pub mod supervise;
 pub mod windows;
+
+/// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
+#[cfg(test)]
+fn fuzz_config() -> proptest::test_runner::Config {
+    let cases = std::env::var("FUZZ_CASES").ok().and_then(|text| text.parse().ok());
+    proptest::test_runner::Config::with_cases(cases.unwrap_or(400))
+}

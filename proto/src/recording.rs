@@ -139,3 +139,6 @@ impl From<mcap::McapError> for RecordingError {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

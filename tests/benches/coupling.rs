@@ -75,7 +75,8 @@ fn round_trip(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("coupling");
     group.measurement_time(Duration::from_secs(5));
     for points in SIZES {
-        let mut session = Session::start(&explicit(points).plan).expect("the participants start");
+        let mut session =
+            Session::start(&explicit(points).plan, None).expect("the participants start");
         let mut coupling = Coupling::explicit();
         let mut window = 0;
         group.throughput(Throughput::Elements(points as u64));
@@ -97,7 +98,7 @@ fn iteration(criterion: &mut Criterion) {
     for (name, reuse) in [("fresh", 0), ("reuse", 10)] {
         for points in SIZES {
             let Planned { plan, .. } = implicit(points, reuse);
-            let mut session = Session::start(&plan).expect("the participants start");
+            let mut session = Session::start(&plan, None).expect("the participants start");
             let mut coupling = Coupling::implicit(&plan.implicit, false, &session);
             let mut window = 0;
             // Until as many columns are there as ever will be.

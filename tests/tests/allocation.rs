@@ -68,7 +68,7 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
          [coupling]\nscheme = \"serial-explicit\"\n[output]\nfields = \"none\"\n"
     );
     let planned = plan(RawCase::parse("test", &case).unwrap()).unwrap();
-    let mut session = Session::start(&planned.plan).unwrap();
+    let mut session = Session::start(&planned.plan, None).unwrap();
     let mut coupling = Coupling::explicit();
     let mut counted = Vec::with_capacity(60);
     for window in 0..60 {
@@ -111,7 +111,7 @@ fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
          min_iterations = 4\nmax_iterations = 4\n[output]\nfields = \"none\"\n"
     );
     let planned = plan(RawCase::parse("test", &case).unwrap()).unwrap();
-    let mut session = Session::start(&planned.plan).unwrap();
+    let mut session = Session::start(&planned.plan, None).unwrap();
     let mut coupling = Coupling::implicit(&planned.plan.implicit, false, &session);
     let mut counted = Vec::with_capacity(40);
     for window in 0..40 {

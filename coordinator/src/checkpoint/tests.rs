@@ -93,3 +93,30 @@ fn long_numbers_are_later() {
     }
     assert_eq!(checkpoints.names(), ["999999", "1000000"]);
 }
+
+proptest::proptest! {
+    #![proptest_config(crate::fuzz_config())]
+
+    /// Bytes with the right head and sum, so that they reach the decoder.
+    #[test]
+    fn bytes_that_look_like_a_checkpoint_are_refused_in_peace(
+        content in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..300),
+        edits in proptest::collection::vec((0.0..1.0_f64, proptest::prelude::any::<u8>()), 0..6),
+    ) {
+        let sealed = |content: &[u8]| {
+            let mut bytes = MAGIC.to_vec();
+            bytes.extend(sum(content).to_le_bytes());
+            bytes.extend_from_slice(content);
+            bytes
+        };
+        let _ = decode_own(&sealed(&content));
+        let _ = decode_own(&content);
+        let good = encode_own(&(Vec::new(), &state(3)));
+        let mut content = good[MAGIC.len() + 8..].to_vec();
+        for (share, byte) in edits {
+            let at = (share * content.len() as f64) as usize;
+            content[at] = byte;
+        }
+        let _ = decode_own(&sealed(&content));
+    }
+}

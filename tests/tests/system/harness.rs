@@ -73,7 +73,7 @@ impl Place {
         self.out.path().join("out")
     }
 
-    fn runtime(&self) -> PathBuf {
+    pub(crate) fn runtime(&self) -> PathBuf {
         self.runtime.path().join("r")
     }
 

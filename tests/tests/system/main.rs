@@ -16,6 +16,7 @@ mod implicit;
 mod mapping;
 mod off_means_off;
 mod python;
+mod recording;
 mod results;
 mod resume;
 mod time;

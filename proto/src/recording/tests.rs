@@ -1,0 +1,240 @@
+use super::*;
+use crate::binary;
+use crate::message::{Command, CommandKind, FieldHeader, Label, Reply, Topics};
+use proptest::prelude::*;
+use std::io::Cursor;
+
+fn head() -> Head {
+    let description = Description {
+        protocol: crate::PROTOCOL_VERSION,
+        name: "thermal-solver".to_owned(),
+        version: "1".to_owned(),
+        role: "thermal".to_owned(),
+        standalone: false,
+        estimates: false,
+        models: Vec::new(),
+        effects: Vec::new(),
+        keys: Vec::new(),
+        fields: Vec::new(),
+    };
+    let participant = Participant {
+        role: "thermal".to_owned(),
+        program: "thermal-solver".to_owned(),
+        description,
+    };
+    Head {
+        format: FORMAT,
+        protocol: crate::PROTOCOL_VERSION,
+        writer: "test".to_owned(),
+        case: "small".to_owned(),
+        scheme: "serial-implicit".to_owned(),
+        acceleration: "iqn-ils".to_owned(),
+        participants: vec![participant],
+        files: Vec::new(),
+    }
+}
+
+fn header(window: u64, points: u64) -> FieldHeader {
+    FieldHeader {
+        protocol: crate::PROTOCOL_VERSION,
+        components: 2,
+        points,
+        window,
+        iteration: 1,
+        end: 0.5,
+        sequence: window + 1,
+        name: Label::new("slip_velocity"),
+        unit: Label::new("m/s"),
+        producer: Label::new("mech"),
+        grid: Label::new("contact"),
+        ..FieldHeader::default()
+    }
+}
+
+fn value(window: u64, index: u64) -> f64 {
+    1.0 / (1.0 + window as f64) - index as f64
+}
+
+/// Four windows: a command, a sample, a reply, a state, an iteration; a chunk for each window.
+fn recorded(compression: Compression) -> Vec<u8> {
+    let files = [("case.toml".to_owned(), b"[case]".to_vec())];
+    let out = Cursor::new(Vec::new());
+    let mut writer = RecordingWriter::create(out, compression, &head(), &files).unwrap();
+    for window in 0..4 {
+        let command = Command { window, ..Command::new(CommandKind::Solve) };
+        let body = vec![7; window as usize];
+        writer.event(&Event::Command { participant: 0, command, body }).unwrap();
+        let values: Vec<f64> = (0..12).map(|index| value(window, index)).collect();
+        writer.sample("field/mech/slip_velocity", &header(window, 6), &values).unwrap();
+        let reply = Reply { sequence: window, heat_received: f64::NAN, ..Reply::default() };
+        writer.event(&Event::Reply { participant: 0, reply, body: Vec::new() }).unwrap();
+        writer.state("thermal", &[window as u8; 5]).unwrap();
+        let iteration = Iteration { window, residual: Some(0.5), ..Iteration::default() };
+        writer.event(&Event::Iteration(iteration)).unwrap();
+        writer.flush().unwrap();
+    }
+    writer.event(&Event::Ended { error: None }).unwrap();
+    writer.finish().unwrap().into_inner()
+}
+
+/// Reads to the end, and checks every value; how many messages, and how it ends.
+fn read(bytes: &[u8]) -> Result<(usize, End), RecordingError> {
+    let mut recording = Recording::open(bytes)?;
+    let case = recording.attachment("case.toml").map(<[u8]>::to_vec);
+    let (mut count, mut time) = (0, 0);
+    while let Some(entry) = recording.read()? {
+        assert!(entry.nanoseconds > time, "time stands still");
+        time = entry.nanoseconds;
+        let window = count as u64 / 5;
+        match entry.item {
+            Item::Event(Event::Command { command, body, .. }) => {
+                assert_eq!((count % 5, command.window), (0, window));
+                assert_eq!(body, vec![7; window as usize]);
+            }
+            Item::Sample { service, header: label, values } => {
+                assert_eq!((count % 5, service), (1, "field/mech/slip_velocity"));
+                assert_eq!(label, header(window, 6));
+                let expected = (0..12).map(|index| value(window, index));
+                assert!(values.iter().copied().eq(expected));
+            }
+            Item::Event(Event::Reply { reply, .. }) => {
+                assert!(reply.sequence == window && reply.heat_received.is_nan());
+            }
+            Item::State { role, bytes } => {
+                assert_eq!((count % 5, role, bytes), (3, "thermal", &[window as u8; 5][..]));
+            }
+            Item::Event(Event::Iteration(iteration)) => assert_eq!(iteration.residual, Some(0.5)),
+            Item::Event(_) => assert_eq!(count, 20),
+        }
+        count += 1;
+    }
+    // A cut may lie between the head and what else is attached.
+    assert!(case.is_some_and(|case| case == b"[case]") || count == 0);
+    Ok((count, recording.end()))
+}
+
+#[test]
+fn everything_comes_back_to_the_bit() {
+    for compression in [Compression::None, Compression::Zstd] {
+        assert_eq!(read(&recorded(compression)).unwrap(), (21, End::Complete));
+    }
+}
+
+/// A file that was cut reads up to the cut: of an uncompressed one every message that is there, of
+/// a compressed one at least those of the chunks that are.
+#[test]
+fn a_file_cut_at_any_byte_reads_up_to_the_cut() {
+    for compression in [Compression::None, Compression::Zstd] {
+        let whole = recorded(compression);
+        let mut before = None;
+        for length in 0..whole.len() {
+            match read(&whole[..length]) {
+                Err(RecordingError::NoHead) => assert_eq!(before, None, "at {length}"),
+                Err(error) => panic!("cut at {length}: {error}"),
+                Ok((count, end)) => {
+                    assert!(count >= before.unwrap_or(0), "cut at {length}: {count} messages");
+                    before = Some(count);
+                    let complete = end == End::Complete;
+                    assert!(complete || end == End::Cut(length as u64), "cut at {length}");
+                    assert!(!complete || count == 21);
+                }
+            }
+        }
+        assert_eq!(before, Some(21));
+    }
+}
+
+/// Values that are not those that were written are never taken for them.
+#[test]
+fn a_flipped_bit_in_a_chunk_is_noticed() {
+    let whole = recorded(Compression::None);
+    let text = value(2, 3).to_le_bytes();
+    let at = whole.windows(8).position(|bytes| bytes == text).unwrap();
+    let mut damaged = whole.clone();
+    damaged[at] ^= 1;
+    let mut recording = Recording::open(&damaged[..]).unwrap();
+    let error = loop {
+        match recording.read() {
+            Ok(Some(_)) => {}
+            Ok(None) => panic!("the damage was not noticed"),
+            Err(error) => break error,
+        }
+    };
+    assert!(error.to_string().starts_with("the recording is damaged"), "{error}");
+}
+
+#[test]
+fn what_is_no_recording_is_told() {
+    let error = |bytes: &[u8]| Recording::open(bytes).err().unwrap().to_string();
+    assert!(error(b"[case]\nname = \"x\"\n").contains("damaged"));
+    assert!(error(b"").contains("cut before its head"));
+    let foreign = mcap::WriteOptions::new().profile("ros2").create(Cursor::new(Vec::new()));
+    let mut foreign = foreign.unwrap();
+    foreign.finish().unwrap();
+    assert!(error(&foreign.into_inner().into_inner()).contains("profile \"ros2\""));
+    let newer = Head { format: FORMAT + 1, ..head() };
+    let out = Cursor::new(Vec::new());
+    let newer = RecordingWriter::create(out, Compression::None, &newer, &[]).unwrap();
+    let newer = newer.finish().unwrap().into_inner();
+    assert!(matches!(Recording::open(&newer[..]), Err(RecordingError::Format { found: 2 })));
+}
+
+/// Reads what can be read; must come to an end without panic.
+fn survive(bytes: &[u8]) {
+    let Ok(mut recording) = Recording::open(bytes) else { return };
+    while let Ok(Some(_)) = recording.read() {}
+}
+
+fn cases() -> ProptestConfig {
+    let cases = std::env::var("FUZZ_CASES").ok().and_then(|text| text.parse().ok());
+    ProptestConfig::with_cases(cases.unwrap_or(400))
+}
+
+/// Pieces of a good file changed, left out or doubled.
+fn edited(whole: &[u8], edits: &[(f64, usize, Vec<u8>)]) -> Vec<u8> {
+    let mut bytes = whole.to_vec();
+    for (share, length, piece) in edits {
+        let start = (share * bytes.len() as f64) as usize;
+        let end = (start + length).min(bytes.len());
+        bytes.splice(start..end, piece.iter().copied());
+    }
+    bytes
+}
+
+fn edits() -> impl Strategy<Value = Vec<(f64, usize, Vec<u8>)>> {
+    let piece = proptest::collection::vec(any::<u8>(), 0..9);
+    proptest::collection::vec((0.0..1.0_f64, 0..9_usize, piece), 1..6)
+}
+
+proptest! {
+    #![proptest_config(cases())]
+
+    #[test]
+    fn any_bytes_are_survived(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        survive(&bytes);
+        survive(&[mcap::MAGIC, &bytes[..]].concat());
+    }
+
+    #[test]
+    fn any_changed_recording_is_survived(edits in edits(), zstd in any::<bool>()) {
+        static GOOD: std::sync::OnceLock<[Vec<u8>; 2]> = std::sync::OnceLock::new();
+        let good = GOOD.get_or_init(|| [recorded(Compression::None), recorded(Compression::Zstd)]);
+        survive(&edited(&good[usize::from(zstd)], &edits));
+    }
+
+    #[test]
+    fn any_control_message_is_survived(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+        let _ = binary::read::<Event>(&bytes);
+        let _ = read_label(&bytes);
+        let _ = serde_json::from_slice::<Topics>(&bytes);
+    }
+
+    #[test]
+    fn any_changed_event_is_survived(edits in edits()) {
+        let command = Command::new(CommandKind::Solve);
+        let event = Event::Command { participant: 0, command, body: b"{\"inputs\":[]}".to_vec() };
+        let mut bytes = Vec::new();
+        binary::append(&mut bytes, &event).unwrap();
+        let _ = binary::read::<Event>(&edited(&bytes, &edits));
+    }
+}

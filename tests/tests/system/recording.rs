@@ -1,0 +1,358 @@
+//! Recordings: what was exchanged is all there, one participant replays to the bit, and what
+//! differs is named.
+
+use crate::harness::{Ended, Place, case, programs, root, wait_until};
+use rustix::process::Signal;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+fn sets<'a>(settings: &[&'a str]) -> Vec<&'a str> {
+    settings.iter().flat_map(|set| ["--set", set]).collect()
+}
+
+/// Runs a case and records it; where the recording is.
+fn record(place: &Place, name: &str, flag: &str, settings: &[&str]) -> PathBuf {
+    let more: Vec<&str> = [flag].into_iter().chain(sets(settings)).collect();
+    place.summary(&case(name), &more);
+    place.out().join("recording.mcap")
+}
+
+/// `replay RECORDING --only ROLE --json` with more arguments.
+fn replay(
+    place: &Place,
+    recording: &Path,
+    role: &str,
+    more: &[&str],
+) -> (Option<i32>, Value, String) {
+    let path = recording.display().to_string();
+    let arguments: Vec<&str> = ["replay", &path, "--only", role, "--json"]
+        .into_iter()
+        .chain(more.iter().copied())
+        .collect();
+    let Ended { code, stdout, stderr } = place.start(&arguments).wait();
+    (code, serde_json::from_str(&stdout).unwrap_or_default(), stderr)
+}
+
+fn assert_identical(place: &Place, recording: &Path, role: &str, more: &[&str]) -> Value {
+    let (code, replay, stderr) = replay(place, recording, role, more);
+    assert_eq!(code, Some(0), "{role}: {replay:#} {stderr}");
+    assert_eq!(replay["comparison"]["unequal_samples"], 0, "{replay:#}");
+    assert!(replay["comparison"]["samples"].as_u64().unwrap() > 0, "{replay:#}");
+    replay
+}
+
+fn inspect(place: &Place, recording: &Path, more: &[&str]) -> Value {
+    let path = recording.display().to_string();
+    let arguments: Vec<&str> =
+        ["inspect", &path, "--json"].into_iter().chain(more.iter().copied()).collect();
+    let ended = place.start(&arguments).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    serde_json::from_str(&ended.stdout).unwrap()
+}
+
+fn toy(name: &str) -> String {
+    programs().join(name).display().to_string()
+}
+
+#[test]
+fn a_two_way_implicit_run_replays_to_the_bit_on_both_sides() {
+    for flag in ["--record", "--record=zstd"] {
+        let place = Place::new();
+        let recording = record(&place, "falling-friction.toml", flag, &[]);
+        let solves = ["mech", "thermal"].map(|role| {
+            let replay = assert_identical(&place, &recording, role, &[]);
+            replay["solves"].as_u64().unwrap()
+        });
+        let seen = inspect(&place, &recording, &[]);
+        assert_eq!(seen["complete"], true);
+        assert_eq!(solves, [seen["iterations"].as_u64().unwrap(); 2]);
+        assert_eq!(seen["iterations"], place.read_summary()["coupling"]["iterations"]);
+        place.assert_nothing_left();
+    }
+}
+
+/// Ten windows of the linear pair, with all the columns of an accelerator between the solves.
+#[test]
+fn a_loop_over_many_windows_replays_to_the_bit() {
+    let place = Place::new();
+    let recording = record(&place, "linear.toml", "--record", &["linear.problem=P5"]);
+    for (role, program) in [("relay", "toy-relay"), ("operator", "toy-operator")] {
+        let program = toy(program);
+        assert_identical(&place, &recording, role, &["--command", &program]);
+    }
+}
+
+/// Windows solved again with another end, linear inputs, several participants' substeps.
+#[test]
+fn adaptive_windows_and_subcycles_replay_to_the_bit() {
+    let place = Place::new();
+    let settings = ["time.control=adaptive", "time.tolerance=1e-4", "source.substeps=3"];
+    let settings = [&settings[..], &["coupling.interpolation=linear"]].concat();
+    let recording = record(&place, "lumped.toml", "--record", &settings);
+    let seen = inspect(&place, &recording, &[]);
+    assert!(seen["repeated_windows"].as_u64().unwrap() > 0, "{seen:#}");
+    for (role, program) in [("source", "toy-source"), ("body", "toy-body")] {
+        let program = toy(program);
+        assert_identical(&place, &recording, role, &["--command", &program]);
+    }
+}
+
+#[test]
+fn what_was_mapped_replays_to_the_bit() {
+    let place = Place::new();
+    let recording = record(&place, "cold-start.toml", "--record", &["thermal.resolution=31"]);
+    for role in ["mech", "thermal"] {
+        assert_identical(&place, &recording, role, &[]);
+    }
+}
+
+#[test]
+fn a_changed_material_is_named_where_it_first_shows() {
+    let place = Place::new();
+    let recording = record(&place, "falling-friction.toml", "--record", &["output.fields=none"]);
+    let changed = ["--set", "materials.steel.specific_heat=420"];
+    let (code, replay, stderr) = replay(&place, &recording, "thermal", &changed);
+    assert_eq!(code, Some(4), "{stderr}");
+    let comparison = &replay["comparison"];
+    let first = &comparison["first"];
+    assert_eq!((&first["window"], &first["iteration"]), (&0.into(), &1.into()), "{replay:#}");
+    assert!(first["field"].as_str().unwrap().ends_with("_temperature"));
+    // The rise goes with one over the root of the specific heat.
+    let ratio = first["now"].as_f64().unwrap() / first["recorded"].as_f64().unwrap();
+    assert!((ratio - (419.5_f64 / 420.0).sqrt()).abs() < 1e-4, "{ratio}");
+    assert!(!comparison["growth"]["steps"].as_array().unwrap().is_empty());
+    let line = stderr.lines().find(|line| line.starts_with("error: the replay differs")).unwrap();
+    assert!(line.contains("window 0, iteration 1: ") && line.contains("recorded"), "{line}");
+    // The same is within a tolerance that is wide enough.
+    let loose = [&changed[..], &["--tolerance", "1e-3"]].concat();
+    let (code, replay, stderr) = self::replay(&place, &recording, "thermal", &loose);
+    assert_eq!(code, Some(0), "{replay:#} {stderr}");
+    assert!(replay["comparison"]["largest"].as_f64().unwrap() > 1e-4);
+}
+
+/// Only the coordinator and the one program are on the machine, and nothing of the case.
+#[test]
+fn the_partner_need_not_be_there() {
+    let place = Place::new();
+    let recording = record(&place, "falling-friction.toml", "--record", &[]);
+    let lonely = tempfile::tempdir().unwrap();
+    for name in ["coordinator", "thermal-solver"] {
+        std::fs::copy(programs().join(name), lonely.path().join(name)).unwrap();
+    }
+    std::fs::copy(&recording, lonely.path().join("r.mcap")).unwrap();
+    let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
+    let ended = std::process::Command::new(lonely.path().join("coordinator"))
+        .args(["replay", "r.mcap", "--only", "thermal"])
+        .env("COSIM_RUNTIME_DIR", runtime.path().join("r"))
+        .env("PATH", "")
+        .current_dir(lonely.path())
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&ended.stdout);
+    assert!(ended.status.success() && text.contains("bit-identical"), "{text}");
+}
+
+/// From a state in the middle, up to a window, and with what a killed and resumed run recorded.
+#[test]
+fn a_replay_begins_at_a_recorded_state() {
+    let place = Place::new();
+    let settings = ["output.checkpoint_every=10", "output.every=1"];
+    let recording = record(&place, "cold-start.toml", "--record", &settings);
+    for role in ["mech", "thermal"] {
+        let replay = assert_identical(&place, &recording, role, &["--from", "35", "--until", "42"]);
+        assert_eq!(replay["from_window"], 30, "{replay:#}");
+        assert_eq!(replay["solves"], 13, "{replay:#}");
+    }
+    // A state that is asked for too early is told, and all is solved.
+    let early = assert_identical(&place, &recording, "thermal", &["--from", "4"]);
+    assert!(early["remarks"][0].as_str().unwrap().contains("no state before window 4"));
+}
+
+#[test]
+fn a_killed_and_resumed_run_is_recorded_in_two_files_that_replay() {
+    let place = Place::new();
+    let slow = ["output.checkpoint_every=3", "time.window=1e-5", "output.every=50"];
+    let more: Vec<&str> = ["--record"].into_iter().chain(sets(&slow)).collect();
+    let running = place.start_run(&case("cold-start.toml"), &more);
+    place.wait_for_log("checkpoint written");
+    running.signal(Signal::KILL);
+    let killed = running.wait().code.is_none();
+    place.assert_nothing_left();
+    assert!(killed, "the run was over before it could be killed");
+    let first = place.out().join("recording.mcap");
+    let seen = inspect(&place, &first, &[]);
+    assert_eq!(seen["complete"], false, "{seen:#}");
+    assert_identical(&place, &first, "mech", &["--tolerance", "0"]);
+    let out = place.out().display().to_string();
+    let ended = place.start(&["run", "--resume", &out, "--record"]).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let names = std::fs::read_dir(place.out()).unwrap().flatten();
+    let second = names
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .find(|name| name.starts_with("recording-0") && name.ends_with(".mcap"))
+        .unwrap();
+    for role in ["mech", "thermal"] {
+        assert_identical(&place, &place.out().join(&second), role, &[]);
+    }
+}
+
+/// The run fails, and the recording says where; a participant that failed fails again.
+#[test]
+fn a_failed_run_leaves_a_recording_that_reads() {
+    let place = Place::new();
+    let faulty = ["left.command=[\"rogue\"]", "left.fault=nan", "left.fault_window=3"];
+    let more: Vec<&str> = ["--record"].into_iter().chain(sets(&faulty)).collect();
+    let ended = place.run(&case("exchange.toml"), &more);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    place.assert_nothing_left();
+    let recording = place.out().join("recording.mcap");
+    let seen = inspect(&place, &recording, &[]);
+    assert_eq!(seen["complete"], true);
+    let error = seen["error"].as_str().unwrap();
+    assert!(error.contains("left") && error.contains("window 3"), "{error}");
+    let broken = seen["fields"].as_array().unwrap().iter().find(|f| !f["non_finite_at"].is_null());
+    assert!(broken.is_some(), "{seen:#}");
+    let shown = place.start(&["inspect", &recording.display().to_string()]).wait();
+    assert!(shown.stdout.contains("FAILED") && shown.stdout.contains("NOT FINITE"));
+}
+
+/// A disk that is full ends the run in order, and what was written before reads.
+#[test]
+fn a_full_disk_ends_the_run_in_order() {
+    let place = Place::new();
+    let (program, case) = (toy("coordinator"), case("cold-start.toml"));
+    let out = place.out();
+    std::fs::create_dir_all(&out).unwrap();
+    let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
+    // A limit on the size of files stands for the end of the disk.
+    let script = "trap '' XFSZ; ulimit -f 2000; exec \"$@\"";
+    let ended = std::process::Command::new("bash")
+        .args(["-c", script, "bash", &program, "run", &case, "--record", "--out"])
+        .arg(&out)
+        .env("COSIM_RUNTIME_DIR", runtime.path().join("r"))
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("the recording failed at"), "{stderr}");
+    place.assert_nothing_left();
+    let seen = inspect(&place, &out.join("recording.mcap"), &[]);
+    assert_eq!(seen["complete"], false);
+}
+
+/// Names of folders, of the user, of the machine: nothing of it. What the case names travels along.
+#[test]
+fn a_recording_carries_no_path_and_replays_without_the_files_of_the_case() {
+    let place = Place::new();
+    let secret = tempfile::Builder::new().prefix("secret-folder-").tempdir().unwrap();
+    for name in ["rail-worn.csv", "wheel-hollow.csv"] {
+        std::fs::copy(root().join("cases/profiles").join(name), secret.path().join(name)).unwrap();
+    }
+    let file = |key: &str, name: &str| format!("{key}={:?}", secret.path().join(name));
+    let rail = file("rail.profile", "rail-worn.csv");
+    let wheel = file("wheel.profile", "wheel-hollow.csv");
+    let command = format!("thermal.command=[{:?}]", toy("thermal-solver"));
+    let settings = [rail.as_str(), &wheel, &command, "mech.resolution=10"];
+    let recording = record(&place, "measured-profile.toml", "--record", &settings);
+    let bytes = std::fs::read(&recording).unwrap();
+    let holds = |text: &str| bytes.windows(text.len()).any(|part| part == text.as_bytes());
+    assert!(holds("rail-worn.csv") && holds("rail.profile"), "the search finds what is there");
+    let user = std::env::var("USER").ok().filter(|user| user.len() > 4);
+    let home = std::env::var("HOME").ok();
+    let manifest = root().display().to_string();
+    let folders = ["secret-folder", "/dev/shm", "cosim_", manifest.as_str()].map(str::to_owned);
+    for word in folders.into_iter().chain(user).chain(home) {
+        assert!(!holds(&word), "the recording holds {word}");
+    }
+    drop(secret);
+    assert_identical(&place, &recording, "mech", &[]);
+}
+
+/// The same picture as the run has written.
+#[test]
+fn an_export_holds_what_the_run_wrote() {
+    let place = Place::new();
+    let recording = record(&place, "wheel-rail.toml", "--record", &[]);
+    let (vtk, csv) = (place.out().join("vtk"), place.out().join("csv"));
+    let paths = [&recording, &vtk, &csv].map(|path| path.display().to_string());
+    let ended = place.start(&["export", &paths[0], "--vtk", &paths[1], "--csv", &paths[2]]).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let read = |folder: &Path, name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let column = |text: &str, head: &str| -> Vec<String> {
+        let at = text.lines().next().unwrap().split(',').position(|h| h == head).unwrap();
+        text.lines().skip(1).map(|line| line.split(',').nth(at).unwrap().to_owned()).collect()
+    };
+    let file = "mech_contact_000000.csv";
+    let (ours, exported) = (read(&place.out().join("fields"), file), read(&vtk, file));
+    for head in ["x [m]", "pressure [Pa]", "friction_power [W/m2]"] {
+        assert_eq!(column(&ours, head), column(&exported, head), "{head}");
+    }
+    assert!(
+        vtk.join("thermal_contact_000000.vti").is_file() && vtk.join("mech_contact.pvd").is_file()
+    );
+    let power = read(&csv, "mech_friction_power_000000.csv");
+    let largest = column(&power, "friction_power [W/m2]");
+    let largest = largest.iter().map(|v| v.parse::<f64>().unwrap()).fold(0.0, f64::max);
+    let seen = inspect(&place, &recording, &["--field", "friction_power", "--window", "0"]);
+    let fields = seen["fields"].as_array().unwrap();
+    let of = fields.iter().find(|f| f["topic"] == "field/mech/friction_power").unwrap();
+    assert_eq!(of["max"].as_f64(), Some(largest));
+    let samples = seen["details"]["samples"].as_array().unwrap();
+    assert!(samples.iter().all(|s| s["topic"] == "field/mech/friction_power"));
+    assert_eq!(samples.len(), 2, "before the solve and after it");
+}
+
+/// The recorded partner for a solver that is started by hand.
+#[test]
+fn a_solver_started_by_hand_is_served() {
+    let place = Place::new();
+    let recording = record(&place, "falling-friction.toml", "--record", &[]);
+    let path = recording.display().to_string();
+    let serving = place.start(&["replay", &path, "--only", "thermal", "--serve"]);
+    let runs = place.runtime();
+    let folder = || {
+        std::fs::read_dir(&runs)
+            .ok()?
+            .flatten()
+            .map(|e| e.path())
+            .find(|p| p.join("run.json").is_file())
+    };
+    wait_until("the run's folder", || folder().is_some());
+    let solver = std::process::Command::new(programs().join("thermal-solver"))
+        .arg("--join")
+        .arg(folder().unwrap())
+        .args(["--role", "thermal"])
+        .status()
+        .unwrap();
+    assert!(solver.success());
+    let ended = serving.wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(ended.stdout.contains("bit-identical"), "{}", ended.stdout);
+    assert!(ended.stderr.contains("--join"), "{}", ended.stderr);
+    place.assert_nothing_left();
+}
+
+#[test]
+fn what_cannot_be_replayed_is_told() {
+    let place = Place::new();
+    let recording = record(&place, "exchange.toml", "--record", &["time.end=5"]);
+    let told = |arguments: &[&str], code: i32, text: &str| {
+        let ended = place.start(arguments).wait();
+        assert_eq!(ended.code, Some(code), "{arguments:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(text), "{arguments:?}: {}", ended.stderr);
+    };
+    let path = recording.display().to_string();
+    told(&["replay", &path, "--only", "middle"], 2, "give --only one of: left, right");
+    told(&["replay", "nowhere.mcap", "--only", "left"], 2, "there is no recording nowhere.mcap");
+    told(&["inspect", &case("linear.toml")], 1, "damaged");
+    let (left, right) = (toy("toy-left"), toy("toy-right"));
+    let other = ["replay", &path, "--only", "left", "--command", &right];
+    let ended = place.start(&other).wait();
+    assert_ne!(ended.code, Some(0), "another program passes for the recorded one");
+    let tolerance = ["replay", &path, "--only", "left", "--command", &left, "--tolerance", "-1"];
+    told(&tolerance, 2, "--tolerance is a number from 0 on");
+    let set = ["replay", &path, "--only", "left", "--command", &left, "--set", "no.key=1"];
+    told(&set, 2, "left was not told any `no.key`");
+    place.assert_nothing_left();
+}
