@@ -5,6 +5,7 @@
 //!     coordinator.state           what only the coordinator knows, and the sums of the other files
 //!     ROLE.state                  each participant's own
 //!     FIELD.values                what it sent last, as little-endian doubles
+//!     ROLE.GRID.geometry          the grid of those values, if it is one that moves
 //! ```
 //!
 //! A checkpoint is written under the name `000120.new`, every file flushed to the disk, and then

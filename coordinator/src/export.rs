@@ -7,7 +7,7 @@
 use crate::error::{RunError, file_failure};
 use crate::inspect::{FileRecording, failed};
 use crate::results::vtk::{FieldWriter, Shown};
-use proto::field::{Body, FieldKind, Mapping};
+use proto::field::{Body, FieldKind, GEOMETRY, Mapping};
 use proto::grid::Grid;
 use proto::message::{CommandKind, FieldHeader, Topics};
 use proto::model::Step;
@@ -32,6 +32,7 @@ pub struct Target {
 struct Newest {
     kind: FieldKind,
     producer: String,
+    grid: Option<Grid>,
     values: Vec<f64>,
     /// Not written yet.
     fresh: bool,
@@ -68,8 +69,8 @@ pub fn export(
 struct Export<'a> {
     target: &'a Target,
     vtk: Option<FieldWriter>,
-    /// The grid of each topic.
-    grids: BTreeMap<String, Grid>,
+    /// The grid of each topic as it is now, and the service of its geometry if it may move.
+    grids: BTreeMap<String, (Grid, Option<String>)>,
     newest: BTreeMap<String, Newest>,
     /// The last that somebody was asked to solve.
     step: Option<Step>,
@@ -90,7 +91,7 @@ impl Export<'_> {
             Some(CommandKind::Initialise) => {
                 if let Ok(topics) = serde_json::from_slice::<Topics>(body) {
                     for topic in topics.inputs.into_iter().chain(topics.outputs) {
-                        self.grids.insert(topic.service, topic.grid);
+                        self.grids.insert(topic.service, (topic.grid, topic.geometry));
                     }
                 }
             }
@@ -115,23 +116,38 @@ impl Export<'_> {
     }
 
     fn sample(&mut self, service: &str, header: &FieldHeader, values: &[f64]) {
+        if header.name.as_str() == GEOMETRY.name {
+            for (grid, moves) in self.grids.values_mut() {
+                if moves.as_deref() == Some(service)
+                    && let Ok(moved) = grid.with_geometry(values, header.grid_revision)
+                {
+                    *grid = moved;
+                }
+            }
+            return;
+        }
+        let grid = self.grids.get(service).map(|(grid, _)| grid);
         let newest = self.newest.entry(service.to_owned()).or_insert_with(|| Newest {
             kind: kind(header),
             producer: header.producer.as_str().to_owned(),
+            grid: None,
             values: Vec::new(),
             fresh: false,
         });
         newest.values.clear();
         newest.values.extend_from_slice(values);
         newest.fresh = true;
+        if newest.grid.as_ref() != grid {
+            newest.grid = grid.cloned();
+        }
     }
 
     fn write(&mut self, number: u64, time: f64) -> Result<(), RunError> {
         let fresh = self.newest.iter().filter(|(_, newest)| newest.fresh);
         let shown: Vec<(&str, Shown)> = fresh
             .filter_map(|(service, newest)| {
-                let Newest { kind, producer, values, .. } = newest;
-                let grid = self.grids.get(service)?;
+                let Newest { kind, producer, values, grid, .. } = newest;
+                let grid = grid.as_ref()?;
                 Some((service.as_str(), Shown { producer, grid, kind, values }))
             })
             .collect();

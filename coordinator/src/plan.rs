@@ -132,12 +132,47 @@ impl Plan {
         }
     }
 
+    /// The columns that the acceleration of an implicit scheme may keep; `None` for one that keeps
+    /// none, or if a grid of what is fed back is not known.
+    #[must_use]
+    pub fn accelerator_history(&self) -> Option<History> {
+        let keeps = match self.acceleration() {
+            Acceleration::None | Acceleration::Constant | Acceleration::Aitken => false,
+            Acceleration::Auto
+            | Acceleration::Anderson
+            | Acceleration::IqnIls
+            | Acceleration::IqnImvj => true,
+        };
+        let fed_back = self.fields.iter().filter(|field| !field.fed_back.is_empty());
+        let bytes = fed_back.map(|field| self.sample_bytes(field)).sum::<Option<u64>>()?;
+        let length = bytes / 8;
+        let columns = (self.implicit.max_columns as u64).min(length);
+        keeps.then_some(History { columns, length })
+    }
+
     /// Bytes of one sample of a field, as far as its grid is known.
     #[must_use]
     pub fn sample_bytes(&self, field: &Field) -> Option<u64> {
         let layout = self.participants[field.producer].estimate.as_ref()?;
         let grid = layout.grid_of(&field.kind.name)?;
         Some(sample_bytes(grid.points(), field.kind.components))
+    }
+}
+
+/// What an accelerator remembers: two vectors a column, of all that is fed back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct History {
+    /// Most columns.
+    pub columns: u64,
+    /// Values of a vector.
+    pub length: u64,
+}
+
+impl History {
+    /// Memory of the columns [byte].
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        2 * 8 * self.columns * self.length
     }
 }
 

@@ -15,7 +15,7 @@ pub use proto::recording::Compression;
 use crate::error::{Failure, RunError, file_failure};
 use crate::plan::Plan;
 use crate::signals;
-use portable::portable_body;
+use portable::{portable_body, without_files};
 use proto::message::{Command, CommandKind, Reply};
 use proto::recording::{
     CaseFile, Event, FILES, FORMAT, Head, Participant, RecordingError, RecordingWriter,
@@ -144,7 +144,8 @@ impl Recorder {
         let body = match CommandKind::from_number(command.kind) {
             Some(CommandKind::Configure) => portable_body(body, &self.files),
             // They hold paths on this machine; the states themselves are recorded.
-            Some(CommandKind::Save | CommandKind::Restore) => Vec::new(),
+            Some(CommandKind::Save) => Vec::new(),
+            Some(CommandKind::Restore) => without_files(body),
             _ => body.to_vec(),
         };
         let participant = index(participant);

@@ -8,12 +8,15 @@
 
 mod audit;
 mod feedback;
+mod geometry;
 mod link;
 mod mapped;
+mod memory;
 mod outlet;
 mod setup;
 mod state;
 mod tap;
+mod topics;
 
 pub use audit::HeatBalance;
 pub(crate) use setup::Seat;
@@ -26,8 +29,10 @@ use crate::record::Recorder;
 use crate::signals;
 use crate::supervise::{Exit, Supervisor};
 use feedback::Feedback;
+use geometry::MovingGrid;
 use link::Link;
 use mapped::Mapped;
+use memory::SharedMemory;
 use proto::message::{Command, CommandKind, Finished, OBSERVE, Reply, Status};
 use proto::model::Step;
 use proto::run_dir::RunDir;
@@ -107,6 +112,8 @@ pub struct Session {
     taps: Vec<Tap>,
     feedback: Vec<Feedback>,
     mapped: Vec<Mapped>,
+    moving: Vec<MovingGrid>,
+    memory: SharedMemory,
     /// The fields of `feedback` as parts of the coupling vector.
     parts: Vec<Part>,
     links: Vec<Link>,
@@ -207,19 +214,26 @@ impl Session {
     }
 
     /// Makes the last solve of every participant its accepted state. With `observe` the observed
-    /// fields are published and received.
+    /// fields are published and received. Grids that move are where they have moved to thereafter.
     pub fn accept(&mut self, step: &Step, observe: bool) -> Result<(), RunError> {
         self.phase = Phase::Accepting(*step);
         let mut command = Command::about(CommandKind::Accept, step);
         command.flags = if observe { OBSERVE } else { 0 };
+        let mut answers = 0_u64;
         for one in 0..self.links.len() {
-            self.post(one, command, &[], observe)?;
+            let answer = observe || self.has_moving_grids(one);
+            answers |= u64::from(answer) << one;
+            self.post(one, command, &[], answer)?;
         }
-        if observe {
-            for one in 0..self.links.len() {
-                self.await_done(one, self.deadlines.solve)?;
+        self.keep_geometry();
+        for one in (0..self.links.len()).filter(|one| answers >> one & 1 == 1) {
+            self.await_done(one, self.deadlines.solve)?;
+            if observe {
                 self.collect(one, step, true)?;
             }
+            self.receive_geometry(one, step)?;
+        }
+        if observe {
             (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
         }
         Ok(())
@@ -231,6 +245,7 @@ impl Session {
         if let Some(recorder) = &self.recorder {
             recorder.stop_listening()?;
         }
+        self.tell_mappings();
         for one in 0..self.links.len() {
             self.post(one, Command::new(CommandKind::Finish), &[], true)?;
         }

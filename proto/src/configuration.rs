@@ -44,6 +44,10 @@ pub struct Input {
     pub producer: String,
     /// The grid it arrives on; absent while that is not known yet.
     pub grid: Option<Grid>,
+    /// That grid may move between windows. Who cannot follow it wants the input on a grid of its
+    /// own ([`Layout::inputs`]), or refuses.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub moves: bool,
 }
 
 impl Configuration {
@@ -71,6 +75,10 @@ pub struct Layout {
     /// another. An input without a wish arrives on its producer's grid.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub inputs: Vec<FieldOnGrid>,
+    /// Names of those of the grids that may move when a window is accepted, see
+    /// [`crate::model::Model::moved_grids`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub moving: Vec<String>,
     /// Expected processor seconds of one solve.
     pub solve_seconds: f64,
     /// Expected memory of the participant's own arrays [byte].
@@ -93,8 +101,8 @@ impl Layout {
     /// What is wrong with a layout that came from outside.
     ///
     /// # Errors
-    /// A grid that [`Grid::check`] refuses, two of the same name, or an input that is wanted twice
-    /// or on no grid of the layout.
+    /// A grid that [`Grid::check`] refuses, two of the same name, an input that is wanted twice or
+    /// on no grid of the layout, or a name among those that move that is no grid or stands twice.
     pub fn check(&self) -> Result<(), String> {
         for (index, grid) in self.grids.iter().enumerate() {
             grid.check()?;
@@ -110,7 +118,24 @@ impl Layout {
                 return Err(format!("the input `{field}` is wanted on `{grid}`, which is no grid"));
             }
         }
+        for (index, name) in self.moving.iter().enumerate() {
+            if self.moving[..index].contains(name) || self.grids.iter().all(|g| g.name != *name) {
+                return Err(format!("`{name}` moves, which is no grid or stands there twice"));
+            }
+        }
         Ok(())
+    }
+
+    /// A grid of this layout may move.
+    #[must_use]
+    pub fn moves(&self, grid: &Grid) -> bool {
+        self.moving.contains(&grid.name)
+    }
+
+    /// The grid of a field may move.
+    #[must_use]
+    pub fn moves_under(&self, field: &str) -> bool {
+        self.grid_of(field).is_some_and(|grid| self.moves(grid))
     }
 
     /// The grid of a field.
@@ -194,7 +219,33 @@ mod tests {
     #[test]
     fn a_layout_without_wishes_is_written_as_before() {
         let text = serde_json::to_string(&wanting(&[])).unwrap();
-        assert!(!text.contains("inputs"), "{text}");
+        assert!(!text.contains("inputs") && !text.contains("moving"), "{text}");
         assert_eq!(serde_json::from_str::<Layout>(&text).unwrap(), wanting(&[]));
+    }
+
+    /// Nor does one that no moving grid concerns hear of any.
+    #[test]
+    fn an_input_whose_grid_stays_is_written_as_before() {
+        let field = crate::field::PRESSURE.kind();
+        let input = Input { field, producer: "mech".to_owned(), grid: None, moves: false };
+        let text = serde_json::to_string(&input).unwrap();
+        assert!(!text.contains("moves"), "{text}");
+        assert_eq!(serde_json::from_str::<Input>(&text).unwrap(), input);
+        let text = serde_json::to_string(&Input { moves: true, ..input }).unwrap();
+        assert!(serde_json::from_str::<Input>(&text).unwrap().moves, "{text}");
+    }
+
+    #[test]
+    fn moving_grids_are_checked() {
+        let moving = |names: &[&str]| {
+            let moving = names.iter().map(|name| (*name).to_owned()).collect();
+            Layout { moving, ..wanting(&[]) }
+        };
+        let layout = moving(&["fine"]);
+        assert_eq!(layout.check(), Ok(()));
+        assert!(layout.moves(&layout.grids[0]) && !wanting(&[]).moves(&layout.grids[0]));
+        for wrong in [["coarse"].as_slice(), &["fine", "fine"]] {
+            assert!(moving(wrong).check().unwrap_err().contains("moves, which is no grid"));
+        }
     }
 }

@@ -94,6 +94,8 @@ macro_rules! field_table {
 }
 
 field_table! {
+    GEOMETRY = "geometry" ["m"; 3], Consistent, Interface,
+        "geometry of a grid that moves, on a topic of its own (grid/geometry.rs)";
     PRESSURE = "pressure" ["Pa"; 1], Consistent, Interface,
         "normal contact pressure, positive in compression";
     TRACTION = "traction" ["Pa"; 2], Consistent, Interface,

@@ -5,6 +5,7 @@
 //! grid stands at index `j * ni + i` (i runs fastest). For the contact plane `step_i` points along
 //! x, the rolling direction, and `step_j` along y, to the left.
 
+mod geometry;
 mod quadrilaterals;
 
 pub use quadrilaterals::Quadrilaterals;

@@ -59,12 +59,15 @@ pub enum CommandKind {
     /// Solve one iteration of one window, publish the outputs, reply.
     Solve = 4,
     /// The last solve becomes the accepted state. With [`OBSERVE`] the observed fields are
-    /// published and a reply is sent; without, there is no reply.
+    /// published, on the grids of that solve; after that the geometry of every grid of
+    /// [`Topics::geometry`] that has moved. There is a reply with [`OBSERVE`] and from a
+    /// participant with such grids, otherwise none.
     Accept = 5,
     /// Body: [`StateFile`]; write the accepted state to the file `path`, reply.
     Save = 6,
-    /// Body: [`StateFile`]; read the state from the file `path`, publish the `outputs` with the
-    /// labels of the command's step, reply. The state is that at the end of this step.
+    /// Body: [`StateFile`]; read the state from the file `path`; publish the `geometry` of the
+    /// command's step, the `outputs` with its labels, and then the geometry of every grid that has
+    /// moved when it was accepted; reply. The state is that at the end of this step.
     Restore = 7,
     /// Reply with the summary ([`Finished`]) and leave the run.
     Finish = 8,
@@ -259,6 +262,9 @@ pub struct Topics {
     /// How inputs vary within a window.
     #[serde(default)]
     pub interpolation: Interpolation,
+    /// The grids of this participant whose geometry it has to publish whenever they move.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub geometry: Vec<GeometryTopic>,
 }
 
 /// How the inputs with consistent mapping vary within a window. What is mapped conservatively is a
@@ -284,6 +290,22 @@ pub struct Topic {
     pub grid: crate::grid::Grid,
     /// Number of subscribers that every sample has to reach.
     pub subscribers: usize,
+    /// The service that carries the geometry of the grid, if it may move. Samples of the field name
+    /// its revision; one that rises has been on this service before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub geometry: Option<String>,
+}
+
+/// A service that carries the geometry of one grid: a [`crate::field::GEOMETRY`] behind a
+/// [`FieldHeader`] with the name of the grid and its new revision, whenever it has moved.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct GeometryTopic {
+    /// Name of the grid.
+    pub grid: String,
+    /// Name of the service.
+    pub service: String,
+    /// Number of subscribers that every sample has to reach.
+    pub subscribers: usize,
 }
 
 /// Body of a failed reply.
@@ -302,6 +324,10 @@ pub struct StateFile {
     /// for `Save`.
     #[serde(default)]
     pub outputs: Vec<OutputFile>,
+    /// For `Restore`, the grids of [`Topics::geometry`] as they were in the command's step, on which
+    /// the outputs are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub geometry: Vec<crate::grid::Grid>,
 }
 
 /// The values of an output in a file.
@@ -383,6 +409,28 @@ mod tests {
             offset_of!(FieldHeader, grid),
         ];
         assert_eq!(offsets, [0, 4, 8, 16, 24, 32, 36, 40, 48, 56, 64, 96, 112, 144]);
+    }
+
+    /// Who knows of no moving grids hears of none.
+    #[test]
+    fn without_moving_grids_the_bodies_are_as_before() {
+        use crate::grid::{Grid, Structured};
+        let grid = Grid::structured("g", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 2, 1));
+        let name = String::from;
+        let topic = Topic {
+            field: name("x"),
+            service: name("field/a/x"),
+            grid,
+            subscribers: 2,
+            geometry: None,
+        };
+        let topics = Topics { outputs: vec![topic], deadline: 1.0, ..Topics::default() };
+        let file = StateFile { path: "a.state".into(), outputs: Vec::new(), geometry: Vec::new() };
+        let texts =
+            [serde_json::to_string(&topics).unwrap(), serde_json::to_string(&file).unwrap()];
+        assert!(texts.iter().all(|text| !text.contains("geometry")), "{texts:?}");
+        assert_eq!(serde_json::from_str::<Topics>(&texts[0]).unwrap(), topics);
+        assert_eq!(serde_json::from_str::<StateFile>(&texts[1]).unwrap(), file);
     }
 
     #[test]

@@ -67,7 +67,7 @@ pub trait Inputs {
 pub struct InputField<'a> {
     /// `components * points` values, component-major.
     pub values: &'a [f64],
-    /// Where they live.
+    /// Where they live: the grid of this very sample, if it is one that moves.
     pub grid: &'a Grid,
 }
 
@@ -145,7 +145,16 @@ pub trait Model {
     /// Makes the last solve the accepted state.
     fn accept(&mut self);
 
-    /// Writes the observed fields of the accepted state.
+    /// The grids of the layout that may move, as they are in the accepted state. One that has
+    /// changed has a higher revision. They change with [`Model::accept`] and [`Model::restore`]
+    /// alone, so that geometry is constant through the iterations of a window. Quadrilaterals keep
+    /// their elements; a structured grid may grow.
+    fn moved_grids(&self) -> &[Grid] {
+        &[]
+    }
+
+    /// Writes the observed fields of the window that was accepted last, on the grids that it was
+    /// solved on: where `accept` has moved them to holds from the next window on.
     fn observe(&mut self, outputs: &mut dyn Outputs);
 
     /// The part of `summary.json` that is this model's: an object of sections, whose keys are

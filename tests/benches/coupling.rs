@@ -10,9 +10,11 @@
 use coordinator::case::{Acceleration, Implicit, RawCase};
 use coordinator::couple::{Coupling, accelerate, parts};
 use coordinator::plan::{Planned, plan};
+use coordinator::record::{Compression, Recorder};
 use coordinator::session::Session;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use proto::model::Step;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
@@ -92,6 +94,45 @@ fn round_trip(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A window of `round_trip` with its recording; the file is on the disk of the target folder. Few
+/// windows a measurement, so that the disk is not filled: the time is that of a window.
+fn recording(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("recording");
+    group.measurement_time(Duration::from_secs(2)).sample_size(10);
+    let folder = std::env::current_exe().expect("a running program has a path");
+    let path = folder.with_file_name("bench-recording.mcap");
+    for (name, compression) in
+        [("off", None), ("on", Some(Compression::None)), ("zstd", Some(Compression::Zstd))]
+    {
+        for points in SIZES {
+            let plan = explicit(points).plan;
+            let most = (200_000_000 / points as u64).clamp(20, 20_000) / 8;
+            // Two fields of `points` doubles a window.
+            group.throughput(Throughput::Bytes(16 * points as u64));
+            group.bench_function(BenchmarkId::new(name, points), |bencher| {
+                bencher.iter_custom(|count| {
+                    let start =
+                        |c| Recorder::start(&path, c, &plan, "").expect("the disk has room");
+                    let recorder = compression.map(start).map(Arc::new);
+                    let mut session =
+                        Session::start(&plan, recorder.clone()).expect("the participants start");
+                    let (mut coupling, mut window) = (Coupling::explicit(), 0);
+                    windows(&mut session, &mut coupling, &mut window, 3);
+                    let (begun, done) = (Instant::now(), count.min(most));
+                    windows(&mut session, &mut coupling, &mut window, done);
+                    session.finish().expect("the participants leave");
+                    if let Some(recorder) = recorder {
+                        recorder.finish(None).expect("the disk has room");
+                    }
+                    begun.elapsed().mul_f64(count as f64 / done as f64)
+                });
+            });
+        }
+    }
+    group.finish();
+    let _ = std::fs::remove_file(&path);
+}
+
 fn iteration(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("iqn_ils");
     group.measurement_time(Duration::from_secs(5)).sample_size(10);
@@ -156,5 +197,5 @@ fn accelerator(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, round_trip, iteration, accelerator);
+criterion_group!(benches, round_trip, recording, iteration, accelerator);
 criterion_main!(benches);

@@ -3,5 +3,6 @@
 
 pub mod linear;
 pub mod lumped;
+pub mod moving;
 pub mod rogue;
 pub mod toy;

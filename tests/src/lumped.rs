@@ -8,7 +8,8 @@
 //!
 //! The source sends the mean of its flux over the window, from `substeps` midpoints at which it
 //! takes the temperature as it varies within the window. The body takes `substeps` steps of the
-//! trapezoidal rule. Both keep their own books of heat.
+//! trapezoidal rule. Both keep their own books of heat. With `body.points` the body has a grid of
+//! so many elements on the same surface, on which it wants the flux.
 
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
 use proto::description::{Description, KeySpec, ModelSpec};
@@ -42,6 +43,13 @@ pub const BODY_TEMPERATURE: FieldSpec = FieldSpec {
 const POINTS: usize = 4;
 /// Side of an element \[m\]: the surface has 1 m².
 const SIDE: f64 = 0.5;
+
+/// The surface cut into so many elements along x.
+fn surface(points: usize) -> Grid {
+    let length = POINTS as f64 * SIDE / points as f64;
+    let first = 0.5 * (length - SIDE);
+    Grid::structured("surface", Structured::contact_plane(first, 0.0, length, SIDE, points, 1))
+}
 
 /// The constants of the problem.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,6 +164,10 @@ impl Solver for Lumped {
                 .at_least(1.0)
                 .default_value(1),
         );
+        if *self == Self::Body {
+            let help = "elements of its own grid; absent: the source's";
+            keys.push(KeySpec::integer(&key("points"), help).at_least(1.0));
+        }
         if *self == Self::Source {
             let help = "it wants a window to end at its step";
             keys.push(KeySpec::flag(&key("announce"), help).default_value(false));
@@ -185,9 +197,10 @@ impl Solver for Lumped {
 
     fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
         let case = &configuration.case;
-        let shape = Structured::contact_plane(0.0, 0.0, SIDE, SIDE, POINTS, 1);
+        let own = *self == Self::Body && case.has("body.points");
+        let points = if own { case.integer("body.points")? as usize } else { POINTS };
         let on_grid =
-            FieldOnGrid { field: self.sends().name.to_owned(), grid: "surface".to_owned() };
+            |field: FieldSpec| FieldOnGrid { field: field.name.to_owned(), grid: "surface".into() };
         let announce = case.get("source.announce").and_then(serde_json::Value::as_bool);
         Ok(Box::new(LumpedSetup {
             part: *self,
@@ -195,8 +208,9 @@ impl Solver for Lumped {
             substeps: case.integer(&format!("{}.substeps", self.role()))? as u32,
             announce: announce.unwrap_or(false),
             layout: Layout {
-                grids: vec![Grid::structured("surface", shape)],
-                fields: vec![on_grid],
+                grids: vec![surface(points)],
+                fields: vec![on_grid(self.sends())],
+                inputs: own.then(|| on_grid(self.receives())).into_iter().collect(),
                 ..Layout::default()
             },
         }))
@@ -308,7 +322,8 @@ impl Model for LumpedModel {
                 report.wanted_window = (self.setup.announce && within).then_some(ahead);
             }
             Lumped::Body => {
-                let power = received.values.iter().map(|q| q * SIDE * SIDE).sum::<f64>();
+                let area = POINTS as f64 * SIDE * SIDE / received.values.len() as f64;
+                let power = received.values.iter().map(|q| q * area).sum::<f64>();
                 self.trial = self.heat_up(step, power);
                 sent.fill(self.trial.temperature);
                 report.heat_received = Some(self.trial.in_window / step.duration());

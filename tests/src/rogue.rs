@@ -2,7 +2,9 @@
 //! break the contract in ways that the library does not allow.
 
 use crate::toy::{LEFT_VALUE, Toy};
-use proto::configuration::Configuration;
+use proto::configuration::{Configuration, FieldOnGrid, Layout};
+use proto::field::GEOMETRY;
+use proto::grid::{Grid, Structured};
 use proto::message::{
     Command, CommandKind, FieldHeader, Finished, Label, OBSERVE, Reply, Status, Topics,
 };
@@ -25,10 +27,26 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Faults of a participant whose grid moves with every window.
+const MOVING: &[&str] = &[
+    "old-revision",
+    "falling",
+    "flat",
+    "fraction",
+    "truncated",
+    "other-grid",
+    "repeated",
+    "grown",
+    "unpublished",
+];
+
 struct Field {
     writer: FieldWriter,
     inputs: Vec<FieldReader>,
     header: FieldHeader,
+    grid: Grid,
+    /// Where the grid's geometry goes, and the label of the newest.
+    geometry: Option<(FieldWriter, FieldHeader)>,
 }
 
 struct Rogue {
@@ -50,7 +68,8 @@ fn take_part(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         let (command, body) = next(&doorbell, &commands)?;
         let kind = CommandKind::from_number(command.kind).ok_or("unknown command")?;
         let answer = rogue.handle(&endpoint, kind, &command, &body)?;
-        if kind == CommandKind::Accept && command.flags & OBSERVE == 0 {
+        let moves = rogue.field.as_ref().is_some_and(|field| field.geometry.is_some());
+        if kind == CommandKind::Accept && command.flags & OBSERVE == 0 && !moves {
             continue;
         }
         replies.send(&rogue.reply(&command), &answer)?;
@@ -80,8 +99,9 @@ fn next(
 
 impl Rogue {
     fn is_at(&self, command: &Command, fault: &str) -> bool {
-        let solving = command.kind == CommandKind::Solve as u32;
-        solving && command.window == self.fault_window && self.fault == fault
+        let moves = MOVING.contains(&fault) && fault != "old-revision";
+        let when = if moves { CommandKind::Accept } else { CommandKind::Solve };
+        command.kind == when as u32 && command.window == self.fault_window && self.fault == fault
     }
 
     fn reply(&self, command: &Command) -> Reply {
@@ -109,23 +129,84 @@ impl Rogue {
                 self.fault = configuration.case.text("left.fault")?.to_owned();
                 self.fault_window = configuration.case.integer("left.fault_window")? as u64;
                 let setup = Toy::LEFT.configure(&configuration)?;
-                return Ok(serde_json::to_vec(setup.layout())?);
+                return Ok(serde_json::to_vec(&self.layout(setup.layout()))?);
             }
             CommandKind::Initialise => {
                 self.field = Some(open(endpoint, &serde_json::from_slice(body)?)?);
                 self.publish(command)?;
             }
             CommandKind::Solve => self.publish(command)?,
+            CommandKind::Accept => self.move_grid(command)?,
             CommandKind::Finish => return Ok(serde_json::to_vec(&Finished::default())?),
             _ => {}
         }
         Ok(Vec::new())
     }
 
+    /// What it says of its grids.
+    fn layout(&self, honest: &Layout) -> Layout {
+        let mut layout = honest.clone();
+        if MOVING.contains(&self.fault.as_str()) {
+            layout.moving = vec![layout.grids[0].name.clone()];
+        }
+        let flat = Structured::contact_plane(0.0, 0.0, 0.0, 1.0, 3, 2);
+        let wish = match self.fault.as_str() {
+            "wish-flat" => {
+                layout.grids.push(Grid::structured("own", flat));
+                ("right_value", "own")
+            }
+            "wish-nowhere" => ("right_value", "own"),
+            "wish-unheard" => ("pressure", "numbers"),
+            _ => return layout,
+        };
+        layout.inputs = vec![FieldOnGrid { field: wish.0.to_owned(), grid: wish.1.to_owned() }];
+        layout
+    }
+
+    /// Moves the grid by one along x, and says so; wrongly in the window of the fault.
+    fn move_grid(&mut self, command: &Command) -> Result<(), Box<dyn std::error::Error>> {
+        let at = |fault: &str| self.is_at(command, fault);
+        let (falls, other, repeats) = (at("falling"), at("other-grid"), at("repeated"));
+        let (flat, part, short) = (at("flat"), at("fraction"), at("truncated"));
+        let (grown, silent) = (at("grown"), at("unpublished"));
+        let Some(Field { grid, header, geometry: Some((writer, label)), .. }) = &mut self.field
+        else {
+            return Ok(());
+        };
+        let mut shape = *grid.as_structured().ok_or("the grid is structured")?;
+        shape.origin[0] += 1.0;
+        shape.ni += usize::from(grown);
+        *grid = Grid { revision: grid.revision + 1, ..Grid::structured(&grid.name, shape) };
+        header.grid_revision = grid.revision;
+        if silent {
+            return Ok(());
+        }
+        let mut values = [0.0; 12];
+        grid.encode_geometry(&mut values);
+        if flat {
+            values[1] = 0.0;
+        }
+        if part {
+            values[3] += 0.5;
+        }
+        label.sequence += u64::from(!repeats);
+        label.grid_revision = if falls { 1 } else { grid.revision };
+        (label.window, label.iteration) = (command.window, command.iteration);
+        (label.start, label.end) = (command.start, command.end);
+        if other {
+            label.grid = Label::new("other");
+        }
+        let values = &values[usize::from(short)..];
+        let mut loan = writer.loan(values.len())?;
+        loan.values().copy_from_slice(values);
+        Ok(writer.publish(loan, label)?)
+    }
+
     fn publish(&mut self, command: &Command) -> Result<(), TransportError> {
         let at = |fault: &str| self.is_at(command, fault);
         let (short, label, skip, silent) =
             (at("short"), at("label"), at("sequence"), at("silence"));
+        let (unannounced, old) = (at("unannounced"), at("old-revision"));
         let Some(field) = &mut self.field else { return Ok(()) };
         for input in &field.inputs {
             while input.receive()?.is_some() {}
@@ -142,6 +223,8 @@ impl Rogue {
         if label {
             header.name = Label::new("pressure");
         }
+        header.grid_revision += u64::from(unannounced);
+        header.grid_revision -= u64::from(old);
         let mut loan = field.writer.loan(header.points as usize - usize::from(short))?;
         loan.values().fill(1.0);
         field.writer.publish(loan, &header)
@@ -155,6 +238,21 @@ fn open(endpoint: &Endpoint, topics: &Topics) -> Result<Field, Box<dyn std::erro
     let points = topic.grid.points();
     let writer = endpoint.field_writer(&topic.service, points, topic.subscribers)?;
     writer.wait_for_subscribers(Instant::now() + Duration::from_secs_f64(topics.deadline))?;
+    let geometry = topics.geometry.first().map(|moving| -> Result<_, TransportError> {
+        let writer = endpoint.field_writer(&moving.service, 12, moving.subscribers)?;
+        writer.wait_for_subscribers(Instant::now() + Duration::from_secs_f64(topics.deadline))?;
+        let label = FieldHeader {
+            protocol: proto::PROTOCOL_VERSION,
+            components: GEOMETRY.components,
+            points: 4,
+            name: Label::new(GEOMETRY.name),
+            unit: Label::new(GEOMETRY.unit),
+            producer: Label::new("left"),
+            grid: Label::new(&moving.grid),
+            ..FieldHeader::default()
+        };
+        Ok((writer, label))
+    });
     let header = FieldHeader {
         protocol: proto::PROTOCOL_VERSION,
         components: 1,
@@ -166,5 +264,6 @@ fn open(endpoint: &Endpoint, topics: &Topics) -> Result<Field, Box<dyn std::erro
         grid: Label::new(&topic.grid.name),
         ..FieldHeader::default()
     };
-    Ok(Field { writer, inputs: inputs?, header })
+    let (inputs, geometry) = (inputs?, geometry.transpose()?);
+    Ok(Field { writer, inputs, header, grid: topic.grid.clone(), geometry })
 }

@@ -17,7 +17,7 @@ pub const LEFT_VALUE: FieldSpec = field("left_value");
 pub const RIGHT_VALUE: FieldSpec = field("right_value");
 
 /// Ways to misbehave, as words of `ROLE.fault`; in the window `ROLE.fault_window`.
-/// The second row is what only [`crate::rogue`] can do.
+/// What comes after `exit-at-start` only [`crate::rogue`] can do.
 pub const FAULTS: &[&str] = &[
     "none",
     "not-finite",
@@ -32,6 +32,19 @@ pub const FAULTS: &[&str] = &[
     "silence",
     "old-reply",
     "wrong-answer",
+    "unannounced",
+    "old-revision",
+    "falling",
+    "flat",
+    "fraction",
+    "truncated",
+    "other-grid",
+    "repeated",
+    "grown",
+    "unpublished",
+    "wish-flat",
+    "wish-nowhere",
+    "wish-unheard",
 ];
 
 const fn field(name: &'static str) -> FieldSpec {

@@ -87,6 +87,23 @@ fn resolution_gives_a_grid_of_its_own() {
     assert_eq!((layout.inputs.len(), layout.grids[0].as_structured()), (0, Some(&square)));
 }
 
+/// Heat is conducted on a grid that stays: where the flux's own moves, that is its first one.
+#[test]
+fn the_first_grid_is_kept_of_one_that_moves() {
+    let arriving = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 4);
+    for (model, mode) in [("columns", Mode::Transient), ("ertz-knothe", Mode::Steady)] {
+        let mut given = configuration(model, mode, arriving, steel());
+        let stays = ThermalSolver.configure(&given).unwrap().layout().clone();
+        assert_eq!(stays.input_grid("friction_power"), None);
+        given.inputs[0].moves = true;
+        let layout = ThermalSolver.configure(&given).unwrap().layout().clone();
+        assert_eq!(layout.check(), Ok(()));
+        let wanted = layout.input_grid("friction_power").unwrap().as_structured();
+        assert_eq!((wanted, layout.moving.len()), (Some(&arriving), 0));
+        assert!(layout.remarks.iter().any(|remark| remark.contains("first grid")));
+    }
+}
+
 #[test]
 fn a_grid_not_yet_known_can_be_planned_but_not_built() {
     let grid = row(10, -1.0, 1.0);

@@ -1,6 +1,6 @@
 //! The mapping of one field through time.
 
-use super::{GridMapping, MapError, Method};
+use super::{Coverage, GridMapping, MapError, Method};
 use proto::field::Mapping;
 use proto::grid::Grid;
 
@@ -34,6 +34,12 @@ impl CurrentMapping {
             self.builds += 1;
         }
         Ok(&self.made.as_ref().expect("it was there or has just been made").1)
+    }
+
+    /// What the mapping at hand covers; `None` before it was made.
+    #[must_use]
+    pub fn coverage(&self) -> Option<Coverage> {
+        self.made.as_ref().map(|(_, mapping)| mapping.coverage())
     }
 
     /// How many times the mapping was made.

@@ -304,6 +304,7 @@ fn participants(
                 field: f.kind.clone(),
                 producer: running[f.producer].role.to_owned(),
                 grid: None,
+                moves: false,
             })
             .collect();
         if inputs.len() > MAX_INPUTS {
@@ -337,28 +338,56 @@ fn participants(
     Ok(participants)
 }
 
-/// Asks every participant what it makes of the case, along the flow of data.
+/// Asks every participant what it makes of the case, along the flow of data; and once more those
+/// who have an input whose grid moves, as turned out only after they had been asked.
 async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
     for index in 0..plan.participants.len() {
         fill_input_grids(plan, index);
-        let participant = &plan.participants[index];
-        if !participant.description.estimates {
-            continue;
-        }
-        match participant.program.estimate(&participant.configuration, ANSWER).await? {
-            Estimate::Layout(layout) => {
-                layout
-                    .check()
-                    .map_err(|fault| participant.program.misled(&participant.role, fault))?;
-                plan.participants[index].estimate = Some(layout);
-            }
-            Estimate::Refused(refusal) => {
-                let problem = case.problem_at(&refusal.key, refusal.reason, refusal.fix);
-                return Err(case.report(vec![problem]).expect("there is a problem").into());
-            }
+        fill_input_moves(plan, index);
+        estimate_one(case, plan, index).await?;
+    }
+    for index in 0..plan.participants.len() {
+        if fill_input_moves(plan, index) {
+            estimate_one(case, plan, index).await?;
         }
     }
     Ok(())
+}
+
+async fn estimate_one(case: &Case, plan: &mut Plan, index: usize) -> Result<(), RunError> {
+    let participant = &plan.participants[index];
+    if !participant.description.estimates {
+        return Ok(());
+    }
+    match participant.program.estimate(&participant.configuration, ANSWER).await? {
+        Estimate::Layout(layout) => {
+            layout.check().map_err(|fault| participant.program.misled(&participant.role, fault))?;
+            plan.participants[index].estimate = Some(layout);
+            Ok(())
+        }
+        Estimate::Refused(refusal) => {
+            let problem = case.problem_at(&refusal.key, refusal.reason, refusal.fix);
+            Err(case.report(vec![problem]).expect("there is a problem").into())
+        }
+    }
+}
+
+/// Which grids of a participant's inputs may move, as far as their estimates say; whether that is
+/// news.
+fn fill_input_moves(plan: &mut Plan, index: usize) -> bool {
+    let moves = |plan: &Plan, input: &Input| {
+        let producer = plan.participants.iter().find(|p| p.role == input.producer);
+        let layout = producer.and_then(|p| p.estimate.as_ref());
+        layout.is_some_and(|layout| layout.moves_under(&input.field.name))
+    };
+    let inputs = &plan.participants[index].configuration.inputs;
+    let found: Vec<bool> = inputs.iter().map(|input| moves(plan, input)).collect();
+    let mut news = false;
+    for (input, moves) in plan.participants[index].configuration.inputs.iter_mut().zip(found) {
+        news |= input.moves != moves;
+        input.moves = moves;
+    }
+    news
 }
 
 fn fill_input_grids(plan: &mut Plan, index: usize) {

@@ -8,15 +8,18 @@ use proto::grid::Grid;
 use std::fmt::{Formatter, Result};
 
 /// The grids of a field's producer and of one of its consumers, if it has to be mapped from the one
-/// to the other; `None` if they match, or are not known.
+/// to the other; `None` if they match, or are not known. Grids of which one may move do not match,
+/// as they would not for long.
 pub fn non_matching<'a>(
     field: &Field,
     consumer: usize,
     layout: impl Fn(usize) -> Option<&'a Layout>,
 ) -> Option<[&'a Grid; 2]> {
-    let source = layout(field.producer)?.grid_of(&field.kind.name)?;
-    let wanted = layout(consumer)?.input_grid(&field.kind.name)?;
-    (source.shape != wanted.shape).then_some([source, wanted])
+    let (theirs, own) = (layout(field.producer)?, layout(consumer)?);
+    let source = theirs.grid_of(&field.kind.name)?;
+    let wanted = own.input_grid(&field.kind.name)?;
+    let apart = source.shape != wanted.shape || theirs.moves(source) || own.moves(wanted);
+    apart.then_some([source, wanted])
 }
 
 impl Plan {

@@ -52,6 +52,15 @@ impl Plan {
                  windows remembered",
                 self.implicit.acceleration.word()
             )?;
+            if let Some(history) = self.accelerator_history() {
+                writeln!(
+                    f,
+                    "           remembers up to {} columns of {} values: {}",
+                    history.columns,
+                    history.length,
+                    bytes(history.bytes())
+                )?;
+            }
         }
         Ok(())
     }
@@ -101,6 +110,11 @@ impl Plan {
             let route = format!("{} {through} {to}", role(field.producer));
             writeln!(f, "{head:10} {:30} {route:24} {size:>12}", field.kind.name)?;
             head = "";
+        }
+        for p in &self.participants {
+            for name in p.estimate.iter().flat_map(|layout| &layout.moving) {
+                writeln!(f, "{:10} grid `{name}` of {} may move between windows", "", p.role)?;
+            }
         }
         let exchanged = self.fields.iter().filter(|f| !f.observed_only());
         let bytes_of = |field| Some(self.sample_bytes(field)? + self.mapped_bytes(field));

@@ -8,13 +8,15 @@ use crate::inspect::FileRecording;
 use crate::session::Session;
 use proto::configuration::{Layout, Refusal};
 use proto::description::Description;
+use proto::field::GEOMETRY;
+use proto::grid::Grid;
 use proto::message::{
     Command, CommandKind, Failure as Unsuccessful, FieldHeader, Finished, OBSERVE, OutputFile,
-    Reply, StateFile, Status, Topic, Topics,
+    Reply, StateFile, Status, Topics,
 };
 use proto::model::Step;
 use proto::recording::{CaseFile, Event, Item, Participant};
-use proto::transport::{FieldReader, TransportError};
+use proto::transport::{Endpoint, FieldReader, TransportError};
 use serde_json::Value;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -22,7 +24,8 @@ use std::time::Instant;
 /// One output of the participant.
 #[derive(Debug)]
 struct Output {
-    topic: Topic,
+    field: String,
+    service: String,
     reader: FieldReader,
     /// Published in every iteration; otherwise only when a window is observed.
     exchanged: bool,
@@ -30,6 +33,32 @@ struct Output {
     recorded: Option<(FieldHeader, Vec<f64>)>,
     /// Recorded since the last restore was held back.
     restored: bool,
+    /// Of a geometry: the grid as it was recorded last, and before.
+    grids: Vec<Grid>,
+}
+
+impl Output {
+    fn open(endpoint: &Endpoint, field: &str, service: &str) -> Result<Self, TransportError> {
+        let (field, service) = (field.to_owned(), service.to_owned());
+        let reader = endpoint.field_reader(&service)?;
+        let (exchanged, recorded, restored, grids) = (false, None, false, Vec::new());
+        Ok(Self { field, service, reader, exchanged, recorded, restored, grids })
+    }
+
+    /// A recorded sample.
+    fn take(&mut self, header: &FieldHeader, values: &[f64]) {
+        // What comes before any solve is sent in each iteration thereafter.
+        self.exchanged |= header.iteration == 0;
+        self.restored = true;
+        let kept = self.recorded.take().map(|(_, values)| values).unwrap_or_default();
+        self.recorded = Some((*header, refilled(kept, values)));
+        let moved = self.grids.last().map(|g| g.with_geometry(values, header.grid_revision));
+        if let Some(Ok(grid)) = moved {
+            self.grids.push(grid);
+            let surplus = self.grids.len().saturating_sub(2);
+            self.grids.drain(..surplus);
+        }
+    }
 }
 
 /// What the recording says next is not what the participant has just done.
@@ -57,7 +86,10 @@ pub(super) struct Driver<'a> {
     /// State that was recorded last.
     state: Vec<u8>,
     /// A restore whose outputs are still to come.
-    held: Option<Command>,
+    held: Option<(Command, Vec<Grid>)>,
+    /// It has grids that move, and answers every `Accept`.
+    moves: bool,
+    layout: Layout,
     /// The last command that concerned a step.
     step: Step,
     solving: bool,
@@ -100,6 +132,8 @@ impl<'a> Driver<'a> {
             skipping: from,
             state: Vec::new(),
             held: None,
+            moves: false,
+            layout: Layout::default(),
             step: Step { iteration: 0, ..Step::STEADY },
             solving: false,
             finished: false,
@@ -185,17 +219,20 @@ impl<'a> Driver<'a> {
                 self.replay.solves += 1;
                 self.ask(command, &[])?;
             }
-            CommandKind::Accept if command.flags & OBSERVE == 0 => {
+            CommandKind::Accept if command.flags & OBSERVE == 0 && !self.moves => {
                 self.session.post(0, command, &[], false)?;
             }
             CommandKind::Accept => self.ask(command, &[])?,
             CommandKind::Save => {
                 let path = self.folder.join("saved.state");
-                self.ask(command, &state_file(path, Vec::new()))?;
+                let file = StateFile { path, outputs: Vec::new(), geometry: Vec::new() };
+                self.ask(command, &json(&file))?;
             }
             CommandKind::Restore => {
                 self.outputs.iter_mut().for_each(|output| output.restored = false);
-                self.held = Some(command);
+                let file: Option<StateFile> = serde_json::from_slice(body).ok();
+                let grids = file.map(|file| file.geometry).unwrap_or_default();
+                self.held = Some((command, grids));
             }
             CommandKind::Finish => {
                 self.finished = true;
@@ -263,6 +300,7 @@ impl<'a> Driver<'a> {
         } else if let (Ok(now), Ok(then)) =
             (serde_json::from_slice::<Layout>(now), serde_json::from_slice::<Layout>(then))
         {
+            self.layout = now.clone();
             if (&now.grids, &now.fields, &now.inputs) != (&then.grids, &then.fields, &then.inputs) {
                 let what = "its grids, or where its fields live, are not the recorded ones";
                 self.replay.comparison.other.get_or_insert(what.to_owned());
@@ -284,16 +322,21 @@ impl<'a> Driver<'a> {
         let mut topics: Topics = serde_json::from_slice(body)
             .map_err(|error| self.damaged(&format!("its topics: {error}")))?;
         let endpoint = self.session.endpoint();
-        self.feed = Feed::open(endpoint, &topics.inputs).map_err(|e| self.transport(&e))?;
+        self.feed = Feed::open(endpoint, &topics).map_err(|e| self.transport(&e))?;
         let mut outputs = Vec::new();
         for topic in &mut topics.outputs {
             topic.subscribers = 1;
-            let reader = endpoint.field_reader(&topic.service).map_err(|e| self.transport(&e))?;
-            let topic = topic.clone();
-            let (exchanged, recorded, restored) = (false, None, false);
-            outputs.push(Output { topic, reader, exchanged, recorded, restored });
+            let output = Output::open(endpoint, &topic.field, &topic.service);
+            outputs.push(output.map_err(|e| self.transport(&e))?);
         }
-        self.outputs = outputs;
+        for topic in &mut topics.geometry {
+            topic.subscribers = 1;
+            let output = Output::open(endpoint, GEOMETRY.name, &topic.service);
+            let mut output = output.map_err(|e| self.transport(&e))?;
+            output.grids.extend(self.layout.grids.iter().find(|g| g.name == topic.grid).cloned());
+            outputs.push(output);
+        }
+        (self.outputs, self.moves) = (outputs, !topics.geometry.is_empty());
         let body = serde_json::to_vec(&topics).expect("topics are plain data");
         self.ask(command, &body)?;
         let deadline = Instant::now() + self.session.deadlines().start;
@@ -308,15 +351,10 @@ impl<'a> Driver<'a> {
         values: &[f64],
     ) -> Result<(), RunError> {
         self.feed.take(service, header, values);
-        let Some(at) = self.outputs.iter().position(|o| o.topic.service == service) else {
+        let Some(at) = self.outputs.iter().position(|o| o.service == service) else {
             return Ok(());
         };
-        let output = &mut self.outputs[at];
-        // What comes before any solve is sent in each iteration thereafter.
-        output.exchanged |= header.iteration == 0;
-        output.restored = true;
-        let kept = output.recorded.take().map(|(_, values)| values).unwrap_or_default();
-        output.recorded = Some((*header, refilled(kept, values)));
+        self.outputs[at].take(header, values);
         if self.held.is_some() {
             if self.outputs.iter().all(|output| output.restored || !output.exchanged) {
                 self.restore()?;
@@ -346,7 +384,7 @@ impl<'a> Driver<'a> {
                 }
             }
             None => {
-                let what = format!("it did not send `{}`", output.topic.field);
+                let what = format!("it did not send `{}`", output.field);
                 self.replay.comparison.other(&self.step, &what);
             }
         }
@@ -361,34 +399,56 @@ impl<'a> Driver<'a> {
             Some(_) => {
                 self.skipping = None;
                 self.replay.from_window = self.step.window + 1;
-                self.held = Some(Command::about(CommandKind::Restore, &self.step));
+                let command = Command::about(CommandKind::Restore, &self.step);
+                self.held = Some((command, self.grids_of_outputs()));
+                self.outputs.iter_mut().for_each(|output| output.restored = output.exchanged);
                 self.restore()?;
+                // Its grids were recorded when they were accepted, before the state.
+                for output in self.outputs.iter().filter(|output| !output.grids.is_empty()) {
+                    while output.reader.receive().map_err(|e| self.transport(&e))?.is_some() {}
+                }
             }
             None => {}
         }
         Ok(())
     }
 
+    /// The moving grids as they were when the outputs were sent last.
+    fn grids_of_outputs(&self) -> Vec<Grid> {
+        let revision = |grid: &str| {
+            let on_it = |(header, _): &&(FieldHeader, Vec<f64>)| header.grid.as_str() == grid;
+            let samples = self.outputs.iter().filter(|o| o.grids.is_empty());
+            samples.filter_map(|o| o.recorded.as_ref()).find(on_it).map(|(h, _)| h.grid_revision)
+        };
+        let moving = self.outputs.iter().filter(|output| !output.grids.is_empty());
+        let of = |output: &Output| {
+            let wanted = revision(&output.grids[0].name);
+            let exact = output.grids.iter().find(|grid| Some(grid.revision) == wanted);
+            exact.or(output.grids.first()).cloned()
+        };
+        moving.filter_map(of).collect()
+    }
+
     /// Gives the participant its recorded state, and what it had sent last.
     fn restore(&mut self) -> Result<(), RunError> {
-        let Some(command) = self.held.take() else { return Ok(()) };
+        let Some((command, geometry)) = self.held.take() else { return Ok(()) };
         let path = self.folder.join("recorded.state");
         std::fs::write(&path, &self.state).map_err(|error| file_failure(&path, &error))?;
         let mut files = Vec::new();
         for output in self.outputs.iter().filter(|output| output.exchanged) {
             let Some((_, values)) = &output.recorded else { continue };
             let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-            let path = self.folder.join(format!("{}.values", output.topic.field));
+            let path = self.folder.join(format!("{}.values", output.field));
             std::fs::write(&path, bytes).map_err(|error| file_failure(&path, &error))?;
-            files.push(OutputFile { field: output.topic.field.clone(), path });
+            files.push(OutputFile { field: output.field.clone(), path });
         }
-        self.ask(command, &state_file(path, files))?;
+        self.ask(command, &json(&StateFile { path, outputs: files, geometry }))?;
         if let Done::Failed(why) = std::mem::replace(&mut self.done, Done::Nothing) {
             return Err(self.damaged(&format!("its state cannot be restored: {why}")));
         }
-        let sent: Vec<usize> =
-            (0..self.outputs.len()).filter(|&n| self.outputs[n].exchanged).collect();
-        sent.into_iter().try_for_each(|at| self.compare(at))
+        let restored = (0..self.outputs.len()).filter(|&at| self.outputs[at].restored);
+        let restored: Vec<usize> = restored.collect();
+        restored.into_iter().try_for_each(|at| self.compare(at))
     }
 
     /// The recorded configuration with the paths of the files on this machine, and what is to be
@@ -440,8 +500,8 @@ fn replace_texts(tree: &mut Value, files: &[CaseFile]) {
     }
 }
 
-fn state_file(path: PathBuf, outputs: Vec<OutputFile>) -> Vec<u8> {
-    serde_json::to_vec(&StateFile { path, outputs }).expect("paths of a run are UTF-8")
+fn json(file: &StateFile) -> Vec<u8> {
+    serde_json::to_vec(file).expect("paths of a run are UTF-8")
 }
 
 /// What a failed or refusing reply says.

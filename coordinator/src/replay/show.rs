@@ -29,6 +29,7 @@ pub fn text(replay: &Replay, request: &Request) -> String {
         if replay.cut { "; the recording is cut here" } else { "" }
     );
     let verdict = match (compared.differs(), request.tolerance) {
+        (false, _) if compared.samples == 0 => "  nothing was there to compare".to_owned(),
         (false, None) => "  bit-identical".to_owned(),
         (false, Some(tolerance)) => format!(
             "  within {tolerance:e} of the recording: {} sample(s) differ, by {:.2e} at most",

@@ -33,7 +33,10 @@ pub fn origin(planned: &Planned) -> Origin {
 /// What a participant is and is told: its description, its version within, its configuration, and
 /// the grids that it makes of it.
 fn identity(participant: &Participant) -> u64 {
-    let layout = participant.estimate.as_ref().map(|layout| json!([layout.grids, layout.fields]));
+    let layout = participant
+        .estimate
+        .as_ref()
+        .map(|layout| json!([layout.grids, layout.fields, layout.inputs, layout.moving]));
     let all = json!([participant.description, participant.configuration, layout]);
     sum(all.to_string().as_bytes())
 }

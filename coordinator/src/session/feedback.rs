@@ -10,6 +10,7 @@ use super::tap::Consumer;
 use super::{COORDINATOR, Session};
 use crate::couple::Part;
 use crate::error::{Failure, RunError};
+use proto::grid::Grid;
 use proto::model::Step;
 use proto::transport::TransportError;
 
@@ -34,6 +35,13 @@ impl Feedback {
     /// The service on which the iterates of a field travel.
     pub(super) fn service(field: &str) -> String {
         format!("field/{COORDINATOR}/{field}")
+    }
+
+    /// The producer's grid has moved.
+    pub(super) fn moved(&mut self, grid: &Grid) {
+        if let Some(outlet) = &mut self.outlet {
+            outlet.moved(grid);
+        }
     }
 
     /// Sequence number of the newest iterate.
@@ -71,11 +79,14 @@ impl Session {
 
     pub(super) fn send_iterate(&mut self, iterate: &[f64], step: &Step) -> Result<(), RunError> {
         for index in 0..self.feedback.len() {
-            let feedback = &mut self.feedback[index];
-            let tap = &self.taps[feedback.tap];
+            let tap = self.feedback[index].tap;
             let values = &iterate[self.parts[index].range.clone()];
-            if let Some(outlet) = &mut feedback.outlet {
-                feedback.heat = tap.is_conservative().then(|| tap.grid.integrate(values));
+            if self.feedback[index].outlet.is_some() {
+                let conservative = self.taps[tap].is_conservative();
+                let heat = conservative.then(|| self.current_grid(tap).integrate(values));
+                self.feedback[index].heat = heat;
+            }
+            if let Some(outlet) = &mut self.feedback[index].outlet {
                 let sent = publish(outlet, values, step);
                 self.bytes_exchanged += sent.map_err(|error| self.not_sent(&error))?;
             }

@@ -49,6 +49,13 @@ impl Outlet {
         Ok(Self { values, writer, header, recorded })
     }
 
+    /// The grid has moved.
+    pub(super) fn moved(&mut self, grid: &Grid) {
+        self.values = grid.points() * self.header.components as usize;
+        self.header.points = grid.points() as u64;
+        self.header.grid_revision = grid.revision;
+    }
+
     /// Its subscribers are there.
     pub(super) fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
         self.writer.wait_for_subscribers(deadline)

@@ -2,11 +2,13 @@
 
 use super::feedback::Feedback;
 use super::mapped::Mapped;
+use super::memory::SharedMemory;
 use super::outlet::Outlet;
 use super::tap::Consumer;
+use super::topics::{Hears, consumer, hears, is_told, readers};
 use super::{COORDINATOR, Context, Deadlines, Link, Phase, Session, SolveRecord, Tap, Waiting};
 use crate::error::{Failure, RunError};
-use crate::plan::{Field, Participant, Plan, non_matching, sample_bytes, topic_bytes};
+use crate::plan::{Field, Participant, Plan};
 use crate::programs::Program;
 use crate::record::Recorder;
 use crate::supervise::{Launch, Supervisor};
@@ -15,17 +17,14 @@ use proto::description::Description;
 use proto::grid::Grid;
 use proto::message::{Command, CommandKind, Topic, Topics};
 use proto::model::Step;
-use proto::run_dir::{RunDir, free_shared_memory};
+use proto::run_dir::RunDir;
 use proto::transport::{Endpoint, TransportError};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Shared memory that a run takes besides its fields [byte].
-const OVERHEAD: u64 = 1 << 20;
-
 pub(super) fn start(plan: &Plan, recorder: Option<Arc<Recorder>>) -> Result<Session, RunError> {
     // Before anything exists, with what the participants expect; once more with what they say.
-    check_shared_memory(plan, |index| plan.participants[index].estimate.as_ref())?;
+    let memory = SharedMemory::check(plan, |index| plan.participants[index].estimate.as_ref())?;
     let seat = |p: &Participant| Seat {
         role: p.role.clone(),
         program: p.program.clone(),
@@ -33,13 +32,15 @@ pub(super) fn start(plan: &Plan, recorder: Option<Arc<Recorder>>) -> Result<Sess
     };
     let seats: Vec<Seat> = plan.participants.iter().map(seat).collect();
     let mut session = Session::open(&seats, plan.deadlines, recorder)?;
+    session.memory = memory;
     session.wait_for_joining()?;
     session.phase = Phase::Configuring;
     for (index, participant) in plan.participants.iter().enumerate() {
         session.check_description(index, participant)?;
     }
     let layouts = session.configure(plan)?;
-    check_shared_memory(plan, |index| layouts.get(index))?;
+    session.check_told(plan, &layouts)?;
+    session.memory = SharedMemory::check(plan, |index| layouts.get(index))?;
     session.phase = Phase::Initialising;
     session.initialise(plan, &layouts)?;
     tracing::info!("every participant is ready");
@@ -106,6 +107,8 @@ impl Session {
             taps: Vec::new(),
             feedback: Vec::new(),
             mapped: Vec::new(),
+            moving: Vec::new(),
+            memory: SharedMemory::default(),
             parts: Vec::new(),
             solved: vec![SolveRecord::default(); links.len()],
             links,
@@ -184,6 +187,7 @@ impl Session {
                 let producer = self.links.iter().position(|l| l.role() == input.producer);
                 let layout = producer.and_then(|index| layouts.get(index));
                 input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
+                input.moves = is_told(plan, &layouts, input);
             }
             let body = serde_json::to_vec(&configuration).expect("a configuration is plain data");
             self.post(one, Command::new(CommandKind::Configure), &body, true)?;
@@ -220,11 +224,43 @@ impl Session {
         }
     }
 
+    /// Nobody hears a field on a moving grid who was not told of it, or does not know it.
+    fn check_told(&self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
+        for field in &plan.fields {
+            let (producer, name) = (&layouts[field.producer], &field.kind.name);
+            let grid = producer.grid_of(name).expect("layout is checked");
+            for &one in field.consumers.iter().filter(|_| producer.moves(grid)) {
+                let inputs = &plan.participants[one].configuration.inputs;
+                let input = inputs.iter().find(|input| input.field.name == *name);
+                let told = input.is_some_and(|input| is_told(plan, &layouts[..one], input));
+                if !told && !matches!(hears(field, one, layouts), Hears::Mapped(_)) {
+                    let (producer, role) = (&self.links[field.producer], self.links[one].role());
+                    return Err(RunError::Failed(Failure {
+                        who: producer.who(),
+                        when: self.phase.to_string(),
+                        what: format!(
+                            "its grid `{}` may move, which {role}, who hears `{name}` on it, could \
+                             not be told",
+                            grid.name
+                        ),
+                        fix: format!(
+                            "let it say so in its estimate, or let {role} want `{name}` on a grid \
+                             of its own"
+                        ),
+                    }));
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn initialise(&mut self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
+        self.open_geometry(plan, layouts).map_err(|error| {
+            machine("shared memory", "while initialising", &error, "check /dev/shm")
+        })?;
         let mut topics = Vec::new();
         for field in &plan.fields {
-            let mut topic = topic(plan, field, layouts);
-            topic.subscribers += usize::from(self.recorder.is_some());
+            let topic = self.topic(plan, field, layouts);
             self.open_tap(plan, field, &topic, layouts)?;
             self.open_outlets(plan, field, &topic.grid, layouts).map_err(|error| {
                 machine("shared memory", "while initialising", &error, "check /dev/shm")
@@ -239,8 +275,9 @@ impl Session {
             let consumed = pairs().filter(|(f, _)| f.consumers.contains(&one));
             let inputs = consumed.map(|(field, topic)| self.heard(one, field, topic, layouts));
             let inputs = inputs.collect();
-            let body = serde_json::to_vec(&Topics { inputs, outputs, deadline, interpolation })
-                .expect("topics are plain data");
+            let geometry = self.geometry_topics(plan, one, layouts);
+            let topics = Topics { inputs, outputs, deadline, interpolation, geometry };
+            let body = serde_json::to_vec(&topics).expect("topics are plain data");
             self.post(one, Command::new(CommandKind::Initialise), &body, true)?;
         }
         let before = Step { iteration: 0, ..Step::STEADY };
@@ -275,6 +312,7 @@ impl Session {
         self.taps.push(Tap {
             kind: field.kind.clone(),
             grid: topic.grid.clone(),
+            moving: self.moving_grid(field.producer, &topic.grid.name),
             producer: field.producer,
             producer_role: plan.participants[field.producer].role.clone(),
             readers: direct.map(|one| consumer(plan, field, one)).collect(),
@@ -312,100 +350,12 @@ impl Session {
             let service = Mapped::service(&kind.name, &plan.participants[one].role);
             let outlet = Outlet::open(&self._endpoint, &service, (kind, grid), 1, recorder)?;
             let part = field.fed_back.contains(&one).then(|| self.feedback.len() - 1);
-            let (of, reader) = ((kind, grid), consumer(plan, field, one));
+            let moving = self.moving_grid(one, &grid.name);
+            let (of, reader) = ((kind, grid, moving), consumer(plan, field, one));
             self.mapped.push(Mapped::new((tap, part), of, field.method, reader, outlet));
         }
         Ok(())
     }
-
-    /// The topic on which a consumer hears a field, given the producer's.
-    fn heard(&self, one: usize, field: &Field, topic: &Topic, layouts: &[Layout]) -> Topic {
-        let name = &topic.field;
-        let (service, grid, subscribers) = match hears(field, one, layouts) {
-            Hears::Producer => return topic.clone(),
-            Hears::Iterates => {
-                let together = readers(field, layouts, &Hears::Iterates).count();
-                (Feedback::service(name), &topic.grid, together)
-            }
-            Hears::Mapped(grid) => (Mapped::service(name, self.links[one].role()), grid, 1),
-        };
-        Topic { field: name.clone(), service, grid: grid.clone(), subscribers }
-    }
-}
-
-/// Whom a consumer hears.
-#[derive(Debug, PartialEq)]
-enum Hears<'a> {
-    Producer,
-    /// The coordinator, on the producer's grid.
-    Iterates,
-    /// The coordinator, on the grid that the consumer wants, maybe iterates too.
-    Mapped(&'a Grid),
-}
-
-fn hears<'a>(field: &Field, one: usize, layouts: &'a [Layout]) -> Hears<'a> {
-    match non_matching(field, one, |index| layouts.get(index)) {
-        Some([_, wanted]) => Hears::Mapped(wanted),
-        None if field.fed_back.contains(&one) => Hears::Iterates,
-        None => Hears::Producer,
-    }
-}
-
-/// The consumers of a field that hear it like this.
-fn readers<'a>(
-    field: &'a Field,
-    layouts: &'a [Layout],
-    like: &'a Hears<'a>,
-) -> impl Iterator<Item = usize> + 'a {
-    field.consumers.iter().copied().filter(move |&one| hears(field, one, layouts) == *like)
-}
-
-fn consumer(plan: &Plan, field: &Field, participant: usize) -> Consumer {
-    let inputs = &plan.participants[participant].configuration.inputs;
-    let slot = inputs.iter().position(|i| i.field.name == field.kind.name);
-    Consumer { participant, slot: slot.expect("a consumer has the field as an input") }
-}
-
-fn topic(plan: &Plan, field: &Field, layouts: &[Layout]) -> Topic {
-    let role = &plan.participants[field.producer].role;
-    let grid: &Grid = layouts[field.producer].grid_of(&field.kind.name).expect("layout is checked");
-    Topic {
-        field: field.kind.name.clone(),
-        service: format!("field/{role}/{}", field.kind.name),
-        grid: grid.clone(),
-        // Those of its consumers who hear it directly, and our own tap.
-        subscribers: readers(field, layouts, &Hears::Producer).count() + 1,
-    }
-}
-
-/// A segment that does not fit is not refused by the kernel: it ends the process that touches it.
-fn check_shared_memory<'a>(
-    plan: &'a Plan,
-    layout: impl Fn(usize) -> Option<&'a Layout>,
-) -> Result<(), RunError> {
-    let fields = plan.fields.iter().filter_map(|field| {
-        let grid = layout(field.producer)?.grid_of(&field.kind.name)?;
-        let bytes = |on: &Grid| topic_bytes(sample_bytes(on.points(), field.kind.components));
-        let wanted = |&one: &usize| non_matching(field, one, &layout).map(|[_, wanted]| wanted);
-        let mapped = field.consumers.iter().filter_map(wanted).map(bytes).sum::<u64>();
-        let iterates = field.fed_back.iter().any(|one| wanted(one).is_none());
-        Some((1 + u64::from(iterates)) * bytes(grid) + mapped)
-    });
-    let needed = OVERHEAD + fields.sum::<u64>();
-    let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);
-    let free = free_shared_memory().min(limit);
-    if needed <= free {
-        return Ok(());
-    }
-    let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
-    Err(RunError::Failed(Failure {
-        who: "shared memory".to_owned(),
-        when: "before the fields were created".to_owned(),
-        what: format!("the fields need {}, {} may be used", mib(needed), mib(free)),
-        fix: "enlarge /dev/shm (in a container: --shm-size), raise limits.shared_memory, write \
-              fewer fields (output.fields) or use a coarser resolution"
-            .to_owned(),
-    }))
 }
 
 fn machine(who: &str, when: &str, error: &dyn std::fmt::Display, fix: &str) -> RunError {

@@ -2,10 +2,14 @@
 //!
 //! Each participant writes a file of its own, `ROLE.state`. What it sent last is the coordinator's
 //! to keep, `FIELD.values`: on return the participant publishes it again, so that whoever needs it a
-//! window later finds it where it would have been.
+//! window later finds it where it would have been. Where the grid of those values moves, it is kept
+//! beside them, `ROLE.GRID.geometry`: the participant's own state has the grid of the window that
+//! follows.
 
+use super::geometry::MovingGrid;
 use super::{Phase, Session};
 use crate::error::{RunError, file_failure};
+use proto::grid::Grid;
 use proto::message::{Command, CommandKind, OutputFile, StateFile};
 use proto::model::Step;
 use std::path::Path;
@@ -18,7 +22,8 @@ impl Session {
         let mut names = Vec::new();
         for one in 0..self.links.len() {
             let name = state_file(self.links[one].role());
-            let file = StateFile { path: folder.join(&name), outputs: Vec::new() };
+            let file =
+                StateFile { path: folder.join(&name), outputs: Vec::new(), geometry: Vec::new() };
             self.command_about(one, CommandKind::Save, step, &file)?;
             names.push(name);
         }
@@ -27,6 +32,12 @@ impl Session {
             let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
             let path = folder.join(&name);
             std::fs::write(&path, bytes).map_err(|error| file_failure(&path, &error))?;
+            names.push(name);
+        }
+        for moving in &self.moving {
+            let (name, path) = (moving.file(), folder.join(moving.file()));
+            let text = serde_json::to_vec(&moving.last).expect("a grid is plain data");
+            std::fs::write(&path, text).map_err(|error| file_failure(&path, &error))?;
             names.push(name);
         }
         for one in 0..self.links.len() {
@@ -40,6 +51,8 @@ impl Session {
     /// solved; `iterate` is what was sent last to those who close the loop.
     pub fn restore(&mut self, step: &Step, folder: &Path, iterate: &[f64]) -> Result<(), RunError> {
         self.phase = Phase::Restoring(*step);
+        let last: Vec<Grid> =
+            self.moving.iter().map(|m| read(m, folder)).collect::<Result<_, _>>()?;
         for one in 0..self.links.len() {
             let sent = self.taps.iter().filter(|t| t.producer == one && !t.observed_only);
             let output = |name: &String| OutputFile {
@@ -49,13 +62,22 @@ impl Session {
             let outputs = sent.map(|tap| output(&tap.kind.name)).collect();
             self.record_state(one, folder)?;
             let path = folder.join(state_file(self.links[one].role()));
-            self.command_about(one, CommandKind::Restore, step, &StateFile { path, outputs })?;
+            let own = self.moving.iter().zip(&last).filter(|(m, _)| m.participant == one);
+            let geometry = own.map(|(_, grid)| grid.clone()).collect();
+            let file = StateFile { path, outputs, geometry };
+            self.command_about(one, CommandKind::Restore, step, &file)?;
         }
         for one in 0..self.links.len() {
             self.await_done(one, self.deadlines.solve)?;
+            for (index, grid) in last.iter().enumerate() {
+                if self.moving[index].participant == one {
+                    self.receive_last(index, grid.revision, step)?;
+                }
+            }
             self.collect(one, step, false)?;
         }
-        self.send_iterate(iterate, step)
+        self.send_iterate(iterate, step)?;
+        (0..self.links.len()).try_for_each(|one| self.receive_geometry(one, step))
     }
 
     fn record_state(&self, one: usize, folder: &Path) -> Result<(), RunError> {
@@ -79,6 +101,13 @@ impl Session {
     pub fn continue_counting(&mut self, bytes_exchanged: u64) {
         self.bytes_exchanged = bytes_exchanged;
     }
+}
+
+/// The grid on which a checkpoint's values are.
+fn read(moving: &MovingGrid, folder: &Path) -> Result<Grid, RunError> {
+    let path = folder.join(moving.file());
+    let grid = std::fs::read(&path).and_then(|text| Ok(serde_json::from_slice(&text)?));
+    grid.map_err(|error| file_failure(&path, &error))
 }
 
 fn state_file(role: &str) -> String {

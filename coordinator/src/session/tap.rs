@@ -24,6 +24,8 @@ pub struct Consumer {
 pub struct Tap {
     pub(super) kind: FieldKind,
     pub(super) grid: Grid,
+    /// Index of the grid among those that move, if it does.
+    pub(super) moving: Option<usize>,
     pub(super) producer: usize,
     pub(super) producer_role: String,
     pub(super) readers: Vec<Consumer>,
@@ -42,7 +44,7 @@ impl Tap {
         &self.kind
     }
 
-    /// The grid it lives on.
+    /// The grid that its newest sample is on.
     #[must_use]
     pub fn grid(&self) -> &Grid {
         &self.grid
@@ -96,14 +98,19 @@ impl Tap {
         if header.protocol != proto::PROTOCOL_VERSION {
             return Some(format!("field `{name}` has protocol version {}", header.protocol));
         }
+        if header.grid_revision != self.grid.revision {
+            let (grid, found, known) = (&self.grid.name, header.grid_revision, self.grid.revision);
+            return Some(format!(
+                "field `{name}` is on revision {found} of grid `{grid}`, whose geometry is known in \
+                 revision {known}"
+            ));
+        }
         if sample.values().len() != expected || !self.shape_fits(header) {
             return Some(format!(
-                "field `{name}` has {} values ({} components, {} points, grid revision {}), \
-                 expected {expected}",
+                "field `{name}` has {} values ({} components, {} points), expected {expected}",
                 sample.values().len(),
                 header.components,
-                header.points,
-                header.grid_revision
+                header.points
             ));
         }
         let label = [
@@ -140,15 +147,13 @@ impl Tap {
     }
 
     fn shape_fits(&self, header: &FieldHeader) -> bool {
-        header.components == self.kind.components
-            && header.points == self.grid.points() as u64
-            && header.grid_revision == self.grid.revision
+        header.components == self.kind.components && header.points == self.grid.points() as u64
     }
 }
 
 impl Session {
     /// Receives what a participant has published for a step: its outputs, or what is only
-    /// observed. Exactly one sample of each.
+    /// observed. Exactly one sample of each, on the grids as they are known.
     pub(super) fn collect(
         &mut self,
         one: usize,
@@ -165,6 +170,8 @@ impl Session {
                 let what = format!("it did not send `{}`", tap.kind.name);
                 return Err(self.misbehaved(one, what));
             };
+            self.follow(index);
+            let tap = &self.taps[index];
             if let Some(fault) = tap.fault(&sample, step) {
                 return Err(self.misbehaved(one, fault));
             }
@@ -175,6 +182,17 @@ impl Session {
             self.taps[index].sample = Some(sample);
         }
         Ok(())
+    }
+
+    /// Puts a tap whose sample is about to be replaced on its grid as it is now.
+    fn follow(&mut self, index: usize) {
+        let Self { taps, moving, .. } = self;
+        let tap = &mut taps[index];
+        if let Some(grid) = tap.moving.map(|at| &moving[at].grid)
+            && grid.revision != tap.grid.revision
+        {
+            tap.grid.clone_from(grid);
+        }
     }
 
     /// Every value of the newest sample is finite; looked at once per sample.

@@ -40,14 +40,16 @@ struct Line {
 
 impl LocalError {
     /// The relative local error of a window of this duration \[s\] that ends with these values, field
-    /// by field in a steady order; `None` if there is no line yet. Not a number if a value is none.
+    /// by field in a steady order; `None` if there is no line yet, or none of as many values, as on a
+    /// grid that has grown. Not a number if a value is none.
     #[must_use]
     pub fn estimate<'a>(
         &self,
         duration: f64,
-        fields: impl IntoIterator<Item = &'a [f64]>,
+        fields: impl IntoIterator<Item = &'a [f64]> + Clone,
     ) -> Option<f64> {
-        if self.ends < 2 {
+        let mut pairs = self.fields.iter().zip(fields.clone());
+        if self.ends < 2 || pairs.any(|(line, values)| line.last.len() != values.len()) {
             return None;
         }
         let milne = duration / (2.0 * duration + self.duration);
@@ -73,6 +75,11 @@ impl LocalError {
                 });
             }
             let line = &mut self.fields[index];
+            if line.last.len() != values.len() {
+                // Another number of elements: another branch.
+                (line.last, line.slope) = (values.to_vec(), vec![0.0; values.len()]);
+                self.ends = 0;
+            }
             line.largest = line.largest.max(norm(values.iter().copied()));
             let ends = line.last.iter_mut().zip(values);
             for (slope, (last, value)) in line.slope.iter_mut().zip(ends) {
@@ -97,6 +104,19 @@ fn norm(values: impl Iterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A grid that grows begins a new line; one that moves does not.
+    #[test]
+    fn another_number_of_values_is_another_branch() {
+        let mut local = LocalError::default();
+        let mut ends = Vec::new();
+        for (window, length) in [2, 2, 2, 3, 3, 3].into_iter().enumerate() {
+            let values = vec![window as f64; length];
+            ends.push(local.estimate(1.0, [values.as_slice()]));
+            local.accept(1.0, [values.as_slice()]);
+        }
+        assert_eq!(ends, [None, None, Some(0.0), None, None, Some(0.0)]);
+    }
 
     /// The estimate for the window [t, t + h] of y, after windows of these lengths before t.
     fn estimated(y: impl Fn(f64) -> f64, t: f64, before: [f64; 2], h: f64) -> f64 {

@@ -15,7 +15,7 @@ use crate::models::{half_space, hertz_carter};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, KeySpec, names};
 use proto::field::{self, FieldSpec};
-use proto::grid::{Shape, Structured};
+use proto::grid::Structured;
 use proto::model::{Inputs, StepError, first_non_finite};
 use std::path::Path;
 
@@ -144,7 +144,8 @@ impl FrictionLaw {
     /// Friction coefficients at the centres of a grid's elements.
     ///
     /// # Errors
-    /// A temperature is missing, not finite, not on a structured grid, or beyond the table.
+    /// A temperature is missing, not finite, not on a structured grid along x and y, or beyond the
+    /// table. The grid may be another one in every solve.
     pub(crate) fn on_grid(
         &self,
         inputs: &dyn Inputs,
@@ -160,8 +161,9 @@ impl FrictionLaw {
                 let (field, value) = (surface.name.to_owned(), input.values[index]);
                 return Err(StepError::NonFiniteInput { field, index, value });
             }
-            let Shape::Structured(from) = &input.grid.shape else {
-                let reason = format!("`{}` is not on a structured grid", surface.name);
+            let Some(from) = input.grid.as_structured().filter(|from| is_along_axes(from)) else {
+                let name = surface.name;
+                let reason = format!("`{name}` is not on a structured grid along x and y");
                 return Err(StepError::NoSolution(reason));
             };
             for (index, sum) in friction.iter_mut().enumerate() {
@@ -180,6 +182,12 @@ impl FrictionLaw {
         }
         Ok(())
     }
+}
+
+/// Elements go forward along x in i and along y in j.
+fn is_along_axes(grid: &Structured) -> bool {
+    let flat = grid.step_i[1] == 0.0 && grid.step_j[0] == 0.0;
+    flat && grid.dx() > 0.0 && grid.dy() > 0.0
 }
 
 /// Between the centres of a contact-plane grid's elements; beyond them the nearest.
@@ -273,6 +281,37 @@ mod tests {
         assert_eq!(bilinear(&grid, &values, 9.0, -9.0), 3.0 * 1.0 + 2.0);
         let point = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 1, 1);
         assert_eq!(bilinear(&point, &[7.0], 3.0, 3.0), 7.0);
+    }
+
+    struct Surfaces(proto::grid::Grid, Vec<f64>);
+
+    impl Inputs for Surfaces {
+        fn get(&self, _: &FieldSpec) -> Option<proto::model::InputField<'_>> {
+            Some(proto::model::InputField { values: &self.1, grid: &self.0 })
+        }
+    }
+
+    /// Friction is read where the temperatures are in this solve; a grid that has turned is refused
+    /// rather than misread.
+    #[test]
+    fn friction_follows_a_grid_that_moves() {
+        let law = FrictionLaw::Table { points: vec![(0.0, 1.0), (10.0, 2.0)], clamp: false };
+        let own = Structured::contact_plane(0.0, 0.0, 0.5, 0.5, 3, 2);
+        let mut friction = Vec::new();
+        for shift in [0.0, 0.25] {
+            let mut shape = Structured::contact_plane(shift - 1.0, -1.0, 0.5, 0.5, 7, 7);
+            let values = (0..49).map(|k| 2.0 + shape.x(k % 7)).collect();
+            let mut surfaces = Surfaces(proto::grid::Grid::structured("contact", shape), values);
+            law.on_grid(&surfaces, &own, &mut friction).unwrap();
+            for (k, found) in friction.iter().enumerate() {
+                let expected = 1.0 + 0.1 * (2.0 + own.x(k % 3));
+                assert!((found - expected).abs() < 1e-14, "rounding: {found} {expected}");
+            }
+            shape.step_i = [0.3, 0.4, 0.0];
+            surfaces.0 = proto::grid::Grid::structured("contact", shape);
+            let refused = law.on_grid(&surfaces, &own, &mut friction).unwrap_err();
+            assert!(refused.to_string().contains("along x and y"), "{refused}");
+        }
     }
 
     proptest! {

@@ -1,8 +1,9 @@
 //! The field ports of a participant: inputs read in place, outputs written into loans.
 
+use super::geometry::InputGrid;
 use crate::field::{FieldKind, FieldSpec, Mapping};
 use crate::grid::Grid;
-use crate::message::{Command, FieldHeader, Interpolation, Label, OutputFile, Topic};
+use crate::message::{Command, FieldHeader, Interpolation, Label, OutputFile, Topic, Topics};
 use crate::model::{InputField, Inputs, Outputs, Step};
 use crate::transport::{
     Endpoint, FieldLoan, FieldReader, FieldSample, FieldWriter, TransportError,
@@ -20,6 +21,18 @@ pub(super) enum PortError {
     Sequence { field: String, found: u64, expected: u64 },
     #[error("input `{field}` from `{producer}` has {found} values, expected {expected}")]
     Length { field: String, producer: String, found: usize, expected: usize },
+    #[error(
+        "input `{field}` is on revision {revision} of grid `{grid}`, whose geometry is known in \
+         revision {known}"
+    )]
+    Revision { field: String, grid: String, revision: u64, known: u64 },
+    #[error("{0}")]
+    Geometry(String),
+    #[error(
+        "input `{field}` cannot go in a straight line from {before} values to {now}: its grid has \
+         grown; set coupling.interpolation to \"constant\""
+    )]
+    Grown { field: String, before: usize, now: usize },
     #[error("the topic of `{expected}` carries `{found}`")]
     Label { expected: String, found: String },
     #[error("more than one sample of output `{0}` at a time")]
@@ -31,7 +44,8 @@ pub(super) enum PortError {
 /// One input and the sample that is in use.
 struct InputPort {
     field: FieldKind,
-    grid: Grid,
+    /// Index of its grid.
+    grid: usize,
     reader: FieldReader,
     sample: Option<FieldSample>,
     start: Option<Start>,
@@ -67,7 +81,7 @@ impl InputPort {
             if header.sequence != before + 1 {
                 return Err(self.out_of_sequence(header.sequence, before + 1));
             }
-            self.check(&sample)?;
+            self.check_label(&sample)?;
             self.keep_start(window);
             self.sample = Some(sample);
         }
@@ -95,7 +109,7 @@ impl InputPort {
         PortError::Sequence { field: self.field.name.clone(), found, expected }
     }
 
-    fn check(&self, sample: &FieldSample) -> Result<(), PortError> {
+    fn check_label(&self, sample: &FieldSample) -> Result<(), PortError> {
         let header = sample.header();
         if header.name.as_str() != self.field.name {
             return Err(PortError::Label {
@@ -103,54 +117,88 @@ impl InputPort {
                 found: header.name.as_str().to_owned(),
             });
         }
-        let expected = self.grid.points() * self.field.components as usize;
-        if sample.values().len() != expected {
-            return Err(PortError::Length {
-                field: self.field.name.clone(),
-                producer: header.producer.as_str().to_owned(),
-                found: sample.values().len(),
-                expected,
-            });
-        }
         Ok(())
+    }
+
+    /// The sample in use is on the grid as it is now, with a value for every point, and as many as
+    /// at the start of the window.
+    fn check_shape(&self, grid: &Grid) -> Result<(), PortError> {
+        let Some(sample) = &self.sample else { return Ok(()) };
+        let (field, found) = (self.field.name.clone(), sample.values().len());
+        let expected = grid.points() * self.field.components as usize;
+        if found != expected {
+            let producer = sample.header().producer.as_str().to_owned();
+            return Err(PortError::Length { field, producer, found, expected });
+        }
+        let revision = sample.header().grid_revision;
+        if revision != grid.revision {
+            let (grid, known) = (grid.name.clone(), grid.revision);
+            return Err(PortError::Revision { field, grid, revision, known });
+        }
+        match &self.start {
+            Some(Start { values, in_use: false }) if ![0, found].contains(&values.len()) => {
+                Err(PortError::Grown { field, before: values.len(), now: found })
+            }
+            _ => Ok(()),
+        }
     }
 }
 
-/// All inputs, in the order of the configuration.
-#[derive(Default)]
-pub(super) struct InputPorts(Vec<InputPort>);
+/// All inputs, in the order of the configuration, and their grids.
+pub(super) struct InputPorts {
+    ports: Vec<InputPort>,
+    grids: Vec<InputGrid>,
+}
 
 impl InputPorts {
     pub(super) fn open(
         endpoint: &Endpoint,
-        topics: &[Topic],
+        topics: &Topics,
         fields: impl Iterator<Item = FieldKind>,
-        interpolation: Interpolation,
     ) -> Result<Self, TransportError> {
-        let ports = topics.iter().zip(fields).map(|(topic, field)| {
+        let (grids, indices) = InputGrid::open(endpoint, &topics.inputs, &topics.geometry)?;
+        let inputs = topics.inputs.iter().zip(indices).zip(fields);
+        let ports = inputs.map(|((topic, grid), field)| {
             let reader = endpoint.field_reader(&topic.service)?;
-            let varies = interpolation == Interpolation::Linear;
+            let varies = topics.interpolation == Interpolation::Linear;
             let start = (varies && field.mapping == Mapping::Consistent).then(Start::default);
-            Ok(InputPort { field, grid: topic.grid.clone(), reader, sample: None, start })
+            Ok(InputPort { field, grid, reader, sample: None, start })
         });
-        Ok(Self(ports.collect::<Result<_, TransportError>>()?))
+        Ok(Self { ports: ports.collect::<Result<_, TransportError>>()?, grids })
     }
 
+    /// Moves on to the samples that a command asks for, and to the grids that these are on.
     pub(super) fn advance(&mut self, command: &Command) -> Result<(), PortError> {
-        let mut ports = self.0.iter_mut().zip(command.expected);
-        ports.try_for_each(|(port, sequence)| port.advance(sequence, command.window))
+        let Self { ports, grids } = self;
+        for (port, sequence) in ports.iter_mut().zip(command.expected) {
+            port.advance(sequence, command.window)?;
+            let revision = port.sample.as_ref().map(|sample| sample.header().grid_revision);
+            if let Some(revision) = revision {
+                grids[port.grid].follow(&port.field.name, revision)?;
+            }
+        }
+        ports.iter().try_for_each(|port| port.check_shape(&grids[port.grid].grid))
+    }
+
+    /// The model of this participant has moved a grid.
+    pub(super) fn moved(&mut self, grid: &Grid) {
+        self.grids.iter_mut().for_each(|input| input.moved(grid));
+    }
+
+    fn port(&self, field: &FieldSpec) -> Option<&InputPort> {
+        self.ports.iter().find(|port| port.field.name == field.name)
     }
 }
 
 impl Inputs for InputPorts {
     fn get(&self, field: &FieldSpec) -> Option<InputField<'_>> {
-        let port = self.0.iter().find(|port| port.field.name == field.name)?;
+        let port = self.port(field)?;
         let sample = port.sample.as_ref()?;
-        Some(InputField { values: sample.values(), grid: &port.grid })
+        Some(InputField { values: sample.values(), grid: &self.grids[port.grid].grid })
     }
 
     fn start(&self, field: &FieldSpec) -> Option<&[f64]> {
-        let port = self.0.iter().find(|port| port.field.name == field.name)?;
+        let port = self.port(field)?;
         match port.start.as_ref()? {
             Start { in_use: true, .. } => port.sample.as_ref().map(FieldSample::values),
             Start { values, .. } => Some(values.as_slice()).filter(|v| !v.is_empty()),
@@ -214,6 +262,16 @@ impl OutputPorts {
             port.loan = Some(port.writer.loan(port.values)?);
         }
         Ok(())
+    }
+
+    /// Samples on this grid are on the moved one from here on.
+    pub(super) fn moved(&mut self, grid: &Grid) {
+        let name = Label::new(&grid.name);
+        for port in self.0.iter_mut().filter(|port| port.header.grid == name) {
+            port.values = grid.points() * port.header.components as usize;
+            port.header.points = grid.points() as u64;
+            port.header.grid_revision = grid.revision;
+        }
     }
 
     /// Fills the loans with the values in files, one for each output.

@@ -1,8 +1,10 @@
 //! The state machine that serves a model: one command, one answer.
 
+use super::geometry::GeometryPorts;
 use super::ports::{InputPorts, OutputPorts, PortError};
 use crate::configuration::{Configuration, Refusal};
 use crate::field::{self, FieldKind};
+use crate::grid::Grid;
 use crate::message::{
     Command, CommandKind, Failure, Finished, OBSERVE, Reply, StateFile, Status, Topics,
 };
@@ -43,11 +45,17 @@ enum Stage {
 /// A built model with its ports.
 struct Running {
     model: Box<dyn Model>,
+    ports: Ports,
+    step: Step,
+    model_time: Duration,
+}
+
+/// Everything that is received and published.
+struct Ports {
     inputs: InputPorts,
     outputs: OutputPorts,
     observed: OutputPorts,
-    step: Step,
-    model_time: Duration,
+    geometry: GeometryPorts,
 }
 
 /// What goes back to the coordinator.
@@ -132,11 +140,13 @@ impl<'a> Server<'a> {
             CommandKind::Configure => return self.configure(done, body),
             CommandKind::Initialise => self.initialise(done, body)?,
             CommandKind::Solve => self.running(kind)?.solve(command, done)?,
-            CommandKind::Accept if command.flags & OBSERVE == 0 => {
-                self.running(kind)?.model.accept();
-                return Ok(None);
+            CommandKind::Accept => {
+                let observe = command.flags & OBSERVE != 0;
+                match self.running(kind)?.accept(observe, done)? {
+                    Some(reply) => reply,
+                    None => return Ok(None),
+                }
             }
-            CommandKind::Accept => self.running(kind)?.accept_observed(done)?,
             CommandKind::Save => self.running(kind)?.save(done, &serde_json::from_slice(body)?)?,
             CommandKind::Restore => {
                 self.running(kind)?.restore(command, done, &serde_json::from_slice(body)?)?
@@ -176,24 +186,23 @@ impl<'a> Server<'a> {
         let (published, observed): (Vec<_>, Vec<_>) =
             topics.outputs.iter().cloned().partition(|t| configuration.outputs.contains(&t.field));
         let fields = configuration.inputs.iter().map(|i| i.field.clone());
-        let start = Instant::now();
-        let model = setup.build()?;
-        let model_time = start.elapsed();
-        let mut running = Running {
-            inputs: InputPorts::open(&self.endpoint, &topics.inputs, fields, topics.interpolation)?,
-            outputs: OutputPorts::open(&self.endpoint, &published, &self.role, kind)?,
-            observed: OutputPorts::open(&self.endpoint, &observed, &self.role, kind)?,
-            model,
-            step: Step { iteration: 0, ..Step::STEADY },
-            model_time,
+        let (endpoint, role) = (&self.endpoint, self.role.as_str());
+        let mut ports = Ports {
+            inputs: InputPorts::open(endpoint, &topics, fields)?,
+            outputs: OutputPorts::open(endpoint, &published, role, kind)?,
+            observed: OutputPorts::open(endpoint, &observed, role, kind)?,
+            geometry: GeometryPorts::open(endpoint, &topics.geometry, role, &setup.layout().grids)?,
         };
+        let start = Instant::now();
+        let mut model = setup.build()?;
+        let model_time = start.elapsed();
         let deadline = Instant::now() + Duration::from_secs_f64(topics.deadline.clamp(0.0, 1e6));
-        running.outputs.wait_for_subscribers(deadline)?;
-        running.observed.wait_for_subscribers(deadline)?;
-        running.outputs.loan()?;
-        running.model.first_outputs(&mut running.outputs);
-        running.outputs.publish(&running.step)?;
-        self.stage = Stage::Running(running);
+        ports.wait_for_subscribers(deadline)?;
+        let step = Step { iteration: 0, ..Step::STEADY };
+        ports.outputs.loan()?;
+        model.first_outputs(&mut ports.outputs);
+        ports.outputs.publish(&step)?;
+        self.stage = Stage::Running(Running { model, ports, step, model_time });
         Ok(done)
     }
 
@@ -210,36 +219,64 @@ impl<'a> Server<'a> {
     }
 }
 
+impl Ports {
+    fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
+        self.outputs.wait_for_subscribers(deadline)?;
+        self.observed.wait_for_subscribers(deadline)?;
+        self.geometry.wait_for_subscribers(deadline)
+    }
+
+    /// Publishes the geometry of those of these grids that have moved; samples are on the moved
+    /// grids from here on.
+    fn move_to(&mut self, grids: &[Grid], step: &Step) -> Result<(), PortError> {
+        let Self { inputs, outputs, observed, geometry } = self;
+        geometry.publish(grids, step, |moved| {
+            outputs.moved(moved);
+            observed.moved(moved);
+            inputs.moved(moved);
+        })
+    }
+}
+
 impl Running {
     fn solve(&mut self, command: &Command, done: Reply) -> Result<Reply, CommandError> {
-        self.inputs.advance(command)?;
-        self.outputs.loan()?;
+        let Ports { inputs, outputs, .. } = &mut self.ports;
+        inputs.advance(command)?;
+        outputs.loan()?;
         self.step = command.step();
         let start = Instant::now();
-        let solved = self.model.solve(&self.step, &self.inputs, &mut self.outputs);
+        let solved = self.model.solve(&self.step, inputs, outputs);
         let spent = start.elapsed();
         self.model_time += spent;
         match solved {
             Ok(report) => {
-                self.outputs.publish(&self.step)?;
+                outputs.publish(&self.step)?;
                 Ok(Reply { model_seconds: spent.as_secs_f64(), ..done.with_report(&report) })
             }
             Err(error) => {
-                self.outputs.discard();
+                outputs.discard();
                 Err(error.into())
             }
         }
     }
 
-    fn accept_observed(&mut self, done: Reply) -> Result<Reply, CommandError> {
+    /// Accepts the last solve; a reply only if something is published.
+    fn accept(&mut self, observe: bool, done: Reply) -> Result<Option<Reply>, CommandError> {
+        let Self { model, ports, step, .. } = self;
         let start = Instant::now();
-        self.model.accept();
-        self.observed.loan()?;
-        self.model.observe(&mut self.observed);
+        model.accept();
+        if !observe && ports.geometry.is_empty() {
+            return Ok(None);
+        }
+        if observe {
+            ports.observed.loan()?;
+            model.observe(&mut ports.observed);
+        }
         let spent = start.elapsed();
         self.model_time += spent;
-        self.observed.publish(&self.step)?;
-        Ok(Reply { model_seconds: spent.as_secs_f64(), ..done })
+        ports.observed.publish(step)?;
+        ports.move_to(model.moved_grids(), step)?;
+        Ok(Some(Reply { model_seconds: spent.as_secs_f64(), ..done }))
     }
 
     fn save(&mut self, done: Reply, file: &StateFile) -> Result<Reply, CommandError> {
@@ -262,12 +299,15 @@ impl Running {
             .map_err(|error| CommandError::StateFile { path: file.path.clone(), error })?;
         self.model.restore(&StateBlob(bytes))?;
         self.step = command.step();
-        self.outputs.loan()?;
-        if let Err(error) = self.outputs.read(&file.outputs) {
-            self.outputs.discard();
+        let (ports, step) = (&mut self.ports, &self.step);
+        ports.move_to(&file.geometry, step)?;
+        ports.outputs.loan()?;
+        if let Err(error) = ports.outputs.read(&file.outputs) {
+            ports.outputs.discard();
             return Err(error.into());
         }
-        self.outputs.publish(&self.step)?;
+        ports.outputs.publish(step)?;
+        ports.move_to(self.model.moved_grids(), step)?;
         Ok(done)
     }
 }

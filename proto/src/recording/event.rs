@@ -12,8 +12,8 @@ pub enum Event {
         participant: u16,
         /// The fixed part.
         command: Command,
-        /// What stands behind it; empty for `Save` and `Restore`, whose files are recorded as
-        /// states.
+        /// What stands behind it. `Save` has none and `Restore` its grids alone: their files are
+        /// recorded as states, and as the samples that follow.
         body: Vec<u8>,
     },
     /// A participant has answered.

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// A chunk that has grown to this length is written [byte].
 const CHUNK: u64 = 4 << 20;
 /// Messages stay in memory for no longer than this while more are written.
-const UNWRITTEN: Duration = Duration::from_millis(200);
+const UNWRITTEN: Duration = Duration::from_millis(100);
 
 /// How chunks are compressed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -123,7 +123,9 @@ impl<W: Write + Seek> RecordingWriter<W> {
         let (channel, count) = self.channel(&name, 0, "bytes", BTreeMap::new)?;
         self.message.clear();
         self.message.extend_from_slice(state);
-        self.write(channel, count)
+        self.write(channel, count)?;
+        // A run that goes on from here, after it was killed, goes on where this recording ends.
+        self.flush()
     }
 
     /// Adds index and footer; the file.

@@ -171,6 +171,71 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
     }
 }
 
+/// A grid that moves wrongly: the window of the fault is 3, in which its third revision holds, and
+/// after which it gets its fifth.
+#[test]
+fn a_grid_that_moves_wrongly_is_refused() {
+    let (solving, accepting) = ("in window 3, iteration 1", "while accepting window 3");
+    let after = "in window 4, iteration 1";
+    let faults = [
+        ("unannounced", solving, "`left_value` is on revision 2 of grid `numbers`, whose"),
+        ("old-revision", solving, "on revision 3 of grid `numbers`, whose geometry is known in"),
+        ("falling", accepting, "grid `numbers` has revision 1 after 4"),
+        ("flat", accepting, "grid `numbers` has elements without an area, in revision 5"),
+        ("fraction", accepting, "`numbers`, revision 5: its counts are (1000.5, 1, 1)"),
+        ("truncated", accepting, "the geometry of grid `numbers` has 11 values"),
+        ("other-grid", accepting, "the geometry of grid `numbers` is labelled"),
+        ("repeated", accepting, "of grid `numbers` has sequence number 3, not 4"),
+        ("grown", after, "has 1000 values (1 components, 1000 points), expected 1001"),
+        (
+            "unpublished",
+            after,
+            "revision 5 of grid `numbers`, whose geometry is known in revision 4",
+        ),
+    ];
+    for (fault, when, what) in faults {
+        let place = Place::new();
+        let fault = format!("left.fault={fault}");
+        let more =
+            ["--set", "left.command=[\"rogue\"]", "--set", &fault, "--set", "left.fault_window=3"];
+        let ended = place.run(&case("exchange.toml"), &more);
+        assert_failed(&place, &ended, &["left (rogue) failed", when, what]);
+    }
+}
+
+/// Who solves before the producer, and hears it, has to be told of its moving grid by its estimate.
+#[test]
+fn a_moving_grid_that_nobody_was_told_of_is_refused() {
+    let text = std::fs::read_to_string(case("exchange.toml")).unwrap();
+    let (left, right) = (text.find("[left]").unwrap(), text.find("[right]").unwrap());
+    let end = text.find("[time]").unwrap();
+    let parts = [&text[..left], &text[right..end], &text[left..right], &text[end..]];
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("turned.toml");
+    std::fs::write(&file, parts.concat()).unwrap();
+    let place = Place::new();
+    let more = ["--set", "left.command=[\"rogue\"]", "--set", "left.fault=flat"];
+    let ended = place.run(&file.display().to_string(), &more);
+    let what = "its grid `numbers` may move, which right, who hears `left_value` on it, could not";
+    assert_failed(&place, &ended, &["left (rogue) failed", "while being configured", what]);
+}
+
+#[test]
+fn a_wish_for_a_wrong_grid_is_refused() {
+    let wishes = [
+        ("wish-flat", "grid `own` has elements without an area"),
+        ("wish-nowhere", "the input `right_value` is wanted on `own`, which is no grid"),
+        ("wish-unheard", "it wants a grid for `pressure`, which it does not get"),
+    ];
+    for (fault, what) in wishes {
+        let place = Place::new();
+        let fault = format!("left.fault={fault}");
+        let more = ["--set", "left.command=[\"rogue\"]", "--set", &fault];
+        let ended = place.run(&case("exchange.toml"), &more);
+        assert_failed(&place, &ended, &["left (rogue) failed", "while being configured", what]);
+    }
+}
+
 #[test]
 fn an_interrupt_at_any_moment_leaves_nothing() {
     for delay in [1, 3, 6, 10, 15, 20, 30] {

@@ -14,6 +14,7 @@ mod figures;
 mod harness;
 mod implicit;
 mod mapping;
+mod moving;
 mod off_means_off;
 mod python;
 mod recording;

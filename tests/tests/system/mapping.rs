@@ -154,6 +154,31 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     norm(&mut a.iter().zip(b).map(|(a, b)| a - b)) / norm(&mut b.iter().copied())
 }
 
+/// A heat flux that is fed back and mapped: all participants solve at once, and the body has seven
+/// elements where the source has four. The integral of the flux is all that the body heeds, so that
+/// it comes out as without the mapping, to the tolerance 1e-10 of 400 windows.
+#[test]
+fn heat_that_is_fed_back_arrives_through_a_mapping() {
+    let settings = ["coupling.scheme=parallel-implicit", "time.window=0.1"];
+    let (_, matching) = run("lumped.toml", &settings);
+    let (place, mapped) = run("lumped.toml", &[&settings[..], &["body.points=7"]].concat());
+    assert!(number(&mapped, "/coupling/energy_imbalance") <= 1e-10);
+    let heads = ["iteration", "heat_sent_w", "heat_received_w"];
+    let rows = columns(&place, "iterations.csv", heads);
+    // Nothing is sent before the source has solved: the first iterate is zero.
+    assert_eq!(rows[0], [1.0, 0.0, 0.0]);
+    for [_, sent, received] in &rows[1..] {
+        assert!(*sent > 0.0 && (sent - received).abs() <= 1e-10 * sent, "{sent} {received}");
+    }
+    assert!(rows.iter().any(|[iteration, ..]| *iteration > 1.0), "it is a loop");
+    for figure in ["/body/temperature_k", "/body/received_j"] {
+        let (of, expected) = (number(&mapped, figure), number(&matching, figure));
+        assert!((of / expected - 1.0).abs() <= 400.0 * 1e-10, "{figure}: {of} {expected}");
+    }
+    let log = place.log().iter().map(ToString::to_string).collect::<String>();
+    assert!(log.contains("`source_flux` mapped for body"), "{log}");
+}
+
 /// The work of acceleration does not grow through mappings: iterations over ten windows.
 #[test]
 fn work_of_loops_with_mappings() {

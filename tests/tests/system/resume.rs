@@ -182,6 +182,37 @@ fn mapping_and_transient_rolling_survive() {
     killed_and_resumed(&case("cold-start.toml"), &settings, 8, &mut 5);
 }
 
+/// Grids that move are where they were, and what was sent last is on the grids on which it was.
+#[test]
+fn grids_that_move_survive() {
+    let seed = &mut 13;
+    for (motion, scheme, direct, interpolation) in [
+        ("translate", "serial-implicit", false, "linear"),
+        ("grow", "serial-explicit", false, "constant"),
+        ("grow", "serial-implicit", true, "constant"),
+        ("stretch", "parallel-implicit", false, "linear"),
+        ("stretch", "parallel-implicit", true, "constant"),
+    ] {
+        let motion = format!("mover.motion={motion}");
+        let scheme = format!("coupling.scheme={scheme}");
+        let direct = format!("plate.direct={direct}");
+        let interpolation = format!("coupling.interpolation={interpolation}");
+        let settings = [
+            motion.as_str(),
+            &scheme,
+            &direct,
+            &interpolation,
+            "moving.gain=0.1",
+            "time.end=24",
+            "plate.resolution=160",
+            "output.fields=all",
+            "output.every=3",
+            "output.checkpoint_every=2",
+        ];
+        killed_and_resumed(&case("moving.toml"), &settings, 8, seed);
+    }
+}
+
 /// A run of many windows that has been killed after at least two checkpoints.
 fn killed(settings: &[&str]) -> Place {
     let place = Place::new();

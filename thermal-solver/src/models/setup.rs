@@ -125,10 +125,14 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     match heat_grid(given)? {
         Some(arriving) => {
             let grid = own_grid(given, &arriving)?;
+            let moves = given.inputs.iter().any(|i| i.moves && is_heat(i));
             let known = Frame { scene, partition, mode: given.mode, grid };
             layout = lay_out::<C>(&known, given);
-            if grid != arriving {
+            if grid != arriving || moves {
                 layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));
+            }
+            if moves {
+                layout.remarks.push("friction_power is mapped to its first grid".to_owned());
             }
             frame = Some(known);
         }
@@ -137,10 +141,14 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     Ok(Box::new(Prepared::<C> { frame, layout, model: std::marker::PhantomData }))
 }
 
+fn is_heat(input: &Input) -> bool {
+    input.field.name == field::FRICTION_POWER.name
+}
+
 /// The grid on which the heat arrives, once it is known; refused if it is not a contact plane.
 fn heat_grid(given: &Configuration) -> Result<Option<Structured>, Refusal> {
     let name = field::FRICTION_POWER.name;
-    let Some(input) = given.inputs.iter().find(|input| input.field.name == name) else {
+    let Some(input) = given.inputs.iter().find(|input| is_heat(input)) else {
         return Err(Refusal::new(
             "effects.friction_heat",
             format!("nobody provides `{name}`"),

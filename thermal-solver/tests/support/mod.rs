@@ -54,6 +54,7 @@ pub(crate) fn configuration(
         field: spec.kind(),
         producer: "mech".to_owned(),
         grid: Some(grid),
+        moves: false,
     };
     let names = |specs: &[&FieldSpec]| specs.iter().map(|s| s.name.to_owned()).collect();
     Configuration {

@@ -1,0 +1,222 @@
+//! The geometry of a grid as the values of a field: how a grid that moves travels through shared
+//! memory.
+//!
+//! The field is [`crate::field::GEOMETRY`]: three components in metres, component-major, so that
+//! component c of vector n stands at `c * count + n`. The vectors are
+//!
+//! | grid | count | vectors |
+//! |---|---|---|
+//! | structured | 4 | centre of element (0, 0), step in i, step in j, and (ni, nj, 1), which are no lengths |
+//! | quadrilaterals | vertices | the vertices, in their order |
+//!
+//! A structured grid may move, turn, stretch and grow; it stays structured. Of quadrilaterals only
+//! the vertices move: which of them an element has is fixed for the run.
+
+use super::{Grid, Quadrilaterals, Shape, Structured};
+
+/// Components of a vector in space.
+const COMPONENTS: usize = 3;
+/// Vectors of a structured grid.
+const VECTORS: usize = 4;
+
+impl Grid {
+    /// Number of vectors of the geometry; it has three values for each.
+    #[must_use]
+    pub fn geometry_points(&self) -> usize {
+        match &self.shape {
+            Shape::Structured(_) => VECTORS,
+            Shape::Quadrilaterals(q) => q.points.len(),
+        }
+    }
+
+    /// Writes the geometry [m], component-major.
+    ///
+    /// # Panics
+    /// If `values` does not have three values for each of [`Grid::geometry_points`].
+    pub fn encode_geometry(&self, values: &mut [f64]) {
+        let count = self.geometry_points();
+        assert_eq!(values.len(), COMPONENTS * count, "three values for each vector");
+        let mut put = |vectors: &[[f64; 3]]| {
+            for (component, values) in values.chunks_exact_mut(count).enumerate() {
+                values.iter_mut().zip(vectors).for_each(|(value, v)| *value = v[component]);
+            }
+        };
+        match &self.shape {
+            Shape::Structured(s) => {
+                put(&[s.origin, s.step_i, s.step_j, [s.ni as f64, s.nj as f64, 1.0]]);
+            }
+            Shape::Quadrilaterals(q) => put(&q.points),
+        }
+    }
+
+    /// This grid with the geometry that [`Grid::encode_geometry`] has written, and its revision.
+    ///
+    /// # Errors
+    /// A revision that is not above this one's, another number of values, counts that are not
+    /// whole, or a grid that [`Grid::check`] refuses.
+    pub fn with_geometry(&self, values: &[f64], revision: u64) -> Result<Self, String> {
+        let (name, count) = (&self.name, self.geometry_points());
+        if revision <= self.revision {
+            let last = self.revision;
+            return Err(format!("grid `{name}` has revision {revision} after {last}"));
+        }
+        if values.len() != COMPONENTS * count {
+            let (found, expected) = (values.len(), COMPONENTS * count);
+            return Err(format!(
+                "the geometry of grid `{name}` has {found} values, not {expected}"
+            ));
+        }
+        let vector = |n: usize| -> [f64; 3] { std::array::from_fn(|c| values[c * count + n]) };
+        let shape = match &self.shape {
+            Shape::Structured(_) => Shape::Structured(structured(vector).map_err(|fault| {
+                format!("the geometry of grid `{name}`, revision {revision}: {fault}")
+            })?),
+            Shape::Quadrilaterals(q) => Shape::Quadrilaterals(Quadrilaterals {
+                points: (0..count).map(vector).collect(),
+                elements: q.elements.clone(),
+            }),
+        };
+        let moved = Self { name: name.clone(), revision, shape };
+        moved.check().map_err(|fault| format!("{fault}, in revision {revision}"))?;
+        Ok(moved)
+    }
+
+    /// What is wrong with taking `moved` for this grid after it has moved.
+    ///
+    /// # Errors
+    /// It is another grid, its revision is lower, or the same although the geometry differs, or the
+    /// elements are no longer made of the same vertices.
+    pub fn check_moved(&self, moved: &Self) -> Result<(), String> {
+        let (name, revision, last) = (&self.name, moved.revision, self.revision);
+        let same_elements = match (&self.shape, &moved.shape) {
+            (Shape::Structured(_), Shape::Structured(_)) => true,
+            (Shape::Quadrilaterals(a), Shape::Quadrilaterals(b)) => {
+                a.elements == b.elements && a.points.len() == b.points.len()
+            }
+            _ => false,
+        };
+        if moved.name != *name || !same_elements {
+            return Err(format!("`{}` is not the grid `{name}`, moved", moved.name));
+        }
+        if revision < last {
+            return Err(format!("grid `{name}` has revision {revision} after {last}"));
+        }
+        if revision == last && self.shape != moved.shape {
+            return Err(format!("grid `{name}` has moved and still has revision {revision}"));
+        }
+        moved.check()
+    }
+}
+
+fn structured(vector: impl Fn(usize) -> [f64; 3]) -> Result<Structured, String> {
+    let [ni, nj, one] = vector(3);
+    // Whole numbers up to 2⁵³ are exact.
+    let whole = |v: f64| (1.0..9e15).contains(&v) && v.fract() == 0.0;
+    if !whole(ni) || !whole(nj) || one != 1.0 {
+        return Err(format!("its counts are ({ni}, {nj}, {one})"));
+    }
+    let (ni, nj) = (ni as usize, nj as usize);
+    Ok(Structured { origin: vector(0), step_i: vector(1), step_j: vector(2), ni, nj })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn encoded(grid: &Grid) -> Vec<f64> {
+        let mut values = vec![f64::NAN; 3 * grid.geometry_points()];
+        grid.encode_geometry(&mut values);
+        values
+    }
+
+    fn plane() -> Grid {
+        Grid::structured("patch", Structured::contact_plane(-1.0, 2.0, 0.5, 0.25, 3, 2))
+    }
+
+    fn quadrilaterals() -> Grid {
+        let shape = *plane().as_structured().unwrap();
+        Grid::quadrilaterals("patch", Quadrilaterals::from(&shape))
+    }
+
+    /// Pinned: other languages write and read it.
+    #[test]
+    fn golden_layout_of_a_geometry() {
+        let expected = [-1.0, 0.5, 0.0, 3.0, 2.0, 0.0, 0.25, 2.0, 0.0, 0.0, 0.0, 1.0];
+        assert_eq!(encoded(&plane()), expected);
+        let values = encoded(&quadrilaterals());
+        assert_eq!(values.len(), 3 * 12);
+        assert_eq!(values[..4], [-1.25, -0.75, -0.25, 0.25], "x of the first row");
+        assert_eq!(values[12..17], [1.875, 1.875, 1.875, 1.875, 2.125], "y");
+    }
+
+    #[test]
+    fn geometries_from_outside_are_checked() {
+        let with = |grid: &Grid, at: usize, value: f64| {
+            let mut values = encoded(grid);
+            values[at] = value;
+            grid.with_geometry(&values, 2)
+        };
+        let (plane, surface) = (plane(), quadrilaterals());
+        for (at, value) in [(3, 2.5), (3, 0.0), (3, f64::NAN), (3, 1e16), (7, -2.0), (11, 0.0)] {
+            let fault = with(&plane, at, value).unwrap_err();
+            assert!(fault.contains("counts are"), "{at}: {fault}");
+        }
+        for (at, value) in [(1, 0.0), (0, f64::INFINITY)] {
+            assert!(with(&plane, at, value).unwrap_err().contains("without an area"));
+        }
+        assert!(with(&surface, 5, f64::NAN).unwrap_err().contains("vertex 5 is not finite"));
+        assert!(with(&surface, 5, 9.0).unwrap_err().contains("convex"));
+        let values = encoded(&plane);
+        assert!(plane.with_geometry(&values[1..], 2).unwrap_err().contains("11 values, not 12"));
+        for revision in [0, 1] {
+            let fault = plane.with_geometry(&values, revision).unwrap_err();
+            assert!(fault.contains(&format!("revision {revision} after 1")), "{fault}");
+        }
+    }
+
+    #[test]
+    fn what_a_model_calls_moved_is_checked() {
+        let (plane, surface) = (plane(), quadrilaterals());
+        let mut moved = plane.clone();
+        assert_eq!(plane.check_moved(&moved), Ok(()));
+        moved.revision = 2;
+        assert!(moved.check_moved(&plane).unwrap_err().contains("revision 1 after 2"));
+        moved.shape = Shape::Structured(Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 9, 9));
+        assert_eq!(plane.check_moved(&moved), Ok(()));
+        moved.revision = 1;
+        assert!(plane.check_moved(&moved).unwrap_err().contains("still has revision 1"));
+        moved = Grid { revision: 2, ..surface.clone() };
+        assert!(plane.check_moved(&moved).unwrap_err().contains("not the grid `patch`"));
+        if let Shape::Quadrilaterals(q) = &mut moved.shape {
+            q.elements[0].rotate_left(1);
+        }
+        assert!(surface.check_moved(&moved).is_err(), "other elements");
+    }
+
+    proptest! {
+        #[test]
+        fn structured_geometry_round_trip(
+            origin: [f64; 3], step in 1e-9..1e9_f64, counts in [1_usize..5000, 1..5000]
+        ) {
+            prop_assume!(origin.iter().all(|v| v.is_finite()));
+            let shape = Structured {
+                origin,
+                step_i: [step, 0.25 * step, 0.0],
+                step_j: [0.0, step / 3.0, -step],
+                ni: counts[0],
+                nj: counts[1],
+            };
+            let moved = Grid { revision: 7, ..Grid::structured("patch", shape) };
+            prop_assert_eq!(plane().with_geometry(&encoded(&moved), 7), Ok(moved));
+        }
+
+        /// Vertices moved by less than a quarter of an element keep it convex.
+        #[test]
+        fn vertices_round_trip(moves in prop::collection::vec(-0.06..0.06_f64, 36)) {
+            let moved = quadrilaterals().displaced(&moves).unwrap();
+            let found = quadrilaterals().with_geometry(&encoded(&moved), moved.revision);
+            prop_assert_eq!(found, Ok(moved));
+        }
+    }
+}

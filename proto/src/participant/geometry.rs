@@ -1,0 +1,182 @@
+//! Grids that move: what a participant publishes of its own, and what it hears of others'.
+
+use super::ports::PortError;
+use crate::field;
+use crate::grid::Grid;
+use crate::message::{FieldHeader, GeometryTopic, Label, Topic};
+use crate::model::Step;
+use crate::transport::{Endpoint, FieldReader, FieldWriter, TransportError};
+use std::time::Instant;
+
+/// One grid of this participant, as it was published last.
+struct GeometryPort {
+    grid: Grid,
+    writer: FieldWriter,
+    header: FieldHeader,
+}
+
+impl GeometryPort {
+    fn open(
+        endpoint: &Endpoint,
+        topic: &GeometryTopic,
+        producer: &str,
+        grids: &[Grid],
+    ) -> Result<Self, PortError> {
+        let grid = grids.iter().find(|grid| grid.name == topic.grid).ok_or_else(|| {
+            PortError::Geometry(format!("there is no grid `{}` in the layout", topic.grid))
+        })?;
+        let header = FieldHeader {
+            protocol: crate::PROTOCOL_VERSION,
+            components: field::GEOMETRY.components,
+            name: Label::new(field::GEOMETRY.name),
+            unit: Label::new(field::GEOMETRY.unit),
+            producer: Label::new(producer),
+            grid: Label::new(&topic.grid),
+            ..FieldHeader::default()
+        };
+        let values = field::GEOMETRY.components as usize * grid.geometry_points();
+        let writer = endpoint.field_writer(&topic.service, values, topic.subscribers)?;
+        Ok(Self { grid: grid.clone(), writer, header })
+    }
+
+    /// Publishes the grid if it has moved; whether it has.
+    fn publish(&mut self, moved: &Grid, step: &Step) -> Result<bool, PortError> {
+        self.grid.check_moved(moved).map_err(PortError::Geometry)?;
+        if moved.revision == self.grid.revision {
+            return Ok(false);
+        }
+        let points = moved.geometry_points();
+        let mut loan = self.writer.loan(self.header.components as usize * points)?;
+        moved.encode_geometry(loan.values());
+        let header = &mut self.header;
+        header.sequence += 1;
+        (header.points, header.grid_revision) = (points as u64, moved.revision);
+        (header.window, header.iteration) = (step.window, step.iteration);
+        (header.start, header.end) = (step.start, step.end);
+        self.writer.publish(loan, header)?;
+        self.grid.clone_from(moved);
+        Ok(true)
+    }
+}
+
+/// The grids of this participant that somebody has to follow.
+pub(super) struct GeometryPorts(Vec<GeometryPort>);
+
+impl GeometryPorts {
+    /// The ports for these topics; `grids` are those of the layout.
+    pub(super) fn open(
+        endpoint: &Endpoint,
+        topics: &[GeometryTopic],
+        producer: &str,
+        grids: &[Grid],
+    ) -> Result<Self, PortError> {
+        let ports = topics.iter().map(|t| GeometryPort::open(endpoint, t, producer, grids));
+        ports.collect::<Result<_, _>>().map(Self)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(super) fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
+        self.0.iter().try_for_each(|port| port.writer.wait_for_subscribers(deadline))
+    }
+
+    /// Publishes those of the grids that have moved, and gives each of these to `moved`.
+    pub(super) fn publish(
+        &mut self,
+        grids: &[Grid],
+        step: &Step,
+        mut moved: impl FnMut(&Grid),
+    ) -> Result<(), PortError> {
+        for port in &mut self.0 {
+            let name = &port.grid.name;
+            let grid = grids.iter().find(|grid| grid.name == *name).ok_or_else(|| {
+                PortError::Geometry(format!("the grid `{name}`, which may move, is not given"))
+            })?;
+            if port.publish(grid, step)? {
+                moved(grid);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where the geometry of an input's grid comes from.
+enum Source {
+    /// It stays as it is.
+    Fixed,
+    /// From the model of this very participant.
+    Own,
+    /// From the participant whose grid it is; with the sequence number of the newest sample.
+    Heard { reader: FieldReader, sequence: u64 },
+}
+
+/// A grid on which inputs arrive.
+pub(super) struct InputGrid {
+    pub(super) grid: Grid,
+    /// Where the geometry comes from; empty for one that stays.
+    service: String,
+    source: Source,
+}
+
+impl InputGrid {
+    /// The grids of these inputs, and the index of each input's; those that move are shared.
+    pub(super) fn open(
+        endpoint: &Endpoint,
+        topics: &[Topic],
+        own: &[GeometryTopic],
+    ) -> Result<(Vec<Self>, Vec<usize>), TransportError> {
+        let (mut grids, mut indices) = (Vec::<Self>::new(), Vec::new());
+        for topic in topics {
+            let service = topic.geometry.clone().unwrap_or_default();
+            let known = grids.iter().position(|g| g.service == service && !service.is_empty());
+            indices.push(known.unwrap_or(grids.len()));
+            if known.is_none() {
+                let source = match &topic.geometry {
+                    None => Source::Fixed,
+                    Some(service) if own.iter().any(|t| t.service == *service) => Source::Own,
+                    Some(service) => {
+                        Source::Heard { reader: endpoint.field_reader(service)?, sequence: 0 }
+                    }
+                };
+                grids.push(Self { grid: topic.grid.clone(), service, source });
+            }
+        }
+        Ok((grids, indices))
+    }
+
+    /// The model of this participant has moved a grid.
+    pub(super) fn moved(&mut self, grid: &Grid) {
+        if matches!(self.source, Source::Own) && self.grid.name == grid.name {
+            self.grid.clone_from(grid);
+        }
+    }
+
+    /// Brings the grid to the revision that a sample of `field` is on.
+    pub(super) fn follow(&mut self, field: &str, revision: u64) -> Result<(), PortError> {
+        let Self { grid, source, .. } = self;
+        if let Source::Heard { reader, sequence } = source {
+            while grid.revision < revision
+                && let Some(sample) = reader.receive()?
+            {
+                let header = sample.header();
+                *sequence += 1;
+                let label = (header.name.as_str(), header.grid.as_str(), header.sequence);
+                if label != (field::GEOMETRY.name, &grid.name, *sequence) {
+                    let found = format!("{:?} of {:?}, number {}", label.0, label.1, label.2);
+                    let expected = format!("the geometry of {:?}, number {sequence}", grid.name);
+                    return Err(PortError::Label { expected, found });
+                }
+                *grid = grid
+                    .with_geometry(sample.values(), header.grid_revision)
+                    .map_err(PortError::Geometry)?;
+            }
+        }
+        if grid.revision == revision {
+            return Ok(());
+        }
+        let (field, grid, known) = (field.to_owned(), grid.name.clone(), grid.revision);
+        Err(PortError::Revision { field, grid, revision, known })
+    }
+}
