@@ -9,7 +9,7 @@ import pytest
 
 from cosim import Grid, MissingInput, NonFiniteInput, Structured
 from cosim.fields import FieldKind
-from cosim.messages import Command, FieldHeader
+from cosim.messages import PROTOCOL_VERSION, Command, FieldHeader
 from cosim.ports import Inputs, Outputs, PortError, Topic, advance, open_inputs, open_outputs
 from cosim.solver import Step
 from cosim.transport import TransportError
@@ -142,7 +142,8 @@ def test_inputs_are_checked(endpoint):
 def raw(pair, **header):
     """Publish a sample past the checks of `Outputs`."""
     port = pair.outputs["value"]
-    label = {"protocol": 2, "sequence": 1, "name": b"value", "components": 1, **header}
+    label = {"protocol": PROTOCOL_VERSION, "sequence": 1, "name": b"value", "components": 1}
+    label |= header
     length = label.pop("length", POINTS)
     loan = port.writer.loan(length)
     ctypes.memset(loan.pointer, 0xFF, 8 * length)

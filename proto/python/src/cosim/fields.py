@@ -46,6 +46,12 @@ TABLE: dict[str, FieldKind] = {
     kind.name: kind
     for kind in (
         FieldKind("pressure", "Pa", meaning="normal contact pressure, positive in compression"),
+        FieldKind(
+            "geometry",
+            "m",
+            3,
+            meaning="geometry of a grid that moves, on a topic of its own (grid/geometry.rs)",
+        ),
         FieldKind("traction", "Pa", 2, meaning="tangential traction (x, y) acting on the wheel"),
         FieldKind(
             "slip_velocity",

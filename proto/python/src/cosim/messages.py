@@ -12,7 +12,7 @@ import enum
 from typing import ClassVar
 
 #: Version of the contract, `PROTOCOL_VERSION` of the crate `proto`.
-PROTOCOL_VERSION = 2
+PROTOCOL_VERSION = 3
 
 #: The most inputs one participant can have.
 MAX_INPUTS = 16
