@@ -83,10 +83,11 @@ impl Recorder {
         plan: &Plan,
         case: &str,
     ) -> Result<Self, RunError> {
-        let (files, contents) = case_files(plan)?;
+        let (files, contents): (Vec<CaseFile>, Vec<Vec<u8>>) =
+            case_files(plan)?.into_iter().unzip();
         let text = |name: &str, text: &str| (name.to_owned(), without_paths(text).into_bytes());
         let mut attachments = vec![text("case.toml", case), text("plan.txt", &plan.to_string())];
-        attachments.extend(contents);
+        attachments.extend(files.iter().map(|file| file.attachment.clone()).zip(contents));
         let head = head(plan, files.clone());
         let out = File::create(path).map_err(|error| file_failure(path, &error))?;
         let writer = RecordingWriter::create(out, compression, &head, &attachments)

@@ -11,11 +11,11 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The files that a plan's configurations name, and their contents by the name of the attachment.
+/// The files that a plan's configurations name, with their contents.
 ///
 /// # Errors
 /// A file cannot be read.
-pub fn case_files(plan: &Plan) -> Result<(Vec<CaseFile>, Vec<(String, Vec<u8>)>), RunError> {
+pub fn case_files(plan: &Plan) -> Result<Vec<(CaseFile, Vec<u8>)>, RunError> {
     let mut named = BTreeMap::new();
     for participant in &plan.participants {
         let case = serde_json::to_value(&participant.configuration.case)
@@ -26,14 +26,11 @@ pub fn case_files(plan: &Plan) -> Result<(Vec<CaseFile>, Vec<(String, Vec<u8>)>)
             }
         });
     }
-    let (mut files, mut contents) = (Vec::new(), Vec::new());
-    for (key, path) in named {
+    let read = |(key, path): (String, PathBuf)| {
         let content = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
-        let attachment = attachment_name(&key);
-        contents.push((attachment.clone(), content));
-        files.push(CaseFile { key, attachment });
-    }
-    Ok((files, contents))
+        Ok((CaseFile { attachment: attachment_name(&key), key }, content))
+    };
+    named.into_iter().map(read).collect()
 }
 
 /// Every text of a tree with its key.
