@@ -310,18 +310,18 @@ fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {
     let path = &asked.recording;
     let wanted = Wanted { field: asked.field.clone(), window: asked.window };
     let mut recording = inspect::open(path)?;
-    let survey =
-        inspect::survey(&mut recording, &wanted).map_err(|error| inspect::failed(path, &error))?;
+    let survey = inspect::survey(&mut recording, &wanted);
+    let damaged = |damage: &String| Err(inspect::unreadable(path, damage));
     if asked.json {
         let json = serde_json::to_string_pretty(&survey).expect("a survey is plain data");
         print(false, &(json + "\n"));
-        return Ok(());
+        return survey.damage.as_ref().map_or(Ok(()), damaged);
     }
     print(false, &inspect::text(&survey, path));
     if let Some(details) = &survey.details {
         print(false, &inspect::details_text(details, wanted.window.is_none()));
     }
-    Ok(())
+    survey.damage.as_ref().map_or(Ok(()), damaged)
 }
 
 fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError> {
@@ -354,9 +354,13 @@ fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError
     }
     let compared = &replay.comparison;
     let first = compared.first.as_ref().map(replay::difference);
-    match first.or_else(|| compared.other.clone()) {
-        None => Ok(()),
-        Some(difference) => Err(RunError::Differs(difference.trim().to_owned())),
+    match (first.or_else(|| compared.other.clone()), &replay.damage) {
+        (Some(difference), _) => Err(RunError::Differs(difference)),
+        (None, Some(damage)) => Err(inspect::unreadable(&asked.recording, damage)),
+        (None, None) if compared.samples == 0 => {
+            Err(RunError::Usage("nothing was there to compare in these windows".to_owned()))
+        }
+        (None, None) => Ok(()),
     }
 }
 

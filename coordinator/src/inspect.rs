@@ -37,12 +37,19 @@ pub fn open(path: &Path) -> Result<FileRecording, RunError> {
 pub fn failed(path: &Path, error: &RecordingError) -> RunError {
     let fix = match error {
         RecordingError::Format { .. } => "read it with the version that wrote it",
-        _ => "what stands before this place can be read with --until",
+        RecordingError::Io(_) => "check the path and its permissions",
+        _ => "record the run again, or take the file from where it was made",
     };
-    RunError::Failed(Failure {
-        who: "the recording".to_owned(),
-        when: format!("at {}", path.display()),
-        what: error.to_string(),
-        fix: fix.to_owned(),
-    })
+    told(path, error.to_string(), fix)
+}
+
+/// The error for a recording of which only the first part could be read.
+#[must_use]
+pub fn unreadable(path: &Path, damage: &str) -> RunError {
+    told(path, damage.to_owned(), "what stands before the damage was read")
+}
+
+fn told(path: &Path, what: String, fix: &str) -> RunError {
+    let (who, when) = ("the recording".to_owned(), format!("at {}", path.display()));
+    RunError::Failed(Failure { who, when, what, fix: fix.to_owned() })
 }

@@ -16,7 +16,7 @@ use crate::error::{Failure, RunError, file_failure};
 use crate::plan::Plan;
 use crate::signals;
 use portable::{portable_body, without_files};
-use proto::message::{Command, CommandKind, Reply};
+use proto::message::{Command, CommandKind, Reply, Status};
 use proto::recording::{
     CaseFile, Event, FILES, FORMAT, Head, Participant, RecordingError, RecordingWriter,
 };
@@ -35,6 +35,9 @@ pub const LAG: u64 = 1;
 
 /// From one look at signals to the next while the run waits for the disk.
 const NAP: Duration = Duration::from_millis(20);
+
+/// Longest wait for the disk once the user wants to stop.
+const LAST_WORDS: Duration = Duration::from_secs(2);
 
 /// How far the writing thread has come.
 #[derive(Debug, Default)]
@@ -156,7 +159,12 @@ impl Recorder {
     /// A reply has come.
     pub fn reply(&self, participant: usize, reply: &Reply, body: &[u8]) {
         let (participant, reply) = (index(participant), *reply);
-        self.event(Event::Reply { participant, reply, body: body.to_vec() });
+        let body = match Status::from_number(reply.status) {
+            Some(Status::Done) => body.to_vec(),
+            // The words of a failure may name anything.
+            _ => without_paths(&String::from_utf8_lossy(body)).into_bytes(),
+        };
+        self.event(Event::Reply { participant, reply, body });
     }
 
     /// Something else has happened.
@@ -219,6 +227,7 @@ impl Recorder {
         self.hand_over();
         let thread = self.notes().thread.take();
         if let Some(thread) = thread {
+            self.wait_for_end(&thread)?;
             thread.join().map_err(|_| failed(&self.path, "the writing thread has panicked"))?;
         }
         if let Some(why) = &lock(&self.progress.0).failed {
@@ -226,6 +235,19 @@ impl Recorder {
         }
         let length = std::fs::metadata(&self.path).map(|file| file.len());
         length.map_err(|error| file_failure(&self.path, &error))
+    }
+
+    /// The last of the file is written, and flushed; less patiently once the user wants to stop.
+    fn wait_for_end(&self, thread: &JoinHandle<()>) -> Result<(), RunError> {
+        let start = Instant::now();
+        while !thread.is_finished() {
+            let patience = if signals::received().is_some() { LAST_WORDS } else { self.patience };
+            if start.elapsed() > patience {
+                return Err(failed(&self.path, "the disk does not take its end"));
+            }
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        Ok(())
     }
 
     fn wait_until(&self, ready: impl Fn(&Progress) -> bool) -> Result<(), RunError> {

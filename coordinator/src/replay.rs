@@ -65,6 +65,8 @@ pub struct Replay {
     pub solves: u64,
     /// First window that was solved, if not 0.
     pub from_window: u64,
+    /// The last that was solved.
+    pub last_window: u64,
     /// What was compared, and how it differs.
     pub comparison: Comparison,
     /// Remarks, one line each.
@@ -77,6 +79,8 @@ pub struct Replay {
     pub wall_s: f64,
     /// The recording is cut, and the replay with it.
     pub cut: bool,
+    /// The recording is damaged, and the replay ends there.
+    pub damage: Option<String>,
 }
 
 /// Drives the participant.
@@ -87,6 +91,11 @@ pub struct Replay {
 pub fn replay(request: &Request) -> Result<Replay, RunError> {
     let begun = Instant::now();
     let path = &request.recording;
+    if let (Some(from), Some(until)) = (request.from, request.until)
+        && from > until
+    {
+        return Err(RunError::Usage(format!("--from {from} comes after --until {until}")));
+    }
     let from = match request.from {
         Some(window) if window > 0 => last_state_before(path, &request.only, window)?,
         _ => None,
@@ -96,7 +105,7 @@ pub fn replay(request: &Request) -> Result<Replay, RunError> {
     let recorded = recording.head().participants[index].clone();
     let program = match &request.program {
         Some(program) => program.clone(),
-        None => Program::of_role(&request.only, None),
+        None => built_in(&recorded),
     };
     let seat = Seat { role: request.only.clone(), program, attach: request.serve };
     let deadlines = if request.serve { NO_DEADLINES } else { DEADLINES };
@@ -104,12 +113,23 @@ pub fn replay(request: &Request) -> Result<Replay, RunError> {
     session.wait_for_joining()?;
     let mut driver = Driver::new(request, index, &recorded, &mut session, from)?;
     driver.attach_files(&recording)?;
-    while let Some(entry) = recording.read().map_err(|error| inspect::failed(path, &error))? {
-        if !driver.entry(entry.item)? {
-            break;
+    let mut damage = None;
+    loop {
+        match recording.read() {
+            Ok(Some(entry)) => {
+                if !driver.entry(entry.item)? {
+                    break;
+                }
+            }
+            Ok(None) => break,
+            Err(error) => {
+                damage = Some(error.to_string());
+                break;
+            }
         }
     }
     let mut replay = driver.finish()?;
+    replay.damage = damage;
     replay.cut = matches!(recording.end(), proto::recording::End::Cut(_));
     replay.wall_s = begun.elapsed().as_secs_f64();
     Ok(replay)
@@ -140,11 +160,18 @@ fn participant(path: &Path, all: &[Participant], role: &str) -> Result<usize, Ru
     })
 }
 
+/// The program of the role beside us, or else the recorded one.
+fn built_in(recorded: &Participant) -> Program {
+    let usual = Program::of_role(&recorded.role, None);
+    let exists = usual.path.is_file();
+    if exists { usual } else { Program::of_role(&recorded.role, Some(&[recorded.program.clone()])) }
+}
+
 /// How many states of the role come up to the last one with which `window` can still be solved.
 fn last_state_before(path: &Path, role: &str, window: u64) -> Result<Option<u64>, RunError> {
     let mut recording = inspect::open(path)?;
     let index = participant(path, &recording.head().participants, role)?;
-    let (mut states, mut last, mut saving) = (0, None, None);
+    let (mut states, mut last, mut saving, mut end) = (0, None, None, 0);
     while let Some(entry) = recording.read().map_err(|error| inspect::failed(path, &error))? {
         match entry.item {
             Item::State { role: whose, .. } if whose == role => {
@@ -156,11 +183,18 @@ fn last_state_before(path: &Path, role: &str, window: u64) -> Result<Option<u64>
             Item::Event(proto::recording::Event::Command { participant, command, .. })
                 if usize::from(participant) == index =>
             {
+                end = end.max(command.window);
                 let saves = command.kind == proto::message::CommandKind::Save as u32;
                 saving = saves.then_some(command.window);
             }
             _ => {}
         }
+    }
+    if window > end {
+        let shown = path.display();
+        return Err(RunError::Usage(format!(
+            "{shown} ends with window {end}; give an earlier --from"
+        )));
     }
     Ok(last)
 }

@@ -9,7 +9,11 @@ use std::path::Path;
 #[must_use]
 pub fn text(survey: &Survey, path: &Path) -> String {
     let mut out = format!("{} · {}\n", survey.case, path.display());
-    let state = if survey.complete { "complete" } else { "CUT: it ends in the middle" };
+    let state = match &survey.damage {
+        _ if survey.complete => "complete",
+        Some(_) => "DAMAGED: what stands before the damage",
+        None => "CUT: it ends in the middle",
+    };
     let _ = writeln!(
         out,
         "  recording     {}, {state}, {} of run time, by {}",

@@ -2,7 +2,7 @@
 
 use super::Range;
 use proto::message::{CommandKind, FieldHeader};
-use proto::recording::{End, Event, Item, Iteration, Recording, RecordingError};
+use proto::recording::{End, Event, Item, Iteration, Recording};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -47,6 +47,9 @@ pub struct Survey {
     pub acceleration: String,
     /// It has its index and footer; otherwise it was cut.
     pub complete: bool,
+    /// Why it could not be read to its end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damage: Option<String>,
     /// Bytes read.
     pub bytes: u64,
     /// From the first to the last message [s].
@@ -147,16 +150,18 @@ pub struct SampleSurvey {
     pub range: Range,
 }
 
-/// Reads a recording to its end.
-///
-/// # Errors
-/// It is damaged; what stands before the damage is lost with it.
-pub fn survey<R: Read>(
-    recording: &mut Recording<R>,
-    wanted: &Wanted,
-) -> Result<Survey, RecordingError> {
+/// Reads a recording to its end, or to where it is damaged.
+pub fn survey<R: Read>(recording: &mut Recording<R>, wanted: &Wanted) -> Survey {
     let mut taken = Taken::of(recording, wanted);
-    while let Some(entry) = recording.read()? {
+    loop {
+        let entry = match recording.read() {
+            Ok(Some(entry)) => entry,
+            Ok(None) => break,
+            Err(error) => {
+                taken.survey.damage = Some(error.to_string());
+                break;
+            }
+        };
         taken.survey.duration_s = entry.nanoseconds as f64 * 1e-9;
         match entry.item {
             Item::Event(event) => taken.event(event),
@@ -169,7 +174,7 @@ pub fn survey<R: Read>(
     let mut survey = taken.survey;
     survey.complete = recording.end() == End::Complete;
     survey.bytes = recording.bytes_read();
-    Ok(survey)
+    survey
 }
 
 /// A survey being made.

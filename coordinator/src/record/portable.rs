@@ -97,8 +97,10 @@ pub fn without_paths(text: &str) -> String {
     let mut rest = text;
     let mut before = ' ';
     while let Some(c) = rest.chars().next() {
-        let end = rest.find(ends_a_path).unwrap_or(rest.len());
-        if c == '/' && end > 1 && begins_a_word(before) {
+        // A path in quotes may hold anything else.
+        let quoted = matches!(before, '"' | '\'' | '`').then(|| rest.find(before)).flatten();
+        let end = quoted.or_else(|| rest.find(ends_a_path)).unwrap_or(rest.len());
+        if c == '/' && end > 1 && (begins_a_word(before) || ends_in_an_option(&out)) {
             let path = rest[..end].trim_end_matches('/');
             out.push_str(path.rsplit('/').next().unwrap_or_default());
             rest = &rest[end..];
@@ -114,6 +116,13 @@ pub fn without_paths(text: &str) -> String {
 
 fn begins_a_word(before: char) -> bool {
     !before.is_alphanumeric() && !matches!(before, '/' | '.' | '_' | '-' | ')' | ']' | '~')
+}
+
+/// `-I`, behind which a path may follow at once.
+fn ends_in_an_option(text: &str) -> bool {
+    let mut last = text.chars().rev();
+    let letter = last.next().is_some_and(|c| c.is_ascii_alphabetic());
+    letter && last.next() == Some('-') && last.next().is_none_or(begins_a_word)
 }
 
 fn ends_a_path(c: char) -> bool {
@@ -138,6 +147,8 @@ mod tests {
         assert_eq!(out, "command = [\"solver\", '--file=y.csv'] # 5 m/s, W/m2, 1 / 2");
         assert_eq!(without_paths("state file /a/b.state: gone"), "state file b.state: gone");
         assert_eq!(without_paths("at `/a/b/`"), "at `b`");
+        assert_eq!(without_paths("\"/home/Jane Doe/x y\", -I/home/me/z"), "\"x y\", -Iz");
+        assert_eq!(without_paths("J/(kg K), a-b/c"), "J/(kg K), a-b/c");
         assert_eq!(without_paths("profiles/rail.csv"), "profiles/rail.csv");
     }
 }

@@ -73,6 +73,7 @@ pub(super) fn write_all(
     batches: &Receiver<Vec<Job>>,
     (progress, news): &(Mutex<Progress>, Condvar),
 ) {
+    let _guard = OnPanic(progress, news);
     let mut writing = Writing { writer: Some(writer), topics: Vec::new() };
     while let Ok(batch) = batches.recv() {
         for job in batch {
@@ -97,6 +98,19 @@ pub(super) fn write_all(
             if last {
                 return;
             }
+        }
+    }
+}
+
+/// Nobody waits for a thread that has panicked.
+struct OnPanic<'a>(&'a Mutex<Progress>, &'a Condvar);
+
+impl Drop for OnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            let why = || "the writing thread has panicked".to_owned();
+            super::lock(self.0).failed.get_or_insert_with(why);
+            self.1.notify_all();
         }
     }
 }

@@ -65,7 +65,7 @@ impl Output {
 #[derive(Clone, Debug, PartialEq)]
 enum Done {
     Nothing,
-    Answered(Vec<u8>),
+    Answered(Reply, Vec<u8>),
     Failed(String),
 }
 
@@ -165,6 +165,9 @@ impl<'a> Driver<'a> {
             {
                 self.reply(&reply, &body)?;
             }
+            Item::Event(Event::Ended { error: Some(error) }) => {
+                self.replay.remarks.push(format!("the recorded run failed: {error}"));
+            }
             Item::Event(_) => {}
             Item::Sample { service, header, values } => self.sample(service, &header, values)?,
             Item::State { role, bytes } if role == self.request.only => {
@@ -177,6 +180,11 @@ impl<'a> Driver<'a> {
 
     /// Everything has been driven: lets the participant go.
     pub(super) fn finish(mut self) -> Result<Replay, RunError> {
+        if self.done != Done::Nothing {
+            let what = "the last command has no recorded answer: what it did there is not compared";
+            self.replay.remarks.push(what.to_owned());
+            self.outputs.clear();
+        }
         if !self.finished {
             let finish = Command::new(CommandKind::Finish);
             self.ask(finish, &[])?;
@@ -198,10 +206,11 @@ impl<'a> Driver<'a> {
                 return Ok(false);
             }
             self.step = command.step();
-            if self.skipping.is_some() && kind != CommandKind::Restore {
+            if self.skipping.is_some() {
                 return Ok(true);
             }
         }
+        self.restore()?;
         if self.walk.ask(&self.request.only, &command)? == Answer::Stop {
             return Ok(false);
         }
@@ -217,6 +226,7 @@ impl<'a> Driver<'a> {
                 published.map_err(|error| self.transport(&error))?;
                 self.solving = true;
                 self.replay.solves += 1;
+                self.replay.last_window = self.step.window;
                 self.ask(command, &[])?;
             }
             CommandKind::Accept if command.flags & OBSERVE == 0 && !self.moves => {
@@ -233,6 +243,10 @@ impl<'a> Driver<'a> {
                 let file: Option<StateFile> = serde_json::from_slice(body).ok();
                 let grids = file.map(|file| file.geometry).unwrap_or_default();
                 self.held = Some((command, grids));
+                // Without exchanged outputs nothing is still to come.
+                if self.outputs.iter().all(|output| !output.exchanged) {
+                    self.restore()?;
+                }
             }
             CommandKind::Finish => {
                 self.finished = true;
@@ -244,6 +258,7 @@ impl<'a> Driver<'a> {
 
     /// Sends a command and keeps what comes back until the recording says what came then.
     fn ask(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
+        self.nothing_more_was_sent()?;
         self.session.about(&command);
         self.session.post(0, command, body, true)?;
         let message = self.session.await_reply(0, self.session.deadlines().solve)?;
@@ -253,10 +268,22 @@ impl<'a> Driver<'a> {
                 if self.solving {
                     self.replay.model_s += reply.model_seconds;
                 }
-                Done::Answered(body.to_vec())
+                Done::Answered(*reply, body.to_vec())
             }
             _ => Done::Failed(words(body)),
         };
+        Ok(())
+    }
+
+    /// Everything that was sent has been compared.
+    fn nothing_more_was_sent(&mut self) -> Result<(), RunError> {
+        for at in 0..self.outputs.len() {
+            let received = self.outputs[at].reader.receive().map_err(|e| self.transport(&e))?;
+            if received.is_some() {
+                let what = format!("it sent more of `{}` than recorded", self.outputs[at].field);
+                self.replay.comparison.other(&self.step, &what);
+            }
+        }
         Ok(())
     }
 
@@ -268,13 +295,19 @@ impl<'a> Driver<'a> {
         let failed_then = reply.status != Status::Done as u32;
         match done {
             Done::Nothing => Ok(()),
-            Done::Answered(_) if failed_then => {
+            Done::Answered(..) if failed_then => {
                 let what = format!("it succeeds; recorded was a failure: {}", words(body));
                 self.replay.comparison.other(&self.step, &what);
                 Ok(())
             }
             Done::Failed(now) if failed_then => {
-                self.replay.remarks.push(format!("it fails as recorded: {now}"));
+                let then = words(body);
+                let how = if now == then { "as recorded" } else { "otherwise than recorded" };
+                let mut remark = format!("it fails {how}: {now}");
+                if now != then {
+                    remark += &format!("; recorded was: {then}");
+                }
+                self.replay.remarks.push(remark);
                 Ok(())
             }
             Done::Failed(now) => Err(RunError::Failed(Failure {
@@ -286,8 +319,11 @@ impl<'a> Driver<'a> {
                 what: now,
                 fix: "it did not fail when it was recorded".to_owned(),
             })),
-            Done::Answered(now) => {
-                self.answered(&now, body);
+            Done::Answered(now, said) => {
+                if let Some(what) = unequal(&now, reply, self.request.tolerance) {
+                    self.replay.comparison.other(&self.step, &what);
+                }
+                self.answered(&said, body);
                 Ok(())
             }
         }
@@ -375,6 +411,9 @@ impl<'a> Driver<'a> {
         match received {
             Some(sample) => {
                 let tolerance = self.request.tolerance;
+                if let Some(what) = mislabelled(sample.header(), header) {
+                    self.replay.comparison.other(&self.step, &what);
+                }
                 self.replay.comparison.sample((header, then), sample.values(), tolerance);
                 if self.request.step
                     && let Some(first) = &self.replay.comparison.first
@@ -509,6 +548,38 @@ fn words(body: &[u8]) -> String {
     let refusal = serde_json::from_slice::<Refusal>(body).map(|refusal| refusal.to_string());
     let failure = || serde_json::from_slice::<Unsuccessful>(body).map(|failure| failure.error);
     refusal.or_else(|_| failure()).unwrap_or_else(|_| "no reason given".to_owned())
+}
+
+/// How a reply differs in what is no time.
+fn unequal(now: &Reply, then: &Reply, tolerance: Option<f64>) -> Option<String> {
+    let floats = [
+        ("heat received", now.heat_received, then.heat_received),
+        ("the window it wants", now.wanted_window, then.wanted_window),
+    ];
+    let within = |a: f64, b: f64| match tolerance {
+        _ if a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan() => true,
+        None => false,
+        Some(tolerance) => (a - b).abs() <= tolerance * b.abs(),
+    };
+    if let Some((what, a, b)) = floats.into_iter().find(|(_, a, b)| !within(*a, *b)) {
+        return Some(format!("{what} is {a:e}, recorded {b:e}"));
+    }
+    let counts = [
+        ("its work", now.work, then.work),
+        ("substeps", now.substeps.into(), then.substeps.into()),
+        ("inner iterations", now.inner_iterations.into(), then.inner_iterations.into()),
+    ];
+    let differs = counts.into_iter().find(|(_, a, b)| a != b && tolerance.is_none());
+    differs.map(|(what, a, b)| format!("{what}: {a}, recorded {b}"))
+}
+
+/// How the label of a sample differs, but for its number.
+fn mislabelled(now: &FieldHeader, then: &FieldHeader) -> Option<String> {
+    let now = FieldHeader { sequence: then.sequence, protocol: then.protocol, ..*now };
+    (now != *then).then(|| {
+        let name = then.name.as_str();
+        format!("`{name}` is labelled {now:?}, recorded {then:?}")
+    })
 }
 
 fn program(description: &Description) -> String {

@@ -22,7 +22,9 @@ pub fn text(replay: &Replay, request: &Request) -> String {
     let compared = &replay.comparison;
     let _ = writeln!(
         out,
-        "  {} solve(s), {} sample(s) of {} value(s) compared{}",
+        "  windows {} to {}: {} solve(s), {} sample(s) of {} value(s) compared{}",
+        replay.from_window,
+        replay.last_window,
         replay.solves,
         compared.samples,
         compared.values,
@@ -35,16 +37,21 @@ pub fn text(replay: &Replay, request: &Request) -> String {
             "  within {tolerance:e} of the recording: {} sample(s) differ, by {:.2e} at most",
             compared.unequal_samples, compared.largest
         ),
+        (true, _) if compared.first.is_none() => "  DIFFERS, though not in its fields".to_owned(),
         (true, _) => format!("  DIFFERS in {} sample(s)", compared.different_samples),
     };
     let _ = writeln!(out, "{verdict}");
     if let Some(first) = &compared.first {
-        let _ = writeln!(out, "{}", difference(first));
+        let _ = writeln!(out, "  first     {}", difference(first));
         let growth: Vec<String> = thinned(replay).collect();
         let _ = writeln!(out, "  growth    {}", growth.join("\n            "));
     }
     if let Some(other) = &compared.other {
-        let _ = writeln!(out, "  also      {other}");
+        let word = if compared.first.is_some() { "also" } else { "what" };
+        let _ = writeln!(out, "  {word}      {other}");
+    }
+    if let Some(damage) = &replay.damage {
+        let _ = writeln!(out, "  here the recording cannot be read on: {damage}");
     }
     let _ = writeln!(
         out,
@@ -60,7 +67,7 @@ pub fn text(replay: &Replay, request: &Request) -> String {
 #[must_use]
 pub fn difference(first: &Difference) -> String {
     format!(
-        "  first     window {}, iteration {}: {}[{}] is {:e} {unit}, recorded {:e} {unit} (off by \
+        "window {}, iteration {}: {}[{}] is {:e} {unit}, recorded {:e} {unit} (off by \
          {:.3e} of the largest)",
         first.window,
         first.iteration,
