@@ -2,6 +2,7 @@
 
 use crate::case::RawCase;
 use crate::checkpoint::{Checkpoint, Checkpoints, Torn};
+use crate::conform;
 use crate::error::{RunError, file_failure};
 use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
@@ -54,6 +55,8 @@ enum Command {
     Inspect(InspectArguments),
     /// Drive one participant through a recording, and compare all that it sends.
     Replay(ReplayArguments),
+    /// Put a participant through the whole contract, and print how it went.
+    Conform(conform::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
     Export(ExportArguments),
 }
@@ -217,6 +220,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Solvers => Ok(solvers()?),
         Command::Inspect(asked) => Ok(inspect_recording(asked)?),
         Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
+        Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
         Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
     }
 }

@@ -6,6 +6,7 @@
 pub mod case;
 pub mod checkpoint;
 pub mod cli;
+pub mod conform;
 pub mod couple;
 pub mod error;
 pub mod export;

@@ -9,17 +9,17 @@
 mod audit;
 mod feedback;
 mod geometry;
-mod link;
+pub(crate) mod link;
 mod mapped;
 mod memory;
-mod outlet;
+pub(crate) mod outlet;
 mod setup;
 mod state;
 mod tap;
 mod topics;
 
 pub use audit::HeatBalance;
-pub(crate) use setup::Seat;
+pub(crate) use setup::{Seat, layout_fault};
 pub use tap::Tap;
 
 use crate::couple::{Exchange, Part};

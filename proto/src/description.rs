@@ -3,6 +3,7 @@
 //! The coordinator knows no physics. Which models and effects exist, which case keys they read,
 //! in which unit and range, and which fields they exchange, it learns from here.
 
+use crate::configuration::{Configuration, Mode, Refusal};
 use crate::field::{FieldKind, FieldSpec};
 use crate::grid::check_name;
 use serde::{Deserialize, Serialize};
@@ -53,6 +54,57 @@ impl Description {
             }
         }
         Ok(())
+    }
+
+    /// What no participant that describes itself like this can take; a solver's own checks follow.
+    ///
+    /// # Errors
+    /// A model or mode it does not have, an effect that it or the model does not have, a field that
+    /// nothing of it provides.
+    pub fn admit(&self, given: &Configuration) -> Result<(), Refusal> {
+        let role = &self.role;
+        let Some(model) = self.models.iter().find(|model| model.name == given.model) else {
+            let known: Vec<_> = self.models.iter().map(|model| model.name.as_str()).collect();
+            let reason = format!("`{}` is not a model of {}", given.model, self.name);
+            let fix = format!("write one of: {}", known.join(", "));
+            return Err(Refusal::new(&format!("{role}.model"), reason, fix));
+        };
+        let (offered, other) = match given.mode {
+            Mode::Steady => (model.steady, "transient"),
+            Mode::Transient => (model.transient, "steady"),
+        };
+        if !offered {
+            let reason = format!("model `{}` answers {other} cases only", model.name);
+            return Err(Refusal::new("time.mode", reason, format!("write mode = \"{other}\"")));
+        }
+        let active = given.case.get("effects").and_then(serde_json::Value::as_object);
+        for name in active.into_iter().flatten().map(|(name, _)| name) {
+            self.admit_effect(name, &model.name)?;
+        }
+        let effects = self.effects.iter().flat_map(|effect| &effect.provides);
+        let provided: Vec<&String> = model.provides.iter().chain(effects).collect();
+        match given.outputs.iter().chain(&given.observed).find(|name| !provided.contains(name)) {
+            None => Ok(()),
+            Some(field) => Err(Refusal::new(
+                &format!("{role}.model"),
+                format!("`{}` does not provide the field `{field}`", model.name),
+                "do not ask for this field, or name a model that provides it",
+            )),
+        }
+    }
+
+    fn admit_effect(&self, name: &str, model: &str) -> Result<(), Refusal> {
+        let key = format!("effects.{name}");
+        let Some(effect) = self.effects.iter().find(|effect| effect.name == name) else {
+            let known: Vec<_> = self.effects.iter().map(|effect| effect.name.as_str()).collect();
+            let fix = format!("remove it; known are: {}", known.join(", "));
+            return Err(Refusal::new(&key, format!("{} has no such effect", self.name), fix));
+        };
+        if effect.models.iter().any(|supporting| supporting == model) {
+            return Ok(());
+        }
+        let fix = format!("choose one of {}, or remove the effect", effect.models.join(", "));
+        Err(Refusal::new(&key, format!("the model `{model}` does not support it"), fix))
     }
 }
 
@@ -290,4 +342,74 @@ impl KeySpec {
 #[must_use]
 pub fn names(fields: &[&FieldSpec]) -> Vec<String> {
     fields.iter().map(|f| f.name.to_owned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::Params;
+    use serde_json::json;
+
+    fn description() -> Description {
+        let model = |name: &str, transient| ModelSpec {
+            name: name.to_owned(),
+            summary: "a model".to_owned(),
+            source: "a book".to_owned(),
+            steady: true,
+            transient,
+            consumes: Vec::new(),
+            provides: vec!["pressure".to_owned()],
+            keys: Vec::new(),
+        };
+        let effect = EffectSpec {
+            name: "wear".to_owned(),
+            law: "a law".to_owned(),
+            source: "a book".to_owned(),
+            models: vec!["fine".to_owned()],
+            consumes: Vec::new(),
+            provides: vec!["wear_depth".to_owned()],
+            keys: Vec::new(),
+        };
+        Description {
+            protocol: crate::PROTOCOL_VERSION,
+            name: "program".to_owned(),
+            version: "1".to_owned(),
+            role: "mech".to_owned(),
+            standalone: true,
+            estimates: true,
+            models: vec![model("coarse", false), model("fine", true)],
+            effects: vec![effect],
+            keys: Vec::new(),
+            fields: Vec::new(),
+        }
+    }
+
+    fn given(model: &str, mode: Mode, case: serde_json::Value, outputs: &[&str]) -> Configuration {
+        Configuration {
+            role: "mech".to_owned(),
+            model: model.to_owned(),
+            mode,
+            case: Params(case),
+            inputs: Vec::new(),
+            outputs: outputs.iter().map(|name| (*name).to_owned()).collect(),
+            observed: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_is_described_is_admitted_and_nothing_else() {
+        let said = description();
+        let wear = || json!({"effects": {"wear": {}}});
+        let admitted = |given: Configuration| said.admit(&given).map_err(|refusal| refusal.key);
+        let (steady, transient) = (Mode::Steady, Mode::Transient);
+        assert_eq!(admitted(given("fine", transient, wear(), &["pressure", "wear_depth"])), Ok(()));
+        assert_eq!(admitted(given("coarse", steady, json!({}), &["pressure"])), Ok(()));
+        let refused = |key: &str| Err(key.to_owned());
+        assert_eq!(admitted(given("none", steady, json!({}), &[])), refused("mech.model"));
+        assert_eq!(admitted(given("coarse", transient, json!({}), &[])), refused("time.mode"));
+        assert_eq!(admitted(given("coarse", steady, wear(), &[])), refused("effects.wear"));
+        let rust = json!({"effects": {"rust": {}}});
+        assert_eq!(admitted(given("fine", steady, rust, &[])), refused("effects.rust"));
+        assert_eq!(admitted(given("fine", steady, json!({}), &["x"])), refused("mech.model"));
+    }
 }

@@ -78,7 +78,8 @@ fn act(arguments: &Arguments, solver: &dyn Solver) -> Result<(), Box<dyn Error>>
         print_json(&solver.description())
     } else if arguments.estimate {
         let configuration: Configuration = serde_json::from_reader(std::io::stdin().lock())?;
-        print_json(&match solver.configure(&configuration) {
+        let admitted = solver.description().admit(&configuration);
+        print_json(&match admitted.and_then(|()| solver.configure(&configuration)) {
             Ok(setup) => Estimate::Layout(setup.layout().clone()),
             Err(refusal) => Estimate::Refused(refusal),
         })

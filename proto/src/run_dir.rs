@@ -112,6 +112,12 @@ impl RunDir {
             io::Error::new(error.kind(), format!("no run at {}: {error}", folder.display()))
         })?;
         let info: RunInfo = serde_json::from_slice(&text)?;
+        if info.protocol != crate::PROTOCOL_VERSION {
+            let (theirs, ours) = (info.protocol, crate::PROTOCOL_VERSION);
+            return Err(io::Error::other(format!(
+                "the coordinator speaks protocol {theirs}, this program {ours}"
+            )));
+        }
         let members = File::open(folder.join(MEMBERS_LOCK))?;
         flock(&members, FlockOperation::NonBlockingLockShared)?;
         if !info.roles.iter().any(|known| known == role) {
@@ -317,6 +323,17 @@ mod tests {
     fn joining_a_run_that_is_not_there_names_the_folder() {
         let error = RunDir::join(Path::new("/nonexistent/run"), "mech").unwrap_err();
         assert!(error.to_string().contains("/nonexistent/run"));
+    }
+
+    #[test]
+    fn a_run_of_another_protocol_is_not_joined() {
+        let run = RunDir::create(&["mech".to_owned()]).unwrap();
+        let folder = run.info().folder.clone();
+        let other = RunInfo { protocol: 999, ..run.info().clone() };
+        fs::write(folder.join(RUN_FILE), serde_json::to_vec(&other).unwrap()).unwrap();
+        let error = RunDir::join(&folder, "mech").unwrap_err().to_string();
+        assert!(error.contains("protocol 999"), "{error}");
+        assert!(error.ends_with(&crate::PROTOCOL_VERSION.to_string()), "{error}");
     }
 
     #[test]

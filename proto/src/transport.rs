@@ -119,6 +119,8 @@ fn exchange_error(service: &str, cause: impl std::fmt::Debug) -> TransportError 
 #[derive(Debug)]
 pub struct Endpoint {
     node: Node<Ipc>,
+    /// Version of the contract that the run is of; an attribute of its services.
+    protocol: u32,
 }
 
 impl Endpoint {
@@ -131,7 +133,7 @@ impl Endpoint {
             .config(&config)
             .create::<Ipc>()
             .map_err(|e| open_error(&run.prefix, e))?;
-        Ok(Self { node })
+        Ok(Self { node, protocol: run.protocol })
     }
 
     fn topic<P, H>(&self, name: &str) -> Result<TopicFactory<Ipc, [P], H>, TransportError>
@@ -140,7 +142,7 @@ impl Endpoint {
         H: std::fmt::Debug + ZeroCopySend,
     {
         let service = ServiceName::new(name).map_err(|e| open_error(name, e))?;
-        let (key, value) = protocol_attribute().map_err(|e| open_error(name, e))?;
+        let (key, value) = protocol_attribute(self.protocol).map_err(|e| open_error(name, e))?;
         let version =
             AttributeVerifier::new().require(&key, &value).map_err(|e| open_error(name, e))?;
         self.node
@@ -276,9 +278,9 @@ fn isolated_config(run: &RunInfo) -> Result<Config, SemanticStringError> {
     Ok(config)
 }
 
-fn protocol_attribute() -> Result<(AttributeKey, AttributeValue), SemanticStringError> {
+fn protocol_attribute(version: u32) -> Result<(AttributeKey, AttributeValue), SemanticStringError> {
     let key = AttributeKey::new(b"cosim.protocol")?;
-    let value = AttributeValue::new(crate::PROTOCOL_VERSION.to_string().as_bytes())?;
+    let value = AttributeValue::new(version.to_string().as_bytes())?;
     Ok((key, value))
 }
 

@@ -97,6 +97,12 @@ impl RawCase {
         &self.source.name
     }
 
+    /// The key or table is in the case.
+    #[must_use]
+    pub fn has(&self, key: &str) -> bool {
+        self.tree.find(key).is_some()
+    }
+
     /// The folder from which relative file names are meant: that of the case file.
     #[must_use]
     pub fn folder(&self) -> &Path {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 /// Commands go out, replies come in.
 #[derive(Debug)]
-pub(super) struct Link {
+pub(crate) struct Link {
     role: String,
     program: String,
     attached: bool,
@@ -20,7 +20,7 @@ pub(super) struct Link {
 }
 
 impl Link {
-    pub(super) fn new(
+    pub(crate) fn new(
         (role, program): (&str, String),
         attached: bool,
         commands: Sender<Command>,
@@ -31,28 +31,28 @@ impl Link {
         Self { role, program, attached, commands, replies, ringer, sequence: 0, alive }
     }
 
-    pub(super) fn role(&self) -> &str {
+    pub(crate) fn role(&self) -> &str {
         &self.role
     }
 
     /// It was started by hand.
-    pub(super) fn is_attached(&self) -> bool {
+    pub(crate) fn is_attached(&self) -> bool {
         self.attached
     }
 
     /// Role and program, for messages.
-    pub(super) fn who(&self) -> String {
+    pub(crate) fn who(&self) -> String {
         format!("{} ({})", self.role, self.program)
     }
 
     /// The participant has joined.
-    pub(super) fn is_up(&self) -> bool {
+    pub(crate) fn is_up(&self) -> bool {
         self.commands.is_heard() && self.replies.is_served()
     }
 
     /// Sends a command, and gives it back with its number; `ring` only when an answer is wanted
     /// soon.
-    pub(super) fn post(
+    pub(crate) fn post(
         &mut self,
         mut command: Command,
         body: &[u8],
@@ -70,25 +70,25 @@ impl Link {
     }
 
     /// Sequence number of the last command.
-    pub(super) fn sequence(&self) -> u64 {
+    pub(crate) fn sequence(&self) -> u64 {
         self.sequence
     }
 
-    pub(super) fn receive(&self) -> Result<Option<Message<Reply>>, TransportError> {
+    pub(crate) fn receive(&self) -> Result<Option<Message<Reply>>, TransportError> {
         self.replies.receive()
     }
 
-    pub(super) fn heard_heart(&mut self) {
+    pub(crate) fn heard_heart(&mut self) {
         self.alive = Instant::now();
     }
 
     /// Time since the last sign of life.
-    pub(super) fn silence(&self) -> Duration {
+    pub(crate) fn silence(&self) -> Duration {
         self.alive.elapsed()
     }
 
     /// The error for a refused case.
-    pub(super) fn refused(&self, body: &[u8]) -> RunError {
+    pub(crate) fn refused(&self, body: &[u8]) -> RunError {
         let refusal = serde_json::from_slice(body).unwrap_or_else(|_| {
             Refusal::new(&self.role, "refused without a reason", "ask the program's author")
         });
@@ -97,7 +97,7 @@ impl Link {
 }
 
 /// What a failed reply says.
-pub(super) fn failure_text(body: &[u8]) -> String {
+pub(crate) fn failure_text(body: &[u8]) -> String {
     serde_json::from_slice::<Failure>(body)
         .map_or_else(|_| "it failed without saying why".to_owned(), |failure| failure.error)
 }

@@ -10,6 +10,21 @@ use proto::transport::{Endpoint, FieldLoan, FieldWriter, TransportError};
 use std::sync::Arc;
 use std::time::Instant;
 
+/// What stands on every sample of a field that the coordinator sends on a grid.
+pub(crate) fn header(kind: &FieldKind, grid: &Grid) -> FieldHeader {
+    FieldHeader {
+        protocol: proto::PROTOCOL_VERSION,
+        components: kind.components,
+        points: grid.points() as u64,
+        grid_revision: grid.revision,
+        name: Label::new(&kind.name),
+        unit: Label::new(&kind.unit),
+        producer: Label::new(COORDINATOR),
+        grid: Label::new(&grid.name),
+        ..FieldHeader::default()
+    }
+}
+
 /// The writer of a topic, and the label of its samples.
 #[derive(Debug)]
 pub(super) struct Outlet {
@@ -35,17 +50,7 @@ impl Outlet {
         let subscribers = subscribers + usize::from(recorded.is_some());
         let values = grid.points() * kind.components as usize;
         let writer = endpoint.field_writer(service, values, subscribers)?;
-        let header = FieldHeader {
-            protocol: proto::PROTOCOL_VERSION,
-            components: kind.components,
-            points: grid.points() as u64,
-            grid_revision: grid.revision,
-            name: Label::new(&kind.name),
-            unit: Label::new(&kind.unit),
-            producer: Label::new(COORDINATOR),
-            grid: Label::new(&grid.name),
-            ..FieldHeader::default()
-        };
+        let header = header(kind, grid);
         Ok(Self { values, writer, header, recorded })
     }
 

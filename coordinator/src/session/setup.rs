@@ -207,21 +207,7 @@ impl Session {
         configuration: &Configuration,
         layout: &Layout,
     ) -> Result<(), RunError> {
-        layout.check().map_err(|fault| self.misbehaved(one, fault))?;
-        let sent = configuration.outputs.iter().chain(&configuration.observed);
-        for field in sent {
-            if layout.grid_of(field).is_none() {
-                return Err(self.misbehaved(one, format!("it gives no grid for `{field}`")));
-            }
-        }
-        let received = |field: &str| configuration.inputs.iter().any(|i| i.field.name == field);
-        match layout.inputs.iter().find(|wish| !received(&wish.field)) {
-            Some(wish) => {
-                let what = format!("it wants a grid for `{}`, which it does not get", wish.field);
-                Err(self.misbehaved(one, what))
-            }
-            None => Ok(()),
-        }
+        layout_fault(configuration, layout).map_or(Ok(()), |what| Err(self.misbehaved(one, what)))
     }
 
     /// Nobody hears a field on a moving grid who was not told of it, or does not know it.
@@ -356,6 +342,20 @@ impl Session {
         }
         Ok(())
     }
+}
+
+/// What is wrong with a layout as the answer to a configuration, if anything.
+pub(crate) fn layout_fault(configuration: &Configuration, layout: &Layout) -> Option<String> {
+    if let Err(fault) = layout.check() {
+        return Some(fault);
+    }
+    let mut sent = configuration.outputs.iter().chain(&configuration.observed);
+    if let Some(field) = sent.find(|field| layout.grid_of(field).is_none()) {
+        return Some(format!("it gives no grid for `{field}`"));
+    }
+    let received = |field: &str| configuration.inputs.iter().any(|i| i.field.name == field);
+    let wish = layout.inputs.iter().find(|wish| !received(&wish.field))?;
+    Some(format!("it wants a grid for `{}`, which it does not get", wish.field))
 }
 
 fn machine(who: &str, when: &str, error: &dyn std::fmt::Display, fix: &str) -> RunError {

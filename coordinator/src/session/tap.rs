@@ -38,6 +38,38 @@ pub struct Tap {
 }
 
 impl Tap {
+    /// A tap of the only participant of a run, the one with this role.
+    pub(crate) fn of_role(role: &str, kind: FieldKind, grid: Grid, reader: FieldReader) -> Self {
+        Self {
+            kind,
+            grid,
+            producer: 0,
+            producer_role: role.to_owned(),
+            readers: Vec::new(),
+            observed_only: false,
+            wanted: false,
+            reader,
+            sample: None,
+            checked: 0,
+            recorded: None,
+        }
+    }
+
+    /// The next sample of a step becomes the newest; `None` if none has come.
+    ///
+    /// # Errors
+    /// It cannot be received, or it is not what it should be.
+    pub(crate) fn take(&mut self, step: &Step) -> Result<Option<&[f64]>, String> {
+        let Some(sample) = self.reader.receive().map_err(|error| error.to_string())? else {
+            return Ok(None);
+        };
+        if let Some(fault) = self.fault(&sample, step) {
+            return Err(fault);
+        }
+        self.sample = Some(sample);
+        Ok(self.values())
+    }
+
     /// Kind of the field.
     #[must_use]
     pub fn kind(&self) -> &FieldKind {

@@ -98,12 +98,16 @@ def test_refusals_name_the_key():
     assert refused(case={**case, "effects": {}}) == "effects.friction_heat"
     assert refused(case={**case, "motion": {"speed": "fast"}}) == "motion.speed"
     assert refused(case={**case, "materials": {}}) == "materials.steel.density"
+    assert refused(case={**case, "effects": {"wear": {}}}) == "effects.wear"
+    assert refused(outputs=["pressure"]) == refused(observed=["pressure"]) == "thermal.model"
     inputs = configuration()["inputs"]
     assert refused(inputs=[{**inputs[0], "moves": True}, inputs[1]]) == "mech.model"
 
 
 def test_a_wrong_layout_is_not_sent():
     class Wrong(Solver):
+        models, effects = StripColumns.models, StripColumns.effects
+
         def configure(self, configuration):
             return Layout(grids=self.grids, fields=self.fields_on)
 

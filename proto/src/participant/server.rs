@@ -165,6 +165,7 @@ impl<'a> Server<'a> {
 
     fn configure(&mut self, done: Reply, body: &[u8]) -> Result<Option<Answer>, CommandError> {
         let configuration: Configuration = serde_json::from_slice(body)?;
+        self.solver.description().admit(&configuration)?;
         let setup = self.solver.configure(&configuration)?;
         let answer = json_answer(done, setup.layout())?;
         self.stage = Stage::Configured { setup, configuration };

@@ -23,12 +23,12 @@ fn library() -> &'static Path {
 }
 
 /// A program in C, compiled into a folder of its own.
-struct Compiled {
+pub(crate) struct Compiled {
     folder: tempfile::TempDir,
 }
 
 impl Compiled {
-    fn from(source: &str) -> Self {
+    pub(crate) fn from(source: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let (lib, root) = (library().display(), root());
         let mut cc = Command::new("cc");
@@ -38,6 +38,11 @@ impl Compiled {
         let built = built.expect("a C compiler is on the search path as `cc`");
         assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
         Self { folder }
+    }
+
+    /// The program.
+    pub(crate) fn path(&self) -> String {
+        self.folder.path().join("solver").display().to_string()
     }
 
     /// `--set ROLE.command=[...]` for this program, with a word before the contract's arguments.

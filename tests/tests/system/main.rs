@@ -7,6 +7,7 @@
 
 mod bad_cases;
 mod c_interface;
+mod conform;
 mod crowd;
 mod exchange;
 mod faults;

@@ -198,8 +198,49 @@ class Solver:
         }
 
 
+def admit(solver: Solver, configuration: Configuration) -> None:
+    """Refuse what no program that describes itself like this can take."""
+    role = solver.role
+    models = {model.name: model for model in solver.models}
+    model = models.get(configuration.model)
+    if model is None:
+        raise Refusal(
+            f"{role}.model",
+            f"`{configuration.model}` is not a model of {solver.name}",
+            f"write one of: {', '.join(models)}",
+        )
+    if not (model.steady if configuration.is_steady else model.transient):
+        other = "transient" if configuration.is_steady else "steady"
+        raise Refusal(
+            "time.mode", f"model `{model.name}` answers {other} cases only", f'write "{other}"'
+        )
+    effects = {effect.name: effect for effect in solver.effects}
+    for name in configuration.case.get("effects", {}):
+        if name not in effects:
+            raise Refusal(
+                f"effects.{name}",
+                f"{solver.name} has no such effect",
+                f"remove it; known are: {', '.join(effects)}",
+            )
+        if model.name not in effects[name].models:
+            raise Refusal(
+                f"effects.{name}",
+                f"the model `{model.name}` does not support it",
+                f"choose one of {', '.join(effects[name].models)}, or remove the effect",
+            )
+    provided = {field for claim in (model, *effects.values()) for field in claim.provides}
+    for field in (*configuration.outputs, *configuration.observed):
+        if field not in provided:
+            raise Refusal(
+                f"{role}.model",
+                f"`{model.name}` does not provide the field `{field}`",
+                "do not ask for this field, or name a model that provides it",
+            )
+
+
 def checked_layout(solver: Solver, configuration: Configuration) -> Layout:
     """`Solver.configure`, with what no solver can take refused before, and its answer checked."""
+    admit(solver, configuration)
     for given in configuration.inputs:
         if given.moves:
             raise Refusal(

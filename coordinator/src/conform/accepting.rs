@@ -1,0 +1,64 @@
+//! What Accept does, and what it publishes.
+
+use super::bench::Bench;
+use super::check::{Check, Fault, Seen, broken};
+use super::solving::same;
+use super::trial::difference;
+
+pub(super) const ACCEPT: Check = Check {
+    name: "accept",
+    demand: "Accept without OBSERVE has no reply and publishes nothing; the next window starts from \
+             what was solved last, and from nothing else",
+    fix: "flag bit 0 of the command; a second state beside the accepted one",
+    run: accept,
+};
+
+pub(super) const OBSERVE: Check = Check {
+    name: "observe",
+    demand: "Accept with OBSERVE publishes one sample of every observed field, labelled with the \
+             accepted step, before its reply; they come at no other time",
+    fix: "observed fields of the accepted state",
+    run: observe,
+};
+
+fn accept(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let mut trials = [bench.ready(setting)?, bench.ready(setting)?];
+        let step = setting.step(0);
+        // One of the two has solved the window with other inputs before.
+        trials[1].solve_with(&step, 2)?;
+        let next = setting.after(&step);
+        let mut outputs = Vec::new();
+        for trial in &mut trials {
+            trial.solve_with(&step, 0)?;
+            trial.accept(&step, false)?;
+            outputs.push(trial.solve_with(&next, 1)?.outputs);
+        }
+        same(&outputs[1], &outputs[0], "after an iteration that was not the last")?;
+        Seen::kept("no reply, nothing published; the next solve starts from it")
+    })
+}
+
+fn observe(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let names = &setting.configuration.observed;
+        let mut trial = bench.ready(setting)?;
+        let step = setting.step(0);
+        trial.solve_with(&step, 0)?;
+        let seen = trial.accept(&step, true)?;
+        let next = setting.after(&step);
+        let plain = trial.solve_with(&next, 1)?.outputs;
+        trial.accept(&next, true)?;
+        // To observe must not change what is solved.
+        let mut unobserved = bench.ready(setting)?;
+        unobserved.solve_with(&step, 0)?;
+        unobserved.accept(&step, false)?;
+        if let Some(difference) = difference(&unobserved.solve_with(&next, 1)?.outputs, &plain) {
+            return broken(format!("observing changes the next solve: {difference}"));
+        }
+        match seen.is_empty() {
+            true => Seen::inapplicable("it has no field that nobody consumes"),
+            false => Seen::kept(names.join(", ")),
+        }
+    })
+}

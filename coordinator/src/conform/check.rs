@@ -1,0 +1,122 @@
+//! What a check is, and how it can go.
+
+use super::bench::Bench;
+use proto::transport::TransportError;
+use serde::Serialize;
+use std::time::Duration;
+
+/// One demand of the contract.
+#[derive(Debug)]
+pub(super) struct Check {
+    /// A word, for `--only`.
+    pub(super) name: &'static str,
+    /// What the contract demands.
+    pub(super) demand: &'static str,
+    /// Where to look when it fails.
+    pub(super) fix: &'static str,
+    /// Puts the participant through it.
+    pub(super) run: fn(&Bench) -> Result<Seen, Fault>,
+}
+
+/// What was seen of a participant that keeps the demand, or why there is nothing to keep.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Seen {
+    /// It keeps it.
+    Kept(String),
+    /// The demand does not concern it.
+    Inapplicable(String),
+}
+
+impl Seen {
+    pub(super) fn kept(what: impl Into<String>) -> Result<Self, Fault> {
+        Ok(Self::Kept(what.into()))
+    }
+
+    pub(super) fn inapplicable(why: impl Into<String>) -> Result<Self, Fault> {
+        Ok(Self::Inapplicable(why.into()))
+    }
+}
+
+/// Why a check did not go through.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Fault {
+    /// The participant does not keep the contract.
+    Broken(String),
+    /// The user wants to stop.
+    Interrupted(&'static str),
+}
+
+impl Fault {
+    /// The same, with where it happened before it.
+    pub(super) fn at(self, place: &str) -> Self {
+        match self {
+            Self::Broken(what) => Self::Broken(format!("{place}: {what}")),
+            interrupted @ Self::Interrupted(_) => interrupted,
+        }
+    }
+}
+
+/// The fault with these words.
+pub(super) fn broken<T>(what: impl Into<String>) -> Result<T, Fault> {
+    Err(Fault::Broken(what.into()))
+}
+
+impl From<String> for Fault {
+    fn from(what: String) -> Self {
+        Self::Broken(what)
+    }
+}
+
+impl From<TransportError> for Fault {
+    fn from(error: TransportError) -> Self {
+        Self::Broken(error.to_string())
+    }
+}
+
+impl From<std::io::Error> for Fault {
+    fn from(error: std::io::Error) -> Self {
+        Self::Broken(error.to_string())
+    }
+}
+
+/// How a check went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The demand is kept.
+    Passed,
+    /// It is not.
+    Failed,
+    /// It does not concern this participant, or this case.
+    Inapplicable,
+}
+
+/// A check that was made.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub name: &'static str,
+    /// How it went.
+    pub verdict: Verdict,
+    /// What was seen, or why there was nothing to see.
+    pub seen: String,
+    /// What the contract demands.
+    pub demand: &'static str,
+    /// Where to look if it failed.
+    pub fix: &'static str,
+    /// Seconds it took.
+    pub seconds: f64,
+}
+
+impl Row {
+    pub(super) fn new(check: &Check, outcome: Result<Seen, Fault>, took: Duration) -> Self {
+        let (verdict, seen) = match outcome {
+            Ok(Seen::Kept(seen)) => (Verdict::Passed, seen),
+            Ok(Seen::Inapplicable(why)) => (Verdict::Inapplicable, why),
+            Err(Fault::Broken(what)) => (Verdict::Failed, what),
+            Err(Fault::Interrupted(signal)) => (Verdict::Failed, format!("stopped by {signal}")),
+        };
+        let Check { name, demand, fix, .. } = *check;
+        Self { name, verdict, seen, demand, fix, seconds: took.as_secs_f64() }
+    }
+}

@@ -1,0 +1,97 @@
+//! The subcommand.
+
+use super::{Report, Request, conform, show};
+use crate::error::{Failure, RunError};
+use crate::programs::Program;
+use clap::Args;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// What `coordinator conform` is asked.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The role that it plays.
+    #[arg(long, value_name = "ROLE")]
+    role: String,
+    /// The case that it is configured with, for every model and mode it offers.
+    #[arg(long, value_name = "FILE", default_value = "cases/wheel-rail.toml")]
+    case: PathBuf,
+    /// Change a key of the case: dotted name and TOML value (a bare word is a text).
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Remove a key of the case.
+    #[arg(long, value_name = "KEY")]
+    unset: Vec<String>,
+    /// Take the inputs from this recording [default: smooth fields of a likely magnitude].
+    #[arg(long, value_name = "FILE")]
+    recording: Option<PathBuf>,
+    /// Make this check alone; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// Longest wait for an answer [s].
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
+    deadline: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+    /// The program, with its arguments [default: ROLE-solver].
+    #[arg(last = true, value_name = "COMMAND")]
+    command: Vec<String>,
+}
+
+/// Puts the participant through the contract and prints how it went.
+///
+/// # Errors
+/// What is asked for cannot be, or a check failed.
+pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+    if !(asked.deadline > 0.0 && asked.deadline <= 1e6) {
+        return Err(RunError::Usage("--deadline is a number of seconds above 0".to_owned()));
+    }
+    let command = (!asked.command.is_empty()).then_some(asked.command.as_slice());
+    let request = Request {
+        role: asked.role.clone(),
+        program: Program::of_role(&asked.role, command),
+        case: asked.case.clone(),
+        set: asked.set.clone(),
+        unset: asked.unset.clone(),
+        recording: asked.recording.clone(),
+        only: asked.only.clone(),
+        patience: Duration::from_secs_f64(asked.deadline),
+    };
+    let silent = quiet || asked.json;
+    let report = conform(&request, &mut |so_far| {
+        if !silent {
+            print(&match so_far.checks.last() {
+                None => show::head(so_far),
+                Some(row) => show::line(row),
+            });
+        }
+    })?;
+    if asked.json {
+        let json = serde_json::to_string_pretty(&report).expect("a report is plain data");
+        print(&(json + "\n"));
+    } else if !quiet {
+        print(&show::tail(&report));
+    }
+    verdict(&request, &report)
+}
+
+fn verdict(request: &Request, report: &Report) -> Result<(), RunError> {
+    let failed: Vec<&str> = report.failed().map(|row| row.name).collect();
+    if failed.is_empty() {
+        return Ok(());
+    }
+    Err(RunError::Failed(Failure {
+        who: format!("{} ({})", request.role, request.program.name()),
+        when: format!("{} of {} checks", failed.len(), report.checks.len()),
+        what: failed.join(", "),
+        fix: "docs/write-a-solver.md tells what each demands".to_owned(),
+    }))
+}
+
+fn print(text: &str) {
+    // A reader that has gone away (`| head`) is no failure of ours.
+    let mut out = std::io::stdout();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}

@@ -1,0 +1,206 @@
+//! What a participant says of itself, and of a configuration.
+
+use super::bench::{Bench, wait_for};
+use super::check::{Check, Fault, Seen, broken};
+use crate::case::parse_quantity;
+use crate::error::RunError;
+use proto::configuration::{Estimate, Layout};
+use proto::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
+use proto::grid::check_name;
+use proto::message::{Command, CommandKind};
+use std::time::Instant;
+
+pub(super) const DESCRIBE: Check = Check {
+    name: "describe",
+    demand: "--describe prints a Description as JSON and ends with exit code 0; names are plain \
+             words, models and effects cite their sources, keys are well formed; Describe over a run \
+             answers the same",
+    fix: "the descriptions of our solvers: thermal-solver --describe",
+    run: describe,
+};
+
+pub(super) const ESTIMATE: Check = Check {
+    name: "estimate",
+    demand: "--estimate reads a Configuration and prints {\"layout\": ...} with the grids that \
+             Configure answers with, or {\"refused\": {key, reason, fix}}",
+    fix: "let --estimate and Configure go through the same code",
+    run: estimate,
+};
+
+pub(super) const CONFIGURE: Check = Check {
+    name: "configure",
+    demand: "Configure answers with a Layout that places every output, observed field and wish on a \
+             grid of its own; the same configuration always gives the same layout",
+    fix: "fields and grids of the Layout",
+    run: configure,
+};
+
+fn describe(bench: &Bench) -> Result<Seen, Fault> {
+    let begun = Instant::now();
+    let said = wait_for(bench.program.describe(&bench.role, bench.patience)).map_err(fault)?;
+    let took = begun.elapsed();
+    if said.protocol != proto::PROTOCOL_VERSION {
+        let ours = proto::PROTOCOL_VERSION;
+        return broken(format!("it speaks protocol {}, this coordinator {ours}", said.protocol));
+    }
+    if said.role != bench.role {
+        return broken(format!("it plays the role `{}`", said.role));
+    }
+    well_formed(bench, &said)?;
+    let mut trial = bench.start()?;
+    let answer = trial.ask(Command::new(CommandKind::Describe), &[])?.done()?;
+    if answer.json::<Description>("a description")? != said {
+        return broken("Describe over the run differs from --describe");
+    }
+    Seen::kept(format!(
+        "{} model(s), {} effect(s), in {:.0} ms",
+        said.models.len(),
+        said.effects.len(),
+        1e3 * took.as_secs_f64()
+    ))
+}
+
+fn well_formed(bench: &Bench, said: &Description) -> Result<(), Fault> {
+    said.check()?;
+    check_name("program", &said.name)?;
+    if said.models.is_empty() {
+        return broken("it has no model");
+    }
+    for (index, model) in said.models.iter().enumerate() {
+        check_name("model", &model.name)?;
+        if said.models[..index].iter().any(|other| other.name == model.name) {
+            return broken(format!("two models are called `{}`", model.name));
+        }
+        well_formed_model(bench, model).map_err(|f| f.at(&format!("model `{}`", model.name)))?;
+    }
+    for effect in &said.effects {
+        check_name("effect", &effect.name)?;
+        let place = format!("effect `{}`", effect.name);
+        well_formed_effect(bench, said, effect).map_err(|f| f.at(&place))?;
+    }
+    said.keys.iter().try_for_each(well_formed_key)
+}
+
+fn well_formed_model(bench: &Bench, model: &ModelSpec) -> Result<(), Fault> {
+    if model.source.trim().is_empty() || model.summary.trim().is_empty() {
+        return broken("it has no summary or cites no source");
+    }
+    if !model.steady && !model.transient {
+        return broken("it answers neither steady nor transient cases");
+    }
+    known_fields(bench, &model.consumes, &model.provides)?;
+    model.keys.iter().try_for_each(well_formed_key)
+}
+
+fn well_formed_effect(bench: &Bench, said: &Description, effect: &EffectSpec) -> Result<(), Fault> {
+    if effect.source.trim().is_empty() || effect.law.trim().is_empty() {
+        return broken("it has no law or cites no source");
+    }
+    let has = |name: &String| said.models.iter().any(|model| model.name == *name);
+    if let Some(unknown) = effect.models.iter().find(|name| !has(name)) {
+        return broken(format!("there is no model `{unknown}`"));
+    }
+    known_fields(bench, &effect.consumes, &effect.provides)?;
+    effect.keys.iter().try_for_each(well_formed_key)
+}
+
+fn known_fields(bench: &Bench, consumes: &[String], provides: &[String]) -> Result<(), Fault> {
+    match consumes.iter().chain(provides).find(|name| bench.kind(name).is_none()) {
+        Some(name) => broken(format!("the field `{name}` is in no table and not described")),
+        None => Ok(()),
+    }
+}
+
+fn well_formed_key(key: &KeySpec) -> Result<(), Fault> {
+    let path = &key.path;
+    let plain = |part: &str| part == "*" || check_name("key", part).is_ok();
+    if !path.split('.').all(plain) {
+        return broken(format!("the key {path:?} is not made of plain words"));
+    }
+    if key.help.trim().is_empty() {
+        return broken(format!("the key `{path}` has no help"));
+    }
+    let fits = match (&key.kind, &key.default) {
+        (KeyKind::Quantity { unit }, default) => {
+            parse_quantity(&format!("1 {unit}"), unit).is_ok()
+                && default.as_ref().is_none_or(|value| in_range(key, value.as_f64()))
+        }
+        (KeyKind::Integer, Some(value)) => value.is_i64() && in_range(key, value.as_f64()),
+        (KeyKind::Flag, Some(value)) => value.is_boolean(),
+        (KeyKind::Choice { of }, default) => {
+            let word = default.as_ref().map(|value| value.as_str().unwrap_or_default());
+            !of.is_empty() && word.is_none_or(|word| of.iter().any(|one| one == word))
+        }
+        (KeyKind::Text | KeyKind::File | KeyKind::NameIn { .. }, Some(value)) => value.is_string(),
+        (_, None) => true,
+    };
+    match fits {
+        true => Ok(()),
+        false => broken(format!("unit, words or default of the key `{path}` do not fit its type")),
+    }
+}
+
+fn in_range(key: &KeySpec, value: Option<f64>) -> bool {
+    value.is_some_and(|value| {
+        key.above.is_none_or(|bound| value > bound)
+            && key.at_least.is_none_or(|bound| value >= bound)
+            && key.at_most.is_none_or(|bound| value <= bound)
+    })
+}
+
+fn estimate(bench: &Bench) -> Result<Seen, Fault> {
+    if !bench.description.estimates {
+        return Seen::inapplicable("it does not offer --estimate");
+    }
+    bench.each(|setting| {
+        let asked = bench.program.estimate(&setting.configuration, bench.patience);
+        let Estimate::Layout(expected) = wait_for(asked).map_err(fault)? else {
+            return broken("--estimate refuses what it accepted while the case was planned");
+        };
+        let layout = bench.start()?.configure(&setting.configuration)?;
+        if placed(&layout) != placed(&expected) {
+            return broken("--estimate and Configure answer with other grids or places of fields");
+        }
+        let mut wrong = setting.configuration.clone();
+        "no-such-model".clone_into(&mut wrong.model);
+        match wait_for(bench.program.estimate(&wrong, bench.patience)).map_err(fault)? {
+            Estimate::Refused(refusal) if !refusal.key.is_empty() && !refusal.fix.is_empty() => {}
+            Estimate::Refused(refusal) => {
+                return broken(format!("its refusal lacks a key or a fix: {refusal:?}"));
+            }
+            Estimate::Layout(_) => return broken("--estimate takes a model that does not exist"),
+        }
+        Seen::kept("the grids of Configure; a model that does not exist is refused")
+    })
+}
+
+fn configure(bench: &Bench) -> Result<Seen, Fault> {
+    if let Some(left_out) = bench.misled.first() {
+        return broken(left_out.clone());
+    }
+    bench.each(|setting| {
+        let mut trial = bench.start()?;
+        let first = trial.configure(&setting.configuration)?;
+        if trial.configure(&setting.configuration)? != first {
+            return broken("a second Configure answers with another layout");
+        }
+        let names: Vec<&str> = first.grids.iter().map(|grid| grid.name.as_str()).collect();
+        Seen::kept(match names.is_empty() {
+            true => "no grid".to_owned(),
+            false => format!("grids {}", names.join(", ")),
+        })
+    })
+}
+
+fn placed(layout: &Layout) -> impl PartialEq + '_ {
+    (&layout.grids, &layout.fields, &layout.inputs)
+}
+
+/// What a program that was asked outside of a run did wrong.
+pub(super) fn fault(error: RunError) -> Fault {
+    match error {
+        RunError::Interrupted { signal, .. } => Fault::Interrupted(signal),
+        RunError::Failed(failure) => Fault::Broken(format!("{}: {}", failure.when, failure.what)),
+        other => Fault::Broken(other.to_string()),
+    }
+}

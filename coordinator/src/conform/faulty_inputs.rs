@@ -1,0 +1,143 @@
+//! Inputs that do not come, or not as they should.
+
+use super::bench::Bench;
+use super::check::{Check, Fault, Seen, broken};
+use super::solving::same;
+use super::trial::{Feed, Trial};
+use proto::message::{Command, CommandKind, Label};
+use proto::model::Step;
+
+pub(super) const MISSING_SAMPLE: Check = Check {
+    name: "missing-sample",
+    demand: "a Solve that names a sample which has not come fails, naming the field, and does not \
+             wait for it; the next solve goes through",
+    fix: "compare the sequence number of the newest sample with that of the command",
+    run: missing,
+};
+
+pub(super) const WRONG_SAMPLE: Check = Check {
+    name: "wrong-sample",
+    demand: "a Solve fails, naming the field, if a sample was left out in between, has another name \
+             in its label, or another number of values",
+    fix: "check the label of every sample that is taken",
+    run: wrong,
+};
+
+pub(super) const NOT_FINITE: Check = Check {
+    name: "not-finite",
+    demand: "a NaN or an infinity in an input fails the solve with an error that names the field; the \
+             next solve, with good inputs, gives the same bits as before",
+    fix: "look through the inputs before using them",
+    run: not_finite,
+};
+
+const NO_INPUT: &str = "it has no inputs";
+
+/// A failed solve: it names the field, and nothing has been sent.
+fn fails(trial: &mut Trial, step: &Step, (because, field): (&str, &str)) -> Result<String, Fault> {
+    let told = trial.ask_solve(step)?.not_done(because)?;
+    trial.none_of_outputs("a solve that failed")?;
+    match told.contains(field) {
+        true => Ok(told),
+        false => {
+            broken(format!("{because} in `{field}` fails with: {told}; the field is not named"))
+        }
+    }
+}
+
+fn missing(bench: &Bench) -> Result<Seen, Fault> {
+    let setting = bench.first()?;
+    if setting.given.is_empty() {
+        return Seen::inapplicable(NO_INPUT);
+    }
+    let mut trial = bench.ready(setting)?;
+    let step = setting.step(0);
+    trial.feed(&step, 0)?;
+    let mut told = String::new();
+    for slot in 0..trial.inputs.len() {
+        let mut command = Command::about(CommandKind::Solve, &step);
+        for (slot, feed) in trial.inputs.iter().enumerate() {
+            command.expected[slot] = feed.header.sequence;
+        }
+        command.expected[slot] += 1;
+        let field = trial.inputs[slot].given.kind.name.clone();
+        told = trial.ask(command, &[])?.not_done("a sample that never came")?;
+        if !told.contains(&field) {
+            return broken(format!("`{field}` never came, and it fails with: {told}"));
+        }
+    }
+    trial.solve(&step).map_err(|fault| fault.at("after a sample that was missing"))?;
+    Seen::kept(told)
+}
+
+/// Changes one thing about the next sample.
+type Spoil = fn(&mut Feed, &Step) -> Result<(), Fault>;
+
+/// What may be wrong with a sample.
+const WRONG: [(&str, Spoil); 3] = [
+    ("a gap in the sequence numbers", |feed, step| {
+        feed.header.sequence += 1;
+        let values = feed.given.values(&feed.grid, 0);
+        Ok(feed.send(&values, step)?)
+    }),
+    ("another name in the label", |feed, step| {
+        feed.header.name = Label::new("something_else");
+        let values = feed.given.values(&feed.grid, 0);
+        Ok(feed.send(&values, step)?)
+    }),
+    ("one value too many", |feed, step| {
+        let mut values = feed.given.values(&feed.grid, 0);
+        values.push(0.0);
+        Ok(feed.send(&values, step)?)
+    }),
+];
+
+fn wrong(bench: &Bench) -> Result<Seen, Fault> {
+    let setting = bench.first()?;
+    if setting.given.is_empty() {
+        return Seen::inapplicable(NO_INPUT);
+    }
+    let mut told = Vec::new();
+    for (because, spoil) in WRONG {
+        let mut trial = bench.ready(setting)?;
+        let step = setting.step(0);
+        trial.solve_with(&step, 0)?;
+        for feed in trial.inputs.iter_mut().skip(1) {
+            let values = feed.given.values(&feed.grid, 0);
+            feed.send(&values, &step)?;
+        }
+        spoil(&mut trial.inputs[0], &step)?;
+        let field = trial.inputs[0].given.kind.name.clone();
+        fails(&mut trial, &step, (because, &field))?;
+        trial.lives_on(because)?;
+        told.push(because);
+    }
+    Seen::kept(told.join(", "))
+}
+
+fn not_finite(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        if setting.given.is_empty() {
+            return Seen::inapplicable(NO_INPUT);
+        }
+        let mut trial = bench.ready(setting)?;
+        let step = setting.step(0);
+        let first = trial.solve_with(&step, 0)?.outputs;
+        let mut told = String::new();
+        for slot in 0..trial.inputs.len() {
+            for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let field = trial.inputs[slot].given.kind.name.clone();
+                trial.feed(&step, 0)?;
+                let feed = &mut trial.inputs[slot];
+                let mut values = feed.values.clone();
+                let middle = values.len() / 2;
+                values[middle] = value;
+                feed.send(&values, &step)?;
+                told = fails(&mut trial, &step, (&format!("{value}"), &field))?;
+                let again = trial.solve_with(&step, 0)?.outputs;
+                same(&again, &first, &format!("after {value} in `{field}`"))?;
+            }
+        }
+        Seen::kept(told)
+    })
+}

@@ -1,0 +1,158 @@
+//! Signs of life, and the end.
+
+use super::bench::Bench;
+use super::check::{Check, Fault, Seen, broken};
+use super::grids::LARGEST;
+use super::trial::{Trial, told};
+use proto::message::{Command, CommandKind, Finished};
+use serde_json::Value;
+use std::time::{Duration, Instant};
+
+pub(super) const HEART: Check = Check {
+    name: "heart",
+    demand: "from joining on the heart beats, event 1 + index of the role on bell/coordinator, every \
+             few hundred milliseconds, in mid-solve too",
+    fix: "beat from a thread of its own that no solve holds up",
+    run: heart,
+};
+
+pub(super) const COORDINATOR_DIES: Check = Check {
+    name: "coordinator-dies",
+    demand: "when coordinator.lock is free the participant ends within 2 s, in mid-solve too, and \
+             the last one removes the run's folder and its shared memory",
+    fix: "try the lock from the thread of the heart; clean up when members.lock is free",
+    run: coordinator_dies,
+};
+
+pub(super) const FINISH: Check = Check {
+    name: "finish",
+    demand: "Finish is answered with {summary, model_seconds, peak_rss_bytes}, the summary an object \
+             with finite numbers; the process ends with exit code 0 within 2 s and leaves nothing",
+    fix: "numbers that are not finite become null in JSON: leave them out",
+    run: finish,
+};
+
+/// How long the heart is listened to while nothing is computed.
+const IDLE: Duration = Duration::from_millis(1500);
+/// The longest silence that is no fault: a few hundred milliseconds, and a busy machine.
+const SILENCE: Duration = Duration::from_secs(1);
+
+/// The longest time between two beats from `since` on.
+fn silence(trial: &mut Trial, since: Instant) -> Duration {
+    let beats = std::mem::take(&mut trial.beats);
+    let (mut last, mut longest) = (since, Duration::ZERO);
+    for beat in beats.into_iter().chain([Instant::now()]).filter(|beat| *beat >= since) {
+        longest = longest.max(beat - last);
+        last = beat;
+    }
+    longest
+}
+
+fn quick_enough(silence: Duration, place: &str) -> Result<(), Fault> {
+    match silence > SILENCE {
+        true => broken(format!("no heartbeat for {:.2} s {place}", silence.as_secs_f64())),
+        false => Ok(()),
+    }
+}
+
+fn heart(bench: &Bench) -> Result<Seen, Fault> {
+    let mut trial = bench.start()?;
+    let since = Instant::now();
+    trial.listen(IDLE)?;
+    let idle = silence(&mut trial, since);
+    quick_enough(idle, "while idle")?;
+    let mut longest = (Duration::ZERO, Duration::ZERO);
+    for setting in &bench.settings {
+        let setting = setting.resized(LARGEST).unwrap_or_else(|| setting.clone());
+        let mut trial = bench.ready(&setting)?;
+        let step = setting.step(0);
+        trial.feed(&step, 0)?;
+        let since = Instant::now();
+        trial.solve(&step)?;
+        let (took, silent) = (since.elapsed(), silence(&mut trial, since));
+        quick_enough(silent, &format!("in a solve of {}", setting.label()))?;
+        longest = longest.max((took, silent));
+    }
+    let ms = |time: Duration| 1e3 * time.as_secs_f64();
+    Seen::kept(format!(
+        "silent for {:.0} ms at most while idle, {:.0} ms in a solve of {:.0} ms",
+        ms(idle),
+        ms(longest.1),
+        ms(longest.0)
+    ))
+}
+
+fn coordinator_dies(bench: &Bench) -> Result<Seen, Fault> {
+    let idle = bench.start()?.abandon().ends().map_err(|fault| fault.at("while idle"))?;
+    let setting = bench.first()?;
+    let setting = setting.resized(LARGEST).unwrap_or_else(|| setting.clone());
+    let mut trial = bench.ready(&setting)?;
+    trial.feed(&setting.step(0), 0)?;
+    trial.post_solve(&setting.step(0))?;
+    let solving = trial.abandon().ends().map_err(|fault| fault.at("in a solve"))?;
+    let ms = |time: Duration| 1e3 * time.as_secs_f64();
+    Seen::kept(format!("it ends in {:.0} ms, {:.0} ms in a solve", ms(idle), ms(solving)))
+}
+
+fn finish(bench: &Bench) -> Result<Seen, Fault> {
+    let mut before = bench.start()?;
+    before.lives_on("joining")?;
+    end(before, false).map_err(|fault| fault.at("before it is configured"))?;
+    bench.each(|setting| {
+        let mut trial = bench.ready(setting)?;
+        let step = setting.step(0);
+        trial.solve_with(&step, 0)?;
+        trial.accept(&step, false)?;
+        let summary = end(trial, true)?;
+        let sections = summary.as_object().into_iter().flatten().map(|(key, _)| key.as_str());
+        Seen::kept(match sections.collect::<Vec<_>>().join(", ") {
+            none if none.is_empty() => "an empty summary, exit code 0".to_owned(),
+            sections => format!("summary of {sections}; exit code 0"),
+        })
+    })
+}
+
+/// Lets it go; its summary.
+fn end(mut trial: Trial, ran: bool) -> Result<Value, Fault> {
+    let answer = trial.ask(Command::new(CommandKind::Finish), &[])?.done()?;
+    let finished: Finished = answer.json("a summary")?;
+    if ran && !finished.summary.is_object() {
+        return broken(format!("its summary is no object: {}", finished.summary));
+    }
+    if let Some(key) = null_in(&finished.summary, String::new()).filter(|_| ran) {
+        return broken(format!("`{key}` of its summary is null: a number that is not finite"));
+    }
+    if !(finished.model_seconds.is_finite() && finished.model_seconds >= 0.0) {
+        return broken(format!("model_seconds is {}", finished.model_seconds));
+    }
+    let exit = trial.leave("Finish")?;
+    match exit.status.success() {
+        true => Ok(finished.summary),
+        false => broken(format!("after Finish its process {}", told(&exit))),
+    }
+}
+
+/// The key of the first null: JSON has no other number that is not finite.
+fn null_in(value: &Value, key: String) -> Option<String> {
+    let under = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
+    match value {
+        Value::Null => Some(key),
+        Value::Object(table) => table.iter().find_map(|(name, value)| null_in(value, under(name))),
+        Value::Array(list) => {
+            list.iter().enumerate().find_map(|(at, value)| null_in(value, under(&at.to_string())))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_not_finite_is_found() {
+        let summary = serde_json::json!({"a": {"b": [1.0, null]}, "c": 2.0});
+        assert_eq!(null_in(&summary, String::new()), Some("a.b.1".to_owned()));
+        assert_eq!(null_in(&serde_json::json!({"a": [1.0]}), String::new()), None);
+    }
+}

@@ -1,0 +1,194 @@
+//! Runs and configurations that a participant cannot take.
+
+use super::bench::Bench;
+use super::check::{Check, Fault, Seen, broken};
+use super::setting::Setting;
+use super::trial::{LEAVE, Trial, told};
+use proto::configuration::Configuration;
+use proto::description::{Description, KeySpec};
+use proto::message::{Command, CommandKind};
+use proto::params::Params;
+use serde_json::{Value, json};
+use std::time::Instant;
+
+pub(super) const VERSION: Check = Check {
+    name: "version",
+    demand: "a run of another version of the contract is not joined: the program ends with an error \
+             that names both versions and with an exit code other than 0, and leaves nothing",
+    fix: "compare `protocol` of run.json with your own before anything else",
+    run: version,
+};
+
+pub(super) const UNKNOWN_MODEL: Check = Check {
+    name: "unknown-model",
+    demand: "a configuration with a model that is not described is refused with key, reason and fix; \
+             a good one is taken afterwards",
+    fix: "status 2 and {key, reason, fix}; stay in the loop",
+    run: unknown_model,
+};
+
+pub(super) const UNKNOWN_EFFECT: Check = Check {
+    name: "unknown-effect",
+    demand: "a configuration whose case has an effect that is not described is refused, naming it; \
+             a good one is taken afterwards",
+    fix: "the names under `case.effects`",
+    run: unknown_effect,
+};
+
+pub(super) const MISSING_KEY: Check = Check {
+    name: "missing-key",
+    demand: "a configuration that lacks a required key is refused with that key; a good one is taken \
+             afterwards",
+    fix: "read required keys without a default of your own",
+    run: missing_key,
+};
+
+pub(super) const UNKNOWN_FIELD: Check = Check {
+    name: "unknown-field",
+    demand: "a configuration that asks for a field that is not provided is refused; a good one is \
+             taken afterwards",
+    fix: "`outputs` and `observed` of the configuration",
+    run: unknown_field,
+};
+
+/// A version that no program speaks.
+const OTHER_VERSION: u32 = 999;
+
+fn version(bench: &Bench) -> Result<Seen, Fault> {
+    let trial = Trial::of_version(bench, OTHER_VERSION)?;
+    let deadline = Instant::now() + bench.patience;
+    while trial.ended().is_none() && Instant::now() < deadline {
+        std::thread::sleep(LEAVE / 1000);
+    }
+    let exit = trial.leave("a run of another version")?;
+    let words = exit.last_words.clone().unwrap_or_default();
+    if exit.status.success() {
+        return broken(format!("it {}", told(&exit)));
+    }
+    let numbers = [OTHER_VERSION, bench.description.protocol].map(|number| number.to_string());
+    match numbers.iter().find(|number| !words.contains(*number)) {
+        Some(number) => broken(format!("it {}; {number} is not named", told(&exit))),
+        None => Seen::kept(words),
+    }
+}
+
+/// Configures wrongly, has that refused, and then rightly; what the refusal says.
+fn refuses(
+    bench: &Bench,
+    setting: &Setting,
+    (because, key): (&str, Option<&str>),
+    spoil: impl FnOnce(&mut Configuration),
+) -> Result<String, Fault> {
+    let mut wrong = setting.configuration.clone();
+    spoil(&mut wrong);
+    let mut trial = bench.start()?;
+    let body = serde_json::to_vec(&wrong).expect("a configuration is plain data");
+    let answer = trial.ask(Command::new(CommandKind::Configure), &body)?;
+    let refusal = answer.refused(because)?;
+    if let Some(key) = key.filter(|key| refusal.key != *key) {
+        return broken(format!("{because} is refused with the key `{}`, not `{key}`", refusal.key));
+    }
+    let good = trial.configure(&setting.configuration);
+    good.map_err(|fault| fault.at("after a refusal"))?;
+    Ok(refusal.to_string())
+}
+
+fn unknown_model(bench: &Bench) -> Result<Seen, Fault> {
+    let because = ("a model that does not exist", None);
+    let told = refuses(bench, bench.first()?, because, |configuration| {
+        "no-such-model".clone_into(&mut configuration.model);
+    })?;
+    Seen::kept(told)
+}
+
+fn unknown_effect(bench: &Bench) -> Result<Seen, Fault> {
+    let because = ("an effect that does not exist", Some("effects.no_such_effect"));
+    let told = refuses(bench, bench.first()?, because, |configuration| {
+        if let Some(case) = configuration.case.0.as_object_mut() {
+            let effects = case.entry("effects").or_insert_with(|| json!({}));
+            effects["no_such_effect"] = json!({});
+        }
+    })?;
+    Seen::kept(told)
+}
+
+fn unknown_field(bench: &Bench) -> Result<Seen, Fault> {
+    let setting = bench.first()?;
+    for observed in [false, true] {
+        refuses(bench, setting, ("a field that it does not provide", None), |configuration| {
+            let list =
+                if observed { &mut configuration.observed } else { &mut configuration.outputs };
+            list.push("no_such_field".to_owned());
+        })?;
+    }
+    Seen::kept("as an output and as an observed field")
+}
+
+fn missing_key(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let keys = required(&bench.description, &setting.configuration);
+        if keys.is_empty() {
+            return Seen::inapplicable("no key is required");
+        }
+        for key in &keys {
+            let because = format!("the missing key `{key}`");
+            refuses(bench, setting, (&because, Some(key)), |configuration| {
+                remove(&mut configuration.case.0, key);
+            })?;
+        }
+        Seen::kept(keys.join(", "))
+    })
+}
+
+/// The required keys of a configuration, as they stand in it.
+fn required(said: &Description, configuration: &Configuration) -> Vec<String> {
+    let model = said.models.iter().filter(|model| model.name == configuration.model);
+    let effects = said.effects.iter().filter(|effect| configuration.has_effect(&effect.name));
+    let specs = said.keys.iter().chain(model.flat_map(|m| &m.keys));
+    let specs = specs.chain(effects.flat_map(|effect| &effect.keys));
+    // Of alternatives another may be given; what belongs together is required only together.
+    let alone = |spec: &&KeySpec| spec.one_of.is_none() && spec.together.is_none();
+    let needed = specs.filter(|spec| spec.required).filter(alone);
+    let mut keys: Vec<String> =
+        needed.flat_map(|spec| instances(&configuration.case, &spec.path)).collect();
+    keys.dedup();
+    keys
+}
+
+/// The keys of a case that a path with `*` stands for.
+fn instances(case: &Params, path: &str) -> Vec<String> {
+    let Some((table, rest)) = path.split_once(".*.") else {
+        return if case.has(path) { vec![path.to_owned()] } else { Vec::new() };
+    };
+    let names = case.get(table).and_then(Value::as_object).into_iter().flatten();
+    names.flat_map(|(name, _)| instances(case, &format!("{table}.{name}.{rest}"))).collect()
+}
+
+fn remove(tree: &mut Value, key: &str) {
+    match key.split_once('.') {
+        Some((table, rest)) => {
+            if let Some(inner) = tree.get_mut(table) {
+                remove(inner, rest);
+            }
+        }
+        None => {
+            tree.as_object_mut().map(|table| table.remove(key));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_with_a_star_are_found_and_removed() {
+        let mut case = Params(json!({"materials": {"a": {"x": 1}, "b": {"x": 2, "y": 3}}, "n": 4}));
+        assert_eq!(instances(&case, "materials.*.x"), ["materials.a.x", "materials.b.x"]);
+        assert_eq!(instances(&case, "materials.*.y"), ["materials.b.y"]);
+        assert_eq!((instances(&case, "n"), instances(&case, "m")), (vec!["n".to_owned()], vec![]));
+        remove(&mut case.0, "materials.b.x");
+        remove(&mut case.0, "absent.key");
+        assert_eq!(case.0, json!({"materials": {"a": {"x": 1}, "b": {"y": 3}}, "n": 4}));
+    }
+}

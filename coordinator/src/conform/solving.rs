@@ -1,0 +1,206 @@
+//! First outputs, and solves from the accepted state.
+
+use super::bench::Bench;
+use super::check::{Check, Fault, Seen, broken};
+use super::trial::{Trial, Values, difference};
+use proto::field::Mapping;
+use proto::message::Status;
+use proto::model::Step;
+
+pub(super) const INITIALISE: Check = Check {
+    name: "initialise",
+    demand: "Initialise publishes one sample of every output, before its reply, with iteration 0 and \
+             every entry of the label; all values finite; no observed field",
+    fix: "the label of a sample, field by field; write every value of a loan",
+    run: initialise,
+};
+
+pub(super) const SOLVE: Check = Check {
+    name: "solve",
+    demand: "Solve publishes one sample of every output, before its reply, labelled with window, \
+             iteration, interval and the next sequence number; values and report are finite",
+    fix: "take window, iteration, start and end from the command",
+    run: solve,
+};
+
+pub(super) const HEAT: Check = Check {
+    name: "heat-received",
+    demand: "heat_received is the surface integral of the conservative inputs, to 1e-10",
+    fix: "sum of value times element area, over all elements of the grid it arrives on",
+    run: heat,
+};
+
+pub(super) const REPEAT: Check = Check {
+    name: "repeat",
+    demand: "a window solved again gives the same bits with the same inputs, also after a solve with \
+             others in between: a solve starts from the accepted state",
+    fix: "what a solve changes must not be read by the next one unless it was accepted",
+    run: repeat,
+};
+
+pub(super) const OTHER_END: Check = Check {
+    name: "other-end",
+    demand: "a window may be solved again with another end, and with the first end again to the bit",
+    fix: "what is kept for the length of a window has to follow it",
+    run: other_end,
+};
+
+pub(super) const NO_DURATION: Check = Check {
+    name: "no-duration",
+    demand: "a transient window that ends where it starts is solved or fails with a reason; the next \
+             one is solved to the same bits as without",
+    fix: "divisions by the length of the window",
+    run: no_duration,
+};
+
+/// What the heat that is received may differ from the integral, relative to the integral of the
+/// magnitude: rounding of two sums of up to a million terms, in any order.
+const HEAT_TOLERANCE: f64 = 1e-10;
+
+fn initialise(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let (_, first) = bench.start()?.prepare(setting)?;
+        Seen::kept(listed(&first))
+    })
+}
+
+/// Names and numbers of values.
+fn listed(fields: &Values) -> String {
+    let one = |(name, values): &(String, Vec<f64>)| format!("{name} ({})", values.len());
+    match fields.is_empty() {
+        true => "no output in every iteration".to_owned(),
+        false => fields.iter().map(one).collect::<Vec<_>>().join(", "),
+    }
+}
+
+fn solve(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let mut trial = bench.ready(setting)?;
+        for (window, variation) in (0..).zip([0, 1, 2]) {
+            let step = setting.step(window);
+            let step = Step { iteration: step.iteration + variation, ..step };
+            let solved = trial.solve_with(&step, variation)?;
+            let (wish, seconds) = (solved.reply.wanted_window, solved.reply.model_seconds);
+            if !(wish.is_finite() && wish >= 0.0 && seconds.is_finite() && seconds >= 0.0) {
+                return broken(format!("wanted_window {wish} s, model_seconds {seconds} s"));
+            }
+            if solved.reply.heat_received.is_infinite() {
+                return broken("heat_received is infinite (NaN says that there is none)");
+            }
+            if !setting.is_transient() {
+                break;
+            }
+            trial.accept(&step, false)?;
+        }
+        Seen::kept(match setting.is_transient() {
+            true => "three windows",
+            false => "one window",
+        })
+    })
+}
+
+fn heat(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let mut trial = bench.ready(setting)?;
+        let conservative = |trial: &Trial| {
+            let fields =
+                trial.inputs.iter().filter(|f| f.given.kind.mapping == Mapping::Conservative);
+            fields.map(|f| (f.grid.integrate(&f.values), f.values.clone())).collect::<Vec<_>>()
+        };
+        trial.feed(&setting.step(0), 0)?;
+        if conservative(&trial).is_empty() {
+            return Seen::inapplicable("it has no conservative input");
+        }
+        let solved = trial.solve(&setting.step(0))?;
+        let received = solved.reply.heat_received;
+        if received.is_nan() {
+            return Seen::inapplicable("it reports no heat_received");
+        }
+        let sent: f64 = conservative(&trial).iter().map(|(heat, _)| heat).sum();
+        let off = (received - sent).abs();
+        if off > HEAT_TOLERANCE * sent.abs() {
+            return broken(format!("heat_received is {received:e} W, the integral {sent:e} W"));
+        }
+        Seen::kept(format!("{sent:.4e} W, to {:.0e}", off / sent.abs()))
+    })
+}
+
+fn repeat(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let mut trial = bench.ready(setting)?;
+        let mut step = setting.step(0);
+        if setting.is_transient() {
+            trial.solve_with(&step, 1)?;
+            trial.accept(&step, false)?;
+            step = setting.after(&step);
+        }
+        let first = trial.solve_with(&step, 0)?.outputs;
+        let mut again = |trial: &mut Trial, why: &str| -> Result<(), Fault> {
+            step.iteration += 1;
+            same(&trial.solve(&step)?.outputs, &first, why)
+        };
+        // The same sample once more, a new one of the same values, and one after others.
+        again(&mut trial, "solved again with the same samples")?;
+        trial.feed(&setting.step(0), 0)?;
+        again(&mut trial, "solved again with the same values")?;
+        if trial.inputs.is_empty() {
+            return Seen::kept("the same bits (it has no inputs to vary)");
+        }
+        let other = Step { iteration: 9, ..setting.step(u64::from(setting.is_transient())) };
+        trial.solve_with(&other, 2)?;
+        trial.feed(&setting.step(0), 0)?;
+        again(&mut trial, "solved again after a solve with other inputs")?;
+        Seen::kept("the same bits, also after a solve with other inputs")
+    })
+}
+
+/// The bits of two solves are the same.
+pub(super) fn same(found: &Values, expected: &Values, why: &str) -> Result<(), Fault> {
+    match difference(found, expected) {
+        None => Ok(()),
+        Some(difference) => broken(format!("{why}: {difference}")),
+    }
+}
+
+fn other_end(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        if !setting.is_transient() {
+            return Seen::inapplicable("no transient setting");
+        }
+        let mut trial = bench.ready(setting)?;
+        let whole = setting.step(0);
+        let half = Step { end: 0.5 * (whole.start + whole.end), ..whole };
+        let first = trial.solve_with(&whole, 0)?.outputs;
+        let shorter = trial.solve_with(&half, 0)?.outputs;
+        let again = trial.solve_with(&whole, 0)?.outputs;
+        same(&again, &first, "solved with its first end after another one")?;
+        let again = trial.solve_with(&half, 0)?.outputs;
+        same(&again, &shorter, "solved with its second end again")?;
+        trial.accept(&half, false)?;
+        trial.solve_with(&setting.after(&half), 0)?;
+        Seen::kept("half as long and back to the same bits; the next window begins at the new end")
+    })
+}
+
+fn no_duration(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        if !setting.is_transient() {
+            return Seen::inapplicable("no transient setting");
+        }
+        let mut trial = bench.ready(setting)?;
+        let step = setting.step(0);
+        let first = trial.solve_with(&step, 0)?.outputs;
+        let empty = Step { end: step.start, ..step };
+        trial.feed(&empty, 0)?;
+        let answer = trial.ask_solve(&empty)?;
+        let seen = if answer.status == Status::Done {
+            trial.collect(&empty)?;
+            "it is solved".to_owned()
+        } else {
+            trial.none_of_outputs("a solve that failed")?;
+            answer.not_done("a window without duration")?
+        };
+        same(&trial.solve_with(&step, 0)?.outputs, &first, "the next window")?;
+        Seen::kept(seen)
+    })
+}

@@ -1,0 +1,131 @@
+//! Save and Restore.
+
+use super::bench::Bench;
+use super::check::{Check, Fault, Seen};
+use super::setting::Setting;
+use super::solving::same;
+use super::trial::{Trial, Values};
+use proto::message::{Command, CommandKind, OutputFile, StateFile, Status};
+use proto::model::Step;
+use std::path::{Path, PathBuf};
+
+pub(super) const RESTORE: Check = Check {
+    name: "restore",
+    demand: "Save writes the accepted state to the file and changes nothing; a fresh process that \
+             restores it publishes the outputs that it is given and goes on bit-identically",
+    fix: "everything that the next solve reads belongs into the state",
+    run: restore,
+};
+
+pub(super) const DAMAGED_STATE: Check = Check {
+    name: "damaged-state",
+    demand: "a state file that is cut or missing is refused with a reason; one with a changed byte \
+             ends no process (the coordinator's checkpoints have sums); a whole one is taken \
+             afterwards",
+    fix: "check the length of the state against what the configuration needs, before using it",
+    run: damaged,
+};
+
+/// A state saved between two windows, and how it goes on from there.
+struct Saved {
+    bytes: Vec<u8>,
+    /// The accepted step, and what was sent last.
+    step: Step,
+    outputs: Values,
+    next: Step,
+    continued: Values,
+}
+
+fn save(bench: &Bench, setting: &Setting) -> Result<Saved, Fault> {
+    let mut trial = bench.ready(setting)?;
+    let (mut step, mut outputs) = (setting.step(0), Values::new());
+    let windows = if setting.is_transient() { 3 } else { 1 };
+    for window in 0..windows {
+        step = if window == 0 { step } else { setting.after(&step) };
+        outputs = trial.solve_with(&step, window)?.outputs;
+        trial.accept(&step, false)?;
+    }
+    let path = trial.folder().join("saved.state");
+    trial.ask(Command::about(CommandKind::Save, &step), &body(&path, Vec::new()))?.done()?;
+    let bytes = std::fs::read(&path)
+        .map_err(|error| Fault::Broken(format!("Save is done, but the file: {error}")))?;
+    let next = setting.after(&step);
+    let continued = trial.solve_with(&next, 1)?.outputs;
+    Ok(Saved { bytes, step, outputs, next, continued })
+}
+
+fn body(path: &Path, outputs: Vec<OutputFile>) -> Vec<u8> {
+    let path = path.to_owned();
+    serde_json::to_vec(&StateFile { path, outputs, geometry: Vec::new() }).expect("paths of a run are UTF-8")
+}
+
+impl Saved {
+    /// Asks to restore these bytes, with what was sent last.
+    fn give(&self, trial: &mut Trial, bytes: Option<&[u8]>) -> Result<super::trial::Answer, Fault> {
+        let folder = trial.folder().to_owned();
+        let path = folder.join("given.state");
+        match bytes {
+            Some(bytes) => std::fs::write(&path, bytes)?,
+            None => std::fs::remove_file(&path).or_else(|error| match error.kind() {
+                std::io::ErrorKind::NotFound => Ok(()),
+                _ => Err(error),
+            })?,
+        }
+        let mut files = Vec::new();
+        for (name, values) in &self.outputs {
+            let path: PathBuf = folder.join(format!("{name}.values"));
+            let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+            std::fs::write(&path, bytes)?;
+            files.push(OutputFile { field: name.clone(), path });
+        }
+        trial.ask(Command::about(CommandKind::Restore, &self.step), &body(&path, files))
+    }
+
+    /// Restores the whole state and goes on.
+    fn continue_in(&self, trial: &mut Trial) -> Result<(), Fault> {
+        self.give(trial, Some(&self.bytes))?.done()?;
+        same(&trial.collect(&self.step)?, &self.outputs, "Restore publishes other values")?;
+        let continued = trial.solve_with(&self.next, 1)?.outputs;
+        same(&continued, &self.continued, "the restored process goes on otherwise")
+    }
+}
+
+fn restore(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let saved = save(bench, setting)?;
+        saved.continue_in(&mut bench.ready(setting)?)?;
+        Seen::kept(format!("{} bytes, the same bits", saved.bytes.len()))
+    })
+}
+
+fn damaged(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let saved = save(bench, setting)?;
+        let mut trial = bench.ready(setting)?;
+        let missing = saved.give(&mut trial, None)?.not_done("a state file that is not there")?;
+        trial.none_of_outputs("a Restore that failed")?;
+        let length = saved.bytes.len();
+        if length == 0 {
+            saved.continue_in(&mut trial)?;
+            return Seen::kept(format!("no state to cut; a missing file: {missing}"));
+        }
+        for cut in [0, 1, length / 2, length - 1] {
+            let what = format!("a state cut to {cut} of {length} bytes");
+            saved.give(&mut trial, Some(&saved.bytes[..cut]))?.not_done(&what)?;
+            trial.none_of_outputs("a Restore that failed")?;
+        }
+        for at in [0, length / 2, length - 1] {
+            let mut bytes = saved.bytes.clone();
+            bytes[at] ^= 0x55;
+            let answer = saved.give(&mut trial, Some(&bytes))?;
+            if answer.status == Status::Done {
+                trial.collect(&saved.step)?;
+            } else {
+                answer.not_done("a changed byte")?;
+                trial.none_of_outputs("a Restore that failed")?;
+            }
+        }
+        saved.continue_in(&mut trial)?;
+        Seen::kept(format!("cut {length} bytes refused; the whole state is taken afterwards"))
+    })
+}

@@ -1,0 +1,428 @@
+//! One life of the participant under test: a run of its own, with the other side in our hands.
+//!
+//! A [`crate::session::Session`] hides what a participant must not do; a trial does it: it sends any
+//! command, any sample, and looks at everything that comes back.
+
+mod answer;
+mod ending;
+
+pub(super) use answer::Answer;
+pub(super) use ending::told;
+
+use super::bench::Bench;
+use super::check::{Fault, broken};
+use super::given::Given;
+use super::setting::Setting;
+use crate::session::link::Link;
+use crate::session::outlet::header;
+use crate::session::{COORDINATOR, Tap, layout_fault};
+use crate::signals;
+use crate::supervise::{Exit, Launch, Supervisor};
+use ending::{Abandoned, nothing_left};
+use proto::configuration::{Configuration, Layout};
+use proto::grid::Grid;
+use proto::message::{Command, CommandKind, FieldHeader, OBSERVE, Reply, Status, Topic, Topics};
+use proto::model::{Step, first_non_finite};
+use proto::run_dir::{RunDir, RunInfo};
+use proto::transport::{Doorbell, Endpoint, FieldWriter, TransportError};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// How long a participant may take to end when it has to.
+pub(super) const LEAVE: Duration = Duration::from_secs(2);
+
+/// The only participant of a run, and what it is connected to.
+// Fields drop in this order: the process ends first, ports close next, the run's folder goes last.
+pub(super) struct Trial<'a> {
+    supervisor: Supervisor,
+    outputs: Vec<Tap>,
+    observed: Vec<Tap>,
+    pub(super) inputs: Vec<Feed>,
+    link: Link,
+    doorbell: Doorbell,
+    endpoint: Endpoint,
+    run: RunDir,
+    /// When its heart was heard to beat.
+    pub(super) beats: Vec<Instant>,
+    bench: &'a Bench,
+}
+
+/// A solve that went through.
+pub(super) struct Solved {
+    pub(super) reply: Reply,
+    pub(super) outputs: Values,
+}
+
+/// The values of several fields.
+pub(super) type Values = Vec<(String, Vec<f64>)>;
+
+/// The topic of one input.
+pub(super) struct Feed {
+    pub(super) given: Given,
+    pub(super) grid: Grid,
+    pub(super) header: FieldHeader,
+    writer: FieldWriter,
+    /// What was sent last.
+    pub(super) values: Vec<f64>,
+}
+
+impl Feed {
+    /// Sends values behind the label as it is, numbered after the last ones.
+    pub(super) fn send(&mut self, values: &[f64], step: &Step) -> Result<(), TransportError> {
+        self.header.sequence += 1;
+        (self.header.window, self.header.iteration) = (step.window, step.iteration);
+        (self.header.start, self.header.end) = (step.start, step.end);
+        let mut loan = self.writer.loan(values.len())?;
+        loan.values().copy_from_slice(values);
+        self.values = values.to_vec();
+        self.writer.publish(loan, &self.header)
+    }
+}
+
+impl<'a> Trial<'a> {
+    /// Starts the participant in a run of its own and waits until it has joined.
+    pub(super) fn start(bench: &'a Bench) -> Result<Self, Fault> {
+        let trial = Self::of_version(bench, proto::PROTOCOL_VERSION)?;
+        let deadline = Instant::now() + bench.patience;
+        while !trial.link.is_up() {
+            trial.look(deadline, "joining the run")?;
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        // Connects to its replies: what it sends last is heard even if it has ended by then.
+        trial.link.receive()?;
+        Ok(trial)
+    }
+
+    /// Starts the participant in a run of some version of the contract; it has not joined yet.
+    pub(super) fn of_version(bench: &'a Bench, protocol: u32) -> Result<Self, Fault> {
+        let run = RunDir::create(std::slice::from_ref(&bench.role))?;
+        let info = RunInfo { protocol, ..run.info().clone() };
+        if protocol != proto::PROTOCOL_VERSION {
+            let text = serde_json::to_vec(&info).expect("a run's description is plain data");
+            std::fs::write(info.folder.join("run.json"), text)?;
+        }
+        let endpoint = Endpoint::open(&info)?;
+        let doorbell = endpoint.doorbell(COORDINATOR)?;
+        let role = bench.role.as_str();
+        let link = Link::new(
+            (role, bench.program.name()),
+            false,
+            endpoint.command_sender(role)?,
+            endpoint.reply_receiver(role)?,
+            endpoint.ringer(role)?,
+        );
+        let launch = Launch { role: bench.role.clone(), program: bench.program.clone() };
+        let supervisor = Supervisor::start(&[launch], &info.folder)
+            .map_err(|(_, error)| Fault::Broken(format!("it does not start: {error}")))?;
+        let (outputs, observed, inputs, beats) = Default::default();
+        Ok(Self {
+            supervisor,
+            outputs,
+            observed,
+            inputs,
+            link,
+            doorbell,
+            endpoint,
+            run,
+            beats,
+            bench,
+        })
+    }
+
+    /// The run's folder.
+    pub(super) fn folder(&self) -> &Path {
+        &self.run.info().folder
+    }
+
+    /// The participant's process has ended.
+    pub(super) fn ended(&self) -> Option<Exit> {
+        self.supervisor.exits().pop()
+    }
+
+    /// Is there a reason not to wait any longer?
+    fn look(&self, deadline: Instant, what: &str) -> Result<(), Fault> {
+        if let Some(signal) = signals::received() {
+            return Err(Fault::Interrupted(signal));
+        }
+        if let Some(exit) = self.ended() {
+            return broken(format!("{what}: its process {}", told(&exit)));
+        }
+        if Instant::now() > deadline {
+            let seconds = self.bench.patience.as_secs_f64();
+            return broken(format!("{what}: no answer within {seconds:.0} s"));
+        }
+        Ok(())
+    }
+
+    /// Sends a command; its number and the version are put in unless they are given.
+    pub(super) fn post(&mut self, command: Command, body: &[u8]) -> Result<(), Fault> {
+        let answered = command.kind != CommandKind::Accept as u32 || command.flags & OBSERVE != 0;
+        self.link.post(command, body, answered)?;
+        Ok(())
+    }
+
+    /// Waits for the reply to the last command, and checks its label.
+    pub(super) fn answer(&mut self, what: &str) -> Result<Answer, Fault> {
+        let deadline = Instant::now() + self.bench.patience;
+        let (mut beats, this) = (Vec::new(), &*self);
+        let poll = || -> Result<_, Fault> {
+            if let Some(message) = this.link.receive()? {
+                return Ok(Some(message));
+            }
+            match this.look(deadline, what) {
+                Ok(()) => Ok(None),
+                // What it sent just before it ended still counts.
+                Err(reason) => this.link.receive()?.map(Some).ok_or(reason),
+            }
+        };
+        let message = this.doorbell.wait(poll, |_| beats.push(Instant::now()));
+        let message = message?;
+        let (reply, body) = (*message.header(), message.body().to_vec());
+        drop(message);
+        self.beats.extend(beats);
+        let expected = self.link.sequence();
+        if reply.protocol != proto::PROTOCOL_VERSION {
+            return broken(format!("{what}: its reply has protocol {}", reply.protocol));
+        }
+        if reply.sequence != expected {
+            let found = reply.sequence;
+            return broken(format!("{what}: it answers command {found} instead of {expected}"));
+        }
+        match Status::from_number(reply.status) {
+            Some(status) => Ok(Answer { reply, status, body, what: what.to_owned() }),
+            None => broken(format!("{what}: its reply has the unknown status {}", reply.status)),
+        }
+    }
+
+    /// Sends a command and waits for the reply.
+    pub(super) fn ask(&mut self, command: Command, body: &[u8]) -> Result<Answer, Fault> {
+        let kind = CommandKind::from_number(command.kind);
+        let what = kind.map_or_else(|| format!("command {}", command.kind), |k| format!("{k:?}"));
+        self.post(command, body)?;
+        self.answer(&what)
+    }
+
+    /// `Configure`; a layout that fits the configuration.
+    pub(super) fn configure(&mut self, configuration: &Configuration) -> Result<Layout, Fault> {
+        let body = serde_json::to_vec(configuration).expect("a configuration is plain data");
+        let answer = self.ask(Command::new(CommandKind::Configure), &body)?.done()?;
+        let layout: Layout = answer.json("a layout")?;
+        match layout_fault(configuration, &layout) {
+            None => Ok(layout),
+            Some(fault) => broken(format!("its layout cannot be: {fault}")),
+        }
+    }
+
+    /// `Configure` and `Initialise`; the first outputs.
+    pub(super) fn prepare(&mut self, setting: &Setting) -> Result<(Layout, Values), Fault> {
+        let layout = self.configure(&setting.configuration)?;
+        let first = self.initialise(setting, &layout)?;
+        Ok((layout, first))
+    }
+
+    /// `Initialise`, with every topic open on our side.
+    pub(super) fn initialise(
+        &mut self,
+        setting: &Setting,
+        layout: &Layout,
+    ) -> Result<Values, Fault> {
+        let topics = self.open(setting, layout)?;
+        let body = serde_json::to_vec(&topics).expect("topics are plain data");
+        self.ask(Command::new(CommandKind::Initialise), &body)?.done()?;
+        let deadline = Instant::now() + self.bench.patience;
+        for feed in &self.inputs {
+            feed.writer.wait_for_subscribers(deadline)?;
+        }
+        self.collect(&Step { iteration: 0, ..Step::STEADY })
+    }
+
+    fn open(&mut self, setting: &Setting, layout: &Layout) -> Result<Topics, Fault> {
+        let configuration = &setting.configuration;
+        let mut topics = Topics {
+            deadline: self.bench.patience.as_secs_f64(),
+            interpolation: setting.interpolation,
+            ..Topics::default()
+        };
+        let topic = |field: &str, role: &str, grid: &Grid| Topic {
+            field: field.to_owned(),
+            service: format!("field/{role}/{field}"),
+            grid: grid.clone(),
+            subscribers: 1,
+        };
+        let role = &self.bench.role;
+        for (list, names) in [
+            (&mut self.outputs, &configuration.outputs),
+            (&mut self.observed, &configuration.observed),
+        ] {
+            for name in names {
+                let Some(kind) = self.bench.kind(name) else {
+                    return broken(format!("it provides `{name}`, which it does not describe"));
+                };
+                let grid = layout.grid_of(name).expect("the layout is checked");
+                let topic = topic(name, role, grid);
+                let reader = self.endpoint.field_reader(&topic.service)?;
+                list.push(Tap::of_role(role, kind, grid.clone(), reader));
+                topics.outputs.push(topic);
+            }
+        }
+        for (input, given) in configuration.inputs.iter().zip(&setting.given) {
+            let wanted = layout.input_grid(&input.field.name).or(input.grid.as_ref());
+            let grid = wanted.expect("every input of a setting has a grid").clone();
+            let topic = topic(&input.field.name, COORDINATOR, &grid);
+            let length = grid.points() * given.kind.components as usize;
+            let writer = self.endpoint.field_writer(&topic.service, length, 1)?;
+            let header = header(&given.kind, &grid);
+            self.inputs.push(Feed {
+                given: given.clone(),
+                grid,
+                header,
+                writer,
+                values: Vec::new(),
+            });
+            topics.inputs.push(topic);
+        }
+        Ok(topics)
+    }
+
+    /// Sends every input, in a variation.
+    pub(super) fn feed(&mut self, step: &Step, variation: u32) -> Result<(), Fault> {
+        for feed in &mut self.inputs {
+            let values = feed.given.values(&feed.grid, variation);
+            feed.send(&values, step)?;
+        }
+        Ok(())
+    }
+
+    /// `Solve` with what was sent last, not yet answered.
+    pub(super) fn post_solve(&mut self, step: &Step) -> Result<(), Fault> {
+        let mut command = Command::about(CommandKind::Solve, step);
+        for (slot, feed) in self.inputs.iter().enumerate() {
+            command.expected[slot] = feed.header.sequence;
+        }
+        self.post(command, &[])
+    }
+
+    /// `Solve` with what was sent last.
+    pub(super) fn ask_solve(&mut self, step: &Step) -> Result<Answer, Fault> {
+        self.post_solve(step)?;
+        self.answer("Solve")
+    }
+
+    /// A solve that has to go through, with every output.
+    pub(super) fn solve(&mut self, step: &Step) -> Result<Solved, Fault> {
+        let reply = self.ask_solve(step)?.done()?.reply;
+        Ok(Solved { reply, outputs: self.collect(step)? })
+    }
+
+    /// Inputs in a variation, and a solve with them.
+    pub(super) fn solve_with(&mut self, step: &Step, variation: u32) -> Result<Solved, Fault> {
+        self.feed(step, variation)?;
+        self.solve(step)
+    }
+
+    /// `Accept`; with the observed fields if asked for.
+    pub(super) fn accept(&mut self, step: &Step, observe: bool) -> Result<Values, Fault> {
+        let mut command = Command::about(CommandKind::Accept, step);
+        if !observe {
+            self.post(command, &[])?;
+            return Ok(Values::new());
+        }
+        command.flags = OBSERVE;
+        self.ask(command, &[])?.done()?;
+        self.none_of_outputs("Accept")?;
+        collected(&mut self.observed, step)
+    }
+
+    /// Exactly one sample of every output, none of an observed field.
+    pub(super) fn collect(&mut self, step: &Step) -> Result<Values, Fault> {
+        let values = collected(&mut self.outputs, step)?;
+        for tap in &mut self.observed {
+            let name = tap.kind().name.clone();
+            if tap.take(step)?.is_some() {
+                return broken(format!("it sends `{name}` without Accept and OBSERVE"));
+            }
+        }
+        Ok(values)
+    }
+
+    /// No output has come after something that is not to send any.
+    pub(super) fn none_of_outputs(&mut self, after: &str) -> Result<(), Fault> {
+        for tap in &mut self.outputs {
+            let name = tap.kind().name.clone();
+            if !matches!(tap.take(&Step::STEADY), Ok(None)) {
+                return broken(format!("it sends `{name}` after {after}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Answers still, after what it has been through.
+    pub(super) fn lives_on(&mut self, after: &str) -> Result<(), Fault> {
+        let answer = self.ask(Command::new(CommandKind::Describe), &[]);
+        let answer = answer.and_then(Answer::done);
+        answer.map(|_| ()).map_err(|fault| fault.at(&format!("after {after}")))
+    }
+
+    /// Listens to its heart for a while.
+    pub(super) fn listen(&mut self, time: Duration) -> Result<(), Fault> {
+        let until = Instant::now() + time;
+        let (mut beats, this) = (Vec::new(), &*self);
+        let over = || -> Result<_, Fault> {
+            this.look(until + this.bench.patience, "while idle")?;
+            Ok((Instant::now() >= until).then_some(()))
+        };
+        this.doorbell.wait(over, |_| beats.push(Instant::now()))?;
+        self.beats.extend(beats);
+        Ok(())
+    }
+
+    /// It has been let go, or must go by itself: how it ended, and whether anything is left.
+    pub(super) fn leave(self, why: &str) -> Result<Exit, Fault> {
+        let gone = self.supervisor.wait_for_exits(LEAVE);
+        let (exit, info) = (self.ended(), self.run.info().clone());
+        drop(self);
+        match exit {
+            Some(exit) if gone => nothing_left(&info).map(|()| exit),
+            _ => broken(format!("it still runs {:.0} s after {why}", LEAVE.as_secs_f64())),
+        }
+    }
+
+    /// As if the coordinator were killed: its locks are free, its ports and files stay as they are.
+    pub(super) fn abandon(self) -> Abandoned {
+        let Self { supervisor, outputs, observed, inputs, link, doorbell, endpoint, run, .. } =
+            self;
+        // The kernel closes nothing in order.
+        std::mem::forget((outputs, observed, inputs, link, doorbell, endpoint));
+        let info = run.info().clone();
+        drop(run);
+        Abandoned { supervisor, info, since: Instant::now() }
+    }
+}
+
+/// Exactly one sample of each, as labelled, with finite values.
+fn collected(taps: &mut [Tap], step: &Step) -> Result<Values, Fault> {
+    let mut all = Values::with_capacity(taps.len());
+    for tap in taps {
+        let name = tap.kind().name.clone();
+        let Some(values) = tap.take(step)?.map(<[f64]>::to_vec) else {
+            return broken(format!("it does not send `{name}`"));
+        };
+        if let Some(index) = first_non_finite(&values) {
+            return broken(format!("field `{name}` holds {} at index {index}", values[index]));
+        }
+        if !matches!(tap.take(step), Ok(None)) {
+            return broken(format!("it sends `{name}` more than once"));
+        }
+        all.push((name, values));
+    }
+    Ok(all)
+}
+
+/// The first value in which two sets of fields differ, in words.
+pub(super) fn difference(found: &Values, expected: &Values) -> Option<String> {
+    found.iter().zip(expected).find_map(|((name, now), (_, then))| {
+        let differs = |(a, b): (&f64, &f64)| a.to_bits() != b.to_bits();
+        let index = now.iter().zip(then).position(differs)?;
+        Some(format!("`{name}`[{index}] is {:e} instead of {:e}", now[index], then[index]))
+    })
+}

@@ -1,0 +1,273 @@
+//! `coordinator conform`: our own solvers and the foreign ones keep the contract; whoever breaks it
+//! is told which demand, and every demand can be broken.
+
+mod contract;
+
+use crate::c_interface::Compiled;
+use crate::harness::{Ended, Place, case, programs, root};
+use crate::python::interpreter;
+use serde_json::Value;
+
+/// Puts a program through the contract; how that ended, and its report.
+fn conform(role: &str, case: &str, options: &[&str], command: &[String]) -> (Ended, Value) {
+    let place = Place::new();
+    let mut arguments = vec!["conform", "--role", role, "--case", case, "--json"];
+    arguments.extend(options);
+    if !command.is_empty() {
+        arguments.push("--");
+    }
+    arguments.extend(command.iter().map(String::as_str));
+    let ended = place.start(&arguments).wait();
+    place.assert_nothing_left();
+    let report = serde_json::from_str(&ended.stdout).unwrap_or_default();
+    (ended, report)
+}
+
+/// The names of the checks with this verdict.
+fn with_verdict<'a>(report: &'a Value, verdict: &str) -> Vec<&'a str> {
+    let rows = report["checks"].as_array().unwrap().iter();
+    rows.filter(|row| row["verdict"] == verdict).map(|row| row["name"].as_str().unwrap()).collect()
+}
+
+/// Everything passes but what does not concern it; how many settings that were.
+fn assert_conforms(
+    role: &str,
+    case: &str,
+    (options, command): (&[&str], &[String]),
+    inapplicable: &[&str],
+) -> usize {
+    let (ended, report) = conform(role, case, options, command);
+    assert_eq!(ended.code, Some(0), "{}\n{}", ended.stderr, ended.stdout);
+    assert_eq!(with_verdict(&report, "failed"), Vec::<&str>::new());
+    assert_eq!(with_verdict(&report, "inapplicable"), inapplicable);
+    assert!(!with_verdict(&report, "passed").is_empty());
+    report["settings"].as_array().unwrap().len()
+}
+
+/// Exactly one check was made, and failed with these words.
+fn assert_fails((ended, report): &(Ended, Value), check: &str, words: &str) {
+    assert_eq!(ended.code, Some(1), "{check}: {}\n{}", ended.stderr, ended.stdout);
+    assert_eq!(with_verdict(report, "failed"), [check], "{}", ended.stdout);
+    let seen = report["checks"][0]["seen"].as_str().unwrap();
+    assert!(seen.contains(words), "{check}: `{words}` is missing in: {seen}");
+    assert!(ended.stderr.contains(check), "{}", ended.stderr);
+}
+
+#[test]
+fn the_thermal_solver_conforms_with_every_model() {
+    for (name, settings) in [("wheel-rail.toml", 3), ("falling-friction.toml", 3)] {
+        assert_eq!(assert_conforms("thermal", &case(name), (&[], &[]), &[]), settings);
+    }
+}
+
+#[test]
+fn the_mechanical_solver_conforms_with_every_model() {
+    let coarse = ["--set", "mech.resolution=8"];
+    let alone = ["heat-received", "growing-grids", "missing-sample", "wrong-sample", "not-finite"];
+    let settings = assert_conforms("mech", &case("wheel-rail.toml"), (&coarse, &[]), &alone);
+    assert_eq!(settings, 6);
+    // With temperatures to read; FASTSIM does not support that effect.
+    let two_way = case("falling-friction.toml");
+    assert_eq!(assert_conforms("mech", &two_way, (&coarse, &[]), &["heat-received"]), 4);
+}
+
+#[test]
+fn strip_columns_in_python_conform() {
+    let program = root().join("proto/python/examples/strip_columns.py");
+    let command = [interpreter(), &program].map(|path| path.display().to_string());
+    let settings = assert_conforms("thermal", &case("falling-friction.toml"), (&[], &command), &[]);
+    assert_eq!(settings, 2);
+}
+
+#[test]
+fn the_closed_form_in_c_conforms() {
+    let program = Compiled::from("proto/c/examples/closed_form.c");
+    let steady = ["other-end", "no-duration"];
+    let command = [program.path()];
+    let settings = assert_conforms("thermal", &case("wheel-rail.toml"), (&[], &command), &steady);
+    assert_eq!(settings, 1);
+}
+
+/// What was recorded takes the place of made-up fields: the heat is that of the run.
+#[test]
+fn recorded_inputs_are_used() {
+    let place = Place::new();
+    let summary = place.summary(&case("wheel-rail.toml"), &["--record"]);
+    let recording = place.out().join("recording.mcap").display().to_string();
+    let options = ["--recording", &recording, "--only", "heat-received"];
+    let (ended, report) = conform("thermal", &case("wheel-rail.toml"), &options, &[]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let power = summary["contact"]["friction_power_w"].as_f64().unwrap();
+    let seen = report["checks"][0]["seen"].as_str().unwrap();
+    assert!(seen.contains(&format!("{power:.4e} W")), "{seen}: {power:e} W");
+}
+
+/// A participant by hand that breaks a label, a length, a number.
+#[test]
+fn the_rogue_is_told_what_is_wrong_with_its_solve() {
+    let rogue = [programs().join("rogue").display().to_string()];
+    for (fault, words) in [
+        ("short", "field `left_value` has 999 values"),
+        ("label", "is labelled \"pressure\""),
+        ("sequence", "has sequence number 3, not 2"),
+        ("silence", "it does not send `left_value`"),
+        ("old-reply", "its reply has protocol 0"),
+        ("wrong-answer", "it answers command 2 instead of 3"),
+    ] {
+        let fault = format!("left.fault={fault}");
+        let options = ["--only", "solve", "--set", &fault];
+        assert_fails(&conform("left", &case("exchange.toml"), &options, &rogue), "solve", words);
+    }
+}
+
+/// Without a fault it solves as it should, but has neither heart nor manners: every check is made,
+/// and none spoils another.
+#[test]
+fn an_honest_rogue_goes_through_all_checks() {
+    let rogue = [programs().join("rogue").display().to_string()];
+    let options = ["--deadline", "10"];
+    let (ended, report) = conform("left", &case("exchange.toml"), &options, &rogue);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    let failed = with_verdict(&report, "failed");
+    for check in ["version", "missing-sample", "malformed", "coordinator-dies", "heart"] {
+        assert!(failed.contains(&check), "{check} passed: {failed:?}");
+    }
+    for check in ["describe", "estimate", "configure", "initialise", "solve"] {
+        assert!(with_verdict(&report, "passed").contains(&check), "{check} did not pass");
+    }
+    assert_eq!(report["checks"].as_array().unwrap().len(), check_names().len());
+}
+
+#[test]
+fn a_participant_that_hangs_spoils_no_other_check() {
+    let command = [programs().join("toy-left").display().to_string()];
+    let checks = ["describe", "solve", "unknown-command"];
+    let mut options = vec!["--deadline", "4", "--set", "left.fault=hang"];
+    options.extend(checks.iter().flat_map(|name| ["--only", name]));
+    let (ended, report) = conform("left", &case("exchange.toml"), &options, &command);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    assert_eq!(with_verdict(&report, "failed"), ["solve"]);
+    assert_eq!(with_verdict(&report, "passed"), ["describe", "unknown-command"]);
+    let seen = report["checks"][1]["seen"].as_str().unwrap();
+    assert!(seen.contains("Solve: no answer within 4 s"), "{seen}");
+}
+
+/// A Python script of the tests, with a word before the contract's arguments.
+fn script(name: &str, word: &str) -> Vec<String> {
+    let examples = root().join("proto/python/examples");
+    let script = format!(
+        "PYTHONPATH={} exec {} tests/tests/system/{name} {word} \"$@\"",
+        examples.display(),
+        interpreter().display()
+    );
+    ["sh", "-c", &script, "sh"].map(str::to_owned).to_vec()
+}
+
+#[test]
+fn the_faulty_python_solver_is_told_where() {
+    for (fault, check, words) in [
+        ("raise", "solve", "ValueError: told to fail"),
+        ("unwritten", "solve", "rail_temperature"),
+        ("keep-input", "solve", "friction_power"),
+        ("exit", "solve", "ended with exit code 9"),
+        ("sleep", "solve", "no answer within 10 s"),
+        ("accept", "accept", "ValueError: told to fail"),
+        ("refuse", "configure", "told to refuse"),
+    ] {
+        let options = ["--only", check, "--deadline", "10"];
+        let command = script("python/faulty.py", fault);
+        let told = conform("thermal", &case("falling-friction.toml"), &options, &command);
+        assert_fails(&told, check, words);
+    }
+}
+
+/// The names of all checks, as a report has them.
+fn check_names() -> Vec<String> {
+    let command = [programs().join("toy-future").display().to_string()];
+    let (_, report) = conform("left", &case("exchange.toml"), &[], &command);
+    let rows = report["checks"].as_array().unwrap().iter();
+    rows.map(|row| row["name"].as_str().unwrap().to_owned()).collect()
+}
+
+/// For each check there is a participant that fails it, and in the way that the check is about.
+#[test]
+fn every_check_can_fail() {
+    let faults = [
+        ("describe", "no summary or cites no source"),
+        ("estimate", "--estimate and Configure answer with other grids"),
+        ("version", "999 is not named"),
+        ("configure", "a second Configure answers with another layout"),
+        ("unknown-model", "in spite of a model that does not exist"),
+        ("unknown-effect", "in spite of an effect that does not exist"),
+        ("missing-key", "is refused with the key `case`"),
+        ("unknown-field", "it has to be refused"),
+        ("initialise", "`rail_temperature` is not finite at index 0"),
+        ("solve", "`rail_temperature` is not finite at index 0"),
+        ("heat-received", "the integral"),
+        ("repeat", "solved again with the same samples: `rail_temperature`[0]"),
+        ("other-end", "after another one"),
+        ("no-duration", "ended with exit code 3"),
+        ("accept", "after an iteration that was not the last"),
+        ("observe", "observing changes the next solve"),
+        ("restore", "the restored process goes on otherwise"),
+        ("damaged-state", "in spite of a state cut to 0 of"),
+        ("growing-grids", "too many elements"),
+        ("missing-sample", "never came, and it fails with: input `surface_speed` is missing"),
+        ("wrong-sample", "in spite of a gap in the sequence numbers"),
+        ("not-finite", "NaN in `friction_power` fails with"),
+        ("unknown-command", "ended with exit code 4"),
+        ("malformed", "ended with exit code 4"),
+        ("out-of-order", "ended with exit code 4"),
+        ("heart", "no heartbeat for"),
+        ("coordinator-dies", "it still runs 2 s later"),
+        ("finish", "`temperature.rail` of its summary is null"),
+    ];
+    assert_eq!(faults.map(|(check, _)| check).to_vec(), check_names());
+    for (check, words) in faults {
+        let told = conform(
+            "thermal",
+            &case("falling-friction.toml"),
+            &["--only", check],
+            &script("conform/astray.py", check),
+        );
+        assert_fails(&told, check, words);
+    }
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused() {
+    for (options, words) in [
+        (["--only", "no-such-check"], "there is no check `no-such-check`; there are: describe"),
+        (["--deadline", "0"], "--deadline is a number of seconds above 0"),
+        (["--recording", "no-such.mcap"], "there is no recording no-such.mcap"),
+        (["--set", "nonsense"], "has no `=`"),
+    ] {
+        let (ended, _) = conform("thermal", &case("wheel-rail.toml"), &options, &[]);
+        assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+        assert!(ended.stderr.contains(words), "{}", ended.stderr);
+    }
+    let missing = ["no-such-program".to_owned()];
+    let (ended, _) = conform("thermal", &case("wheel-rail.toml"), &[], &missing);
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert!(ended.stderr.contains("there is no program `no-such-program`"), "{}", ended.stderr);
+}
+
+/// The table: a line a check, details only for what failed.
+#[test]
+fn the_table_is_for_people() {
+    let place = Place::new();
+    let rogue = programs().join("rogue").display().to_string();
+    let exchange = case("exchange.toml");
+    let only = ["--only", "describe", "--only", "solve", "--set", "left.fault=silence"];
+    let mut arguments = vec!["conform", "--role", "left", "--case", &exchange];
+    arguments.extend(only);
+    arguments.extend(["--", &rogue]);
+    let ended = place.start(&arguments).wait();
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    let line = |word: &str| ended.stdout.lines().find(|line| line.contains(word)).unwrap();
+    assert!(line(" describe ").contains(" ok "), "{}", ended.stdout);
+    assert!(line(" solve ").contains(" FAIL "), "{}", ended.stdout);
+    assert_eq!(ended.stdout.matches("  look at ").count(), 1, "{}", ended.stdout);
+    assert!(ended.stdout.contains("1 passed, 1 failed, 0 do not apply"), "{}", ended.stdout);
+    place.assert_nothing_left();
+}
