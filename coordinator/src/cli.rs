@@ -12,6 +12,7 @@ use crate::programs::{self, Program};
 use crate::progress::Progress;
 use crate::record::Compression;
 use crate::replay::{self, Request};
+use crate::report;
 use crate::results::ResultFolder;
 use crate::run::{self, Clock};
 use clap::{Args, Parser, Subcommand};
@@ -59,6 +60,12 @@ enum Command {
     Conform(conform::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
     Export(ExportArguments),
+    /// Write report.html about the run of a result directory, with plots, in one file.
+    Report {
+        /// The result directory.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
 }
 
 #[derive(Debug, Args)]
@@ -144,6 +151,9 @@ struct RunArguments {
     #[arg(long, value_name = "COMPRESSION", num_args = 0..=1, require_equals = true,
           default_missing_value = "none", value_parser = compression)]
     record: Option<Compression>,
+    /// Write DIR/report.html at the end, whatever the end is.
+    #[arg(long)]
+    report: bool,
     /// Go on with the run of this result directory from its last checkpoint.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out"])]
     resume: Option<PathBuf>,
@@ -206,7 +216,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                 Some(folder) => resume(folder, log)?,
                 None => begin(run, log)?,
             };
-            run_case(&begun, run.record, arguments.quiet, log, since)
+            run_case(&begun, run, arguments.quiet, log, since)
         }
         Command::Check { case } => {
             case.plan()?;
@@ -222,6 +232,11 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
         Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
+        Command::Report { folder } => {
+            let path = report::write(folder)?;
+            print(arguments.quiet, &format!("{}\n", path.display()));
+            Ok(())
+        }
     }
 }
 
@@ -289,7 +304,7 @@ fn compression(word: &str) -> Result<Compression, String> {
 
 fn run_case(
     begun: &Begun,
-    record: Option<Compression>,
+    asked: &RunArguments,
     quiet: bool,
     log: &Logging,
     since: Instant,
@@ -299,11 +314,13 @@ fn run_case(
     let mut progress = Progress::new(quiet, planned.plan.windows.count());
     log.share_screen(progress.bar());
     let told = |error| Ended { error: Box::new(error), log: Some(folder.log_path()) };
-    let outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), record);
+    let outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
     let outcome = outcome.map_err(told)?;
+    let written = if asked.report { report::write(folder.path()).map(drop) } else { Ok(()) };
     match outcome.error {
-        Some(error) => Err(told(error)),
+        Some(error) => Err(told(error.and(written))),
         None => {
+            written.map_err(told)?;
             print(quiet, &run::report(&outcome, &planned.plan, folder));
             Ok(())
         }

@@ -18,6 +18,7 @@ pub mod programs;
 pub mod progress;
 pub mod record;
 pub mod replay;
+pub mod report;
 pub mod results;
 pub mod run;
 pub mod session;

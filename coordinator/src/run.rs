@@ -11,6 +11,7 @@ use crate::error::RunError;
 use crate::plan::{Plan, Planned};
 use crate::progress::Progress;
 use crate::record::{Compression, Recorder};
+use crate::report::plan_file;
 use crate::results::iterations::IterationTable;
 use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
@@ -55,6 +56,7 @@ pub fn run(
         Some(checkpoint) => checkpoint.state.counts.resumed(clock.plan_seconds),
         None => {
             folder.write("case.toml", case.text().as_bytes())?;
+            folder.write(plan_file::FILE, plan_file::text(plan).as_bytes())?;
             Counts { plan_seconds: clock.plan_seconds, ..Counts::default() }
         }
     };

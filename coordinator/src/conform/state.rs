@@ -56,7 +56,8 @@ fn save(bench: &Bench, setting: &Setting) -> Result<Saved, Fault> {
 
 fn body(path: &Path, outputs: Vec<OutputFile>) -> Vec<u8> {
     let path = path.to_owned();
-    serde_json::to_vec(&StateFile { path, outputs, geometry: Vec::new() }).expect("paths of a run are UTF-8")
+    serde_json::to_vec(&StateFile { path, outputs, geometry: Vec::new() })
+        .expect("paths of a run are UTF-8")
 }
 
 impl Saved {

@@ -248,6 +248,7 @@ impl<'a> Trial<'a> {
             service: format!("field/{role}/{field}"),
             grid: grid.clone(),
             subscribers: 1,
+            geometry: None,
         };
         let role = &self.bench.role;
         for (list, names) in [

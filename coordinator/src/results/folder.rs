@@ -18,8 +18,15 @@ use std::path::{Path, PathBuf};
 const LOG: &str = "log.jsonl";
 
 /// Files that a run writes besides the log and the fields.
-const FILES: [&str; 5] =
-    ["summary.json", "summary.json.new", "iterations.csv", "case.toml", "recording.mcap"];
+const FILES: [&str; 7] = [
+    "summary.json",
+    "summary.json.new",
+    "iterations.csv",
+    "case.toml",
+    "plan.txt",
+    "recording.mcap",
+    "report.html",
+];
 
 /// What every `log.jsonl` begins with.
 const LOG_HEAD: &[u8] = b"{\"timestamp\"";

@@ -43,6 +43,7 @@ impl Tap {
         Self {
             kind,
             grid,
+            moving: None,
             producer: 0,
             producer_role: role.to_owned(),
             readers: Vec::new(),

@@ -19,6 +19,7 @@ mod moving;
 mod off_means_off;
 mod python;
 mod recording;
+mod report;
 mod results;
 mod resume;
 mod time;

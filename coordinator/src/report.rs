@@ -1,0 +1,50 @@
+//! `coordinator report`: one page about a run, which needs nothing but itself.
+//!
+//! A result directory → [`source::Results`] → [`page::Section`]s → `report.html`. The page holds no
+//! script and asks for nothing: plots are inline SVG, surface maps are small images within it, and
+//! all colours are style-sheet variables, so that light and dark are one file. What a run did not
+//! write has no section.
+//!
+//! A further section is one function that returns [`page::Section`]s, made of the blocks
+//! [`plot::Figure`], [`map::Heatmap`], [`lanes::Lanes`] and [`table::Table`].
+
+pub mod axis;
+pub mod image;
+pub mod lanes;
+pub mod map;
+pub mod page;
+pub mod palette;
+pub mod plan_file;
+pub mod plot;
+mod sections;
+pub mod source;
+pub mod table;
+pub mod unit;
+
+use crate::error::RunError;
+use crate::results::folder::replace;
+use page::Page;
+use source::Results;
+use std::path::{Path, PathBuf};
+
+/// Name of the page in a result directory.
+pub const FILE: &str = "report.html";
+
+/// Writes the report of the run in this folder; its path.
+///
+/// # Errors
+/// [`RunError::Usage`] if no run has written into the folder; the file system.
+pub fn write(folder: &Path) -> Result<PathBuf, RunError> {
+    let results = Results::read(folder)?;
+    let path = folder.join(FILE);
+    replace(&path, page(&results).to_string().as_bytes())?;
+    Ok(path)
+}
+
+/// The page about these results.
+#[must_use]
+pub fn page(results: &Results) -> Page {
+    let mut page = sections::opening(results);
+    page.sections.extend(sections::all(results));
+    page
+}

@@ -1,0 +1,228 @@
+//! Lines over an axis.
+
+use super::axis::{Axis, Frame};
+use super::page::escape;
+use super::unit::number;
+use std::fmt::Write as _;
+
+/// Width of every plot's view box; the page scales it.
+pub const WIDTH: f64 = 440.0;
+/// Height of a line plot's view box.
+const HEIGHT: f64 = 282.0;
+/// Where the plot's own area begins and ends on the paper.
+pub(super) const LEFT: f64 = 76.0;
+pub(super) const RIGHT: f64 = 426.0;
+const TOP: f64 = 12.0;
+const BOTTOM: f64 = 234.0;
+/// Most points drawn of one line; more would be finer than the paper.
+const POINTS: usize = 720;
+
+/// One line of a figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// What it is.
+    pub name: String,
+    /// Its points, in the order in which they are joined; a gap where one is not finite.
+    pub points: Vec<[f64; 2]>,
+    /// Dots at the points.
+    pub dots: bool,
+}
+
+/// A plot of lines with two axes and a legend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// What is shown.
+    pub title: String,
+    /// What is to the right, with its unit.
+    pub x_label: String,
+    /// What is upward, with its unit.
+    pub y_label: String,
+    /// To the right only whole numbers have a meaning.
+    pub whole: bool,
+    /// By decades upward.
+    pub decades: bool,
+    /// Nought belongs to the axis upward; without effect by decades.
+    pub from_zero: bool,
+    /// The lines.
+    pub series: Vec<Series>,
+    /// A sentence below it.
+    pub note: String,
+}
+
+impl Figure {
+    /// A figure without lines.
+    #[must_use]
+    pub fn new(
+        title: impl Into<String>,
+        x_label: impl Into<String>,
+        y_label: impl Into<String>,
+    ) -> Self {
+        Self {
+            title: title.into(),
+            x_label: x_label.into(),
+            y_label: y_label.into(),
+            whole: false,
+            decades: false,
+            from_zero: true,
+            series: Vec::new(),
+            note: String::new(),
+        }
+    }
+
+    /// Adds a line.
+    #[must_use]
+    pub fn with(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        let dots = points.len() <= 40;
+        self.series.push(Series { name: name.into(), points, dots });
+        self
+    }
+
+    /// There is a point to draw.
+    #[must_use]
+    pub fn has_points(&self) -> bool {
+        let drawn =
+            |p: &[f64; 2]| p[0].is_finite() && p[1].is_finite() && (!self.decades || p[1] > 0.0);
+        self.series.iter().any(|series| series.points.iter().any(drawn))
+    }
+
+    /// The plot as HTML.
+    #[must_use]
+    pub fn html(&self) -> String {
+        let all = || self.series.iter().flat_map(|series| &series.points);
+        let x = Axis::linear(all().map(|p| p[0]), false, [LEFT, RIGHT]);
+        let x = Axis { whole: self.whole, ..x };
+        let zero = self.from_zero.then_some(0.0).into_iter();
+        let y = match self.decades {
+            true => Axis::decades(all().map(|p| p[1]), [BOTTOM, TOP]),
+            false => Axis::linear(all().map(|p| p[1]).chain(zero), true, [BOTTOM, TOP]),
+        };
+        let (x_label, y_label) = (self.x_label.as_str(), self.y_label.as_str());
+        let mut svg = Frame { x: &x, y: &y, x_label, y_label, grid: true }.svg();
+        for (n, series) in self.series.iter().enumerate() {
+            series.draw(&mut svg, n, &x, &y);
+        }
+        let names = self.series.iter().map(|series| series.name.as_str());
+        let legend = if self.series.len() > 1 { legend(names) } else { String::new() };
+        let svg = view(&self.title, &self.describe(), HEIGHT, &svg);
+        figure(&self.title, &(legend + &svg), &self.note)
+    }
+
+    /// The range of every line, for who cannot see the plot.
+    fn describe(&self) -> String {
+        let mut text = format!("{} over {}.", self.y_label, self.x_label);
+        for series in &self.series {
+            let Some([low, high]) = super::axis::extent(series.points.iter().map(|p| p[1])) else {
+                continue;
+            };
+            let _ = write!(text, " {}: {} to {}.", series.name, number(low, 4), number(high, 4));
+        }
+        text
+    }
+}
+
+impl Series {
+    fn draw(&self, svg: &mut String, n: usize, x: &Axis, y: &Axis) {
+        let class = n % COLOURS;
+        let place = |p: &[f64; 2]| Some([x.place(p[0])?, y.place(p[1])?]);
+        let places: Vec<Option<[f64; 2]>> = thinned(&self.points).iter().map(place).collect();
+        let mut path = String::new();
+        let mut begun = false;
+        for place in &places {
+            if let Some([x, y]) = place {
+                let _ = write!(path, "{}{x:.2} {y:.2}", if begun { 'L' } else { 'M' });
+            }
+            begun = place.is_some();
+        }
+        if places.iter().flatten().count() > 1 {
+            let _ = writeln!(svg, "<path class=\"line s{class}\" d=\"{path}\"/>");
+        }
+        if self.dots {
+            for [x, y] in places.iter().flatten() {
+                let _ = writeln!(
+                    svg,
+                    "<circle class=\"dot s{class}\" cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"2.6\"/>"
+                );
+            }
+        }
+    }
+}
+
+/// Number of line colours of the page.
+pub(super) const COLOURS: usize = 6;
+
+/// At most [`POINTS`] of the points: of each group the lowest and the highest, in their order, so
+/// that no peak is lost.
+fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    if points.len() <= POINTS {
+        return points.to_vec();
+    }
+    let mut kept = Vec::with_capacity(POINTS + 2);
+    for group in points.chunks(points.len().div_ceil(POINTS / 2)) {
+        let by_height = |a: &usize, b: &usize| group[*a][1].total_cmp(&group[*b][1]);
+        let ends = [(0..group.len()).min_by(by_height), (0..group.len()).max_by(by_height)];
+        let mut ends: Vec<usize> = ends.into_iter().flatten().collect();
+        ends.sort_unstable();
+        ends.dedup();
+        kept.extend(ends.into_iter().map(|k| group[k]));
+    }
+    kept
+}
+
+/// The names of lines, with their colours.
+pub(super) fn legend<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let item =
+        |(n, name)| format!("<li><i class=\"key s{}\"></i>{}</li>", n % COLOURS, escape(name));
+    format!("<ul class=\"legend\">{}</ul>\n", names.enumerate().map(item).collect::<String>())
+}
+
+/// An SVG with a title and a description for who cannot see it.
+pub(super) fn view(title: &str, description: &str, height: f64, content: &str) -> String {
+    format!(
+        "<svg class=\"plot\" role=\"img\" viewBox=\"0 0 {WIDTH} {height:.0}\" \
+         xmlns=\"http://www.w3.org/2000/svg\">\n<title>{}</title>\n<desc>{}</desc>\n{content}</svg>\n",
+        escape(title),
+        escape(description)
+    )
+}
+
+/// A drawing with its title above and its note below.
+pub(super) fn figure(title: &str, drawing: &str, note: &str) -> String {
+    let note = match note {
+        "" => String::new(),
+        note => format!("<p class=\"note\">{}</p>\n", escape(note)),
+    };
+    format!("<figure>\n<figcaption>{}</figcaption>\n{drawing}{note}</figure>\n", escape(title))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_stays_a_gap() {
+        let points = vec![[0.0, 1.0], [1.0, 2.0], [2.0, f64::NAN], [3.0, 1.0], [4.0, 2.0]];
+        let html = Figure::new("t", "x", "y").with("s", points).html();
+        let path = html.lines().find(|line| line.contains("line s0")).unwrap();
+        assert_eq!(path.matches('M').count(), 2, "{path}");
+        assert_eq!(path.matches('L').count(), 2, "{path}");
+        assert!(!html.contains("NaN"));
+    }
+
+    #[test]
+    fn peaks_survive_thinning() {
+        let mut points: Vec<[f64; 2]> = (0..100_000).map(|k| [f64::from(k), 0.0]).collect();
+        points[54_321][1] = 7.0;
+        points[54_322][1] = -7.0;
+        let kept = thinned(&points);
+        assert!(kept.len() <= POINTS, "{}", kept.len());
+        assert!(kept.contains(&[54_321.0, 7.0]) && kept.contains(&[54_322.0, -7.0]));
+        assert!(kept.windows(2).all(|pair| pair[0][0] < pair[1][0]));
+    }
+
+    #[test]
+    fn what_is_said_is_escaped() {
+        let html = Figure::new("<b>", "a & b", "\"y\"").with("s", vec![[0.0, 1.0]]).html();
+        assert!(html.contains("<figcaption>&lt;b&gt;</figcaption>"), "{html}");
+        assert!(html.contains("a &amp; b") && !html.contains("<b>"), "{html}");
+    }
+}

@@ -1,0 +1,161 @@
+//! The surface fields of the newest instant: maps, and their centre lines.
+
+use super::temperature;
+use crate::report::axis::extent;
+use crate::report::map::Heatmap;
+use crate::report::page::{Block, Section};
+use crate::report::plot::Figure;
+use crate::report::source::{Field, Image, Results, Series, Table};
+use crate::report::unit::{Scale, words};
+
+/// Names of the axes.
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Every field of every grid, the mechanical ones first as the files are named.
+pub(super) fn maps(results: &Results) -> Option<Section> {
+    let mut blocks = Vec::new();
+    for series in &results.series {
+        let Some(image) = &series.image else { continue };
+        blocks
+            .extend(image.fields.iter().filter_map(|field| map(image, field)).map(Block::Heatmap));
+    }
+    if !blocks.is_empty() {
+        let when = when(results);
+        let axes = match results.summary.get("contact") {
+            Some(_) => " x points forward, in the direction of rolling, and y to the left.",
+            None => "",
+        };
+        blocks.insert(0, Block::Text(format!("{when}{axes} Blank is exactly zero.")));
+    }
+    Section::of("Fields", blocks)
+}
+
+fn when(results: &Results) -> String {
+    let newest = results.series.iter().filter_map(|series| series.instants.last());
+    match newest.map(|(time, _)| *time).fold(0.0, f64::max) {
+        0.0 => "The fields of the last window.".to_owned(),
+        time => format!("The fields at {}.", Scale::of("s", time).show(time, 4)),
+    }
+}
+
+/// A field as a map; `None` where cells do not lie in a plane, or all is zero.
+fn map(image: &Image, field: &Field) -> Option<Heatmap> {
+    let [horizontal, upright] = image.plane()?;
+    let mut values = field.magnitudes();
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    if largest == 0.0 || image.cells[upright] < 2 || image.cells[horizontal] < 2 {
+        return None;
+    }
+    let scale = Scale::of(&field.unit, largest);
+    let from_zero = values.contains(&0.0);
+    for value in &mut values {
+        *value = if *value == 0.0 { f64::NAN } else { *value / scale.factor };
+    }
+    let axis = |axis: usize| {
+        let borders = image.borders(axis);
+        let scale = Scale::of("m", borders[0].abs().max(borders[1].abs()));
+        let label = format!("{} [{}]", AXES[axis], scale.unit);
+        (borders.map(|border| border / scale.factor), label)
+    };
+    let ((x, x_label), (y, y_label)) = (axis(horizontal), axis(upright));
+    let meaning = proto::field::find(&field.name).map(|spec| spec.meaning);
+    let length = if field.components > 1 { "Length of the vector: " } else { "" };
+    let note = meaning.map(|meaning| format!("{length}{meaning}.")).unwrap_or_default();
+    Some(Heatmap {
+        title: words(&field.name),
+        x_label,
+        y_label,
+        value_label: scale.unit,
+        x,
+        y,
+        columns: image.cells[horizontal],
+        values,
+        from_zero,
+        true_shape: upright == 1,
+        note: sentence(&note),
+    })
+}
+
+/// Begins with a capital.
+fn sentence(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map(|first| first.to_uppercase().chain(rest).collect()).unwrap_or_default()
+}
+
+/// Centre lines, one figure for each grid and unit; then depth and time.
+pub(super) fn lines(results: &Results) -> Option<Section> {
+    let surfaces = results.series.iter().filter(|series| is_surface(series));
+    let figures = surfaces.filter_map(|series| series.line.as_ref()).flat_map(figures);
+    let mut blocks: Vec<Block> = figures.map(Block::Figure).collect();
+    blocks.extend(temperature::figures(results).into_iter().map(Block::Figure));
+    Section::of("Along the centre line, over depth, through time", blocks)
+}
+
+/// The grid is a surface, and no section below one.
+pub(super) fn is_surface(series: &Series) -> bool {
+    series.image.as_ref().and_then(Image::plane) == Some([0, 1])
+}
+
+fn figures(line: &Table) -> Vec<Figure> {
+    let Some((x_label, places)) = places(line) else { return Vec::new() };
+    let columns: Vec<(&str, &str)> =
+        line.names().filter_map(quantity).filter(|(name, _)| !AXES.contains(name)).collect();
+    let mut units: Vec<&str> = columns.iter().map(|(_, unit)| *unit).collect();
+    units.dedup();
+    let figure = |unit: &&str| {
+        let names = columns.iter().filter(|(_, other)| other == unit).map(|(name, _)| *name);
+        lines_of(line, unit, names, &x_label, &places)
+    };
+    units.iter().filter_map(figure).collect()
+}
+
+/// The quantities of one unit in one figure; those that are zero to rounding are left out.
+fn lines_of<'a>(
+    line: &Table,
+    unit: &str,
+    names: impl Iterator<Item = &'a str>,
+    x_label: &str,
+    places: &[f64],
+) -> Option<Figure> {
+    let column = |name: &'a str| Some((name, line.column(&format!("{name} [{unit}]"))?));
+    let columns: Vec<(&str, Vec<f64>)> = names.filter_map(column).collect();
+    let size = |values: &[f64]| values.iter().fold(0.0, |l: f64, v| l.max(v.abs()));
+    let largest = columns.iter().map(|(_, values)| size(values)).fold(0.0, f64::max);
+    let told = columns.iter().filter(|(_, values)| size(values) > 1e-9 * largest);
+    let scale = Scale::of(unit, largest);
+    let names: Vec<String> = told.clone().map(|(name, _)| words(name)).collect();
+    let mut figure = Figure::new(names.join(", "), x_label, label("", &scale.unit));
+    for (name, values) in told {
+        let points = places.iter().zip(values).map(|(x, v)| [*x, v / scale.factor]).collect();
+        figure = figure.with(words(name), points);
+        if let Some(series) = figure.series.last_mut() {
+            series.dots = false;
+        }
+    }
+    (!figure.series.is_empty()).then_some(figure)
+}
+
+/// The coordinate along a line, with its label.
+pub(super) fn places(line: &Table) -> Option<(String, Vec<f64>)> {
+    let columns = AXES.iter().filter_map(|axis| Some((axis, line.column(&format!("{axis} [m]"))?)));
+    let length =
+        |values: &[f64]| extent(values.iter().copied()).map_or(0.0, |[low, high]| high - low);
+    let (axis, values) = columns.max_by(|a, b| length(&a.1).total_cmp(&length(&b.1)))?;
+    let scale = Scale::of("m", values.iter().fold(0.0, |l: f64, v| l.max(v.abs())));
+    let places = values.iter().map(|v| v / scale.factor).collect();
+    Some((label(axis, &scale.unit), places))
+}
+
+/// Name and unit of a column.
+fn quantity(column: &str) -> Option<(&str, &str)> {
+    column.strip_suffix(']')?.rsplit_once(" [")
+}
+
+/// What an axis is labelled with.
+pub(super) fn label(name: &str, unit: &str) -> String {
+    match (name, unit) {
+        (name, "") => name.to_owned(),
+        ("", unit) => unit.to_owned(),
+        (name, unit) => format!("{name} [{unit}]"),
+    }
+}

@@ -1,0 +1,145 @@
+//! The figures of the summary: the few that matter first, all of them last.
+
+use crate::report::page::{Block, Headline, Section};
+use crate::report::source::Results;
+use crate::report::table::Table;
+use crate::report::unit::{Scale, number, words};
+use serde_json::Value;
+
+/// Contact, friction, temperature and energy at a glance.
+pub(super) fn section(results: &Results) -> Option<Section> {
+    let mut all = contact(results);
+    all.extend(friction(results));
+    all.extend(["rail", "wheel"].into_iter().filter_map(|body| temperature(results, body)));
+    all.extend(coupling(results));
+    if all.is_empty() {
+        return None;
+    }
+    Section::of("Results", vec![Block::Headlines(all)])
+}
+
+fn headline(name: &str, value: String, more: String) -> Headline {
+    Headline { name: name.to_owned(), value, more }
+}
+
+/// A figure of the summary with its unit.
+fn shown(results: &Results, pointer: &str, si: &str, digits: usize) -> Option<String> {
+    results.figure(pointer).map(|value| Scale::of(si, value).show(value, digits))
+}
+
+fn percent(value: f64) -> String {
+    format!("{}\u{a0}%", number(100.0 * value, 4))
+}
+
+fn contact(results: &Results) -> Vec<Headline> {
+    let of = |key: &str, si: &str| shown(results, &format!("/contact/{key}"), si, 4);
+    let with = |word: &str, value: Option<String>| value.map(|v| format!("{word} {v}"));
+    let pressure = of("max_pressure_pa", "Pa").map(|value| {
+        let more = with("under", of("normal_force_n", "N")).unwrap_or_default();
+        headline("Maximum pressure", value, more)
+    });
+    let axis = of("semi_axis_a_m", "m").map(|a| {
+        let more = [with("b", of("semi_axis_b_m", "m")), with("area", of("area_m2", "m2"))];
+        headline("Semi-axis a", a, more.into_iter().flatten().collect::<Vec<_>>().join(", "))
+    });
+    let approach = of("approach_m", "m").map(|v| headline("Approach", v, String::new()));
+    [pressure, axis, approach].into_iter().flatten().collect()
+}
+
+fn friction(results: &Results) -> Vec<Headline> {
+    let of = |key: &str| results.figure(&format!("/contact/{key}"));
+    let with_unit = |key: &str, si: &str| shown(results, &format!("/contact/{key}"), si, 4);
+    let coefficient = of("traction_coefficient").map(|value| {
+        let force = with_unit("creep_force_x_n", "N").map(|f| format!("creep force {f}"));
+        headline("Traction coefficient F/N", number(value, 4), force.unwrap_or_default())
+    });
+    let creepage = of("creepage_xi").map(|value| {
+        let slip =
+            of("slip_area_ratio").map(|ratio| format!("{} of the area slips", percent(ratio)));
+        headline("Creepage along x", percent(value), slip.unwrap_or_default())
+    });
+    let power = with_unit("friction_power_w", "W").map(|value| {
+        let slip = with_unit("max_slip_velocity_m_per_s", "m/s").map(|v| format!("slip up to {v}"));
+        headline("Friction power", value, slip.unwrap_or_default())
+    });
+    [coefficient, creepage, power].into_iter().flatten().collect()
+}
+
+fn temperature(results: &Results, body: &str) -> Option<Headline> {
+    let of = |key: &str| format!("/temperature/{body}/{key}");
+    let rise = results.figure(&of("max_rise_k"))?;
+    let place = results.figure(&of("x_over_a")).map(|x| format!("at x/a {}", number(x, 3)));
+    let depth = shown(results, &of("penetration_depth_m"), "m", 3).map(|d| format!("1/e at {d}"));
+    let more: Vec<String> = [place, depth].into_iter().flatten().collect();
+    let name = format!("{} temperature rise", if body == "rail" { "Rail" } else { "Wheel" });
+    Some(headline(&name, format!("{}\u{a0}K", number(rise, 4)), more.join(", ")))
+}
+
+fn coupling(results: &Results) -> Vec<Headline> {
+    let balance = results.figure("/coupling/energy_imbalance").map(|value| {
+        let text = if value == 0.0 { "exact".to_owned() } else { number(value, 2) };
+        headline("Heat imbalance", text, "received against sent, worst window".to_owned())
+    });
+    let iterations = results.figure("/coupling/iterations").map(|value| {
+        let windows = results.figure("/coupling/windows").unwrap_or(0.0);
+        let more = format!("in {windows} window(s), {}", results.word("/coupling/scheme"));
+        headline("Iterations", format!("{value}"), more)
+    });
+    let wall = shown(results, "/cost/wall_s", "s", 3).map(|value| {
+        let bytes = shown(results, "/cost/bytes_exchanged", "byte", 3);
+        let more = bytes.map(|b| format!("{b} exchanged")).unwrap_or_default();
+        headline("Wall time", value, more)
+    });
+    [balance, iterations, wall].into_iter().flatten().collect()
+}
+
+/// Units by the endings of keys, the longest endings first.
+const UNITS: [(&str, &str); 12] = [
+    ("_m_per_s", "m/s"),
+    ("_per_m", "1/m"),
+    ("_bytes", "byte"),
+    ("_pa", "Pa"),
+    ("_nm", "Nm"),
+    ("_m2", "m2"),
+    ("_m", "m"),
+    ("_n", "N"),
+    ("_k", "K"),
+    ("_w", "W"),
+    ("_j", "J"),
+    ("_s", "s"),
+];
+
+/// Every figure of the summary, as it stands there and with a unit.
+pub(super) fn everything(results: &Results) -> Option<Section> {
+    let mut table = Table::new(["figure", "value", "in summary.json"], 1);
+    list(&results.summary, "", &mut table);
+    if table.rows.is_empty() {
+        return None;
+    }
+    let title = format!("All {} figures of summary.json", table.rows.len());
+    Section::of("Every figure", vec![Block::Folded(title, table)])
+}
+
+fn list(value: &Value, path: &str, table: &mut Table) {
+    let inner = |key: &str| match path {
+        "" => key.to_owned(),
+        path => format!("{path}.{key}"),
+    };
+    match value {
+        Value::Object(entries) => {
+            entries.iter().for_each(|(key, value)| list(value, &inner(key), table));
+        }
+        Value::Number(raw) => {
+            let value = raw.as_f64().unwrap_or(f64::NAN);
+            let unit = UNITS.iter().find(|(ending, _)| path.ends_with(ending));
+            let (stem, si) = match unit {
+                Some((ending, si)) => (path.trim_end_matches(ending), *si),
+                None if path.ends_with("bytes_exchanged") => (path, "byte"),
+                None => (path, "-"),
+            };
+            let name = words(stem).replace('.', " · ");
+            table.row([name, Scale::of(si, value).show(value, 6), raw.to_string()]);
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,180 @@
+//! What a run has written, as the report needs it.
+//!
+//! Everything is optional: a run that was killed has no summary, one that failed at its start no
+//! fields. A file that cannot be read is told among the [`Results::troubles`].
+
+mod image;
+mod table;
+
+pub use image::{Field, Image};
+pub use table::Table;
+
+use super::plan_file;
+use crate::error::{RunError, file_failure};
+use crate::results::summary::Status;
+use serde_json::Value;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// A result directory.
+#[derive(Clone, Debug, Default)]
+pub struct Results {
+    /// Content of `summary.json`; null without one.
+    pub summary: Value,
+    /// Content of `iterations.csv`; empty without one.
+    pub iterations: Table,
+    /// One for each grid that has been written out.
+    pub series: Vec<Series>,
+    /// The case as run.
+    pub case: String,
+    /// Content of `plan.txt`.
+    pub plan: String,
+    /// Warnings and errors of `log.jsonl`: level, who, what.
+    pub log: Vec<[String; 3]>,
+    /// Recordings: name and size \[byte\].
+    pub recordings: Vec<(String, u64)>,
+    /// What could not be read, and why.
+    pub troubles: Vec<String>,
+}
+
+/// One grid of one participant through time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Participant and grid.
+    pub name: String,
+    /// Time \[s\] and file of every instant.
+    pub instants: Vec<(f64, PathBuf)>,
+    /// The newest fields, if they lie on an image.
+    pub image: Option<Image>,
+    /// Their centre line.
+    pub line: Option<Table>,
+}
+
+impl Series {
+    /// The centre line at an instant.
+    #[must_use]
+    pub fn line_at(&self, instant: usize) -> Option<Table> {
+        let (_, path) = self.instants.get(instant)?;
+        fs::read_to_string(path.with_extension("csv")).ok().map(|text| Table::parse(&text))
+    }
+}
+
+impl Results {
+    /// Reads a result directory.
+    ///
+    /// # Errors
+    /// [`RunError::Usage`] if no run has written into it.
+    pub fn read(folder: &Path) -> Result<Self, RunError> {
+        if !["summary.json", "log.jsonl"].iter().any(|name| folder.join(name).is_file()) {
+            let shown = folder.display();
+            return Err(RunError::Usage(format!("{shown} holds no results of a run")));
+        }
+        let mut results = Self::default();
+        let summary = results.text(&folder.join("summary.json"))?;
+        results.summary = serde_json::from_str(&summary).unwrap_or_else(|error| {
+            if !summary.is_empty() {
+                results.troubles.push(format!("summary.json: {error}"));
+            }
+            Value::Null
+        });
+        results.iterations = Table::parse(&results.text(&folder.join("iterations.csv"))?);
+        results.case = results.text(&folder.join("case.toml"))?;
+        results.plan = results.text(&folder.join(plan_file::FILE))?;
+        results.log = log(&results.text(&folder.join("log.jsonl"))?);
+        results.recordings = recordings(folder).map_err(|error| file_failure(folder, &error))?;
+        results.read_series(&folder.join("fields"))?;
+        Ok(results)
+    }
+
+    /// A figure of the summary.
+    #[must_use]
+    pub fn figure(&self, pointer: &str) -> Option<f64> {
+        self.summary.pointer(pointer).and_then(Value::as_f64)
+    }
+
+    /// A word of the summary, empty without one.
+    #[must_use]
+    pub fn word(&self, pointer: &str) -> &str {
+        self.summary.pointer(pointer).and_then(Value::as_str).unwrap_or_default()
+    }
+
+    /// The run has failed.
+    #[must_use]
+    pub fn failed(&self) -> bool {
+        self.word("/status") == Status::Failed.word()
+    }
+
+    /// A text file, empty without one.
+    fn text(&mut self, path: &Path) -> Result<String, RunError> {
+        match fs::read(path) {
+            Ok(bytes) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(String::new()),
+            Err(error) => Err(file_failure(path, &error)),
+        }
+    }
+
+    fn read_series(&mut self, folder: &Path) -> Result<(), RunError> {
+        let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+        let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        paths.retain(|path| path.extension().is_some_and(|ending| ending == "pvd"));
+        paths.sort();
+        for path in paths {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let instants = instants(&self.text(&path)?, folder);
+            let Some((_, newest)) = instants.last() else { continue };
+            let image = match newest.extension().is_some_and(|ending| ending == "vti") {
+                true => Image::read(newest).map_err(|why| self.troubles.push(why)).ok(),
+                false => {
+                    let told =
+                        format!("{name}: an unstructured grid, not drawn here; see ParaView");
+                    self.troubles.push(told);
+                    None
+                }
+            };
+            let mut series = Series { name, instants, image, line: None };
+            series.line = series.line_at(series.instants.len() - 1);
+            self.series.push(series);
+        }
+        Ok(())
+    }
+}
+
+/// Time and file of every data set of a ParaView collection.
+fn instants(text: &str, folder: &Path) -> Vec<(f64, PathBuf)> {
+    let one = |line: &str| {
+        let time = attribute(line, "timestep")?.parse().ok()?;
+        Some((time, folder.join(attribute(line, "file")?)))
+    };
+    text.lines().filter(|line| line.contains("<DataSet")).filter_map(one).collect()
+}
+
+/// The value of an attribute of a tag.
+fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
+    rest.split_once('"').map(|(value, _)| value)
+}
+
+fn log(text: &str) -> Vec<[String; 3]> {
+    let event = |line: &str| {
+        let event: Value = serde_json::from_str(line).ok()?;
+        let of = |pointer: &str| event.pointer(pointer).and_then(Value::as_str).map(str::to_owned);
+        let level = of("/level")?;
+        let who = of("/fields/role").or(of("/target")).unwrap_or_default();
+        let what = of("/fields/message").unwrap_or_default();
+        ["WARN", "ERROR"].contains(&level.as_str()).then(|| [level.to_lowercase(), who, what])
+    };
+    text.lines().filter_map(event).collect()
+}
+
+fn recordings(folder: &Path) -> std::io::Result<Vec<(String, u64)>> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder)?.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with("recording") && name.ends_with(".mcap") {
+            found.push((name, entry.metadata()?.len()));
+        }
+    }
+    found.sort();
+    Ok(found)
+}
