@@ -164,7 +164,11 @@ fn participant(path: &Path, all: &[Participant], role: &str) -> Result<usize, Ru
 fn built_in(recorded: &Participant) -> Program {
     let usual = Program::of_role(&recorded.role, None);
     let exists = usual.path.is_file();
-    if exists { usual } else { Program::of_role(&recorded.role, Some(&[recorded.program.clone()])) }
+    if exists {
+        usual
+    } else {
+        Program::of_role(&recorded.role, Some(std::slice::from_ref(&recorded.program)))
+    }
 }
 
 /// How many states of the role come up to the last one with which `window` can still be solved.

@@ -106,7 +106,7 @@ fn what_was_mapped_replays_to_the_bit() {
     }
 }
 
-/// Grids that move, grow and stretch, with a restore among them.
+/// A grid that moves, from the beginning and from a state in the middle.
 #[test]
 fn grids_that_move_replay_to_the_bit() {
     let place = Place::new();
@@ -186,7 +186,7 @@ fn a_replay_begins_at_a_recorded_state() {
 #[test]
 fn a_killed_and_resumed_run_is_recorded_in_two_files_that_replay() {
     let place = Place::new();
-    let slow = ["output.checkpoint_every=3", "time.window=1e-6", "output.every=500"];
+    let slow = ["output.checkpoint_every=3", "time.window=1e-6", "output.every=10"];
     let more: Vec<&str> = ["--record"].into_iter().chain(sets(&slow)).collect();
     let running = place.start_run(&case("cold-start.toml"), &more);
     let first = place.out().join("recording.mcap");
