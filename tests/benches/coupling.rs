@@ -100,6 +100,8 @@ fn round_trip(criterion: &mut Criterion) {
 fn recording(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("recording");
     group.measurement_time(Duration::from_secs(2)).sample_size(10);
+    // The processes are started anew for each measurement, which takes longer than a window.
+    group.warm_up_time(Duration::from_millis(100));
     let folder = std::env::current_exe().expect("a running program has a path");
     let path = folder.with_file_name("bench-recording.mcap");
     for (name, compression) in
