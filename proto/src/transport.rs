@@ -26,7 +26,6 @@ use iceoryx2::{
     service::port_factory::event::PortFactory as EventFactory,
     service::port_factory::publish_subscribe::PortFactory as TopicFactory,
 };
-use std::cell::Cell;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -222,8 +221,7 @@ impl Endpoint {
             .set_backpressure_handler(retry_then_fail)
             .create()
             .map_err(|e| open_error(service, e))?;
-        let room = Cell::new(values.max(1));
-        Ok(FieldWriter { publisher, topic, name: service.to_owned(), subscribers, room })
+        Ok(FieldWriter { publisher, topic, name: service.to_owned(), subscribers })
     }
 
     /// A reader of a field's topic.
@@ -388,8 +386,6 @@ pub struct FieldWriter {
     topic: TopicFactory<Ipc, [f64], FieldHeader>,
     name: String,
     subscribers: usize,
-    /// Values for which the newest segment has room.
-    room: Cell<usize>,
 }
 
 /// A place in shared memory to write a field's values into.
@@ -420,25 +416,11 @@ impl FieldWriter {
 
     /// A place for `values` doubles.
     pub fn loan(&self, values: usize) -> Result<FieldLoan, TransportError> {
-        self.make_room(values)?;
         let sample =
             self.publisher.loan_slice_uninit(values).map_err(|e| exchange_error(&self.name, e))?;
         // SAFETY: the segment is mapped memory that the kernel zeroed and only doubles were
         // written to; every bit pattern is a valid f64.
         Ok(FieldLoan(unsafe { sample.assume_init() }))
-    }
-
-    /// A sample that does not fit makes a new segment that fits just this one, and a topic can have
-    /// no more than some two hundred: so room is made for twice as much, by a loan that is given
-    /// back.
-    fn make_room(&self, values: usize) -> Result<(), TransportError> {
-        if values > self.room.get() {
-            let room = values.next_power_of_two();
-            let loan = self.publisher.loan_slice_uninit(room);
-            drop(loan.map_err(|e| exchange_error(&self.name, e))?);
-            self.room.set(room);
-        }
-        Ok(())
     }
 
     /// Publishes a written loan.
