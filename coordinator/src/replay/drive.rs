@@ -17,6 +17,7 @@ use proto::message::{
 use proto::model::Step;
 use proto::recording::{CaseFile, Event, Item, Participant};
 use proto::transport::{Endpoint, FieldReader, TransportError};
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -65,7 +66,7 @@ impl Output {
 #[derive(Clone, Debug, PartialEq)]
 enum Done {
     Nothing,
-    Answered(Reply, Vec<u8>),
+    Answered(CommandKind, Reply, Vec<u8>),
     Failed(String),
 }
 
@@ -268,7 +269,8 @@ impl<'a> Driver<'a> {
                 if self.solving {
                     self.replay.model_s += reply.model_seconds;
                 }
-                Done::Answered(*reply, body.to_vec())
+                let kind = CommandKind::from_number(command.kind).expect("we have sent it");
+                Done::Answered(kind, *reply, body.to_vec())
             }
             _ => Done::Failed(words(body)),
         };
@@ -319,39 +321,47 @@ impl<'a> Driver<'a> {
                 what: now,
                 fix: "it did not fail when it was recorded".to_owned(),
             })),
-            Done::Answered(now, said) => {
+            Done::Answered(kind, now, said) => {
                 if let Some(what) = unequal(&now, reply, self.request.tolerance) {
                     self.replay.comparison.other(&self.step, &what);
                 }
-                self.answered(&said, body);
-                Ok(())
+                self.answered(kind, &said, body)
             }
         }
     }
 
     /// Descriptions, layouts and summaries side by side.
-    fn answered(&mut self, now: &[u8], then: &[u8]) {
-        if let Ok(description) = serde_json::from_slice::<Description>(now) {
-            self.replay.program = program(&description);
-        } else if let (Ok(now), Ok(then)) =
-            (serde_json::from_slice::<Layout>(now), serde_json::from_slice::<Layout>(then))
-        {
-            self.layout = now.clone();
-            if (&now.grids, &now.fields, &now.inputs) != (&then.grids, &then.fields, &then.inputs) {
-                let what = "its grids, or where its fields live, are not the recorded ones";
-                self.replay.comparison.other.get_or_insert(what.to_owned());
+    fn answered(&mut self, kind: CommandKind, now: &[u8], then: &[u8]) -> Result<(), RunError> {
+        match kind {
+            CommandKind::Describe => {
+                self.replay.program = program(&self.parsed(now, "its description")?);
             }
-        } else if let (Ok(now), Ok(then)) =
-            (serde_json::from_slice::<Finished>(now), serde_json::from_slice::<Finished>(then))
-            && self.request.tolerance.is_none()
-            && now.summary != then.summary
-        {
-            let what = match first_unequal(&now.summary, &then.summary, String::new()) {
-                Some((key, a, b)) => format!("its summary: {key} is {a}, recorded {b}"),
-                None => "its summary".to_owned(),
-            };
-            self.replay.comparison.other.get_or_insert(what);
+            CommandKind::Configure => {
+                let now: Layout = self.parsed(now, "its layout")?;
+                let then: Layout = self.parsed(then, "its recorded layout")?;
+                let placed = |l: &Layout| (l.grids.clone(), l.fields.clone(), l.inputs.clone());
+                if placed(&now) != placed(&then) {
+                    let what = "its grids, or where its fields live, are not the recorded ones";
+                    self.replay.comparison.other.get_or_insert(what.to_owned());
+                }
+                self.layout = now;
+            }
+            CommandKind::Finish if self.request.tolerance.is_none() => {
+                let now: Finished = self.parsed(now, "its summary")?;
+                let then: Finished = self.parsed(then, "its recorded summary")?;
+                let unequal = first_unequal(&now.summary, &then.summary, String::new());
+                if let Some((key, a, b)) = unequal {
+                    let what = format!("its summary: {key} is {a}, recorded {b}");
+                    self.replay.comparison.other.get_or_insert(what);
+                }
+            }
+            _ => {}
         }
+        Ok(())
+    }
+
+    fn parsed<T: DeserializeOwned>(&self, body: &[u8], what: &str) -> Result<T, RunError> {
+        serde_json::from_slice(body).map_err(|error| self.damaged(&format!("{what}: {error}")))
     }
 
     fn initialise(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
