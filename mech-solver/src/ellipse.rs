@@ -2,12 +2,15 @@
 //! case gives under `[contact]`, with the grid that covers it and the friction limit it sets.
 
 use crate::reference::hertz;
-use crate::scene::{APPROACH, CROWN_RADIUS, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene};
+use crate::scene::{
+    APPROACH, CROWN_RADIUS, Drive, GivenPatch, Load, NORMAL_FORCE, RESOLUTION, SPEED, Scene,
+};
 use crate::strips::semi_ellipse::SemiEllipse;
 use crate::strips::{Lateral, StripField, Strips};
 use proto::configuration::Refusal;
 use proto::grid::Structured;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt;
 
@@ -113,7 +116,7 @@ impl Ellipse {
         let elements = (2.0 * resolution as f64 + 1.0) * (2.0 * half_rows + 1.0);
         if elements > MOST_ELEMENTS {
             return Err(Refusal::new(
-                "mech.resolution",
+                RESOLUTION,
                 format!(
                     "{resolution} elements per semi-axis a make {elements:.3e} elements in all"
                 ),
@@ -175,6 +178,18 @@ impl Ellipse {
         let (density, amplitude) = (SemiEllipse, self.max_pressure);
         let lateral = Lateral::Elliptic;
         strips.write_means(&StripField { density, amplitude, lateral }, means);
+    }
+
+    /// The figures of the summary that it gives in closed form.
+    pub(crate) fn closed_forms(&self) -> BTreeMap<String, f64> {
+        let known = [
+            ("semi_axis_a_m", Some(self.semi_axis_a)),
+            ("semi_axis_b_m", Some(self.semi_axis_b)),
+            ("max_pressure_pa", Some(self.max_pressure)),
+            ("approach_m", self.approach),
+        ];
+        let keyed = |(key, value): (&str, Option<f64>)| Some((format!("contact.{key}"), value?));
+        known.into_iter().filter_map(keyed).collect()
     }
 
     /// The ellipse's part of the section `contact` of `summary.json`.

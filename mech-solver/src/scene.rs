@@ -110,7 +110,7 @@ pub fn keys() -> Vec<KeySpec> {
         KeySpec::number("friction.coefficient", "friction coefficient").required().above(0.0),
     );
     keys.push(
-        KeySpec::integer("mech.resolution", "elements per semi-axis a: dx = dy = a/resolution")
+        KeySpec::integer(RESOLUTION, "elements per semi-axis a: dx = dy = a/resolution")
             .default_value(40)
             .at_least(1.0)
             .at_most(2000.0),
@@ -144,6 +144,8 @@ fn body_keys() -> Vec<KeySpec> {
 
 pub(crate) const NORMAL_FORCE: &str = "load.normal_force";
 pub(crate) const APPROACH: &str = "load.approach";
+/// Key of the elements per semi-axis.
+pub(crate) const RESOLUTION: &str = "mech.resolution";
 pub(crate) const CROWN_RADIUS: &str = "rail.crown_radius";
 /// Group of the alternatives that give the rail its shape.
 pub(crate) const RAIL_SHAPE: &str = "rail.shape";
@@ -226,7 +228,7 @@ impl Scene {
             drive: read_drive(params, &case)?,
             load: read_load(&case)?,
             friction_coefficient: case.number("friction.coefficient")?,
-            resolution: usize::try_from(case.integer("mech.resolution")?)
+            resolution: usize::try_from(case.integer(RESOLUTION)?)
                 .expect("the key's range is positive and small"),
         })
     }

@@ -4,6 +4,7 @@ use crate::field::FieldKind;
 use crate::grid::Grid;
 use crate::params::Params;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Steady or transient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -81,11 +82,23 @@ pub struct Layout {
     pub moving: Vec<String>,
     /// Expected processor seconds of one solve.
     pub solve_seconds: f64,
+    /// Expected processor seconds of what is done once, whatever the number of solves.
+    #[serde(default, skip_serializing_if = "is_nought")]
+    pub build_seconds: f64,
     /// Expected memory of the participant's own arrays [byte].
     pub memory_bytes: u64,
     /// Remarks for `plan`, one line each: what the model makes of the case.
     #[serde(default)]
     pub remarks: Vec<String>,
+    /// Figures of the summary that have a closed form in this case, by dotted key: what a study
+    /// compares the answers of all models with.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub closed_forms: BTreeMap<String, f64>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
+fn is_nought(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// A field and the grid it lives on.

@@ -3,6 +3,7 @@
 //! The coordinator knows no physics. Which models and effects exist, which case keys they read,
 //! in which unit and range, and which fields they exchange, it learns from here.
 
+use crate::accuracy::Accuracy;
 use crate::configuration::{Configuration, Mode, Refusal};
 use crate::field::{FieldKind, FieldSpec};
 use crate::grid::check_name;
@@ -39,10 +40,13 @@ impl Description {
     /// What is wrong with a description that came from outside.
     ///
     /// # Errors
-    /// Names that are no plain words, and fields without components or with a unit that does not
-    /// fit its label.
+    /// Names that are no plain words, fields without components or with a unit that does not fit its
+    /// label, and expectations of accuracy that make no sense.
     pub fn check(&self) -> Result<(), String> {
         check_name("role", &self.role)?;
+        for model in &self.models {
+            model.accuracy.check().map_err(|fault| format!("model `{}`: {fault}", model.name))?;
+        }
         for field in &self.fields {
             check_name("field", &field.name)?;
             let unit = &field.unit;
@@ -127,6 +131,9 @@ pub struct ModelSpec {
     pub provides: Vec<String>,
     /// Case keys that only this model reads.
     pub keys: Vec<KeySpec>,
+    /// What is known of its errors.
+    #[serde(default, skip_serializing_if = "Accuracy::is_silent")]
+    pub accuracy: Accuracy,
 }
 
 /// One participant's part in an effect. Several participants may claim the same effect.
@@ -360,6 +367,7 @@ mod tests {
             consumes: Vec::new(),
             provides: vec!["pressure".to_owned()],
             keys: Vec::new(),
+            accuracy: Accuracy::default(),
         };
         let effect = EffectSpec {
             name: "wear".to_owned(),

@@ -21,6 +21,7 @@
 //!
 //! Invariants held here are listed in `docs/ARCHITECTURE.md`.
 
+pub mod accuracy;
 pub mod binary;
 pub mod configuration;
 pub mod description;

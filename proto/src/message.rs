@@ -348,6 +348,9 @@ pub struct Finished {
     pub model_seconds: f64,
     /// Largest resident memory of the process [byte]; 0 where it cannot be known.
     pub peak_rss_bytes: u64,
+    /// Processor seconds of the process, in itself and in the kernel; 0 where they cannot be known.
+    #[serde(default)]
+    pub cpu_seconds: f64,
 }
 
 #[cfg(test)]

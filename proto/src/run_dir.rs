@@ -272,6 +272,13 @@ pub fn peak_resident_memory() -> u64 {
     kib.unwrap_or(0) * 1024
 }
 
+/// Processor seconds of this process so far, in itself and in the kernel.
+#[must_use]
+pub fn processor_seconds() -> f64 {
+    let spent = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    spent.tv_sec as f64 + 1e-9 * spent.tv_nsec as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -340,5 +347,7 @@ mod tests {
     fn memory_figures_are_plausible() {
         assert!(free_shared_memory() > 0);
         assert!(peak_resident_memory() > 100_000);
+        let before = processor_seconds();
+        assert!(before > 0.0 && processor_seconds() >= before);
     }
 }

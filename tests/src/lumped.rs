@@ -11,6 +11,7 @@
 //! trapezoidal rule. Both keep their own books of heat. With `body.points` the body has a grid of
 //! so many elements on the same surface, on which it wants the flux.
 
+use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
 use proto::description::{Description, KeySpec, ModelSpec};
 use proto::field::{Body, FieldSpec, Mapping};
@@ -188,6 +189,7 @@ impl Solver for Lumped {
                 consumes: vec![self.receives().name.to_owned()],
                 provides: vec![self.sends().name.to_owned()],
                 keys: Vec::new(),
+                accuracy: Accuracy::default(),
             }],
             effects: Vec::new(),
             keys,

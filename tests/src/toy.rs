@@ -2,6 +2,7 @@
 //! sends is what it received plus one. Window `w` (from 1) of a serial run leaves `2w - 1` in the
 //! left field and `2w` in the right one.
 
+use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
 use proto::description::{Description, KeySpec, ModelSpec};
 use proto::field::{Body, FieldKind, FieldSpec, Mapping};
@@ -107,6 +108,7 @@ impl Solver for Toy {
                 consumes: vec![self.receives.name.to_owned()],
                 provides: vec![self.sends.name.to_owned()],
                 keys: Vec::new(),
+                accuracy: Accuracy::default(),
             }],
             effects: Vec::new(),
             keys: vec![

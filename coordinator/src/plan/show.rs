@@ -129,11 +129,16 @@ impl Plan {
         writeln!(f)?;
         for p in &self.participants {
             if let Some(e) = &p.estimate {
-                let total = |windows: u64| seconds(e.solve_seconds * windows as f64);
+                let once = match e.build_seconds {
+                    0.0 => String::new(),
+                    once => format!("about {} once, ", seconds(once)),
+                };
+                let total =
+                    |windows: u64| seconds(e.build_seconds + e.solve_seconds * windows as f64);
                 let total = self.windows.count().map(|n| format!(", {} in all", total(n)));
                 writeln!(
                     f,
-                    "{head:10} {:10} about {} a window{}, {} of arrays",
+                    "{head:10} {:10} {once}about {} a window{}, {} of arrays",
                     p.role,
                     seconds(e.solve_seconds),
                     total.unwrap_or_default(),

@@ -217,6 +217,10 @@ fn cost(of: &Ingredients) -> Value {
         let key = format!("{}_peak_rss_bytes", participant.role);
         section.insert(key, finished.peak_rss_bytes.into());
     }
+    for (participant, finished) in finished().filter(|(_, f)| f.cpu_seconds > 0.0) {
+        let key = format!("{}_cpu_s", participant.role);
+        section.entry(key).or_insert_with(|| finished.cpu_seconds.into());
+    }
     section.insert("bytes_exchanged".to_owned(), counts.bytes_exchanged.into());
     Value::Object(section)
 }

@@ -37,11 +37,13 @@ use crate::effects::partial_slip;
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::keys::CheckedParams;
 use crate::models::precomputed::{self, Precomputed};
+use crate::models::{STUDY, refinement};
 use crate::reference::kalker::{self, CreepCoefficients};
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
 use contact::Problem;
 use flexibility::{Flexibilities, Kind};
 use march::Lattice;
+use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
@@ -78,6 +80,15 @@ pub fn spec() -> ModelSpec {
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
         keys,
+        accuracy: Accuracy {
+            refinement: Some(refinement(2.0, 0.024)),
+            simplifications: vec![Simplification::with(
+                partial_slip::NAME,
+                "a foundation of springs stands for the elastic half-space",
+                0.35,
+                STUDY,
+            )],
+        },
     }
 }
 
@@ -119,6 +130,7 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let wanted = precomputed::wanted_fields(configuration);
     let mut layout = precomputed::layout(&wanted, grid, build_seconds(&problem, wanted.len()));
     layout.remarks.extend(remarks(&scene, &problem, given, &coefficients));
+    layout.closed_forms = problem.ellipse.closed_forms();
     Ok(Box::new(Prepared { problem, grid, wanted, layout }))
 }
 

@@ -25,11 +25,12 @@ use crate::effects::{friction_heat, partial_slip, third_body_layer};
 use crate::ellipse::Ellipse;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
-use crate::models::{CONTACT_GRID, RIGID_GRID};
+use crate::models::{CONTACT_GRID, RIGID_GRID, refinement};
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
 use answer::{Answer, Passage};
 use drive::Driven;
 use geometry::Footprint;
+use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Mode, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
@@ -82,6 +83,7 @@ pub fn spec() -> ModelSpec {
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
         keys,
+        accuracy: Accuracy { refinement: Some(refinement(1.0, 0.06)), ..Accuracy::default() },
     }
 }
 
@@ -188,6 +190,9 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         "third_body_layer changes nothing without partial_slip: all of the contact slides"
             .to_owned()
     });
+    let seconds = SECONDS * elements.powf(1.15);
+    let once = !case.memory && case.friction_law.is_none();
+    let smooth = case.footprint.ellipse.as_ref().filter(|_| case.is_hertzian());
     let given = case.footprint.ellipse.filter(|_| case.footprint.gap.is_none());
     let remark = given.and_then(|ellipse| ellipse.remark(&case.scene));
     Layout {
@@ -197,7 +202,9 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
             .map(|(name, shape)| Grid::structured(name, shape))
             .collect(),
         fields,
-        solve_seconds: SECONDS * elements.powf(1.15),
+        solve_seconds: if once { 0.0 } else { seconds },
+        build_seconds: if once { seconds } else { 0.0 },
+        closed_forms: smooth.map(Ellipse::closed_forms).unwrap_or_default(),
         memory_bytes: (BYTES * elements) as u64,
         remarks: std::iter::once(size).chain(remark).chain(too_large).chain(idle).collect(),
         ..Layout::default()
@@ -224,6 +231,12 @@ struct Case {
 }
 
 impl Case {
+    /// Hertz's solution holds: smooth second-order surfaces, and tractions that leave the pressure alone.
+    fn is_hertzian(&self) -> bool {
+        let rough = self.footprint.gap.as_ref().is_some_and(geometry::Gap::is_rough);
+        !rough && !self.bodies.is_coupled()
+    }
+
     /// What a particle goes through in a step.
     fn passage(&self) -> Passage {
         let (dx, speed) = (self.footprint.grid.dx(), self.scene.rolling_speed);

@@ -24,9 +24,11 @@ use crate::effects::temperature_friction::FrictionLaw;
 use crate::ellipse::Ellipse;
 use crate::keys::CheckedParams;
 use crate::models::precomputed::{self, Precomputed};
+use crate::models::{STUDY, refinement};
 use crate::scene::{Drive, GivenPatch, Scene, given_patch_keys};
 use contact::{Contact, CreepLaw};
 use heated::Heated;
+use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
@@ -57,6 +59,15 @@ pub fn spec() -> ModelSpec {
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
         keys,
+        accuracy: Accuracy {
+            refinement: Some(refinement(2.0, 0.005)),
+            simplifications: vec![Simplification::with(
+                partial_slip::NAME,
+                "Carter's line contact in strips stands for the elastic half-space",
+                0.4,
+                STUDY,
+            )],
+        },
     }
 }
 
@@ -94,6 +105,7 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
         layout.remarks = vec!["the fields are computed in every iteration".to_owned()];
     }
     layout.remarks.extend(remarks(&scene, &contact, given, partial));
+    layout.closed_forms = contact.ellipse.closed_forms();
     Ok(Box::new(Prepared { scene, contact, law, partial, friction, grid, wanted, layout }))
 }
 

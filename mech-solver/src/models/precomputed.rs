@@ -45,10 +45,9 @@ pub(super) fn layout(
         grids,
         fields: wanted.iter().map(|spec| on_grid(spec)).collect(),
         solve_seconds: SECONDS_PER_COPY * values as f64,
+        build_seconds,
         memory_bytes: (values * size_of::<f64>()) as u64,
-        remarks: vec![format!(
-            "the fields are computed once, in about {build_seconds:.1e} s; a solve copies them"
-        )],
+        remarks: vec!["the fields are computed once; a solve copies them".to_owned()],
         ..Layout::default()
     }
 }

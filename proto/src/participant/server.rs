@@ -9,7 +9,7 @@ use crate::message::{
     Command, CommandKind, Failure, Finished, OBSERVE, Reply, StateFile, Status, Topics,
 };
 use crate::model::{Model, Setup, Solver, StateBlob, StateError, Step, StepError};
-use crate::run_dir::{RunInfo, peak_resident_memory};
+use crate::run_dir::{RunInfo, peak_resident_memory, processor_seconds};
 use crate::transport::{Doorbell, Endpoint, Receiver, Ringer, Sender, TransportError};
 use std::time::{Duration, Instant};
 
@@ -213,6 +213,7 @@ impl<'a> Server<'a> {
                 summary: running.model.summary(),
                 model_seconds: running.model_time.as_secs_f64(),
                 peak_rss_bytes: peak_resident_memory(),
+                cpu_seconds: processor_seconds(),
             },
             _ => Finished::default(),
         };

@@ -1,6 +1,7 @@
 //! The two participants.
 
 use super::problem::{LARGEST_DENSE, PROBLEMS, Problem};
+use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
 use proto::description::{Description, KeySpec, ModelSpec};
 use proto::field::{Body, FieldSpec, Mapping};
@@ -82,6 +83,7 @@ impl Linear {
             consumes: vec![self.receives().name.to_owned()],
             provides: vec![self.sends().name.to_owned()],
             keys: Vec::new(),
+            accuracy: Accuracy::default(),
         }
     }
 }

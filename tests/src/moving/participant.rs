@@ -1,6 +1,7 @@
 //! The two participants.
 
 use super::{MOTIONS, PATCH, flux, patch, plate, temperature};
+use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
 use proto::description::{Description, KeySpec, ModelSpec};
 use proto::field::{Body, FieldSpec, Mapping};
@@ -83,6 +84,7 @@ impl Moving {
             consumes: vec![self.receives().name.to_owned()],
             provides,
             keys: Vec::new(),
+            accuracy: Accuracy::default(),
         }
     }
 

@@ -1,9 +1,9 @@
 //! Model `columns`: one-dimensional conduction with the exact kernel, for any heat flux in space
 //! and time. Equations and discretisation: [`crate::columns`].
 
-use super::fields;
 use super::setup::{Cost, Frame, resolution};
 use super::shell::{Conduction, Peak, Work};
+use super::{along_the_surface, fields};
 use crate::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
 };
@@ -11,6 +11,7 @@ use crate::columns::history::{Drive, History, State};
 use crate::columns::reconstruction::Flux;
 use crate::columns::stencil::{Part, Stencil};
 use crate::search::maximum;
+use proto::accuracy::Accuracy;
 use proto::configuration::Mode;
 use proto::description::ModelSpec;
 use proto::grid::blocked_sum;
@@ -35,6 +36,7 @@ pub fn spec() -> ModelSpec {
         consumes,
         provides,
         keys: vec![resolution()],
+        accuracy: Accuracy { refinement: None, simplifications: vec![along_the_surface()] },
     }
 }
 

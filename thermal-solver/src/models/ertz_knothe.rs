@@ -15,13 +15,14 @@
 //! The paper takes equations 13 and 14, for a uniform flux, below the surface. They do not meet
 //! equation 10 on the surface, so that here the polynomial flux itself is integrated in depth.
 
-use super::fields;
 use super::setup::{Cost, Frame};
 use super::shell::{Conduction, Peak, Work};
+use super::{along_the_surface, fields};
 use crate::columns::history::{Drive, State};
 use crate::columns::reconstruction::{Flux, Row};
 use crate::reference::polynomial;
 use crate::{RAIL, WHEEL};
+use proto::accuracy::{Accuracy, Simplification};
 use proto::description::ModelSpec;
 use proto::model::StepError;
 use std::f64::consts::PI;
@@ -45,6 +46,23 @@ pub fn spec() -> ModelSpec {
         consumes,
         provides,
         keys: Vec::new(),
+        accuracy: Accuracy {
+            refinement: None,
+            simplifications: vec![
+                along_the_surface(),
+                Simplification::always(
+                    "a polynomial stands for the elliptic flux",
+                    0.005,
+                    "Naeimi et al., eqs. 9-12, against the quadrature of the ellipse",
+                ),
+                Simplification::with(
+                    "partial_slip",
+                    "the heat of a row comes from one ellipse, wherever it is set free",
+                    0.08,
+                    "`coordinator cost cases/wheel-rail.toml`",
+                ),
+            ],
+        },
     }
 }
 

@@ -7,6 +7,7 @@ mod syntax;
 mod values;
 
 use super::{Case, Problems, RawCase, validate};
+use proto::accuracy::Accuracy;
 use proto::description::{Description, EffectSpec, KeySpec, ModelSpec};
 
 /// A case without errors.
@@ -53,6 +54,7 @@ fn model(name: &str, transient: bool, keys: Vec<KeySpec>) -> ModelSpec {
         consumes: Vec::new(),
         provides: vec!["pressure".to_owned()],
         keys,
+        accuracy: Accuracy::default(),
     }
 }
 

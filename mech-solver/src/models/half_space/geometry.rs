@@ -13,7 +13,7 @@ use crate::half_space::influence::Elasticity;
 use crate::half_space::normal::{NormalError, Prescribed};
 use crate::half_space::profile::Profile;
 use crate::keys::CheckedParams;
-use crate::scene::{CROWN_RADIUS, Load, RAIL_SHAPE, Scene};
+use crate::scene::{CROWN_RADIUS, Load, RAIL_SHAPE, RESOLUTION, Scene};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
@@ -107,6 +107,11 @@ pub(super) struct Gap {
 }
 
 impl Gap {
+    /// There is roughness on the surfaces.
+    pub(super) fn is_rough(&self) -> bool {
+        self.roughness.is_some()
+    }
+
     /// Reads the shapes.
     fn read(configuration: &Configuration, scene: &Scene) -> Result<Self, Refusal> {
         let case = CheckedParams::new(&configuration.case, keys());
@@ -326,7 +331,7 @@ fn refuse_too_many(elements: f64) -> Result<(), Refusal> {
         return Ok(());
     }
     Err(Refusal::new(
-        "mech.resolution",
+        RESOLUTION,
         format!("makes {elements:.3e} elements in all"),
         format!("lower it until there are no more than {MOST_ELEMENTS:.3e}"),
     ))

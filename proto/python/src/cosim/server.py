@@ -263,6 +263,7 @@ class Server:
                 "summary": self._solver.summary(),
                 "model_seconds": self._model_seconds,
                 "peak_rss_bytes": peak_resident_memory(),
+                "cpu_seconds": time.process_time(),
             }
         return to_json(finished)
 

@@ -1,0 +1,150 @@
+//! What the installed models offer for a case: every choice of models that can run it, and the
+//! resolutions worth running, as their descriptions say.
+
+use super::{Variant, ends_study, planned};
+use crate::case::Problem;
+use crate::error::RunError;
+use crate::plan::Planned;
+use proto::accuracy::{Refinement, Simplification};
+use std::path::Path;
+
+/// One choice of a model for every participant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Role and model of each participant that runs, in the order in which data flows.
+    pub models: Vec<(String, String)>,
+    /// What can be refined, by distinct keys.
+    pub refinements: Vec<Refinement>,
+    /// What its models leave out that matters in this case.
+    pub left_out: Vec<Simplification>,
+    /// The case with these models.
+    pub variant: Variant,
+}
+
+impl Level {
+    fn of(planned: &Planned, variant: Variant) -> Self {
+        let active = |name: &str| planned.plan.effects.iter().any(|e| e.active && e.name == name);
+        let mut level =
+            Self { models: Vec::new(), refinements: Vec::new(), left_out: Vec::new(), variant };
+        for participant in &planned.plan.participants {
+            let name = &participant.configuration.model;
+            level.models.push((participant.role.clone(), name.clone()));
+            let models = &participant.description.models;
+            let Some(model) = models.iter().find(|model| model.name == *name) else { continue };
+            let counts = model.accuracy.simplifications.iter().filter(|one| one.applies(&active));
+            level.left_out.extend(counts.cloned());
+            let known = |key: &str| level.refinements.iter().any(|other| other.key == key);
+            let refinement = model.accuracy.refinement.iter().find(|one| !known(&one.key));
+            level.refinements.extend(refinement.cloned());
+        }
+        level
+    }
+
+    /// The models, in one word.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let names: Vec<&str> = self.models.iter().map(|(_, model)| model.as_str()).collect();
+        names.join(" + ")
+    }
+
+    /// How many resolutions there are; one for models that have none.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.refinements.iter().map(|one| one.levels.len()).max().unwrap_or(1)
+    }
+
+    /// The value of each refinement's key at a step, coarsest first; one with fewer stays at its
+    /// finest.
+    pub fn keys_at(&self, step: usize) -> impl Iterator<Item = (&Refinement, u32)> {
+        let at = move |one: &Refinement| one.levels[step.min(one.levels.len() - 1)];
+        self.refinements.iter().map(move |one| (one, at(one)))
+    }
+
+    /// The case with these models at a step of resolution.
+    #[must_use]
+    pub fn at(&self, step: usize) -> Variant {
+        self.keys_at(step)
+            .fold(self.variant.clone(), |variant, (one, level)| variant.with(&one.key, level))
+    }
+
+    /// The order with which the error falls: that of the slowest refinement.
+    #[must_use]
+    pub fn order(&self) -> Option<f64> {
+        self.refinements.iter().map(|one| one.order).min_by(f64::total_cmp)
+    }
+
+    /// Expected relative error that no resolution removes.
+    #[must_use]
+    pub fn model_error(&self) -> f64 {
+        self.left_out.iter().map(|one| one.error).sum()
+    }
+
+    /// Expected relative error of the resolution at a step.
+    #[must_use]
+    pub fn grid_error(&self, step: usize) -> f64 {
+        self.keys_at(step).map(|(one, level)| one.at(f64::from(level))).sum()
+    }
+}
+
+/// What can run a case, and what cannot.
+#[derive(Debug)]
+pub struct Offer {
+    /// Choices of models that can run it, cheapest first.
+    pub levels: Vec<Level>,
+    /// The others by their models, and why not.
+    pub refused: Vec<(String, String)>,
+}
+
+/// Every choice of models for a case: those that its programs describe, tried by planning.
+///
+/// # Errors
+/// What is wrong with the case as it stands.
+pub fn offered(case: &Path, base: &Variant) -> Result<Offer, RunError> {
+    let mut offer = Offer { levels: Vec::new(), refused: Vec::new() };
+    let standing = planned(case, base)?;
+    for choice in choices(&standing) {
+        let with =
+            |v: Variant, (role, model): &(String, String)| v.with(&format!("{role}.model"), model);
+        let variant = choice.iter().fold(base.clone(), with);
+        match planned(case, &variant) {
+            Ok(planned) => offer.levels.push(Level::of(&planned, variant)),
+            Err(error) if ends_study(&error) => return Err(error),
+            Err(error) => {
+                let names: Vec<&str> = choice.iter().map(|(_, model)| model.as_str()).collect();
+                offer.refused.push((names.join(" + "), reason(&error)));
+            }
+        }
+    }
+    Ok(offer)
+}
+
+/// The product of all participants' models.
+fn choices(planned: &Planned) -> Vec<Vec<(String, String)>> {
+    let mut all = vec![Vec::new()];
+    for participant in &planned.plan.participants {
+        let models = participant.description.models.iter().map(|model| model.name.clone());
+        let with = |choice: &Vec<(String, String)>, model: String| {
+            let mut longer = choice.clone();
+            longer.push((participant.role.clone(), model));
+            longer
+        };
+        let models: Vec<String> = models.collect();
+        all = all
+            .iter()
+            .flat_map(|choice| models.iter().map(|model| with(choice, model.clone())))
+            .collect();
+    }
+    all
+}
+
+/// Why a case is refused, in one line.
+#[must_use]
+pub fn reason(error: &RunError) -> String {
+    match error {
+        RunError::Case(problems) => {
+            let line = |problem: &Problem| format!("{}: {}", problem.key, problem.reason);
+            problems.list().first().map(line).unwrap_or_default()
+        }
+        other => other.to_string().lines().next().unwrap_or_default().to_owned(),
+    }
+}

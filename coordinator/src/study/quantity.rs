@@ -1,0 +1,104 @@
+//! The figures of a summary that studies compare.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// How an error of a quantity is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// Relative to its own value.
+    Relative,
+    /// As it is: a place, or what is a ratio already.
+    Absolute,
+    /// Its value is an error itself; nothing is compared.
+    Itself,
+}
+
+/// One figure of a summary.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// Dotted key in `summary.json`.
+    pub key: String,
+    /// What it is, in few words.
+    pub name: String,
+    /// How its error is measured.
+    pub measure: Measure,
+}
+
+/// The quantities that a study reports where a summary has them; the first is what a target of
+/// accuracy means, if nothing else is named.
+const INTEREST: [(&str, &str, Measure); 12] = [
+    ("temperature.rail.max_rise_k", "rail rise", Measure::Relative),
+    ("temperature.rail.x_over_a", "its place x/a", Measure::Absolute),
+    ("temperature.rail.penetration_depth_m", "depth to 1/e", Measure::Relative),
+    ("temperature.wheel.max_rise_k", "wheel rise", Measure::Relative),
+    ("contact.max_pressure_pa", "max pressure", Measure::Relative),
+    ("contact.creepage_xi", "creepage xi", Measure::Relative),
+    ("contact.creep_force_x_n", "creep force x", Measure::Relative),
+    ("contact.creep_force_y_n", "creep force y", Measure::Relative),
+    ("contact.friction_power_w", "friction power", Measure::Relative),
+    ("contact.slip_area_ratio", "slip area", Measure::Absolute),
+    ("contact.approach_m", "approach", Measure::Relative),
+    ("coupling.energy_imbalance", "heat imbalance", Measure::Itself),
+];
+
+impl Quantity {
+    /// The quantities of interest.
+    #[must_use]
+    pub fn of_interest() -> Vec<Self> {
+        let quantity = |(key, name, measure): &(&str, &str, Measure)| Self {
+            key: (*key).to_owned(),
+            name: (*name).to_owned(),
+            measure: *measure,
+        };
+        INTEREST.iter().map(quantity).collect()
+    }
+
+    /// The quantity of a key; any number of a summary is one.
+    #[must_use]
+    pub fn of(key: &str) -> Self {
+        let known = Self::of_interest().into_iter().find(|quantity| quantity.key == key);
+        let name = || crate::report::unit::words(key.rsplit('.').next().unwrap_or(key));
+        let other = || Self { key: key.to_owned(), name: name(), measure: Measure::Relative };
+        known.unwrap_or_else(other)
+    }
+
+    /// Its value in a summary.
+    #[must_use]
+    pub fn value(&self, summary: &Value) -> Option<f64> {
+        let inner = |value, name: &str| Value::get(value, name);
+        self.key.split('.').try_fold(summary, inner)?.as_f64()
+    }
+
+    /// The error of a value against a reference, as its measure says; never negative.
+    #[must_use]
+    pub fn error(&self, value: f64, reference: f64) -> f64 {
+        match self.measure {
+            Measure::Relative if reference == 0.0 && value == 0.0 => 0.0,
+            Measure::Relative => ((value - reference) / reference).abs(),
+            Measure::Absolute => (value - reference).abs(),
+            Measure::Itself => value.abs(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn figures_are_found_and_compared() {
+        let summary = json!({"temperature": {"rail": {"max_rise_k": 220.0, "x_over_a": -0.8}}});
+        let rise = Quantity::of("temperature.rail.max_rise_k");
+        let place = Quantity::of("temperature.rail.x_over_a");
+        assert_eq!(rise.value(&summary), Some(220.0));
+        assert!((rise.error(220.0, 200.0) - 0.1).abs() < 1e-15);
+        assert!((place.error(-0.8, -0.83) - 0.03).abs() < 1e-15);
+        assert_eq!(Quantity::of("contact.creepage_xi").value(&summary), None);
+        assert_eq!(Quantity::of("coupling.energy_imbalance").error(-1e-9, 5.0), 1e-9);
+        assert_eq!(rise.error(0.0, 0.0), 0.0);
+        assert_eq!(Quantity::of("wear.wear_depth_m").name, "wear depth m");
+    }
+}
