@@ -1,8 +1,11 @@
 //! The command line.
 
+use crate::ablate;
+use crate::accuracy::{self, Search, Verdict};
 use crate::case::RawCase;
 use crate::checkpoint::{Checkpoint, Checkpoints, Torn};
 use crate::conform;
+use crate::cost;
 use crate::error::{RunError, file_failure};
 use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
@@ -13,8 +16,9 @@ use crate::progress::Progress;
 use crate::record::Compression;
 use crate::replay::{self, Request};
 use crate::report;
-use crate::results::ResultFolder;
-use crate::run::{self, Clock};
+use crate::results::{ResultFolder, show};
+use crate::run::{self, Clock, Outcome};
+use crate::study::Variant;
 use clap::{Args, Parser, Subcommand};
 use proto::description::Description;
 use proto::recording::End;
@@ -60,6 +64,10 @@ enum Command {
     Conform(conform::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
     Export(ExportArguments),
+    /// Switch off each effect in turn: what it changes in the answer, and what it costs.
+    Ablate(ablate::Arguments),
+    /// Show what accuracy costs in time, over models, resolutions, windows and tolerances.
+    Cost(cost::Arguments),
     /// Write report.html about the run of a result directory, with plots, in one file.
     Report {
         /// The result directory.
@@ -133,7 +141,7 @@ struct ExportArguments {
     iterations: bool,
 }
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 struct RunArguments {
     /// The case file.
     #[arg(required_unless_present = "resume")]
@@ -154,6 +162,12 @@ struct RunArguments {
     /// Write DIR/report.html at the end, whatever the end is.
     #[arg(long)]
     report: bool,
+    /// Choose models and resolution, the cheapest expected to meet this error, and state the error.
+    #[arg(long, value_name = "ERROR", conflicts_with = "resume", value_parser = accuracy::Target::read_error)]
+    accuracy: Option<f64>,
+    /// The figure that --accuracy means, a dotted key of summary.json [default: the rail's rise].
+    #[arg(long, value_name = "KEY", requires = "accuracy")]
+    quantity: Option<String>,
     /// Go on with the run of this result directory from its last checkpoint.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out"])]
     resume: Option<PathBuf>,
@@ -212,11 +226,12 @@ pub fn main(since: Instant) -> u8 {
 fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended> {
     match &arguments.command {
         Command::Run(run) => {
-            let begun = match &run.resume {
-                Some(folder) => resume(folder, log)?,
-                None => begin(run, log)?,
-            };
-            run_case(&begun, run, arguments.quiet, log, since)
+            let screen = Screen { quiet: arguments.quiet, log, since };
+            match (run.accuracy, &run.resume) {
+                (Some(relative), _) => run_to(relative, run, &screen),
+                (None, Some(folder)) => run_case(&resume(folder, log)?, run, &screen),
+                (None, None) => run_case(&begin(run, log)?, run, &screen),
+            }
         }
         Command::Check { case } => {
             case.plan()?;
@@ -231,6 +246,8 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Inspect(asked) => Ok(inspect_recording(asked)?),
         Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
+        Command::Ablate(asked) => Ok(ablate::main(asked, arguments.quiet)?),
+        Command::Cost(asked) => Ok(cost::main(asked, arguments.quiet)?),
         Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
         Command::Report { folder } => {
             let path = report::write(folder)?;
@@ -246,6 +263,13 @@ struct Begun {
     folder: ResultFolder,
     plan_seconds: f64,
     from: Option<Checkpoint>,
+}
+
+impl Begun {
+    /// An error, with the log in which there is more to read.
+    fn told(&self, error: RunError) -> Ended {
+        Ended { error: Box::new(error), log: Some(self.folder.log_path()) }
+    }
 }
 
 fn begin(run: &RunArguments, log: &Logging) -> Result<Begun, RunError> {
@@ -302,26 +326,76 @@ fn compression(word: &str) -> Result<Compression, String> {
     }
 }
 
-fn run_case(
-    begun: &Begun,
-    asked: &RunArguments,
+/// Where a run shows how far it is, and since when.
+struct Screen<'a> {
     quiet: bool,
-    log: &Logging,
+    log: &'a Logging,
     since: Instant,
-) -> Result<(), Ended> {
+}
+
+fn run_case(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
+    let outcome = perform(begun, asked, screen)?;
+    conclude(begun, outcome, asked, screen)
+}
+
+/// Models and resolution are chosen, and once more if the error turns out too large.
+fn run_to(relative: f64, asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
+    let case = asked.case.as_ref().expect("required unless a run is resumed");
+    let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
+    let target = accuracy::Target { relative, quantity: asked.quantity.clone() };
+    let mut search = Search::begin(case, &base, target)?;
+    loop {
+        let Variant { set, unset } = search.variant();
+        let chosen = RunArguments { set, unset, ..asked.clone() };
+        let begin_at = Instant::now();
+        let begun = begin(&chosen, screen.log)?;
+        let mut outcome = perform(&begun, &chosen, screen)?;
+        if outcome.error.is_none() {
+            let seconds = begin_at.elapsed().as_secs_f64();
+            match search.judge(&mut outcome.summary, seconds)? {
+                Verdict::Refine => {
+                    screen.log.release();
+                    continue;
+                }
+                Verdict::Missed => outcome.error = Some(search.missed()),
+                Verdict::Met => {}
+            }
+            begun.folder.write("summary.json", &run::json(&outcome.summary))?;
+        }
+        return conclude(&begun, outcome, &chosen, screen);
+    }
+}
+
+fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<Outcome, Ended> {
     let Begun { planned, folder, plan_seconds, from } = begun;
-    let clock = Clock { since, plan_seconds: *plan_seconds };
-    let mut progress = Progress::new(quiet, planned.plan.windows.count());
-    log.share_screen(progress.bar());
-    let told = |error| Ended { error: Box::new(error), log: Some(folder.log_path()) };
+    let clock = Clock { since: screen.since, plan_seconds: *plan_seconds };
+    let mut progress = Progress::new(screen.quiet, planned.plan.windows.count());
+    screen.log.share_screen(progress.bar());
     let outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
-    let outcome = outcome.map_err(told)?;
+    outcome.map_err(|error| begun.told(error))
+}
+
+/// Writes the report that is asked for, and prints how the run went.
+fn conclude(
+    begun: &Begun,
+    outcome: Outcome,
+    asked: &RunArguments,
+    screen: &Screen,
+) -> Result<(), Ended> {
+    let folder = &begun.folder;
     let written = if asked.report { report::write(folder.path()).map(drop) } else { Ok(()) };
+    let text = || run::report(&outcome, &begun.planned.plan, folder);
     match outcome.error {
-        Some(error) => Err(told(error.and(written))),
+        // It has an answer, if not as accurate as was asked for.
+        Some(error @ RunError::Inaccurate { .. }) => {
+            let text = show::text(&outcome.summary, begun.planned.plan.title.as_deref());
+            print(screen.quiet, &text);
+            Err(begun.told(error.and(written)))
+        }
+        Some(error) => Err(begun.told(error.and(written))),
         None => {
-            written.map_err(told)?;
-            print(quiet, &run::report(&outcome, &planned.plan, folder));
+            written.map_err(|error| begun.told(error))?;
+            print(screen.quiet, &text());
             Ok(())
         }
     }

@@ -37,6 +37,21 @@ pub enum RunError {
     /// A window did not converge, and the case is strict.
     #[error(transparent)]
     NotConverged(#[from] NotConverged),
+    /// The finest grid that was tried misses the target of accuracy.
+    #[error(
+        "the estimated error of {quantity} is {:.2} %, and {} % was asked for; {fix}",
+        100.0 * estimated, 100.0 * target
+    )]
+    Inaccurate {
+        /// Key of the figure.
+        quantity: String,
+        /// Its estimated relative error.
+        estimated: f64,
+        /// The error that was asked for.
+        target: f64,
+        /// What to do.
+        fix: String,
+    },
     /// A replayed participant does not send what was recorded.
     #[error("the replay differs from the recording: {0}")]
     Differs(String),
@@ -142,7 +157,7 @@ impl RunError {
         match self {
             Self::Usage(_) | Self::Case(_) | Self::Refused { .. } | Self::NoProgram { .. } => 2,
             Self::Failed(_) | Self::Interrupted { .. } | Self::NotFinite { .. } => 1,
-            Self::NotConverged(_) => 3,
+            Self::NotConverged(_) | Self::Inaccurate { .. } => 3,
             Self::Differs(_) => 4,
             Self::Both { first, .. } => first.exit_code(),
         }

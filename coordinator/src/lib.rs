@@ -1,12 +1,16 @@
 //! Plans, supervises and couples the participants of a co-simulation.
 //!
 //! Case text → [`case::RawCase`] → [`case::Case`] → [`plan::Plan`] → [`session::Session`] →
-//! [`results`]. Each arrow is one module; only the left side of an arrow reaches it.
+//! [`results`]. Each arrow is one module; only the left side of an arrow reaches it. [`study`] and what
+//! builds on it go through all of them many times.
 
+pub mod ablate;
+pub mod accuracy;
 pub mod case;
 pub mod checkpoint;
 pub mod cli;
 pub mod conform;
+pub mod cost;
 pub mod couple;
 pub mod error;
 pub mod export;

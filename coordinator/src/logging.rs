@@ -88,6 +88,11 @@ impl Logging {
         Ok(())
     }
 
+    /// Lets go of the file, and with it of its lock; what is logged from now on is kept for the next.
+    pub fn release(&self) {
+        *self.file.0.lock().unwrap_or_else(PoisonError::into_inner) = Sink::Memory(Vec::new());
+    }
+
     /// From now on the bar steps aside for what is written to the screen.
     pub fn share_screen(&self, bar: Option<&ProgressBar>) {
         *self.screen.0.lock().unwrap_or_else(PoisonError::into_inner) = bar.cloned();

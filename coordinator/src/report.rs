@@ -9,6 +9,7 @@
 //! [`plot::Figure`], [`map::Heatmap`], [`lanes::Lanes`] and [`table::Table`].
 
 pub mod axis;
+pub mod bars;
 pub mod image;
 pub mod lanes;
 pub mod map;
@@ -21,6 +22,8 @@ pub mod source;
 pub mod table;
 pub mod unit;
 
+use crate::ablate;
+use crate::cost;
 use crate::error::RunError;
 use crate::results::folder::replace;
 use page::Page;
@@ -30,14 +33,18 @@ use std::path::{Path, PathBuf};
 /// Name of the page in a result directory.
 pub const FILE: &str = "report.html";
 
-/// Writes the report of the run in this folder; its path.
+/// Writes the report about what is in this folder, a study or a run; its path.
 ///
 /// # Errors
-/// [`RunError::Usage`] if no run has written into the folder; the file system.
+/// [`RunError::Usage`] if neither has been written into the folder; the file system.
 pub fn write(folder: &Path) -> Result<PathBuf, RunError> {
-    let results = Results::read(folder)?;
+    let page = match () {
+        () if folder.join(cost::FILE).is_file() => cost::page(folder)?,
+        () if folder.join(ablate::FILE).is_file() => ablate::page(folder)?,
+        () => page(&Results::read(folder)?),
+    };
     let path = folder.join(FILE);
-    replace(&path, page(&results).to_string().as_bytes())?;
+    replace(&path, page.to_string().as_bytes())?;
     Ok(path)
 }
 

@@ -81,9 +81,14 @@ pub fn run(
     let (finished, sections) = (&finished, &sections);
     let summary =
         build(&Ingredients { plan, status, reason, counts, finished, sections, wall_seconds });
-    let text = serde_json::to_vec_pretty(&summary).expect("a summary is plain data");
-    let error = first(error, folder.write("summary.json", &text));
+    let error = first(error, folder.write("summary.json", &json(&summary)));
     Ok(Outcome { summary, error })
+}
+
+/// A summary as it is written.
+#[must_use]
+pub fn json(summary: &Value) -> Vec<u8> {
+    serde_json::to_vec_pretty(summary).expect("a summary is plain data")
 }
 
 /// The status of a run without an error, and its reason.

@@ -8,12 +8,14 @@
 
 pub mod axis;
 pub mod levels;
+pub mod progress;
 pub mod quantity;
 pub mod richardson;
+pub mod spent;
 
 use crate::case::RawCase;
 use crate::error::RunError;
-use crate::plan::{Planned, plan};
+use crate::plan::{Plan, Planned, plan};
 use crate::progress::Progress;
 use crate::results::ResultFolder;
 use crate::run::{self, Clock};
@@ -64,13 +66,36 @@ pub fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
 /// Those of the command `run`.
 pub fn run(case: &Path, variant: &Variant, folder: &Path) -> Result<Value, RunError> {
     let since = Instant::now();
-    let planned = planned(case, variant)?;
-    let plan_seconds = since.elapsed().as_secs_f64();
+    perform(case, &planned(case, variant)?, since, folder)
+}
+
+/// Runs what has been planned since `since`, from a case file into a folder; its summary.
+///
+/// # Errors
+/// Those of the command `run`.
+pub fn perform(
+    case: &Path,
+    planned: &Planned,
+    since: Instant,
+    folder: &Path,
+) -> Result<Value, RunError> {
+    let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
     let folder = ResultFolder::prepare(folder, case)?;
-    let mut progress = Progress::Silent;
-    let clock = Clock { since, plan_seconds };
-    let outcome = run::run(&planned, &folder, &mut progress, clock, None, None)?;
+    let outcome = run::run(planned, &folder, &mut Progress::Silent, clock, None, None)?;
     outcome.error.map_or(Ok(outcome.summary), Err)
+}
+
+/// Iterations of a window that an implicit scheme is expected to take.
+const EXPECTED_ITERATIONS: f64 = 10.0;
+
+/// What the participants of a plan expect it to take in all \[s\].
+#[must_use]
+pub fn expected_seconds(plan: &Plan) -> f64 {
+    let windows = plan.windows.count().unwrap_or(1) as f64;
+    let implicit = plan.scheme.scheme.is_implicit();
+    let solves = windows * if implicit { EXPECTED_ITERATIONS } else { 1.0 };
+    let estimates = plan.participants.iter().filter_map(|p| p.estimate.as_ref());
+    estimates.map(|layout| layout.build_seconds + solves * layout.solve_seconds).sum()
 }
 
 /// Whether an error ends the whole study, and not only the run that it ended.

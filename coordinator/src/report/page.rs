@@ -1,5 +1,6 @@
 //! The page: head, style and sections, as HTML that is also well-formed XML.
 
+use super::bars::Bars;
 use super::lanes::Lanes;
 use super::map::Heatmap;
 use super::plot::{Figure, figure};
@@ -33,6 +34,8 @@ pub enum Block {
     Heatmap(Heatmap),
     /// Work along time.
     Lanes(Lanes),
+    /// A value for each of some names.
+    Bars(Bars),
     /// A table.
     Table(Table),
     /// A small table among the drawings, under a title.
@@ -48,7 +51,10 @@ pub enum Block {
 impl Block {
     /// Drawings stand side by side where there is room.
     fn is_drawing(&self) -> bool {
-        matches!(self, Self::Figure(_) | Self::Heatmap(_) | Self::Lanes(_) | Self::Card(..))
+        matches!(
+            self,
+            Self::Figure(_) | Self::Heatmap(_) | Self::Lanes(_) | Self::Bars(_) | Self::Card(..)
+        )
     }
 
     fn html(&self) -> String {
@@ -58,6 +64,7 @@ impl Block {
             Self::Figure(plot) => plot.html(),
             Self::Heatmap(map) => map.html(),
             Self::Lanes(lanes) => lanes.html(),
+            Self::Bars(bars) => bars.html(),
             Self::Table(table) => table.html(),
             Self::Card(title, table) => figure(title, &table.html(), ""),
             Self::Switches(all) => switches(all),

@@ -39,6 +39,8 @@ pub struct Figure {
     pub y_label: String,
     /// To the right only whole numbers have a meaning.
     pub whole: bool,
+    /// By decades to the right.
+    pub decades_x: bool,
     /// By decades upward.
     pub decades: bool,
     /// Nought belongs to the axis upward; without effect by decades.
@@ -62,6 +64,7 @@ impl Figure {
             x_label: x_label.into(),
             y_label: y_label.into(),
             whole: false,
+            decades_x: false,
             decades: false,
             from_zero: true,
             series: Vec::new(),
@@ -80,8 +83,8 @@ impl Figure {
     /// There is a point to draw.
     #[must_use]
     pub fn has_points(&self) -> bool {
-        let drawn =
-            |p: &[f64; 2]| p[0].is_finite() && p[1].is_finite() && (!self.decades || p[1] > 0.0);
+        let places = |value: f64, decades: bool| value.is_finite() && (!decades || value > 0.0);
+        let drawn = |p: &[f64; 2]| places(p[0], self.decades_x) && places(p[1], self.decades);
         self.series.iter().any(|series| series.points.iter().any(drawn))
     }
 
@@ -89,7 +92,10 @@ impl Figure {
     #[must_use]
     pub fn html(&self) -> String {
         let all = || self.series.iter().flat_map(|series| &series.points);
-        let x = Axis::linear(all().map(|p| p[0]), false, [LEFT, RIGHT]);
+        let x = match self.decades_x {
+            true => Axis::decades(all().map(|p| p[0]), [LEFT, RIGHT]),
+            false => Axis::linear(all().map(|p| p[0]), false, [LEFT, RIGHT]),
+        };
         let x = Axis { whole: self.whole, ..x };
         let zero = self.from_zero.then_some(0.0).into_iter();
         let y = match self.decades {

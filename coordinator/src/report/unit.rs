@@ -64,6 +64,38 @@ fn spelt(si: &str) -> String {
     }
 }
 
+/// Units by the endings of keys, the longest endings first.
+const UNITS: [(&str, &str); 12] = [
+    ("_m_per_s", "m/s"),
+    ("_per_m", "1/m"),
+    ("_bytes", "byte"),
+    ("_pa", "Pa"),
+    ("_nm", "Nm"),
+    ("_m2", "m2"),
+    ("_m", "m"),
+    ("_n", "N"),
+    ("_k", "K"),
+    ("_w", "W"),
+    ("_j", "J"),
+    ("_s", "s"),
+];
+
+/// A key of the summary without its unit, and the unit.
+#[must_use]
+pub fn stem_and_unit(key: &str) -> (&str, &'static str) {
+    match UNITS.iter().find(|(ending, _)| key.ends_with(ending)) {
+        Some((ending, si)) => (key.trim_end_matches(ending), si),
+        None if key.ends_with("bytes_exchanged") => (key, "byte"),
+        None => (key, "-"),
+    }
+}
+
+/// The unit that suits a value of this key of the summary.
+#[must_use]
+pub fn of_key(key: &str, value: f64) -> Scale {
+    Scale::of(stem_and_unit(key).1, value)
+}
+
 /// A number to `digits` significant digits, with a true minus sign; powers of ten where it is very
 /// large or small.
 #[must_use]

@@ -1,6 +1,7 @@
 //! The summary as a person reads it.
 
 use crate::plan::show::{bytes, seconds};
+use crate::report::unit::number;
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -62,6 +63,7 @@ pub fn text(summary: &Value, title: Option<&str>) -> String {
             of("/coupling/energy_imbalance").map(imbalance),
         ],
     );
+    line(&mut out, "accuracy", &accuracy(summary));
     line(&mut out, "cost", &cost(summary));
     out
 }
@@ -72,6 +74,24 @@ fn imbalance(value: f64) -> String {
     } else {
         format!("heat imbalance {value:.1e}")
     }
+}
+
+/// What a run with a target of accuracy states of its error.
+fn accuracy(summary: &Value) -> Vec<Option<String>> {
+    let Some(section) = summary.get("accuracy") else { return Vec::new() };
+    let of = |key: &str| section.get(key).and_then(Value::as_f64);
+    let percent = |key: &str| of(key).map(|error| format!("{} %", number(100.0 * error, 2)));
+    let word = |key: &str| section.get(key).and_then(Value::as_str).map(str::to_owned);
+    let value = of("value").map(|value| number(value, 5)).unwrap_or_default();
+    vec![
+        word("quantity").map(|key| format!("{key} {value}")),
+        percent("estimated_error").map(|error| format!("± {error}")),
+        percent("target").map(|error| format!("of {error} asked for")),
+        percent("grid_error").map(|error| format!("grid {error}")),
+        percent("model_error").map(|error| format!("models {error}")),
+        of("extrapolated").map(|value| format!("extrapolated {}", number(value, 5))),
+        word("models"),
+    ]
 }
 
 fn cost(summary: &Value) -> Vec<Option<String>> {

@@ -22,22 +22,24 @@ pub struct Level {
 }
 
 impl Level {
-    fn of(planned: &Planned, variant: Variant) -> Self {
-        let active = |name: &str| planned.plan.effects.iter().any(|e| e.active && e.name == name);
-        let mut level =
-            Self { models: Vec::new(), refinements: Vec::new(), left_out: Vec::new(), variant };
-        for participant in &planned.plan.participants {
-            let name = &participant.configuration.model;
-            level.models.push((participant.role.clone(), name.clone()));
+    /// The level of these models, with the effects that are active in a plan of the case.
+    fn of(standing: &Planned, models: Vec<(String, String)>, base: &Variant) -> Self {
+        let plan = &standing.plan;
+        let active = |name: &str| plan.effects.iter().any(|e| e.active && e.name == name);
+        let with =
+            |v: Variant, (role, model): &(String, String)| v.with(&format!("{role}.model"), model);
+        let variant = models.iter().fold(base.clone(), with);
+        let (mut refinements, mut left_out) = (Vec::<Refinement>::new(), Vec::new());
+        for (participant, (_, name)) in plan.participants.iter().zip(&models) {
             let models = &participant.description.models;
             let Some(model) = models.iter().find(|model| model.name == *name) else { continue };
             let counts = model.accuracy.simplifications.iter().filter(|one| one.applies(&active));
-            level.left_out.extend(counts.cloned());
-            let known = |key: &str| level.refinements.iter().any(|other| other.key == key);
+            left_out.extend(counts.cloned());
+            let known = |key: &str| refinements.iter().any(|other| other.key == key);
             let refinement = model.accuracy.refinement.iter().find(|one| !known(&one.key));
-            level.refinements.extend(refinement.cloned());
+            refinements.extend(refinement.cloned());
         }
-        level
+        Self { models, refinements, left_out, variant }
     }
 
     /// The models, in one word.
@@ -101,21 +103,21 @@ pub struct Offer {
 /// What is wrong with the case as it stands.
 pub fn offered(case: &Path, base: &Variant) -> Result<Offer, RunError> {
     let mut offer = Offer { levels: Vec::new(), refused: Vec::new() };
-    let standing = planned(case, base)?;
-    for choice in choices(&standing) {
-        let with =
-            |v: Variant, (role, model): &(String, String)| v.with(&format!("{role}.model"), model);
-        let variant = choice.iter().fold(base.clone(), with);
-        match planned(case, &variant) {
-            Ok(planned) => offer.levels.push(Level::of(&planned, variant)),
+    for level in all(&planned(case, base)?, base) {
+        match planned(case, &level.variant) {
+            Ok(_) => offer.levels.push(level),
             Err(error) if ends_study(&error) => return Err(error),
-            Err(error) => {
-                let names: Vec<&str> = choice.iter().map(|(_, model)| model.as_str()).collect();
-                offer.refused.push((names.join(" + "), reason(&error)));
-            }
+            Err(error) => offer.refused.push((level.name(), reason(&error))),
         }
     }
     Ok(offer)
+}
+
+/// Every choice of models that the programs of a planned case describe, whether it can run the case or
+/// not; cheapest first.
+#[must_use]
+pub fn all(standing: &Planned, base: &Variant) -> Vec<Level> {
+    choices(standing).into_iter().map(|models| Level::of(standing, models, base)).collect()
 }
 
 /// The product of all participants' models.

@@ -28,20 +28,33 @@ pub struct Quantity {
 
 /// The quantities that a study reports where a summary has them; the first is what a target of
 /// accuracy means, if nothing else is named.
-const INTEREST: [(&str, &str, Measure); 12] = [
+const INTEREST: [(&str, &str, Measure); 11] = [
     ("temperature.rail.max_rise_k", "rail rise", Measure::Relative),
-    ("temperature.rail.x_over_a", "its place x/a", Measure::Absolute),
+    ("temperature.rail.x_over_a", "place x/a", Measure::Absolute),
     ("temperature.rail.penetration_depth_m", "depth to 1/e", Measure::Relative),
-    ("temperature.wheel.max_rise_k", "wheel rise", Measure::Relative),
     ("contact.max_pressure_pa", "max pressure", Measure::Relative),
-    ("contact.creepage_xi", "creepage xi", Measure::Relative),
-    ("contact.creep_force_x_n", "creep force x", Measure::Relative),
-    ("contact.creep_force_y_n", "creep force y", Measure::Relative),
+    ("contact.creepage_xi", "creepage", Measure::Relative),
     ("contact.friction_power_w", "friction power", Measure::Relative),
+    ("coupling.energy_imbalance", "heat imbalance", Measure::Itself),
+    ("temperature.wheel.max_rise_k", "wheel rise", Measure::Relative),
+    ("contact.creep_force_x_n", "creep force x", Measure::Relative),
     ("contact.slip_area_ratio", "slip area", Measure::Absolute),
     ("contact.approach_m", "approach", Measure::Relative),
-    ("coupling.energy_imbalance", "heat imbalance", Measure::Itself),
 ];
+
+/// Sections of a summary that are about the run and not about the contact.
+const NOT_PHYSICAL: [&str; 4] = ["schema", "coupling", "cost", "accuracy"];
+
+/// The dotted keys of all figures of a section.
+fn figures(value: &Value, path: &str, keys: &mut Vec<String>) {
+    match value {
+        Value::Number(_) => keys.push(path.to_owned()),
+        Value::Object(entries) => {
+            entries.iter().for_each(|(key, value)| figures(value, &format!("{path}.{key}"), keys));
+        }
+        _ => {}
+    }
+}
 
 impl Quantity {
     /// The quantities of interest.
@@ -62,6 +75,21 @@ impl Quantity {
         let name = || crate::report::unit::words(key.rsplit('.').next().unwrap_or(key));
         let other = || Self { key: key.to_owned(), name: name(), measure: Measure::Relative };
         known.unwrap_or_else(other)
+    }
+
+    /// The quantities of interest, and every other figure of the participants' sections, of a summary.
+    #[must_use]
+    pub fn all(summary: &Value) -> Vec<Self> {
+        let mut keys = Vec::new();
+        for section in summary.as_object().into_iter().flatten() {
+            if !NOT_PHYSICAL.contains(&section.0.as_str()) {
+                figures(section.1, section.0, &mut keys);
+            }
+        }
+        let mut all = Self::of_interest();
+        keys.retain(|key| all.iter().all(|known| known.key != *key));
+        all.extend(keys.iter().map(|key| Self::of(key)));
+        all
     }
 
     /// Its value in a summary.

@@ -51,6 +51,24 @@ fn fields_and_models_that_are_named_exist() {
     }
 }
 
+/// What a model says of its errors: a key that it reads, effects that there are, a source.
+#[test]
+fn every_model_says_how_accurate_it_is() {
+    let description = description();
+    assert_eq!(description.check(), Ok(()));
+    let effects: BTreeSet<_> = description.effects.iter().map(|effect| &effect.name).collect();
+    for model in &description.models {
+        let refinement = model.accuracy.refinement.as_ref().expect("each has a grid");
+        let keys = description.keys.iter().chain(&model.keys);
+        assert!(keys.into_iter().any(|key| key.path == refinement.key), "{}", model.name);
+        assert!(!refinement.source.is_empty());
+        for one in &model.accuracy.simplifications {
+            assert!(one.with_effects.iter().all(|effect| effects.contains(effect)));
+            assert!(!one.what.is_empty() && !one.source.is_empty());
+        }
+    }
+}
+
 /// Every model with every effect: accepted exactly when the effect says that it supports the model,
 /// and then every field that both promise is laid out.
 #[test]

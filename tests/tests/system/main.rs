@@ -5,9 +5,12 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
 
+mod ablate;
+mod accuracy;
 mod bad_cases;
 mod c_interface;
 mod conform;
+mod cost;
 mod crowd;
 mod exchange;
 mod faults;

@@ -3,7 +3,7 @@
 use crate::report::page::{Block, Headline, Section};
 use crate::report::source::Results;
 use crate::report::table::Table;
-use crate::report::unit::{Scale, number, words};
+use crate::report::unit::{Scale, number, stem_and_unit, words};
 use serde_json::Value;
 
 /// Contact, friction, temperature and energy at a glance.
@@ -93,22 +93,6 @@ fn coupling(results: &Results) -> Vec<Headline> {
     [balance, iterations, wall].into_iter().flatten().collect()
 }
 
-/// Units by the endings of keys, the longest endings first.
-const UNITS: [(&str, &str); 12] = [
-    ("_m_per_s", "m/s"),
-    ("_per_m", "1/m"),
-    ("_bytes", "byte"),
-    ("_pa", "Pa"),
-    ("_nm", "Nm"),
-    ("_m2", "m2"),
-    ("_m", "m"),
-    ("_n", "N"),
-    ("_k", "K"),
-    ("_w", "W"),
-    ("_j", "J"),
-    ("_s", "s"),
-];
-
 /// Every figure of the summary, as it stands there and with a unit.
 pub(super) fn everything(results: &Results) -> Option<Section> {
     let mut table = Table::new(["figure", "value", "in summary.json"], 1);
@@ -131,12 +115,7 @@ fn list(value: &Value, path: &str, table: &mut Table) {
         }
         Value::Number(raw) => {
             let value = raw.as_f64().unwrap_or(f64::NAN);
-            let unit = UNITS.iter().find(|(ending, _)| path.ends_with(ending));
-            let (stem, si) = match unit {
-                Some((ending, si)) => (path.trim_end_matches(ending), *si),
-                None if path.ends_with("bytes_exchanged") => (path, "byte"),
-                None => (path, "-"),
-            };
+            let (stem, si) = stem_and_unit(path);
             let name = words(stem).replace('.', " · ");
             table.row([name, Scale::of(si, value).show(value, 6), raw.to_string()]);
         }

@@ -1,0 +1,73 @@
+//! The study as a page.
+
+use super::show::{quantities, row};
+use super::{FILE, Study};
+use crate::error::{RunError, file_failure};
+use crate::report::bars::Bars;
+use crate::report::page::{Block, Mood, Page, Section};
+use crate::report::table::Table;
+use std::path::Path;
+
+/// The page about the study in a folder.
+///
+/// # Errors
+/// A file that cannot be read, or holds no study of this version.
+pub fn page(folder: &Path) -> Result<Page, RunError> {
+    let path = folder.join(FILE);
+    let text = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+    let study: Study = serde_json::from_slice(&text).map_err(|fault| {
+        let fix = "make it anew with `coordinator ablate`";
+        RunError::Usage(format!("{} holds no study: {fault}; {fix}", path.display()))
+    })?;
+    Ok(of(&study))
+}
+
+fn of(study: &Study) -> Page {
+    let failed = study.without.iter().any(|run| run.failed.is_some());
+    let sections = [changes(study), Section::of("Runs", vec![Block::Table(runs(study))])];
+    Page {
+        name: format!("Effects of {}", study.case),
+        title: study.title.clone().unwrap_or_default(),
+        status: format!("{} effects", study.without.len()),
+        mood: if failed { Mood::Open } else { Mood::Good },
+        reason: format!("each switched off in turn in `{}`", study.file),
+        sections: sections.into_iter().flatten().collect(),
+    }
+}
+
+/// For each figure the change that every effect makes, and the time it takes.
+fn changes(study: &Study) -> Option<Section> {
+    let whole = study.whole.cost.solve_s;
+    let change_of = |key: &str| {
+        let change = |run: &super::Run| Some((run.effect.clone(), 100.0 * run.changes.get(key)?));
+        study.without.iter().filter_map(change).collect::<Vec<_>>()
+    };
+    let figures = quantities(study).map(|one| Bars {
+        title: format!("{} without an effect", one.name),
+        label: "change [%]".to_owned(),
+        bars: change_of(&one.key),
+    });
+    let made = study.without.iter().filter(|run| run.failed.is_none());
+    let time = |run: &super::Run| (run.effect.clone(), 100.0 * (run.cost.solve_s - whole) / whole);
+    let times = Bars {
+        title: "time without an effect".to_owned(),
+        label: "change of the time in solvers and coupling [%]".to_owned(),
+        bars: made.map(time).collect(),
+    };
+    let all = figures.chain([times]).filter(|bars| !bars.bars.is_empty());
+    Section::of("What each effect changes", all.map(Block::Bars).collect())
+}
+
+fn runs(study: &Study) -> Table {
+    let mut head = vec!["run".to_owned()];
+    head.extend(quantities(study).map(|one| one.name));
+    head.extend(["solve", "of the whole", "iterations"].map(str::to_owned));
+    let width = head.len();
+    let all = std::iter::once(&study.whole).chain(&study.without);
+    let padded = |run| {
+        let mut cells = row(study, run);
+        cells.resize(width, String::new());
+        cells
+    };
+    Table { rows: all.map(padded).collect(), head, figures_from: 1 }
+}

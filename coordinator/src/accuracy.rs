@@ -1,0 +1,312 @@
+//! `run --accuracy 1%`: the cheapest models and resolution expected to meet a target, with the error
+//! that their grids show.
+//!
+//! 1. **Models.** Of all choices of models that can run the case those count whose expected errors
+//!    ([`proto::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
+//! 2. **Pilot.** It runs on its two coarsest grids, and the two tell the error
+//!    ([`crate::study::richardson`]). If it is within the target, the second is the answer.
+//! 3. **Answer.** If not, they tell how fine the grid has to be. It runs on that one and on the one
+//!    before. If the error still misses the target, the grid is refined once more.
+//!
+//! The error that is stated is that of the grid, with its factor of safety, and what the models are
+//! expected to err by. A peak that jumps between elements can agree on two grids by chance; so the
+//! error of a temperature is never taken below that of the power that heats. In a transient case
+//! windows are shortened and lengthened along with the grid.
+
+mod choice;
+mod section;
+mod target;
+
+pub use section::Stated;
+pub use target::Target;
+
+use crate::error::RunError;
+use crate::study::levels::Level;
+use crate::study::quantity::Quantity;
+use crate::study::richardson::{Estimate, Sample};
+use crate::study::{Variant, planned, run};
+use choice::Choice;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The longest windows that a pilot takes, as a power of two of the case's own.
+const LONGEST_WINDOW: i32 = -2;
+/// Order of the error in the length of a window.
+const WINDOW_ORDER: f64 = 1.0;
+
+/// The pilot's grid is refined, and the answer's once.
+const MOST_REFINEMENTS: u32 = 2;
+
+/// One run of a search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// The resolution: the place among those of the level, coarsest first.
+    pub step: usize,
+    /// Values of the quantity and of what drives it.
+    values: Vec<Option<f64>>,
+    /// Seconds that it took.
+    pub wall_s: f64,
+}
+
+/// What to do after a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The estimated error is within the target.
+    Met,
+    /// It is not; a finer run is next.
+    Refine,
+    /// It is not, and nothing finer is left to try.
+    Missed,
+}
+
+/// The search for the cheapest run that meets a target.
+#[derive(Debug)]
+pub struct Search {
+    case: PathBuf,
+    target: Target,
+    /// The quantity of the target, and what drives it.
+    quantities: Vec<Quantity>,
+    level: Level,
+    /// Length of a window at the resolution `step` \[s\]; `None` for a steady case.
+    window: Option<(f64, usize)>,
+    step: usize,
+    trials: Vec<Trial>,
+    /// Answers that have been refined: the pilot's, and the one after.
+    refinements: u32,
+}
+
+impl Search {
+    /// Chooses the models, and runs the coarser half of the pilot.
+    ///
+    /// # Errors
+    /// A case that cannot run, a figure that no run has, a pilot that fails.
+    pub fn begin(case: &Path, base: &Variant, target: Target) -> Result<Self, RunError> {
+        let standing = planned(case, base)?;
+        let Choice { level, step } = choice::choose(case, base, &standing, &target)?;
+        let window = choice::window(&standing.plan).map(|window| (window, step));
+        let mut search = Self {
+            case: case.to_owned(),
+            quantities: Vec::new(),
+            target,
+            level,
+            window,
+            step,
+            trials: Vec::new(),
+            refinements: 0,
+        };
+        if search.level.steps() > 1 {
+            search.try_out(0)?;
+            search.step = 1;
+        }
+        Ok(search)
+    }
+
+    /// The case of the next run.
+    #[must_use]
+    pub fn variant(&self) -> Variant {
+        self.at(self.step)
+    }
+
+    fn at(&self, step: usize) -> Variant {
+        let variant = self.level.at(step);
+        match self.window {
+            None => variant,
+            Some((window, own)) => {
+                let finer = 2f64.powi((step as i32 - own as i32).max(LONGEST_WINDOW));
+                variant.with("time.window", format!("{:e}", window / finer))
+            }
+        }
+    }
+
+    /// Runs at a resolution, for its figures alone.
+    fn try_out(&mut self, step: usize) -> Result<(), RunError> {
+        let begun = Instant::now();
+        let folder = tempfile::tempdir()
+            .map_err(|error| crate::error::file_failure(&std::env::temp_dir(), &error))?;
+        let variant = self.at(step).with("output.fields", "none");
+        let summary = run(&self.case, &variant, folder.path())?;
+        self.note(step, &summary, begun.elapsed().as_secs_f64())
+    }
+
+    fn note(&mut self, step: usize, summary: &Value, wall_s: f64) -> Result<(), RunError> {
+        if self.quantities.is_empty() {
+            self.quantities = self.target.quantities(summary)?;
+        }
+        let values = self.quantities.iter().map(|one| one.value(summary)).collect();
+        self.trials.retain(|trial| trial.step != step);
+        self.trials.push(Trial { step, values, wall_s });
+        self.trials.sort_by_key(|trial| trial.step);
+        Ok(())
+    }
+
+    /// The coarsest step from one on, whose grid errs like this, at which the error is expected within the target.
+    fn needed(&self, grid_error: f64, at: usize) -> usize {
+        let room = self.target.relative - self.level.model_error();
+        let order = self.order().unwrap_or(1.0);
+        let fineness = |step: usize| self.fineness(step);
+        let expected = |step: usize| grid_error * (fineness(at) / fineness(step)).powf(order);
+        (at..self.level.steps())
+            .find(|step| expected(*step) <= room)
+            .unwrap_or(self.level.steps() - 1)
+    }
+
+    /// The order with which the error falls when grid and windows are refined together.
+    fn order(&self) -> Option<f64> {
+        let windows = self.window.map_or(f64::INFINITY, |_| WINDOW_ORDER);
+        self.level.order().map(|order| order.min(windows))
+    }
+
+    fn fineness(&self, step: usize) -> f64 {
+        self.level.keys_at(step).next().map_or(1.0, |(_, level)| f64::from(level))
+    }
+
+    /// Estimated relative error of the finest grid so far; `None` with fewer than two.
+    fn grid_error(&self) -> Option<f64> {
+        let errors = (0..self.quantities.len()).filter_map(|index| {
+            let estimate = self.estimate(index)?;
+            let value = self.trials.last()?.values[index]?;
+            Some(if estimate.error == 0.0 { 0.0 } else { (estimate.error / value).abs() })
+        });
+        errors.max_by(f64::total_cmp)
+    }
+
+    /// What the grids say of a quantity.
+    fn estimate(&self, index: usize) -> Option<Estimate> {
+        let sample = |trial: &Trial| {
+            Some(Sample { level: self.fineness(trial.step), value: trial.values[index]? })
+        };
+        let samples: Vec<Sample> = self.trials.iter().filter_map(sample).collect();
+        Estimate::of(&samples, self.order()?)
+    }
+
+    /// Takes the summary of the run of [`Search::variant`], adds what is known of its error to it, and
+    /// says what is next.
+    ///
+    /// # Errors
+    /// A summary without the figure.
+    pub fn judge(&mut self, summary: &mut Value, wall_s: f64) -> Result<Verdict, RunError> {
+        self.note(self.step, summary, wall_s)?;
+        let stated = self.stated();
+        summary["accuracy"] = serde_json::to_value(&stated).expect("what is stated is plain data");
+        if stated.met {
+            return Ok(Verdict::Met);
+        }
+        if self.refinements == MOST_REFINEMENTS || self.step + 1 >= self.level.steps() {
+            return Ok(Verdict::Missed);
+        }
+        let before = self.step;
+        self.step = self.needed(stated.grid_error, before).max(before + 1);
+        // The one before tells the error better than a much coarser one.
+        if self.refinements == 0 && self.step > before + 1 {
+            self.try_out(self.step - 1)?;
+        }
+        self.refinements += 1;
+        Ok(Verdict::Refine)
+    }
+
+    /// The error of an answer that misses the target.
+    #[must_use]
+    pub fn missed(&self) -> RunError {
+        let Stated { quantity, estimated_error, target, extrapolated, .. } = self.stated();
+        let near = extrapolated.map(|value| format!(", or take the extrapolated {value:.6e}"));
+        RunError::Inaccurate {
+            quantity,
+            estimated: estimated_error,
+            target,
+            fix: format!(
+                "ask for less, or set a finer resolution in the case{}",
+                near.unwrap_or_default()
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proto::accuracy::{Refinement, Simplification};
+    use serde_json::json;
+
+    const RISE: &str = "temperature.rail.max_rise_k";
+    const POWER: &str = "contact.friction_power_w";
+
+    /// A search on grids of 5, 10 and 20 elements of which the coarsest has run.
+    fn search(target: f64, order: f64, rise: f64, power: f64) -> Search {
+        let refinement = Refinement {
+            key: "mech.resolution".to_owned(),
+            levels: vec![5, 10, 20],
+            order,
+            error: 0.1,
+            source: "a study".to_owned(),
+        };
+        let level = Level {
+            models: vec![("mech".to_owned(), "fine".to_owned())],
+            refinements: vec![refinement],
+            left_out: vec![Simplification::always("something", 0.001, "a study")],
+            variant: Variant::default(),
+        };
+        let values = vec![Some(rise), Some(power)];
+        Search {
+            case: PathBuf::new(),
+            target: Target { relative: target, quantity: None },
+            quantities: [RISE, POWER].map(Quantity::of).to_vec(),
+            level,
+            window: None,
+            step: 1,
+            trials: vec![Trial { step: 0, values, wall_s: 0.1 }],
+            refinements: 0,
+        }
+    }
+
+    fn summary(rise: f64, power: f64) -> Value {
+        json!({"temperature": {"rail": {"max_rise_k": rise}}, "contact": {"friction_power_w": power}})
+    }
+
+    #[test]
+    fn an_answer_within_the_target_ends_the_search() {
+        let mut search = search(0.05, 1.0, 102.0, 102.0);
+        let mut summary = summary(100.0, 100.0);
+        assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Verdict::Met);
+        // The limit is 98; one and a half times 2 %, and what the models leave out.
+        let stated = summary["accuracy"]["estimated_error"].as_f64().unwrap();
+        assert!((stated - 0.031).abs() < 1e-12, "{stated}");
+        assert!((summary["accuracy"]["extrapolated"].as_f64().unwrap() - 98.0).abs() < 1e-9);
+    }
+
+    /// Two grids agree on a peak by chance, but not on the power.
+    #[test]
+    fn a_temperature_is_no_better_known_than_its_heat() {
+        let mut search = search(0.05, 1.0, 100.0, 110.0);
+        let mut summary = summary(100.0, 100.0);
+        assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Verdict::Refine);
+        assert!((summary["accuracy"]["grid_error"].as_f64().unwrap() - 0.15).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_last_grid_meets_the_target_or_misses_it() {
+        let mut met = search(0.02, 1.0, 104.0, 104.0);
+        assert_eq!(met.judge(&mut summary(102.0, 102.0), 0.2).unwrap(), Verdict::Refine);
+        assert_eq!(met.variant().set, ["mech.resolution=20"]);
+        assert_eq!(met.judge(&mut summary(101.0, 101.0), 0.4).unwrap(), Verdict::Met);
+        let mut missed = search(0.02, 1.0, 120.0, 120.0);
+        assert_eq!(missed.judge(&mut summary(110.0, 110.0), 0.2).unwrap(), Verdict::Refine);
+        assert_eq!(missed.judge(&mut summary(105.0, 105.0), 0.4).unwrap(), Verdict::Missed);
+        let error = missed.missed();
+        assert_eq!(error.exit_code(), 3);
+        let text = error.to_string();
+        assert!(
+            text.contains("2 % was asked for") && text.contains("extrapolated 1.000000e2"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn windows_shorten_with_the_grid() {
+        let mut search = search(0.02, 2.0, 1.0, 1.0);
+        search.window = Some((1e-3, 1));
+        assert_eq!(search.at(2).set, ["mech.resolution=20", "time.window=5e-4"]);
+        assert_eq!(search.at(0).set, ["mech.resolution=5", "time.window=2e-3"]);
+        assert_eq!(search.order(), Some(WINDOW_ORDER));
+    }
+}

@@ -1,0 +1,74 @@
+//! Which models are cheapest, of those that can meet a target.
+
+use super::Target;
+use crate::error::RunError;
+use crate::plan::{Plan, Planned};
+use crate::study::levels::{Level, all, reason};
+use crate::study::{Variant, ends_study, expected_seconds, planned};
+use crate::windows::Windows;
+use std::path::Path;
+
+/// The models, and the coarsest resolution at which they expect to meet the target.
+pub(super) struct Choice {
+    pub(super) level: Level,
+    pub(super) step: usize,
+}
+
+/// Chooses among all models that can run the case.
+pub(super) fn choose(
+    case: &Path,
+    base: &Variant,
+    standing: &Planned,
+    target: &Target,
+) -> Result<Choice, RunError> {
+    let mut best: Option<(f64, Choice)> = None;
+    let mut refused = Vec::new();
+    for level in all(standing, base) {
+        let Some(step) = coarsest(&level, target) else { continue };
+        match planned(case, &level.at(step)) {
+            Ok(planned) => {
+                let seconds = expected_seconds(&planned.plan);
+                if best.as_ref().is_none_or(|(least, _)| seconds < *least) {
+                    best = Some((seconds, Choice { level, step }));
+                }
+            }
+            Err(error) if ends_study(&error) => return Err(error),
+            Err(error) => refused.push(format!("{}: {}", level.name(), reason(&error))),
+        }
+    }
+    best.map(|(_, choice)| choice).ok_or_else(|| none(standing, base, target, &refused))
+}
+
+/// The coarsest resolution, but for the very first, that leaves another to compare with, at which a
+/// level expects to meet the target.
+fn coarsest(level: &Level, target: &Target) -> Option<usize> {
+    let first = usize::from(level.steps() > 1);
+    let meets = |step: &usize| level.model_error() + level.grid_error(*step) <= target.relative;
+    (first..level.steps()).find(meets)
+}
+
+fn none(standing: &Planned, base: &Variant, target: &Target, refused: &[String]) -> RunError {
+    let expected =
+        |level: &Level| level.model_error() + level.grid_error(level.steps().saturating_sub(1));
+    let levels = all(standing, base);
+    let best = levels.iter().map(|level| (expected(level), level.name()));
+    let best = best.min_by(|a, b| a.0.total_cmp(&b.0));
+    let (error, name) = best.unwrap_or((f64::NAN, "no model".to_owned()));
+    let mut text = format!(
+        "no models are expected to meet {} %; the best, {name}, expect {:.2} %",
+        100.0 * target.relative,
+        100.0 * error
+    );
+    for one in refused {
+        text += &format!("; {one}");
+    }
+    RunError::Usage(text + "; ask for less, or choose models and resolution in the case")
+}
+
+/// Length of the windows of a transient case \[s\].
+pub(super) fn window(plan: &Plan) -> Option<f64> {
+    match plan.windows {
+        Windows::Fixed { window, .. } => Some(window),
+        Windows::Steady | Windows::Adaptive { .. } => None,
+    }
+}

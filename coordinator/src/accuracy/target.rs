@@ -1,0 +1,92 @@
+//! What is asked for: an error, of a figure.
+
+use crate::error::RunError;
+use crate::study::quantity::Quantity;
+use serde_json::Value;
+
+/// What drives the figures of a section: an error there is an error here.
+const DRIVERS: [(&str, &str); 1] = [("temperature.", "contact.friction_power_w")];
+
+/// A target of accuracy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// Largest relative error.
+    pub relative: f64,
+    /// Key of the figure in the summary; `None` for the first of interest that the summary has.
+    pub quantity: Option<String>,
+}
+
+impl Target {
+    /// Reads `1%` or `0.01`.
+    ///
+    /// # Errors
+    /// Says what is wrong with the text.
+    pub fn read_error(text: &str) -> Result<f64, String> {
+        let (number, unit) = match text.trim().strip_suffix('%') {
+            Some(number) => (number, 0.01),
+            None => (text, 1.0),
+        };
+        let error = number.trim().parse::<f64>().ok().map(|number| number * unit);
+        error
+            .filter(|error| *error > 0.0 && *error < 1.0)
+            .ok_or_else(|| format!("`{text}` is no error; write 1% or 0.01"))
+    }
+
+    /// The figure, and what drives it.
+    ///
+    /// # Errors
+    /// A summary that does not have the figure.
+    pub(super) fn quantities(&self, summary: &Value) -> Result<Vec<Quantity>, RunError> {
+        let there = |quantity: &Quantity| quantity.value(summary).is_some();
+        let first = match &self.quantity {
+            Some(key) => Some(Quantity::of(key)),
+            None => Quantity::of_interest().into_iter().find(there),
+        };
+        let first = first.filter(there).ok_or_else(|| {
+            let keys: Vec<String> =
+                Quantity::all(summary).into_iter().filter(there).map(|one| one.key).collect();
+            let asked = self.quantity.as_deref().unwrap_or("a figure of interest");
+            RunError::Usage(format!(
+                "the run has no `{asked}`; name one with --quantity: {}",
+                keys.join(", ")
+            ))
+        })?;
+        let drives = |(section, _): &&(&str, &str)| first.key.starts_with(section);
+        let drivers = DRIVERS.iter().filter(drives).map(|(_, key)| Quantity::of(key)).filter(there);
+        let drivers: Vec<Quantity> = drivers.collect();
+        Ok(std::iter::once(first).chain(drivers).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn errors_are_read_in_per_cent_or_as_they_are() {
+        assert!((Target::read_error("1%").unwrap() - 0.01).abs() < 1e-15);
+        assert!((Target::read_error(" 0.2 % ").unwrap() - 0.002).abs() < 1e-15);
+        assert_eq!(Target::read_error("0.05"), Ok(0.05));
+        for wrong in ["", "%", "0", "-1%", "100%", "nan", "one"] {
+            assert!(Target::read_error(wrong).unwrap_err().contains("write 1% or 0.01"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_temperature_is_watched_with_the_power_that_heats() {
+        let summary = json!({
+            "temperature": {"rail": {"max_rise_k": 1.0}},
+            "contact": {"friction_power_w": 2.0, "max_pressure_pa": 3.0},
+        });
+        let keys = |quantity: Option<&str>| -> Result<Vec<String>, RunError> {
+            let target = Target { relative: 0.01, quantity: quantity.map(str::to_owned) };
+            Ok(target.quantities(&summary)?.into_iter().map(|one| one.key).collect())
+        };
+        let both = ["temperature.rail.max_rise_k", "contact.friction_power_w"];
+        assert_eq!(keys(None).unwrap(), both);
+        assert_eq!(keys(Some("contact.max_pressure_pa")).unwrap(), ["contact.max_pressure_pa"]);
+        let refused = keys(Some("contact.area")).unwrap_err().to_string();
+        assert!(refused.contains("no `contact.area`") && refused.contains("max_pressure_pa"));
+    }
+}

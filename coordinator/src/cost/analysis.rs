@@ -1,0 +1,267 @@
+//! From runs to errors: references, orders of convergence, the Pareto front and what to pick.
+
+use super::sweep::{Sweep, WINDOW};
+use super::{Compared, LevelSeen, Pick, Reference, Request, Run, Shows, Study};
+use crate::error::RunError;
+use crate::study::axis::Axis;
+use crate::study::levels::Level;
+use crate::study::quantity::{Measure, Quantity};
+use crate::study::richardson::{Estimate, Sample};
+use std::collections::BTreeMap;
+
+/// The targets for which a study names a run.
+const TARGETS: [f64; 3] = [0.1, 0.01, 0.001];
+/// Order with which the error of a window of this length falls: its power density is constant.
+const WINDOW_ORDER: f64 = 1.0;
+
+/// Compares the runs of a sweep.
+pub(super) fn study(request: &Request, sweep: Sweep) -> Result<Study, RunError> {
+    let quantities = quantities(request, &sweep)?;
+    let compared: Vec<Compared> =
+        quantities.iter().map(|one| compared(one, request, &sweep)).collect();
+    let mut study = Study {
+        schema: super::SCHEMA,
+        case: sweep.name.clone(),
+        title: sweep.title.clone(),
+        file: request.case.display().to_string(),
+        options: request.base.options(),
+        levels: Vec::new(),
+        refused: sweep.refused.clone(),
+        left_out: sweep.left_out.clone(),
+        runs: sweep.runs.clone(),
+        picks: Vec::new(),
+        quantities: compared,
+    };
+    for run in &mut study.runs {
+        run.compare(&study.quantities);
+    }
+    study.levels = (0..sweep.levels.len()).map(|level| seen(level, &sweep, &study)).collect();
+    mark_front(&mut study);
+    study.picks = TARGETS.iter().map(|target| study.pick(*target)).collect();
+    Ok(study)
+}
+
+/// Values that agree to this are prescribed, not computed; there is nothing to compare.
+const PRESCRIBED: f64 = 1e-5;
+
+/// All runs have the same value.
+fn is_prescribed(key: &str, runs: &[Run]) -> bool {
+    let values = || runs.iter().filter_map(|run| run.values.get(key).copied());
+    let [low, high] =
+        [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
+    high - low <= PRESCRIBED * low.abs().max(high.abs())
+}
+
+/// The figures that the runs have, the one that ranks them first.
+fn quantities(request: &Request, sweep: &Sweep) -> Result<Vec<Quantity>, RunError> {
+    let Sweep { runs, closed_forms, .. } = sweep;
+    let there = |key: &str| runs.iter().any(|run| run.values.contains_key(key));
+    let mut all: Vec<Quantity> =
+        Quantity::of_interest().into_iter().filter(|one| there(&one.key)).collect();
+    let kept = |one: &Quantity| one.measure == Measure::Itself || !is_prescribed(&one.key, runs);
+    if runs.len() > 1 {
+        all.retain(|one| kept(one) || closed_forms.contains_key(&one.key));
+    }
+    if let Some(key) = &request.quantity {
+        if !there(key) {
+            let keys: Vec<&str> = all.iter().map(|one| one.key.as_str()).collect();
+            let fix = format!("name one of {}", keys.join(", "));
+            return Err(RunError::Usage(format!("no run has the figure `{key}`; {fix}")));
+        }
+        all.retain(|one| one.key != *key);
+        all.insert(0, Quantity::of(key));
+    }
+    match all.is_empty() {
+        false => Ok(all),
+        true => {
+            let told = runs.iter().find_map(|run| run.failed.as_deref()).unwrap_or("none was made");
+            Err(RunError::Usage(format!("no run gave a figure to compare: {told}")))
+        }
+    }
+}
+
+fn compared(quantity: &Quantity, request: &Request, sweep: &Sweep) -> Compared {
+    let Quantity { key, name, measure } = quantity.clone();
+    let exact =
+        |value: f64, source: &str| Reference { value, uncertainty: 0.0, source: source.to_owned() };
+    let given = request.references.iter().find(|(known, _)| *known == key);
+    let given = given.map(|(_, value)| exact(*value, "given"));
+    let closed = || sweep.closed_forms.get(&key).map(|value| exact(*value, "closed form"));
+    let reference = match measure {
+        Measure::Itself => None,
+        Measure::Relative | Measure::Absolute => {
+            given.or_else(closed).or_else(|| extrapolated(quantity, sweep))
+        }
+    };
+    Compared { key, name, measure, reference }
+}
+
+/// The most faithful level's finest runs, extrapolated along every axis that has an order.
+fn extrapolated(quantity: &Quantity, sweep: &Sweep) -> Option<Reference> {
+    let ran = |level: &usize| sweep.finest(*level, &quantity.key).is_some();
+    let error = |level: &usize| sweep.levels[*level].model_error();
+    // Of equally faithful levels the last, dearest one.
+    let levels = (0..sweep.levels.len()).rev().filter(ran);
+    let level = levels.min_by(|a, b| error(a).total_cmp(&error(b)))?;
+    let finest = sweep.finest(level, &quantity.key)?;
+    let value = finest.values[&quantity.key];
+    let estimates = sweep.estimates(level, finest, &quantity.key);
+    let limit = estimates.iter().fold(value, |limit, one| limit + (one.limit - value));
+    let error: f64 = estimates.iter().map(|one| one.error).sum();
+    let settings: Vec<String> =
+        finest.settings.iter().map(|(key, value)| format!("{key} {value}")).collect();
+    let name = sweep.levels[level].name();
+    let how = if estimates.is_empty() { "the finest run" } else { "extrapolated" };
+    Some(Reference {
+        value: limit,
+        uncertainty: quantity.error(limit + error, limit),
+        source: format!("{name} to {}, {how}", settings.join(", ")),
+    })
+}
+
+impl Sweep {
+    /// The finest run of a level that has a figure: the last one in the order of the sweep.
+    fn finest(&self, level: usize, key: &str) -> Option<&Run> {
+        self.runs.iter().rfind(|run| run.level == level && run.values.contains_key(key))
+    }
+
+    /// What the coarser runs say of the finest one's figure, along resolution and windows.
+    fn estimates(&self, level: usize, finest: &Run, key: &str) -> Vec<Estimate> {
+        let order = self.levels[level].order();
+        let along = order.and_then(|order| Estimate::of(&self.samples(finest, key), order));
+        let window = self.axes.iter().find(|axis| axis.key == WINDOW);
+        let window = window
+            .and_then(|axis| Estimate::of(&self.window_samples(finest, key, axis), WINDOW_ORDER));
+        [along, window].into_iter().flatten().collect()
+    }
+
+    /// A figure of the runs that differ from one by their resolution alone, coarsest first.
+    fn samples(&self, finest: &Run, key: &str) -> Vec<Sample> {
+        let Some(level) = self.levels.get(finest.level) else { return Vec::new() };
+        let others = level.refinements.len();
+        let alike = |run: &&Run| {
+            run.level == finest.level && run.settings[others..] == finest.settings[others..]
+        };
+        let sample = |run: &Run| {
+            let (_, level) = level.keys_at(run.step).next()?;
+            Some(Sample { level: f64::from(level), value: *run.values.get(key)? })
+        };
+        self.runs.iter().filter(alike).filter_map(sample).collect()
+    }
+
+    /// A figure of the runs that differ from one by the length of their windows alone, longest
+    /// first.
+    fn window_samples(&self, finest: &Run, key: &str, axis: &Axis) -> Vec<Sample> {
+        let alike = |run: &&Run| {
+            let same = |(a, b): (&(String, String), &(String, String))| a == b || a.0 == axis.key;
+            run.level == finest.level && run.settings.iter().zip(&finest.settings).all(same)
+        };
+        let sample = |run: &Run| {
+            let (_, window) = run.settings.iter().find(|(key, _)| *key == axis.key)?;
+            let window: f64 = window.parse().ok()?;
+            Some(Sample { level: 1.0 / window, value: *run.values.get(key)? })
+        };
+        let mut samples: Vec<Sample> = self.runs.iter().filter(alike).filter_map(sample).collect();
+        samples.sort_by(|a, b| a.level.total_cmp(&b.level));
+        samples
+    }
+}
+
+impl Run {
+    /// Takes the errors of its figures.
+    fn compare(&mut self, quantities: &[Compared]) {
+        for one in quantities {
+            let reference = one.reference.as_ref().map(|reference| reference.value);
+            let (Some(value), true) =
+                (self.values.get(&one.key), reference.is_some() || one.measure == Measure::Itself)
+            else {
+                continue;
+            };
+            let error = one.quantity().error(*value, reference.unwrap_or(0.0));
+            self.errors.insert(one.key.clone(), error);
+        }
+    }
+}
+
+impl Compared {
+    /// The quantity itself.
+    pub(super) fn quantity(&self) -> Quantity {
+        let Self { key, name, measure, .. } = self.clone();
+        Quantity { key, name, measure }
+    }
+}
+
+/// What the runs of a level show.
+fn seen(number: usize, sweep: &Sweep, study: &Study) -> LevelSeen {
+    let level = &sweep.levels[number];
+    let mut shows = BTreeMap::new();
+    for one in &study.quantities {
+        let Some(reference) = &one.reference else { continue };
+        let Some(finest) = sweep.finest(number, &one.key) else { continue };
+        let samples = sweep.samples(finest, &one.key);
+        let along = level.order().and_then(|order| Estimate::of(&samples, order));
+        let limit = along.map_or_else(|| finest.values.get(&one.key).copied(), |a| Some(a.limit));
+        let error = |limit: f64| one.quantity().error(limit, reference.value);
+        shows.insert(
+            one.key.clone(),
+            Shows {
+                order: along.and_then(|along| along.observed_order),
+                limit,
+                model_error: limit.map(error),
+            },
+        );
+    }
+    let stops_paying = stops_paying(number, level, sweep, study, &shows);
+    LevelSeen { name: level.name(), left_out: level.left_out.clone(), shows, stops_paying }
+}
+
+/// The resolution from which on the error of the grid is below that of the models.
+fn stops_paying(
+    number: usize,
+    level: &Level,
+    sweep: &Sweep,
+    study: &Study,
+    shows: &BTreeMap<String, Shows>,
+) -> Option<String> {
+    let first = study.quantities.first()?;
+    let reference = first.reference.as_ref()?;
+    let Shows { limit, model_error, .. } = shows.get(&first.key)?;
+    let (limit, model_error) = ((*limit)?, (*model_error)?);
+    if model_error <= reference.uncertainty {
+        return None;
+    }
+    let finest = sweep.finest(number, &first.key)?;
+    let samples = sweep.samples(finest, &first.key);
+    let grid_error = |sample: &Sample| first.quantity().error(sample.value, limit);
+    let enough = samples.iter().find(|sample| grid_error(sample) < model_error)?;
+    let key = &level.refinements.first()?.key;
+    Some(format!(
+        "from {key} {} on: there the grid errs by {}, the models by {}",
+        enough.level,
+        super::show::error(first.measure, grid_error(enough)),
+        super::show::error(first.measure, model_error),
+    ))
+}
+
+/// Marks the runs that no other beats in both error and cost.
+fn mark_front(study: &mut Study) {
+    let Some(first) = study.quantities.first().map(|one| one.key.clone()) else { return };
+    let place = |run: &Run| Some((run.cost.solve_s, *run.errors.get(&first)?));
+    let places: Vec<Option<(f64, f64)>> = study.runs.iter().map(place).collect();
+    let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && (a.0 < b.0 || a.1 < b.1);
+    for (run, own) in study.runs.iter_mut().zip(&places) {
+        run.pareto =
+            own.is_some_and(|own| !places.iter().flatten().any(|other| beats(*other, own)));
+    }
+}
+
+impl Study {
+    /// The run that meets a target in the least time.
+    fn pick(&self, target: f64) -> Pick {
+        let first = self.quantities.first().map(|one| one.key.as_str()).unwrap_or_default();
+        let meets = |run: &Run| run.errors.get(first).is_some_and(|error| *error <= target);
+        let cost = |index: &usize| self.runs[*index].cost.solve_s;
+        let meeting = (0..self.runs.len()).filter(|index| meets(&self.runs[*index]));
+        Pick { target, run: meeting.min_by(|a, b| cost(a).total_cmp(&cost(b))) }
+    }
+}

@@ -1,0 +1,190 @@
+//! The study as a page: the work-precision plot, tables, what to pick.
+
+use super::show::error;
+use super::{FILE, Run, Study};
+use crate::error::{RunError, file_failure};
+use crate::report::page::{Block, Headline, Mood, Page, Section};
+use crate::report::plot::Figure;
+use crate::report::table::Table;
+use crate::report::unit::{Scale, of_key};
+use std::path::Path;
+
+/// The page about the study in a folder.
+///
+/// # Errors
+/// A file that cannot be read, or holds no study of this version.
+pub fn page(folder: &Path) -> Result<Page, RunError> {
+    let path = folder.join(FILE);
+    let text = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+    let study: Study = serde_json::from_slice(&text).map_err(|fault| {
+        let fix = "make it anew with `coordinator cost`";
+        RunError::Usage(format!("{} holds no study: {fault}; {fix}", path.display()))
+    })?;
+    Ok(of(&study))
+}
+
+fn of(study: &Study) -> Page {
+    let made = study.runs.iter().filter(|run| run.failed.is_none()).count();
+    let sections = [picks(study), plots(study), references(study), levels(study), notes(study)];
+    Page {
+        name: format!("Cost of {}", study.case),
+        title: study.title.clone().unwrap_or_default(),
+        status: format!("{made} runs"),
+        mood: if made == study.runs.len() { Mood::Good } else { Mood::Open },
+        reason: format!(
+            "what accuracy costs in time, over the models and resolutions of `{}`",
+            study.file
+        ),
+        sections: sections.into_iter().flatten().collect(),
+    }
+}
+
+fn time(seconds: f64) -> String {
+    Scale::of("s", seconds).show(seconds, 3)
+}
+
+fn settings(run: &Run) -> String {
+    let all: Vec<String> =
+        run.settings.iter().map(|(key, value)| format!("{key} {value}")).collect();
+    all.join(", ")
+}
+
+fn picks(study: &Study) -> Option<Section> {
+    let first = study.quantities.first()?;
+    let headline = |pick: &super::Pick| {
+        let name = format!("{} to {}", first.name, error(first.measure, pick.target));
+        match pick.run.map(|index| &study.runs[index]) {
+            None => Headline {
+                name,
+                value: "none of these".to_owned(),
+                more: "refine further".to_owned(),
+            },
+            Some(run) => Headline {
+                name,
+                value: time(run.cost.solve_s),
+                more: format!(
+                    "{}, {}; errs by {}",
+                    study.levels[run.level].name,
+                    settings(run),
+                    error(first.measure, run.errors[&first.key])
+                ),
+            },
+        }
+    };
+    let all = study.picks.iter().map(headline).collect();
+    Section::of("What to run", vec![Block::Headlines(all)])
+}
+
+/// Error over time, for every figure that has a reference.
+fn plots(study: &Study) -> Option<Section> {
+    let shown = study.quantities.iter().take(super::show::COLUMNS);
+    let compared = shown.filter(|one| one.reference.is_some());
+    let figures = compared.map(|one| {
+        let measured = match one.measure {
+            crate::study::quantity::Measure::Relative => "relative error",
+            _ => "error",
+        };
+        let title = format!("{}: error over time", one.name);
+        let mut figure = Figure::new(title, "time in solvers and coupling [s]", measured);
+        (figure.decades, figure.decades_x) = (true, true);
+        for (number, level) in study.levels.iter().enumerate() {
+            let own = study.runs.iter().filter(|run| run.level == number);
+            let point = |run: &Run| Some([run.cost.solve_s, *run.errors.get(&one.key)?]);
+            let points: Vec<[f64; 2]> = own.filter_map(point).filter(|p| p[1] > 0.0).collect();
+            if !points.is_empty() {
+                figure = figure.with(&level.name, points);
+            }
+        }
+        if let Some(reference) = &one.reference {
+            figure.note = match reference.uncertainty {
+                0.0 => format!("Against {}.", reference.source),
+                off => format!(
+                    "Against {}, itself known to {}.",
+                    reference.source,
+                    error(one.measure, off)
+                ),
+            };
+        }
+        figure
+    });
+    let figures = figures.filter(Figure::has_points).map(Block::Figure).collect();
+    Section::of("Work and precision", figures)
+}
+
+fn references(study: &Study) -> Option<Section> {
+    let mut table = Table::new(["figure", "from", "reference", "known to"], 2);
+    for one in &study.quantities {
+        let Some(reference) = &one.reference else { continue };
+        let known = match reference.uncertainty {
+            0.0 => "exact".to_owned(),
+            off => error(one.measure, off),
+        };
+        let from = reference.source.clone();
+        let value = of_key(&one.key, reference.value).show(reference.value, 7);
+        table.row([one.name.clone(), from, value, known]);
+    }
+    Section::of("References", vec![Block::Table(table)])
+}
+
+fn levels(study: &Study) -> Option<Section> {
+    let mut blocks = Vec::new();
+    for (number, level) in study.levels.iter().enumerate() {
+        blocks.push(Block::Card(level.name.clone(), runs(study, number)));
+        let mut told: Vec<String> =
+            level.left_out.iter().map(|what| format!("Leaves out: {}.", what.what)).collect();
+        told.extend(level.stops_paying.iter().map(|told| format!("Refining does not pay {told}.")));
+        if !told.is_empty() {
+            blocks.push(Block::Text(format!("{}: {}", level.name, told.join(" "))));
+        }
+    }
+    Section::of("Runs", blocks)
+}
+
+fn runs(study: &Study, level: usize) -> Table {
+    let own = || study.runs.iter().filter(move |run| run.level == level);
+    let keys = own().next().map(|run| run.settings.clone()).unwrap_or_default();
+    let mut head: Vec<String> = keys.into_iter().map(|(key, _)| key).collect();
+    head.extend(["solve", "wall", "cpu", "iterations"].map(str::to_owned));
+    head.extend(study.quantities.iter().map(|one| format!("error of {}", one.name)));
+    let orders = study.quantities.iter().map(|one| {
+        let shows = study.levels[level].shows.get(&one.key);
+        shows.and_then(|shows| shows.order).map(|order| format!("{order:.2}")).unwrap_or_default()
+    });
+    let mut rows: Vec<Vec<String>> = own().map(|run| row(study, run)).collect();
+    let blanks = head.len() - study.quantities.len() - 1;
+    let mut last = vec!["order".to_owned()];
+    last.extend(std::iter::repeat_n(String::new(), blanks));
+    last.extend(orders);
+    rows.push(last);
+    Table { head, rows, figures_from: 1 }
+}
+
+fn row(study: &Study, run: &Run) -> Vec<String> {
+    let mark = if run.pareto { " *" } else { "" };
+    let mut cells: Vec<String> = run.settings.iter().map(|(_, value)| value.clone()).collect();
+    if let Some(first) = cells.first_mut() {
+        *first += mark;
+    }
+    if let Some(why) = &run.failed {
+        cells.push(why.clone());
+        let missing = 3 + study.quantities.len();
+        cells.extend(std::iter::repeat_n(String::new(), missing));
+        return cells;
+    }
+    cells.extend([run.cost.solve_s, run.cost.wall_s, run.cost.cpu_s.values().sum()].map(time));
+    cells.push(run.cost.iterations.to_string());
+    cells.extend(study.quantities.iter().map(|one| {
+        run.errors.get(&one.key).map(|value| error(one.measure, *value)).unwrap_or_default()
+    }));
+    cells
+}
+
+/// What was not run, and why.
+fn notes(study: &Study) -> Option<Section> {
+    let mut table = Table::new(["not run", "why"], 2);
+    for (what, why) in study.refused.iter().chain(&study.left_out) {
+        table.row([what.clone(), why.clone()]);
+    }
+    let there = !table.rows.is_empty();
+    Section::of("Not run", there.then_some(Block::Table(table)).into_iter().collect())
+}

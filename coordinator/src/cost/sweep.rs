@@ -1,0 +1,227 @@
+//! The runs of a study: which ones, and what each of them gives.
+
+use super::{Request, Run};
+use crate::error::RunError;
+use crate::plan::{Plan, Planned};
+use crate::study::axis::Axis;
+use crate::study::levels::{Level, Offer, offered, reason};
+use crate::study::progress::Steps;
+use crate::study::quantity::Quantity;
+use crate::study::spent::{Clock, Spent};
+use crate::study::{Variant, ends_study, expected_seconds, perform, planned};
+use crate::windows::Windows;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Key of the length of a window.
+pub(super) const WINDOW: &str = "time.window";
+/// Key of the tolerance of the coupling.
+const TOLERANCE: &str = "coupling.relative";
+/// Windows of a default plan, as parts of the case's own.
+const WINDOW_PARTS: [f64; 4] = [4.0, 2.0, 1.0, 0.5];
+/// Tolerances of a default plan.
+const TOLERANCES: [&str; 4] = ["1e-2", "1e-4", "1e-6", "1e-10"];
+/// Everything that the runs of a study gave.
+#[derive(Debug)]
+pub(super) struct Sweep {
+    pub(super) levels: Vec<Level>,
+    pub(super) refused: Vec<(String, String)>,
+    /// What is varied besides models and resolutions, each from the coarsest to the finest value.
+    pub(super) axes: Vec<Axis>,
+    pub(super) runs: Vec<Run>,
+    pub(super) left_out: Vec<(String, String)>,
+    /// Figures that participants know in closed form.
+    pub(super) closed_forms: BTreeMap<String, f64>,
+    pub(super) name: String,
+    pub(super) title: Option<String>,
+}
+
+/// One run to be made.
+#[derive(Clone, Debug)]
+struct Point {
+    level: usize,
+    step: usize,
+    settings: Vec<(String, String)>,
+    variant: Variant,
+}
+
+/// Makes the runs that a request asks for.
+pub(super) fn sweep(request: &Request, quiet: bool, scratch: &Path) -> Result<Sweep, RunError> {
+    let standing = planned(&request.case, &request.base)?;
+    let Offer { mut levels, refused } = offered(&request.case, &request.base)?;
+    choose(&mut levels, &request.vary);
+    let axes = axes(&levels, request, &standing.plan);
+    let mut sweep = Sweep {
+        refused,
+        axes,
+        runs: Vec::new(),
+        left_out: Vec::new(),
+        closed_forms: BTreeMap::new(),
+        name: standing.plan.name,
+        title: standing.plan.title,
+        levels,
+    };
+    let points = sweep.points();
+    let mut steps = Steps::new(quiet, points.len());
+    for point in &points {
+        steps.step(&sweep.describe(point));
+        sweep.make(request, point, scratch)?;
+    }
+    steps.finish();
+    Ok(sweep)
+}
+
+/// Keeps the models, and takes the resolutions, that were asked for.
+fn choose(levels: &mut Vec<Level>, vary: &[Axis]) {
+    let wanted = |role: &str| vary.iter().find(|axis| axis.key == format!("{role}.model"));
+    levels.retain(|level| {
+        let asked = |(role, model): &(String, String)| {
+            wanted(role).is_none_or(|axis| axis.values.iter().any(|v| v.trim_matches('"') == model))
+        };
+        level.models.iter().all(asked)
+    });
+    for refinement in levels.iter_mut().flat_map(|level| &mut level.refinements) {
+        let asked = vary.iter().find(|axis| axis.key == refinement.key);
+        let mut given: Vec<u32> =
+            asked.iter().flat_map(|a| &a.values).filter_map(|v| v.parse().ok()).collect();
+        if !given.is_empty() {
+            given.sort_unstable();
+            given.dedup();
+            // The expected error stays with the resolution that it was stated for.
+            refinement.error = refinement.at(f64::from(given[0]));
+            refinement.levels = given;
+        }
+    }
+}
+
+/// What is varied besides models and resolutions.
+fn axes(levels: &[Level], request: &Request, plan: &Plan) -> Vec<Axis> {
+    let is_level = |key: &str| {
+        let refined = levels.iter().flat_map(|level| &level.refinements).any(|r| r.key == key);
+        refined || key.strip_suffix(".model").is_some_and(|role| !role.contains('.'))
+    };
+    let mut axes: Vec<Axis> =
+        request.vary.iter().filter(|axis| !is_level(&axis.key)).cloned().collect();
+    let mut by_default = |key: &str, values: Vec<String>| {
+        if axes.iter().all(|axis| axis.key != key) {
+            axes.push(Axis { key: key.to_owned(), values });
+        }
+    };
+    if let Windows::Fixed { window, .. } = plan.windows {
+        by_default(
+            WINDOW,
+            WINDOW_PARTS.iter().map(|part| format!("{:e}", part * window)).collect(),
+        );
+    }
+    if plan.scheme.scheme.is_implicit() {
+        by_default(TOLERANCE, TOLERANCES.map(str::to_owned).to_vec());
+    }
+    axes
+}
+
+impl Sweep {
+    /// Levels, their resolutions and all other axes, in full product.
+    fn points(&self) -> Vec<Point> {
+        let mut points = Vec::new();
+        for (number, level) in self.levels.iter().enumerate() {
+            for step in 0..level.steps() {
+                let keys = level.keys_at(step);
+                let settings = keys.map(|(one, value)| (one.key.clone(), value.to_string()));
+                let variant = level.at(step);
+                let first = Point { level: number, step, settings: settings.collect(), variant };
+                points.extend(
+                    self.axes.iter().fold(vec![first], |points, axis| spread(&points, axis)),
+                );
+            }
+        }
+        points
+    }
+
+    fn describe(&self, point: &Point) -> String {
+        let settings: Vec<String> =
+            point.settings.iter().map(|(key, value)| format!("{key} {value}")).collect();
+        format!("{}, {}", self.levels[point.level].name(), settings.join(", "))
+    }
+
+    /// Makes a run as often as is asked; one that is refused or fails has a reason and no figures.
+    fn make(&mut self, request: &Request, point: &Point, scratch: &Path) -> Result<(), RunError> {
+        let mut run = Run::of(point);
+        let silent = point.variant.with("output.fields", "none");
+        for _ in 0..request.repeat.max(1) {
+            let clock = Clock::start();
+            let made = planned(&request.case, &silent).and_then(|planned| {
+                let seconds = expected_seconds(&planned.plan);
+                if seconds > request.longest_run {
+                    return Ok(Err(seconds));
+                }
+                self.note_closed_forms(&planned);
+                perform(&request.case, &planned, clock.since, scratch).map(Ok)
+            });
+            match made {
+                Ok(Ok(summary)) => run.take(&summary, &clock),
+                Ok(Err(seconds)) => {
+                    let limit = request.longest_run;
+                    let why = format!("{seconds:.0} s expected, above --longest-run {limit} s");
+                    self.left_out.push((self.describe(point), why));
+                    return Ok(());
+                }
+                Err(error) if ends_study(&error) => return Err(error),
+                Err(error) => run.failed = Some(reason(&error)),
+            }
+        }
+        self.runs.push(run);
+        Ok(())
+    }
+
+    fn note_closed_forms(&mut self, planned: &Planned) {
+        let estimates = planned.plan.participants.iter().filter_map(|p| p.estimate.as_ref());
+        for (key, value) in estimates.flat_map(|layout| &layout.closed_forms) {
+            self.closed_forms.entry(key.clone()).or_insert(*value);
+        }
+    }
+}
+
+/// One copy of each point for every value of an axis.
+fn spread(points: &[Point], axis: &Axis) -> Vec<Point> {
+    let with = |point: &Point, value: &String| {
+        let mut more = point.clone();
+        more.variant = point.variant.with(&axis.key, value);
+        more.settings.push((axis.key.clone(), value.clone()));
+        more
+    };
+    points.iter().flat_map(|p| axis.values.iter().map(move |value| with(p, value))).collect()
+}
+
+impl Run {
+    fn of(point: &Point) -> Self {
+        Self {
+            level: point.level,
+            step: point.step,
+            settings: point.settings.clone(),
+            options: point.variant.options(),
+            failed: None,
+            cost: Spent::default(),
+            values: BTreeMap::new(),
+            errors: BTreeMap::new(),
+            pareto: false,
+        }
+    }
+
+    /// Takes the figures of a run, and its times where they are the least so far.
+    fn take(&mut self, summary: &Value, clock: &Clock) {
+        let cost = Spent::of(summary, clock);
+        if self.values.is_empty() || cost.solve_s < self.cost.solve_s {
+            let wall_s = match self.values.is_empty() {
+                true => cost.wall_s,
+                false => cost.wall_s.min(self.cost.wall_s),
+            };
+            self.cost = Spent { wall_s, ..cost };
+        }
+        for quantity in Quantity::all(summary) {
+            if let Some(value) = quantity.value(summary) {
+                self.values.insert(quantity.key, value);
+            }
+        }
+    }
+}

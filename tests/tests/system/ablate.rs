@@ -1,0 +1,75 @@
+//! `coordinator ablate`: every effect of a case switched off in turn.
+
+use crate::harness::{Place, case};
+use serde_json::Value;
+use std::fs;
+
+fn study(place: &Place, name: &str, more: &[&str]) -> Value {
+    let out = place.out().display().to_string();
+    let file = case(name);
+    let mut arguments = vec!["ablate", &file, "--out", &out];
+    arguments.extend(more);
+    let ended = place.start(&arguments).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    place.assert_nothing_left();
+    serde_json::from_slice(&fs::read(place.out().join("ablate.json")).unwrap()).unwrap()
+}
+
+fn without<'a>(study: &'a Value, effect: &str) -> &'a Value {
+    let runs = study["without"].as_array().unwrap();
+    runs.iter().find(|run| run["effect"] == effect).unwrap_or_else(|| panic!("{effect}"))
+}
+
+const RISE: &str = "temperature.rail.max_rise_k";
+
+/// Without the fall of friction it is hotter, in one pass; without heat there is no temperature; a run
+/// without an effect is the run of a case that does not name it.
+#[test]
+fn each_effect_is_worth_what_it_changes() {
+    let place = Place::new();
+    let coarse = ["--set", "mech.resolution=10"];
+    let study = study(&place, "falling-friction.toml", &coarse);
+    let effects: Vec<&str> = study["without"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|run| run["effect"].as_str().unwrap())
+        .collect();
+    let mut expected = ["friction_heat", "partial_slip", "temperature_friction"];
+    expected.sort_unstable();
+    assert_eq!(
+        {
+            let mut effects = effects;
+            effects.sort_unstable();
+            effects
+        },
+        expected
+    );
+    let whole = &study["whole"];
+    let constant = without(&study, "temperature_friction");
+    assert!(constant["changes"][RISE].as_f64().unwrap() > 0.5, "{constant}");
+    let iterations = |run: &Value| run["cost"]["iterations"].as_u64().unwrap();
+    assert!(iterations(constant) == 1 && iterations(whole) > 1);
+    let options = [&coarse[..], &["--unset", "effects.temperature_friction"]].concat();
+    let alone = Place::new().summary(&case("falling-friction.toml"), &options);
+    assert_eq!(constant["values"][RISE], alone["temperature"]["rail"]["max_rise_k"]);
+    // The fall of friction needs a temperature, and says so.
+    let cold = without(&study, "friction_heat");
+    let why = cold["failed"].as_str().unwrap();
+    assert!(why.contains("rail_temperature"), "{why}");
+    let page = fs::read_to_string(place.out().join("report.html")).unwrap();
+    assert!(page.contains("What each effect changes"));
+}
+
+/// A figure that goes with its effect is no change of 100 %.
+#[test]
+fn a_figure_that_goes_with_an_effect_has_no_change() {
+    let place = Place::new();
+    let study = study(&place, "wheel-rail.toml", &["--set", "mech.resolution=10"]);
+    let cold = without(&study, "friction_heat");
+    assert!(cold["values"].get(RISE).is_none() && cold["changes"].get(RISE).is_none());
+    assert_eq!(cold["changes"]["contact.max_pressure_pa"], 0.0);
+    // Sliding everywhere heats more than slipping in a part.
+    let sliding = without(&study, "partial_slip");
+    assert!(sliding["failed"].is_string() || sliding["values"].get(RISE).is_some());
+}

@@ -1,0 +1,137 @@
+//! `run --accuracy`: the error that is stated, and the true one.
+
+use crate::harness::{Place, case};
+use serde_json::Value;
+use thermal_solver::reference::{ellipse, polynomial, scales};
+
+fn number(summary: &Value, pointer: &str) -> f64 {
+    let value = summary.pointer(pointer).and_then(Value::as_f64);
+    value.unwrap_or_else(|| panic!("{pointer} is missing in {summary}"))
+}
+
+/// A scene, and the rail's largest rise there \[K\] with what it is known to, relative.
+struct Scene {
+    case: &'static str,
+    truth: f64,
+    known_to: f64,
+    targets: &'static [f64],
+}
+
+/// The answer of a scene on a fine grid.
+fn finest(name: &str, more: &[&str]) -> f64 {
+    let place = Place::new();
+    let summary = place.summary(&case(name), more);
+    number(&summary, "/temperature/rail/max_rise_k")
+}
+
+/// Uniform slip on the ellipse of the paper's Table 2: half of q = f p₀ V_s over the exact ellipse.
+fn uniform_slip() -> f64 {
+    let speed = 38.889;
+    let heat_flux = 0.5 * 0.6 * 1352e6 * 0.012 * speed;
+    let effusivity = scales::effusivity(50.0, 7850.0, 419.5);
+    let of_polynomial = polynomial::rise(heat_flux, 7.98e-3, effusivity, speed, 0.0);
+    of_polynomial / polynomial::surface(0.0) * ellipse::peak().1
+}
+
+/// Three scenes: an answer is within the target, and within what is stated of it, whatever it costs.
+#[test]
+fn the_true_error_is_below_the_target() {
+    let scenes = [
+        Scene {
+            case: "full-slip.toml",
+            truth: uniform_slip(),
+            known_to: 1e-6,
+            targets: &[0.05, 0.01, 0.002],
+        },
+        Scene {
+            case: "falling-friction.toml",
+            truth: finest(
+                "falling-friction.toml",
+                &["--set", "mech.model=half-space", "--set", "mech.resolution=57"],
+            ),
+            // The step from 40 to 80 elements is 6e-5.
+            known_to: 2e-4,
+            targets: &[0.05, 0.01, 0.002],
+        },
+        Scene {
+            case: "wheel-rail.toml",
+            truth: finest("wheel-rail.toml", &["--set", "mech.resolution=113"]),
+            // Order 1: the step from 57 to 113 elements, and half as much again.
+            known_to: 4e-3,
+            targets: &[0.05, 0.01],
+        },
+    ];
+    for Scene { case: name, truth, known_to, targets } in scenes {
+        for target in targets {
+            let place = Place::new();
+            let asked = target.to_string();
+            let summary = place.summary(&case(name), &["--accuracy", &asked]);
+            let value = number(&summary, "/temperature/rail/max_rise_k");
+            let stated = number(&summary, "/accuracy/estimated_error");
+            let error = (value / truth - 1.0).abs();
+            assert!(error <= target + known_to, "{name}, {target}: {error:.2e}");
+            assert!(error <= stated + known_to, "{name}: {error:.2e}, stated {stated:.2e}");
+            assert!(stated <= *target && summary["accuracy"]["met"] == true);
+            assert_eq!(summary["accuracy"]["quantity"], "temperature.rail.max_rise_k");
+            assert_eq!(number(&summary, "/accuracy/value"), value);
+        }
+    }
+}
+
+/// The cheaper the target, the cheaper the models and the coarser the grid.
+#[test]
+fn no_more_is_done_than_the_target_asks_for() {
+    let chosen = |target: &str| {
+        let place = Place::new();
+        let summary = place.summary(&case("wheel-rail.toml"), &["--accuracy", target]);
+        let runs = summary["accuracy"]["runs"].as_array().unwrap();
+        let finest = runs.last().unwrap()["settings"][0][1].as_u64().unwrap();
+        (summary["accuracy"]["models"].as_str().unwrap().to_owned(), finest)
+    };
+    // Strips stand for a half-space within 40 %.
+    let (rough, coarse) = chosen("50%");
+    assert!(rough.starts_with("hertz-carter"), "{rough}");
+    let (faithful, fine) = chosen("3%");
+    assert!(faithful.starts_with("half-space") && fine > coarse, "{faithful}, {fine}");
+}
+
+/// Another figure, and one that a participant alone knows.
+#[test]
+fn any_figure_of_the_summary_can_be_asked_for() {
+    let place = Place::new();
+    let asked = ["--accuracy", "0.1%", "--quantity", "contact.max_pressure_pa"];
+    let more = [&asked[..], &["--set", "mech.model=half-space"]].concat();
+    let summary = place.summary(&case("wheel-rail.toml"), &more);
+    // Hertz: 1364.3761 MPa.
+    let error = (number(&summary, "/contact/max_pressure_pa") / 1.364_376_1e9 - 1.0).abs();
+    assert!(error <= 1e-3, "{error:.2e}");
+    assert_eq!(summary["accuracy"]["quantity"], "contact.max_pressure_pa");
+}
+
+#[test]
+fn what_cannot_be_met_or_is_not_there_is_refused() {
+    let place = Place::new();
+    let refused = |more: &[&str], words: &[&str]| {
+        let ended = place.run(&case("wheel-rail.toml"), more);
+        assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+        for word in words {
+            assert!(ended.stderr.contains(word), "{}", ended.stderr);
+        }
+        place.assert_nothing_left();
+    };
+    refused(&["--accuracy", "0.0001%"], &["no models are expected to meet", "ask for less"]);
+    refused(&["--accuracy", "much"], &["write 1% or 0.01"]);
+    refused(&["--accuracy", "5%", "--quantity", "contact.colour"], &["no `contact.colour`"]);
+    refused(&["--quantity", "contact.area_m2"], &["--accuracy"]);
+}
+
+/// The result directory is that of any run: a recording and a report come with it.
+#[test]
+fn the_answer_is_a_run_like_any_other() {
+    let place = Place::new();
+    let more = ["--accuracy", "0.2%", "--record", "--report"];
+    place.summary(&case("full-slip.toml"), &more);
+    for file in ["summary.json", "recording.mcap", "report.html", "log.jsonl", "case.toml"] {
+        assert!(place.out().join(file).is_file(), "{file}");
+    }
+}

@@ -1,0 +1,158 @@
+//! `coordinator cost`: references, errors, orders, the front and what to pick.
+
+use crate::harness::{Place, case};
+use serde_json::Value;
+use std::fs;
+
+/// Makes a study; `cost.json`.
+fn study(place: &Place, name: &str, more: &[&str]) -> Value {
+    let out = place.out().display().to_string();
+    let file = case(name);
+    let mut arguments = vec!["cost", &file, "--out", &out, "--repeat", "1"];
+    arguments.extend(more);
+    let ended = place.start(&arguments).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    place.assert_nothing_left();
+    serde_json::from_slice(&fs::read(place.out().join("cost.json")).unwrap()).unwrap()
+}
+
+fn runs(study: &Value) -> &[Value] {
+    study["runs"].as_array().unwrap()
+}
+
+fn level(study: &Value, name: &str) -> usize {
+    let levels = study["levels"].as_array().unwrap();
+    levels.iter().position(|level| level["name"] == name).unwrap_or_else(|| panic!("{name}"))
+}
+
+const RISE: &str = "temperature.rail.max_rise_k";
+
+/// Uniform slip: the quadrature of the exact flux gives 260.88 K on this ellipse (PHYSICS §2 rounds to
+/// 260.9), the polynomial 261.94 K.
+#[test]
+fn errors_are_against_closed_forms_and_limits() {
+    let place = Place::new();
+    let vary = "mech.resolution=5,10,20,40";
+    let study = study(&place, "full-slip.toml", &["--vary", vary]);
+    let quantities = study["quantities"].as_array().unwrap();
+    assert_eq!(quantities[0]["key"], RISE);
+    let reference = quantities[0]["reference"]["value"].as_f64().unwrap();
+    // The finest level's own jump over the edge of the patch is 2e-4 at 40 elements.
+    assert!((reference / 260.88 - 1.0).abs() < 5e-4, "{reference}");
+    let pressure = quantities.iter().find(|one| one["key"] == "contact.max_pressure_pa").unwrap();
+    assert_eq!(pressure["reference"]["source"], "closed form");
+    assert_eq!(pressure["reference"]["value"], 1.352e9);
+    let polynomial = &study["levels"][level(&study, "hertz-carter + ertz-knothe")];
+    let error = polynomial["shows"][RISE]["model_error"].as_f64().unwrap();
+    assert!((error - (261.94 / 260.88 - 1.0)).abs() < 5e-4, "{error}");
+    let columns = &study["levels"][level(&study, "hertz-carter + columns")];
+    let order = columns["shows"][RISE]["order"].as_f64().unwrap();
+    assert!((order - 2.0).abs() < 0.2, "{order}");
+    // Below the error of the polynomial it does not pay to refine.
+    let told = polynomial["stops_paying"].as_str().unwrap();
+    assert!(told.contains("mech.resolution"), "{told}");
+}
+
+#[test]
+fn the_front_and_the_picks_are_the_cheapest_and_closest() {
+    let place = Place::new();
+    let more =
+        ["--vary", "mech.resolution=5,10,20", "--vary", "mech.model=hertz-carter,half-space"];
+    let study = study(&place, "wheel-rail.toml", &more);
+    assert_eq!(study["levels"].as_array().unwrap().len(), 4);
+    assert_eq!(runs(&study).len(), 12);
+    let place_of = |run: &Value| {
+        (run["cost"]["solve_s"].as_f64().unwrap(), run["errors"][RISE].as_f64().unwrap())
+    };
+    for run in runs(&study) {
+        let (cost, error) = place_of(run);
+        let beaten = runs(&study)
+            .iter()
+            .map(place_of)
+            .any(|(other, off)| other <= cost && off <= error && (other < cost || off < error));
+        assert_eq!(run["pareto"], !beaten);
+        assert!(run["cost"]["wall_s"].as_f64().unwrap() > cost);
+        for process in ["mech", "thermal", "coordinator"] {
+            assert!(run["cost"]["cpu_s"][process].as_f64().unwrap() > 0.0);
+        }
+        assert!(run["cost"]["peak_rss_bytes"]["mech"].as_u64().unwrap() > 1_000_000);
+    }
+    for pick in study["picks"].as_array().unwrap() {
+        let target = pick["target"].as_f64().unwrap();
+        let meeting = runs(&study).iter().map(place_of).filter(|(_, error)| *error <= target);
+        let cheapest = meeting.map(|(cost, _)| cost).min_by(f64::total_cmp);
+        let picked = pick["run"].as_u64().map(|index| place_of(&runs(&study)[index as usize]).0);
+        assert_eq!(picked, cheapest);
+    }
+    // The options of a pick make that run.
+    let first = &runs(&study)[study["picks"][0]["run"].as_u64().unwrap() as usize];
+    let options: Vec<&str> =
+        first["options"].as_array().unwrap().iter().map(|o| o.as_str().unwrap()).collect();
+    let again = Place::new().summary(&case("wheel-rail.toml"), &options);
+    assert_eq!(again["temperature"]["rail"]["max_rise_k"], first["values"][RISE]);
+}
+
+/// Tolerances where there is a loop, windows where there is time; what cannot run is told.
+#[test]
+fn tolerances_windows_and_refusals() {
+    let place = Place::new();
+    let coarse = ["--vary", "mech.resolution=5,10", "--vary", "thermal.model=columns"];
+    let more = [&coarse[..], &["--vary", "coupling.relative=1e-1,1e-8"]].concat();
+    let implicit = study(&place, "falling-friction.toml", &more);
+    let refused = implicit["refused"].as_array().unwrap();
+    assert!(refused.iter().any(|one| one[0].as_str().unwrap().starts_with("fastsim")));
+    let iterations = |tolerance: &str| {
+        let with = |run: &&Value| run["settings"][1][1] == tolerance;
+        let own = runs(&implicit).iter().filter(with);
+        own.map(|run| run["cost"]["iterations"].as_u64().unwrap()).sum::<u64>()
+    };
+    assert!(iterations("1e-1") < iterations("1e-8"));
+
+    let place = Place::new();
+    let models = ["--vary", "mech.model=hertz-carter", "--vary", "thermal.model=columns"];
+    let more = [&coarse[..2], &models, &["--set", "time.end=0.2 ms"]].concat();
+    let transient = study(&place, "cold-start.toml", &more);
+    let windows: Vec<f64> = runs(&transient)
+        .iter()
+        .map(|run| run["settings"][1][1].as_str().unwrap().parse().unwrap())
+        .collect();
+    assert_eq!(windows[..4], [8e-5, 4e-5, 2e-5, 1e-5]);
+}
+
+#[test]
+fn the_files_agree_and_the_report_can_be_made_again() {
+    let place = Place::new();
+    let study = study(&place, "full-slip.toml", &["--vary", "mech.resolution=5,10"]);
+    let csv = fs::read_to_string(place.out().join("cost.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + runs(&study).len());
+    assert!(csv.lines().next().unwrap().contains(RISE));
+    let page = place.out().join("report.html");
+    let before = fs::read_to_string(&page).unwrap();
+    fs::remove_file(&page).unwrap();
+    let out = place.out().display().to_string();
+    assert_eq!(place.start(&["report", &out]).wait().code, Some(0));
+    assert_eq!(fs::read_to_string(&page).unwrap(), before);
+    assert!(before.contains("error over time") && before.contains("What to run"));
+    // No run leaves its folder behind.
+    assert_eq!(fs::read_dir(place.out()).unwrap().count(), 3);
+}
+
+#[test]
+fn what_cannot_be_studied_is_refused() {
+    let place = Place::new();
+    let out = place.out().display().to_string();
+    let refused = |more: &[&str], words: &str| {
+        let file = case("full-slip.toml");
+        let mut arguments = vec!["cost", &file, "--out", &out, "--vary", "mech.resolution=5"];
+        arguments.extend(more);
+        let ended = place.start(&arguments).wait();
+        assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+        assert!(ended.stderr.contains(words), "{}", ended.stderr);
+        place.assert_nothing_left();
+    };
+    refused(&["--vary", "mech.resolution"], "--vary key=v1,v2");
+    refused(&["--quantity", "contact.colour"], "no run has the figure `contact.colour`");
+    refused(&["--reference", "x=y"], "is not KEY=NUMBER");
+    refused(&["--set", "friction.coefficient=-1"], "friction.coefficient");
+    refused(&["--longest-run", "0"], "--longest-run is a number of seconds");
+}
