@@ -7,12 +7,13 @@
 use crate::error::{RunError, file_failure};
 use crate::inspect::{FileRecording, failed};
 use crate::results::vtk::{FieldWriter, Shown};
+use proto::description::Description;
 use proto::field::{Body, FieldKind, GEOMETRY, Mapping};
 use proto::grid::Grid;
-use proto::message::{CommandKind, FieldHeader, Topics};
+use proto::message::{Command, CommandKind, FieldHeader, Topics};
 use proto::model::Step;
 use proto::recording::{Event, Item};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -50,6 +51,8 @@ pub fn export(
     let mut export = Export {
         target,
         vtk: target.vtk.as_ref().map(|folder| FieldWriter::new(folder.clone())),
+        asked: BTreeSet::new(),
+        kinds: BTreeMap::new(),
         grids: BTreeMap::new(),
         newest: BTreeMap::new(),
         step: None,
@@ -69,6 +72,10 @@ pub fn export(
 struct Export<'a> {
     target: &'a Target,
     vtk: Option<FieldWriter>,
+    /// Participants that have been asked to describe themselves and have not answered yet.
+    asked: BTreeSet<u16>,
+    /// The fields that participants describe, by name.
+    kinds: BTreeMap<String, FieldKind>,
     /// The grid of each topic as it is now, and the service of its geometry if it may move.
     grids: BTreeMap<String, (Grid, Option<String>)>,
     newest: BTreeMap<String, Newest>,
@@ -79,15 +86,26 @@ struct Export<'a> {
 
 impl Export<'_> {
     fn event(&mut self, event: &Event) -> Result<(), RunError> {
-        let Event::Command { command, body, .. } = event else {
-            return match event {
-                Event::Iteration(iteration) if self.target.every_iteration => {
-                    self.write(self.instants, iteration.end)
-                }
-                _ => Ok(()),
-            };
-        };
+        match event {
+            Event::Command { participant, command, body } => {
+                self.command(*participant, command, body)
+            }
+            Event::Reply { participant, body, .. } => {
+                self.reply(*participant, body);
+                Ok(())
+            }
+            Event::Iteration(iteration) if self.target.every_iteration => {
+                self.write(self.instants, iteration.end)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn command(&mut self, to: u16, command: &Command, body: &[u8]) -> Result<(), RunError> {
         match CommandKind::from_number(command.kind) {
+            Some(CommandKind::Describe) => {
+                self.asked.insert(to);
+            }
             Some(CommandKind::Initialise) => {
                 if let Ok(topics) = serde_json::from_slice::<Topics>(body) {
                     for topic in topics.inputs.into_iter().chain(topics.outputs) {
@@ -104,6 +122,16 @@ impl Export<'_> {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Keeps the fields of a description.
+    fn reply(&mut self, from: u16, body: &[u8]) {
+        if self.asked.remove(&from)
+            && let Ok(description) = serde_json::from_slice::<Description>(body)
+        {
+            let fields = description.fields.into_iter();
+            self.kinds.extend(fields.map(|kind| (kind.name.clone(), kind)));
+        }
     }
 
     /// Writes the window that is over.
@@ -128,7 +156,7 @@ impl Export<'_> {
         }
         let grid = self.grids.get(service).map(|(grid, _)| grid);
         let newest = self.newest.entry(service.to_owned()).or_insert_with(|| Newest {
-            kind: kind(header),
+            kind: kind(header, &self.kinds),
             producer: header.producer.as_str().to_owned(),
             grid: None,
             values: Vec::new(),
@@ -169,10 +197,12 @@ impl Export<'_> {
     }
 }
 
-/// The kind of a field as its label tells it; what the label does not say is of no matter here.
-fn kind(header: &FieldHeader) -> FieldKind {
+/// The kind of a field as the table or a participant describes it. In a recording without
+/// descriptions there is its label alone, and what that does not say is taken for the interface's.
+fn kind(header: &FieldHeader, described: &BTreeMap<String, FieldKind>) -> FieldKind {
     let name = header.name.as_str();
-    proto::field::find(name).map(proto::field::FieldSpec::kind).unwrap_or_else(|| FieldKind {
+    let known = proto::field::find(name).map(proto::field::FieldSpec::kind);
+    known.or_else(|| described.get(name).cloned()).unwrap_or_else(|| FieldKind {
         name: name.to_owned(),
         unit: header.unit.as_str().to_owned(),
         components: header.components,

@@ -7,6 +7,7 @@
 use crate::checkpoint::Checkpoints;
 use crate::error::{RunError, file_failure};
 use crate::results::summary::Status;
+use crate::results::vtk::{SCENE, is_scene};
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use std::collections::BTreeSet;
@@ -214,7 +215,8 @@ fn remove(path: &Path) -> Result<(), RunError> {
     }
 }
 
-/// Removes the numbered images and their series, and the folder if nothing else is in it.
+/// Removes the numbered images, their series and the state that opens them, and the folder if nothing
+/// else is in it.
 fn clear_fields(folder: &Path) -> Result<(), RunError> {
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -228,7 +230,12 @@ fn clear_fields(folder: &Path) -> Result<(), RunError> {
         name.strip_suffix(".pvd").is_some_and(|name| series.contains(name))
     };
     let is_line = |name: &str| numbered(name, ".csv").is_some_and(|name| series.contains(name));
-    let is_ours = |name: &str| series_of_image(name).is_some() || is_series(name) || is_line(name);
+    let is_state = |name: &str| {
+        name.strip_suffix(".new").unwrap_or(name) == SCENE && is_scene(&folder.join(name))
+    };
+    let is_ours = |name: &str| {
+        series_of_image(name).is_some() || is_series(name) || is_line(name) || is_state(name)
+    };
     for name in names.iter().filter(|name| is_ours(name)) {
         remove(&folder.join(name))?;
     }
@@ -288,6 +295,19 @@ mod tests {
         ResultFolder::prepare(&out, &case).unwrap();
         assert!(ours.iter().all(|name| !out.join(name).exists()));
         assert!(foreign.iter().all(|name| out.join(name).exists()));
+    }
+
+    #[test]
+    fn a_state_goes_and_a_foreign_file_of_its_name_stays() {
+        let scene = include_str!("vtk/open.py");
+        let state = format!("fields/{SCENE}");
+        for (content, stays) in [(scene, false), ("# mine", true)] {
+            let (_place, out, case) =
+                folder(&[("log.jsonl", "{\"timestamp\":0}"), (&state, content)]);
+            ResultFolder::prepare(&out, &case).unwrap();
+            assert_eq!(out.join(&state).exists(), stays);
+            assert_eq!(out.join("fields").exists(), stays);
+        }
     }
 
     #[test]

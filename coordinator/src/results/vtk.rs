@@ -2,12 +2,17 @@
 //!
 //! A structured grid whose steps lie along two axes becomes an image with cell data (`.vti`), any
 //! other an unstructured grid of quadrilaterals (`.vtu`). Every array carries its unit in its name
-//! (`pressure [Pa]`); two-component fields become vectors (x, y, 0). The values are appended raw, as
-//! little-endian doubles. A series names only files that are complete, and is replaced as a whole,
-//! so that what is on disk can be read at any time.
+//! (`pressure [Pa]`) and as VTK's own label, and the field data tell unit, body and meaning of each;
+//! two-component fields become vectors (x, y, 0). The values are appended raw, as little-endian
+//! doubles. A series names only files that are complete, and is replaced as a whole, so that what is
+//! on disk can be read at any time. `open.py` opens all series in ParaView.
 
 mod image;
+mod label;
+mod scene;
 mod unstructured;
+
+pub(super) use scene::{FILE as SCENE, is_scene};
 
 use super::folder::replace;
 use super::line;
@@ -16,6 +21,7 @@ use crate::session::Tap;
 use image::Image;
 use proto::field::FieldKind;
 use proto::grid::{Grid, Quadrilaterals, Shape};
+use scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -55,6 +61,7 @@ impl<'a> Shown<'a> {
 pub struct FieldWriter {
     folder: PathBuf,
     series: Vec<Series>,
+    scene: Scene,
 }
 
 /// One grid of one participant through time.
@@ -69,7 +76,7 @@ impl FieldWriter {
     /// A writer into this folder, which is made when the first field is written.
     #[must_use]
     pub fn new(folder: PathBuf) -> Self {
-        Self { folder, series: Vec::new() }
+        Self { folder, series: Vec::new(), scene: Scene::default() }
     }
 
     /// What has been written so far.
@@ -109,9 +116,10 @@ impl FieldWriter {
                 .map(|other| (other.kind, other.values))
                 .collect();
             self.write_grid(one.grid, &name, &together, window, time)?;
+            self.scene.add(&name, &together);
             written.push(name);
         }
-        Ok(())
+        if written.is_empty() { Ok(()) } else { self.scene.write(&self.folder) }
     }
 
     fn write_grid(
@@ -171,13 +179,15 @@ fn collection(files: &[(f64, String)]) -> String {
     text + "  </Collection>\n</VTKFile>\n"
 }
 
-/// Opens a data set of this VTK type, with the time [s] of its values.
-fn opening(data: &str, attributes: &str, time: f64) -> String {
+/// Opens a data set of this VTK type, with what is said of its fields and the time [s] of their
+/// values.
+fn opening(data: &str, attributes: &str, fields: &Fields, time: f64) -> String {
+    let table = label::table(fields);
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"{data}\" version=\"1.0\" \
          byte_order=\"LittleEndian\" header_type=\"UInt64\">\n  <{data}{attributes}>\n    \
          <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" \
-         format=\"ascii\">{time:e}</DataArray>\n    </FieldData>\n"
+         format=\"ascii\">{time:e}</DataArray>\n{table}    </FieldData>\n"
     )
 }
 
@@ -186,11 +196,12 @@ fn cell_data(data: &str, fields: &Fields, cells: usize, mut offset: usize) -> St
     let mut text = "      <CellData>\n".to_owned();
     for (kind, _) in fields {
         let components = components(kind);
+        let (name, unit) = (label::escape(&label::array_name(kind)), label::unit(kind));
         let _ = writeln!(
             text,
-            "        <DataArray type=\"Float64\" Name=\"{} [{}]\" \
-             NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>",
-            kind.name, kind.unit
+            "        <DataArray type=\"Float64\" Name=\"{name}\" \
+             NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\">\n          \
+             {unit}\n        </DataArray>"
         );
         offset += 8 + 8 * components * cells;
     }

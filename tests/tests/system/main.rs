@@ -20,6 +20,7 @@ mod implicit;
 mod mapping;
 mod moving;
 mod off_means_off;
+mod paraview;
 mod python;
 mod recording;
 mod report;

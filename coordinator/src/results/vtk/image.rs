@@ -58,7 +58,7 @@ impl Image {
             three(&self.corner),
             three(&self.spacing)
         );
-        out.write_all(opening("ImageData", &attributes, time).as_bytes())?;
+        out.write_all(opening("ImageData", &attributes, fields, time).as_bytes())?;
         writeln!(out, "    <Piece Extent=\"{extent}\">")?;
         out.write_all(cell_data("ImageData", fields, self.order.len(), 0).as_bytes())?;
         write_values(out, fields, self.order.iter().copied())

@@ -17,7 +17,7 @@ pub(super) fn write(
     let (points, cells) = (surface.points.len(), surface.elements.len());
     let bytes = [3 * 8 * points, 4 * 8 * cells, 8 * cells, cells];
     let offset = |array: usize| bytes[..array].iter().map(|bytes| 8 + bytes).sum::<usize>();
-    out.write_all(opening("UnstructuredGrid", "", time).as_bytes())?;
+    out.write_all(opening("UnstructuredGrid", "", fields, time).as_bytes())?;
     let array = |data: &str, array: usize| {
         format!("        <DataArray {data} format=\"appended\" offset=\"{}\"/>", offset(array))
     };

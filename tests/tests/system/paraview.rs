@@ -1,0 +1,306 @@
+//! The fields on disk as VTK's own readers see them, and the state that opens them in ParaView.
+
+use crate::harness::{Place, case, programs, root};
+use crate::python::interpreter;
+use proto::description::Description;
+use proto::field::{self, Body, FieldKind, FieldSpec};
+use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::process::Command;
+use tests::moving::{flux, patch};
+
+/// Places are told by a corner and a spacing, or by vertices: their rounding, in parts of the largest
+/// coordinate.
+const ROUNDING: f64 = 1e-14;
+
+/// What `paraview/read.py` finds in a folder.
+#[derive(Deserialize)]
+struct Seen {
+    series: BTreeMap<String, Vec<Data>>,
+    /// Each series that the state opens, with the array that it is coloured by.
+    opened: BTreeMap<String, String>,
+}
+
+/// One file of a series.
+#[derive(Deserialize)]
+struct Data {
+    time: f64,
+    file: String,
+    data_time: f64,
+    cells: usize,
+    extent: Option<[usize; 6]>,
+    centres: Vec<[f64; 3]>,
+    arrays: Vec<Array>,
+    table: BTreeMap<String, Option<Vec<String>>>,
+}
+
+#[derive(Deserialize)]
+struct Array {
+    name: String,
+    unit: Option<String>,
+    components: usize,
+    values: Vec<Vec<f64>>,
+}
+
+/// What VTK sees in a folder.
+fn look(folder: &Path) -> Seen {
+    let script = root().join("tests/tests/system/paraview/read.py");
+    let read = Command::new(interpreter()).arg(script).arg(folder).output().unwrap();
+    let errors = String::from_utf8_lossy(&read.stderr);
+    assert!(read.status.success() && errors.is_empty(), "{errors}");
+    serde_json::from_slice(&read.stdout).unwrap()
+}
+
+fn settings<'a>(settings: &[&'a str]) -> Vec<&'a str> {
+    settings.iter().flat_map(|set| ["--set", set]).collect()
+}
+
+/// A table with a head of names.
+struct Table {
+    head: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    fn read(path: &Path) -> Self {
+        let text = std::fs::read_to_string(path).unwrap();
+        let mut lines = text.lines();
+        let head = lines.next().unwrap().split(',').map(str::to_owned).collect();
+        let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        Self { head, rows: lines.map(row).collect() }
+    }
+
+    fn place(&self, row: &[f64]) -> [f64; 3] {
+        ["x [m]", "y [m]", "z [m]"].map(|axis| row[self.column(axis).unwrap()])
+    }
+
+    fn column(&self, name: &str) -> Option<usize> {
+        self.head.iter().position(|head| head == name)
+    }
+
+    /// The columns of an array, one a component: named `NAME [UNIT]`, or `NAME_C [UNIT]` with one of
+    /// these words for each.
+    fn columns(&self, array: &str, words: [&str; 2]) -> Vec<usize> {
+        let (name, unit) = array.split_once(' ').unwrap();
+        let of = |word| self.column(&format!("{name}_{word} {unit}"));
+        match self.column(array) {
+            Some(column) => vec![column],
+            None => words.map(|word| of(word).unwrap_or_else(|| panic!("{array}"))).to_vec(),
+        }
+    }
+}
+
+impl Data {
+    /// The cell whose centre is here.
+    fn cell(&self, place: [f64; 3]) -> usize {
+        let distance =
+            |centre: &[f64; 3]| (0..3).map(|k| (centre[k] - place[k]).abs()).sum::<f64>();
+        let nearest = |a: &usize, b: &usize| {
+            distance(&self.centres[*a]).total_cmp(&distance(&self.centres[*b]))
+        };
+        let cell = (0..self.cells).min_by(nearest).unwrap();
+        let size = self.centres.as_flattened().iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        let off = distance(&self.centres[cell]);
+        assert!(off <= ROUNDING * size, "{}: no cell at {place:?}: {off:e} off", self.file);
+        cell
+    }
+
+    /// Every array says what it is, in VTK's label and in the table, and is as large as it must be.
+    fn assert_labelled(&self, kinds: &[FieldKind]) {
+        let names = |kind: &FieldKind| format!("{} [{}]", kind.name, kind.unit);
+        let found: Vec<&str> = self.arrays.iter().map(|array| array.name.as_str()).collect();
+        assert_eq!(found, kinds.iter().map(names).collect::<Vec<_>>(), "{}", self.file);
+        for (array, kind) in self.arrays.iter().zip(kinds) {
+            assert_eq!(array.unit.as_deref(), Some(kind.unit.as_str()), "{}", array.name);
+            let components = if kind.components == 2 { 3 } else { kind.components as usize };
+            assert_eq!(array.components, components, "{}", array.name);
+            assert_eq!(array.values.len(), self.cells, "{}", array.name);
+        }
+        let column = |name: &str, of: &dyn Fn(&FieldKind) -> String| {
+            let told = self.table[name].clone().unwrap_or_else(|| panic!("no column `{name}`"));
+            assert_eq!(told, kinds.iter().map(of).collect::<Vec<_>>(), "{name} of {}", self.file);
+        };
+        column("array", &names);
+        column("unit", &|kind| kind.unit.clone());
+        column("body", &|kind| word(kind.body).to_owned());
+        column("meaning", &|kind| kind.meaning.clone());
+    }
+
+    /// The values are those of a table, whose numbers are printed so that they read back exactly.
+    fn assert_values(&self, table: &Table, words: [&str; 2]) {
+        for array in &self.arrays {
+            self.assert_array(array, table, &table.columns(&array.name, words));
+        }
+    }
+
+    fn assert_array(&self, array: &Array, table: &Table, columns: &[usize]) {
+        for row in &table.rows {
+            let values = &array.values[self.cell(table.place(row))];
+            let mut expected: Vec<f64> = columns.iter().map(|&column| row[column]).collect();
+            expected.resize(array.components, 0.0);
+            assert_eq!(values, &expected, "{} of {} at {row:?}", array.name, self.file);
+        }
+    }
+
+    /// As many cells along every axis as a table of all points has places; none across the plane.
+    fn assert_extent(&self, table: &Table) {
+        let cells = [0, 1, 2].map(|axis| {
+            let places = table.rows.iter().map(|row| table.place(row)[axis].to_bits());
+            match places.collect::<BTreeSet<u64>>().len() {
+                1 => 0,
+                several => several,
+            }
+        });
+        let [x, y, z] = cells;
+        assert_eq!(self.extent, Some([0, x, 0, y, 0, z]), "{}", self.file);
+        assert_eq!(self.cells, table.rows.len(), "{}", self.file);
+    }
+}
+
+fn word(body: Body) -> &'static str {
+    match body {
+        Body::Wheel => "wheel",
+        Body::Rail => "rail",
+        Body::Interface => "interface",
+    }
+}
+
+fn kinds(specs: &[FieldSpec]) -> Vec<FieldKind> {
+    specs.iter().map(FieldSpec::kind).collect()
+}
+
+/// The fields of each grid of the main case.
+fn of_main_case() -> [(&'static str, Vec<FieldKind>); 5] {
+    [
+        ("mech_contact", kinds(&[field::PRESSURE, field::TRACTION])),
+        ("mech_passage", kinds(&[field::SLIP_VELOCITY, field::FRICTION_POWER])),
+        ("thermal_contact", kinds(&[field::RAIL_TEMPERATURE, field::WHEEL_TEMPERATURE])),
+        ("thermal_rail_section", kinds(&[field::RAIL_SECTION_TEMPERATURE])),
+        ("thermal_wheel_section", kinds(&[field::WHEEL_SECTION_TEMPERATURE])),
+    ]
+}
+
+/// The state names every series of the folder and no other, each with an array that it has.
+fn assert_opened(seen: &Seen) {
+    assert!(seen.opened.keys().eq(seen.series.keys()), "{:?}", seen.opened);
+    for (name, array) in &seen.opened {
+        for data in &seen.series[name] {
+            assert!(data.arrays.iter().any(|a| &a.name == array), "no `{array}` in {}", data.file);
+        }
+    }
+}
+
+fn export(place: &Place) -> (Seen, std::path::PathBuf) {
+    let (vtk, csv) = (place.out().join("vtk"), place.out().join("csv"));
+    let paths = [&place.out().join("recording.mcap"), &vtk, &csv].map(|p| p.display().to_string());
+    let ended = place.start(&["export", &paths[0], "--vtk", &paths[1], "--csv", &paths[2]]).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    (look(&vtk), csv)
+}
+
+#[test]
+fn images_and_their_export_read_as_they_were_sent() {
+    let place = Place::new();
+    let mut more = settings(&["mech.resolution=6"]);
+    more.push("--record");
+    place.summary(&case("wheel-rail.toml"), &more);
+    let fields = place.out().join("fields");
+    let ((exported, csv), written) = (export(&place), look(&fields));
+    for (seen, by_name) in [(&written, false), (&exported, true)] {
+        assert_opened(seen);
+        assert_eq!(seen.series.len(), of_main_case().len(), "{:?}", seen.opened);
+        for (name, mut kinds) in of_main_case() {
+            // An export goes through the topics by name.
+            if by_name {
+                kinds.sort_by(|a, b| a.name.cmp(&b.name));
+            }
+            let [data] = &seen.series[name][..] else { panic!("{name}") };
+            data.assert_labelled(&kinds);
+            let line = Table::read(&fields.join(format!("{name}_000000.csv")));
+            data.assert_values(&line, ["x", "y"]);
+            let role = name.split('_').next().unwrap();
+            for (array, kind) in data.arrays.iter().zip(&kinds) {
+                let all = Table::read(&csv.join(format!("{role}_{}_000000.csv", kind.name)));
+                data.assert_extent(&all);
+                data.assert_array(array, &all, &all.columns(&array.name, ["0", "1"]));
+            }
+        }
+    }
+}
+
+#[test]
+fn surfaces_and_their_export_read_as_they_were_sent() {
+    let place = Place::new();
+    let mut more = settings(&["mover.motion=stretch", "output.fields=all"]);
+    more.push("--record");
+    place.summary(&case("moving.toml"), &more);
+    let described = Command::new(programs().join("toy-mover")).arg("--describe").output().unwrap();
+    let described: Description = serde_json::from_slice(&described.stdout).unwrap();
+    let kind = |name| described.fields.iter().find(|kind| kind.name == name).unwrap().clone();
+    let expected = ["moving_flux", "moving_place"].map(kind);
+    // Ten windows; the patch makes a step after each, and the last fields are on that before it.
+    let grid = patch("stretch", 9);
+    for seen in [look(&place.out().join("fields")), export(&place).0] {
+        assert_opened(&seen);
+        let data = seen.series["mover_patch"].last().unwrap();
+        assert!(data.file.ends_with(".vtu"), "{}", data.file);
+        assert_eq!((data.time, data.cells), (10.0, grid.points()));
+        data.assert_labelled(&expected);
+        for point in 0..grid.points() {
+            let centre = grid.centre(point);
+            let cell = data.cell(centre);
+            // The sum of a law's terms rounds with the places.
+            let value = data.arrays[0].values[cell][0];
+            assert!((value / flux(centre) - 1.0).abs() < ROUNDING, "{value} at {centre:?}");
+            assert_eq!(data.arrays[1].values[cell], [centre[0], centre[1], 0.0]);
+        }
+    }
+}
+
+/// Windows of 20 µs, written every fifth, and the last.
+#[test]
+fn a_series_has_its_times() {
+    let place = Place::new();
+    let more = settings(&["mech.resolution=6", "time.end=0.44 ms", "output.every=5"]);
+    place.summary(&case("cold-start.toml"), &more);
+    let seen = look(&place.out().join("fields"));
+    assert_opened(&seen);
+    assert_eq!(seen.series.len(), 4);
+    for (name, files) in &seen.series {
+        let windows = [4, 9, 14, 19, 21];
+        assert_eq!(files.len(), windows.len(), "{name}");
+        for (data, window) in files.iter().zip(windows) {
+            assert_eq!(data.file, format!("{name}_{window:06}.vti"));
+            assert_eq!(data.data_time, data.time, "{}", data.file);
+            // Twenty windows add up with a rounding each.
+            let expected = 20e-6 * f64::from(window + 1);
+            assert!((data.time / expected - 1.0).abs() < 20.0 * f64::EPSILON, "{}", data.time);
+            let line = Table::read(&place.out().join(format!("fields/{name}_{window:06}.csv")));
+            data.assert_values(&line, ["x", "y"]);
+        }
+    }
+}
+
+/// What an earlier run has left, the state too, goes; what is somebody else's stays and is not opened.
+#[test]
+fn the_state_follows_what_is_there() {
+    let place = Place::new();
+    let wheel_rail = |more: &[&str]| {
+        let more = [&settings(&["mech.resolution=6"])[..], more].concat();
+        place.summary(&case("wheel-rail.toml"), &more);
+    };
+    let fields = place.out().join("fields");
+    let opened = || look(&fields).opened.into_keys().collect::<Vec<_>>();
+    wheel_rail(&[]);
+    assert_eq!(opened(), of_main_case().map(|(name, _)| name));
+    std::fs::write(fields.join("mine.pvd"), "<VTKFile/>").unwrap();
+    wheel_rail(&["--unset", "effects.friction_heat", "--unset", "thermal"]);
+    assert_eq!(opened(), ["mech_contact", "mech_passage"]);
+    wheel_rail(&["--set", "output.fields=none"]);
+    assert!(!fields.join("open.py").exists() && fields.join("mine.pvd").exists());
+    std::fs::remove_file(fields.join("mine.pvd")).unwrap();
+    wheel_rail(&[]);
+    wheel_rail(&["--set", "output.fields=none"]);
+    assert!(!fields.exists(), "nothing of a run keeps the folder");
+}

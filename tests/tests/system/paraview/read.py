@@ -1,0 +1,82 @@
+"""Prints what VTK's own readers find in a folder of fields, as JSON.
+
+    python read.py FOLDER
+
+Every series with its files in order, and what `open.py` would open.
+"""
+
+import json
+import runpy
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+from vtkmodules.vtkCommonCore import vtkDataArray
+from vtkmodules.vtkFiltersCore import vtkCellCenters
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
+
+TABLE = ("array", "unit", "body", "meaning")
+READERS = {".vti": vtkXMLImageDataReader, ".vtu": vtkXMLUnstructuredGridReader}
+
+
+def main() -> None:
+    """Read the folder that is named."""
+    folder = Path(sys.argv[1])
+    script = folder / "open.py"
+    # Under another name than those of ParaView the script opens nothing.
+    opened = runpy.run_path(str(script), run_name="listing")["found"]()
+    told = {
+        "series": {path.stem: series(path) for path in folder.glob("*.pvd")},
+        "opened": {name: array for name, (path, array) in opened.items() if path.is_file()},
+    }
+    json.dump(told, sys.stdout)
+
+
+def series(path: Path) -> list[dict]:
+    """Every instant of a series: its time [s], its file and what is in that."""
+    entries = ElementTree.parse(path).getroot().iter("DataSet")
+    files = [(float(entry.attrib["timestep"]), entry.attrib["file"]) for entry in entries]
+    return [{"time": time, "file": file, **data(path.parent / file)} for time, file in files]
+
+
+def data(path: Path) -> dict:
+    """Everything in a file."""
+    reader = READERS[path.suffix]()
+    errors = []
+    reader.AddObserver("ErrorEvent", lambda *_: errors.append(str(path)))
+    reader.SetFileName(str(path))
+    reader.Update()
+    if errors:
+        sys.exit(f"VTK cannot read {errors[0]}")
+    found = reader.GetOutput()
+    centres = vtkCellCenters()
+    centres.SetInputData(found)
+    centres.Update()
+    places = centres.GetOutput()
+    cells, fields = found.GetCellData(), found.GetFieldData()
+    return {
+        "data_time": fields.GetArray("TimeValue").GetValue(0),
+        "cells": found.GetNumberOfCells(),
+        "extent": list(found.GetExtent()) if path.suffix == ".vti" else None,
+        "centres": [places.GetPoint(cell) for cell in range(places.GetNumberOfPoints())],
+        "arrays": [array(cells.GetArray(k)) for k in range(cells.GetNumberOfArrays())],
+        "table": {name: column(fields.GetAbstractArray(name)) for name in TABLE},
+    }
+
+
+def array(values: vtkDataArray) -> dict:
+    """An array of cell data."""
+    return {
+        "name": values.GetName(),
+        "unit": values.GetInformation().Get(vtkDataArray.UNITS_LABEL()),
+        "components": values.GetNumberOfComponents(),
+        "values": [values.GetTuple(cell) for cell in range(values.GetNumberOfTuples())],
+    }
+
+
+def column(strings) -> list[str] | None:
+    """Read a column of the table in the field data; None if there is none."""
+    return strings and [strings.GetValue(row) for row in range(strings.GetNumberOfValues())]
+
+
+main()
