@@ -2,10 +2,10 @@
 
     python3 proto/python/environment.py [--test]
 
-`--test` adds pytest. The environment is made once and brought up to date when the package has
-changed; concurrent calls wait for each other. Where `venv` has no `ensurepip` (a bare Debian), the
-packages go into a folder and the interpreter printed is a wrapper that looks there. `COSIM_PYTHON`
-names an interpreter that is ready and is printed as it is.
+`--test` adds what the tests need, pytest and a VTK reader. The environment is made once and brought
+up to date when the package has changed; concurrent calls wait for each other. Where `venv` has no
+`ensurepip` (a bare Debian), the packages go into a folder and the interpreter printed is a wrapper that
+looks there. `COSIM_PYTHON` names an interpreter that is ready and is printed as it is.
 """
 
 import fcntl
@@ -24,7 +24,7 @@ PYTHON = FOLDER / "bin" / "python"
 ADVICE = (
     "error: the Python environment for the tests cannot be made. It needs Python 3.11 with venv or "
     "pip (Debian: apt-get install python3-venv python3-pip) and access to a package index. Or name "
-    "a ready interpreter, COSIM_PYTHON=/path/to/python, after `python -m pip install proto/python`"
+    "a ready interpreter, COSIM_PYTHON=/path/to/python, after `python -m pip install 'proto/python[test]'`"
 )
 
 

@@ -6,7 +6,7 @@ which unit and range, and which fields they exchange, it learns from here.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -114,6 +114,8 @@ class Model:
     """Fields it always can provide, by name."""
     keys: Sequence[Key] = ()
     """Case keys that only this model reads."""
+    accuracy: Mapping[str, Any] = field(default_factory=dict)
+    """What is known of its errors: `refinement` and `simplifications`, see docs/write-a-solver.md."""
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
