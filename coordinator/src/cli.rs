@@ -18,6 +18,7 @@ use crate::replay::{self, Request};
 use crate::report;
 use crate::results::{ResultFolder, show};
 use crate::run::{self, Clock, Outcome};
+use crate::stability;
 use crate::study::Variant;
 use clap::{Args, Parser, Subcommand};
 use proto::description::Description;
@@ -62,13 +63,15 @@ enum Command {
     Replay(ReplayArguments),
     /// Put a participant through the whole contract, and print how it went.
     Conform(conform::Arguments),
+    /// Run the hard cases, drive their parameters to the edge, and print what held.
+    Stability(stability::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
     Export(ExportArguments),
     /// Switch off each effect in turn: what it changes in the answer, and what it costs.
     Ablate(ablate::Arguments),
     /// Show what accuracy costs in time, over models, resolutions, windows and tolerances.
     Cost(cost::Arguments),
-    /// Write report.html about the run of a result directory, with plots, in one file.
+    /// Write report.html about the run, or the study, in a folder, with plots, in one file.
     Report {
         /// The result directory.
         #[arg(value_name = "DIR")]
@@ -248,6 +251,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
         Command::Ablate(asked) => Ok(ablate::main(asked, arguments.quiet)?),
         Command::Cost(asked) => Ok(cost::main(asked, arguments.quiet)?),
+        Command::Stability(asked) => Ok(stability::main(asked, arguments.quiet)?),
         Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
         Command::Report { folder } => {
             let path = report::write(folder)?;

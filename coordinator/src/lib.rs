@@ -27,6 +27,7 @@ pub mod results;
 pub mod run;
 pub mod session;
 pub mod signals;
+pub mod stability;
 pub mod study;
 pub mod supervise;
 pub mod windows;

@@ -26,6 +26,7 @@ use crate::ablate;
 use crate::cost;
 use crate::error::RunError;
 use crate::results::folder::replace;
+use crate::stability;
 use page::Page;
 use source::Results;
 use std::path::{Path, PathBuf};
@@ -33,15 +34,22 @@ use std::path::{Path, PathBuf};
 /// Name of the page in a result directory.
 pub const FILE: &str = "report.html";
 
+/// Every kind of study: the file that it leaves in its folder, and the page about it.
+const STUDIES: [(&str, fn(&Path) -> Result<Page, RunError>); 3] = [
+    (cost::FILE, cost::page),
+    (ablate::FILE, ablate::page),
+    (stability::FILE, stability::page),
+];
+
 /// Writes the report about what is in this folder, a study or a run; its path.
 ///
 /// # Errors
 /// [`RunError::Usage`] if neither has been written into the folder; the file system.
 pub fn write(folder: &Path) -> Result<PathBuf, RunError> {
-    let page = match () {
-        () if folder.join(cost::FILE).is_file() => cost::page(folder)?,
-        () if folder.join(ablate::FILE).is_file() => ablate::page(folder)?,
-        () => page(&Results::read(folder)?),
+    let study = STUDIES.iter().find(|(file, _)| folder.join(file).is_file());
+    let page = match study {
+        Some((_, page)) => page(folder)?,
+        None => page(&Results::read(folder)?),
     };
     let path = folder.join(FILE);
     replace(&path, page.to_string().as_bytes())?;

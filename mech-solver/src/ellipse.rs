@@ -72,26 +72,41 @@ impl Ellipse {
             }
         };
         let solution = hertz::elliptic_contact(gap_x, gap_y, normal_force, compliance);
-        Ok(Self {
+        Self {
             semi_axis_a: solution.semi_axis_a,
             semi_axis_b: solution.semi_axis_b,
             max_pressure: solution.max_pressure,
             approach: Some(solution.approach),
             normal_force,
-        })
+        }
+        .within_the_wheel(scene)
+    }
+
+    /// Refuses a contact that is longer than the wheel: the paraboloid that stands for it goes on
+    /// there, and the wheel does not.
+    fn within_the_wheel(self, scene: &Scene) -> Result<Self, Refusal> {
+        let (a, radius) = (self.semi_axis_a, scene.wheel_radius);
+        match a >= radius {
+            true => Err(Refusal::new(
+                load_key(scene),
+                format!(
+                    "gives a contact of semi-axis a = {a:.3e} m on a wheel of radius {radius:.3e} m"
+                ),
+                "lower the load, or check the units of load, radii and materials",
+            )),
+            false => Ok(self),
+        }
     }
 
     fn refuse_beyond_floating_point(&self, scene: &Scene) -> Result<(), Refusal> {
-        let size = [self.semi_axis_a, self.semi_axis_b, self.max_pressure, self.normal_force];
+        // The area of an element is the root of its square.
+        let squared_area = (self.semi_axis_a / scene.resolution as f64).powi(4);
+        let size = [squared_area, self.semi_axis_b, self.max_pressure, self.normal_force];
         if size.iter().all(|value| value.is_normal()) {
             return Ok(());
         }
-        let key = match scene.load {
-            Load::NormalForce(_) => NORMAL_FORCE,
-            Load::Approach(_) => APPROACH,
-        };
         Err(Refusal::new(
-            key,
+            load_key(scene),
             format!("gives a contact whose size or pressure is no number: {self}"),
             "check the units of load, radii and materials",
         ))
@@ -217,6 +232,14 @@ impl fmt::Display for Ellipse {
             1e3 * self.semi_axis_b,
             1e-6 * self.max_pressure,
         )
+    }
+}
+
+/// The key that decides how large the contact is.
+fn load_key(scene: &Scene) -> &'static str {
+    match scene.load {
+        Load::NormalForce(_) => NORMAL_FORCE,
+        Load::Approach(_) => APPROACH,
     }
 }
 

@@ -2,7 +2,9 @@
 //!
 //! Either f(T) = f_∞ + (f_0 − f_∞) e^{−T/T_c}, with f_0 the case's friction coefficient, or a table of
 //! temperatures and coefficients with straight lines between. T is the mean of the temperature rises
-//! of both surfaces over their initial temperature, at the centre of an element.
+//! of both surfaces over their initial temperature, at the centre of an element. A rise below zero
+//! counts as none: friction heats, so only rounding or an iterate on its way has one, and the
+//! exponential of a far one is not finite.
 //!
 //! The effect closes a loop: friction heats, heat changes friction.
 //!
@@ -172,7 +174,7 @@ impl FrictionLaw {
             }
         }
         for value in friction.iter_mut() {
-            let temperature = *value;
+            let temperature = value.max(0.0);
             *value = self.coefficient(temperature).ok_or_else(|| {
                 StepError::NoSolution(format!(
                     "the contact temperature rise of {temperature:.1} K is beyond the table of \
@@ -311,6 +313,21 @@ mod tests {
             surfaces.0 = proto::grid::Grid::structured("contact", shape);
             let refused = law.on_grid(&surfaces, &own, &mut friction).unwrap_err();
             assert!(refused.to_string().contains("along x and y"), "{refused}");
+        }
+    }
+
+    /// What an accelerated iterate may send: far below any temperature, where e^{−T/T_c} overflows.
+    #[test]
+    fn a_rise_below_zero_is_none() {
+        let own = Structured::contact_plane(0.0, 0.0, 0.5, 0.5, 3, 2);
+        let grid = proto::grid::Grid::structured("contact", own);
+        let surfaces = Surfaces(grid, vec![-1e6; 6]);
+        let decay = FrictionLaw::Decay { cold: 0.6, hot: 0.0, scale: 10.0 };
+        let table = FrictionLaw::Table { points: vec![(0.0, 0.6), (10.0, 0.2)], clamp: false };
+        for law in [decay, table] {
+            let mut friction = Vec::new();
+            law.on_grid(&surfaces, &own, &mut friction).unwrap();
+            assert_eq!(friction, [0.6; 6]);
         }
     }
 

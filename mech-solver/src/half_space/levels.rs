@@ -197,7 +197,10 @@ pub enum TangentialError {
     #[error(transparent)]
     NotConverged(#[from] NotConverged),
     /// The force is beyond what friction carries.
-    #[error("a tangential force of {force:.6e} N is beyond f N = {most:.6e} N")]
+    #[error(
+        "a tangential force of {force:.6e} N is beyond f N = {most:.6e} N; prescribe less, or \
+         motion.creepage"
+    )]
     BeyondFriction {
         /// The force asked for [N].
         force: f64,

@@ -26,5 +26,6 @@ mod recording;
 mod report;
 mod results;
 mod resume;
+mod stability;
 mod time;
 mod two_way;

@@ -9,6 +9,7 @@ use super::contact::Contact;
 use super::fields;
 use crate::effects::temperature_friction::FrictionLaw;
 use crate::scene::Scene;
+use proto::configuration::Refusal;
 use proto::field;
 use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
 use serde_json::Value;
@@ -48,8 +49,9 @@ impl Model for Heated {
         let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
         let scene = Scene { friction_coefficient: friction, ..self.case.scene };
         let Prepared { contact, law, partial, .. } = &mut self.case;
-        *contact = Contact::solve(&scene, contact.ellipse, *law, *partial)
-            .map_err(|refusal| StepError::NoSolution(refusal.reason))?;
+        *contact = Contact::solve(&scene, contact.ellipse, *law, *partial).map_err(
+            |Refusal { reason, fix, .. }| StepError::NoSolution(format!("{reason}; {fix}")),
+        )?;
         self.write(outputs);
         let work = self.case.grid.points() as u64;
         Ok(StepReport { substeps: 1, work, ..StepReport::default() })

@@ -1,0 +1,118 @@
+//! `coordinator stability`: the hard cases, each with what is expected of it and why.
+//!
+//! A suite file lists cases, the bounds of their figures with the physical reason of each, and
+//! parameters that are driven to the edge where the answer ends. Every run is a run like any other,
+//! with a recording, so that the ranges of whole fields are known.
+//!
+//! ```text
+//! suite.toml ──Suite::read──► Suite ──each case and sweep──► Trial ──judge──► Row ──► Report
+//! ```
+//!
+//! Nothing here knows a model or an effect by name: one that comes later joins by an entry in the
+//! file.
+
+mod cli;
+mod figure;
+mod judge;
+mod limits;
+mod page;
+mod report;
+mod show;
+mod suite;
+mod trial;
+
+pub use cli::{Arguments, main};
+pub use page::page;
+pub use report::{CaseReport, FILE, Finding, Report, Row, SweepReport, Waiting};
+pub use suite::Suite;
+
+use crate::error::RunError;
+use crate::study::Variant;
+use judge::judge;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use suite::{Entry, Expected, Sweep};
+use trial::Trial;
+
+/// What is to be run.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The suite.
+    pub suite: Suite,
+    /// Names of the cases to run; all if empty.
+    pub only: Vec<String>,
+    /// Parameters are driven to their edges.
+    pub sweeps: bool,
+    /// Where the runs write.
+    pub out: PathBuf,
+}
+
+/// Runs the cases; `tell` hears of each as soon as it and its sweeps are done.
+///
+/// # Errors
+/// A case that the suite does not have, a folder that cannot be written, or the user has stopped. A
+/// case that goes otherwise than expected is no error here.
+pub fn stability(request: &Request, tell: &mut dyn FnMut(&CaseReport)) -> Result<Report, RunError> {
+    let begun = Instant::now();
+    let mut report = Report {
+        suite: request.suite.name(),
+        waiting: request.suite.waiting.clone(),
+        ..Report::default()
+    };
+    for entry in request.suite.chosen(&request.only)? {
+        let case = run_entry(request, entry)?;
+        tell(&case);
+        report.cases.push(case);
+    }
+    report.wall_s = begun.elapsed().as_secs_f64();
+    Ok(report)
+}
+
+fn run_entry(request: &Request, entry: &Entry) -> Result<CaseReport, RunError> {
+    let row = run_one(request, entry, &entry.variant(), &entry.name, &entry.expect)?;
+    let sweeps = match request.sweeps {
+        true => entry.sweeps.iter().map(|sweep| run_sweep(request, entry, sweep)).collect(),
+        false => Ok(Vec::new()),
+    };
+    Ok(CaseReport {
+        number: entry.number,
+        name: entry.name.clone(),
+        title: entry.title.clone(),
+        bounds: entry.checks.iter().map(suite::Check::told).collect(),
+        expected: entry.expect.to_string(),
+        row,
+        sweeps: sweeps?,
+    })
+}
+
+fn run_sweep(request: &Request, entry: &Entry, sweep: &Sweep) -> Result<SweepReport, RunError> {
+    let mut rows = Vec::new();
+    for value in &sweep.values {
+        let name = format!("{}-{}-{value}", entry.name, sweep.parameter).replace(['/', ' '], "-");
+        let variant = sweep.at(&entry.variant(), value);
+        let row = run_one(request, entry, &variant, &name, sweep.expected(value, &entry.expect))?;
+        rows.push((value.clone(), row));
+    }
+    Ok(SweepReport {
+        parameter: sweep.parameter.clone(),
+        before: sweep.before.clone(),
+        beyond: sweep.edge.as_ref().map(|edge| edge.beyond.to_string()),
+        why: sweep.why.clone(),
+        rows,
+    })
+}
+
+fn run_one(
+    request: &Request,
+    entry: &Entry,
+    variant: &Variant,
+    name: &str,
+    expected: &Expected,
+) -> Result<Row, RunError> {
+    let trial = Trial::run(&entry.case, variant, &folder(&request.out, name))?;
+    Ok(judge(&trial, expected, &entry.limits(&request.suite.every), &entry.checks))
+}
+
+fn folder(out: &Path, name: &str) -> PathBuf {
+    out.join("runs").join(name)
+}

@@ -1,0 +1,98 @@
+//! The subcommand.
+
+use super::report::{FILE, Report};
+use super::suite::Suite;
+use super::{Request, limits, show, stability};
+use crate::error::{Failure, RunError, file_failure};
+use crate::report;
+use crate::results::folder::replace;
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// What `coordinator stability` is asked.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The suite.
+    #[arg(default_value = "cases/hard/suite.toml")]
+    suite: PathBuf,
+    /// Run this case alone; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// Run the cases alone, without driving parameters to their edges.
+    #[arg(long)]
+    no_sweep: bool,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+    /// Output folder: stability.json, report.html and the runs.
+    #[arg(long, value_name = "DIR", default_value = "results/stability")]
+    out: PathBuf,
+    /// Write the edges that were found, as Markdown.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["only", "no_sweep"])]
+    write_limits: Option<PathBuf>,
+}
+
+/// Runs the suite and prints how it went.
+///
+/// # Errors
+/// What is asked for cannot be, or a case went otherwise than expected.
+pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+    let request = Request {
+        suite: Suite::read(&asked.suite)?,
+        only: asked.only.clone(),
+        sweeps: !asked.no_sweep,
+        out: asked.out.clone(),
+    };
+    // A case that the suite does not have is told before anything is printed.
+    request.suite.chosen(&request.only)?;
+    let silent = quiet || asked.json;
+    let say = |text: &str| {
+        if !silent {
+            print(text);
+        }
+    };
+    say(&show::head());
+    let report = stability(&request, &mut |case| say(&show::case(case)))?;
+    write(&asked.out, &report)?;
+    if asked.json {
+        print(&(json(&report) + "\n"));
+    }
+    say(&show::tail(&report, &asked.out));
+    verdict(&report)?;
+    match &asked.write_limits {
+        Some(path) => replace(path, limits::text(&report).as_bytes()),
+        None => Ok(()),
+    }
+}
+
+fn json(report: &Report) -> String {
+    serde_json::to_string_pretty(report).expect("a report is plain data")
+}
+
+/// Writes the report, and the page about it.
+fn write(out: &Path, report: &Report) -> Result<(), RunError> {
+    std::fs::create_dir_all(out).map_err(|error| file_failure(out, &error))?;
+    replace(&out.join(FILE), json(report).as_bytes())?;
+    report::write(out).map(drop)
+}
+
+fn verdict(report: &Report) -> Result<(), RunError> {
+    let other = report.cases.iter().filter(|case| !case.as_expected());
+    let names: Vec<&str> = other.map(|case| case.name.as_str()).collect();
+    if names.is_empty() {
+        return Ok(());
+    }
+    Err(RunError::Failed(Failure {
+        who: report.suite.clone(),
+        when: format!("in {} of {} cases", names.len(), report.cases.len()),
+        what: format!("{} went otherwise than expected", names.join(", ")),
+        fix: "`coordinator stability --only NAME` runs one alone".to_owned(),
+    }))
+}
+
+fn print(text: &str) {
+    // A reader that has gone away (`| head`) is no failure of ours.
+    let mut out = std::io::stdout();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}

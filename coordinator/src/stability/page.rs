@@ -1,0 +1,173 @@
+//! The page about a suite.
+
+use super::report::{CaseReport, Report, SweepReport};
+use super::show::{bounded, course, end, energy, factor, margin};
+use crate::error::RunError;
+use crate::report::page::{Block, Headline, Mood, Page, Section};
+use crate::report::table::Table;
+use crate::report::unit::number;
+use std::path::Path;
+
+/// The page about the report of a suite in its folder.
+///
+/// # Errors
+/// A file that cannot be read, or is no such report.
+pub fn page(folder: &Path) -> Result<Page, RunError> {
+    Ok(of(&Report::read(folder)?))
+}
+
+fn of(report: &Report) -> Page {
+    let good = report.as_expected();
+    let sections = [Some(overview(report)), Some(cases(report)), edges(report), waiting(report)];
+    let mut sections: Vec<Section> = sections.into_iter().flatten().collect();
+    sections.extend(report.cases.iter().map(details));
+    Page {
+        name: "stability".to_owned(),
+        title: format!("the hard cases of {}", report.suite),
+        status: if good { "as expected" } else { "otherwise than expected" }.to_owned(),
+        mood: if good { Mood::Good } else { Mood::Bad },
+        reason: reason(report),
+        sections,
+    }
+}
+
+fn reason(report: &Report) -> String {
+    let other = report.cases.iter().filter(|case| !case.as_expected());
+    let names: Vec<String> = other.map(|case| format!("`{}`", case.name)).collect();
+    match names.is_empty() {
+        true => "every case and every edge is where the suite says".to_owned(),
+        false => format!("look at {}", names.join(", ")),
+    }
+}
+
+fn overview(report: &Report) -> Section {
+    let headline =
+        |name: &str, value: String, more: String| Headline { name: name.into(), value, more };
+    let good = report.cases.iter().filter(|case| case.as_expected()).count();
+    let sweeps: Vec<&SweepReport> = report.cases.iter().flat_map(|case| &case.sweeps).collect();
+    let edges = sweeps.iter().filter(|sweep| sweep.edge().is_some()).count();
+    let answers = report.cases.iter().flat_map(CaseReport::runs).filter(|(_, row)| row.answers());
+    let worst_energy = answers.filter_map(|(_, row)| row.energy_imbalance).reduce(f64::max);
+    let mut all = vec![
+        headline(
+            "Cases as expected",
+            format!("{good} of {}", report.cases.len()),
+            format!("{} wait for a model or an effect", report.waiting.len()),
+        ),
+        headline(
+            "Edges found",
+            format!("{edges} of {}", sweeps.len()),
+            "sweeps; the others hold to their last value".to_owned(),
+        ),
+        headline("Runs", report.runs().to_string(), format!("in {:.1} s", report.wall_s)),
+    ];
+    all.extend(worst_energy.map(|imbalance| {
+        headline("Largest heat imbalance", number(imbalance, 2), "of all answers".to_owned())
+    }));
+    Section { title: "Results".to_owned(), blocks: vec![Block::Headlines(all)] }
+}
+
+fn cases(report: &Report) -> Section {
+    let head =
+        ["no.", "case", "what is hard", "end", "bounded", "energy", "margin", "iterations", "time"];
+    let mut table = Table::new(head, 7);
+    for case in &report.cases {
+        let row = &case.row;
+        table.row([
+            case.number.to_string(),
+            case.name.clone(),
+            case.title.clone(),
+            unless(row.as_expected, end(row)),
+            bounded(row).to_owned(),
+            energy(row),
+            margin(row),
+            row.iterations.to_string(),
+            format!("{:.2} s", row.seconds),
+        ]);
+    }
+    let text = "The margin is the least of bound over figure: 2× means that the figure takes half of \
+                what its bound allows.";
+    Section {
+        title: "Cases".to_owned(),
+        blocks: vec![Block::Text(text.to_owned()), Block::Table(table)],
+    }
+}
+
+fn edges(report: &Report) -> Option<Section> {
+    let mut table = Table::new(["case", "parameter", "values", "why"], 4);
+    for case in &report.cases {
+        for sweep in &case.sweeps {
+            let course = unless(sweep.as_expected(), course(sweep));
+            table.row([case.name.clone(), sweep.parameter.clone(), course, sweep.why.clone()]);
+        }
+    }
+    let text =
+        "The bar stands between the last value that went as before and the first that did not.";
+    let blocks = vec![Block::Text(text.to_owned()), Block::Table(table)];
+    Section::of("Edges", blocks).filter(|_| report.cases.iter().any(|case| !case.sweeps.is_empty()))
+}
+
+fn waiting(report: &Report) -> Option<Section> {
+    let mut table = Table::new(["no.", "what is hard", "waits for"], 3);
+    for one in &report.waiting {
+        table.row([one.number.to_string(), one.title.clone(), one.waits_for.clone()]);
+    }
+    (!report.waiting.is_empty())
+        .then(|| Section { title: "Not yet met".to_owned(), blocks: vec![Block::Table(table)] })
+}
+
+/// A case with its bounds, and every run of its sweeps.
+fn details(case: &CaseReport) -> Section {
+    let mut blocks = vec![
+        Block::Text(format!("{}. Expected: {}.", case.title, case.expected)),
+        Block::Table(findings(case)),
+    ];
+    if let Some((_, message)) = &case.row.error {
+        blocks.push(Block::Verbatim("It ended with".to_owned(), message.trim_end().to_owned()));
+    }
+    blocks.extend(case.sweeps.iter().map(|sweep| {
+        Block::Folded(format!("{}: {} runs", sweep.parameter, sweep.rows.len()), runs(sweep))
+    }));
+    Section { title: format!("{}. {}", case.number, case.name), blocks }
+}
+
+fn findings(case: &CaseReport) -> Table {
+    let mut table = Table::new(["figure", "value", "bound", "margin", "because"], 5);
+    for finding in &case.row.findings {
+        let because = case.bounds.iter().find(|[name, ..]| *name == finding.name);
+        table.row([
+            finding.name.clone(),
+            finding.value.map_or_else(|| "none".to_owned(), |value| number(value, 4)),
+            finding.bound.clone(),
+            unless(finding.holds(), factor(finding)),
+            because.map_or_else(String::new, |[_, _, because]| because.clone()),
+        ]);
+    }
+    table
+}
+
+fn runs(sweep: &SweepReport) -> Table {
+    let mut table = Table::new(
+        [&sweep.parameter, "end", "bounded", "energy", "margin", "iterations", "time", "message"],
+        8,
+    );
+    for (value, row) in &sweep.rows {
+        let message = row.error.as_ref().map_or("", |(_, message)| message);
+        table.row([
+            value.clone(),
+            unless(row.as_expected, end(row)),
+            bounded(row).to_owned(),
+            energy(row),
+            margin(row),
+            row.iterations.to_string(),
+            format!("{:.2} s", row.seconds),
+            message.lines().next().unwrap_or_default().to_owned(),
+        ]);
+    }
+    table
+}
+
+/// The words, marked where something is otherwise than expected.
+fn unless(as_expected: bool, words: String) -> String {
+    if as_expected { words } else { format!("✗ {words}") }
+}

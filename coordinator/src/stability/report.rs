@@ -1,0 +1,186 @@
+//! What a suite has shown, as plain data: `stability.json`.
+
+use crate::error::{RunError, file_failure};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Name of the file in the output folder.
+pub const FILE: &str = "stability.json";
+
+/// How a suite went.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// The suite file.
+    pub suite: String,
+    /// One entry a case.
+    pub cases: Vec<CaseReport>,
+    /// Hard cases that wait for a model or an effect.
+    pub waiting: Vec<Waiting>,
+    /// Seconds of all runs.
+    pub wall_s: f64,
+}
+
+/// A hard case that no model or effect can meet yet.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Waiting {
+    /// Its number in the list of hard cases.
+    pub number: u32,
+    /// What is hard about it.
+    pub title: String,
+    /// What it waits for.
+    pub waits_for: String,
+}
+
+/// How one case and its sweeps went.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaseReport {
+    /// Its number in the list of hard cases.
+    pub number: u32,
+    /// Its name.
+    pub name: String,
+    /// What is hard about it.
+    pub title: String,
+    /// Name, bound and reason of every check.
+    pub bounds: Vec<[String; 3]>,
+    /// What is expected, in words.
+    pub expected: String,
+    /// How the run went.
+    pub row: Row,
+    /// How the sweeps went.
+    pub sweeps: Vec<SweepReport>,
+}
+
+/// How one run went.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// It went as expected.
+    pub as_expected: bool,
+    /// What went otherwise than expected.
+    pub otherwise: Vec<String>,
+    /// Exit code and message, if it ended with an error.
+    pub error: Option<(u8, String)>,
+    /// Every value that was sent is finite; `None` if no answer came.
+    pub bounded: Option<bool>,
+    /// Largest relative difference of heat sent and received \[-\].
+    pub energy_imbalance: Option<f64>,
+    /// Every figure that was held against a bound.
+    pub findings: Vec<Finding>,
+    /// Coupling iterations.
+    pub iterations: u64,
+    /// Seconds from reading the case to the last process's end.
+    pub seconds: f64,
+}
+
+/// A figure against its bound.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// What it is.
+    pub name: String,
+    /// The figure; `None` if the run does not give it, or gives no number.
+    pub value: Option<f64>,
+    /// Where it has to be.
+    pub bound: String,
+    /// How much of what the bound allows it takes: above 1 it is beyond \[-\].
+    pub share: Option<f64>,
+}
+
+impl Finding {
+    /// It keeps its bound.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.share.is_some_and(|share| share <= 1.0)
+    }
+}
+
+/// A parameter driven to its edge.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SweepReport {
+    /// What it is.
+    pub parameter: String,
+    /// What is seen up to the edge.
+    pub before: String,
+    /// What is expected from the edge on; `None` if there is none.
+    pub beyond: Option<String>,
+    /// Why it is there.
+    pub why: String,
+    /// Its values, and how each went.
+    pub rows: Vec<(String, Row)>,
+}
+
+impl Row {
+    /// It came to an answer that keeps every bound.
+    #[must_use]
+    pub fn answers(&self) -> bool {
+        self.error.is_none()
+            && self.bounded == Some(true)
+            && self.findings.iter().all(Finding::holds)
+    }
+
+    /// The figure that takes most of what its bound allows.
+    #[must_use]
+    pub fn worst(&self) -> Option<&Finding> {
+        let share = |finding: &&Finding| finding.share.unwrap_or(f64::INFINITY);
+        self.findings.iter().max_by(|a, b| share(a).total_cmp(&share(b)))
+    }
+}
+
+impl SweepReport {
+    /// All its runs went as expected.
+    #[must_use]
+    pub fn as_expected(&self) -> bool {
+        self.rows.iter().all(|(_, row)| row.as_expected)
+    }
+
+    /// Index of the first value that ends otherwise than the first one does.
+    #[must_use]
+    pub fn edge(&self) -> Option<usize> {
+        let ending = |row: &Row| (row.answers(), row.error.as_ref().map(|(code, _)| *code));
+        let first = self.rows.first().map(|(_, row)| ending(row))?;
+        self.rows.iter().position(|(_, row)| ending(row) != first)
+    }
+}
+
+impl CaseReport {
+    /// The case and all its sweeps went as expected.
+    #[must_use]
+    pub fn as_expected(&self) -> bool {
+        self.row.as_expected && self.sweeps.iter().all(SweepReport::as_expected)
+    }
+
+    /// All runs, with the parameter and value of those of a sweep.
+    pub fn runs(&self) -> impl Iterator<Item = (Option<(&str, &str)>, &Row)> {
+        let swept = self.sweeps.iter().flat_map(|sweep| {
+            let at = |(value, row)| (Some((sweep.parameter.as_str(), value)), row);
+            sweep.rows.iter().map(|(value, row)| (value.as_str(), row)).map(at)
+        });
+        std::iter::once((None, &self.row)).chain(swept)
+    }
+}
+
+impl Report {
+    /// Everything went as expected.
+    #[must_use]
+    pub fn as_expected(&self) -> bool {
+        self.cases.iter().all(CaseReport::as_expected)
+    }
+
+    /// How many runs there were.
+    #[must_use]
+    pub fn runs(&self) -> usize {
+        self.cases.iter().map(|case| case.runs().count()).sum()
+    }
+
+    /// Reads the report of a suite out of its folder.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no such report.
+    pub fn read(folder: &Path) -> Result<Self, RunError> {
+        let path = folder.join(FILE);
+        let text = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+        serde_json::from_slice(&text).map_err(|error| {
+            let fix = "run `coordinator stability` again";
+            RunError::Usage(format!("{} is no stability report: {error}; {fix}", path.display()))
+        })
+    }
+}
