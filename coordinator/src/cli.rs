@@ -14,8 +14,9 @@ use crate::plan::{Planned, plan};
 use crate::programs::{self, Program};
 use crate::progress::Progress;
 use crate::record::Compression;
-use crate::replay::{self, Request};
+use crate::replay;
 use crate::report;
+use crate::reproduce;
 use crate::results::{ResultFolder, show};
 use crate::run::{self, Clock, Outcome};
 use crate::stability;
@@ -77,6 +78,8 @@ enum Command {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
+    /// Run a published study again, and lay tables and figures beside what was printed.
+    Reproduce(reproduce::Arguments),
 }
 
 #[derive(Debug, Args)]
@@ -258,6 +261,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             print(arguments.quiet, &format!("{}\n", path.display()));
             Ok(())
         }
+        Command::Reproduce(asked) => Ok(reproduce::main(asked, arguments.quiet)?),
     }
 }
 
@@ -433,7 +437,7 @@ fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError
         words => words.to_vec(),
     };
     let program = (!words.is_empty()).then(|| Program::of_role(&asked.only, Some(&words)));
-    let request = Request {
+    let request = replay::Request {
         recording: asked.recording.clone(),
         only: asked.only.clone(),
         program,

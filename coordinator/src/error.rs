@@ -55,6 +55,9 @@ pub enum RunError {
     /// A replayed participant does not send what was recorded.
     #[error("the replay differs from the recording: {0}")]
     Differs(String),
+    /// A text that is kept does not say what a reproduction says.
+    #[error("stale: {0}")]
+    Stale(String),
     /// Stopped by the user.
     #[error("interrupted by {signal} {when}; every participant was ended in order")]
     Interrupted {
@@ -151,14 +154,14 @@ impl NotConverged {
 
 impl RunError {
     /// The exit code: 1 a solver or the machine failed, 2 bad usage or case, 3 not converged, 4 a replay
-    /// differs.
+    /// differs, or a text that is kept is stale.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Case(_) | Self::Refused { .. } | Self::NoProgram { .. } => 2,
             Self::Failed(_) | Self::Interrupted { .. } | Self::NotFinite { .. } => 1,
             Self::NotConverged(_) | Self::Inaccurate { .. } => 3,
-            Self::Differs(_) => 4,
+            Self::Differs(_) | Self::Stale(_) => 4,
             Self::Both { first, .. } => first.exit_code(),
         }
     }

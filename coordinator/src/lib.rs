@@ -23,6 +23,7 @@ pub mod progress;
 pub mod record;
 pub mod replay;
 pub mod report;
+pub mod reproduce;
 pub mod results;
 pub mod run;
 pub mod session;

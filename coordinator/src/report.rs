@@ -19,12 +19,14 @@ pub mod plan_file;
 pub mod plot;
 mod sections;
 pub mod source;
+mod standalone;
 pub mod table;
 pub mod unit;
 
 use crate::ablate;
 use crate::cost;
 use crate::error::RunError;
+use crate::reproduce;
 use crate::results::folder::replace;
 use crate::stability;
 use page::Page;
@@ -34,11 +36,15 @@ use std::path::{Path, PathBuf};
 /// Name of the page in a result directory.
 pub const FILE: &str = "report.html";
 
+/// Makes the page about what is in a folder.
+type PageOf = fn(&Path) -> Result<Page, RunError>;
+
 /// Every kind of study: the file that it leaves in its folder, and the page about it.
-const STUDIES: [(&str, fn(&Path) -> Result<Page, RunError>); 3] = [
+const STUDIES: [(&str, PageOf); 4] = [
     (cost::FILE, cost::page),
     (ablate::FILE, ablate::page),
     (stability::FILE, stability::page),
+    (reproduce::FILE, reproduce::page),
 ];
 
 /// Writes the report about what is in this folder, a study or a run; its path.

@@ -96,33 +96,42 @@ fn compared(quantity: &Quantity, request: &Request, sweep: &Sweep) -> Compared {
     Compared { key, name, measure, reference }
 }
 
-/// The most faithful level's finest runs, extrapolated along every axis that has an order.
+/// The finest runs of the most faithful models, extrapolated along every axis that has an order; of
+/// equally faithful ones those that know their limit best.
 fn extrapolated(quantity: &Quantity, sweep: &Sweep) -> Option<Reference> {
-    let ran = |level: &usize| sweep.finest(*level, &quantity.key).is_some();
-    let error = |level: &usize| sweep.levels[*level].model_error();
-    // Of equally faithful levels the last, dearest one.
-    let levels = (0..sweep.levels.len()).rev().filter(ran);
-    let level = levels.min_by(|a, b| error(a).total_cmp(&error(b)))?;
-    let finest = sweep.finest(level, &quantity.key)?;
-    let value = finest.values[&quantity.key];
-    let estimates = sweep.estimates(level, finest, &quantity.key);
-    let limit = estimates.iter().fold(value, |limit, one| limit + (one.limit - value));
-    let error: f64 = estimates.iter().map(|one| one.error).sum();
-    let settings: Vec<String> =
-        finest.settings.iter().map(|(key, value)| format!("{key} {value}")).collect();
-    let name = sweep.levels[level].name();
-    let how = if estimates.is_empty() { "the finest run" } else { "extrapolated" };
-    Some(Reference {
-        value: limit,
-        uncertainty: quantity.error(limit + error, limit),
-        source: format!("{name} to {}, {how}", settings.join(", ")),
-    })
+    let error = |level: usize| sweep.levels[level].model_error();
+    let ran =
+        || (0..sweep.levels.len()).filter(|level| sweep.finest(*level, &quantity.key).is_some());
+    let least = ran().map(error).min_by(f64::total_cmp)?;
+    let limits = ran().filter(|level| error(*level) <= least);
+    let limits = limits.filter_map(|level| sweep.limit(level, quantity));
+    // Who has one grid alone does not know how far off it is.
+    let unknown = |one: &Reference| if one.uncertainty > 0.0 { one.uncertainty } else { f64::MAX };
+    limits.min_by(|a, b| unknown(a).total_cmp(&unknown(b)))
 }
 
 impl Sweep {
     /// The finest run of a level that has a figure: the last one in the order of the sweep.
     fn finest(&self, level: usize, key: &str) -> Option<&Run> {
         self.runs.iter().rfind(|run| run.level == level && run.values.contains_key(key))
+    }
+
+    /// What a level's runs tend to, and how far off that may be.
+    fn limit(&self, level: usize, quantity: &Quantity) -> Option<Reference> {
+        let finest = self.finest(level, &quantity.key)?;
+        let value = finest.values[&quantity.key];
+        let estimates = self.estimates(level, finest, &quantity.key);
+        let limit = estimates.iter().fold(value, |limit, one| limit + (one.limit - value));
+        let error: f64 = estimates.iter().map(|one| one.error).sum();
+        let settings: Vec<String> =
+            finest.settings.iter().map(|(key, value)| format!("{key} {value}")).collect();
+        let name = self.levels[level].name();
+        let how = if estimates.is_empty() { "the finest run" } else { "extrapolated" };
+        Some(Reference {
+            value: limit,
+            uncertainty: quantity.error(limit + error, limit),
+            source: format!("{name} to {}, {how}", settings.join(", ")),
+        })
     }
 
     /// What the coarser runs say of the finest one's figure, along resolution and windows.

@@ -4,6 +4,7 @@ use super::axis::{Axis, Frame, extent};
 use super::image::address;
 use super::palette::{COLOURS, entry};
 use super::plot::{LEFT, figure, view};
+use super::standalone::Standalone;
 use super::unit::number;
 use std::fmt::Write as _;
 
@@ -49,13 +50,41 @@ impl Heatmap {
     /// The map as HTML.
     #[must_use]
     pub fn html(&self) -> String {
+        let svg = view(&self.title, &self.describe(), self.height(), &self.content());
+        figure(&self.title, &svg, &self.note)
+    }
+
+    /// The map as an SVG file that needs nothing else, with its title.
+    #[must_use]
+    pub fn standalone(&self) -> String {
+        Standalone {
+            title: &self.title,
+            description: &self.describe(),
+            keys: &[],
+            height: self.height(),
+            content: &self.content(),
+        }
+        .svg()
+    }
+
+    /// Height of the view box.
+    fn height(&self) -> f64 {
+        TOP + self.size()[1] + 48.0
+    }
+
+    /// The values that the ends of the colours stand for.
+    fn range(&self) -> [f64; 2] {
+        let values = self.values.iter().copied().chain(self.from_zero.then_some(0.0));
+        let range = extent(values).unwrap_or([0.0, 1.0]);
+        if range[0] < range[1] { range } else { [range[0] - 1.0, range[1] + 1.0] }
+    }
+
+    fn content(&self) -> String {
         let [width, height] = self.size();
         let (left, bottom) = (LEFT, TOP + height);
         let x = Axis { range: self.x, decades: false, whole: false, paper: [left, left + width] };
         let y = Axis { range: self.y, decades: false, whole: false, paper: [bottom, TOP] };
-        let range = extent(self.values.iter().copied().chain(self.from_zero.then_some(0.0)))
-            .unwrap_or([0.0, 1.0]);
-        let range = if range[0] < range[1] { range } else { [range[0] - 1.0, range[1] + 1.0] };
+        let range = self.range();
         let (columns, pixels) = self.pixels(range);
         let mut svg = String::new();
         let _ = writeln!(
@@ -67,15 +96,20 @@ impl Heatmap {
         let (x_label, y_label) = (self.x_label.as_str(), self.y_label.as_str());
         svg += &Frame { x: &x, y: &y, x_label, y_label, grid: false }.svg();
         svg += &self.bar(range, bottom);
-        let description = format!(
+        svg
+    }
+
+    /// The range of the values, for who cannot see the map.
+    fn describe(&self) -> String {
+        let range = self.range();
+        format!(
             "{} over {} and {}, from {} to {}.",
             self.value_label,
             self.x_label,
             self.y_label,
             number(range[0], 4),
             number(range[1], 4)
-        );
-        figure(&self.title, &view(&self.title, &description, bottom + 48.0, &svg), &self.note)
+        )
     }
 
     /// Width and height of the map on the paper.

@@ -7,7 +7,9 @@ use super::plot::{Figure, figure};
 use super::table::Table;
 use std::fmt::{Display, Formatter, Result};
 
-/// Fonts, grid and colours of the page.
+/// Colours of the page and its plots, and what plots need.
+pub(super) const PLOT_STYLE: &str = include_str!("plot.css");
+/// Fonts, grid and everything else of the page.
 const STYLE: &str = include_str!("style.css");
 
 /// One figure of the head of the page.
@@ -177,7 +179,10 @@ impl Display for Page {
         writeln!(f, "<meta name=\"color-scheme\" content=\"light dark\"/>")?;
         // An icon of its own keeps a browser from asking for one.
         writeln!(f, "<link rel=\"icon\" href=\"data:,\"/>")?;
-        writeln!(f, "<title>{name} · {status}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>")?;
+        writeln!(
+            f,
+            "<title>{name} · {status}</title>\n<style>\n{PLOT_STYLE}{STYLE}</style>\n</head>\n<body>"
+        )?;
         writeln!(f, "<main>\n<header>\n<h1>{name}</h1>\n<p class=\"title\">{title}</p>")?;
         writeln!(f, "<p class=\"status {mood}\"><b>{status}</b> {reason}</p>\n</header>")?;
         for section in &self.sections {

@@ -2,6 +2,7 @@
 
 use super::axis::{Axis, Frame};
 use super::page::escape;
+use super::standalone::Standalone;
 use super::unit::number;
 use std::fmt::Write as _;
 
@@ -26,6 +27,8 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
     /// Dots at the points.
     pub dots: bool,
+    /// Marks alone, not joined: what others have printed or measured.
+    pub marks: bool,
 }
 
 /// A plot of lines with two axes and a legend.
@@ -76,7 +79,14 @@ impl Figure {
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         let dots = points.len() <= 40;
-        self.series.push(Series { name: name.into(), points, dots });
+        self.series.push(Series { name: name.into(), points, dots, marks: false });
+        self
+    }
+
+    /// Adds marks that are not joined.
+    #[must_use]
+    pub fn with_marks(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        self.series.push(Series { name: name.into(), points, dots: false, marks: true });
         self
     }
 
@@ -91,6 +101,36 @@ impl Figure {
     /// The plot as HTML.
     #[must_use]
     pub fn html(&self) -> String {
+        let keys = self.keys();
+        let legend = if keys.is_empty() { String::new() } else { legend(&keys) };
+        let svg = view(&self.title, &self.describe(), HEIGHT, &self.content());
+        figure(&self.title, &(legend + &svg), &self.note)
+    }
+
+    /// The plot as an SVG file that needs nothing else, with its title and legend.
+    #[must_use]
+    pub fn standalone(&self) -> String {
+        Standalone {
+            title: &self.title,
+            description: &self.describe(),
+            keys: &self.keys(),
+            height: HEIGHT,
+            content: &self.content(),
+        }
+        .svg()
+    }
+
+    /// What tells the lines apart; nothing for one alone.
+    fn keys(&self) -> Vec<Key<'_>> {
+        if self.series.len() < 2 {
+            return Vec::new();
+        }
+        let key = |(n, series)| Key { class: Series::class(series, n), name: &series.name };
+        self.series.iter().enumerate().map(key).collect()
+    }
+
+    /// Axes and lines.
+    fn content(&self) -> String {
         let all = || self.series.iter().flat_map(|series| &series.points);
         let x = match self.decades_x {
             true => Axis::decades(all().map(|p| p[0]), [LEFT, RIGHT]),
@@ -107,10 +147,7 @@ impl Figure {
         for (n, series) in self.series.iter().enumerate() {
             series.draw(&mut svg, n, &x, &y);
         }
-        let names = self.series.iter().map(|series| series.name.as_str());
-        let legend = if self.series.len() > 1 { legend(names) } else { String::new() };
-        let svg = view(&self.title, &self.describe(), HEIGHT, &svg);
-        figure(&self.title, &(legend + &svg), &self.note)
+        svg
     }
 
     /// The range of every line, for who cannot see the plot.
@@ -127,10 +164,19 @@ impl Figure {
 }
 
 impl Series {
+    /// How it is drawn, as the style sheet has it.
+    fn class(&self, n: usize) -> String {
+        if self.marks { "mark".to_owned() } else { format!("s{}", n % COLOURS) }
+    }
+
     fn draw(&self, svg: &mut String, n: usize, x: &Axis, y: &Axis) {
-        let class = n % COLOURS;
+        let class = self.class(n);
         let place = |p: &[f64; 2]| Some([x.place(p[0])?, y.place(p[1])?]);
         let places: Vec<Option<[f64; 2]>> = thinned(&self.points).iter().map(place).collect();
+        if self.marks {
+            places.iter().flatten().for_each(|place| *svg += &mark(*place));
+            return;
+        }
         let mut path = String::new();
         let mut begun = false;
         for place in &places {
@@ -140,13 +186,13 @@ impl Series {
             begun = place.is_some();
         }
         if places.iter().flatten().count() > 1 {
-            let _ = writeln!(svg, "<path class=\"line s{class}\" d=\"{path}\"/>");
+            let _ = writeln!(svg, "<path class=\"line {class}\" d=\"{path}\"/>");
         }
         if self.dots {
             for [x, y] in places.iter().flatten() {
                 let _ = writeln!(
                     svg,
-                    "<circle class=\"dot s{class}\" cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"2.6\"/>"
+                    "<circle class=\"dot {class}\" cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"2.6\"/>"
                 );
             }
         }
@@ -174,11 +220,29 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     kept
 }
 
+/// A hollow square on its corner round a place.
+pub(super) fn mark([x, y]: [f64; 2]) -> String {
+    let [left, right, top, bottom] = [x - 5.0, x + 5.0, y - 5.0, y + 5.0];
+    format!(
+        "<path class=\"mark\" d=\"M{left:.2} {y:.2}L{x:.2} {top:.2}L{right:.2} {y:.2}L{x:.2} \
+         {bottom:.2}Z\"/>\n"
+    )
+}
+
+/// One entry of a legend.
+#[derive(Clone, Debug)]
+pub(super) struct Key<'a> {
+    /// Class of the style sheet.
+    pub(super) class: String,
+    /// What it is.
+    pub(super) name: &'a str,
+}
+
 /// The names of lines, with their colours.
-pub(super) fn legend<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub(super) fn legend(keys: &[Key<'_>]) -> String {
     let item =
-        |(n, name)| format!("<li><i class=\"key s{}\"></i>{}</li>", n % COLOURS, escape(name));
-    format!("<ul class=\"legend\">{}</ul>\n", names.enumerate().map(item).collect::<String>())
+        |key: &Key<'_>| format!("<li><i class=\"key {}\"></i>{}</li>", key.class, escape(key.name));
+    format!("<ul class=\"legend\">{}</ul>\n", keys.iter().map(item).collect::<String>())
 }
 
 /// An SVG with a title and a description for who cannot see it.

@@ -99,12 +99,12 @@ fn no_more_is_done_than_the_target_asks_for() {
 #[test]
 fn any_figure_of_the_summary_can_be_asked_for() {
     let place = Place::new();
-    let asked = ["--accuracy", "0.1%", "--quantity", "contact.max_pressure_pa"];
+    let asked = ["--accuracy", "0.5%", "--quantity", "contact.max_pressure_pa"];
     let more = [&asked[..], &["--set", "mech.model=half-space"]].concat();
     let summary = place.summary(&case("wheel-rail.toml"), &more);
     // Hertz: 1364.3761 MPa.
     let error = (number(&summary, "/contact/max_pressure_pa") / 1.364_376_1e9 - 1.0).abs();
-    assert!(error <= 1e-3, "{error:.2e}");
+    assert!(error <= 5e-3, "{error:.2e}");
     assert_eq!(summary["accuracy"]["quantity"], "contact.max_pressure_pa");
 }
 

@@ -24,6 +24,7 @@ mod paraview;
 mod python;
 mod recording;
 mod report;
+mod reproduce;
 mod results;
 mod resume;
 mod stability;

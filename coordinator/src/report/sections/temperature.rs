@@ -40,17 +40,8 @@ fn depth(results: &Results) -> Option<Figure> {
 
 /// Distance from the surface \[m\] and temperature \[K\] of the column of cells with the hottest one.
 fn profile(image: &Image, field: &Field) -> Option<(String, Vec<[f64; 2]>)> {
-    let [along, upright] = image.plane()?;
-    let columns = image.cells[along];
-    let (hottest, _) = field.values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-    let column = hottest % columns;
-    let point = |row: usize| {
-        let value = field.values[row * columns + column];
-        [image.middle(upright, row).abs(), value]
-    };
-    let mut points: Vec<[f64; 2]> = (0..image.cells[upright]).map(point).collect();
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let x = image.middle(along, column);
+    let [along, _] = image.plane()?;
+    let (x, points) = image.through_largest(field)?;
     let place = Scale::of("m", x).show(x, 3);
     Some((format!("{}, at {} {place}", words(&field.name), super::fields::AXES[along]), points))
 }

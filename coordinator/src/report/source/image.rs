@@ -78,6 +78,23 @@ impl Image {
     pub fn middle(&self, axis: usize, n: usize) -> f64 {
         self.corner[axis] + (n as f64 + 0.5) * self.spacing[axis]
     }
+
+    /// The column of cells that holds the largest value of a field: its place along the plane's
+    /// first axis \[m\], and distance from the other axis' origin \[m\] and value of each cell.
+    #[must_use]
+    pub fn through_largest(&self, field: &Field) -> Option<(f64, Vec<[f64; 2]>)> {
+        let [along, upright] = self.plane()?;
+        let columns = self.cells[along];
+        let (largest, _) = field.values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let column = largest % columns;
+        let point = |row: usize| {
+            let value = field.values[row * columns + column];
+            [self.middle(upright, row).abs(), value]
+        };
+        let mut points: Vec<[f64; 2]> = (0..self.cells[upright]).map(point).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        Some((self.middle(along, column), points))
+    }
 }
 
 impl Field {

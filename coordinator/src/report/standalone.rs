@@ -1,0 +1,132 @@
+//! Drawings as files of their own: an SVG with style, title and legend in it.
+//!
+//! The file has a ground of its own, so that it can be read on white and on dark paper alike, and
+//! follows the reader's preference for light or dark where that is told to pictures.
+
+use super::page::{PLOT_STYLE, escape};
+use super::plot::{Key, WIDTH, mark};
+use std::fmt::Write as _;
+
+/// Margin round the drawing.
+const MARGIN: f64 = 12.0;
+/// Height of a line of the title or the legend.
+const LINE: f64 = 21.0;
+/// Mean width of a letter of the plots' font.
+const LETTER: f64 = 7.3;
+/// And of the title's, which is bold.
+const TITLE_LETTER: f64 = 8.1;
+/// Width of a key and the space round it.
+const KEY: f64 = 44.0;
+/// Drawing units a pixel of the picture's natural size.
+const SCALE: f64 = 1.35;
+
+/// What goes into the file.
+pub(super) struct Standalone<'a> {
+    /// What is shown.
+    pub(super) title: &'a str,
+    /// For who cannot see it.
+    pub(super) description: &'a str,
+    /// The legend; empty without one.
+    pub(super) keys: &'a [Key<'a>],
+    /// Height of the drawing.
+    pub(super) height: f64,
+    /// The drawing.
+    pub(super) content: &'a str,
+}
+
+impl Standalone<'_> {
+    /// The file's content.
+    pub(super) fn svg(&self) -> String {
+        let mut head = String::new();
+        let mut y = MARGIN + 16.0;
+        for line in wrapped(self.title) {
+            let text = escape(&line);
+            let _ =
+                writeln!(head, "<text class=\"title\" x=\"{MARGIN}\" y=\"{y:.2}\">{text}</text>");
+            y += LINE;
+        }
+        y = self.legend(&mut head, y);
+        let top = y - 8.0;
+        let height = top + self.height;
+        let [wide, high] = [WIDTH, height].map(|length| SCALE * length);
+        format!(
+            "<svg class=\"plot\" role=\"img\" width=\"{wide:.0}\" height=\"{high:.0}\" \
+             viewBox=\"0 0 {WIDTH} {height:.0}\" xmlns=\"http://www.w3.org/2000/svg\">\n\
+             <title>{}</title>\n<desc>{}</desc>\n<style>\n{PLOT_STYLE}</style>\n\
+             <rect class=\"ground\" width=\"100%\" height=\"100%\" rx=\"8\"/>\n{head}\
+             <g transform=\"translate(0 {top:.2})\">\n{}</g>\n</svg>\n",
+            escape(self.title),
+            escape(self.description),
+            self.content
+        )
+    }
+
+    /// Draws the legend from `y` on; where it ends.
+    fn legend(&self, svg: &mut String, mut y: f64) -> f64 {
+        let mut x = MARGIN;
+        for (n, key) in self.keys.iter().enumerate() {
+            let width = KEY + LETTER * key.name.chars().count() as f64;
+            if n > 0 && x + width > WIDTH - MARGIN {
+                (x, y) = (MARGIN, y + LINE);
+            }
+            let middle = y - 5.0;
+            match key.class.as_str() {
+                "mark" => *svg += &mark([x + 12.0, middle]),
+                class => {
+                    let end = x + 24.0;
+                    let path = format!("M{x:.2} {middle:.2}H{end:.2}");
+                    let _ = writeln!(svg, "<path class=\"line {class}\" d=\"{path}\"/>");
+                }
+            }
+            let (at, name) = (x + 31.0, escape(key.name));
+            let _ = writeln!(svg, "<text class=\"label\" x=\"{at:.2}\" y=\"{y:.2}\">{name}</text>");
+            x += width;
+        }
+        if self.keys.is_empty() { y } else { y + LINE }
+    }
+}
+
+/// The title in lines as wide as the drawing.
+fn wrapped(title: &str) -> Vec<String> {
+    let most = ((WIDTH - 2.0 * MARGIN) / TITLE_LETTER) as usize;
+    let mut lines = vec![String::new()];
+    for word in title.split(' ') {
+        let line = lines.last_mut().expect("there is one from the start");
+        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > most {
+            lines.push(word.to_owned());
+            continue;
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        *line += word;
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plot::Figure;
+    use super::*;
+
+    #[test]
+    fn a_file_has_all_that_it_needs() {
+        let line = vec![[0.0, 1.0], [1.0, 3.0]];
+        let figure = Figure::new("a title", "x", "y").with("ours", line.clone());
+        let svg = figure.with_marks("printed", line).standalone();
+        for part in ["<style>", "class=\"ground\"", ">a title</text>", ">ours</text>"] {
+            assert!(svg.contains(part), "`{part}` is missing in {svg}");
+        }
+        // Two in the plot, one in the legend.
+        assert_eq!(svg.matches("class=\"mark\"").count(), 3);
+        assert!(!svg.contains("href") && svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
+    }
+
+    #[test]
+    fn a_long_title_takes_several_lines() {
+        let title = "word ".repeat(30);
+        let lines = wrapped(title.trim());
+        assert!(lines.len() > 1 && lines.iter().all(|line| line.len() <= 52), "{lines:?}");
+        assert_eq!(lines.join(" "), title.trim());
+    }
+}
