@@ -15,7 +15,7 @@ pub use page::page;
 use crate::error::RunError;
 use crate::study::levels::reason;
 use crate::study::progress::Steps;
-use crate::study::quantity::Quantity;
+use crate::study::quantity::{Measure, Quantity};
 use crate::study::spent::{Clock, Spent};
 use crate::study::{Variant, ends_study, perform, planned};
 use serde::{Deserialize, Serialize};
@@ -57,8 +57,8 @@ pub struct Run {
     pub failed: Option<String>,
     /// Its figures by key.
     pub values: BTreeMap<String, f64>,
-    /// Its figures' relative change against the case as it is, by key; absent for a figure that one
-    /// of the two does not have.
+    /// Its figures' change against the case as it is, by key: relative, or the difference for a place
+    /// or a share; absent for a figure that one of the two does not have.
     pub changes: BTreeMap<String, f64>,
     /// What it cost.
     pub cost: Spent,
@@ -75,7 +75,11 @@ impl Run {
     fn compare(&mut self, whole: &Self) {
         let change = |(key, value): (&String, &f64)| {
             let with = *whole.values.get(key)?;
-            let change = if with == *value { 0.0 } else { (value - with) / with.abs() };
+            let change = match Quantity::of(key).measure {
+                Measure::Relative if with == *value => 0.0,
+                Measure::Relative => (value - with) / with.abs(),
+                Measure::Absolute | Measure::Itself => value - with,
+            };
             change.is_finite().then(|| (key.clone(), change))
         };
         self.changes = self.values.iter().filter_map(change).collect();

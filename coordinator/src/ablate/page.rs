@@ -6,6 +6,7 @@ use crate::error::{RunError, file_failure};
 use crate::report::bars::Bars;
 use crate::report::page::{Block, Mood, Page, Section};
 use crate::report::table::Table;
+use crate::study::quantity::Measure;
 use std::path::Path;
 
 /// The page about the study in a folder.
@@ -24,7 +25,12 @@ pub fn page(folder: &Path) -> Result<Page, RunError> {
 
 fn of(study: &Study) -> Page {
     let failed = study.without.iter().any(|run| run.failed.is_some());
-    let sections = [changes(study), Section::of("Runs", vec![Block::Table(runs(study))])];
+    let mut blocks = vec![Block::Table(runs(study))];
+    let why = |run: &super::Run| {
+        Some(Block::Text(format!("Without {}: {}", run.effect, run.failed.as_ref()?)))
+    };
+    blocks.extend(study.without.iter().filter_map(why));
+    let sections = [changes(study), Section::of("Runs", blocks)];
     Page {
         name: format!("Effects of {}", study.case),
         title: study.title.clone().unwrap_or_default(),
@@ -38,20 +44,26 @@ fn of(study: &Study) -> Page {
 /// For each figure the change that every effect makes, and the time it takes.
 fn changes(study: &Study) -> Option<Section> {
     let whole = study.whole.cost.solve_s;
-    let change_of = |key: &str| {
-        let change = |run: &super::Run| Some((run.effect.clone(), 100.0 * run.changes.get(key)?));
+    let change_of = |key: &str, unit: f64| {
+        let change = |run: &super::Run| Some((run.effect.clone(), run.changes.get(key)? / unit));
         study.without.iter().filter_map(change).collect::<Vec<_>>()
     };
-    let figures = quantities(study).map(|one| Bars {
-        title: format!("{} without an effect", one.name),
-        label: "change [%]".to_owned(),
-        bars: change_of(&one.key),
+    let figures = quantities(study).map(|one| {
+        let (label, unit) = match one.measure {
+            Measure::Relative => ("change [%]", 0.01),
+            Measure::Absolute | Measure::Itself => ("difference", 1.0),
+        };
+        Bars {
+            title: format!("{} without an effect", one.name),
+            label: label.to_owned(),
+            bars: change_of(&one.key, unit),
+        }
     });
     let made = study.without.iter().filter(|run| run.failed.is_none());
     let time = |run: &super::Run| (run.effect.clone(), 100.0 * (run.cost.solve_s - whole) / whole);
     let times = Bars {
         title: "time without an effect".to_owned(),
-        label: "change of the time in solvers and coupling [%]".to_owned(),
+        label: "change of the solving time [%]".to_owned(),
         bars: made.map(time).collect(),
     };
     let all = figures.chain([times]).filter(|bars| !bars.bars.is_empty());

@@ -27,7 +27,9 @@ pub(super) fn text(study: &Study) -> String {
     }
     let title = study.title.as_ref().map(|title| format!(" · {title}")).unwrap_or_default();
     let lines = table.lines().map(|line| format!("{}\n", line.trim_end()));
-    format!("effects of {}{title}\n{}", study.case, lines.collect::<String>())
+    let why = |run: &Run| Some(format!("  without {}: {}\n", run.effect, run.failed.as_ref()?));
+    let reasons = study.without.iter().filter_map(why);
+    format!("effects of {}{title}\n{}", study.case, lines.chain(reasons).collect::<String>())
 }
 
 /// The figures that have a column.
@@ -43,15 +45,15 @@ pub(super) fn row(study: &Study, run: &Run) -> Vec<String> {
         effect => format!("without {effect}"),
     };
     let mut cells = vec![name];
-    if let Some(why) = &run.failed {
-        cells.push(why.clone());
+    if run.failed.is_some() {
+        cells.push("cannot run".to_owned());
         return cells;
     }
     cells.extend(quantities(study).map(|one| match run.values.get(&one.key) {
         None => "-".to_owned(),
         Some(value) if run.effect.is_empty() => of_key(&one.key, *value).show(*value, 5),
         Some(value) => match run.changes.get(&one.key) {
-            Some(change) => percent(*change),
+            Some(change) => shown(one.measure, *change),
             None => of_key(&one.key, *value).show(*value, 5),
         },
     }));
@@ -62,13 +64,16 @@ pub(super) fn row(study: &Study, run: &Run) -> Vec<String> {
     cells
 }
 
-/// A relative change with its sign.
-fn percent(change: f64) -> String {
+/// A change with its sign, as it is measured.
+fn shown(measure: Measure, change: f64) -> String {
     if change == 0.0 {
         return "same".to_owned();
     }
     let sign = if change > 0.0 { "+" } else { "" };
-    format!("{sign}{} %", number(100.0 * change, 2))
+    match measure {
+        Measure::Relative => format!("{sign}{} %", number(100.0 * change, 2)),
+        Measure::Absolute | Measure::Itself => format!("{sign}{}", number(change, 2)),
+    }
 }
 
 #[cfg(test)]
@@ -77,8 +82,9 @@ mod tests {
 
     #[test]
     fn a_change_has_its_sign() {
-        assert_eq!(percent(0.123), "+12 %");
-        assert_eq!(percent(-0.004), "−0.40 %");
-        assert_eq!(percent(0.0), "same");
+        assert_eq!(shown(Measure::Relative, 0.123), "+12 %");
+        assert_eq!(shown(Measure::Relative, -0.004), "−0.40 %");
+        assert_eq!(shown(Measure::Absolute, -0.2), "−0.20");
+        assert_eq!(shown(Measure::Relative, 0.0), "same");
     }
 }

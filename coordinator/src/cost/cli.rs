@@ -1,6 +1,6 @@
 //! The subcommand.
 
-use super::{FILE, Request, Study, analysis, csv, show, sweep};
+use super::{FILE, Request, Study, analysis, csv, page, show, sweep};
 use crate::error::{RunError, file_failure};
 use crate::report;
 use crate::results::folder::replace;
@@ -102,6 +102,10 @@ fn default_folder(request: &Request) -> Result<PathBuf, RunError> {
 fn write(folder: &Path, study: &Study, json: &str) -> Result<(), RunError> {
     replace(&folder.join(FILE), json.as_bytes())?;
     replace(&folder.join("cost.csv"), csv::text(study).as_bytes())?;
+    let first = study.quantities.first();
+    if let Some(figure) = first.and_then(|one| page::work_precision(study, one)) {
+        replace(&folder.join("work-precision.svg"), figure.standalone().as_bytes())?;
+    }
     report::write(folder).map(drop)
 }
 

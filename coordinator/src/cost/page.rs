@@ -1,12 +1,13 @@
 //! The study as a page: the work-precision plot, tables, what to pick.
 
 use super::show::error;
-use super::{FILE, Run, Study};
+use super::{Compared, FILE, Run, Study};
 use crate::error::{RunError, file_failure};
 use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::plot::Figure;
 use crate::report::table::Table;
 use crate::report::unit::{Scale, of_key};
+use crate::study::quantity::Measure;
 use std::path::Path;
 
 /// The page about the study in a folder.
@@ -78,37 +79,31 @@ fn picks(study: &Study) -> Option<Section> {
 /// Error over time, for every figure that has a reference.
 fn plots(study: &Study) -> Option<Section> {
     let shown = study.quantities.iter().take(super::show::COLUMNS);
-    let compared = shown.filter(|one| one.reference.is_some());
-    let figures = compared.map(|one| {
-        let measured = match one.measure {
-            crate::study::quantity::Measure::Relative => "relative error",
-            _ => "error",
-        };
-        let title = format!("{}: error over time", one.name);
-        let mut figure = Figure::new(title, "time in solvers and coupling [s]", measured);
-        (figure.decades, figure.decades_x) = (true, true);
-        for (number, level) in study.levels.iter().enumerate() {
-            let own = study.runs.iter().filter(|run| run.level == number);
-            let point = |run: &Run| Some([run.cost.solve_s, *run.errors.get(&one.key)?]);
-            let points: Vec<[f64; 2]> = own.filter_map(point).filter(|p| p[1] > 0.0).collect();
-            if !points.is_empty() {
-                figure = figure.with(&level.name, points);
-            }
+    let figures = shown.filter_map(|one| work_precision(study, one)).map(Block::Figure);
+    Section::of("Work and precision", figures.collect())
+}
+
+/// Error of a figure over time, one line a choice of models; `None` if there is nothing to compare.
+pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
+    let reference = one.reference.as_ref()?;
+    let measured = if one.measure == Measure::Relative { "relative error" } else { "error" };
+    let title = format!("{}: error over time", one.name);
+    let mut figure = Figure::new(title, "time in solvers and coupling [s]", measured);
+    (figure.decades, figure.decades_x) = (true, true);
+    for (number, level) in study.levels.iter().enumerate() {
+        let own = study.runs.iter().filter(|run| run.level == number);
+        let point = |run: &Run| Some([run.cost.solve_s, *run.errors.get(&one.key)?]);
+        let points: Vec<[f64; 2]> = own.filter_map(point).filter(|p| p[1] > 0.0).collect();
+        if !points.is_empty() {
+            figure = figure.with(&level.name, points);
         }
-        if let Some(reference) = &one.reference {
-            figure.note = match reference.uncertainty {
-                0.0 => format!("Against {}.", reference.source),
-                off => format!(
-                    "Against {}, itself known to {}.",
-                    reference.source,
-                    error(one.measure, off)
-                ),
-            };
-        }
-        figure
-    });
-    let figures = figures.filter(Figure::has_points).map(Block::Figure).collect();
-    Section::of("Work and precision", figures)
+    }
+    let known = match reference.uncertainty {
+        0.0 => String::new(),
+        off => format!(", itself known to {}", error(one.measure, off)),
+    };
+    figure.note = format!("Against {}{known}.", reference.source);
+    figure.has_points().then_some(figure)
 }
 
 fn references(study: &Study) -> Option<Section> {
@@ -165,8 +160,8 @@ fn row(study: &Study, run: &Run) -> Vec<String> {
     if let Some(first) = cells.first_mut() {
         *first += mark;
     }
-    if let Some(why) = &run.failed {
-        cells.push(why.clone());
+    if run.failed.is_some() {
+        cells.push("failed".to_owned());
         let missing = 3 + study.quantities.len();
         cells.extend(std::iter::repeat_n(String::new(), missing));
         return cells;
@@ -184,6 +179,12 @@ fn notes(study: &Study) -> Option<Section> {
     let mut table = Table::new(["not run", "why"], 2);
     for (what, why) in study.refused.iter().chain(&study.left_out) {
         table.row([what.clone(), why.clone()]);
+    }
+    for run in &study.runs {
+        if let Some(why) = &run.failed {
+            let name = &study.levels[run.level].name;
+            table.row([format!("{name}, {}", settings(run)), format!("failed: {why}")]);
+        }
     }
     let there = !table.rows.is_empty();
     Section::of("Not run", there.then_some(Block::Table(table)).into_iter().collect())

@@ -78,6 +78,13 @@ fn table(study: &Study, level: usize) -> String {
         }
         head.push(if n == 0 { "error".to_owned() } else { one.name.clone() });
     }
+    let settings = |run: &Run| -> Vec<String> {
+        run.settings.iter().map(|(key, value)| format!("{key} {value}")).collect()
+    };
+    let why = |run: &&Run| {
+        Some(format!("  {} failed: {}\n", settings(run).join(", "), run.failed.as_ref()?))
+    };
+    let reasons: Vec<String> = runs.iter().filter_map(why).collect();
     let mut table = Table::new();
     table.load_preset(presets::NOTHING).set_header(head);
     for run in runs {
@@ -90,14 +97,14 @@ fn table(study: &Study, level: usize) -> String {
         }
     }
     let lines = table.lines().map(|line| format!("{}\n", line.trim_end()));
-    lines.collect()
+    lines.chain(reasons).collect()
 }
 
 fn row<'a>(run: &Run, quantities: impl Iterator<Item = &'a Compared>) -> Vec<String> {
     let mut row = vec![if run.pareto { "*".to_owned() } else { String::new() }];
     row.extend(run.settings.iter().map(|(_, value)| value.clone()));
-    if let Some(why) = &run.failed {
-        row.push(why.clone());
+    if run.failed.is_some() {
+        row.push("failed".to_owned());
         return row;
     }
     let cost = &run.cost;
