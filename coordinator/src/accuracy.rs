@@ -5,7 +5,7 @@
 //!    ([`proto::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
 //! 2. **Pilot.** It runs on its two coarsest grids, and the two tell the error
 //!    ([`crate::study::richardson`]). If it is within the target, the second is the answer.
-//! 3. **Answer.** If not, they tell how fine the grid has to be. It runs on that one and on the one
+//! 3. **Answer.** If not, they tell how fine the grid has to be. It runs on that one and on the two
 //!    before. If the error still misses the target, the grid is refined once more.
 //!
 //! The error that is stated is that of the grid, with its factor of safety, and what the models are
@@ -197,9 +197,9 @@ impl Search {
         }
         let before = self.step;
         self.step = self.needed(stated.grid_error, before).max(before + 1);
-        // The one before tells the error better than a much coarser one.
-        if self.refinements == 0 && self.step > before + 1 {
-            self.try_out(self.step - 1)?;
+        // Those just before tell the error better than much coarser ones, and cost little.
+        for step in self.step.saturating_sub(2).max(before + 1)..self.step {
+            self.try_out(step)?;
         }
         self.refinements += 1;
         Ok(Verdict::Refine)
