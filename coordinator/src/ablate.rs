@@ -21,7 +21,7 @@ use crate::study::{Variant, ends_study, perform, planned};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Name of a study in its folder.
 pub const FILE: &str = "ablate.json";
@@ -66,7 +66,10 @@ pub struct Run {
 
 impl Run {
     fn take(&mut self, summary: &Value, clock: &Clock) {
-        self.cost = Spent::of(summary, clock);
+        let cost = Spent::of(summary, clock);
+        if self.values.is_empty() || cost.solve_s < self.cost.solve_s {
+            self.cost = cost;
+        }
         let values = Quantity::of_interest().into_iter();
         self.values =
             values.filter_map(|one| Some((one.key.clone(), one.value(summary)?))).collect();
@@ -77,6 +80,8 @@ impl Run {
             let with = *whole.values.get(key)?;
             let change = match Quantity::of(key).measure {
                 Measure::Relative if with == *value => 0.0,
+                // Of what has a sign and keeps it, the size counts.
+                Measure::Relative if value * with > 0.0 => value / with - 1.0,
                 Measure::Relative => (value - with) / with.abs(),
                 Measure::Absolute | Measure::Itself => value - with,
             };
@@ -86,18 +91,30 @@ impl Run {
     }
 }
 
+/// What is to be studied.
+#[derive(Clone, Debug)]
+struct Request {
+    /// The case file.
+    case: PathBuf,
+    /// What is changed in it for all runs.
+    base: Variant,
+    /// How often each run is made; its times are the least.
+    repeat: u32,
+}
+
 /// Runs a case as it is and without each of its effects.
 ///
 /// # Errors
 /// The case as it is does not run; the file system.
-fn study(case: &Path, base: &Variant, quiet: bool, scratch: &Path) -> Result<Study, RunError> {
+fn study(request: &Request, quiet: bool, scratch: &Path) -> Result<Study, RunError> {
+    let Request { case, base, .. } = request;
     let standing = planned(case, base)?;
     let plan = standing.plan;
     let active: Vec<&str> =
         plan.effects.iter().filter(|effect| effect.active).map(|e| e.name.as_str()).collect();
     let mut steps = Steps::new(quiet, active.len() + 1);
     steps.step("with all effects");
-    let whole = run("", case, base, scratch)?;
+    let whole = run("", request, base, scratch)?;
     if let Some(why) = whole.failed {
         return Err(RunError::Usage(format!("the case as it is does not run: {why}")));
     }
@@ -106,7 +123,7 @@ fn study(case: &Path, base: &Variant, quiet: bool, scratch: &Path) -> Result<Stu
         steps.step(&format!("without {effect}"));
         let mut off = base.clone();
         off.unset.push(format!("effects.{effect}"));
-        let mut run = run(effect, case, &off, scratch)?;
+        let mut run = run(effect, request, &off, scratch)?;
         run.compare(&whole);
         without.push(run);
     }
@@ -127,16 +144,21 @@ fn study(case: &Path, base: &Variant, quiet: bool, scratch: &Path) -> Result<Stu
     })
 }
 
-/// One run; what is refused or fails has a reason and no figures.
-fn run(effect: &str, case: &Path, variant: &Variant, scratch: &Path) -> Result<Run, RunError> {
+/// One run, as often as is asked; what is refused or fails has a reason and no figures.
+fn run(effect: &str, request: &Request, off: &Variant, scratch: &Path) -> Result<Run, RunError> {
     let mut run = Run { effect: effect.to_owned(), ..Run::default() };
-    let clock = Clock::start();
-    let silent = variant.with("output.fields", "none");
-    let made = planned(case, &silent);
-    match made.and_then(|planned| perform(case, &planned, clock.since, scratch)) {
-        Ok(summary) => run.take(&summary, &clock),
-        Err(error) if ends_study(&error) => return Err(error),
-        Err(error) => run.failed = Some(reason(&error)),
+    let silent = off.with("output.fields", "none");
+    for _ in 0..request.repeat {
+        let clock = Clock::start();
+        let made = planned(&request.case, &silent);
+        match made.and_then(|planned| perform(&request.case, &planned, clock.since, scratch)) {
+            Ok(summary) => run.take(&summary, &clock),
+            Err(error) if ends_study(&error) => return Err(error),
+            Err(error) => {
+                run.failed = Some(reason(&error));
+                break;
+            }
+        }
     }
     Ok(run)
 }

@@ -5,8 +5,9 @@
 //!    ([`proto::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
 //! 2. **Pilot.** It runs on its two coarsest grids, and the two tell the error
 //!    ([`crate::study::richardson`]). If it is within the target, the second is the answer.
-//! 3. **Answer.** If not, they tell how fine the grid has to be. It runs on that one and on the two
-//!    before. If the error still misses the target, the grid is refined once more.
+//! 3. **Climb.** If not, they tell how fine the grid has to be. It runs on that one, or on one four
+//!    times finer than before if that is coarser, and on the one in between, and so on until the error
+//!    is within the target. The finest grid that misses it ends the search.
 //!
 //! The error that is stated is that of the grid, with its factor of safety, and what the models are
 //! expected to err by. A peak that jumps between elements can agree on two grids by chance; so the
@@ -24,7 +25,7 @@ use crate::error::RunError;
 use crate::study::levels::Level;
 use crate::study::quantity::Quantity;
 use crate::study::richardson::{Estimate, Sample};
-use crate::study::{Variant, planned, run};
+use crate::study::{Variant, planned, run, scratch};
 use choice::Choice;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -35,8 +36,9 @@ const LONGEST_WINDOW: i32 = -2;
 /// Order of the error in the length of a window.
 const WINDOW_ORDER: f64 = 1.0;
 
-/// The pilot's grid is refined, and the answer's once.
-const MOST_REFINEMENTS: u32 = 2;
+/// Steps of resolution that are taken at once: an error that two coarse grids tell is a poor guide for
+/// grids much finer.
+const STRIDE: usize = 2;
 
 /// One run of a search.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,12 +70,11 @@ pub struct Search {
     /// The quantity of the target, and what drives it.
     quantities: Vec<Quantity>,
     level: Level,
-    /// Length of a window at the resolution `step` \[s\]; `None` for a steady case.
-    window: Option<(f64, usize)>,
+    /// Length of a window at the resolution of a step, and end of the run \[s\]; `None` for a steady
+    /// case.
+    window: Option<([f64; 2], usize)>,
     step: usize,
     trials: Vec<Trial>,
-    /// Answers that have been refined: the pilot's, and the one after.
-    refinements: u32,
 }
 
 impl Search {
@@ -84,7 +85,8 @@ impl Search {
     pub fn begin(case: &Path, base: &Variant, target: Target) -> Result<Self, RunError> {
         let standing = planned(case, base)?;
         let Choice { level, step } = choice::choose(case, base, &standing, &target)?;
-        let window = choice::window(&standing.plan).map(|window| (window, step));
+        choice::refuse_resolution(&level, base)?;
+        let window = choice::window(&standing.plan).map(|times| (times, step));
         let mut search = Self {
             case: case.to_owned(),
             quantities: Vec::new(),
@@ -93,7 +95,6 @@ impl Search {
             window,
             step,
             trials: Vec::new(),
-            refinements: 0,
         };
         if search.level.steps() > 1 {
             search.try_out(0)?;
@@ -112,9 +113,9 @@ impl Search {
         let variant = self.level.at(step);
         match self.window {
             None => variant,
-            Some((window, own)) => {
+            Some(([window, end], own)) => {
                 let finer = 2f64.powi((step as i32 - own as i32).max(LONGEST_WINDOW));
-                variant.with("time.window", format!("{:e}", window / finer))
+                variant.with("time.window", format!("{:e}", (window / finer).min(end)))
             }
         }
     }
@@ -122,8 +123,7 @@ impl Search {
     /// Runs at a resolution, for its figures alone.
     fn try_out(&mut self, step: usize) -> Result<(), RunError> {
         let begun = Instant::now();
-        let folder = tempfile::tempdir()
-            .map_err(|error| crate::error::file_failure(&std::env::temp_dir(), &error))?;
+        let folder = scratch()?;
         let variant = self.at(step).with("output.fields", "none");
         let summary = run(&self.case, &variant, folder.path())?;
         self.note(step, &summary, begun.elapsed().as_secs_f64())
@@ -192,17 +192,25 @@ impl Search {
         if stated.met {
             return Ok(Verdict::Met);
         }
-        if self.refinements == MOST_REFINEMENTS || self.step + 1 >= self.level.steps() {
-            return Ok(Verdict::Missed);
+        match self.step + 1 < self.level.steps() {
+            true => Ok(Verdict::Refine),
+            false => Ok(Verdict::Missed),
         }
+    }
+
+    /// Goes on to a finer grid.
+    ///
+    /// # Errors
+    /// A run on the way fails.
+    pub fn refine(&mut self) -> Result<(), RunError> {
         let before = self.step;
-        self.step = self.needed(stated.grid_error, before).max(before + 1);
-        // Those just before tell the error better than much coarser ones, and cost little.
-        for step in self.step.saturating_sub(2).max(before + 1)..self.step {
+        let grid_error = self.grid_error().unwrap_or(f64::INFINITY);
+        let needed = self.needed(grid_error, before).clamp(before + 1, before + STRIDE);
+        for step in before + 1..needed {
             self.try_out(step)?;
         }
-        self.refinements += 1;
-        Ok(Verdict::Refine)
+        self.step = needed;
+        Ok(())
     }
 
     /// The error of an answer that misses the target.
@@ -215,7 +223,7 @@ impl Search {
             estimated: estimated_error,
             target,
             fix: format!(
-                "ask for less, or set a finer resolution in the case{}",
+                "ask for less, or set a finer resolution and run without --accuracy{}",
                 near.unwrap_or_default()
             ),
         }
@@ -244,6 +252,7 @@ mod tests {
             models: vec![("mech".to_owned(), "fine".to_owned())],
             refinements: vec![refinement],
             left_out: vec![Simplification::always("something", 0.001, "a study")],
+            silent: Vec::new(),
             variant: Variant::default(),
         };
         let values = vec![Some(rise), Some(power)];
@@ -255,7 +264,6 @@ mod tests {
             window: None,
             step: 1,
             trials: vec![Trial { step: 0, values, wall_s: 0.1 }],
-            refinements: 0,
         }
     }
 
@@ -287,10 +295,12 @@ mod tests {
     fn the_last_grid_meets_the_target_or_misses_it() {
         let mut met = search(0.02, 1.0, 104.0, 104.0);
         assert_eq!(met.judge(&mut summary(102.0, 102.0), 0.2).unwrap(), Verdict::Refine);
+        met.refine().unwrap();
         assert_eq!(met.variant().set, ["mech.resolution=20"]);
         assert_eq!(met.judge(&mut summary(101.0, 101.0), 0.4).unwrap(), Verdict::Met);
         let mut missed = search(0.02, 1.0, 120.0, 120.0);
         assert_eq!(missed.judge(&mut summary(110.0, 110.0), 0.2).unwrap(), Verdict::Refine);
+        missed.refine().unwrap();
         assert_eq!(missed.judge(&mut summary(105.0, 105.0), 0.4).unwrap(), Verdict::Missed);
         let error = missed.missed();
         assert_eq!(error.exit_code(), 3);
@@ -304,9 +314,9 @@ mod tests {
     #[test]
     fn windows_shorten_with_the_grid() {
         let mut search = search(0.02, 2.0, 1.0, 1.0);
-        search.window = Some((1e-3, 1));
+        search.window = Some(([1e-3, 1.5e-3], 1));
         assert_eq!(search.at(2).set, ["mech.resolution=20", "time.window=5e-4"]);
-        assert_eq!(search.at(0).set, ["mech.resolution=5", "time.window=2e-3"]);
+        assert_eq!(search.at(0).set, ["mech.resolution=5", "time.window=1.5e-3"]);
         assert_eq!(search.order(), Some(WINDOW_ORDER));
     }
 }

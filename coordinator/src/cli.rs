@@ -362,6 +362,9 @@ fn run_to(relative: f64, asked: &RunArguments, screen: &Screen) -> Result<(), En
             let seconds = begin_at.elapsed().as_secs_f64();
             match search.judge(&mut outcome.summary, seconds)? {
                 Verdict::Refine => {
+                    // Whoever interrupts what follows finds what is known so far.
+                    begun.folder.write("summary.json", &run::json(&outcome.summary))?;
+                    search.refine()?;
                     screen.log.release();
                     continue;
                 }

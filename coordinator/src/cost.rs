@@ -103,8 +103,10 @@ pub struct Compared {
 pub struct Reference {
     /// Its value, in the unit of the key.
     pub value: f64,
-    /// How far off it may be itself, as errors are measured.
-    pub uncertainty: f64,
+    /// How far off it may be itself, as errors are measured: its grids, and what its models leave out.
+    /// 0 for what is exact or given; absent if one grid alone tells nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<f64>,
     /// Where it comes from.
     pub source: String,
 }

@@ -55,6 +55,7 @@ pub struct Request {
 pub fn stability(request: &Request, tell: &mut dyn FnMut(&CaseReport)) -> Result<Report, RunError> {
     let begun = Instant::now();
     let mut report = Report {
+        schema: report::SCHEMA,
         suite: request.suite.name(),
         waiting: request.suite.waiting.clone(),
         ..Report::default()
@@ -65,6 +66,7 @@ pub fn stability(request: &Request, tell: &mut dyn FnMut(&CaseReport)) -> Result
         report.cases.push(case);
     }
     report.wall_s = begun.elapsed().as_secs_f64();
+    report.complete = true;
     Ok(report)
 }
 

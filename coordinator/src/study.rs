@@ -1,5 +1,5 @@
-//! A case run many times with values changed: what the commands `cost`, `run --accuracy`,
-//! `stability` and `reproduce` have in common.
+//! A case run many times with values changed: what the commands `cost`, `ablate`,
+//! `run --accuracy`, `stability` and `reproduce` have in common.
 //!
 //! [`Variant`] is what is changed, [`run`] performs it like any other run, processes and shared
 //! memory included, [`quantity`] names the figures of a summary that are compared, [`richardson`]
@@ -7,6 +7,7 @@
 //! Nothing here knows a model or an effect by name: what there is to vary is in the descriptions.
 
 pub mod axis;
+pub mod folder;
 pub mod levels;
 pub mod progress;
 pub mod quantity;
@@ -96,6 +97,15 @@ pub fn expected_seconds(plan: &Plan) -> f64 {
     let solves = windows * if implicit { EXPECTED_ITERATIONS } else { 1.0 };
     let estimates = plan.participants.iter().filter_map(|p| p.estimate.as_ref());
     estimates.map(|layout| layout.build_seconds + solves * layout.solve_seconds).sum()
+}
+
+/// A folder for the results of runs that nobody looks at; gone with it.
+///
+/// # Errors
+/// The file system.
+pub fn scratch() -> Result<tempfile::TempDir, RunError> {
+    let failed = |error| crate::error::file_failure(&std::env::temp_dir(), &error);
+    tempfile::Builder::new().prefix("cosim-study-").tempdir().map_err(failed)
 }
 
 /// Whether an error ends the whole study, and not only the run that it ended.

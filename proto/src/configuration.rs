@@ -1,5 +1,6 @@
 //! What a participant is told before a run, and what it answers. All of it travels as JSON.
 
+use crate::accuracy::Simplification;
 use crate::field::FieldKind;
 use crate::grid::Grid;
 use crate::params::Params;
@@ -90,6 +91,9 @@ pub struct Layout {
     /// Remarks for `plan`, one line each: what the model makes of the case.
     #[serde(default)]
     pub remarks: Vec<String>,
+    /// What the model leaves out in this very case, besides what its description says.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<Simplification>,
     /// Figures of the summary that have a closed form in this case, by dotted key: what a study
     /// compares the answers of all models with.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

@@ -1,10 +1,10 @@
 //! The subcommand.
 
-use super::{FILE, show, study};
-use crate::error::{RunError, file_failure};
+use super::{FILE, Request, show, study};
+use crate::error::RunError;
 use crate::report;
-use crate::results::folder::replace;
-use crate::study::{Variant, planned};
+use crate::study::folder::StudyFolder;
+use crate::study::{Variant, planned, scratch};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -20,6 +20,10 @@ pub struct Arguments {
     /// Remove a key for all runs.
     #[arg(long, value_name = "KEY")]
     unset: Vec<String>,
+    /// Make each run so often; its times are the least.
+    #[arg(long, value_name = "TIMES", default_value_t = 2,
+          value_parser = clap::value_parser!(u32).range(1..))]
+    repeat: u32,
     /// Folder of the study [default: results/NAME-ablate].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -41,17 +45,19 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
             Path::new("results").join(format!("{name}-ablate"))
         }
     };
-    std::fs::create_dir_all(&folder).map_err(|error| file_failure(&folder, &error))?;
-    let scratch = tempfile::Builder::new().prefix(".run-").tempdir_in(&folder);
-    let scratch = scratch.map_err(|error| file_failure(&folder, &error))?;
-    let study = study(&asked.case, &base, quiet || asked.json, scratch.path())?;
+    let folder = StudyFolder::check(&folder, FILE)?;
+    let scratch = scratch()?;
+    let request = Request { case: asked.case.clone(), base, repeat: asked.repeat };
+    let study = study(&request, quiet || asked.json, scratch.path())?;
     let json = serde_json::to_string_pretty(&study).expect("a study is plain data") + "\n";
-    replace(&folder.join(FILE), json.as_bytes())?;
-    report::write(&folder)?;
+    folder.write(FILE, json.as_bytes())?;
+    report::write(folder.path())?;
     let text = match (asked.json, quiet) {
         (true, _) => json,
         (false, true) => String::new(),
-        (false, false) => format!("{}  results   {}\n", show::text(&study), folder.display()),
+        (false, false) => {
+            format!("{}  results   {}\n", show::text(&study), folder.path().display())
+        }
     };
     // A reader that has gone away (`| head`) is no failure of ours.
     let _ = std::io::stdout().write_all(text.as_bytes());

@@ -23,10 +23,21 @@ pub(super) fn choose(
 ) -> Result<Choice, RunError> {
     let mut best: Option<(f64, Choice)> = None;
     let mut refused = Vec::new();
-    for level in all(standing, base) {
+    for level in chosen(standing, base) {
+        if !level.silent.is_empty() {
+            let who = level.silent.join(", ");
+            refused.push(format!("{}: {who} says nothing of its accuracy", level.name()));
+            continue;
+        }
         let Some(step) = coarsest(&level, target) else { continue };
         match planned(case, &level.at(step)) {
             Ok(planned) => {
+                let level = level.in_case(&planned);
+                // What it leaves out in this very case may be too much.
+                let Some(step) = coarsest(&level, target) else {
+                    refused.push(format!("{}: {}", level.name(), most_left_out(&level)));
+                    continue;
+                };
                 let seconds = expected_seconds(&planned.plan);
                 if best.as_ref().is_none_or(|(least, _)| seconds < *least) {
                     best = Some((seconds, Choice { level, step }));
@@ -37,6 +48,45 @@ pub(super) fn choose(
         }
     }
     best.map(|(_, choice)| choice).ok_or_else(|| none(standing, base, target, &refused))
+}
+
+/// All levels, or those with the models that are set by hand.
+fn chosen(standing: &Planned, base: &Variant) -> Vec<Level> {
+    let fixed = |role: &str| {
+        let key = format!("{role}.model=");
+        base.set.iter().any(|option| option.trim_start().starts_with(&key))
+    };
+    let configured = |role: &str| {
+        let participants = &standing.plan.participants;
+        participants.iter().find(|p| p.role == role).map(|p| p.configuration.model.clone())
+    };
+    let mut levels = all(standing, base);
+    levels.retain(|level| {
+        let kept = |(role, model): &(String, String)| {
+            !fixed(role) || configured(role).as_ref() == Some(model)
+        };
+        level.models.iter().all(kept)
+    });
+    levels
+}
+
+/// A resolution that is set by hand leaves nothing to choose.
+pub(super) fn refuse_resolution(level: &Level, base: &Variant) -> Result<(), RunError> {
+    let set = |key: &str| {
+        base.set.iter().any(|option| option.split_once('=').is_some_and(|(k, _)| k.trim() == key))
+    };
+    match level.refinements.iter().find(|one| set(&one.key)) {
+        None => Ok(()),
+        Some(one) => Err(RunError::Usage(format!(
+            "--accuracy chooses {0}; remove --set {0}, or run without --accuracy",
+            one.key
+        ))),
+    }
+}
+
+fn most_left_out(level: &Level) -> String {
+    let most = level.left_out.iter().max_by(|a, b| a.error.total_cmp(&b.error));
+    most.map(|one| format!("{} ({:.2} %)", one.what, 100.0 * one.error)).unwrap_or_default()
 }
 
 /// The coarsest resolution, but for the very first, that leaves another to compare with, at which a
@@ -50,7 +100,7 @@ fn coarsest(level: &Level, target: &Target) -> Option<usize> {
 fn none(standing: &Planned, base: &Variant, target: &Target, refused: &[String]) -> RunError {
     let expected =
         |level: &Level| level.model_error() + level.grid_error(level.steps().saturating_sub(1));
-    let levels = all(standing, base);
+    let levels = chosen(standing, base);
     let best = levels.iter().map(|level| (expected(level), level.name()));
     let best = best.min_by(|a, b| a.0.total_cmp(&b.0));
     let (error, name) = best.unwrap_or((f64::NAN, "no model".to_owned()));
@@ -62,13 +112,13 @@ fn none(standing: &Planned, base: &Variant, target: &Target, refused: &[String])
     for one in refused {
         text += &format!("; {one}");
     }
-    RunError::Usage(text + "; ask for less, or choose models and resolution in the case")
+    RunError::Usage(text + "; ask for less, or run without --accuracy")
 }
 
-/// Length of the windows of a transient case \[s\].
-pub(super) fn window(plan: &Plan) -> Option<f64> {
+/// Length of the windows of a transient case, and its end \[s\].
+pub(super) fn window(plan: &Plan) -> Option<[f64; 2]> {
     match plan.windows {
-        Windows::Fixed { window, .. } => Some(window),
+        Windows::Fixed { window, end } => Some([window, end]),
         Windows::Steady | Windows::Adaptive { .. } => None,
     }
 }

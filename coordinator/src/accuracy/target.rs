@@ -1,7 +1,7 @@
 //! What is asked for: an error, of a figure.
 
 use crate::error::RunError;
-use crate::study::quantity::Quantity;
+use crate::study::quantity::{Measure, Quantity};
 use serde_json::Value;
 
 /// What drives the figures of a section: an error there is an error here.
@@ -38,16 +38,22 @@ impl Target {
     /// A summary that does not have the figure.
     pub(super) fn quantities(&self, summary: &Value) -> Result<Vec<Quantity>, RunError> {
         let there = |quantity: &Quantity| quantity.value(summary).is_some();
+        let known = Quantity::all(summary);
+        let suits = |one: &&Quantity| one.measure == Measure::Relative && there(one);
         let first = match &self.quantity {
-            Some(key) => Some(Quantity::of(key)),
-            None => Quantity::of_interest().into_iter().find(there),
+            Some(key) => known.iter().find(|one| one.key == *key && suits(one)),
+            None => known.iter().find(suits),
         };
-        let first = first.filter(there).ok_or_else(|| {
-            let keys: Vec<String> =
-                Quantity::all(summary).into_iter().filter(there).map(|one| one.key).collect();
-            let asked = self.quantity.as_deref().unwrap_or("a figure of interest");
+        let first = first.cloned().ok_or_else(|| {
+            let keys: Vec<&str> = known.iter().filter(suits).map(|one| one.key.as_str()).collect();
+            let asked = match &self.quantity {
+                Some(key) => {
+                    format!("the run has no `{key}`, or it is a place, a share or a count")
+                }
+                None => "the run has no figure with a relative error".to_owned(),
+            };
             RunError::Usage(format!(
-                "the run has no `{asked}`; name one with --quantity: {}",
+                "{asked}; name one of these with --quantity: {}",
                 keys.join(", ")
             ))
         })?;

@@ -17,6 +17,7 @@ const WINDOW_ORDER: f64 = 1.0;
 /// Compares the runs of a sweep.
 pub(super) fn study(request: &Request, sweep: Sweep) -> Result<Study, RunError> {
     let quantities = quantities(request, &sweep)?;
+    check_references(request, &quantities)?;
     let compared: Vec<Compared> =
         quantities.iter().map(|one| compared(one, request, &sweep)).collect();
     let mut study = Study {
@@ -74,16 +75,36 @@ fn quantities(request: &Request, sweep: &Sweep) -> Result<Vec<Quantity>, RunErro
     match all.is_empty() {
         false => Ok(all),
         true => {
-            let told = runs.iter().find_map(|run| run.failed.as_deref()).unwrap_or("none was made");
-            Err(RunError::Usage(format!("no run gave a figure to compare: {told}")))
+            let failed = runs.iter().filter_map(|run| run.failed.clone());
+            let other = sweep.refused.iter().chain(&sweep.left_out);
+            let told = failed.chain(other.map(|(what, why)| format!("{what}: {why}"))).next();
+            let told = told.unwrap_or_else(|| "the runs have no figure of interest".to_owned());
+            let fix = "name one of the summary with --quantity";
+            Err(RunError::Usage(format!("no run gave a figure to compare: {told}; {fix}")))
+        }
+    }
+}
+
+/// A reference that is given for a figure that no run has is a slip of the pen.
+fn check_references(request: &Request, quantities: &[Quantity]) -> Result<(), RunError> {
+    let unknown = |(key, _): &&(String, f64)| quantities.iter().all(|one| one.key != *key);
+    match request.references.iter().find(unknown) {
+        None => Ok(()),
+        Some((key, _)) => {
+            let keys: Vec<&str> = quantities.iter().map(|one| one.key.as_str()).collect();
+            let known = keys.join(", ");
+            Err(RunError::Usage(format!("--reference {key}: the runs compare {known}")))
         }
     }
 }
 
 fn compared(quantity: &Quantity, request: &Request, sweep: &Sweep) -> Compared {
     let Quantity { key, name, measure } = quantity.clone();
-    let exact =
-        |value: f64, source: &str| Reference { value, uncertainty: 0.0, source: source.to_owned() };
+    let exact = |value: f64, source: &str| Reference {
+        value,
+        uncertainty: Some(0.0),
+        source: source.to_owned(),
+    };
     let given = request.references.iter().find(|(known, _)| *known == key);
     let given = given.map(|(_, value)| exact(*value, "given"));
     let closed = || sweep.closed_forms.get(&key).map(|value| exact(*value, "closed form"));
@@ -106,8 +127,8 @@ fn extrapolated(quantity: &Quantity, sweep: &Sweep) -> Option<Reference> {
     let limits = ran().filter(|level| error(*level) <= least);
     let limits = limits.filter_map(|level| sweep.limit(level, quantity));
     // Who has one grid alone does not know how far off it is.
-    let unknown = |one: &Reference| if one.uncertainty > 0.0 { one.uncertainty } else { f64::MAX };
-    limits.min_by(|a, b| unknown(a).total_cmp(&unknown(b)))
+    let known = |one: &Reference| one.uncertainty.unwrap_or(f64::MAX);
+    limits.min_by(|a, b| known(a).total_cmp(&known(b)))
 }
 
 impl Sweep {
@@ -129,7 +150,8 @@ impl Sweep {
         let how = if estimates.is_empty() { "the finest run" } else { "extrapolated" };
         Some(Reference {
             value: limit,
-            uncertainty: quantity.error(limit + error, limit),
+            uncertainty: (!estimates.is_empty())
+                .then(|| quantity.error(limit + error, limit) + self.levels[level].model_error()),
             source: format!("{name} to {}, {how}", settings.join(", ")),
         })
     }
@@ -236,7 +258,7 @@ fn stops_paying(
     let reference = first.reference.as_ref()?;
     let Shows { limit, model_error, .. } = shows.get(&first.key)?;
     let (limit, model_error) = ((*limit)?, (*model_error)?);
-    if model_error <= reference.uncertainty {
+    if reference.uncertainty.is_none_or(|off| model_error <= off) {
         return None;
     }
     let finest = sweep.finest(number, &first.key)?;

@@ -1,11 +1,11 @@
 //! The subcommand.
 
 use super::{FILE, Request, Study, analysis, csv, page, show, sweep};
-use crate::error::{RunError, file_failure};
+use crate::error::RunError;
 use crate::report;
-use crate::results::folder::replace;
-use crate::study::Variant;
 use crate::study::axis::Axis;
+use crate::study::folder::StudyFolder;
+use crate::study::{Variant, scratch};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,8 @@ pub struct Arguments {
     #[arg(long, value_name = "KEY=VALUE")]
     reference: Vec<String>,
     /// Make each run so often; its times are the least.
-    #[arg(long, value_name = "TIMES", default_value_t = 2)]
+    #[arg(long, value_name = "TIMES", default_value_t = 2,
+          value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
     /// Leave out runs whose solvers expect to take longer.
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
@@ -55,9 +56,8 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
         Some(folder) => folder.clone(),
         None => default_folder(&request)?,
     };
-    std::fs::create_dir_all(&folder).map_err(|error| file_failure(&folder, &error))?;
-    let scratch = tempfile::Builder::new().prefix(".run-").tempdir_in(&folder);
-    let scratch = scratch.map_err(|error| file_failure(&folder, &error))?;
+    let folder = StudyFolder::check(&folder, FILE)?;
+    let scratch = scratch()?;
     let swept = sweep::sweep(&request, quiet || asked.json, scratch.path())?;
     let study = analysis::study(&request, swept)?;
     let json = serde_json::to_string_pretty(&study).expect("a study is plain data") + "\n";
@@ -65,7 +65,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     if asked.json {
         print(&json);
     } else if !quiet {
-        print(&format!("{}  results   {}\n", show::text(&study), folder.display()));
+        print(&format!("{}  results   {}\n", show::text(&study), folder.path().display()));
     }
     Ok(())
 }
@@ -88,9 +88,13 @@ fn request(asked: &Arguments) -> Result<Request, RunError> {
 }
 
 fn reference(option: &str) -> Result<(String, f64), RunError> {
-    let read = |(key, value): (&str, &str)| Some((key.to_owned(), value.trim().parse().ok()?));
-    let read = option.split_once('=').and_then(read);
-    read.ok_or_else(|| RunError::Usage(format!("`--reference {option}` is not KEY=NUMBER")))
+    let read = |(key, value): (&str, &str)| {
+        let value = value.trim().parse::<f64>().ok().filter(|value| value.is_normal())?;
+        Some((key.to_owned(), value))
+    };
+    option.split_once('=').and_then(read).ok_or_else(|| {
+        RunError::Usage(format!("`--reference {option}` is not KEY=NUMBER, other than 0"))
+    })
 }
 
 /// Beside the results of runs of this case.
@@ -99,14 +103,14 @@ fn default_folder(request: &Request) -> Result<PathBuf, RunError> {
     Ok(Path::new("results").join(format!("{}-cost", planned.plan.name)))
 }
 
-fn write(folder: &Path, study: &Study, json: &str) -> Result<(), RunError> {
-    replace(&folder.join(FILE), json.as_bytes())?;
-    replace(&folder.join("cost.csv"), csv::text(study).as_bytes())?;
+fn write(folder: &StudyFolder, study: &Study, json: &str) -> Result<(), RunError> {
+    folder.write(FILE, json.as_bytes())?;
+    folder.write("cost.csv", csv::text(study).as_bytes())?;
     let first = study.quantities.first();
     if let Some(figure) = first.and_then(|one| page::work_precision(study, one)) {
-        replace(&folder.join("work-precision.svg"), figure.standalone().as_bytes())?;
+        folder.write("work-precision.svg", figure.standalone().as_bytes())?;
     }
-    report::write(folder).map(drop)
+    report::write(folder.path()).map(drop)
 }
 
 fn print(text: &str) {

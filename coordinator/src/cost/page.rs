@@ -99,8 +99,9 @@ pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
         }
     }
     let known = match reference.uncertainty {
-        0.0 => String::new(),
-        off => format!(", itself known to {}", error(one.measure, off)),
+        Some(0.0) => String::new(),
+        Some(off) => format!(", itself known to {}", error(one.measure, off)),
+        None => ", of which nobody knows how far off it is".to_owned(),
     };
     figure.note = format!("Against {}{known}.", reference.source);
     figure.has_points().then_some(figure)
@@ -111,8 +112,9 @@ fn references(study: &Study) -> Option<Section> {
     for one in &study.quantities {
         let Some(reference) = &one.reference else { continue };
         let known = match reference.uncertainty {
-            0.0 => "exact".to_owned(),
-            off => error(one.measure, off),
+            Some(0.0) => "exact".to_owned(),
+            Some(off) => error(one.measure, off),
+            None => "unknown".to_owned(),
         };
         let from = reference.source.clone();
         let value = of_key(&one.key, reference.value).show(reference.value, 7);

@@ -46,8 +46,9 @@ pub(super) fn text(study: &Study) -> String {
 fn reference(one: &Compared) -> String {
     let Some(reference) = &one.reference else { return String::new() };
     let within = match reference.uncertainty {
-        0.0 => String::new(),
-        off => format!(" ± {}", error(one.measure, off)),
+        Some(0.0) => String::new(),
+        Some(off) => format!(" ± {}", error(one.measure, off)),
+        None => " ± ?".to_owned(),
     };
     format!(
         "  {:15} {}{within}   {}\n",
@@ -149,12 +150,11 @@ fn picks(study: &Study) -> String {
             error(first.measure, run.errors[&first.key]),
         );
     }
-    if let Some(reference) = first.reference.as_ref().filter(|r| r.uncertainty > 0.0) {
-        let _ = writeln!(
-            out,
-            "  the reference itself is known to {}",
-            error(first.measure, reference.uncertainty)
-        );
-    }
+    let known = match first.reference.as_ref().map(|reference| reference.uncertainty) {
+        None | Some(Some(0.0)) => return out,
+        Some(Some(off)) => format!("known to {}", error(first.measure, off)),
+        Some(None) => "one grid's: how far off it is cannot be told".to_owned(),
+    };
+    let _ = writeln!(out, "  the reference itself is {known}");
     out
 }

@@ -11,7 +11,7 @@ use crate::study::spent::{Clock, Spent};
 use crate::study::{Variant, ends_study, expected_seconds, perform, planned};
 use crate::windows::Windows;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Key of the length of a window.
@@ -50,6 +50,7 @@ struct Point {
 pub(super) fn sweep(request: &Request, quiet: bool, scratch: &Path) -> Result<Sweep, RunError> {
     let standing = planned(&request.case, &request.base)?;
     let Offer { mut levels, refused } = offered(&request.case, &request.base)?;
+    check(&levels, &refused, &request.vary)?;
     choose(&mut levels, &request.vary);
     let axes = axes(&levels, request, &standing.plan);
     let mut sweep = Sweep {
@@ -70,6 +71,41 @@ pub(super) fn sweep(request: &Request, quiet: bool, scratch: &Path) -> Result<Sw
     }
     steps.finish();
     Ok(sweep)
+}
+
+/// Keys that change how a case is computed, and not what it is, begin like this, or with a role.
+const NUMERICAL: [&str; 3] = ["time.", "coupling.", "mapping."];
+
+/// What is varied has to be there, and leave the problem as it is.
+fn check(levels: &[Level], refused: &[(String, String)], vary: &[Axis]) -> Result<(), RunError> {
+    let wrong =
+        |axis: &Axis, what: String| Err(RunError::Usage(format!("--vary {}: {what}", axis.key)));
+    for axis in vary {
+        let models = || levels.iter().flat_map(|level| &level.models);
+        let role = axis.key.split('.').next().unwrap_or_default();
+        let of_role = models().any(|(own, _)| own == role);
+        if axis.key == format!("{role}.model") && of_role {
+            let known: BTreeSet<&str> =
+                models().filter(|(own, _)| own == role).map(|(_, model)| model.as_str()).collect();
+            let value = axis.values.iter().map(|value| value.trim_matches('"'));
+            if let Some(other) = value.into_iter().find(|value| !known.contains(value)) {
+                let why = refused.iter().find(|(name, _)| name.split(" + ").any(|m| m == other));
+                let why = why.map(|(_, why)| format!(" ({why})")).unwrap_or_default();
+                let known: Vec<&str> = known.into_iter().collect();
+                let fix = format!("choose among {}", known.join(", "));
+                return wrong(axis, format!("`{other}` cannot run this case{why}; {fix}"));
+            }
+        } else if levels.iter().flat_map(|l| &l.refinements).any(|one| one.key == axis.key) {
+            let count = |value: &&String| value.parse::<u32>().is_ok_and(|count| count > 0);
+            if let Some(other) = axis.values.iter().find(|value| !count(value)) {
+                return wrong(axis, format!("`{other}` is no number of elements"));
+            }
+        } else if !of_role && !NUMERICAL.iter().any(|section| axis.key.starts_with(section)) {
+            let fix = "make one study for each value, with --set";
+            return wrong(axis, format!("it changes the problem, not how it is solved; {fix}"));
+        }
+    }
+    Ok(())
 }
 
 /// Keeps the models, and takes the resolutions, that were asked for.

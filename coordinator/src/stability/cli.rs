@@ -1,14 +1,15 @@
 //! The subcommand.
 
-use super::report::{FILE, Report};
+use super::report::{FILE, Report, SCHEMA};
 use super::suite::Suite;
 use super::{Request, limits, show, stability};
-use crate::error::{Failure, RunError, file_failure};
+use crate::error::{Failure, RunError};
 use crate::report;
 use crate::results::folder::replace;
+use crate::study::folder::StudyFolder;
 use clap::Args;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What `coordinator stability` is asked.
 #[derive(Debug, Args)]
@@ -52,9 +53,14 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
             print(text);
         }
     };
+    let folder = StudyFolder::check(&asked.out, FILE)?;
+    // What is interrupted can be begun again in the same folder.
+    let begun = Report { schema: SCHEMA, ..Report::default() };
+    folder.write(FILE, json(&begun).as_bytes())?;
     say(&show::head());
     let report = stability(&request, &mut |case| say(&show::case(case)))?;
-    write(&asked.out, &report)?;
+    folder.write(FILE, json(&report).as_bytes())?;
+    report::write(folder.path())?;
     if asked.json {
         print(&(json(&report) + "\n"));
     }
@@ -68,13 +74,6 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
 
 fn json(report: &Report) -> String {
     serde_json::to_string_pretty(report).expect("a report is plain data")
-}
-
-/// Writes the report, and the page about it.
-fn write(out: &Path, report: &Report) -> Result<(), RunError> {
-    std::fs::create_dir_all(out).map_err(|error| file_failure(out, &error))?;
-    replace(&out.join(FILE), json(report).as_bytes())?;
-    report::write(out).map(drop)
 }
 
 fn verdict(report: &Report) -> Result<(), RunError> {

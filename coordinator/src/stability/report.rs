@@ -6,10 +6,16 @@ use std::path::Path;
 
 /// Name of the file in the output folder.
 pub const FILE: &str = "stability.json";
+/// Version of its layout.
+pub(super) const SCHEMA: u32 = 1;
 
 /// How a suite went.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
+    /// Version of this layout.
+    pub schema: u32,
+    /// The suite has been run to its end.
+    pub complete: bool,
     /// The suite file.
     pub suite: String,
     /// One entry a case.
@@ -178,9 +184,15 @@ impl Report {
     pub fn read(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(FILE);
         let text = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
-        serde_json::from_slice(&text).map_err(|error| {
+        let refuse = |what: String| {
             let fix = "run `coordinator stability` again";
-            RunError::Usage(format!("{} is no stability report: {error}; {fix}", path.display()))
-        })
+            RunError::Usage(format!("{} {what}; {fix}", path.display()))
+        };
+        let read: Result<Self, _> = serde_json::from_slice(&text);
+        let report = read.map_err(|error| refuse(format!("is no stability report: {error}")))?;
+        match report.complete {
+            true => Ok(report),
+            false => Err(refuse("is of a suite that has not come to its end".to_owned())),
+        }
     }
 }

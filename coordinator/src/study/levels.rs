@@ -17,6 +17,8 @@ pub struct Level {
     pub refinements: Vec<Refinement>,
     /// What its models leave out that matters in this case.
     pub left_out: Vec<Simplification>,
+    /// Roles whose models say nothing of their errors.
+    pub silent: Vec<String>,
     /// The case with these models.
     pub variant: Variant,
 }
@@ -30,16 +32,28 @@ impl Level {
             |v: Variant, (role, model): &(String, String)| v.with(&format!("{role}.model"), model);
         let variant = models.iter().fold(base.clone(), with);
         let (mut refinements, mut left_out) = (Vec::<Refinement>::new(), Vec::new());
-        for (participant, (_, name)) in plan.participants.iter().zip(&models) {
+        let mut silent = Vec::new();
+        for (participant, (role, name)) in plan.participants.iter().zip(&models) {
             let models = &participant.description.models;
             let Some(model) = models.iter().find(|model| model.name == *name) else { continue };
+            if model.accuracy.is_silent() {
+                silent.push(role.clone());
+            }
             let counts = model.accuracy.simplifications.iter().filter(|one| one.applies(&active));
             left_out.extend(counts.cloned());
             let known = |key: &str| refinements.iter().any(|other| other.key == key);
             let refinement = model.accuracy.refinement.iter().find(|one| !known(&one.key));
             refinements.extend(refinement.cloned());
         }
-        Self { models, refinements, left_out, variant }
+        Self { models, refinements, left_out, silent, variant }
+    }
+
+    /// The same, with what its models leave out in this very case, as they estimate it.
+    #[must_use]
+    pub fn in_case(mut self, planned: &Planned) -> Self {
+        let estimates = planned.plan.participants.iter().filter_map(|p| p.estimate.as_ref());
+        self.left_out.extend(estimates.flat_map(|layout| layout.left_out.iter().cloned()));
+        self
     }
 
     /// The models, in one word.
@@ -105,7 +119,7 @@ pub fn offered(case: &Path, base: &Variant) -> Result<Offer, RunError> {
     let mut offer = Offer { levels: Vec::new(), refused: Vec::new() };
     for level in all(&planned(case, base)?, base) {
         match planned(case, &level.variant) {
-            Ok(_) => offer.levels.push(level),
+            Ok(planned) => offer.levels.push(level.in_case(&planned)),
             Err(error) if ends_study(&error) => return Err(error),
             Err(error) => offer.refused.push((level.name(), reason(&error))),
         }

@@ -85,7 +85,7 @@ pub fn spec() -> ModelSpec {
             simplifications: vec![Simplification::with(
                 partial_slip::NAME,
                 "a foundation of springs stands for the elastic half-space",
-                0.35,
+                0.4,
                 STUDY,
             )],
         },

@@ -64,7 +64,7 @@ pub fn spec() -> ModelSpec {
             simplifications: vec![Simplification::with(
                 partial_slip::NAME,
                 "Carter's line contact in strips stands for the elastic half-space",
-                0.4,
+                0.55,
                 STUDY,
             )],
         },

@@ -88,8 +88,8 @@ fn no_more_is_done_than_the_target_asks_for() {
         let finest = runs.last().unwrap()["settings"][0][1].as_u64().unwrap();
         (summary["accuracy"]["models"].as_str().unwrap().to_owned(), finest)
     };
-    // Strips stand for a half-space within 40 %.
-    let (rough, coarse) = chosen("50%");
+    // Strips stand for a half-space within 55 %.
+    let (rough, coarse) = chosen("60%");
     assert!(rough.starts_with("hertz-carter"), "{rough}");
     let (faithful, fine) = chosen("3%");
     assert!(faithful.starts_with("half-space") && fine > coarse, "{faithful}, {fine}");
@@ -122,6 +122,12 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
     refused(&["--accuracy", "0.0001%"], &["no models are expected to meet", "ask for less"]);
     refused(&["--accuracy", "much"], &["write 1% or 0.01"]);
     refused(&["--accuracy", "5%", "--quantity", "contact.colour"], &["no `contact.colour`"]);
+    refused(&["--accuracy", "5%", "--quantity", "contact.slip_area_ratio"], &["a share"]);
+    let fine = ["--accuracy", "5%", "--set", "mech.resolution=80"];
+    refused(&fine, &["--accuracy chooses mech.resolution"]);
+    // Heat spreads along the surface at Pe = 2.6, and no model here knows of it.
+    let slow = ["--accuracy", "5%", "--set", "motion.speed=0.01"];
+    refused(&slow, &["no models are expected to meet", "conduction along the surface, at Pe"]);
     refused(&["--quantity", "contact.area_m2"], &["--accuracy"]);
 }
 

@@ -39,6 +39,7 @@ fn errors_are_against_closed_forms_and_limits() {
     let reference = quantities[0]["reference"]["value"].as_f64().unwrap();
     // The digits of 260.88, and what the study says of its own reference.
     let uncertainty = quantities[0]["reference"]["uncertainty"].as_f64().unwrap();
+    // Of the grid, and of conduction along the surface.
     assert!(uncertainty < 1e-3, "{uncertainty}");
     let known = uncertainty + 2e-5;
     assert!((reference / 260.88 - 1.0).abs() <= known, "{reference} ± {uncertainty}");
@@ -136,6 +137,10 @@ fn the_files_agree_and_the_report_can_be_made_again() {
     assert_eq!(place.start(&["report", &out]).wait().code, Some(0));
     assert_eq!(fs::read_to_string(&page).unwrap(), before);
     assert!(before.contains("error over time") && before.contains("What to run"));
+    // It is replaced by a study of its own kind only.
+    let ended = place.start(&["ablate", &case("wheel-rail.toml"), "--out", &out]).wait();
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert!(ended.stderr.contains("holds files but no ablate.json"), "{}", ended.stderr);
     // No run leaves its folder behind.
     let mut left: Vec<_> =
         fs::read_dir(place.out()).unwrap().map(|e| e.unwrap().file_name()).collect();
@@ -155,10 +160,17 @@ fn what_cannot_be_studied_is_refused() {
         assert_eq!(ended.code, Some(2), "{}", ended.stderr);
         assert!(ended.stderr.contains(words), "{}", ended.stderr);
         place.assert_nothing_left();
+        assert!(!place.out().exists(), "{more:?}");
     };
     refused(&["--vary", "mech.resolution"], "--vary key=v1,v2");
     refused(&["--quantity", "contact.colour"], "no run has the figure `contact.colour`");
     refused(&["--reference", "x=y"], "is not KEY=NUMBER");
     refused(&["--set", "friction.coefficient=-1"], "friction.coefficient");
+    refused(&["--vary", "mech.resolution=5,banana"], "`banana` is no number of elements");
+    refused(&["--vary", "mech.model=hertz-carter,nonsuch"], "choose among fastsim, half-space");
+    refused(&["--vary", "load.normal_force=1e3,1e5"], "it changes the problem");
+    refused(&["--reference", "contact.max_pressure_pa=nan"], "is not KEY=NUMBER");
+    refused(&["--reference", "contact.colour=1"], "the runs compare temperature.rail.max_rise_k");
+    refused(&["--repeat", "0"], "--repeat");
     refused(&["--longest-run", "0"], "--longest-run is a number of seconds");
 }

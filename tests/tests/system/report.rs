@@ -212,11 +212,11 @@ fn a_folder_without_results_has_no_report() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// Shows the page in a browser and demands that it fits, that each of its plots is drawn, and that
-/// nothing was fetched.
-fn assert_shown(page: &Path, view: View) {
+/// Shows the page in a browser and demands that it fits, that each of its plots is drawn, so many at
+/// least, and that nothing was fetched.
+fn assert_shown(page: &Path, view: View, plots: usize) {
     let look = look(page, view);
-    assert!(look.plots.len() > 5, "{view:?}: {} plots", look.plots.len());
+    assert!(look.plots.len() >= plots, "{view:?}: {} plots", look.plots.len());
     assert!(look.scroll_width <= view.width, "{view:?}: the page is {} wide", look.scroll_width);
     assert_eq!(look.fetched, Vec::<String>::new(), "{view:?}");
     let light = look.paper().iter().map(|c| u32::from(*c)).sum::<u32>() > 3 * 128;
@@ -232,13 +232,39 @@ fn a_browser_shows_every_plot_in_light_in_dark_and_on_a_phone() {
     for name in ["wheel-rail.toml", "falling-friction.toml", "cold-start.toml"] {
         place.summary(&case(name), &["--report"]);
         let page = place.out().join("report.html");
-        assert_shown(&page, View { width: 1280, scheme: Scheme::Light });
-        assert_shown(&page, View { width: 375, scheme: Scheme::Dark });
+        assert_shown(&page, View { width: 1280, scheme: Scheme::Light }, 6);
+        assert_shown(&page, View { width: 375, scheme: Scheme::Dark }, 6);
         assert_eq!(requests(&page), Vec::<String>::new(), "{name}");
         if name == "wheel-rail.toml" {
-            assert_shown(&page, View { width: 1280, scheme: Scheme::Dark });
-            assert_shown(&page, View { width: 375, scheme: Scheme::Light });
+            assert_shown(&page, View { width: 1280, scheme: Scheme::Dark }, 6);
+            assert_shown(&page, View { width: 375, scheme: Scheme::Light }, 6);
         }
+    }
+}
+
+/// The page of a study, on a desk in light and on a phone in the dark.
+pub(crate) fn assert_study_is_shown(page: &Path, plots: usize) {
+    assert_shown(page, View { width: 1280, scheme: Scheme::Light }, plots);
+    assert_shown(page, View { width: 375, scheme: Scheme::Dark }, plots);
+    assert_eq!(requests(page), Vec::<String>::new(), "{}", page.display());
+}
+
+/// Each kind of study has a page of its own; that of the paper is looked at where it is made.
+#[test]
+fn a_browser_shows_the_pages_of_studies() {
+    let (wheel_rail, full_slip) = (case("wheel-rail.toml"), case("full-slip.toml"));
+    let coarse = ["--set", "mech.resolution=10"];
+    let studies: [(&[&str], usize); 3] = [
+        (&["cost", &full_slip, "--repeat", "1", "--vary", "mech.resolution=5,10"], 4),
+        (&["ablate", &wheel_rail, coarse[0], coarse[1]], 4),
+        (&["stability", "--only", "coarse-columns", "--no-sweep"], 0),
+    ];
+    for (command, plots) in studies {
+        let place = Place::new();
+        let out = place.out().display().to_string();
+        let ended = place.start(&[command, &["--out", &out]].concat()).wait();
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        assert_study_is_shown(&place.out().join("report.html"), plots);
     }
 }
 

@@ -45,6 +45,9 @@ fn the_paper_that_is_kept_is_fresh_and_right() {
     assert_half_spaces(&record);
     assert_methods(&record);
     assert_shown(&place);
+    // One drawing for each file.
+    let drawings = fs::read_dir(place.out().join("img")).unwrap().count();
+    crate::report::assert_study_is_shown(&place.out().join("report.html"), drawings);
 }
 
 /// Carter strips on the patch of Table 2; the tolerances are the last digits of the reference

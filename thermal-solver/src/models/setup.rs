@@ -208,6 +208,7 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         solve_seconds: cost.solve_seconds,
         memory_bytes: cost.memory_bytes,
         remarks: C::remarks(frame),
+        left_out: super::along_the_surface_at(frame).into_iter().collect(),
         ..Layout::default()
     };
     for body in [RAIL, WHEEL] {
