@@ -140,7 +140,8 @@ impl Search {
         Ok(())
     }
 
-    /// The coarsest step from one on, whose grid errs like this, at which the error is expected within the target.
+    /// The coarsest step from one on, whose grid errs like this, at which the error is expected within
+    /// the target.
     fn needed(&self, grid_error: f64, at: usize) -> usize {
         let room = self.target.relative - self.level.model_error();
         let order = self.order().unwrap_or(1.0);

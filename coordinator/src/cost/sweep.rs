@@ -184,7 +184,7 @@ impl Sweep {
     fn make(&mut self, request: &Request, point: &Point, scratch: &Path) -> Result<(), RunError> {
         let mut run = Run::of(point);
         let silent = point.variant.with("output.fields", "none");
-        for _ in 0..request.repeat.max(1) {
+        for _ in 0..request.repeat {
             let clock = Clock::start();
             let made = planned(&request.case, &silent).and_then(|planned| {
                 let seconds = expected_seconds(&planned.plan);
