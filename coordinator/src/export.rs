@@ -106,7 +106,7 @@ impl Export<'_> {
             Some(CommandKind::Describe) => {
                 self.asked.insert(to);
             }
-            Some(CommandKind::Initialise) => {
+            Some(CommandKind::Connect) => {
                 if let Ok(topics) = serde_json::from_slice::<Topics>(body) {
                     for topic in topics.inputs.into_iter().chain(topics.outputs) {
                         self.grids.insert(topic.service, (topic.grid, topic.geometry));

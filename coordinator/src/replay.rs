@@ -138,6 +138,7 @@ pub fn replay(request: &Request) -> Result<Replay, RunError> {
 /// Waits of a replay.
 const DEADLINES: Deadlines = Deadlines {
     start: Duration::from_secs(30),
+    build: Duration::from_secs(3600),
     solve: Duration::from_secs(3600),
     heartbeat: Duration::from_secs(10),
 };
@@ -145,6 +146,7 @@ const DEADLINES: Deadlines = Deadlines {
 /// A debugger may hold the participant for as long as it likes.
 const NO_DEADLINES: Deadlines = Deadlines {
     start: Duration::from_secs(365 * 86_400),
+    build: Duration::from_secs(365 * 86_400),
     solve: Duration::from_secs(365 * 86_400),
     heartbeat: Duration::from_secs(365 * 86_400),
 };

@@ -12,7 +12,9 @@ mod geometry;
 pub(crate) mod link;
 mod mapped;
 mod memory;
+mod open_files;
 pub(crate) mod outlet;
+pub(crate) mod patience;
 mod setup;
 mod state;
 mod tap;
@@ -33,6 +35,8 @@ use geometry::MovingGrid;
 use link::Link;
 use mapped::Mapped;
 use memory::SharedMemory;
+use patience::Patience;
+use proto::configuration::Layout;
 use proto::message::{Command, CommandKind, Finished, OBSERVE, Reply, Status};
 use proto::model::Step;
 use proto::run_dir::RunDir;
@@ -52,10 +56,23 @@ const LEAVE: Duration = Duration::from_secs(2);
 pub struct Deadlines {
     /// From starting a participant to its joining the run.
     pub start: Duration,
+    /// Building a model.
+    pub build: Duration,
     /// One command.
     pub solve: Duration,
     /// From one heartbeat to the next.
     pub heartbeat: Duration,
+}
+
+impl Deadlines {
+    /// How much longer than expected building a model may take.
+    const BUILD_MARGIN: f64 = 10.0;
+
+    /// For building the model of this layout: longer where the participant expects so.
+    fn build_of(&self, layout: &Layout) -> Duration {
+        let expected = Self::BUILD_MARGIN * layout.build_seconds;
+        Duration::try_from_secs_f64(expected).map_or(self.build, |margin| margin.max(self.build))
+    }
 }
 
 /// What is going on, for messages.
@@ -63,6 +80,7 @@ pub struct Deadlines {
 enum Phase {
     Starting,
     Configuring,
+    Connecting,
     Initialising,
     Solving(Step),
     Accepting(Step),
@@ -76,7 +94,8 @@ impl std::fmt::Display for Phase {
         match self {
             Self::Starting => f.write_str("while starting"),
             Self::Configuring => f.write_str("while being configured"),
-            Self::Initialising => f.write_str("while initialising"),
+            Self::Connecting => f.write_str("while connecting"),
+            Self::Initialising => f.write_str("while building its model"),
             Self::Solving(s) => write!(f, "in window {}, iteration {}", s.window, s.iteration),
             Self::Accepting(s) => write!(f, "while accepting window {}", s.window),
             Self::Saving(s) => write!(f, "while saving its state after window {}", s.window),
@@ -140,6 +159,7 @@ impl Session {
         self.phase = match CommandKind::from_number(command.kind) {
             Some(CommandKind::Describe) | None => Phase::Starting,
             Some(CommandKind::Configure) => Phase::Configuring,
+            Some(CommandKind::Connect) => Phase::Connecting,
             Some(CommandKind::Initialise) => Phase::Initialising,
             Some(CommandKind::Solve) => Phase::Solving(step),
             Some(CommandKind::Accept) => Phase::Accepting(step),
@@ -283,41 +303,60 @@ impl Session {
         one: usize,
         patience: Duration,
     ) -> Result<Message<Reply>, RunError> {
-        let deadline = Instant::now() + patience;
+        let reply = self.await_news(one, patience)?.1;
+        Ok(reply)
+    }
+
+    /// Waits for the reply to the last command of a participant, or for the failed reply of another
+    /// one that comes before it; gives whose it is.
+    fn await_news(
+        &mut self,
+        one: usize,
+        patience: Duration,
+    ) -> Result<(usize, Message<Reply>), RunError> {
         let Self { links, doorbell, supervisor, run, deadlines, phase, .. } = self;
         let context = Context { supervisor, run, phase: *phase, deadlines };
         let links = std::cell::RefCell::new(links);
-        let reply = doorbell.wait(
+        let mut waited = Patience::new();
+        let news = doorbell.wait(
             || {
-                let links = links.borrow();
+                let mut links = links.borrow_mut();
                 if let Some(message) = links[one].receive()? {
-                    return Ok(Some(message));
+                    return Ok(Some((one, message)));
                 }
-                match context.look(&links, one, deadline) {
+                for other in (0..links.len()).filter(|&other| other != one) {
+                    if links[other].has_failed()? {
+                        return Ok(links[other].receive()?.map(|message| (other, message)));
+                    }
+                }
+                match context.look(&mut links, one, waited.waited(), patience) {
                     Ok(()) => Ok(None),
                     // What it sent just before it ended still counts.
-                    Err(reason) => links[one].receive()?.map(Some).ok_or(reason),
+                    Err(reason) => match links[one].receive()? {
+                        Some(message) => Ok(Some((one, message))),
+                        None => Err(reason),
+                    },
                 }
             },
-            |index| {
+            |index, beat| {
                 if let Some(link) = links.borrow_mut().get_mut(index) {
-                    link.heard_heart();
+                    link.heard(beat);
                 }
             },
         );
-        let reply = reply.map_err(|waiting| match waiting {
+        let (who, reply) = news.map_err(|waiting| match waiting {
             Waiting::Run(error) => error,
             Waiting::Transport(error) => self.transport_failed(one, &error),
         })?;
         if let Some(recorder) = &self.recorder {
-            recorder.reply(one, reply.header(), reply.body());
+            recorder.reply(who, reply.header(), reply.body());
         }
-        Ok(reply)
+        Ok((who, reply))
     }
 
     /// Waits for the reply, and takes everything but success as an error.
     fn await_done(&mut self, one: usize, patience: Duration) -> Result<Message<Reply>, RunError> {
-        let message = self.await_reply(one, patience)?;
+        let (one, message) = self.await_news(one, patience)?;
         let (reply, body) = (message.header(), message.body());
         match Status::from_number(reply.status) {
             _ if reply.protocol != proto::PROTOCOL_VERSION => {
@@ -408,7 +447,13 @@ struct Context<'a> {
 
 impl Context<'_> {
     /// Is there a reason not to wait any longer?
-    fn look(&self, links: &[Link], one: usize, deadline: Instant) -> Result<(), Waiting> {
+    fn look(
+        &self,
+        links: &mut [Link],
+        one: usize,
+        waited: Duration,
+        patience: Duration,
+    ) -> Result<(), Waiting> {
         if let Some(signal) = signals::received() {
             let when = self.phase.to_string();
             return Err(Waiting::Run(RunError::Interrupted { signal, when }));
@@ -429,6 +474,13 @@ impl Context<'_> {
             let fix = "see what it wrote where it was started";
             return Err(Waiting::Run(self.hung(gone, "its process is gone".to_owned(), fix)));
         }
+        if links[one].has_dealt_with_it() {
+            return Err(Waiting::Run(self.hung(
+                &links[one],
+                "it has dealt with the last command, but its reply did not arrive".to_owned(),
+                "a message was lost in shared memory: see log.jsonl, `ulimit -n` and /dev/shm",
+            )));
+        }
         let silence = links[one].silence();
         if silence > self.deadlines.heartbeat {
             return Err(Waiting::Run(self.hung(
@@ -438,14 +490,21 @@ impl Context<'_> {
                  if it may pause for so long",
             )));
         }
-        if Instant::now() > deadline {
-            return Err(Waiting::Run(self.hung(
-                &links[one],
-                "no answer within the deadline, although its heart beats".to_owned(),
-                "raise coupling.solve_deadline if the solve may take so long",
-            )));
+        if waited > patience {
+            return Err(Waiting::Run(self.late(&links[one], patience)));
         }
         Ok(())
+    }
+
+    /// The error for a participant that is alive but has not answered in time.
+    fn late(&self, link: &Link, patience: Duration) -> RunError {
+        let seconds = patience.as_secs_f64();
+        let (what, key) = match self.phase {
+            Phase::Initialising => ("it is still building its model", "coupling.build_deadline"),
+            _ => ("no answer", "coupling.solve_deadline"),
+        };
+        let what = format!("{what} after {seconds:.1} s; its heartbeat is still received");
+        self.hung(link, what, &format!("raise {key} if it needs longer"))
     }
 
     fn hung(&self, link: &Link, what: String, fix: &str) -> RunError {

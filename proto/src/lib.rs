@@ -36,4 +36,4 @@ pub mod run_dir;
 pub mod transport;
 
 /// Version of the contract. Raised whenever a layout, a command or the meaning of a key changes.
-pub const PROTOCOL_VERSION: u32 = 3;
+pub const PROTOCOL_VERSION: u32 = 4;

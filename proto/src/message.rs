@@ -54,30 +54,34 @@ pub enum CommandKind {
     /// Body: [`crate::configuration::Configuration`]; the reply's body is a
     /// [`crate::configuration::Layout`].
     Configure = 2,
-    /// Body: [`Topics`]; open the field ports, publish the first outputs, reply.
-    Initialise = 3,
+    /// Body: [`Topics`]; open the field ports, reply. Nothing is published before every participant
+    /// has replied, so that every sample finds all its subscribers.
+    Connect = 3,
+    /// Build the model, publish the first outputs, reply.
+    Initialise = 4,
     /// Solve one iteration of one window, publish the outputs, reply.
-    Solve = 4,
+    Solve = 5,
     /// The last solve becomes the accepted state. With [`OBSERVE`] the observed fields are
     /// published, on the grids of that solve; after that the geometry of every grid of
     /// [`Topics::geometry`] that has moved. There is a reply with [`OBSERVE`] and from a
     /// participant with such grids, otherwise none.
-    Accept = 5,
+    Accept = 6,
     /// Body: [`StateFile`]; write the accepted state to the file `path`, reply.
-    Save = 6,
+    Save = 7,
     /// Body: [`StateFile`]; read the state from the file `path`; publish the `geometry` of the
     /// command's step, the `outputs` with its labels, and then the geometry of every grid that has
     /// moved when it was accepted; reply. The state is that at the end of this step.
-    Restore = 7,
+    Restore = 8,
     /// Reply with the summary ([`Finished`]) and leave the run.
-    Finish = 8,
+    Finish = 9,
 }
 
 impl CommandKind {
     /// Every kind, in the order of their numbers.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Describe,
         Self::Configure,
+        Self::Connect,
         Self::Initialise,
         Self::Solve,
         Self::Accept,
@@ -250,7 +254,7 @@ pub struct FieldHeader {
     pub grid: Label<32>,
 }
 
-/// Body of `Initialise`: the topics to open.
+/// Body of `Connect`: the topics to open.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Topics {
     /// One for each input, in the order of the configuration.
@@ -439,7 +443,7 @@ mod tests {
     #[test]
     fn numbers_of_kinds_are_fixed() {
         let numbers: Vec<u32> = CommandKind::ALL.iter().map(|k| *k as u32).collect();
-        assert_eq!(numbers, [1, 2, 3, 4, 5, 6, 7, 8]);
+        assert_eq!(numbers, [1, 2, 3, 4, 5, 6, 7, 8, 9]);
         for kind in CommandKind::ALL {
             assert_eq!(CommandKind::from_number(kind as u32), Some(kind));
         }

@@ -108,7 +108,8 @@ fn take_part(folder: &Path, role: &str, solver: &dyn Solver) -> Result<(), Box<d
     // folder is left and perhaps removed.
     let run = Arc::new(Mutex::new(Some(run)));
     let mut server = server::Server::open(&info, role, solver)?;
-    let pulse = pulse::Pulse::start(server.ringer(), index, watch, Arc::clone(&run))?;
+    let (ringer, activity) = (server.ringer(), server.activity());
+    let pulse = pulse::Pulse::start(ringer, index, activity, watch, Arc::clone(&run))?;
     let outcome = server.serve();
     drop(pulse);
     outcome?;

@@ -8,6 +8,11 @@
 //! sends without an answer, and a send that does not reach the expected number of receivers is an
 //! error. Nothing waits without a deadline.
 //!
+//! **Connecting.** iceoryx2 counts a subscriber a moment before a publisher can deliver to it. So a
+//! participant opens all its field ports first, and nothing is published before all have said that
+//! theirs are open; and the first message on a topic that is used before that, a command topic, is
+//! sent again until it is delivered.
+//!
 //! **Waiting.** A waiting process first polls its queue and yields the processor between polls,
 //! for at most [`POLL`], and only then sleeps on its doorbell. Waking a sleeping process on an idle
 //! core costs tens of microseconds on a virtual machine, which is most of the time of a small
@@ -26,6 +31,7 @@ use iceoryx2::{
     service::port_factory::event::PortFactory as EventFactory,
     service::port_factory::publish_subscribe::PortFactory as TopicFactory,
 };
+use std::cell::Cell;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -44,8 +50,13 @@ const MAX_MEMBERS: usize = 16;
 pub const FIELD_SLOTS: u64 = 4;
 /// A send that cannot be delivered is retried for this long.
 const DELIVERY: Duration = Duration::from_secs(5);
-/// Event id of a message; heartbeats of participant `i` ring with `i + 1`.
+/// Event id of a message; the heartbeats of participant `i` ring with `BEATS` ids of its own.
 const MESSAGE: usize = 0;
+/// Kinds of heartbeat: busy, and idle after the last of `ANSWERS` commands in turn.
+const BEATS: usize = 1 + ANSWERS as usize;
+/// A heartbeat names the last command that was answered by its number modulo this; two commands at
+/// most are on their way to a participant.
+const ANSWERS: u64 = 4;
 
 // SAFETY: `#[repr(C)]`, self-contained, no pointers, every bit pattern is valid; the layout is
 // pinned by the golden tests of `message`.
@@ -172,7 +183,7 @@ impl Endpoint {
             .set_backpressure_handler(retry_then_fail)
             .create()
             .map_err(|e| open_error(&name, e))?;
-        Ok(Sender { publisher, topic, name })
+        Ok(Sender { publisher, topic, name, connected: Cell::new(false) })
     }
 
     fn receiver<H: std::fmt::Debug + ZeroCopySend>(
@@ -238,8 +249,9 @@ impl Endpoint {
             .event()
             .max_listeners(1)
             .max_notifiers(2 * MAX_MEMBERS)
-            .max_nodes(MAX_MEMBERS + 1)
-            .event_id_max_value(MAX_MEMBERS)
+            // A heart may be a process of its own.
+            .max_nodes(2 * MAX_MEMBERS + 1)
+            .event_id_max_value(BEATS * MAX_MEMBERS)
             .disable_deadline()
             .disable_notifier_created_event()
             .disable_notifier_dropped_event()
@@ -314,6 +326,8 @@ pub struct Sender<H: std::fmt::Debug + ZeroCopySend + 'static> {
     publisher: Publisher<Ipc, [u8], H>,
     topic: TopicFactory<Ipc, [u8], H>,
     name: String,
+    /// A message has been delivered.
+    connected: Cell<bool>,
 }
 
 impl<H: std::fmt::Debug + ZeroCopySend + Copy + Default> Sender<H> {
@@ -323,19 +337,31 @@ impl<H: std::fmt::Debug + ZeroCopySend + Copy + Default> Sender<H> {
         self.topic.dynamic_config().number_of_subscribers() > 0
     }
 
-    /// Sends one message; it has reached the receiver's queue when this returns.
+    /// Sends one message; it has reached the receiver's queue when this returns. The first one is
+    /// sent again while the receiver is counted but cannot be delivered to yet.
     pub fn send(&self, header: &H, body: &[u8]) -> Result<(), TransportError> {
+        let deadline = Instant::now() + DELIVERY;
+        let mut reached = self.try_send(header, body)?;
+        while reached == 0 && !self.connected.get() && self.is_heard() && Instant::now() < deadline
+        {
+            std::thread::yield_now();
+            reached = self.try_send(header, body)?;
+        }
+        if reached == 1 {
+            self.connected.set(true);
+            return Ok(());
+        }
+        Err(TransportError::NotDelivered { service: self.name.clone(), reached, expected: 1 })
+    }
+
+    /// Connects to the receiver if there is one, and sends; the number of receivers reached.
+    fn try_send(&self, header: &H, body: &[u8]) -> Result<usize, TransportError> {
         let mut sample = self
             .publisher
             .loan_slice_uninit(body.len())
             .map_err(|e| exchange_error(&self.name, e))?;
         *sample.user_header_mut() = *header;
-        let reached =
-            sample.write_from_slice(body).send().map_err(|e| exchange_error(&self.name, e))?;
-        if reached == 1 {
-            return Ok(());
-        }
-        Err(TransportError::NotDelivered { service: self.name.clone(), reached, expected: 1 })
+        sample.write_from_slice(body).send().map_err(|e| exchange_error(&self.name, e))
     }
 }
 
@@ -406,7 +432,7 @@ impl FieldWriter {
         let start = Instant::now();
         let there = || self.topic.dynamic_config().number_of_subscribers() >= self.subscribers;
         if until(deadline, there) {
-            return Ok(());
+            return self.publisher.update_connections().map_err(|e| exchange_error(&self.name, e));
         }
         Err(TransportError::NobodyJoined {
             service: self.name.clone(),
@@ -491,12 +517,12 @@ impl Doorbell {
     pub const NAP: Duration = Duration::from_millis(20);
 
     /// Polls until `poll` gives a value or an error; asks it at least every [`Doorbell::NAP`].
-    /// `beat` hears the index of every participant whose heart has beaten meanwhile. The deadline
-    /// is the poller's business.
+    /// `beat` receives the index of every participant whose heart has beaten meanwhile, and what
+    /// the heartbeat said. The deadline is the poller's business.
     pub fn wait<T, E: From<TransportError>>(
         &self,
         mut poll: impl FnMut() -> Result<Option<T>, E>,
-        mut beat: impl FnMut(usize),
+        mut beat: impl FnMut(usize, Beat),
     ) -> Result<T, E> {
         let start = Instant::now();
         loop {
@@ -508,8 +534,8 @@ impl Doorbell {
                 continue;
             }
             let ring = |event: EventActivation| {
-                if let Some(index) = event.id.as_value().checked_sub(MESSAGE + 1) {
-                    beat(index);
+                if let Some((index, what)) = Beat::of_event(event.id.as_value()) {
+                    beat(index, what);
                 }
             };
             match self.listener.timed_wait(ring, Self::NAP) {
@@ -518,6 +544,43 @@ impl Doorbell {
                 Err(error) => return Err(E::from(exchange_error(&self.name, error))),
             }
         }
+    }
+}
+
+/// What a heartbeat says of its participant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beat {
+    /// It is working on a command.
+    Busy,
+    /// It waits for a command, and has sent every reply that it owed.
+    Idle {
+        /// Sequence number of the last command it has dealt with, modulo [`ANSWERS`].
+        answered: u64,
+    },
+}
+
+impl Beat {
+    /// Idle after the command with this number.
+    #[must_use]
+    pub fn idle_after(command: u64) -> Self {
+        Self::Idle { answered: command % ANSWERS }
+    }
+
+    fn event(self, index: usize) -> usize {
+        let kind = match self {
+            Self::Busy => 0,
+            Self::Idle { answered } => 1 + (answered % ANSWERS) as usize,
+        };
+        MESSAGE + 1 + BEATS * index + kind
+    }
+
+    fn of_event(event: usize) -> Option<(usize, Self)> {
+        let number = event.checked_sub(MESSAGE + 1)?;
+        let beat = match number % BEATS {
+            0 => Self::Busy,
+            kind => Self::Idle { answered: kind as u64 - 1 },
+        };
+        Some((number / BEATS, beat))
     }
 }
 
@@ -535,8 +598,8 @@ impl Ringer {
     }
 
     /// The heart of participant `index` has beaten.
-    pub fn beat(&self, index: usize) -> Result<(), TransportError> {
-        self.notify(MESSAGE + 1 + index)
+    pub fn beat(&self, index: usize, beat: Beat) -> Result<(), TransportError> {
+        self.notify(beat.event(index))
     }
 
     fn notify(&self, event: usize) -> Result<(), TransportError> {

@@ -93,7 +93,7 @@ fn next(
             let message = commands.receive()?;
             Ok(message.map(|m| (*m.header(), m.body().to_vec())))
         },
-        |_| (),
+        |_, _| (),
     )
 }
 
@@ -131,11 +131,10 @@ impl Rogue {
                 let setup = Toy::LEFT.configure(&configuration)?;
                 return Ok(serde_json::to_vec(&self.layout(setup.layout()))?);
             }
-            CommandKind::Initialise => {
+            CommandKind::Connect => {
                 self.field = Some(open(endpoint, &serde_json::from_slice(body)?)?);
-                self.publish(command)?;
             }
-            CommandKind::Solve => self.publish(command)?,
+            CommandKind::Initialise | CommandKind::Solve => self.publish(command)?,
             CommandKind::Accept => self.move_grid(command)?,
             CommandKind::Finish => return Ok(serde_json::to_vec(&Finished::default())?),
             _ => {}
@@ -237,10 +236,8 @@ fn open(endpoint: &Endpoint, topics: &Topics) -> Result<Field, Box<dyn std::erro
         topics.inputs.iter().map(|t| endpoint.field_reader(&t.service)).collect();
     let points = topic.grid.points();
     let writer = endpoint.field_writer(&topic.service, points, topic.subscribers)?;
-    writer.wait_for_subscribers(Instant::now() + Duration::from_secs_f64(topics.deadline))?;
     let geometry = topics.geometry.first().map(|moving| -> Result<_, TransportError> {
         let writer = endpoint.field_writer(&moving.service, 12, moving.subscribers)?;
-        writer.wait_for_subscribers(Instant::now() + Duration::from_secs_f64(topics.deadline))?;
         let label = FieldHeader {
             protocol: proto::PROTOCOL_VERSION,
             components: GEOMETRY.components,

@@ -27,6 +27,7 @@ pub const FAULTS: &[&str] = &[
     "hang",
     "error",
     "exit-at-start",
+    "refuse-build",
     "short",
     "label",
     "sequence",
@@ -118,6 +119,12 @@ impl Solver for Toy {
                 KeySpec::quantity(&self.key("delay"), "s", "time that a solve takes")
                     .at_least(0.0)
                     .default_value(0.0),
+                KeySpec::quantity(&self.key("build_delay"), "s", "time that building takes")
+                    .at_least(0.0)
+                    .default_value(0.0),
+                KeySpec::quantity(&self.key("build_expected"), "s", "time it is said to take")
+                    .at_least(0.0)
+                    .default_value(0.0),
                 KeySpec::choice(&self.key("fault"), FAULTS, "way to misbehave")
                     .default_value("none"),
                 KeySpec::integer(&self.key("fault_window"), "window in which to misbehave")
@@ -136,11 +143,13 @@ impl Solver for Toy {
         Ok(Box::new(ToySetup {
             toy: *self,
             delay: Duration::from_secs_f64(case.number(&self.key("delay"))?),
+            build_delay: Duration::from_secs_f64(case.number(&self.key("build_delay"))?),
             fault: case.text(&self.key("fault"))?.to_owned(),
             fault_window: case.integer(&self.key("fault_window"))? as u64,
             layout: Layout {
                 grids: vec![Grid::structured("numbers", shape)],
                 fields: vec![on_grid],
+                build_seconds: case.number(&self.key("build_expected"))?,
                 ..Layout::default()
             },
         }))
@@ -151,6 +160,7 @@ impl Solver for Toy {
 struct ToySetup {
     toy: Toy,
     delay: Duration,
+    build_delay: Duration,
     fault: String,
     fault_window: u64,
     layout: Layout,
@@ -165,6 +175,11 @@ impl Setup for ToySetup {
         if self.fault == "exit-at-start" {
             std::process::exit(9);
         }
+        if self.fault == "refuse-build" {
+            let key = self.toy.key("points");
+            return Err(Refusal::new(&key, "cannot be built", "choose other ones"));
+        }
+        std::thread::sleep(self.build_delay);
         Ok(Box::new(ToyModel { setup: *self, solves: 0 }))
     }
 }

@@ -106,6 +106,7 @@ fn coupling() -> Vec<OwnKey> {
             .default_value(true)),
         one(deadline("coupling.solve_deadline", "longest wait for one solve", 3600.0)),
         one(deadline("coupling.start_deadline", "longest wait for a participant to start", 30.0)),
+        one(deadline("coupling.build_deadline", "longest wait for a model to be built", 3600.0)),
         one(deadline("coupling.heartbeat_deadline", "longest silence of a participant", 30.0)),
     ];
     keys.extend(tolerances("coupling"));

@@ -116,6 +116,8 @@ pub struct Coupling {
     pub solve_deadline: f64,
     /// Longest wait for a participant to start \[s\].
     pub start_deadline: f64,
+    /// Longest wait for a model to be built [s].
+    pub build_deadline: f64,
     /// Longest silence of a participant \[s\].
     pub heartbeat_deadline: f64,
 }
@@ -273,6 +275,7 @@ impl Settings<'_> {
             interpolation: self.interpolation(),
             solve_deadline: seconds("solve_deadline"),
             start_deadline: seconds("start_deadline"),
+            build_deadline: seconds("build_deadline"),
             heartbeat_deadline: seconds("heartbeat_deadline"),
         }
     }

@@ -35,7 +35,7 @@ impl Recorded {
             match entry.item {
                 Item::Event(Event::Command { participant, command, body })
                     if usize::from(participant) == index
-                        && command.kind == CommandKind::Initialise as u32 =>
+                        && command.kind == CommandKind::Connect as u32 =>
                 {
                     recorded =
                         serde_json::from_slice::<Topics>(&body).map(Self::of).unwrap_or_default();

@@ -175,7 +175,7 @@ impl<'a> Trial<'a> {
                 Err(reason) => this.link.receive()?.map(Some).ok_or(reason),
             }
         };
-        let message = this.doorbell.wait(poll, |_| beats.push(Instant::now()));
+        let message = this.doorbell.wait(poll, |_, _| beats.push(Instant::now()));
         let message = message?;
         let (reply, body) = (*message.header(), message.body().to_vec());
         drop(message);
@@ -213,14 +213,14 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// `Configure` and `Initialise`; the first outputs.
+    /// `Configure`, `Connect` and `Initialise`; the first outputs.
     pub(super) fn prepare(&mut self, setting: &Setting) -> Result<(Layout, Values), Fault> {
         let layout = self.configure(&setting.configuration)?;
         let first = self.initialise(setting, &layout)?;
         Ok((layout, first))
     }
 
-    /// `Initialise`, with every topic open on our side.
+    /// `Connect`, with every topic open on our side, and `Initialise`.
     pub(super) fn initialise(
         &mut self,
         setting: &Setting,
@@ -228,11 +228,13 @@ impl<'a> Trial<'a> {
     ) -> Result<Values, Fault> {
         let topics = self.open(setting, layout)?;
         let body = serde_json::to_vec(&topics).expect("topics are plain data");
-        self.ask(Command::new(CommandKind::Initialise), &body)?.done()?;
+        self.ask(Command::new(CommandKind::Connect), &body)?.done()?;
         let deadline = Instant::now() + self.bench.patience;
         for feed in &self.inputs {
             feed.writer.wait_for_subscribers(deadline)?;
         }
+        self.none_of_outputs("Connect")?;
+        self.ask(Command::new(CommandKind::Initialise), &[])?.done()?;
         self.collect(&Step { iteration: 0, ..Step::STEADY })
     }
 
@@ -372,7 +374,7 @@ impl<'a> Trial<'a> {
             this.look(until + this.bench.patience, "while idle")?;
             Ok((Instant::now() >= until).then_some(()))
         };
-        this.doorbell.wait(over, |_| beats.push(Instant::now()))?;
+        this.doorbell.wait(over, |_, _| beats.push(Instant::now()))?;
         self.beats.extend(beats);
         Ok(())
     }

@@ -22,8 +22,8 @@ pub(super) const MALFORMED: Check = Check {
 
 pub(super) const OUT_OF_ORDER: Check = Check {
     name: "out-of-order",
-    demand: "Initialise before Configure, and Solve, Accept with OBSERVE, Save and Restore before \
-             Initialise, fail with a reason; the participant lives on and can be configured",
+    demand: "Connect and Initialise before Configure, and Solve, Accept with OBSERVE, Save and \
+             Restore before Initialise, fail with a reason; the participant lives on and can be configured",
     fix: "remember how far the conversation has come",
     run: out_of_order,
 };
@@ -66,12 +66,12 @@ fn malformed(bench: &Bench) -> Result<Seen, Fault> {
         }
     }
     trial.solve_with(&setting.step(0), 0).map_err(|fault| fault.at("after bodies of no sense"))?;
-    // Initialise takes what was configured with it, so that a fresh process is asked.
+    // Connect takes what was configured with it, so that a fresh process is asked.
     for body in BODIES {
         let mut trial = bench.start()?;
         trial.configure(&setting.configuration)?;
         let shown = format!("the body {:?}", String::from_utf8_lossy(body));
-        trial.ask(Command::new(CommandKind::Initialise), body)?.not_done(&shown)?;
+        trial.ask(Command::new(CommandKind::Connect), body)?.not_done(&shown)?;
         trial.lives_on("a body that is no list of topics")?;
     }
     Seen::kept(told)
@@ -95,8 +95,10 @@ fn out_of_order(bench: &Bench) -> Result<Seen, Fault> {
             told = trial.ask(command, body)?.not_done("its coming too early")?;
         }
         if !configured {
-            let early = trial.ask(Command::new(CommandKind::Initialise), topics)?;
-            early.not_done("its coming before Configure")?;
+            for kind in [CommandKind::Connect, CommandKind::Initialise] {
+                let early = trial.ask(Command::new(kind), topics)?;
+                early.not_done("its coming before Configure")?;
+            }
             trial.configure(&setting.configuration)?;
         }
     }

@@ -210,6 +210,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         checkpoint_every: case.output.checkpoint_every,
         deadlines: Deadlines {
             start: Duration::from_secs_f64(case.coupling.start_deadline),
+            build: Duration::from_secs_f64(case.coupling.build_deadline),
             solve: Duration::from_secs_f64(case.coupling.solve_deadline),
             heartbeat: Duration::from_secs_f64(case.coupling.heartbeat_deadline),
         },

@@ -221,7 +221,8 @@ impl<'a> Driver<'a> {
                 let body = self.configuration(body)?;
                 self.ask(command, &body)?;
             }
-            CommandKind::Initialise => self.initialise(command, body)?,
+            CommandKind::Connect => self.connect(command, body)?,
+            CommandKind::Initialise => self.ask(command, &[])?,
             CommandKind::Solve => {
                 let published = self.feed.publish(&mut command);
                 published.map_err(|error| self.transport(&error))?;
@@ -262,7 +263,10 @@ impl<'a> Driver<'a> {
         self.nothing_more_was_sent()?;
         self.session.about(&command);
         self.session.post(0, command, body, true)?;
-        let message = self.session.await_reply(0, self.session.deadlines().solve)?;
+        let deadlines = *self.session.deadlines();
+        let builds = command.kind == CommandKind::Initialise as u32;
+        let patience = if builds { deadlines.build } else { deadlines.solve };
+        let message = self.session.await_reply(0, patience)?;
         let (reply, body) = (message.header(), message.body());
         self.done = match Status::from_number(reply.status) {
             Some(Status::Done) => {
@@ -364,7 +368,7 @@ impl<'a> Driver<'a> {
         serde_json::from_slice(body).map_err(|error| self.damaged(&format!("{what}: {error}")))
     }
 
-    fn initialise(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
+    fn connect(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
         let mut topics: Topics = serde_json::from_slice(body)
             .map_err(|error| self.damaged(&format!("its topics: {error}")))?;
         let endpoint = self.session.endpoint();

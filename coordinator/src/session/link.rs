@@ -1,10 +1,16 @@
 //! The control link to one participant.
 
+use super::patience::Patience;
 use crate::error::RunError;
 use proto::configuration::Refusal;
-use proto::message::{Command, Failure, Reply};
-use proto::transport::{Message, Receiver, Ringer, Sender, TransportError};
+use proto::message::{Command, Failure, Reply, Status};
+use proto::transport::{Beat, Message, Receiver, Ringer, Sender, TransportError};
+use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
+
+/// Two heartbeats that are further apart than this were rung one after the other, the second one
+/// after the first had been received.
+const APART: Duration = Duration::from_millis(10);
 
 /// Commands go out, replies come in.
 #[derive(Debug)]
@@ -16,7 +22,14 @@ pub(crate) struct Link {
     replies: Receiver<Reply>,
     ringer: Ringer,
     sequence: u64,
-    alive: Instant,
+    /// A reply to the last command is still to come.
+    owing: Cell<bool>,
+    /// A failed reply that came while another participant's was waited for.
+    early: RefCell<Option<Message<Reply>>>,
+    silence: Patience,
+    /// Heartbeats that say that the last command has been dealt with, and the last one of them.
+    dealt_with: u32,
+    last_dealt_with: Option<Instant>,
 }
 
 impl Link {
@@ -27,8 +40,20 @@ impl Link {
         replies: Receiver<Reply>,
         ringer: Ringer,
     ) -> Self {
-        let (role, alive) = (role.to_owned(), Instant::now());
-        Self { role, program, attached, commands, replies, ringer, sequence: 0, alive }
+        Self {
+            role: role.to_owned(),
+            program,
+            attached,
+            commands,
+            replies,
+            ringer,
+            sequence: 0,
+            owing: Cell::new(false),
+            early: RefCell::new(None),
+            silence: Patience::new(),
+            dealt_with: 0,
+            last_dealt_with: None,
+        }
     }
 
     pub(crate) fn role(&self) -> &str {
@@ -61,8 +86,10 @@ impl Link {
         self.sequence += 1;
         command.sequence = self.sequence;
         self.commands.send(&command, body)?;
-        // Silence counts from here: heartbeats are only heard while waiting.
-        self.alive = Instant::now();
+        // Silence counts from here: heartbeats are only received while waiting.
+        self.silence = Patience::new();
+        self.owing.set(ring);
+        (self.dealt_with, self.last_dealt_with) = (0, None);
         if ring {
             self.ringer.ring()?;
         }
@@ -75,16 +102,45 @@ impl Link {
     }
 
     pub(crate) fn receive(&self) -> Result<Option<Message<Reply>>, TransportError> {
-        self.replies.receive()
+        let message = match self.early.take() {
+            Some(early) => Some(early),
+            None => self.replies.receive()?,
+        };
+        self.owing.set(self.owing.get() && message.is_none());
+        Ok(message)
     }
 
-    pub(crate) fn heard_heart(&mut self) {
-        self.alive = Instant::now();
+    /// A reply that is owed has come already, and says that the command has failed; a good one is
+    /// kept until it is asked for.
+    pub(crate) fn has_failed(&self) -> Result<bool, TransportError> {
+        let mut early = self.early.borrow_mut();
+        if self.owing.get() && early.is_none() {
+            *early = self.replies.receive()?;
+        }
+        let failed = |reply: &Message<Reply>| reply.header().status != Status::Done as u32;
+        Ok(early.as_ref().is_some_and(failed))
     }
 
-    /// Time since the last sign of life.
-    pub(crate) fn silence(&self) -> Duration {
-        self.alive.elapsed()
+    /// A heartbeat has come.
+    pub(crate) fn heard(&mut self, beat: Beat) {
+        self.silence = Patience::new();
+        let now = Instant::now();
+        let apart = self.last_dealt_with.is_none_or(|last| now - last >= APART);
+        if beat == Beat::idle_after(self.sequence) && apart {
+            self.dealt_with += 1;
+            self.last_dealt_with = Some(now);
+        }
+    }
+
+    /// The participant says that it has dealt with the last command. The first such heartbeat may
+    /// be left over from an earlier command whose number looks alike; the second one is not.
+    pub(crate) fn has_dealt_with_it(&self) -> bool {
+        self.dealt_with >= 2
+    }
+
+    /// Time since the last sign of life, as far as this process ran.
+    pub(crate) fn silence(&mut self) -> Duration {
+        self.silence.waited()
     }
 
     /// The error for a refused case.

@@ -4,9 +4,12 @@ use super::feedback::Feedback;
 use super::mapped::Mapped;
 use super::memory::SharedMemory;
 use super::outlet::Outlet;
+use super::patience::Patience;
 use super::tap::Consumer;
 use super::topics::{Hears, consumer, hears, is_told, readers};
-use super::{COORDINATOR, Context, Deadlines, Link, Phase, Session, SolveRecord, Tap, Waiting};
+use super::{
+    COORDINATOR, Context, Deadlines, Link, Phase, Session, SolveRecord, Tap, Waiting, open_files,
+};
 use crate::error::{Failure, RunError};
 use crate::plan::{Field, Participant, Plan};
 use crate::programs::Program;
@@ -18,12 +21,12 @@ use proto::grid::Grid;
 use proto::message::{Command, CommandKind, Topic, Topics};
 use proto::model::Step;
 use proto::run_dir::RunDir;
-use proto::transport::{Endpoint, TransportError};
+use proto::transport::{Beat, Endpoint, TransportError};
 use std::sync::Arc;
-use std::time::Instant;
 
 pub(super) fn start(plan: &Plan, recorder: Option<Arc<Recorder>>) -> Result<Session, RunError> {
     // Before anything exists, with what the participants expect; once more with what they say.
+    open_files::provide(plan.participants.len(), topics_of(plan), recorder.is_some())?;
     let memory = SharedMemory::check(plan, |index| plan.participants[index].estimate.as_ref())?;
     let seat = |p: &Participant| Seat {
         role: p.role.clone(),
@@ -41,10 +44,20 @@ pub(super) fn start(plan: &Plan, recorder: Option<Arc<Recorder>>) -> Result<Sess
     let layouts = session.configure(plan)?;
     session.check_told(plan, &layouts)?;
     session.memory = SharedMemory::check(plan, |index| layouts.get(index))?;
+    session.phase = Phase::Connecting;
+    session.connect(plan, &layouts)?;
     session.phase = Phase::Initialising;
-    session.initialise(plan, &layouts)?;
+    session.initialise(&layouts)?;
     tracing::info!("every participant is ready");
     Ok(session)
+}
+
+/// The most topics that a plan can lead to: every field, once more what the coordinator sends of it,
+/// and the geometry of every grid.
+fn topics_of(plan: &Plan) -> usize {
+    let sent_on = |field: &Field| 1 + usize::from(!field.fed_back.is_empty());
+    let grids = plan.participants.iter().filter_map(|p| p.estimate.as_ref());
+    plan.fields.iter().map(sent_on).sum::<usize>() + grids.map(|l| l.moving.len()).sum::<usize>()
 }
 
 /// A place in a run, and who is to take it.
@@ -130,7 +143,7 @@ impl Session {
             } else {
                 self.deadlines.start
             };
-            let deadline = Instant::now() + patience;
+            let mut waited = Patience::new();
             let Self { links, doorbell, supervisor, run, deadlines, phase, .. } = self;
             let context = Context { supervisor, run, phase: *phase, deadlines };
             let joined = doorbell.wait(
@@ -138,9 +151,10 @@ impl Session {
                     if links[one].is_up() {
                         return Ok(Some(()));
                     }
-                    // A participant that has not joined has no heart to listen to yet.
-                    links[one].heard_heart();
-                    if Instant::now() > deadline {
+                    // A participant that has not joined has no heartbeat yet.
+                    links[one].heard(Beat::Busy);
+                    let waited = waited.waited();
+                    if waited > patience {
                         let what =
                             format!("it did not join within {:.1} s", patience.as_secs_f64());
                         return Err(Waiting::Run(RunError::Failed(Failure {
@@ -150,9 +164,9 @@ impl Session {
                             fix: "raise coupling.start_deadline if it needs longer".to_owned(),
                         })));
                     }
-                    context.look(links, one, deadline).map(|()| None)
+                    context.look(links, one, waited, patience).map(|()| None)
                 },
-                |_| (),
+                |_, _| (),
             );
             joined.map_err(|waiting| match waiting {
                 Waiting::Run(error) => error,
@@ -240,16 +254,17 @@ impl Session {
         Ok(())
     }
 
-    fn initialise(&mut self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
+    /// Lets everybody open its ports; nothing is sent yet.
+    fn connect(&mut self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
         self.open_geometry(plan, layouts).map_err(|error| {
-            machine("shared memory", "while initialising", &error, "check /dev/shm")
+            machine("shared memory", "while connecting", &error, "check /dev/shm")
         })?;
         let mut topics = Vec::new();
         for field in &plan.fields {
             let topic = self.topic(plan, field, layouts);
             self.open_tap(plan, field, &topic, layouts)?;
             self.open_outlets(plan, field, &topic.grid, layouts).map_err(|error| {
-                machine("shared memory", "while initialising", &error, "check /dev/shm")
+                machine("shared memory", "while connecting", &error, "check /dev/shm")
             })?;
             topics.push(topic);
         }
@@ -264,16 +279,27 @@ impl Session {
             let geometry = self.geometry_topics(plan, one, layouts);
             let topics = Topics { inputs, outputs, deadline, interpolation, geometry };
             let body = serde_json::to_vec(&topics).expect("topics are plain data");
-            self.post(one, Command::new(CommandKind::Initialise), &body, true)?;
+            self.post(one, Command::new(CommandKind::Connect), &body, true)?;
         }
-        let before = Step { iteration: 0, ..Step::STEADY };
         for one in 0..self.links.len() {
-            self.await_done(one, self.deadlines.start + self.deadlines.solve)?;
-            self.collect(one, &before, false)?;
+            self.await_done(one, self.deadlines.start)?;
         }
         self.wait_for_readers()?;
         if let Some(recorder) = &self.recorder {
             recorder.connect()?;
+        }
+        Ok(())
+    }
+
+    /// Lets everybody build its model and publish its first outputs.
+    fn initialise(&mut self, layouts: &[Layout]) -> Result<(), RunError> {
+        for one in 0..self.links.len() {
+            self.post(one, Command::new(CommandKind::Initialise), &[], true)?;
+        }
+        let before = Step { iteration: 0, ..Step::STEADY };
+        for (one, layout) in layouts.iter().enumerate() {
+            self.await_done(one, self.deadlines.build_of(layout))?;
+            self.collect(one, &before, false)?;
         }
         self.make_mappings()?;
         self.parts = self.coupling_parts();
@@ -288,11 +314,11 @@ impl Session {
         layouts: &[Layout],
     ) -> Result<(), RunError> {
         let reader = self._endpoint.field_reader(&topic.service).map_err(|error| {
-            machine("shared memory", "while initialising", &error, "check /dev/shm")
+            machine("shared memory", "while connecting", &error, "check /dev/shm")
         })?;
         let listen = |recorder: &Arc<Recorder>| recorder.listen(&self._endpoint, &topic.service);
         let recorded = self.recorder.as_ref().map(listen).transpose().map_err(|error| {
-            machine("shared memory", "while initialising", &error, "check /dev/shm")
+            machine("shared memory", "while connecting", &error, "check /dev/shm")
         })?;
         let direct = readers(field, layouts, &Hears::Producer);
         self.taps.push(Tap {

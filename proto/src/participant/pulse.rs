@@ -2,8 +2,9 @@
 //! process when the coordinator is dead.
 
 use crate::run_dir::{CoordinatorWatch, RunDir};
-use crate::transport::Ringer;
+use crate::transport::{Beat, Ringer, TransportError};
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -11,6 +12,32 @@ use std::time::Duration;
 
 /// From one beat, and one look at the coordinator, to the next.
 const INTERVAL: Duration = Duration::from_millis(50);
+
+/// What the participant is doing, for its heartbeat.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Activity(Arc<AtomicU64>);
+
+/// The number that stands for work on a command.
+const BUSY: u64 = u64::MAX;
+
+impl Activity {
+    /// A command is being worked on.
+    pub(super) fn busy(&self) {
+        self.0.store(BUSY, Ordering::Release);
+    }
+
+    /// The command with this number has been dealt with, and its reply, if any, sent.
+    pub(super) fn idle_after(&self, command: u64) {
+        self.0.store(command, Ordering::Release);
+    }
+
+    fn beat(&self) -> Beat {
+        match self.0.load(Ordering::Acquire) {
+            BUSY => Beat::Busy,
+            command => Beat::idle_after(command),
+        }
+    }
+}
 
 /// Beats until dropped.
 pub(super) struct Pulse {
@@ -22,13 +49,15 @@ impl Pulse {
     pub(super) fn start(
         ringer: Ringer,
         index: usize,
+        activity: Activity,
         coordinator: CoordinatorWatch,
         run: Arc<Mutex<Option<RunDir>>>,
     ) -> io::Result<Self> {
         let (stop, stopped) = sync_channel(0);
-        let thread = std::thread::Builder::new()
-            .name("pulse".to_owned())
-            .spawn(move || beat(&ringer, index, &coordinator, &run, &stopped))?;
+        let thread = std::thread::Builder::new().name("pulse".to_owned()).spawn(move || {
+            let ring = || ringer.beat(index, activity.beat());
+            beat(&ring, &coordinator, &run, &stopped);
+        })?;
         Ok(Self { stop: Some(stop), thread: Some(thread) })
     }
 }
@@ -43,8 +72,7 @@ impl Drop for Pulse {
 }
 
 fn beat(
-    ringer: &Ringer,
-    index: usize,
+    ring: &dyn Fn() -> Result<(), TransportError>,
     coordinator: &CoordinatorWatch,
     run: &Mutex<Option<RunDir>>,
     stopped: &Receiver<()>,
@@ -57,8 +85,8 @@ fn beat(
             drop(run.lock().map(|mut run| run.take()));
             std::process::exit(1);
         }
-        if let Err(error) = ringer.beat(index) {
-            tracing::warn!(%error, "the coordinator does not hear the heartbeat");
+        if let Err(error) = ring() {
+            tracing::warn!(%error, "the heartbeat does not reach the coordinator");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::geometry::GeometryPorts;
 use super::ports::{InputPorts, OutputPorts, PortError};
+use super::pulse::Activity;
 use crate::configuration::{Configuration, Refusal};
 use crate::field::{self, FieldKind};
 use crate::grid::Grid;
@@ -38,6 +39,7 @@ enum CommandError {
 enum Stage {
     Joined,
     Configured { setup: Box<dyn Setup>, configuration: Configuration },
+    Connected { setup: Box<dyn Setup>, ports: Ports, patience: Duration },
     Running(Running),
     Left,
 }
@@ -68,6 +70,7 @@ pub(super) struct Server<'a> {
     solver: &'a dyn Solver,
     role: String,
     stage: Stage,
+    activity: Activity,
     commands: Receiver<Command>,
     replies: Sender<Reply>,
     coordinator: Ringer,
@@ -90,7 +93,23 @@ impl<'a> Server<'a> {
         coordinator.ring()?;
         let role = role.to_owned();
         let stage = Stage::Joined;
-        Ok(Self { solver, role, stage, commands, replies, coordinator, doorbell, endpoint })
+        let activity = Activity::default();
+        Ok(Self {
+            solver,
+            role,
+            stage,
+            activity,
+            commands,
+            replies,
+            coordinator,
+            doorbell,
+            endpoint,
+        })
+    }
+
+    /// What it is doing, for the heartbeat.
+    pub(super) fn activity(&self) -> Activity {
+        self.activity.clone()
     }
 
     pub(super) fn ringer(&self) -> Ringer {
@@ -102,16 +121,19 @@ impl<'a> Server<'a> {
     pub(super) fn serve(&mut self) -> Result<(), TransportError> {
         while !matches!(self.stage, Stage::Left) {
             let message =
-                self.doorbell.wait::<_, TransportError>(|| self.commands.receive(), |_| ())?;
+                self.doorbell.wait::<_, TransportError>(|| self.commands.receive(), |_, _| ())?;
             let command = *message.header();
+            self.activity.busy();
             let answer = match self.handle(&command, message.body()) {
-                Ok(None) => continue,
-                Ok(Some(answer)) => answer,
-                Err(error) => failed(&command, &error),
+                Ok(answer) => answer,
+                Err(error) => Some(failed(&command, &error)),
             };
             drop(message);
-            self.replies.send(&answer.reply, &answer.body)?;
-            self.coordinator.ring()?;
+            if let Some(answer) = answer {
+                self.replies.send(&answer.reply, &answer.body)?;
+                self.coordinator.ring()?;
+            }
+            self.activity.idle_after(command.sequence);
         }
         Ok(())
     }
@@ -138,7 +160,8 @@ impl<'a> Server<'a> {
         let reply = match kind {
             CommandKind::Describe => return json_answer(done, &self.solver.description()),
             CommandKind::Configure => return self.configure(done, body),
-            CommandKind::Initialise => self.initialise(done, body)?,
+            CommandKind::Connect => self.connect(done, body)?,
+            CommandKind::Initialise => self.initialise(done)?,
             CommandKind::Solve => self.running(kind)?.solve(command, done)?,
             CommandKind::Accept => {
                 let observe = command.flags & OBSERVE != 0;
@@ -172,12 +195,12 @@ impl<'a> Server<'a> {
         Ok(answer)
     }
 
-    fn initialise(&mut self, done: Reply, body: &[u8]) -> Result<Reply, CommandError> {
+    fn connect(&mut self, done: Reply, body: &[u8]) -> Result<Reply, CommandError> {
         let topics: Topics = serde_json::from_slice(body)?;
         let Stage::Configured { setup, configuration } =
             std::mem::replace(&mut self.stage, Stage::Joined)
         else {
-            return Err(CommandError::Protocol("Initialise before Configure".to_owned()));
+            return Err(CommandError::Protocol("Connect before Configure".to_owned()));
         };
         let description = self.solver.description();
         let kind = |name: &str| -> Option<FieldKind> {
@@ -188,17 +211,27 @@ impl<'a> Server<'a> {
             topics.outputs.iter().cloned().partition(|t| configuration.outputs.contains(&t.field));
         let fields = configuration.inputs.iter().map(|i| i.field.clone());
         let (endpoint, role) = (&self.endpoint, self.role.as_str());
-        let mut ports = Ports {
+        let ports = Ports {
             inputs: InputPorts::open(endpoint, &topics, fields)?,
             outputs: OutputPorts::open(endpoint, &published, role, kind)?,
             observed: OutputPorts::open(endpoint, &observed, role, kind)?,
             geometry: GeometryPorts::open(endpoint, &topics.geometry, role, &setup.layout().grids)?,
         };
+        let patience = Duration::from_secs_f64(topics.deadline.clamp(0.0, 1e6));
+        self.stage = Stage::Connected { setup, ports, patience };
+        Ok(done)
+    }
+
+    fn initialise(&mut self, done: Reply) -> Result<Reply, CommandError> {
+        let Stage::Connected { setup, mut ports, patience } =
+            std::mem::replace(&mut self.stage, Stage::Joined)
+        else {
+            return Err(CommandError::Protocol("Initialise before Connect".to_owned()));
+        };
+        ports.wait_for_subscribers(Instant::now() + patience)?;
         let start = Instant::now();
         let mut model = setup.build()?;
         let model_time = start.elapsed();
-        let deadline = Instant::now() + Duration::from_secs_f64(topics.deadline.clamp(0.0, 1e6));
-        ports.wait_for_subscribers(deadline)?;
         let step = Step { iteration: 0, ..Step::STEADY };
         ports.outputs.loan()?;
         model.first_outputs(&mut ports.outputs);

@@ -146,7 +146,7 @@ fn failures_say_who_when_and_why() {
         ("refuse", 2, ["right.fault", "is a word too many"]),
         ("missing", 2, ["right.depth", "missing"]),
         ("configure", 1, ["asked to estimate", "told to fail"]),
-        ("build", 1, ["while initialising", "told to fail"]),
+        ("build", 1, ["while building its model", "told to fail"]),
         ("solve", 1, ["in window 3, iteration 1", "told to fail"]),
         ("silent", 1, ["in window 3, iteration 1", "`solve` returned 5 without a reason"]),
         ("misuse", 1, ["in window 3, iteration 1", "cosim_output: `outputs` is NULL"]),

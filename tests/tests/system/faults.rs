@@ -63,7 +63,8 @@ fn a_hanging_model_is_noticed_by_its_deadline() {
     let place = Place::new();
     let more = ["--set", "left.fault=hang", "--set", "coupling.solve_deadline=1"];
     let ended = place.run(&case("exchange.toml"), &more);
-    let what = ["in window 0, iteration 1", "although its heart beats", "coupling.solve_deadline"];
+    let what =
+        ["in window 0, iteration 1", "its heartbeat is still received", "coupling.solve_deadline"];
     assert_failed(&place, &ended, &["left (toy-left) failed", what[0], what[1], what[2]]);
 }
 
@@ -123,7 +124,7 @@ fn interrupts_end_everything_in_order() {
 #[test]
 fn a_participant_that_exits_is_named_with_its_last_words() {
     let cases = [
-        ("exit-at-start", "while initialising", "ended with exit code 9"),
+        ("exit-at-start", "while building its model", "ended with exit code 9"),
         ("exit", "in window 2, iteration 1", "ended with exit code 9"),
         ("panic", "in window 2, iteration 1", "ended with exit code 101"),
         ("error", "in window 2, iteration 1", "told to fail"),

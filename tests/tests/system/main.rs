@@ -28,5 +28,6 @@ mod reproduce;
 mod results;
 mod resume;
 mod stability;
+mod start;
 mod time;
 mod two_way;

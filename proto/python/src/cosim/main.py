@@ -58,7 +58,7 @@ def _estimate(solver: Solver, configuration: dict[str, Any]) -> dict[str, Any]:
 
 def _take_part(solver: Solver, folder: Path, role: str) -> None:
     # Only a run needs shared memory: a program that describes itself starts without it.
-    from .pulse import Pulse
+    from .heart import Heart
     from .run_dir import Membership, RunError
     from .server import Server
     from .transport import TransportError
@@ -67,17 +67,15 @@ def _take_part(solver: Solver, folder: Path, role: str) -> None:
         membership = Membership(folder, role)
     except RunError as error:
         sys.exit(f"error: {error}")
+    heart = Heart(membership)
     try:
-        server = Server(solver, membership, role)
-        pulse = Pulse(server.ringer, membership)
-        try:
-            server.serve()
-        finally:
-            pulse.stop()
+        server = Server(solver, membership, role, heart)
+        server.serve()
     except TransportError as error:
         sys.exit(f"error: {error}")
     finally:
+        heart.stop()
         # Ports close before the run's folder is left and perhaps removed.
-        server = pulse = None  # type: ignore[assignment]
+        server = None  # type: ignore[assignment]
         gc.collect()
         membership.leave()

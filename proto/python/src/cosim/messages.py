@@ -12,7 +12,7 @@ import enum
 from typing import ClassVar
 
 #: Version of the contract, `PROTOCOL_VERSION` of the crate `proto`.
-PROTOCOL_VERSION = 3
+PROTOCOL_VERSION = 4
 
 #: The most inputs one participant can have.
 MAX_INPUTS = 16
@@ -26,12 +26,28 @@ class CommandKind(enum.IntEnum):
 
     DESCRIBE = 1
     CONFIGURE = 2
-    INITIALISE = 3
-    SOLVE = 4
-    ACCEPT = 5
-    SAVE = 6
-    RESTORE = 7
-    FINISH = 8
+    CONNECT = 3
+    INITIALISE = 4
+    SOLVE = 5
+    ACCEPT = 6
+    SAVE = 7
+    RESTORE = 8
+    FINISH = 9
+
+
+class Beat(enum.IntEnum):
+    """What a heartbeat says: the participant works, or waits after the last of the commands in turn."""
+
+    BUSY = 0
+    IDLE_0 = 1
+    IDLE_1 = 2
+    IDLE_2 = 3
+    IDLE_3 = 4
+
+    @classmethod
+    def idle_after(cls, command: int) -> Beat:
+        """Idle after the command with this number."""
+        return cls(1 + command % 4)
 
 
 class Status(enum.IntEnum):

@@ -74,18 +74,10 @@ class Membership:
                 raise RunError(f"the run at {folder} is over")
             flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC
             self._own = os.open(info.folder / f"participant-{role}.lock", flags, 0o644)
-            self._coordinator = os.open(info.folder / "coordinator.lock", os.O_RDONLY)
         except OSError as error:
             raise RunError(f"no run at {folder}: {error}") from error
         if not _lock(self._own, fcntl.LOCK_EX):
             raise RunError(f"somebody plays the role `{role}` in this run already")
-
-    def coordinator_lives(self) -> bool:
-        """The coordinator holds its lock."""
-        if _lock(self._coordinator, fcntl.LOCK_SH):
-            fcntl.flock(self._coordinator, fcntl.LOCK_UN)
-            return False
-        return True
 
     def leave(self) -> None:
         """Leave the run; the last member removes its folder and its shared memory."""
@@ -96,8 +88,18 @@ class Membership:
             for lock in (self._own, self._members):
                 with suppress(OSError):
                     fcntl.flock(lock, fcntl.LOCK_UN)
-            if _lock(self._members, fcntl.LOCK_EX):
-                _remove(self.info)
+            _remove_if_last(self.info, self._members)
+
+
+def leave_for(info: RunInfo) -> None:
+    """What the last member of a run does, for one that has been killed."""
+    with suppress(OSError):
+        _remove_if_last(info, os.open(info.folder / "members.lock", os.O_RDONLY))
+
+
+def _remove_if_last(info: RunInfo, members: int) -> None:
+    if _lock(members, fcntl.LOCK_EX):
+        _remove(info)
 
 
 def _lock(file: int, operation: int) -> bool:

@@ -18,6 +18,7 @@ import numpy as np
 from .configuration import Configuration, Refusal
 from .fields import TABLE
 from .grids import Array
+from .heart import Heart
 from .messages import OBSERVE, PROTOCOL_VERSION, Command, CommandKind, Reply, Status
 from .ports import (
     InputPort,
@@ -49,6 +50,17 @@ PLAIN = (StepError, StateError, StateFileError, PortError, KeptView, TransportEr
 
 
 @dataclass
+class Connected:
+    """The ports of a solver that has not been built yet."""
+
+    inputs: dict[str, InputPort]
+    outputs: dict[str, OutputPort]
+    observed: dict[str, OutputPort]
+    patience: float
+    """Longest time to wait for the other side's ports [s]."""
+
+
+@dataclass
 class Running:
     """The ports of a solver that has been built."""
 
@@ -63,8 +75,9 @@ class Running:
 class Server:
     """Answers the commands of a run for one solver."""
 
-    def __init__(self, solver: Solver, membership: Membership, role: str) -> None:
-        self._solver, self._role = solver, role
+    def __init__(self, solver: Solver, membership: Membership, role: str, heart: Heart) -> None:
+        self._solver, self._role, self._heart = solver, role, heart
+        self._connected: Connected | None = None
         self._configuration: Configuration | None = None
         self._running: Running | None = None
         self._finished = False
@@ -73,9 +86,9 @@ class Server:
         self._endpoint = Endpoint(membership.info)
         self._doorbell = self._endpoint.doorbell(role)
         self._replies = self._endpoint.reply_sender(role)
-        self.ringer = self._endpoint.ringer("coordinator")
+        self._coordinator = self._endpoint.ringer("coordinator")
         self._commands = self._endpoint.command_receiver(role)
-        self.ringer.ring()
+        self._coordinator.ring()
 
     def serve(self) -> None:
         """Answer until the run is finished. The heart ends the process with the coordinator."""
@@ -83,13 +96,15 @@ class Server:
             message = self._doorbell.wait(self._commands.receive)
             command, body = message.header, message.body()
             del message
+            self._heart.busy()
             try:
                 answer = self._handle(command, body)
             except Exception as error:
                 answer = _failed(command, error)
             if answer is not None:
                 self._replies.send(*answer)
-                self.ringer.ring()
+                self._coordinator.ring()
+            self._heart.idle_after(command.sequence)
 
     def _handle(self, command: Command, body: bytes) -> tuple[Reply, bytes] | None:
         if command.protocol != PROTOCOL_VERSION:
@@ -109,8 +124,10 @@ class Server:
                 return done, to_json(self._solver.description())
             case CommandKind.CONFIGURE:
                 return done, self._configure(body)
+            case CommandKind.CONNECT:
+                self._connect(parse(body))
             case CommandKind.INITIALISE:
-                self._initialise(parse(body))
+                self._initialise()
             case CommandKind.SOLVE:
                 self._solve(self._ready(kind), command, done)
             case CommandKind.ACCEPT:
@@ -148,33 +165,40 @@ class Server:
         self._configuration = configuration
         return to_json(layout.to_json())
 
-    def _initialise(self, topics: dict[str, Any]) -> None:
+    def _connect(self, topics: dict[str, Any]) -> None:
         configuration, self._configuration = self._configuration, None
         if configuration is None:
-            raise ProtocolError("Initialise before Configure")
+            raise ProtocolError("Connect before Configure")
         kinds = {**{kind.name: kind for kind in self._solver.fields}, **TABLE}
         inputs, outputs = (
             [understood(Topic.from_json, topic) for topic in topics[name]]
             for name in ("inputs", "outputs")
         )
-        self._timed(self._solver.build)
         received = [given.field for given in configuration.inputs]
         interpolation = topics.get("interpolation", "constant")
         published = [topic for topic in outputs if topic.field in configuration.outputs]
         observed = [topic for topic in outputs if topic.field not in configuration.outputs]
-        running = Running(
+        self._connected = Connected(
             open_inputs(self._endpoint, inputs, received, interpolation),
             open_outputs(self._endpoint, published, self._role, kinds),
             open_outputs(self._endpoint, observed, self._role, kinds),
-            Step(0, 0, 0.0, 0.0),
-            {},
+            min(max(float(topics["deadline"]), 0.0), 1e6),
+        )
+
+    def _initialise(self) -> None:
+        connected, self._connected = self._connected, None
+        if connected is None:
+            raise ProtocolError("Initialise before Connect")
+        deadline = time.monotonic() + connected.patience
+        for port in [*connected.outputs.values(), *connected.observed.values()]:
+            port.writer.wait_for_subscribers(deadline)
+        self._timed(self._solver.build)
+        running = Running(
+            connected.inputs, connected.outputs, connected.observed, Step(0, 0, 0.0, 0.0), {}
         )
         if type(self._solver).observe is Solver.observe:
             ports = running.observed.items()
             running.unpublished = {name: np.zeros(port.shape) for name, port in ports}
-        deadline = time.monotonic() + min(max(float(topics["deadline"]), 0.0), 1e6)
-        for port in [*running.outputs.values(), *running.observed.values()]:
-            port.writer.wait_for_subscribers(deadline)
         self._write(running.outputs, running.step, self._solver.first_outputs)
         self._running = running
 

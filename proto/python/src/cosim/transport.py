@@ -20,7 +20,7 @@ from typing import Any, Generic, TypeVar
 
 import iceoryx2 as iox
 
-from .messages import PROTOCOL_VERSION, Command, FieldHeader, Reply
+from .messages import PROTOCOL_VERSION, Beat, Command, FieldHeader, Reply
 from .run_dir import RunInfo
 
 #: How long a waiting process polls before it sleeps [s].
@@ -35,7 +35,7 @@ BORROWED = 2
 MAX_MEMBERS = 16
 #: Samples in a field's segment: one being written, and two that readers may hold.
 FIELD_SLOTS = 4
-#: Event id of a message; heartbeats of participant `i` ring with `i + 1`.
+#: Event id of a message; the heartbeats of participant `i` ring with `len(Beat)` ids of its own.
 MESSAGE = 0
 
 T = TypeVar("T")
@@ -144,8 +144,8 @@ class Endpoint:
         return (
             builder.max_listeners(1)
             .max_notifiers(2 * MAX_MEMBERS)
-            .max_nodes(MAX_MEMBERS + 1)
-            .event_id_max_value(MAX_MEMBERS)
+            .max_nodes(2 * MAX_MEMBERS + 1)
+            .event_id_max_value(len(Beat) * MAX_MEMBERS)
             .disable_deadline()
             .disable_notifier_created_event()
             .disable_notifier_dropped_event()
@@ -313,9 +313,9 @@ class Ringer:
         """A message has been sent."""
         self._notify(self._message)
 
-    def beat(self, index: int) -> None:
+    def beat(self, index: int, beat: Beat) -> None:
         """The heart of participant `index` has beaten."""
-        self._notify(iox.EventId.new(MESSAGE + 1 + index))
+        self._notify(iox.EventId.new(MESSAGE + 1 + len(Beat) * index + beat))
 
     def _notify(self, event: Any) -> None:
         try:

@@ -1,5 +1,6 @@
 """`strip_columns.py` with a fault, named by the first argument, for the system tests."""
 
+import ctypes
 import sys
 import time
 
@@ -42,6 +43,9 @@ class Faulty(StripColumns):
                 sys.exit(9)
             case "sleep":
                 time.sleep(600.0)
+            case "hold":
+                # `PyDLL` does not let go of the interpreter's lock.
+                ctypes.PyDLL(None).usleep(5_000_000)
             case "spin":
                 while True:
                     pass

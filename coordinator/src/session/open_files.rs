@@ -1,0 +1,49 @@
+//! Open files: what the processes of a run need, against what each may have.
+//!
+//! A process that has no file descriptor left cannot map the segment that a message lies in. So the
+//! limit is compared before anything is started, and raised as far as the user may raise it; the
+//! participants that are started inherit it.
+//!
+//! Needed is what was counted in `/proc/PID/fd` over the shipped cases, rounded up: a process opens
+//! a few dozen files for itself and for what its partners have in common, and a few for each topic
+//! that it publishes or subscribes to; the recorder subscribes to each topic once more.
+
+use crate::error::{Failure, RunError};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+
+/// Files of a process itself and of the run.
+const OWN: u64 = 48;
+/// Files for the commands, replies and doorbell of one participant.
+const PER_PARTICIPANT: u64 = 16;
+/// Files for one topic.
+const PER_TOPIC: u64 = 8;
+/// Files for recording one topic.
+const PER_RECORDED: u64 = 8;
+
+/// Makes sure that a process of a run may open as many files as it needs.
+///
+/// # Errors
+/// The hard limit is lower than that.
+pub(super) fn provide(participants: usize, topics: usize, recorded: bool) -> Result<(), RunError> {
+    let per_topic = PER_TOPIC + if recorded { PER_RECORDED } else { 0 };
+    let needed = OWN + PER_PARTICIPANT * participants as u64 + per_topic * topics as u64;
+    let limit = getrlimit(Resource::Nofile);
+    if limit.current.is_none_or(|current| current >= needed) {
+        return Ok(());
+    }
+    let raised = Rlimit { current: Some(needed), ..limit };
+    if limit.maximum.is_none_or(|most| most >= needed) {
+        return setrlimit(Resource::Nofile, raised).map_err(|error| refused(needed, error));
+    }
+    let most = limit.maximum.unwrap_or(u64::MAX);
+    Err(refused(needed, format!("{most} are allowed")))
+}
+
+fn refused(needed: u64, why: impl std::fmt::Display) -> RunError {
+    RunError::Failed(Failure {
+        who: "the machine".to_owned(),
+        when: "before anything was started".to_owned(),
+        what: format!("a process of this run may open up to {needed} files: {why}"),
+        fix: format!("raise the hard limit of open files (`ulimit -Hn`) to {needed}"),
+    })
+}

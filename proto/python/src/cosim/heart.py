@@ -1,0 +1,131 @@
+"""The participant's heart: a process of its own that beats while the solver computes, and that ends
+the participant when the coordinator is dead.
+
+A thread of the participant could not do so: it needs the interpreter's lock, which a long call into
+a C library (a factorisation, say) may hold for as long as it takes. The process shares eight bytes
+with the participant, the command that was dealt with last, and ends with it. A participant that is
+stopped (SIGSTOP, a debugger) has no heartbeat.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import fcntl
+import logging
+import mmap
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from .messages import Beat
+from .run_dir import Membership, RunInfo, leave_for
+
+#: From one beat, and one look at the coordinator, to the next [s].
+INTERVAL = 0.05
+
+#: Stands for work on a command.
+BUSY = 2**64 - 1
+
+PR_SET_PDEATHSIG = 1
+
+log = logging.getLogger(__name__)
+
+
+class Heart:
+    """Beats until stopped."""
+
+    def __init__(self, membership: Membership) -> None:
+        shared = os.memfd_create("cosim-heart")
+        os.ftruncate(shared, mmap.PAGESIZE)
+        self._memory = mmap.mmap(shared, mmap.PAGESIZE)
+        self._command = ctypes.c_uint64.from_buffer(self._memory)
+        arguments = [str(membership.info.folder), str(membership.index), str(shared), str(INTERVAL)]
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "cosim.heart", *arguments],
+            stdin=subprocess.DEVNULL,
+            pass_fds=[shared],
+        )
+        os.close(shared)
+
+    def busy(self) -> None:
+        """A command is being worked on."""
+        self._command.value = BUSY
+
+    def idle_after(self, command: int) -> None:
+        """The command with this number has been dealt with, and its reply, if any, sent."""
+        self._command.value = command
+
+    def stop(self) -> None:
+        """No beat comes after this returns."""
+        self._process.kill()
+        self._process.wait()
+
+
+def main(folder: Path, index: int, shared: int, interval: float) -> None:
+    """Beat for the parent process until it ends."""
+    parent = os.getppid()
+    _end_with_parent(signal.SIGKILL)
+    # Ctrl-C in a terminal is the coordinator's business.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    info = RunInfo.read(folder)
+    coordinator = os.open(info.folder / "coordinator.lock", os.O_RDONLY)
+    memory = mmap.mmap(shared, mmap.PAGESIZE, prot=mmap.PROT_READ)
+    from .transport import Endpoint, TransportError
+
+    endpoint = Endpoint(info)
+    ringer = endpoint.ringer("coordinator")
+    while os.getppid() == parent:
+        if _is_free(coordinator):
+            _end(parent, info)
+        command = int.from_bytes(memory[:8], sys.byteorder)
+        beat = Beat.BUSY if command == BUSY else Beat.idle_after(command)
+        if not _is_stopped(parent):
+            try:
+                ringer.beat(index, beat)
+            except TransportError as error:
+                log.warning("the heartbeat does not reach the coordinator: %s", error)
+        time.sleep(interval)
+
+
+def _end_with_parent(signal_number: int) -> None:
+    ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal_number, 0, 0, 0)
+
+
+def _is_free(lock: int) -> bool:
+    try:
+        fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    fcntl.flock(lock, fcntl.LOCK_UN)
+    return True
+
+
+def _is_stopped(process: int) -> bool:
+    try:
+        # The state stands behind the name, which is in parentheses.
+        status = Path(f"/proc/{process}/stat").read_bytes().rpartition(b")")[2].split()
+    except OSError:
+        return True
+    return status[0] in (b"T", b"t")
+
+
+def _end(participant: int, info: RunInfo) -> None:
+    """End the participant, which may be deep in a solve, and leave the run in order for it."""
+    # Nobody may be left to read it.
+    with suppress(OSError):
+        os.write(2, b"error: the coordinator is gone; this run is over\n")
+    _end_with_parent(0)
+    with suppress(ProcessLookupError):
+        os.kill(participant, signal.SIGKILL)
+    while os.getppid() == participant:
+        time.sleep(0.001)
+    leave_for(info)
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4]))

@@ -1,0 +1,118 @@
+//! Starting: connections, building, limits of the machine, and clocks that stand still.
+
+use crate::harness::{Place, case, programs};
+use rustix::process::{Pid, Signal, kill_process};
+use std::time::Duration;
+
+fn exchange(settings: &[&str]) -> (Place, crate::harness::Ended) {
+    let place = Place::new();
+    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+    let ended = place.run(&case("exchange.toml"), &more);
+    place.assert_nothing_left();
+    (place, ended)
+}
+
+/// A sample that was sent before every subscriber could be reached ended one start in a thousand;
+/// more of them: `docs/ARCHITECTURE.md` names the loop.
+#[test]
+fn many_starts() {
+    for _ in 0..40 {
+        let (_, ended) = exchange(&["time.end=1"]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    }
+}
+
+/// Ports are open before models are built, so that a partner does not wait for them.
+#[test]
+fn building_may_take_longer_than_starting() {
+    let settings = ["time.end=2", "coupling.start_deadline=1", "left.build_delay=2.5"];
+    let (_, ended) = exchange(&settings);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+}
+
+#[test]
+fn who_is_still_building_is_named_with_the_key() {
+    let (_, ended) = exchange(&["coupling.build_deadline=1", "right.build_delay=600"]);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    let what = "right (toy-right) failed while building its model: it is still building its model \
+                after 1.0 s; its heartbeat is still received; raise coupling.build_deadline";
+    assert!(ended.stderr.contains(what), "{}", ended.stderr);
+}
+
+/// A participant that says that it takes long is waited for accordingly.
+#[test]
+fn the_deadline_of_building_follows_what_is_expected() {
+    let expected = ["left.build_expected=1", "left.build_delay=3"];
+    let (_, ended) = exchange(&[["time.end=2", "coupling.build_deadline=1"], expected].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+}
+
+/// It does not wait for the partner, which builds for ten minutes.
+#[test]
+fn a_refusal_in_build_is_reported_at_once_in_its_own_words() {
+    let (_, ended) = exchange(&["left.build_delay=600", "right.fault=refuse-build"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    for part in ["right.points", "cannot be built", "choose other ones"] {
+        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
+    }
+}
+
+/// Runs the smallest case in a shell that has set limits.
+fn limited(limits: &str, settings: &[&str]) -> (Place, std::process::Output) {
+    let place = Place::new();
+    let sets = settings.iter().map(|set| format!(" --set {set}")).collect::<String>();
+    let line = format!(
+        "{limits} && exec {} run {} --out {} --set time.end=2{sets}",
+        programs().join("coordinator").display(),
+        case("exchange.toml"),
+        place.out().display()
+    );
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", &line]).env("COSIM_RUNTIME_DIR", place.runtime());
+    let output = shell.current_dir(crate::harness::root()).output().unwrap();
+    place.assert_nothing_left();
+    (place, output)
+}
+
+#[test]
+fn a_low_limit_of_open_files_is_raised_as_far_as_it_may_be() {
+    let (_, output) = limited("ulimit -Sn 40", &[]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn too_few_open_files_are_refused_before_anything_starts() {
+    for most in [40, 64, 90] {
+        let (place, output) = limited(&format!("ulimit -n {most}"), &[]);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        let allowed = format!("files: {most} are allowed");
+        for part in ["before anything was started", &allowed, "ulimit -Hn"] {
+            assert!(told.contains(part), "`{part}` is missing in: {told}");
+        }
+        let log = place.log();
+        assert!(log.iter().all(|e| e["fields"]["message"] != "participant started"), "{log:?}");
+    }
+}
+
+/// A container that is paused and goes on later: nobody was silent, since nobody could be heard.
+#[test]
+fn a_run_that_was_frozen_as_a_whole_goes_on() {
+    let place = Place::new();
+    let more = ["time.end=2", "left.delay=1.5", "coupling.heartbeat_deadline=3"];
+    let more = [more.as_slice(), &["coupling.solve_deadline=5"]].concat();
+    let more: Vec<&str> = more.iter().flat_map(|set| ["--set", set]).collect();
+    let running = place.start_run(&case("exchange.toml"), &more);
+    place.wait_for_log("every participant is ready");
+    let all = [running.pid(), place.pid_of("left"), place.pid_of("right")];
+    let signal = |all: &[Pid], signal| all.iter().for_each(|p| kill_process(*p, signal).unwrap());
+    signal(&all, Signal::STOP);
+    std::thread::sleep(Duration::from_secs(6));
+    // The coordinator first, which then looks before the others have beaten again.
+    signal(&all[..1], Signal::CONT);
+    std::thread::sleep(Duration::from_millis(50));
+    signal(&all[1..], Signal::CONT);
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    place.assert_nothing_left();
+}
