@@ -31,7 +31,7 @@ pub(super) const OUT_OF_ORDER: Check = Check {
 fn unknown(bench: &Bench) -> Result<Seen, Fault> {
     let mut trial = bench.start()?;
     let mut told = String::new();
-    for kind in [0, 9, u32::MAX] {
+    for kind in [0, 10, u32::MAX] {
         let command = Command { kind, ..Command::new(CommandKind::Describe) };
         told = trial.ask(command, &[])?.not_done("its number")?;
         trial.lives_on("an unknown command")?;

@@ -436,6 +436,26 @@ int cosim_layout_input(struct cosim_layout *layout, const char *field, const cha
 int cosim_layout_cost(struct cosim_layout *layout, double solve_seconds, uint64_t memory_bytes);
 
 /**
+ * Sets the expected processor time of `build` [s]; the deadline for building follows it.
+ */
+int cosim_layout_build_seconds(struct cosim_layout *layout, double build_seconds);
+
+/**
+ * Adds what the model leaves out in this very case, its expected relative error, and where that
+ * figure comes from. Both texts are copied.
+ */
+int cosim_layout_left_out(struct cosim_layout *layout,
+                          const char *what,
+                          double error,
+                          const char *source);
+
+/**
+ * Adds a quantity of the summary that is known exactly in this case, by its dotted key, which is
+ * copied.
+ */
+int cosim_layout_closed_form(struct cosim_layout *layout, const char *key, double exact);
+
+/**
  * Adds a line to what `coordinator plan` prints: what the model makes of the case. It is copied.
  */
 int cosim_layout_remark(struct cosim_layout *layout, const char *remark);

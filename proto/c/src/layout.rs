@@ -2,6 +2,7 @@
 
 use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
 use crate::grid::CosimGrid;
+use proto::accuracy::Simplification;
 use proto::configuration::{FieldOnGrid, Layout};
 use std::ffi::{c_char, c_int};
 
@@ -85,6 +86,63 @@ pub unsafe extern "C" fn cosim_layout_cost(
     })
 }
 
+/// Sets the expected processor time of `build` [s]; the deadline for building follows it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_build_seconds(
+    layout: *mut CosimLayout,
+    build_seconds: f64,
+) -> c_int {
+    guard("cosim_layout_build_seconds", || {
+        // SAFETY: the header asks for a layout.
+        let layout = unsafe { exclusive("layout", layout)? };
+        if !(build_seconds >= 0.0 && build_seconds.is_finite()) {
+            return Err(Fault::Misused(format!("building takes {build_seconds} s")));
+        }
+        layout.layout.build_seconds = build_seconds;
+        Ok(COSIM_OK)
+    })
+}
+
+/// Adds what the model leaves out in this very case, its expected relative error, and where that
+/// figure comes from. Both texts are copied.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_left_out(
+    layout: *mut CosimLayout,
+    what: *const c_char,
+    error: f64,
+    source: *const c_char,
+) -> c_int {
+    guard("cosim_layout_left_out", || {
+        // SAFETY: the header asks for a layout and strings.
+        let (layout, what, source) =
+            unsafe { (exclusive("layout", layout)?, text("what", what)?, text("source", source)?) };
+        if !(error >= 0.0 && error.is_finite()) {
+            return Err(Fault::Misused(format!("`{what}` has an error of {error}")));
+        }
+        layout.layout.left_out.push(Simplification::always(what, error, source));
+        Ok(COSIM_OK)
+    })
+}
+
+/// Adds a quantity of the summary that is known exactly in this case, by its dotted key, which is
+/// copied.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_closed_form(
+    layout: *mut CosimLayout,
+    key: *const c_char,
+    exact: f64,
+) -> c_int {
+    guard("cosim_layout_closed_form", || {
+        // SAFETY: the header asks for a layout and a string.
+        let (layout, key) = unsafe { (exclusive("layout", layout)?, text("key", key)?) };
+        if !exact.is_finite() {
+            return Err(Fault::Misused(format!("the closed form of `{key}` is {exact}")));
+        }
+        layout.layout.closed_forms.insert(key.to_owned(), exact);
+        Ok(COSIM_OK)
+    })
+}
+
 /// Adds a line to what `coordinator plan` prints: what the model makes of the case. It is copied.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_remark(
@@ -118,11 +176,17 @@ mod tests {
                 cosim_layout_output(to, field, on),
                 cosim_layout_input(to, c"friction_power".as_ptr(), on),
                 cosim_layout_cost(to, 1e-3, 800),
+                cosim_layout_build_seconds(to, 2.5),
+                cosim_layout_left_out(to, c"the wake".as_ptr(), 0.01, c"a study".as_ptr()),
+                cosim_layout_closed_form(to, c"contact.area_m2".as_ptr(), 1e-4),
                 cosim_layout_remark(to, c"coarse".as_ptr()),
             ]
         };
-        assert_eq!(statuses, [COSIM_OK; 5]);
+        assert_eq!(statuses, [COSIM_OK; 8]);
         let Layout { solve_seconds, memory_bytes, remarks, .. } = &layout.layout;
+        let Layout { build_seconds, left_out, closed_forms, .. } = &layout.layout;
+        assert_eq!((*build_seconds, closed_forms["contact.area_m2"]), (2.5, 1e-4));
+        assert_eq!(*left_out, [Simplification::always("the wake", 0.01, "a study")]);
         assert_eq!((*solve_seconds, *memory_bytes, remarks.len()), (1e-3, 800, 1));
         assert_eq!(layout.layout.grid_of("rail_temperature"), Some(&grid));
         assert_eq!(layout.layout.input_grid("friction_power"), Some(&grid));
@@ -141,9 +205,12 @@ mod tests {
                 cosim_layout_output(to, null(), word),
                 cosim_layout_input(to, word, null()),
                 cosim_layout_cost(to, f64::NAN, 0),
+                cosim_layout_build_seconds(to, -1.0),
+                cosim_layout_left_out(to, word, f64::INFINITY, word),
+                cosim_layout_closed_form(to, word, f64::NAN),
                 cosim_layout_remark(to, null()),
             ];
-            assert_eq!(statuses, [COSIM_FAILED; 7]);
+            assert_eq!(statuses, [COSIM_FAILED; 10]);
             COSIM_OK
         });
         assert_eq!(all.unwrap_err().to_string(), "cosim_layout_grid: `layout` is NULL");

@@ -1,6 +1,7 @@
 """What crosses the process boundary: layouts, JSON, refusals."""
 
 import ctypes
+import dataclasses
 import json
 import math
 from pathlib import Path
@@ -9,7 +10,16 @@ import numpy as np
 import pytest
 from strip_columns import StripColumns
 
-from cosim import Configuration, Grid, Layout, Quadrilaterals, Refusal, Solver, Structured
+from cosim import (
+    Configuration,
+    Grid,
+    Layout,
+    Quadrilaterals,
+    Refusal,
+    Simplification,
+    Solver,
+    Structured,
+)
 from cosim.messages import Command, FieldHeader, Reply
 from cosim.server import to_json
 from cosim.solver import checked_layout, first_non_finite
@@ -169,3 +179,64 @@ def test_the_readme_shows_the_example():
     package = Path(__file__).parent.parent
     shown = (package / "README.md").read_text().split("```python\n")[1].split("```")[0]
     assert shown == (package / "examples/short_columns.py").read_text()
+
+
+def test_a_layout_says_what_it_is_asked_for_and_nothing_else():
+    grid = Grid("line", Structured.contact_plane(0.0, 0.0, 1.0, 1.0, 3, 1))
+    plain = Layout(grids=[grid], fields={"pressure": "line"})
+    plain.check()
+    optional = {"inputs", "moving", "build_seconds", "left_out", "closed_forms"}
+    assert not optional & set(plain.to_json())
+    full = dataclasses.replace(
+        plain,
+        inputs={"friction_power": "line"},
+        moving=["line"],
+        build_seconds=2.5,
+        left_out=[Simplification("the wake", 0.01, "a study")],
+        closed_forms={"contact.area_m2": 1e-4},
+    )
+    full.check()
+    told = full.to_json()
+    assert optional <= set(told)
+    assert told["left_out"] == [
+        {"what": "the wake", "error": 0.01, "source": "a study", "with_effects": []}
+    ]
+    for wrong in (
+        {"moving": ["plane"]},
+        {"build_seconds": -1.0},
+        {"left_out": [Simplification("the wake", math.nan, "a study")]},
+        {"closed_forms": {"contact.area_m2": math.inf}},
+    ):
+        with pytest.raises(ValueError):
+            dataclasses.replace(full, **wrong).check()
+
+
+@pytest.mark.parametrize("kind", ["structured", "quadrilaterals"])
+def test_a_geometry_reads_back(kind):
+    vertices = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5]])
+    shape = (
+        Structured.contact_plane(-1.0, 2.0, 0.5, 0.25, 3, 2)
+        if kind == "structured"
+        else Quadrilaterals(vertices, np.array([[0, 1, 2, 3]], dtype=np.uint32))
+    )
+    grid = Grid("patch", shape)
+    values = grid.encoded_geometry()
+    if kind == "structured":
+        # The golden values of proto/src/grid/geometry.rs.
+        golden = [-1.0, 0.5, 0.0, 3.0, 2.0, 0.0, 0.25, 2.0, 0.0, 0.0, 0.0, 1.0]
+        assert values.ravel().tolist() == golden
+    again = grid.with_geometry(values, 2)
+    assert again.revision == 2
+    assert np.array_equal(again.encoded_geometry(), values)
+    grid.check_moved(again)
+    with pytest.raises(ValueError, match="revision 1 after 2"):
+        again.check_moved(grid)
+    with pytest.raises(ValueError, match="revision 1 after 1"):
+        grid.with_geometry(values, 1)
+    elsewhere = (
+        Grid("patch", again.with_geometry(values + 1.0, 3).shape)
+        if kind != "structured"
+        else Grid("patch", Structured.contact_plane(0.0, 2.0, 0.5, 0.25, 3, 2))
+    )
+    with pytest.raises(ValueError, match="has moved and still"):
+        grid.check_moved(elsewhere)

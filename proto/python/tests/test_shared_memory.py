@@ -9,6 +9,7 @@ import pytest
 
 from cosim import Grid, MissingInput, NonFiniteInput, Structured
 from cosim.fields import FieldKind
+from cosim.geometry import GeometryError
 from cosim.messages import PROTOCOL_VERSION, Command, FieldHeader
 from cosim.ports import Inputs, Outputs, PortError, Topic, advance, open_inputs, open_outputs
 from cosim.solver import Step
@@ -22,6 +23,7 @@ TOPIC = Topic(
     "field/one/value",
     Grid("line", Structured.contact_plane(0.0, 0.0, 1.0, 1.0, POINTS, 1)),
     1,
+    None,
 )
 
 
@@ -29,7 +31,7 @@ class Pair:
     """One field from a writer to a reader of the same process."""
 
     def __init__(self, endpoint, interpolation="constant", topic=TOPIC):
-        self.inputs = open_inputs(endpoint, [TOPIC], [KIND], interpolation)
+        self.inputs = open_inputs(endpoint, [TOPIC], [KIND], interpolation, [])
         self.outputs = open_outputs(endpoint, [topic], "one", {"value": KIND})
         self.outputs["value"].writer.wait_for_subscribers(time.monotonic() + 10.0)
 
@@ -143,7 +145,7 @@ def raw(pair, **header):
     """Publish a sample past the checks of `Outputs`."""
     port = pair.outputs["value"]
     label = {"protocol": PROTOCOL_VERSION, "sequence": 1, "name": b"value", "components": 1}
-    label |= header
+    label |= {"grid_revision": 1, **header}
     length = label.pop("length", POINTS)
     loan = port.writer.loan(length)
     ctypes.memset(loan.pointer, 0xFF, 8 * length)
@@ -157,14 +159,16 @@ def test_wrong_samples_are_named(endpoint):
     with pytest.raises(NonFiniteInput, match="`value` is not finite at index 0"):
         inputs.finite("value")
     inputs.end()
-    for wrong, told in [
-        ({"name": b"pressure"}, "topic of `value` carries `pressure`"),
-        ({"length": POINTS - 1}, f"from `one` has {POINTS - 1} values, expected {POINTS}"),
-        ({"protocol": 1}, "protocol version 1"),
+    stale = "on revision 2 of grid `line`, whose geometry is known in revision 1"
+    for sequence, wrong, told in [
+        (2, {"name": b"pressure"}, "topic of `value` carries `pressure`"),
+        (2, {"protocol": 1}, "protocol version 1"),
+        (2, {"length": POINTS - 1}, f"from `one` has {POINTS - 1} values, expected {POINTS}"),
+        (3, {"grid_revision": 2}, stale),
     ]:
-        raw(pair, sequence=2, **wrong)
-        with pytest.raises(PortError, match=told):
-            pair.advance(2)
+        raw(pair, sequence=sequence, **wrong)
+        with pytest.raises((PortError, GeometryError), match=told):
+            pair.advance(sequence)
 
 
 def test_values_at_the_start_of_a_window_are_the_accepted_ones(endpoint):
@@ -190,5 +194,5 @@ def test_values_at_the_start_of_a_window_are_the_accepted_ones(endpoint):
     assert start(4, 1) == 12.0
     pair.send(14.0, window=1, iteration=1)
     assert start(5, 1) == 12.0
-    constant = open_inputs(endpoint, [TOPIC], [KIND], "constant")
+    constant = open_inputs(endpoint, [TOPIC], [KIND], "constant", [])
     assert Inputs(constant).start("value") is None

@@ -112,7 +112,7 @@ fn the_rogue_is_told_what_is_wrong_with_its_solve() {
         ("sequence", "has sequence number 3, not 2"),
         ("silence", "it does not send `left_value`"),
         ("old-reply", "its reply has protocol 0"),
-        ("wrong-answer", "it answers command 2 instead of 3"),
+        ("wrong-answer", "it answers command 3 instead of 4"),
     ] {
         let fault = format!("left.fault={fault}");
         let options = ["--only", "solve", "--set", &fault];

@@ -261,7 +261,7 @@ fn a_killed_run_is_resumed() {
 /// A thread of Python's own watches the coordinator, also while the solver never rests.
 #[test]
 fn a_killed_coordinator_leaves_nothing_in_mid_solve() {
-    for fault in ["sleep", "spin"] {
+    for fault in ["sleep", "spin", "hold"] {
         let place = Place::new();
         let running = place.start_run(&case("cold-start.toml"), &["--set", &faulty(fault)]);
         place.wait_for_log("every participant is ready");
@@ -293,6 +293,48 @@ fn a_solve_that_holds_the_interpreters_lock_keeps_its_heart() {
     let ended = place.run(&case("cold-start.toml"), &settings.map(|set| ["--set", set]).concat());
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     place.assert_nothing_left();
+}
+
+/// A command of `moving_parts.py` for a role of `cases/moving.toml`.
+fn moving_part(role: &str) -> String {
+    let script = root().join("tests/tests/system/python/moving_parts.py");
+    format!("{role}.command=[{:?}, {:?}, {role:?}]", interpreter(), script)
+}
+
+/// A mover and a plate in Python, with the flux mapped or on the moving grid itself, in place of
+/// those in Rust: each receives what the other sends where it is, to rounding.
+#[test]
+fn grids_that_move_in_python_are_as_in_rust() {
+    let parts = ["mover", "plate"].map(moving_part);
+    for (motion, direct) in [("translate", true), ("grow", false), ("stretch", true)] {
+        let settings = [
+            format!("mover.motion={motion}"),
+            format!("plate.direct={direct}"),
+            "time.end=4".to_owned(),
+            "mover.every=2".to_owned(),
+            "output.fields=all".to_owned(),
+        ];
+        let sets = |all: &[String]| -> Vec<String> {
+            all.iter().flat_map(|set| ["--set".to_owned(), set.clone()]).collect()
+        };
+        let run = |all: &[String]| {
+            let more = sets(all);
+            let more: Vec<&str> = more.iter().map(String::as_str).collect();
+            Place::new().summary(&case("moving.toml"), &more)
+        };
+        let ours = run(&settings);
+        let theirs = run(&[settings.as_slice(), &parts].concat());
+        for role in ["mover", "plate"] {
+            let [a, b] = [&ours, &theirs].map(|summary| &summary[role]);
+            assert_eq!(
+                [&a["windows"], &a["grid_revision"]],
+                [&b["windows"], &b["grid_revision"]],
+                "{motion}"
+            );
+            let [a, b] = [a, b].map(|part| part["largest_error"].as_f64().unwrap());
+            assert!((a - b).abs() <= 1e-12, "{motion}, {role}: {a} in Rust, {b} in Python");
+        }
+    }
 }
 
 #[test]

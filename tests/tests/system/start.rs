@@ -2,7 +2,7 @@
 
 use crate::harness::{Place, case, programs};
 use rustix::process::{Pid, Signal, kill_process};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 fn exchange(settings: &[&str]) -> (Place, crate::harness::Ended) {
     let place = Place::new();
@@ -12,14 +12,19 @@ fn exchange(settings: &[&str]) -> (Place, crate::harness::Ended) {
     (place, ended)
 }
 
-/// A sample that was sent before every subscriber could be reached ended one start in a thousand;
-/// more of them: `docs/ARCHITECTURE.md` names the loop.
+/// A sample that was sent before every subscriber could be reached ended one start in a thousand.
+/// `STARTS=20000 cargo test --release --workspace --test system start::many -- --nocapture` makes more.
 #[test]
 fn many_starts() {
-    for _ in 0..40 {
-        let (_, ended) = exchange(&["time.end=1"]);
-        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let count = std::env::var("STARTS").map_or(40, |count| count.parse().unwrap());
+    let (place, begun) = (Place::new(), Instant::now());
+    for number in 0..count {
+        let ended = place.run(&case("exchange.toml"), &["--set", "time.end=1", "--quiet"]);
+        assert_eq!(ended.code, Some(0), "start {number}: {}", ended.stderr);
     }
+    place.assert_nothing_left();
+    let each = begun.elapsed().as_secs_f64() / f64::from(count) * 1e3;
+    println!("{count} starts, {each:.1} ms each");
 }
 
 /// Ports are open before models are built, so that a partner does not wait for them.

@@ -5,7 +5,7 @@ are numpy arrays over shared memory, read and written in place.
 """
 
 from . import fields
-from .configuration import Case, Configuration, Input, Layout, Refusal
+from .configuration import Case, Configuration, Input, Layout, Refusal, Simplification
 from .description import Effect, Key, Model
 from .fields import FieldKind
 from .grids import Array, Grid, Quadrilaterals, Structured
@@ -41,6 +41,7 @@ __all__ = [
     "Outputs",
     "Quadrilaterals",
     "Refusal",
+    "Simplification",
     "Solver",
     "StateError",
     "Step",

@@ -159,6 +159,30 @@ class Configuration:
         )
 
 
+@dataclass(frozen=True)
+class Simplification:
+    """Something that a model leaves out, and what that is worth."""
+
+    what: str
+    """What is left out, or stands for something else."""
+    error: float
+    """Expected relative error."""
+    source: str
+    """Where the figure comes from."""
+    with_effects: Sequence[str] = ()
+    """It matters only with one of these effects; empty: always."""
+
+    def check(self) -> None:
+        """Raise `ValueError` for an error that is none."""
+        if not (math.isfinite(self.error) and self.error >= 0.0):
+            raise ValueError(f"`{self.what}` has an error of {self.error}")
+
+    def to_json(self) -> dict[str, Any]:
+        """As it travels."""
+        value = {"what": self.what, "error": float(self.error), "source": self.source}
+        return {**value, "with_effects": list(self.with_effects)}
+
+
 @dataclass
 class Layout:
     """Answer to `configure`: grids, placement of the fields and expected cost."""
@@ -169,12 +193,20 @@ class Layout:
     """Name of the grid of each output and observed field."""
     inputs: dict[str, str] = field(default_factory=dict)
     """Name of the grid on which an input is wanted; without a wish it arrives on its producer's."""
+    moving: list[str] = field(default_factory=list)
+    """Names of the grids that may move during the run: see `Solver.moved_grids`."""
     solve_seconds: float = 0.0
     """Expected processor seconds of one solve."""
+    build_seconds: float = 0.0
+    """Expected processor seconds of `build`; the deadline for building follows it."""
     memory_bytes: int = 0
     """Expected memory of the participant's own arrays [byte]."""
     remarks: list[str] = field(default_factory=list)
     """Remarks for `plan`, one line each."""
+    left_out: list[Simplification] = field(default_factory=list)
+    """What the model leaves out in this very case, besides what its description says."""
+    closed_forms: dict[str, float] = field(default_factory=dict)
+    """Quantities of the summary that are known exactly in this case, by their dotted key."""
 
     def grid(self, name: str) -> Grid | None:
         """A grid of the layout, by name."""
@@ -190,6 +222,17 @@ class Layout:
             for name, grid_name in placed.items():
                 if self.grid(grid_name) is None:
                     raise ValueError(f"`{name}` is placed on `{grid_name}`, which is no grid")
+        for name in self.moving:
+            if self.grid(name) is None:
+                raise ValueError(f"`{name}` moves, which is no grid")
+        for seconds in (self.solve_seconds, self.build_seconds):
+            if not (math.isfinite(seconds) and seconds >= 0.0):
+                raise ValueError(f"an expected time of {seconds} s")
+        for one in self.left_out:
+            one.check()
+        for key, exact in self.closed_forms.items():
+            if not math.isfinite(exact):
+                raise ValueError(f"the closed form of `{key}` is {exact}")
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
@@ -200,9 +243,14 @@ class Layout:
             "memory_bytes": int(self.memory_bytes),
             "remarks": list(self.remarks),
         }
-        if self.inputs:
-            value["inputs"] = _placed(self.inputs)
-        return value
+        optional: dict[str, Any] = {
+            "inputs": _placed(self.inputs),
+            "moving": list(self.moving),
+            "build_seconds": float(self.build_seconds),
+            "left_out": [one.to_json() for one in self.left_out],
+            "closed_forms": {key: float(exact) for key, exact in self.closed_forms.items()},
+        }
+        return {**value, **{name: given for name, given in optional.items() if given}}
 
 
 def _placed(fields: Mapping[str, str]) -> list[dict[str, str]]:

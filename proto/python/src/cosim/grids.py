@@ -214,6 +214,65 @@ class Grid:
         except ValueError as why:
             raise ValueError(f"grid `{self.name}` has {why}") from None
 
+    def moved(self, shape: Structured | Quadrilaterals) -> Grid:
+        """This grid with another geometry, in the next revision.
+
+        Of quadrilaterals only the vertices move.
+        """
+        return Grid(self.name, shape, self.revision + 1)
+
+    @property
+    def geometry_vectors(self) -> int:
+        """Number of vectors of the encoded geometry."""
+        return 4 if isinstance(self.shape, Structured) else len(self.shape.points_xyz)
+
+    def encoded_geometry(self) -> Array:
+        """The geometry as the values of a field [m], shape (3, vectors).
+
+        For a structured grid its origin, its steps and (ni, nj, 1), for quadrilaterals their
+        vertices: `proto/src/grid/geometry.rs`.
+        """
+        shape = self.shape
+        if isinstance(shape, Structured):
+            counts = (float(shape.ni), float(shape.nj), 1.0)
+            return np.array([shape.origin, shape.step_i, shape.step_j, counts]).T
+        return shape.points_xyz.T
+
+    def with_geometry(self, values: Array, revision: int) -> Grid:
+        """This grid with a geometry of shape (3, vectors); raises `ValueError` for what is none."""
+        if revision <= self.revision:
+            raise ValueError(f"grid `{self.name}` has revision {revision} after {self.revision}")
+        shape: Structured | Quadrilaterals
+        if isinstance(self.shape, Structured):
+            origin, step_i, step_j = (_vector(values[:, n].tolist()) for n in range(3))
+            ni, nj, one = values[:, 3].tolist()
+            if not (ni.is_integer() and nj.is_integer() and one == 1.0):
+                raise ValueError(f"the counts of grid `{self.name}` are ({ni}, {nj}, {one})")
+            shape = Structured(origin, step_i, step_j, int(ni), int(nj))
+        else:
+            shape = Quadrilaterals(np.array(values.T), self.shape.elements)
+        grid = Grid(self.name, shape, revision)
+        grid.check()
+        return grid
+
+    def check_moved(self, moved: Grid) -> None:
+        """Raise `ValueError` if `moved` is not this grid, moved."""
+        same = type(moved.shape) is type(self.shape) and moved.name == self.name
+        if isinstance(self.shape, Quadrilaterals) and isinstance(moved.shape, Quadrilaterals):
+            same = same and np.array_equal(self.shape.elements, moved.shape.elements)
+            same = same and len(self.shape.points_xyz) == len(moved.shape.points_xyz)
+        if not same:
+            raise ValueError(f"`{moved.name}` is not the grid `{self.name}`, moved")
+        if moved.revision < self.revision:
+            last = self.revision
+            raise ValueError(f"grid `{self.name}` has revision {moved.revision} after {last}")
+        unmoved = moved.geometry_vectors == self.geometry_vectors and np.array_equal(
+            moved.encoded_geometry(), self.encoded_geometry()
+        )
+        if moved.revision == self.revision and not unmoved:
+            raise ValueError(f"grid `{self.name}` has moved and still has revision {self.revision}")
+        moved.check()
+
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
         return {"name": self.name, "revision": self.revision, **self.shape.to_json()}

@@ -5,6 +5,10 @@ A thread of the participant could not do so: it needs the interpreter's lock, wh
 a C library (a factorisation, say) may hold for as long as it takes. The process shares eight bytes
 with the participant, the command that was dealt with last, and ends with it. A participant that is
 stopped (SIGSTOP, a debugger) has no heartbeat.
+
+When the coordinator is dead the process tells the participant, a thread of which leaves the run in
+order and ends the participant. One that holds the interpreter's lock does not come to that: it is
+killed after `PATIENCE`, and its process leaves for it.
 """
 
 from __future__ import annotations
@@ -17,18 +21,25 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from contextlib import suppress
 from pathlib import Path
 
 from .messages import Beat
 from .run_dir import Membership, RunInfo, leave_for
+from .transport import Endpoint, TransportError
 
 #: From one beat, and one look at the coordinator, to the next [s].
 INTERVAL = 0.05
 
+#: How long the participant may take to leave a run whose coordinator is dead [s].
+PATIENCE = 0.5
+
 #: Stands for work on a command.
 BUSY = 2**64 - 1
+
+COORDINATOR_GONE = "the coordinator is gone; this run is over"
 
 PR_SET_PDEATHSIG = 1
 
@@ -43,13 +54,19 @@ class Heart:
         os.ftruncate(shared, mmap.PAGESIZE)
         self._memory = mmap.mmap(shared, mmap.PAGESIZE)
         self._command = ctypes.c_uint64.from_buffer(self._memory)
-        arguments = [str(membership.info.folder), str(membership.index), str(shared), str(INTERVAL)]
+        self._membership, self._stopping = membership, False
+        self._news, tell = os.pipe()
+        info = membership.info
+        given = (info.folder, membership.index, shared, tell, INTERVAL)
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "cosim.heart", *arguments],
+            [sys.executable, "-m", "cosim.heart", *map(str, given)],
             stdin=subprocess.DEVNULL,
-            pass_fds=[shared],
+            pass_fds=[shared, tell],
         )
         os.close(shared)
+        os.close(tell)
+        self._thread = threading.Thread(target=self._watch, name="heart", daemon=True)
+        self._thread.start()
 
     def busy(self) -> None:
         """A command is being worked on."""
@@ -61,11 +78,28 @@ class Heart:
 
     def stop(self) -> None:
         """No beat comes after this returns."""
+        self._stopping = True
         self._process.kill()
         self._process.wait()
+        self._thread.join()
+        os.close(self._news)
+
+    def _watch(self) -> None:
+        """End the participant, which may be deep in a solve, with the coordinator or the heart."""
+        gone = os.read(self._news, 1)
+        if self._stopping:
+            return
+        reason = COORDINATOR_GONE if gone else "the heartbeat has ended"
+        # Nobody may be left to read it.
+        with suppress(OSError):
+            os.write(2, f"error: {reason}\n".encode())
+        try:
+            self._membership.leave()
+        finally:
+            os._exit(1)
 
 
-def main(folder: Path, index: int, shared: int, interval: float) -> None:
+def main(folder: Path, index: int, shared: int, tell: int, interval: float) -> None:
     """Beat for the parent process until it ends."""
     parent = os.getppid()
     _end_with_parent(signal.SIGKILL)
@@ -74,13 +108,11 @@ def main(folder: Path, index: int, shared: int, interval: float) -> None:
     info = RunInfo.read(folder)
     coordinator = os.open(info.folder / "coordinator.lock", os.O_RDONLY)
     memory = mmap.mmap(shared, mmap.PAGESIZE, prot=mmap.PROT_READ)
-    from .transport import Endpoint, TransportError
-
     endpoint = Endpoint(info)
     ringer = endpoint.ringer("coordinator")
     while os.getppid() == parent:
         if _is_free(coordinator):
-            _end(parent, info)
+            _end(parent, info, tell)
         command = int.from_bytes(memory[:8], sys.byteorder)
         beat = Beat.BUSY if command == BUSY else Beat.idle_after(command)
         if not _is_stopped(parent):
@@ -113,11 +145,12 @@ def _is_stopped(process: int) -> bool:
     return status[0] in (b"T", b"t")
 
 
-def _end(participant: int, info: RunInfo) -> None:
-    """End the participant, which may be deep in a solve, and leave the run in order for it."""
-    # Nobody may be left to read it.
+def _end(participant: int, info: RunInfo, tell: int) -> None:
+    """Let the participant leave the run, or leave it in order for one that does not."""
+    os.write(tell, b"x")
+    time.sleep(PATIENCE)
     with suppress(OSError):
-        os.write(2, b"error: the coordinator is gone; this run is over\n")
+        os.write(2, f"error: {COORDINATOR_GONE}\n".encode())
     _end_with_parent(0)
     with suppress(ProcessLookupError):
         os.kill(participant, signal.SIGKILL)
@@ -128,4 +161,5 @@ def _end(participant: int, info: RunInfo) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4]))
+    _, folder, index, shared, tell, interval = sys.argv
+    main(Path(folder), int(index), int(shared), int(tell), float(interval))

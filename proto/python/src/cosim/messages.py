@@ -36,7 +36,10 @@ class CommandKind(enum.IntEnum):
 
 
 class Beat(enum.IntEnum):
-    """What a heartbeat says: the participant works, or waits after the last of the commands in turn."""
+    """What a heartbeat says: the participant works, or waits after a command.
+
+    Commands are told apart by their number modulo four.
+    """
 
     BUSY = 0
     IDLE_0 = 1

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .fields import FieldKind
+from .geometry import GeometryTopic, InputGrid
 from .grids import Array, Grid
 from .messages import PROTOCOL_VERSION, Command, FieldHeader, text_of
 from .solver import MissingInput, NonFiniteInput, Step, first_non_finite
@@ -33,12 +34,14 @@ class Topic:
     service: str
     grid: Grid
     subscribers: int
+    geometry: str | None
+    """The service that carries the geometry of the grid, if it may move."""
 
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> Topic:
         """As it travelled."""
-        grid = Grid.from_json(value["grid"])
-        return cls(value["field"], value["service"], grid, int(value["subscribers"]))
+        grid, geometry = Grid.from_json(value["grid"]), value.get("geometry")
+        return cls(value["field"], value["service"], grid, int(value["subscribers"]), geometry)
 
 
 def shape_of(kind: FieldKind, grid: Grid) -> tuple[int, ...]:
@@ -50,13 +53,18 @@ class InputPort:
     """One input and the sample that is in use."""
 
     def __init__(
-        self, kind: FieldKind, grid: Grid, reader: Receiver[FieldHeader], varies: bool
+        self, kind: FieldKind, place: InputGrid, reader: Receiver[FieldHeader], varies: bool
     ) -> None:
-        self.kind, self.grid, self.shape = kind, grid, shape_of(kind, grid)
+        self.kind, self.place = kind, place
         self._reader, self._varies = reader, varies
         self.sample: Received[FieldHeader] | None = None
         self._start: Array | None = None
         self._start_in_use = False
+
+    @property
+    def grid(self) -> Grid:
+        """The grid that the sample in use is on."""
+        return self.place.grid
 
     @property
     def _sequence(self) -> int:
@@ -82,6 +90,25 @@ class InputPort:
             self._start_in_use = self._is_earlier(window)
         if self._sequence != expected:
             raise self._out_of_sequence(self._sequence, expected)
+        if self.sample is not None:
+            self._settle(self.sample)
+
+    def _settle(self, sample: Received[FieldHeader]) -> None:
+        """Bring the grid to the sample's revision, and demand a value for each of its points."""
+        header, kind = sample.header, self.kind
+        self.place.follow(kind.name, int(header.grid_revision))
+        expected = self.grid.points * kind.components
+        if sample.length != expected:
+            raise PortError(
+                f"input `{kind.name}` from `{text_of(header.producer)}` has {sample.length} "
+                f"values, expected {expected}"
+            )
+        start = self._start
+        if not self._start_in_use and start is not None and start.size != expected:
+            raise PortError(
+                f"input `{kind.name}` cannot go in a straight line from {start.size} values to "
+                f'{expected}: its grid has grown; set coupling.interpolation to "constant"'
+            )
 
     def _is_earlier(self, window: int) -> bool:
         if self.sample is None:
@@ -107,19 +134,17 @@ class InputPort:
             raise PortError(f"input `{kind.name}` has protocol version {header.protocol}")
         if text_of(header.name) != kind.name:
             raise PortError(f"the topic of `{kind.name}` carries `{text_of(header.name)}`")
-        expected = self.grid.points * kind.components
-        if sample.length != expected:
-            raise PortError(
-                f"input `{kind.name}` from `{text_of(header.producer)}` has {sample.length} "
-                f"values, expected {expected}"
-            )
 
     def view(self, views: Views) -> Array:
         """A read-only view of the sample in use."""
         if self.sample is None:
             raise MissingInput(self.kind.name)
-        pointer, sample = self.sample.pointer, self.sample.sample
-        return views.view(self.kind.name, pointer, self.shape, sample, read_only=True)
+        received, components = self.sample, self.kind.components
+        # Of a sample that is about to be replaced, the grid may have moved on already.
+        points = received.length // components
+        shape = (points,) if components == 1 else (components, points)
+        owner = received.sample
+        return views.view(self.kind.name, received.pointer, shape, owner, read_only=True)
 
     def start(self, views: Views) -> Array | None:
         """The values at the start of the window; `None` for an input that does not vary."""
@@ -184,17 +209,33 @@ class Inputs(Mapping[str, Array]):
 
 
 def open_inputs(
-    endpoint: Endpoint, topics: Sequence[Topic], kinds: Sequence[FieldKind], interpolation: str
+    endpoint: Endpoint,
+    topics: Sequence[Topic],
+    kinds: Sequence[FieldKind],
+    interpolation: str,
+    own: Sequence[GeometryTopic],
 ) -> dict[str, InputPort]:
     """The ports of all inputs, in the order of the configuration."""
-    ports = {}
+    ports: dict[str, InputPort] = {}
+    places: dict[str, InputGrid] = {}
     for topic, kind in zip(topics, kinds, strict=True):
         if topic.field != kind.name:
             raise PortError(f"the topic of `{kind.name}` carries `{topic.field}`")
         varies = interpolation == "linear" and kind.mapping == "consistent"
         reader = endpoint.field_reader(topic.service)
-        ports[kind.name] = InputPort(kind, topic.grid, reader, varies)
+        # Inputs on one grid that moves share it.
+        place = places.get(topic.geometry or "") or _place(endpoint, topic, own)
+        if topic.geometry:
+            places[topic.geometry] = place
+        ports[kind.name] = InputPort(kind, place, reader, varies)
     return ports
+
+
+def _place(endpoint: Endpoint, topic: Topic, own: Sequence[GeometryTopic]) -> InputGrid:
+    is_own = any(geometry.service == topic.geometry for geometry in own)
+    follows = topic.geometry is not None and not is_own
+    reader = endpoint.field_reader(str(topic.geometry)) if follows else None
+    return InputGrid(topic.grid, is_own, reader)
 
 
 def advance(ports: Mapping[str, InputPort], command: Command) -> None:
@@ -208,7 +249,7 @@ class OutputPort:
 
     def __init__(self, kind: FieldKind, topic: Topic, producer: str, writer: FieldWriter) -> None:
         self.kind, self.shape, self.writer = kind, shape_of(kind, topic.grid), writer
-        self.values = topic.grid.points * kind.components
+        self._grid_name, self.values = topic.grid.name, topic.grid.points * kind.components
         self.loan: FieldLoan | None = None
         self.header = FieldHeader(
             protocol=PROTOCOL_VERSION,
@@ -220,6 +261,13 @@ class OutputPort:
             producer=producer.encode(),
             grid=topic.grid.name.encode(),
         )
+
+    def moved(self, grid: Grid) -> None:
+        """Samples on this grid are on the moved one from here on."""
+        if grid.name == self._grid_name:
+            self.shape = shape_of(self.kind, grid)
+            self.values = grid.points * self.kind.components
+            self.header.points, self.header.grid_revision = grid.points, grid.revision
 
     def view(self, views: Views) -> Array:
         """A writable view of the loan."""

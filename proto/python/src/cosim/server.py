@@ -6,7 +6,7 @@ import json
 import math
 import time
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -17,7 +17,8 @@ import numpy as np
 
 from .configuration import Configuration, Refusal
 from .fields import TABLE
-from .grids import Array
+from .geometry import GeometryError, GeometryPorts, GeometryTopic
+from .grids import Array, Grid
 from .heart import Heart
 from .messages import OBSERVE, PROTOCOL_VERSION, Command, CommandKind, Reply, Status
 from .ports import (
@@ -46,7 +47,16 @@ class StateFileError(Exception):
 
 
 #: Errors that say enough by themselves; of all others the kind is told too.
-PLAIN = (StepError, StateError, StateFileError, PortError, KeptView, TransportError, ProtocolError)
+PLAIN = (
+    StepError,
+    StateError,
+    StateFileError,
+    PortError,
+    GeometryError,
+    KeptView,
+    TransportError,
+    ProtocolError,
+)
 
 
 @dataclass
@@ -56,6 +66,7 @@ class Connected:
     inputs: dict[str, InputPort]
     outputs: dict[str, OutputPort]
     observed: dict[str, OutputPort]
+    geometry: GeometryPorts
     patience: float
     """Longest time to wait for the other side's ports [s]."""
 
@@ -67,9 +78,25 @@ class Running:
     inputs: dict[str, InputPort]
     outputs: dict[str, OutputPort]
     observed: dict[str, OutputPort]
+    geometry: GeometryPorts
     step: Step
     unpublished: dict[str, Array]
     """What the last solve wrote of observed fields, for a solver that does not observe itself."""
+
+    def move_to(self, grids: Sequence[Grid], step: Step) -> None:
+        """Publish the geometry of those of these grids that have moved.
+
+        Samples are on the moved grids from here on.
+        """
+        self.geometry.publish(grids, step, self._moved)
+
+    def _moved(self, grid: Grid) -> None:
+        for port in (*self.outputs.values(), *self.observed.values()):
+            port.moved(grid)
+            if port.kind.name in self.unpublished:
+                self.unpublished[port.kind.name] = np.zeros(port.shape)
+        for given in self.inputs.values():
+            given.place.moved(grid)
 
 
 class Server:
@@ -79,6 +106,7 @@ class Server:
         self._solver, self._role, self._heart = solver, role, heart
         self._connected: Connected | None = None
         self._configuration: Configuration | None = None
+        self._grids: Sequence[Grid] = ()
         self._running: Running | None = None
         self._finished = False
         self._model_seconds = 0.0
@@ -106,7 +134,7 @@ class Server:
                 self._coordinator.ring()
             self._heart.idle_after(command.sequence)
 
-    def _handle(self, command: Command, body: bytes) -> tuple[Reply, bytes] | None:
+    def _handle(self, command: Command, body: bytes) -> tuple[Reply, bytes] | None:  # noqa: PLR0912
         if command.protocol != PROTOCOL_VERSION:
             raise ProtocolError(
                 f"the coordinator speaks protocol {command.protocol}, this program "
@@ -132,10 +160,11 @@ class Server:
                 self._solve(self._ready(kind), command, done)
             case CommandKind.ACCEPT:
                 running = self._ready(kind)
-                if not command.flags & OBSERVE:
+                observes = bool(command.flags & OBSERVE)
+                if not observes and not running.geometry:
                     self._accept()
                     return None
-                self._accept_observed(running, done)
+                self._accept_answered(running, observes, done)
             case CommandKind.SAVE:
                 self._ready(kind)
                 self._save(Path(parse(body)["path"]))
@@ -162,7 +191,7 @@ class Server:
     def _configure(self, body: bytes) -> bytes:
         configuration = understood(Configuration.from_json, parse(body))
         layout = checked_layout(self._solver, configuration)
-        self._configuration = configuration
+        self._configuration, self._grids = configuration, layout.grids
         return to_json(layout.to_json())
 
     def _connect(self, topics: dict[str, Any]) -> None:
@@ -178,10 +207,12 @@ class Server:
         interpolation = topics.get("interpolation", "constant")
         published = [topic for topic in outputs if topic.field in configuration.outputs]
         observed = [topic for topic in outputs if topic.field not in configuration.outputs]
+        geometry = [understood(GeometryTopic.from_json, t) for t in topics.get("geometry", [])]
         self._connected = Connected(
-            open_inputs(self._endpoint, inputs, received, interpolation),
+            open_inputs(self._endpoint, inputs, received, interpolation, geometry),
             open_outputs(self._endpoint, published, self._role, kinds),
             open_outputs(self._endpoint, observed, self._role, kinds),
+            GeometryPorts(self._endpoint, geometry, self._role, self._grids),
             min(max(float(topics["deadline"]), 0.0), 1e6),
         )
 
@@ -192,9 +223,15 @@ class Server:
         deadline = time.monotonic() + connected.patience
         for port in [*connected.outputs.values(), *connected.observed.values()]:
             port.writer.wait_for_subscribers(deadline)
+        connected.geometry.wait_for_subscribers(deadline)
         self._timed(self._solver.build)
         running = Running(
-            connected.inputs, connected.outputs, connected.observed, Step(0, 0, 0.0, 0.0), {}
+            connected.inputs,
+            connected.outputs,
+            connected.observed,
+            connected.geometry,
+            Step(0, 0, 0.0, 0.0),
+            {},
         )
         if type(self._solver).observe is Solver.observe:
             ports = running.observed.items()
@@ -252,13 +289,18 @@ class Server:
         except Exception as error:
             self._late = error
 
-    def _accept_observed(self, running: Running, done: Reply) -> None:
-        _, accepting = self._timed(self._solver.accept)
-        observe = self._solver.observe
-        if running.unpublished:
-            observe = partial(_assign, running.unpublished)
-        observing = self._write(running.observed, running.step, observe)
-        done.model_seconds = accepting + observing
+    def _accept_answered(self, running: Running, observes: bool, done: Reply) -> None:
+        _, done.model_seconds = self._timed(self._solver.accept)
+        if observes:
+            observe = self._solver.observe
+            if running.unpublished:
+                observe = partial(_assign, running.unpublished)
+            done.model_seconds += self._write(running.observed, running.step, observe)
+        running.move_to(self._moved_grids(running), running.step)
+
+    def _moved_grids(self, running: Running) -> Sequence[Grid]:
+        """Asked for only where somebody follows a grid."""
+        return self._solver.moved_grids() if running.geometry else ()
 
     def _save(self, path: Path) -> None:
         unfinished, state = path.with_suffix(".partial"), self._solver.save()
@@ -276,8 +318,11 @@ class Server:
             raise StateFileError(f"state file {path}: {error}") from error
         self._solver.restore(state)
         running.step = _step(command)
+        recorded = [Grid.from_json(grid) for grid in file.get("geometry", [])]
+        running.move_to(recorded, running.step)
         files = {output["field"]: Path(output["path"]) for output in file.get("outputs", [])}
         self._write(running.outputs, running.step, lambda outputs: outputs.read(files))
+        running.move_to(self._moved_grids(running), running.step)
 
     def _finish(self) -> bytes:
         self._finished = True

@@ -19,7 +19,7 @@ import numpy as np
 from .configuration import Configuration, Layout, Refusal
 from .description import Effect, Key, Model
 from .fields import FieldKind
-from .grids import Array, check_name
+from .grids import Array, Grid, check_name
 from .messages import PROTOCOL_VERSION
 
 if TYPE_CHECKING:
@@ -122,6 +122,8 @@ class Solver:
     """It has an answer of its own even if no effect is active."""
     estimates: ClassVar[bool] = True
     """It answers `--estimate`, so that a plan knows its grids."""
+    follows_moving_grids: ClassVar[bool] = False
+    """It asks `inputs.grid(field)` in every solve, so that the grids of its inputs may move."""
     models: ClassVar[Sequence[Model]] = ()
     """Models, cheapest first."""
     effects: ClassVar[Sequence[Effect]] = ()
@@ -164,6 +166,13 @@ class Solver:
         A solver that does not override this finds them among the outputs of `solve`, and what the
         accepted solve wrote there is sent.
         """
+
+    def moved_grids(self) -> Sequence[Grid]:
+        """The grids of `Layout.moving` as they are in the accepted state; see `Grid.moved`.
+
+        Asked for after `accept` and `restore`. Solves start from these grids until the next one.
+        """
+        return ()
 
     def save(self) -> bytes:
         """The accepted state; empty for a solver without memory."""
@@ -242,7 +251,7 @@ def checked_layout(solver: Solver, configuration: Configuration) -> Layout:
     """`Solver.configure`, with what no solver can take refused before, and its answer checked."""
     admit(solver, configuration)
     for given in configuration.inputs:
-        if given.moves:
+        if given.moves and not solver.follows_moving_grids:
             raise Refusal(
                 f"{given.producer}.model",
                 f"the grid of `{given.field.name}` moves, and `{type(solver).__name__}` takes "

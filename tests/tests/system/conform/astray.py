@@ -18,6 +18,18 @@ from strip_columns import StripColumns
 FAULT = sys.argv.pop(1)
 
 
+class NoHeart:
+    """Neither beats nor looks at the coordinator."""
+
+    def __init__(self, membership):
+        self.membership = membership
+
+    def nothing(self, *_):
+        pass
+
+    busy = idle_after = stop = nothing
+
+
 class Astray(StripColumns):
     """Misbehaves where its library lets a solver do so."""
 
@@ -128,7 +140,6 @@ match FAULT:
     case "heart":
         cosim.heart.INTERVAL = 1.3
     case "coordinator-dies":
-        # The heart looks at the coordinator as often as it beats.
-        cosim.heart.INTERVAL = 1e6
+        cosim.heart.Heart = NoHeart
 
 main(Astray)
