@@ -18,7 +18,7 @@ mod state;
 mod tap;
 mod topics;
 
-pub use audit::HeatBalance;
+pub use audit::{HeatBalance, Receipt};
 pub(crate) use setup::{Seat, layout_fault};
 pub use tap::Tap;
 
@@ -97,7 +97,9 @@ pub struct SolveRecord {
     pub substeps: u32,
     /// Iterations of the inner solver.
     pub inner_iterations: u32,
-    /// Mean power received through conservative inputs [W].
+    /// Power in the conservative inputs that it was told to use [W].
+    pub heat_sent: Option<f64>,
+    /// Mean power received through conservative inputs, as it reports [W].
     pub heat_received: Option<f64>,
     /// Longest window that it would take from the start of this one [s].
     pub wanted_window: Option<f64>,
@@ -210,7 +212,8 @@ impl Session {
     /// Heat sent and received in the last iteration.
     #[must_use]
     pub fn heat_balance(&self) -> HeatBalance {
-        audit::balance(&self.taps, &self.feedback, &self.mapped, &self.solved)
+        let mapping = audit::of_mappings(&self.mapped);
+        HeatBalance { mapping, ..HeatBalance::of(&self.solved) }
     }
 
     /// Makes the last solve of every participant its accepted state. With `observe` the observed
@@ -501,7 +504,11 @@ impl Exchange for Session {
             }
             self.post(one, command, &[], true)?;
         }
-        // While they compute, what was sent before is recorded and looked through.
+        // While they compute, what was sent before is audited, recorded and looked through.
+        for &one in participants {
+            let Self { taps, feedback, mapped, .. } = &*self;
+            self.solved[one].heat_sent = audit::commanded(taps, feedback, mapped, one);
+        }
         if let Some(recorder) = &self.recorder {
             recorder.hand_over();
         }
@@ -509,7 +516,8 @@ impl Exchange for Session {
         let mut longest = 0.0_f64;
         for &one in participants {
             let message = self.await_done(one, self.deadlines.solve)?;
-            self.solved[one] = solve_record(message.header());
+            let heat_sent = self.solved[one].heat_sent;
+            self.solved[one] = SolveRecord { heat_sent, ..solve_record(message.header()) };
             longest = longest.max(self.solved[one].model_seconds);
             drop(message);
             self.collect(one, step, false)?;
@@ -538,6 +546,7 @@ fn solve_record(reply: &Reply) -> SolveRecord {
         work: reply.work,
         substeps: reply.substeps,
         inner_iterations: reply.inner_iterations,
+        heat_sent: None,
         heat_received: Some(reply.heat_received).filter(|heat| !heat.is_nan()),
         wanted_window: Some(reply.wanted_window).filter(|w| *w > 0.0 && w.is_finite()),
     }
