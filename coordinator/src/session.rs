@@ -219,6 +219,8 @@ impl Session {
     /// Makes the last solve of every participant its accepted state. With `observe` the observed
     /// fields are published and received. Grids that move are where they have moved to thereafter.
     pub fn accept(&mut self, step: &Step, observe: bool) -> Result<(), RunError> {
+        // Nothing else looks through what was sent last in an explicit scheme before it is kept.
+        (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
         self.phase = Phase::Accepting(*step);
         let mut command = Command::about(CommandKind::Accept, step);
         command.flags = if observe { OBSERVE } else { 0 };
@@ -255,10 +257,14 @@ impl Session {
         let mut finished = Vec::with_capacity(self.links.len());
         for one in 0..self.links.len() {
             let message = self.await_done(one, self.deadlines.solve)?;
-            finished.push(
-                serde_json::from_slice(message.body())
-                    .map_err(|e| self.misbehaved(one, format!("its summary is not valid: {e}")))?,
-            );
+            let said: Finished = serde_json::from_slice(message.body())
+                .map_err(|e| self.misbehaved(one, format!("its summary is not valid: {e}")))?;
+            let (model, processor) = (said.model_seconds, said.cpu_seconds);
+            if model < 0.0 || processor < 0.0 {
+                let what = format!("model_seconds is {model} s, cpu_seconds {processor} s");
+                return Err(self.misbehaved(one, what));
+            }
+            finished.push(said);
         }
         // They end by themselves now; who does not is ended when the session is dropped.
         self.wait_for_exits();
@@ -516,7 +522,10 @@ impl Exchange for Session {
         let mut longest = 0.0_f64;
         for &one in participants {
             let message = self.await_done(one, self.deadlines.solve)?;
-            let heat_sent = self.solved[one].heat_sent;
+            let before = self.solved[one];
+            let fault = audit::report_fault(message.header(), before.heat_received);
+            fault.map_or(Ok(()), |what| Err(self.misbehaved(one, what)))?;
+            let heat_sent = before.heat_sent;
             self.solved[one] = SolveRecord { heat_sent, ..solve_record(message.header()) };
             longest = longest.max(self.solved[one].model_seconds);
             drop(message);

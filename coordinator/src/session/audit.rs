@@ -8,6 +8,7 @@
 use super::feedback::Feedback;
 use super::mapped::Mapped;
 use super::{SolveRecord, Tap};
+use proto::message::Reply;
 
 /// Heat across the interface in one iteration, as mean power over the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -112,6 +113,14 @@ pub(super) fn commanded(
         mapped.heat.iter().for_each(|heat| add(heat.sent));
     }
     power
+}
+
+/// What is wrong with what a participant reports of a solve, if anything; with the heat that it
+/// reported of the one before.
+pub(super) fn report_fault(reply: &Reply, heat_before: Option<f64>) -> Option<String> {
+    let stopped = heat_before.is_some() && reply.heat_received.is_nan();
+    let told = || stopped.then(|| "it has stopped reporting the heat it receives".to_owned());
+    reply.fault().or_else(told)
 }
 
 /// The largest part of the heat that a mapping has lost or made; `None` if no heat is mapped.
