@@ -20,7 +20,7 @@ mod state;
 mod tap;
 mod topics;
 
-pub use audit::HeatBalance;
+pub use audit::{HeatBalance, Receipt};
 pub(crate) use setup::{Seat, layout_fault};
 pub use tap::Tap;
 
@@ -116,7 +116,9 @@ pub struct SolveRecord {
     pub substeps: u32,
     /// Iterations of the inner solver.
     pub inner_iterations: u32,
-    /// Mean power received through conservative inputs [W].
+    /// Power in the conservative inputs that it was told to use [W].
+    pub heat_sent: Option<f64>,
+    /// Mean power received through conservative inputs, as it reports [W].
     pub heat_received: Option<f64>,
     /// Longest window that it would take from the start of this one [s].
     pub wanted_window: Option<f64>,
@@ -230,12 +232,15 @@ impl Session {
     /// Heat sent and received in the last iteration.
     #[must_use]
     pub fn heat_balance(&self) -> HeatBalance {
-        audit::balance(&self.taps, &self.feedback, &self.mapped, &self.solved)
+        let mapping = audit::of_mappings(&self.mapped);
+        HeatBalance { mapping, ..HeatBalance::of(&self.solved) }
     }
 
     /// Makes the last solve of every participant its accepted state. With `observe` the observed
     /// fields are published and received. Grids that move are where they have moved to thereafter.
     pub fn accept(&mut self, step: &Step, observe: bool) -> Result<(), RunError> {
+        // Nothing else looks through what was sent last in an explicit scheme before it is kept.
+        (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
         self.phase = Phase::Accepting(*step);
         let mut command = Command::about(CommandKind::Accept, step);
         command.flags = if observe { OBSERVE } else { 0 };
@@ -272,10 +277,14 @@ impl Session {
         let mut finished = Vec::with_capacity(self.links.len());
         for one in 0..self.links.len() {
             let message = self.await_done(one, self.deadlines.solve)?;
-            finished.push(
-                serde_json::from_slice(message.body())
-                    .map_err(|e| self.misbehaved(one, format!("its summary is not valid: {e}")))?,
-            );
+            let said: Finished = serde_json::from_slice(message.body())
+                .map_err(|e| self.misbehaved(one, format!("its summary is not valid: {e}")))?;
+            let (model, processor) = (said.model_seconds, said.cpu_seconds);
+            if model < 0.0 || processor < 0.0 {
+                let what = format!("model_seconds is {model} s, cpu_seconds {processor} s");
+                return Err(self.misbehaved(one, what));
+            }
+            finished.push(said);
         }
         // They end by themselves now; who does not is ended when the session is dropped.
         self.wait_for_exits();
@@ -560,7 +569,11 @@ impl Exchange for Session {
             }
             self.post(one, command, &[], true)?;
         }
-        // While they compute, what was sent before is recorded and looked through.
+        // While they compute, what was sent before is audited, recorded and looked through.
+        for &one in participants {
+            let Self { taps, feedback, mapped, .. } = &*self;
+            self.solved[one].heat_sent = audit::commanded(taps, feedback, mapped, one);
+        }
         if let Some(recorder) = &self.recorder {
             recorder.hand_over();
         }
@@ -568,7 +581,11 @@ impl Exchange for Session {
         let mut longest = 0.0_f64;
         for &one in participants {
             let message = self.await_done(one, self.deadlines.solve)?;
-            self.solved[one] = solve_record(message.header());
+            let before = self.solved[one];
+            let fault = audit::report_fault(message.header(), before.heat_received);
+            fault.map_or(Ok(()), |what| Err(self.misbehaved(one, what)))?;
+            let heat_sent = before.heat_sent;
+            self.solved[one] = SolveRecord { heat_sent, ..solve_record(message.header()) };
             longest = longest.max(self.solved[one].model_seconds);
             drop(message);
             self.collect(one, step, false)?;
@@ -597,6 +614,7 @@ fn solve_record(reply: &Reply) -> SolveRecord {
         work: reply.work,
         substeps: reply.substeps,
         inner_iterations: reply.inner_iterations,
+        heat_sent: None,
         heat_received: Some(reply.heat_received).filter(|heat| !heat.is_nan()),
         wanted_window: Some(reply.wanted_window).filter(|w| *w > 0.0 && w.is_finite()),
     }

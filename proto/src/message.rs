@@ -208,6 +208,19 @@ impl Reply {
         }
     }
 
+    /// What is wrong with the figures of a solve, if anything.
+    #[must_use]
+    pub fn fault(&self) -> Option<String> {
+        let times = [("model_seconds", self.model_seconds), ("wanted_window", self.wanted_window)];
+        for (name, seconds) in times {
+            if !(seconds.is_finite() && seconds >= 0.0) {
+                return Some(format!("{name} is {seconds} s"));
+            }
+        }
+        let infinite = self.heat_received.is_infinite();
+        infinite.then(|| "heat_received is infinite (NaN says that there is none)".to_owned())
+    }
+
     /// With the report of a solve.
     #[must_use]
     pub fn with_report(mut self, report: &StepReport) -> Self {

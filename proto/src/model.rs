@@ -74,7 +74,8 @@ pub struct InputField<'a> {
 /// Outputs of a solve, written where consumers will read them.
 pub trait Outputs {
     /// The place for a field's values, component-major; `None` when nobody needs the field. Every
-    /// value must be written; the place holds old data before.
+    /// value must be written; the place holds old data before, and marks in some of it, by which an
+    /// output that was not written is noticed.
     fn get(&mut self, field: &FieldSpec) -> Option<&mut [f64]>;
 }
 
@@ -93,6 +94,20 @@ pub struct StepReport {
     /// Longest window that the model would take from this one's start [s]: up to an event, or for
     /// its accuracy. Adaptive windows obey it where it is shorter than the window solved.
     pub wanted_window: Option<f64>,
+}
+
+impl StepReport {
+    /// What is wrong with it, if anything: a figure that is no number would pass for one that is not
+    /// given.
+    #[must_use]
+    pub fn fault(&self) -> Option<String> {
+        if let Some(heat) = self.heat_received.filter(|heat| !heat.is_finite()) {
+            return Some(format!("the model reports {heat} W of heat received"));
+        }
+        let wrong = |wish: &f64| !(wish.is_finite() && *wish >= 0.0);
+        let wish = self.wanted_window.filter(wrong)?;
+        Some(format!("the model wants a window of {wish} s"))
+    }
 }
 
 /// Why a solve failed.

@@ -9,7 +9,8 @@
 //! The source sends the mean of its flux over the window, from `substeps` midpoints at which it
 //! takes the temperature as it varies within the window. The body takes `substeps` steps of the
 //! trapezoidal rule. Both keep their own books of heat. With `body.points` the body has a grid of
-//! so many elements on the same surface, on which it wants the flux.
+//! so many elements on the same surface, on which it wants the flux. The model `split` is the same
+//! problem with the flux sent as two fields.
 
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
@@ -30,6 +31,9 @@ pub const SOURCE_FLUX: FieldSpec = FieldSpec {
     body: Body::Interface,
     meaning: "mean over the window of the flux into the body",
 };
+/// The rest of it in the model `split` \[W/m²\].
+pub const SECOND_FLUX: FieldSpec =
+    FieldSpec { name: "second_flux", meaning: "the rest of the flux into the body", ..SOURCE_FLUX };
 /// What `body` sends \[K\].
 pub const BODY_TEMPERATURE: FieldSpec = FieldSpec {
     name: "body_temperature",
@@ -40,8 +44,19 @@ pub const BODY_TEMPERATURE: FieldSpec = FieldSpec {
     meaning: "temperature rise at the end of the window",
 };
 
+/// The fields that carry the flux, with the part that each has of it.
+fn fluxes(model: &str) -> &'static [(FieldSpec, f64)] {
+    match model {
+        "split" => &[(SOURCE_FLUX, 0.75), (SECOND_FLUX, 0.25)],
+        _ => &[(SOURCE_FLUX, 1.0)],
+    }
+}
+
 /// Elements of the surface.
 const POINTS: usize = 4;
+/// What a flux is said to be before the first window \[W/m²\]: only who solves at the same time as
+/// the source uses it.
+const FIRST_FLUX: f64 = 0.5;
 /// Side of an element \[m\]: the surface has 1 m².
 const SIDE: f64 = 0.5;
 
@@ -141,17 +156,32 @@ impl Lumped {
         }
     }
 
-    fn sends(self) -> FieldSpec {
+    fn sends(self, model: &str) -> Vec<FieldSpec> {
         match self {
-            Self::Source => SOURCE_FLUX,
-            Self::Body => BODY_TEMPERATURE,
+            Self::Source => fluxes(model).iter().map(|(field, _)| *field).collect(),
+            Self::Body => vec![BODY_TEMPERATURE],
         }
     }
 
-    fn receives(self) -> FieldSpec {
+    fn receives(self, model: &str) -> Vec<FieldSpec> {
         match self {
-            Self::Source => BODY_TEMPERATURE,
-            Self::Body => SOURCE_FLUX,
+            Self::Source => vec![BODY_TEMPERATURE],
+            Self::Body => Self::Source.sends(model),
+        }
+    }
+
+    fn model(self, name: &str, summary: &str) -> ModelSpec {
+        let names = |fields: Vec<FieldSpec>| fields.iter().map(|f| f.name.to_owned()).collect();
+        ModelSpec {
+            name: name.to_owned(),
+            summary: summary.to_owned(),
+            source: "an ordinary differential equation with a closed form".to_owned(),
+            steady: false,
+            transient: true,
+            consumes: names(self.receives(name)),
+            provides: names(self.sends(name)),
+            keys: Vec::new(),
+            accuracy: Accuracy::default(),
         }
     }
 }
@@ -168,6 +198,10 @@ impl Solver for Lumped {
         if *self == Self::Body {
             let help = "elements of its own grid; absent: the source's";
             keys.push(KeySpec::integer(&key("points"), help).at_least(1.0));
+            let help = "part of the heat that it receives and does not report";
+            keys.push(KeySpec::number(&key("hides"), help).default_value(0.0));
+            let help = "it reports the heat that it receives";
+            keys.push(KeySpec::flag(&key("reports"), help).default_value(true));
         }
         if *self == Self::Source {
             let help = "it wants a window to end at its step";
@@ -180,20 +214,13 @@ impl Solver for Lumped {
             role: self.role().to_owned(),
             standalone: true,
             estimates: true,
-            models: vec![ModelSpec {
-                name: "lumped".to_owned(),
-                summary: "one heat capacity and what heats it".to_owned(),
-                source: "an ordinary differential equation with a closed form".to_owned(),
-                steady: false,
-                transient: true,
-                consumes: vec![self.receives().name.to_owned()],
-                provides: vec![self.sends().name.to_owned()],
-                keys: Vec::new(),
-                accuracy: Accuracy::default(),
-            }],
+            models: vec![
+                self.model("lumped", "one heat capacity and what heats it"),
+                self.model("split", "the same, with the flux in two fields"),
+            ],
             effects: Vec::new(),
             keys,
-            fields: vec![SOURCE_FLUX.kind(), BODY_TEMPERATURE.kind()],
+            fields: [SOURCE_FLUX, SECOND_FLUX, BODY_TEMPERATURE].map(|f| f.kind()).into(),
         }
     }
 
@@ -201,18 +228,24 @@ impl Solver for Lumped {
         let case = &configuration.case;
         let own = *self == Self::Body && case.has("body.points");
         let points = if own { case.integer("body.points")? as usize } else { POINTS };
-        let on_grid =
-            |field: FieldSpec| FieldOnGrid { field: field.name.to_owned(), grid: "surface".into() };
-        let announce = case.get("source.announce").and_then(serde_json::Value::as_bool);
+        let on_grid = |fields: Vec<FieldSpec>| -> Vec<FieldOnGrid> {
+            let one = |f: FieldSpec| FieldOnGrid { field: f.name.into(), grid: "surface".into() };
+            fields.into_iter().map(one).collect()
+        };
+        let flag = |key: &str| case.get(key).and_then(serde_json::Value::as_bool);
+        let model = &configuration.model;
+        let hides = if *self == Self::Body { case.number("body.hides")? } else { 0.0 };
         Ok(Box::new(LumpedSetup {
             part: *self,
             problem: Problem::read(case)?,
             substeps: case.integer(&format!("{}.substeps", self.role()))? as u32,
-            announce: announce.unwrap_or(false),
+            announce: flag("source.announce").unwrap_or(false),
+            fluxes: fluxes(model),
+            reported: flag("body.reports").unwrap_or(true).then_some(1.0 - hides),
             layout: Layout {
                 grids: vec![surface(points)],
-                fields: vec![on_grid(self.sends())],
-                inputs: own.then(|| on_grid(self.receives())).into_iter().collect(),
+                fields: on_grid(self.sends(model)),
+                inputs: if own { on_grid(self.receives(model)) } else { Vec::new() },
                 ..Layout::default()
             },
         }))
@@ -225,6 +258,9 @@ struct LumpedSetup {
     problem: Problem,
     substeps: u32,
     announce: bool,
+    fluxes: &'static [(FieldSpec, f64)],
+    /// Part of the heat received that is reported; `None` for no report.
+    reported: Option<f64>,
     layout: Layout,
 }
 
@@ -303,19 +339,20 @@ impl Model for LumpedModel {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        let (receives, sends) = (self.setup.part.receives(), self.setup.part.sends());
         let missing = |field: &FieldSpec| StepError::MissingInput { field: field.name.to_owned() };
-        let received = inputs.get(&receives).ok_or_else(|| missing(&receives))?;
-        let sent = outputs.get(&sends).ok_or_else(|| missing(&sends))?;
         let mut report = StepReport { substeps: self.setup.substeps, ..StepReport::default() };
         match self.setup.part {
             Lumped::Source => {
-                let to = received.values[0];
-                let from = inputs.start(&receives).map_or(to, |start| start[0]);
+                let temperature = inputs.get(&BODY_TEMPERATURE);
+                let to = temperature.ok_or_else(|| missing(&BODY_TEMPERATURE))?.values[0];
+                let from = inputs.start(&BODY_TEMPERATURE).map_or(to, |start| start[0]);
                 let flux = self.mean_flux(step, from, to);
-                // Uneven, so that its integral is more than one value times the area.
-                for (index, value) in sent.iter_mut().enumerate() {
-                    *value = flux * (0.7 + 0.2 * index as f64);
+                for (field, part) in self.setup.fluxes {
+                    // Uneven, so that its integral is more than one value times the area.
+                    let sent = outputs.get(field).ok_or_else(|| missing(field))?;
+                    for (index, value) in sent.iter_mut().enumerate() {
+                        *value = part * flux * (0.7 + 0.2 * index as f64);
+                    }
                 }
                 let heat = flux * (POINTS as f64 * SIDE * SIDE) * step.duration();
                 self.trial = Books { heat: self.accepted.heat + heat, ..self.accepted };
@@ -324,19 +361,27 @@ impl Model for LumpedModel {
                 report.wanted_window = (self.setup.announce && within).then_some(ahead);
             }
             Lumped::Body => {
-                let area = POINTS as f64 * SIDE * SIDE / received.values.len() as f64;
-                let power = received.values.iter().map(|q| q * area).sum::<f64>();
+                let mut power = 0.0;
+                for (field, _) in self.setup.fluxes {
+                    let values = inputs.get(field).ok_or_else(|| missing(field))?.values;
+                    let area = POINTS as f64 * SIDE * SIDE / values.len() as f64;
+                    power += values.iter().map(|q| q * area).sum::<f64>();
+                }
                 self.trial = self.heat_up(step, power);
-                sent.fill(self.trial.temperature);
-                report.heat_received = Some(self.trial.in_window / step.duration());
+                let place = outputs.get(&BODY_TEMPERATURE);
+                place.ok_or_else(|| missing(&BODY_TEMPERATURE))?.fill(self.trial.temperature);
+                let mean = self.trial.in_window / step.duration();
+                report.heat_received = self.setup.reported.map(|part| part * mean);
             }
         }
         Ok(report)
     }
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        if let Some(values) = outputs.get(&self.setup.part.sends()) {
-            values.fill(0.0);
+        for field in [SOURCE_FLUX, SECOND_FLUX, BODY_TEMPERATURE] {
+            if let Some(values) = outputs.get(&field) {
+                values.fill(if field == BODY_TEMPERATURE { 0.0 } else { FIRST_FLUX });
+            }
         }
     }
 

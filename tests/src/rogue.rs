@@ -112,6 +112,16 @@ impl Rogue {
         if self.is_at(command, "wrong-answer") {
             reply.sequence -= 1;
         }
+        let at = |fault: &str| self.is_at(command, fault);
+        match () {
+            () if at("time-is-no-number") => reply.model_seconds = f64::NAN,
+            () if at("negative-time") => reply.model_seconds = -1e-9,
+            () if at("negative-wish") => reply.wanted_window = -1.0,
+            () if at("endless-wish") => reply.wanted_window = f64::INFINITY,
+            () if at("infinite-heat") => reply.heat_received = f64::NEG_INFINITY,
+            () if at("heat-once") => reply.heat_received = 0.0,
+            () => {}
+        }
         reply
     }
 

@@ -26,6 +26,10 @@ pub const FAULTS: &[&str] = &[
     "exit",
     "hang",
     "error",
+    "unwritten",
+    "half-written",
+    "heat-is-no-number",
+    "wish-is-no-number",
     "exit-at-start",
     "refuse-build",
     "short",
@@ -34,6 +38,12 @@ pub const FAULTS: &[&str] = &[
     "silence",
     "old-reply",
     "wrong-answer",
+    "time-is-no-number",
+    "negative-time",
+    "negative-wish",
+    "endless-wish",
+    "infinite-heat",
+    "heat-once",
     "unannounced",
     "old-revision",
     "falling",
@@ -222,7 +232,15 @@ impl Model for ToyModel {
             .ok_or_else(|| missing(&self.setup.toy.receives))?;
         let sent =
             outputs.get(&self.setup.toy.sends).ok_or_else(|| missing(&self.setup.toy.sends))?;
-        for (sent, received) in sent.iter_mut().zip(received.values) {
+        let at = |fault: &str| step.window == self.setup.fault_window && self.setup.fault == fault;
+        let written = match () {
+            () if at("unwritten") => 0,
+            () if at("half-written") => sent.len() / 2,
+            () => sent.len(),
+        };
+        // One that is longer than what it receives counts on from nothing.
+        let received = received.values.iter().chain(std::iter::repeat(&0.0));
+        for (sent, received) in sent.iter_mut().zip(received).take(written) {
             *sent = received + 1.0;
         }
         if !self.setup.delay.is_zero() {
@@ -230,7 +248,11 @@ impl Model for ToyModel {
         }
         self.misbehave(step, sent)?;
         self.solves += 1;
-        Ok(StepReport { substeps: 1, work: sent.len() as u64, ..StepReport::default() })
+        let mut report =
+            StepReport { substeps: 1, work: sent.len() as u64, ..StepReport::default() };
+        report.heat_received = at("heat-is-no-number").then_some(f64::NAN);
+        report.wanted_window = at("wish-is-no-number").then_some(f64::NAN);
+        Ok(report)
     }
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {

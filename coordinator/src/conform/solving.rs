@@ -80,12 +80,8 @@ fn solve(bench: &Bench) -> Result<Seen, Fault> {
             let step = setting.step(window);
             let step = Step { iteration: step.iteration + variation, ..step };
             let solved = trial.solve_with(&step, variation)?;
-            let (wish, seconds) = (solved.reply.wanted_window, solved.reply.model_seconds);
-            if !(wish.is_finite() && wish >= 0.0 && seconds.is_finite() && seconds >= 0.0) {
-                return broken(format!("wanted_window {wish} s, model_seconds {seconds} s"));
-            }
-            if solved.reply.heat_received.is_infinite() {
-                return broken("heat_received is infinite (NaN says that there is none)");
+            if let Some(fault) = solved.reply.fault() {
+                return broken(fault);
             }
             if !setting.is_transient() {
                 break;

@@ -166,7 +166,7 @@ mod tests {
             residuals,
             taken: &taken,
             coupling_seconds: 0.25,
-            heat: &HeatBalance { sent: Some(1.5), received: None, mapping: None },
+            heat: &HeatBalance { sent: Some(1.5), ..HeatBalance::default() },
             solved: &[SolveRecord::default(); 2],
         };
         write_row(&mut text, &row).unwrap();

@@ -47,6 +47,10 @@ pub struct Counts {
     pub final_residual: Option<f64>,
     /// Largest heat imbalance of a window, relative.
     pub energy_imbalance: Option<f64>,
+    /// Bit by participant: it consumes a conservative field and reports no heat. A resumed run finds
+    /// out again.
+    #[serde(skip)]
+    pub heat_unreported: u64,
     /// Seconds of planning.
     pub plan_seconds: f64,
     /// Seconds from the first participant's start to the first window.
@@ -184,6 +188,12 @@ fn coupling(of: &Ingredients) -> Value {
         if let Some(value) = value.filter(|value| value.is_finite()) {
             section[key] = value.into();
         }
+    }
+    let roles = of.plan.participants.iter().enumerate();
+    let silent = roles.filter(|(one, _)| counts.heat_unreported >> one & 1 == 1);
+    let silent: Vec<&str> = silent.map(|(_, participant)| participant.role.as_str()).collect();
+    if !silent.is_empty() {
+        section["heat_not_reported_by"] = silent.into();
     }
     if let Some(repeated) = counts.repeated_windows {
         section["repeated_windows"] = repeated.into();

@@ -12,7 +12,7 @@ use crate::record::Recorder;
 use crate::results::iterations::{IterationTable, Row};
 use crate::results::summary::Counts;
 use crate::results::vtk::FieldWriter;
-use crate::session::{HeatBalance, Session};
+use crate::session::{HeatBalance, Receipt, Session};
 use crate::windows::{self, Controller};
 use proto::model::Step;
 use proto::recording::{Event, Iteration};
@@ -129,7 +129,8 @@ impl<'a> March<'a> {
     }
 
     fn accept(&mut self, step: &Step) -> Result<(), RunError> {
-        audit(&self.session.heat_balance(), step.window, self.counts)?;
+        let roles: Vec<&str> = self.plan.participants.iter().map(|p| p.role.as_str()).collect();
+        audit(&self.session.heat_balance(), &roles, step.window, self.counts)?;
         let done = step.window + 1;
         let last = self.time.window().is_none();
         let observe =
@@ -250,31 +251,62 @@ fn beside_the_models(wall: f64, models: f64) -> f64 {
     (wall - models).max(0.0)
 }
 
-/// Heat that is lost or made between the participants ends the run.
-fn audit(heat: &HeatBalance, window: u64, counts: &mut Counts) -> Result<(), RunError> {
+/// Heat that is lost or made between the participants ends the run. Who reports none of what it
+/// consumes is named, once, and left out.
+fn audit(
+    heat: &HeatBalance,
+    roles: &[&str],
+    window: u64,
+    counts: &mut Counts,
+) -> Result<(), RunError> {
+    let unreported = heat.unreported & !counts.heat_unreported;
+    counts.heat_unreported |= unreported;
+    for (_, role) in roles.iter().enumerate().filter(|(one, _)| unreported >> one & 1 == 1) {
+        tracing::warn!("{role} does not report the heat it receives and is left out of the audit");
+    }
     let Some(imbalance) = heat.imbalance() else { return Ok(()) };
     let worst = counts.energy_imbalance.get_or_insert(0.0);
     *worst = worst.max(imbalance);
     if imbalance <= LARGEST_IMBALANCE {
         return Ok(());
     }
-    let watts = |heat: Option<f64>| heat.map_or_else(|| "?".to_owned(), |heat| format!("{heat:e}"));
+    let told = heat.worst.filter(|told| told.imbalance().is_nan() || told.imbalance() >= imbalance);
+    let (what, fix) = match told {
+        Some(told) => {
+            let Receipt { participant, sent, received } = told;
+            let role = roles[participant];
+            let what = format!("{sent:e} W sent to {role}, which reports {received:e} W received");
+            (what, "a participant loses or makes heat; see iterations.csv")
+        }
+        None => {
+            let what = format!("a mapping changes the heat by {imbalance:e} of what it carries");
+            (what, "see what log.jsonl says of its coverage; choose another [mapping] method")
+        }
+    };
     Err(RunError::Failed(Failure {
         who: "the energy audit".to_owned(),
         when: format!("in window {window}"),
-        what: format!("{} W sent, {} W received", watts(heat.sent), watts(heat.received)),
-        fix: "a participant loses or makes heat; see iterations.csv".to_owned(),
+        what,
+        fix: fix.to_owned(),
     }))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::session::SolveRecord;
+
+    /// Of the second participant.
+    fn heat(heat_sent: f64, heat_received: Option<f64>) -> HeatBalance {
+        let heat_sent = Some(heat_sent);
+        let consumer = SolveRecord { heat_sent, heat_received, ..SolveRecord::default() };
+        HeatBalance::of(&[SolveRecord::default(), consumer])
+    }
 
     fn audited(sent: f64, received: f64) -> (Result<(), String>, Option<f64>) {
         let mut counts = Counts::default();
-        let heat = HeatBalance { sent: Some(sent), received: Some(received), mapping: None };
-        let judged = audit(&heat, 7, &mut counts).map_err(|error| error.to_string());
+        let judged = audit(&heat(sent, Some(received)), &["mech", "thermal"], 7, &mut counts);
+        let judged = judged.map_err(|error| error.to_string());
         (judged, counts.energy_imbalance)
     }
 
@@ -284,15 +316,16 @@ mod tests {
         let (judged, worst) = audited(1e3, 1e3 * (1.0 + 1e-9));
         assert_eq!(judged, Ok(()));
         assert!(worst.unwrap() > 0.9e-9);
-        let unknown = HeatBalance { sent: Some(1.0), received: None, mapping: None };
-        assert!(audit(&unknown, 0, &mut Counts::default()).is_ok());
+        let mut counts = Counts::default();
+        assert!(audit(&heat(1.0, None), &["mech", "thermal"], 0, &mut counts).is_ok());
+        assert_eq!((counts.heat_unreported, counts.energy_imbalance), (0b10, None));
     }
 
     #[test]
     fn heat_that_is_lost_or_no_number_ends_the_run() {
         let (judged, worst) = audited(1000.0, 999.0);
-        let told = "the energy audit failed in window 7: 1e3 W sent, 9.99e2 W received; a \
-                    participant loses or makes heat; see iterations.csv";
+        let told = "the energy audit failed in window 7: 1e3 W sent to thermal, which reports \
+                    9.99e2 W received; a participant loses or makes heat; see iterations.csv";
         assert_eq!(judged, Err(told.to_owned()));
         assert_eq!(worst, Some(0.001));
         for (sent, received) in [
@@ -305,6 +338,9 @@ mod tests {
         ] {
             assert!(audited(sent, received).0.is_err(), "{sent} W, {received} W");
         }
+        let mapped = HeatBalance { mapping: Some(0.5), ..heat(1.0, Some(1.0)) };
+        let judged = audit(&mapped, &["mech", "thermal"], 7, &mut Counts::default());
+        assert!(judged.unwrap_err().to_string().contains("a mapping changes the heat by 5e-1"));
     }
 
     #[test]

@@ -162,6 +162,12 @@ impl NormalSolver {
         self.convolution.shape()
     }
 
+    /// u = A p of the pressure that was solved for last [m].
+    #[must_use]
+    pub fn displacement(&self) -> &[f64] {
+        &self.work.displacement
+    }
+
     /// Solves for the pressure [Pa] at the undeformed distance h [m] of every element.
     ///
     /// `pressure` is the first guess on entry; if it is zero everywhere, one is made from `distance`

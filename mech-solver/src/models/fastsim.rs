@@ -215,6 +215,7 @@ impl Setup for Prepared {
     fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
         let Self { problem, grid, wanted, .. } = *self;
         let contact = problem.solve();
+        contact.check_power()?;
         let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
         Ok(Box::new(Precomputed {
             name: NAME,

@@ -16,6 +16,7 @@ mod answer;
 mod contact;
 mod drive;
 mod geometry;
+mod power;
 mod steady;
 mod transient;
 

@@ -34,6 +34,18 @@ pub const MODELS: &[ModelEntry] = &[
     ModelEntry { spec: half_space::spec, configure: half_space::configure },
 ];
 
+/// Largest imbalance of power that is accepted: above what the turns of pressure and tractions of
+/// different bodies leave, 2e-7 in the worst of a thousand contacts.
+pub(crate) const LARGEST_POWER_IMBALANCE: f64 = 1e-6;
+
+/// |taken − given| over the magnitudes of all that is exchanged \[-\]; 0 where nothing is, or so little
+/// that its products have no digits left.
+pub(crate) fn power_imbalance(taken: f64, given: f64, exchanged: f64) -> f64 {
+    const FAINT: f64 = f64::MIN_POSITIVE / f64::EPSILON;
+    let off = (taken - given).abs();
+    if off <= FAINT && exchanged <= FAINT { 0.0 } else { off / exchanged }
+}
+
 /// Where the expected errors of the models were measured.
 const STUDY: &str = "`coordinator cost` of the cases wheel-rail and full-slip";
 

@@ -403,9 +403,9 @@ const double *cosim_require_input(const struct cosim_inputs *inputs,
 
 /**
  * The place for the values of an output: its components one after the other, each with one value an
- * element, valid until the callback returns. Every value has to be written; the place holds old
- * data before. Writes the number of values; `count` may be NULL. NULL, and a count of 0, for a
- * field that nobody needs now.
+ * element, valid until the callback returns. Every value has to be written: the place holds old data
+ * before, and an output that is left as it was fails the call. Writes the number of values; `count`
+ * may be NULL. NULL, and a count of 0, for a field that nobody needs now.
  */
 double *cosim_output(struct cosim_outputs *outputs, const char *field, size_t *count);
 

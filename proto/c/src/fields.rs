@@ -122,9 +122,9 @@ pub unsafe extern "C" fn cosim_require_input(
 }
 
 /// The place for the values of an output: its components one after the other, each with one value an
-/// element, valid until the callback returns. Every value has to be written; the place holds old
-/// data before. Writes the number of values; `count` may be NULL. NULL, and a count of 0, for a
-/// field that nobody needs now.
+/// element, valid until the callback returns. Every value has to be written: the place holds old data
+/// before, and an output that is left as it was fails the call. Writes the number of values; `count`
+/// may be NULL. NULL, and a count of 0, for a field that nobody needs now.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_output(
     outputs: *mut CosimOutputs<'_>,

@@ -84,6 +84,8 @@ static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
     if (!received || !sent)
         return COSIM_FAILED;
     toy->trial = 0.7 * toy->accepted + sin(received[0]) + (step->end - step->start) / 3.0;
+    if (step->window == 3 && strcmp(toy->fault, "unwritten") == 0)
+        return COSIM_OK;
     for (size_t i = 0; i < count; i++)
         sent[i] = received[i] + toy->trial;
     report->substeps = 1;

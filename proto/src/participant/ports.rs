@@ -37,6 +37,11 @@ pub(super) enum PortError {
     Label { expected: String, found: String },
     #[error("more than one sample of output `{0}` at a time")]
     Loan(String),
+    #[error(
+        "output `{field}` was not written at index {index}, and would have sent old data: write \
+         every value of what `Outputs::get` gives, in every call"
+    )]
+    Unwritten { field: String, index: usize },
     #[error("output `{field}` cannot be restored from {path}: {reason}")]
     Restore { field: String, path: std::path::PathBuf, reason: String },
 }
@@ -206,6 +211,29 @@ impl Inputs for InputPorts {
     }
 }
 
+/// Stands in a loan where nothing has been written yet: a NaN that no operation of the processor
+/// gives by itself, and that stays in whatever is computed from it.
+const UNWRITTEN: f64 = f64::from_bits(0x7ff8_756e_7772_6974);
+
+/// The most places of a loan that are marked. An output that is not written is always noticed; of
+/// one that is written in part, any gap of a 63rd of its values, and smaller ones by chance.
+const MARKS: usize = 64;
+
+/// The places of a loan that are marked: evenly spread, the first and the last among them.
+fn marked(values: usize) -> impl Iterator<Item = usize> {
+    let marks = values.min(MARKS);
+    (0..marks).map(move |mark| mark * (values - 1) / (marks - 1).max(1))
+}
+
+fn mark(values: &mut [f64]) {
+    marked(values.len()).for_each(|at| values[at] = UNWRITTEN);
+}
+
+/// The first marked place that still is as it was marked.
+fn first_unwritten(values: &[f64]) -> Option<usize> {
+    marked(values.len()).find(|at| values[*at].to_bits() == UNWRITTEN.to_bits())
+}
+
 /// One output, its writer, and the loan that is being written.
 struct OutputPort {
     name: String,
@@ -259,7 +287,9 @@ impl OutputPorts {
             if port.loan.is_some() {
                 return Err(PortError::Loan(port.name.clone()));
             }
-            port.loan = Some(port.writer.loan(port.values)?);
+            let mut loan = port.writer.loan(port.values)?;
+            mark(loan.values());
+            port.loan = Some(loan);
         }
         Ok(())
     }
@@ -305,7 +335,12 @@ impl OutputPorts {
         self.0.iter_mut().for_each(|port| port.loan = None);
     }
 
-    pub(super) fn publish(&mut self, step: &Step) -> Result<(), TransportError> {
+    /// Publishes all loans, or, if one is not written, none.
+    pub(super) fn publish(&mut self, step: &Step) -> Result<(), PortError> {
+        if let Some((field, index)) = self.unwritten() {
+            self.discard();
+            return Err(PortError::Unwritten { field, index });
+        }
         for port in &mut self.0 {
             if let Some(loan) = port.loan.take() {
                 port.header.sequence += 1;
@@ -320,9 +355,49 @@ impl OutputPorts {
     }
 }
 
+impl OutputPorts {
+    /// The first output that is not written, and where.
+    fn unwritten(&mut self) -> Option<(String, usize)> {
+        self.0.iter_mut().find_map(|port| {
+            let index = first_unwritten(port.loan.as_mut()?.values())?;
+            Some((port.name.clone(), index))
+        })
+    }
+}
+
 impl Outputs for OutputPorts {
     fn get(&mut self, field: &FieldSpec) -> Option<&mut [f64]> {
         let port = self.0.iter_mut().find(|port| port.name == field.name)?;
         port.loan.as_mut().map(FieldLoan::values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_written_is_noticed_whatever_its_size() {
+        for length in [0_usize, 1, 2, 63, 64, 65, 1000, 100_003] {
+            let mut values = vec![1.0; length];
+            mark(&mut values);
+            assert_eq!(first_unwritten(&values), (length > 0).then_some(0), "{length}");
+            assert!(marked(length).count() <= MARKS);
+            values.fill(f64::NAN);
+            assert_eq!(first_unwritten(&values), None, "another NaN is a value");
+        }
+    }
+
+    #[test]
+    fn a_gap_of_a_sixty_third_is_noticed_wherever_it_is() {
+        let length = 6300;
+        for start in (0..length - 100).step_by(7) {
+            let mut values = vec![0.0; length];
+            mark(&mut values);
+            values[..start].fill(1.0);
+            values[start + 100..].fill(1.0);
+            let found = first_unwritten(&values).unwrap();
+            assert!((start..start + 100).contains(&found), "{start}: {found}");
+        }
     }
 }

@@ -33,6 +33,8 @@ enum CommandError {
     StateFile { path: std::path::PathBuf, error: std::io::Error },
     #[error("{0}")]
     Protocol(String),
+    #[error("{0}")]
+    Report(String),
 }
 
 /// How far the participant has come.
@@ -285,6 +287,10 @@ impl Running {
         self.model_time += spent;
         match solved {
             Ok(report) => {
+                if let Some(fault) = report.fault() {
+                    outputs.discard();
+                    return Err(CommandError::Report(fault));
+                }
                 outputs.publish(&self.step)?;
                 Ok(Reply { model_seconds: spent.as_secs_f64(), ..done.with_report(&report) })
             }

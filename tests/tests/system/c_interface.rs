@@ -149,6 +149,7 @@ fn failures_say_who_when_and_why() {
         ("build", 1, ["while building its model", "told to fail"]),
         ("solve", 1, ["in window 3, iteration 1", "told to fail"]),
         ("silent", 1, ["in window 3, iteration 1", "`solve` returned 5 without a reason"]),
+        ("unwritten", 1, ["in window 3, iteration 1", "output `right_value` was not written"]),
         ("misuse", 1, ["in window 3, iteration 1", "cosim_output: `outputs` is NULL"]),
         ("accept", 1, ["its process ended with exit code 1", "told to fail"]),
         ("summary", 1, ["while finishing", "told to fail"]),

@@ -152,6 +152,41 @@ fn values_that_are_not_finite_are_refused() {
     }
 }
 
+/// What a model does not write would go out as the data of an earlier window; a heat or a wish that
+/// is no number, as none. Neither was noticed before.
+#[test]
+fn what_a_model_leaves_out_is_noticed_in_every_build() {
+    let faults = [
+        ("unwritten", "output `left_value` was not written at index 0"),
+        ("half-written", "output `left_value` was not written at index 507"),
+        ("heat-is-no-number", "the model reports NaN W of heat received"),
+        ("wish-is-no-number", "the model wants a window of NaN s"),
+    ];
+    for (fault, what) in faults {
+        let place = Place::new();
+        let fault = format!("left.fault={fault}");
+        let more = ["--set", &fault, "--set", "left.fault_window=3"];
+        let ended = place.run(&case("exchange.toml"), &more);
+        assert_failed(&place, &ended, &["left (toy-left) failed", "window 3, iteration 1", what]);
+    }
+}
+
+/// The last to solve in an explicit scheme has nobody after it in its window: what it sends is looked
+/// through before it is kept. The checkpoint of that window was written before.
+#[test]
+fn what_is_not_finite_enters_no_checkpoint() {
+    let place = Place::new();
+    let settings = ["right.fault=not-finite", "right.fault_window=3", "output.checkpoint_every=1"];
+    let more = settings.map(|set| ["--set", set]).concat();
+    let ended = place.run(&case("exchange.toml"), &more);
+    let what = "field `right_value` holds NaN at index 500";
+    assert_failed(&place, &ended, &["right (toy-right) failed", "window 3, iteration 1", what]);
+    let kept = std::fs::read_dir(place.out().join("checkpoints")).unwrap().flatten();
+    let mut kept: Vec<_> = kept.map(|entry| entry.file_name().into_string().unwrap()).collect();
+    kept.sort();
+    assert_eq!(kept, ["000002", "000003"], "windows 0 to 2 only");
+}
+
 #[test]
 fn a_participant_that_breaks_the_contract_is_told_how() {
     let faults = [
@@ -161,6 +196,11 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
         ("silence", "it did not send `left_value`"),
         ("old-reply", "it speaks protocol 0"),
         ("wrong-answer", "it answered command"),
+        ("time-is-no-number", "model_seconds is NaN s"),
+        ("negative-time", "model_seconds is -0.000000001 s"),
+        ("negative-wish", "wanted_window is -1 s"),
+        ("endless-wish", "wanted_window is inf s"),
+        ("infinite-heat", "heat_received is infinite"),
     ];
     for (fault, what) in faults {
         let place = Place::new();
@@ -170,6 +210,15 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
         let ended = place.run(&case("exchange.toml"), &more);
         assert_failed(&place, &ended, &["left (rogue) failed", "in window 3, iteration 1", what]);
     }
+}
+
+#[test]
+fn a_participant_cannot_stop_reporting_heat() {
+    let place = Place::new();
+    let settings = ["left.command=[\"rogue\"]", "left.fault=heat-once", "left.fault_window=3"];
+    let ended = place.run(&case("exchange.toml"), &settings.map(|set| ["--set", set]).concat());
+    let what = "it has stopped reporting the heat it receives";
+    assert_failed(&place, &ended, &["left (rogue) failed", "in window 4, iteration 1", what]);
 }
 
 /// A grid that moves wrongly: the window of the fault is 3, in which its third revision holds, and

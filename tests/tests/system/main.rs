@@ -7,6 +7,7 @@
 
 mod ablate;
 mod accuracy;
+mod audit;
 mod bad_cases;
 mod c_interface;
 mod conform;

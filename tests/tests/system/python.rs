@@ -345,6 +345,7 @@ fn faults_in_python_are_told_in_its_words() {
         ("keep-output", "in window 0, iteration 1", "an array of `rail_temperature` was kept"),
         ("write-input", "in window 0, iteration 1", "read-only"),
         ("unwritten", "in window 0, iteration 1", "`rail_temperature` is not finite at index 7"),
+        ("heat", "in window 0, iteration 1", "the model reports nan W of heat received"),
         ("unknown", "in window 0, iteration 1", "the description provides no `rail_temperatur`"),
         ("exit", "in window 0, iteration 1", "ended with exit code 9"),
         // Nobody waits for an answer to Accept: the next command is answered with the error.

@@ -5,6 +5,8 @@ use super::march::{Cell, Lattice, March, Strip, norm};
 use super::sliding::Sliding;
 use crate::effects::friction_heat;
 use crate::ellipse::{Ellipse, Prescribed};
+use crate::models::{LARGEST_POWER_IMBALANCE, power_imbalance};
+use proto::configuration::Refusal;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -197,6 +199,37 @@ impl Contact {
         self.tangential.strip(strip, visit);
     }
 
+    /// −(ξ F_x + η F_y + φ M_z) [N].
+    fn creep_power(&self) -> f64 {
+        let [x, y] = self.totals.force;
+        let [xi, eta, phi] = self.creepage;
+        // Adding zero turns −0 into 0.
+        -(xi * x + eta * y + phi * self.totals.moment) + 0.0
+    }
+
+    /// |P − the power of the creepages| over the sum of the magnitudes.
+    fn power_imbalance(&self) -> f64 {
+        let (taken, given) = (self.totals.power, self.creep_power());
+        power_imbalance(taken, given, taken.abs() + given.abs())
+    }
+
+    /// Refuses friction power that is not that of the creepages; three flexibilities under spin do
+    /// not claim it.
+    pub(super) fn check_power(&self) -> Result<(), Refusal> {
+        let claimed =
+            !self.problem.partial || self.problem.kind == Kind::Single || self.creepage[2] == 0.0;
+        let imbalance = self.power_imbalance();
+        if !claimed || imbalance <= LARGEST_POWER_IMBALANCE {
+            return Ok(());
+        }
+        let reason = format!(
+            "friction takes {:.6e} W where the forces give {:.6e} W over the creepages",
+            self.problem.rolling_speed * self.totals.power,
+            self.problem.rolling_speed * self.creep_power()
+        );
+        Err(Refusal::new("mech.resolution", reason, "write another resolution"))
+    }
+
     /// The section `contact` of `summary.json`.
     pub(super) fn summary(&self) -> Value {
         let (totals, ellipse, speed) =
@@ -215,6 +248,8 @@ impl Contact {
             "max_slip_velocity_m_per_s": speed * totals.largest_slip,
             "max_traction_pa": totals.largest_traction,
             "friction_power_w": speed * totals.power,
+            "creep_power_w": speed * self.creep_power(),
+            "power_imbalance": self.power_imbalance(),
         });
         crate::models::extend(&mut contact, creep);
         json!({ "contact": contact })

@@ -2,6 +2,7 @@
 
 use super::Case;
 use super::contact::ContactSolver;
+use super::power::Balance;
 use crate::effects::friction_heat;
 use crate::half_space::extent::{Moments, patches};
 use crate::half_space::levels::Solution;
@@ -23,6 +24,8 @@ pub(super) struct Answer {
     pub(super) creepage: Creepage,
     slip_area_ratio: f64,
     approach: Option<f64>,
+    /// The power balance, where there is one.
+    pub(super) balance: Option<Balance>,
 }
 
 impl Answer {
@@ -141,6 +144,9 @@ impl Answer {
             // Adding zero turns −0 into 0.
             figures[name] = (value + 0.0).into();
         }
+        if let Some(balance) = &self.balance {
+            balance.add_to(&mut figures);
+        }
         if let Some(approach) = self.approach {
             figures["approach_m"] = approach.into();
         }
@@ -152,7 +158,7 @@ impl Answer {
     }
 
     /// Sums of pressure, traction along x and y, and moment about z, over the elements.
-    fn sums(&self, grid: &Structured) -> [f64; 4] {
+    pub(super) fn sums(&self, grid: &Structured) -> [f64; 4] {
         let (px, py) = self.traction.split_at(grid.points());
         let mut sums = [0.0; 4];
         for index in 0..grid.points() {

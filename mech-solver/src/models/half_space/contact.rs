@@ -5,6 +5,7 @@
 
 use super::Case;
 use super::drive::Driven;
+use super::power::{PowerError, PressurePower};
 use crate::effects::temperature_friction::FrictionLaw;
 use crate::half_space::coupling::Coupling;
 use crate::half_space::extent::sample;
@@ -36,6 +37,8 @@ pub(super) enum ContactError {
          changes by {change:.1e} of its maximum"
     )]
     Unsettled { change: f64 },
+    #[error(transparent)]
+    Power(#[from] PowerError),
     #[error("under this approach of {approach:.4e} m the bodies do not touch")]
     Apart { approach: f64 },
 }
@@ -244,6 +247,20 @@ impl ContactSolver {
             *sum += undeformed;
         }
         self.press()
+    }
+
+    /// Power of the pressure on the normal displacement by these tractions, in steady rolling of bodies
+    /// of different constants; `None` where pressure and tractions do not know of each other.
+    pub(super) fn pressure_power(&mut self, case: &Case, state: &State) -> Option<PressurePower> {
+        let (coupling, normal) = (self.coupling.as_mut()?, self.normal.as_mut()?);
+        let approach = self.approach?;
+        let [along_x, along_y] = &state.traction;
+        let Normal { solver, undeformed, distance, .. } = normal;
+        coupling.distance_by_traction([along_x, along_y], distance);
+        let by_pressure = solver.displacement();
+        let gap = |at: usize| undeformed[at] + distance[at] + by_pressure[at] - approach;
+        let (grid, duration) = (&case.footprint.grid, case.passage().duration);
+        Some(PressurePower::of(grid, duration, &self.pressure, undeformed, gap))
     }
 
     /// The force search, whose slopes are part of a state.

@@ -6,6 +6,7 @@
 
 use super::answer::Answer;
 use super::contact::{ContactError, ContactSolver};
+use super::power::Balance;
 use super::{Case, NAME};
 use crate::half_space::levels::Motion;
 use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
@@ -37,15 +38,18 @@ impl Steady {
     fn compute(&self, contact: &mut ContactSolver) -> Result<(Answer, StepReport), ContactError> {
         let case = &self.case;
         let mut report = StepReport { substeps: 1, ..StepReport::default() };
-        let answer = match case.partial {
+        let mut pressure_power = None;
+        let mut answer = match case.partial {
             false => Answer::sliding(case, contact),
             true => {
                 let solution = contact.solve(&case.driven, None, None)?;
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
+                pressure_power = contact.pressure_power(case, &solution.state);
                 Answer::partial(case, contact, &solution, None)
             }
         };
+        answer.balance = Some(Balance::steady(case, &answer, pressure_power).check()?);
         report.inner_iterations += contact.normal_iterations as u32;
         Ok((answer, report))
     }

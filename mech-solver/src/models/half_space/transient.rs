@@ -17,6 +17,7 @@
 
 use super::answer::Answer;
 use super::contact::{ContactError, ContactSolver};
+use super::power::Balance;
 use super::{Case, NAME};
 use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
@@ -160,11 +161,17 @@ impl Transient {
         let driven = if rolls || !trial.moved { case.driven } else { case.driven.resting() };
         let [along, across] = &self.history;
         let before = trial.solution.state.traction.clone();
+        let energy_before = energy(&before, &trial.displacement);
         let near = trial.solution.clone();
         trial.solution = self.contact.solve(&driven, Some(near), Some([along, across]))?;
         let state = &trial.solution.state;
         self.contact.displacement(state, &mut trial.displacement);
         trial.answer = Answer::partial(case, &self.contact, &trial.solution, Some(&before));
+        if !case.bodies.is_coupled() {
+            let energy = [energy_before, energy(&state.traction, &trial.displacement)];
+            let balance = Balance::step(case, &trial.answer, state.creepage, &before, energy);
+            trial.answer.balance = Some(balance.check()?);
+        }
         if !rolls {
             for (sum, shift) in trial.shift.iter_mut().zip(state.creepage) {
                 *sum += shift;
@@ -176,6 +183,13 @@ impl Transient {
         trial.moved = true;
         Ok(case.passage().duration)
     }
+}
+
+/// Σ ½ p·u [Pa m].
+fn energy(traction: &[Vec<f64>; 2], displacement: &[Vec<f64>; 2]) -> f64 {
+    let products =
+        |(p, u): (&Vec<f64>, &Vec<f64>)| p.iter().zip(u).map(|(p, u)| p * u).sum::<f64>();
+    0.5 * traction.iter().zip(displacement).map(products).sum::<f64>()
 }
 
 impl Model for Transient {

@@ -274,6 +274,10 @@ class Server:
             nonlocal report
             report = self._solver.solve(running.step, inputs, outputs) or StepReport()
 
+            heat = report.heat_received
+            if heat is not None and not math.isfinite(heat):
+                raise StepError(f"the model reports {heat} W of heat received")
+
         spent = self._write(running.outputs, running.step, solve, inputs)
         done.work, done.substeps = report.work, report.substeps
         done.inner_iterations = report.inner_iterations

@@ -37,6 +37,8 @@ class Faulty(StripColumns):
                 inputs["friction_power"][0] = 0.0
             case "unwritten":
                 outputs["rail_temperature"][7] = np.nan
+            case "heat":
+                report.heat_received = np.nan
             case "unknown":
                 outputs["rail_temperatur"] = 0.0
             case "exit":

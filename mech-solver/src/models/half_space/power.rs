@@ -1,0 +1,239 @@
+//! The power balance of an instant: what friction takes is what goes in.
+//!
+//! **Steady rolling, and sliding.** In the sum over all steps of the particles the elastic part of the
+//! slip drops out ([`crate::half_space::tangential`]), and friction takes
+//!
+//! P = −V(ξ F_x + η F_y + φ M_z) + V ∫ p_n ∂h/∂x dA.
+//!
+//! The last term is there for bodies of different elastic constants only: their pressure slips against
+//! the tractions, (p_{I+e_x} − p_{I−e_x})/2 · A_zt p_t in every element by the symmetry of Maxwell and
+//! Betti, and A_zt p_t is what the normal contact closes, δ − h − A_zz p_n, in which the part of A_zz
+//! drops out once more. With h = x²/2R it is V N x̄/R, x̄ the centre of pressure: the power of the
+//! resistance to rolling. 1/R is the sum of both curvatures along x; the rail has none.
+//!
+//! Where the gap is open it is e = h + A_zz p_n + A_zt p_t − δ > 0, and in the elements next to the
+//! contact, through which the pressure comes and goes, the step of an element has the power of the
+//! pressure on this gap besides. This *edge power* is the grid's: it falls with its element.
+//!
+//! In the elements of contact e = 0 is taken for granted, so that the balance tells how well it is met.
+//!
+//! **Shifts, and steps of transient rolling**, bodies of the same constants: the forces act with the
+//! mean of the tractions before and after a step, and the elastic energy ½ pᵀA p takes a part,
+//!
+//! P Δt = −Σ ½(S p' + p)·w Δq dA − Δ(½ pᵀA p) dA.
+//!
+//! With different constants the energy of the normal contact takes part too. It is not kept, and
+//! there is no balance.
+
+use super::Case;
+use super::answer::Answer;
+use crate::models::{LARGEST_POWER_IMBALANCE, power_imbalance};
+use proto::grid::Structured;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// An instant whose power does not add up.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the power of the contact does not add up: friction takes {friction:.6e} W where {given:.6e} W go \
+     in, which differ by {imbalance:.1e} of all that is exchanged; the contact is not solved: change \
+     mech.resolution"
+)]
+pub(super) struct PowerError {
+    friction: f64,
+    given: f64,
+    imbalance: f64,
+}
+
+/// What goes in, and what friction takes [W].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Balance {
+    friction: f64,
+    forces: f64,
+    /// Of bodies of different constants.
+    pressure: Option<PressurePower>,
+    /// Into elastic energy; of what has memory.
+    stored: Option<f64>,
+    /// Sum of the magnitudes of all parts.
+    exchanged: f64,
+}
+
+/// Power of the pressure on what the tractions displace along the normal [W].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct PressurePower {
+    rolling_resistance: f64,
+    edges: f64,
+    exchanged: f64,
+}
+
+impl PressurePower {
+    /// Of a pressure whose contact has the undeformed distance `undeformed` and the gap `gap` [m],
+    /// where it is open; `duration` is that of a step [s].
+    pub(super) fn of(
+        grid: &Structured,
+        duration: f64,
+        pressure: &[f64],
+        undeformed: &[f64],
+        gap: impl Fn(usize) -> f64,
+    ) -> Self {
+        let weight = grid.element_area() / duration;
+        let mut power = Self::default();
+        for index in 0..grid.points() {
+            let column = index % grid.ni;
+            let upstream = if column + 1 < grid.ni { pressure[index + 1] } else { 0.0 };
+            let downstream = if column > 0 { pressure[index - 1] } else { 0.0 };
+            let change = 0.5 * weight * (upstream - downstream);
+            power.rolling_resistance -= change * undeformed[index];
+            power.exchanged += (change * undeformed[index]).abs();
+            if pressure[index] <= 0.0 && change != 0.0 {
+                power.edges += change * gap(index);
+            }
+        }
+        power
+    }
+}
+
+/// Rigid slip at a point per distance rolled, and its power with a traction there [W/m²] over the
+/// speed: the sum and the sum of magnitudes.
+fn against(creepage: [f64; 3], [x, y]: [f64; 2], [px, py]: [f64; 2]) -> [f64; 2] {
+    let [xi, eta, phi] = creepage;
+    let (along, across) = (px * (xi - phi * y), py * (eta + phi * x));
+    [-(along + across), along.abs() + across.abs()]
+}
+
+impl Balance {
+    /// That of an instant without memory.
+    pub(super) fn steady(case: &Case, answer: &Answer, pressure: Option<PressurePower>) -> Self {
+        let (grid, speed) = (&case.footprint.grid, case.scene.rolling_speed);
+        let (px, py) = answer.traction.split_at(grid.points());
+        let mut exchanged = 0.0;
+        for (index, traction) in px.iter().zip(py).enumerate() {
+            let at = [grid.x(index % grid.ni), grid.y(index / grid.ni)];
+            exchanged += against(answer.creepage, at, [*traction.0, *traction.1])[1];
+        }
+        let [_, forces @ ..] = answer.sums(grid).map(|sum| sum * grid.element_area());
+        let work: f64 = forces.iter().zip(answer.creepage).map(|(f, c)| f * c).sum();
+        Self {
+            friction: friction(grid, answer),
+            forces: -speed * work,
+            pressure,
+            stored: None,
+            exchanged: speed * grid.element_area() * exchanged
+                + pressure.map_or(0.0, |pressure| pressure.exchanged),
+        }
+    }
+
+    /// That of a step from these tractions with the creepages or the shift `creepage`; `energy` is
+    /// Σ ½ p·u before and after [Pa m].
+    pub(super) fn step(
+        case: &Case,
+        answer: &Answer,
+        creepage: [f64; 3],
+        before: &[Vec<f64>; 2],
+        energy: [f64; 2],
+    ) -> Self {
+        let (grid, passage) = (&case.footprint.grid, case.passage());
+        let count = grid.points();
+        let mut sums = [0.0; 2];
+        for index in 0..count {
+            let (column, y) = (index % grid.ni, grid.y(index / grid.ni));
+            let from = match passage.rolls {
+                true => (column + 1 < grid.ni).then_some(index + 1),
+                false => Some(index),
+            };
+            let mean = |component: usize| {
+                let start = from.map_or(0.0, |from| before[component][from]);
+                0.5 * (start + answer.traction[component * count + index])
+            };
+            let at = [grid.x(column) + passage.ahead, y];
+            let power = against(creepage, at, [mean(0), mean(1)]);
+            sums.iter_mut().zip(power).for_each(|(sum, power)| *sum += power);
+        }
+        let weight = grid.element_area() / passage.duration;
+        let [forces, exchanged] = sums.map(|sum| weight * passage.distance * sum);
+        Self {
+            friction: friction(grid, answer),
+            forces,
+            pressure: None,
+            stored: Some(weight * (energy[1] - energy[0])),
+            exchanged: exchanged + weight * (energy[0].abs() + energy[1].abs()),
+        }
+    }
+
+    /// What goes in and does not stay [W].
+    fn given(&self) -> f64 {
+        let pressure = self.pressure.map_or(0.0, |p| p.rolling_resistance + p.edges);
+        self.forces + pressure - self.stored.unwrap_or(0.0)
+    }
+
+    /// |friction − what goes in| over the magnitudes of all that is exchanged; 0 where nothing is.
+    pub(super) fn imbalance(&self) -> f64 {
+        power_imbalance(self.friction, self.given(), self.exchanged)
+    }
+
+    /// Refuses an instant whose power does not add up.
+    pub(super) fn check(self) -> Result<Self, PowerError> {
+        let imbalance = self.imbalance();
+        match imbalance <= LARGEST_POWER_IMBALANCE {
+            true => Ok(self),
+            false => Err(PowerError { friction: self.friction, given: self.given(), imbalance }),
+        }
+    }
+
+    /// Adds its figures to the section `contact` of `summary.json`.
+    pub(super) fn add_to(&self, figures: &mut Value) {
+        figures["creep_power_w"] = json!(self.forces);
+        figures["power_imbalance"] = json!(self.imbalance());
+        if let Some(PressurePower { rolling_resistance, edges, .. }) = self.pressure {
+            figures["rolling_resistance_power_w"] = json!(rolling_resistance);
+            figures["edge_power_w"] = json!(edges);
+        }
+        if let Some(stored) = self.stored {
+            figures["stored_power_w"] = json!(stored);
+        }
+    }
+}
+
+fn friction(grid: &Structured, answer: &Answer) -> f64 {
+    answer.friction_power.iter().sum::<f64>() * grid.element_area()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_add_up_is_refused_with_both_figures() {
+        let pressure = PressurePower { rolling_resistance: 30.0, edges: 1.0, exchanged: 60.0 };
+        let balance = Balance {
+            friction: 101.0,
+            forces: 70.0,
+            pressure: Some(pressure),
+            stored: None,
+            exchanged: 130.0,
+        };
+        assert_eq!(balance.imbalance(), 0.0);
+        assert_eq!(balance.check(), Ok(balance));
+        let off = Balance { friction: 101.001, ..balance };
+        let told = off.check().unwrap_err().to_string();
+        for part in ["friction takes 1.010010e2 W", "where 1.010000e2 W go in", "by 7.7e-6"] {
+            assert!(told.contains(part), "{told}");
+        }
+        assert!(Balance { friction: f64::NAN, ..balance }.check().is_err());
+        assert_eq!(Balance::default().imbalance(), 0.0);
+    }
+
+    /// A pressure that leans forward resists rolling: V N x̄/R, with the sum by hand.
+    #[test]
+    fn a_pressure_ahead_of_the_middle_resists() {
+        let grid = Structured::contact_plane(-2.0, 0.0, 1.0, 1.0, 5, 1);
+        let (radius, duration) = (10.0, 0.25);
+        let distance: Vec<f64> = (0..5).map(|i| 0.5 * grid.x(i) * grid.x(i) / radius).collect();
+        let pressure = [0.0, 1.0, 2.0, 3.0, 0.0];
+        let power = PressurePower::of(&grid, duration, &pressure, &distance, |_| 0.0);
+        let (speed, load_times_centre) = (1.0 / duration, -1.0 + 3.0);
+        let expected = speed * load_times_centre / radius;
+        assert!((power.rolling_resistance - expected).abs() < 1e-15, "{power:?}");
+        assert_eq!(power.edges, 0.0);
+    }
+}
