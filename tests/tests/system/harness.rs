@@ -91,10 +91,10 @@ impl Place {
         Running { place: self, child: Some(child) }
     }
 
-    /// Starts `run CASE --out OUT` with more arguments.
+    /// Starts `run CASE --out OUT --replace` with more arguments.
     pub(crate) fn start_run(&self, case: &str, more: &[&str]) -> Running<'_> {
         let out = self.out().display().to_string();
-        let mut arguments = vec!["run", case, "--out", &out];
+        let mut arguments = vec!["run", case, "--out", &out, "--replace"];
         arguments.extend(more);
         self.start(&arguments)
     }
