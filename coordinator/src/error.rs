@@ -215,4 +215,13 @@ mod tests {
         assert_eq!(first().and(Ok(())).to_string(), "the first");
         assert_eq!(second().and(Err(first())).exit_code(), 1);
     }
+
+    #[test]
+    fn an_interrupt_has_the_code_of_its_signal() {
+        for (signal, code) in [("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129)] {
+            let stopped = RunError::Interrupted { signal, when: "in window 3".to_owned() };
+            let and_more = stopped.and(Err(RunError::Usage("more".to_owned())));
+            assert_eq!((and_more.exit_code(), and_more.is_interrupt()), (code, true));
+        }
+    }
 }

@@ -209,3 +209,31 @@ impl<'a> MakeWriter<'a> for Screen {
         self.clone()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_goes_into_the_file_and_a_full_one_is_told() {
+        let log = Logging {
+            file: LogFile(Arc::new(Mutex::new(Sink::default()))),
+            screen: Screen::default(),
+        };
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("log");
+        log.file.clone().write_all(b"before\n").unwrap();
+        log.write_to(File::create(&path).unwrap()).unwrap();
+        log.file.clone().write_all(b"after\n").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"before\nafter\n");
+        assert!(log.failure().is_none());
+        log.release();
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        log.write_to(full).unwrap();
+        for _ in 0..2 {
+            log.file.clone().write_all(b"lost\n").unwrap();
+        }
+        assert_eq!(log.failure().unwrap().raw_os_error(), Some(28));
+        assert!(log.failure().is_none(), "it is told once");
+    }
+}
