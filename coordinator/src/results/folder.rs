@@ -102,7 +102,7 @@ impl ResultFolder {
     }
 
     fn with(claim: Claim, log: File) -> Result<Self, RunError> {
-        let reserve = Reserve::keep(claim.dir().path().join(RESERVE), SUMMARY_BYTES)?;
+        let reserve = Reserve::keep(claim.dir(), RESERVE, SUMMARY_BYTES)?;
         Ok(Self { claim, log, reserve: Mutex::new(Some(reserve)) })
     }
 

@@ -4,6 +4,7 @@
 //! Files that grow during a run (the log, the table of iterations, the recording) have their names from
 //! the start; each is readable up to its last complete row.
 
+use super::dir::Dir;
 use crate::error::{RunError, file_failure};
 use rustix::fs::{FallocateFlags, fallocate};
 use rustix::io::Errno;
@@ -64,13 +65,16 @@ fn beside(path: &Path) -> PathBuf {
 /// Space on the disk that is kept for a small file, so that it can be written when the disk is full.
 #[derive(Debug)]
 pub(crate) struct Reserve {
-    file: File,
+    /// The path leads through it.
+    _dir: Dir,
     path: PathBuf,
+    file: File,
 }
 
 impl Reserve {
-    /// Keeps so many bytes, in a file at this path.
-    pub(crate) fn keep(path: PathBuf, bytes: u64) -> Result<Self, RunError> {
+    /// Keeps so many bytes, in a file of this name.
+    pub(crate) fn keep(dir: &Dir, name: &str, bytes: u64) -> Result<Self, RunError> {
+        let path = dir.path().join(name);
         let keep = || {
             let file = fresh(&path)?;
             match fallocate(&file, FallocateFlags::KEEP_SIZE, 0, bytes) {
@@ -80,7 +84,7 @@ impl Reserve {
             }
         };
         match keep() {
-            Ok(file) => Ok(Self { file, path }),
+            Ok(file) => Ok(Self { _dir: dir.clone(), path, file }),
             Err(error) => Err(file_failure(&path, &error)),
         }
     }
@@ -92,6 +96,13 @@ impl Reserve {
         // What was kept beyond the content; without effect on what can be read.
         let _ = self.file.set_len(content.len() as u64);
         Ok(())
+    }
+}
+
+/// What has not become a file goes.
+impl Drop for Reserve {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
     }
 }
 
@@ -132,7 +143,10 @@ mod tests {
     fn space_is_kept_and_becomes_the_file() {
         let place = tempfile::tempdir().unwrap();
         let at = |name: &str| place.path().join(name);
-        let reserve = Reserve::keep(at("kept"), 64 << 10).unwrap();
+        let dir = Dir::open(place.path()).unwrap();
+        drop(Reserve::keep(&dir, "kept", 64 << 10).unwrap());
+        assert!(!at("kept").exists());
+        let reserve = Reserve::keep(&dir, "kept", 64 << 10).unwrap();
         let kept = fs::metadata(at("kept")).unwrap();
         assert!(kept.blocks() * 512 >= 64 << 10, "{} blocks", kept.blocks());
         reserve.write(&at("file"), b"content").unwrap();
