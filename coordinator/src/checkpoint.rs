@@ -49,6 +49,7 @@ pub struct Origin {
     /// The case as run.
     pub case: String,
     /// The folder from which relative file names in the case are meant.
+    #[serde(with = "raw_path")]
     pub folder: PathBuf,
     /// Parts of the plan, by name, with the CRC-64 of each.
     pub plan: Vec<(String, u64)>,
@@ -94,7 +95,7 @@ pub struct Checkpoints {
 pub struct Checkpoint {
     /// The coordinator's part.
     pub state: State,
-    /// Absolute path of the folder with the other parts.
+    /// The folder with the other parts.
     pub folder: PathBuf,
 }
 
@@ -114,8 +115,7 @@ impl Checkpoints {
         Self { folder: results.join(FOLDER) }
     }
 
-    /// Makes the folder for the parts of a checkpoint after which window `next` is solved; its
-    /// absolute path.
+    /// Makes the folder for the parts of a checkpoint after which window `next` is solved.
     ///
     /// # Errors
     /// The file system.
@@ -123,10 +123,10 @@ impl Checkpoints {
         let draft = self.folder.join(format!("{next:06}.new"));
         let make = || {
             remove(&draft)?;
-            fs::create_dir_all(&draft)?;
-            draft.canonicalize()
+            fs::create_dir_all(&draft)
         };
-        make().map_err(|error| file_failure(&draft, &error))
+        make().map_err(|error| file_failure(&draft, &error))?;
+        Ok(draft)
     }
 
     /// Completes the checkpoint in the folder that [`Checkpoints::begin`] gave, with these parts,
@@ -145,7 +145,11 @@ impl Checkpoints {
             fs::rename(draft, folder)?;
             File::open(&self.folder)?.sync_all()
         };
-        complete().map_err(|error| file_failure(draft, &error))?;
+        complete().map_err(|error| {
+            // Half a checkpoint is of no use, and may be what fills the disk.
+            let _ = fs::remove_dir_all(draft);
+            file_failure(draft, &error)
+        })?;
         let mut names = self.names();
         while names.len() > KEPT {
             let oldest = self.folder.join(names.remove(0));
@@ -267,8 +271,23 @@ fn read(folder: &Path) -> Result<Checkpoint, String> {
             return Err(format!("{} is torn: its bytes have another sum", part.name));
         }
     }
-    let folder = folder.canonicalize().map_err(failed("the folder"))?;
-    Ok(Checkpoint { state, folder })
+    Ok(Checkpoint { state, folder: folder.to_owned() })
+}
+
+/// A path byte by byte: it need not be UTF-8.
+mod raw_path {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::ffi::OsString;
+    use std::os::unix::ffi::{OsStrExt, OsStringExt};
+    use std::path::{Path, PathBuf};
+
+    pub(super) fn serialize<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
+        path.as_os_str().as_bytes().serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<PathBuf, D::Error> {
+        Ok(OsString::from_vec(Vec::deserialize(from)?).into())
+    }
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use crate::error::{RunError, file_failure};
 use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
 use crate::logging::{Level, Logging};
+use crate::output;
 use crate::plan::{Planned, plan};
 use crate::programs::{self, Program};
 use crate::progress::Progress;
@@ -17,7 +18,8 @@ use crate::record::Compression;
 use crate::replay;
 use crate::report;
 use crate::reproduce;
-use crate::results::{ResultFolder, show};
+use crate::results::place::RESULTS;
+use crate::results::{Existing, ResultFolder, show};
 use crate::run::{self, Clock, Outcome};
 use crate::stability;
 use crate::study::Variant;
@@ -158,9 +160,12 @@ struct RunArguments {
     /// Remove a key.
     #[arg(long, value_name = "KEY")]
     unset: Vec<String>,
-    /// Result directory [default: results/NAME].
+    /// Result directory [default: results/NAME, or NAME-2 and so on; the last one is results/latest].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace the results of an earlier run in DIR.
+    #[arg(long)]
+    replace: bool,
     /// Record every exchange in DIR/recording.mcap, uncompressed or by zstd.
     #[arg(long, value_name = "COMPRESSION", num_args = 0..=1, require_equals = true,
           default_missing_value = "none", value_parser = compression)]
@@ -175,7 +180,7 @@ struct RunArguments {
     #[arg(long, value_name = "KEY", requires = "accuracy")]
     quantity: Option<String>,
     /// Go on with the run of this result directory from its last checkpoint.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out", "replace"])]
     resume: Option<PathBuf>,
 }
 
@@ -193,6 +198,13 @@ struct CaseArguments {
 
 impl CaseArguments {
     fn plan(&self) -> Result<Planned, RunError> {
+        let planned = self.plan_again()?;
+        planned.case.tell_replaced();
+        Ok(planned)
+    }
+
+    /// Plans what has been told of before.
+    fn plan_again(&self) -> Result<Planned, RunError> {
         let mut raw = RawCase::read(&self.case)?;
         raw.apply(&self.set, &self.unset)?;
         tracing::info_span!("plan").in_scope(|| plan(raw))
@@ -214,7 +226,10 @@ impl From<RunError> for Ended {
 
 /// Does what the command line asks for; the exit code.
 pub fn main(since: Instant) -> u8 {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(told) => return tell_usage(&told),
+    };
     let level = if arguments.quiet { Some(Level::Error) } else { arguments.log };
     let log = Logging::install(level);
     match act(&arguments, &log, since) {
@@ -229,24 +244,42 @@ pub fn main(since: Instant) -> u8 {
     }
 }
 
+/// Help, the version, or what is wrong with the command line.
+fn tell_usage(told: &clap::Error) -> u8 {
+    match told.print().and_then(|()| std::io::stdout().flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            let error = output::failure(&error);
+            print_error(&error);
+            error.exit_code()
+        }
+        _ => u8::try_from(told.exit_code()).unwrap_or(2),
+    }
+}
+
 fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended> {
     match &arguments.command {
         Command::Run(run) => {
             let screen = Screen { quiet: arguments.quiet, log, since };
             match (run.accuracy, &run.resume) {
                 (Some(relative), _) => run_to(relative, run, &screen),
-                (None, Some(folder)) => run_case(&resume(folder, log)?, run, &screen),
+                (None, Some(folder)) => match resume(folder, log)? {
+                    Some(begun) => run_case(&begun, run, &screen),
+                    None => {
+                        let shown = folder.display();
+                        let text = format!("the run in {shown} has come to its end already\n");
+                        Ok(print(arguments.quiet, &text)?)
+                    }
+                },
                 (None, None) => run_case(&begin(run, log)?, run, &screen),
             }
         }
         Command::Check { case } => {
             case.plan()?;
-            print(arguments.quiet, &format!("{}: no errors\n", case.case.display()));
-            Ok(())
+            Ok(print(arguments.quiet, &format!("{}: no errors\n", case.case.display()))?)
         }
         Command::Plan { case } => {
-            print(false, &case.plan()?.plan.to_string());
-            Ok(())
+            let planned = case.plan()?;
+            Ok(print(false, &planned.plan.to_string())?)
         }
         Command::Solvers => Ok(solvers()?),
         Command::Inspect(asked) => Ok(inspect_recording(asked)?),
@@ -258,8 +291,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
         Command::Report { folder } => {
             let path = report::write(folder)?;
-            print(arguments.quiet, &format!("{}\n", path.display()));
-            Ok(())
+            Ok(print(arguments.quiet, &format!("{}\n", path.display()))?)
         }
         Command::Reproduce(asked) => Ok(reproduce::main(asked, arguments.quiet)?),
     }
@@ -276,28 +308,49 @@ struct Begun {
 impl Begun {
     /// An error, with the log in which there is more to read.
     fn told(&self, error: RunError) -> Ended {
-        Ended { error: Box::new(error), log: Some(self.folder.log_path()) }
+        Ended { error: Box::new(error), log: Some(self.folder.shown_log()) }
+    }
+}
+
+impl RunArguments {
+    fn case(&self) -> CaseArguments {
+        let case = self.case.clone().expect("required unless a run is resumed");
+        CaseArguments { case, set: self.set.clone(), unset: self.unset.clone() }
+    }
+
+    /// Where the run goes that has been planned: into the folder that the user names, or else into the
+    /// next of its name.
+    fn folder(&self, planned: &Planned, case: &Path) -> Result<ResultFolder, RunError> {
+        let (name, results) = (&planned.plan.name, Path::new(RESULTS));
+        match &self.out {
+            None if !self.replace => ResultFolder::next(results, name),
+            out => {
+                let path = out.clone().unwrap_or_else(|| results.join(name));
+                ResultFolder::prepare(&path, case, Existing::option(self.replace))
+            }
+        }
     }
 }
 
 fn begin(run: &RunArguments, log: &Logging) -> Result<Begun, RunError> {
     let planning = Instant::now();
-    let RunArguments { set, unset, .. } = run;
-    let case = run.case.clone().expect("required unless a run is resumed");
-    let case = CaseArguments { case, set: set.clone(), unset: unset.clone() };
+    let case = run.case();
     let planned = case.plan()?;
     let plan_seconds = planning.elapsed().as_secs_f64();
-    let default = || PathBuf::from("results").join(&planned.plan.name);
-    let folder = ResultFolder::prepare(&run.out.clone().unwrap_or_else(default), &case.case)?;
+    let folder = run.folder(&planned, &case.case)?;
     log_into(&folder, log)?;
     Ok(Begun { planned, folder, plan_seconds, from: None })
 }
 
-/// A run goes on from its newest checkpoint that is whole, with the case as it was run.
-fn resume(path: &Path, log: &Logging) -> Result<Begun, RunError> {
+/// A run goes on from its newest checkpoint that is whole, with the case as it was run; `None` if it has
+/// come to its end.
+fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
     let planning = Instant::now();
     let folder = ResultFolder::resume(path)?;
-    let (newest, torn) = Checkpoints::of(path).newest();
+    if folder.has_ended() {
+        return Ok(None);
+    }
+    let (newest, torn) = Checkpoints::of(&folder.path()).newest();
     for Torn { name, reason } in &torn {
         let next = if newest.is_some() { "; the one before is used" } else { "" };
         tracing::warn!("checkpoint {name} is not used: {reason}{next}");
@@ -309,21 +362,17 @@ fn resume(path: &Path, log: &Logging) -> Result<Begun, RunError> {
             "{shown} holds {whole}; a case writes them with output.checkpoint_every"
         ))
     })?;
-    if folder.has_ended() {
-        return Err(RunError::Usage(format!("the run in {shown} has come to its end already")));
-    }
-    let raw = RawCase::read(&folder.file("case.toml"))?;
-    let raw = raw.with_folder(checkpoint.state.origin.folder.clone());
+    let raw = folder.read_case()?.with_folder(checkpoint.state.origin.folder.clone());
     let planned = tracing::info_span!("plan").in_scope(|| plan(raw))?;
     run::check_origin(&checkpoint.state.origin, &run::origin(&planned))?;
     log_into(&folder, log)?;
     folder.reopen()?;
     let plan_seconds = planning.elapsed().as_secs_f64();
-    Ok(Begun { planned, folder, plan_seconds, from: Some(checkpoint) })
+    Ok(Some(Begun { planned, folder, plan_seconds, from: Some(checkpoint) }))
 }
 
 fn log_into(folder: &ResultFolder, log: &Logging) -> Result<(), RunError> {
-    log.write_to(folder.log()?).map_err(|error| file_failure(&folder.log_path(), &error))
+    log.write_to(folder.log()?).map_err(|error| file_failure(&folder.shown_log(), &error))
 }
 
 fn compression(word: &str) -> Result<Compression, String> {
@@ -346,35 +395,54 @@ fn run_case(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<(), 
     conclude(begun, outcome, asked, screen)
 }
 
-/// Models and resolution are chosen, and once more if the error turns out too large.
+/// Models and resolution are chosen, and once more if the error turns out too large. The answer that there
+/// is stays until a better one has come to its end.
 fn run_to(relative: f64, asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
     let case = asked.case.as_ref().expect("required unless a run is resumed");
     let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
     let target = accuracy::Target { relative, quantity: asked.quantity.clone() };
     let mut search = Search::begin(case, &base, target)?;
+    let mut answer: Option<ResultFolder> = None;
     loop {
         let Variant { set, unset } = search.variant();
         let chosen = RunArguments { set, unset, ..asked.clone() };
         let begin_at = Instant::now();
-        let begun = begin(&chosen, screen.log)?;
+        let mut begun = match &answer {
+            None => begin(&chosen, screen.log)?,
+            Some(answer) => refine(&chosen, answer, screen.log)?,
+        };
         let mut outcome = perform(&begun, &chosen, screen)?;
-        if outcome.error.is_none() {
-            let seconds = begin_at.elapsed().as_secs_f64();
-            match search.judge(&mut outcome.summary, seconds)? {
-                Verdict::Refine => {
-                    // Whoever interrupts what follows finds what is known so far.
-                    begun.folder.write("summary.json", &run::json(&outcome.summary))?;
-                    search.refine()?;
-                    screen.log.release();
-                    continue;
-                }
-                Verdict::Missed => outcome.error = Some(search.missed()),
-                Verdict::Met => {}
+        if outcome.error.is_some() {
+            return conclude(&begun, outcome, &chosen, screen);
+        }
+        let verdict = search.judge(&mut outcome.summary, begin_at.elapsed().as_secs_f64())?;
+        begun.folder.write_summary(&run::json(&outcome.summary))?;
+        begun.folder = match answer.take() {
+            None => begun.folder,
+            Some(answer) => answer.take_over(begun.folder)?,
+        };
+        match verdict {
+            Verdict::Refine => {
+                search.refine()?;
+                screen.log.release();
+                answer = Some(begun.folder);
+                continue;
             }
-            begun.folder.write("summary.json", &run::json(&outcome.summary))?;
+            Verdict::Missed => outcome.error = Some(search.missed()),
+            Verdict::Met => {}
         }
         return conclude(&begun, outcome, &chosen, screen);
     }
+}
+
+/// A run that is to take the place of an answer.
+fn refine(run: &RunArguments, answer: &ResultFolder, log: &Logging) -> Result<Begun, RunError> {
+    let planning = Instant::now();
+    let planned = run.case().plan_again()?;
+    let plan_seconds = planning.elapsed().as_secs_f64();
+    let folder = answer.refined()?;
+    log_into(&folder, log)?;
+    Ok(Begun { planned, folder, plan_seconds, from: None })
 }
 
 fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<Outcome, Ended> {
@@ -383,7 +451,15 @@ fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<Outco
     let mut progress = Progress::new(screen.quiet, planned.plan.windows.count());
     screen.log.share_screen(progress.bar());
     let outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
-    outcome.map_err(|error| begun.told(error))
+    let mut outcome = outcome.map_err(|error| begun.told(error))?;
+    if let Some(error) = screen.log.failure() {
+        let incomplete = file_failure(&folder.shown_log(), &error);
+        outcome.error = Some(match outcome.error {
+            Some(first) => first.and(Err(incomplete)),
+            None => incomplete,
+        });
+    }
+    Ok(outcome)
 }
 
 /// Writes the report that is asked for, and prints how the run went.
@@ -394,20 +470,19 @@ fn conclude(
     screen: &Screen,
 ) -> Result<(), Ended> {
     let folder = &begun.folder;
-    let written = if asked.report { report::write(folder.path()).map(drop) } else { Ok(()) };
+    let written = if asked.report { report::write(&folder.path()).map(drop) } else { Ok(()) };
     let text = || run::report(&outcome, &begun.planned.plan, folder);
     match outcome.error {
         // It has an answer, if not as accurate as was asked for.
         Some(error @ RunError::Inaccurate { .. }) => {
             let text = show::text(&outcome.summary, begun.planned.plan.title.as_deref());
-            print(screen.quiet, &text);
-            Err(begun.told(error.and(written)))
+            let told = print(screen.quiet, &text);
+            Err(begun.told(error.and(written).and(told)))
         }
         Some(error) => Err(begun.told(error.and(written))),
         None => {
-            written.map_err(|error| begun.told(error))?;
-            print(screen.quiet, &text());
-            Ok(())
+            let told = written.and_then(|()| print(screen.quiet, &text()));
+            told.map_err(|error| begun.told(error))
         }
     }
 }
@@ -420,12 +495,12 @@ fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {
     let damaged = |damage: &String| Err(inspect::unreadable(path, damage));
     if asked.json {
         let json = serde_json::to_string_pretty(&survey).expect("a survey is plain data");
-        print(false, &(json + "\n"));
+        print(false, &(json + "\n"))?;
         return survey.damage.as_ref().map_or(Ok(()), damaged);
     }
-    print(false, &inspect::text(&survey, path));
+    print(false, &inspect::text(&survey, path))?;
     if let Some(details) = &survey.details {
-        print(false, &inspect::details_text(details, wanted.window.is_none()));
+        print(false, &inspect::details_text(details, wanted.window.is_none()))?;
     }
     survey.damage.as_ref().map_or(Ok(()), damaged)
 }
@@ -454,9 +529,9 @@ fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError
     let replay = replay::replay(&request)?;
     if asked.json {
         let json = serde_json::to_string_pretty(&replay).expect("a replay is plain data");
-        print(false, &(json + "\n"));
+        print(false, &(json + "\n"))?;
     } else {
-        print(quiet, &replay::text(&replay, &request));
+        print(quiet, &replay::text(&replay, &request))?;
     }
     let compared = &replay.comparison;
     let first = compared.first.as_ref().map(replay::difference);
@@ -492,8 +567,7 @@ fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError
     if let End::Cut(bytes) = recording.end() {
         text += &format!(" (the recording is cut after {bytes} bytes)");
     }
-    print(quiet, &(text + "\n"));
-    Ok(())
+    print(quiet, &(text + "\n"))
 }
 
 fn solvers() -> Result<(), RunError> {
@@ -503,7 +577,7 @@ fn solvers() -> Result<(), RunError> {
         .map_err(|error| file_failure(std::path::Path::new("tokio"), &error))?;
     for (role, program) in programs::installed() {
         let described = runtime.block_on(program.describe(&role, Duration::from_secs(30)))?;
-        print(false, &show_solver(&described));
+        print(false, &show_solver(&described))?;
     }
     Ok(())
 }
@@ -527,11 +601,8 @@ fn show_solver(of: &Description) -> String {
     text
 }
 
-fn print(quiet: bool, text: &str) {
-    if !quiet {
-        // A reader that has gone away (`| head`) is no failure of ours.
-        let _ = std::io::stdout().write_all(text.as_bytes());
-    }
+fn print(quiet: bool, text: &str) -> Result<(), RunError> {
+    if quiet { Ok(()) } else { output::print(text) }
 }
 
 fn print_error(error: &RunError) {

@@ -16,6 +16,7 @@
 mod analysis;
 mod cli;
 mod csv;
+mod kept;
 mod page;
 mod show;
 mod sweep;

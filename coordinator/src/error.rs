@@ -3,6 +3,7 @@
 use crate::case::Problems;
 use crate::couple::converge::Why;
 use crate::programs::Program;
+use crate::results::dir::shown;
 use proto::configuration::Refusal;
 
 /// Why a command of the coordinator did not succeed.
@@ -154,15 +155,28 @@ impl NotConverged {
 
 impl RunError {
     /// The exit code: 1 a solver or the machine failed, 2 bad usage or case, 3 not converged, 4 a replay
-    /// differs, or a text that is kept is stale.
+    /// differs, or a text that is kept is stale, 128 and the number of the signal that has stopped it.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Case(_) | Self::Refused { .. } | Self::NoProgram { .. } => 2,
-            Self::Failed(_) | Self::Interrupted { .. } | Self::NotFinite { .. } => 1,
+            Self::Failed(_) | Self::NotFinite { .. } => 1,
             Self::NotConverged(_) | Self::Inaccurate { .. } => 3,
             Self::Differs(_) | Self::Stale(_) => 4,
+            Self::Interrupted { signal: "SIGHUP", .. } => 129,
+            Self::Interrupted { signal: "SIGTERM", .. } => 143,
+            Self::Interrupted { .. } => 130,
             Self::Both { first, .. } => first.exit_code(),
+        }
+    }
+
+    /// The user has stopped it.
+    #[must_use]
+    pub fn is_interrupt(&self) -> bool {
+        match self {
+            Self::Interrupted { .. } => true,
+            Self::Both { first, .. } => first.is_interrupt(),
+            _ => false,
         }
     }
 
@@ -180,7 +194,7 @@ impl RunError {
 pub fn file_failure(path: &std::path::Path, error: &std::io::Error) -> RunError {
     RunError::Failed(Failure {
         who: "the file system".to_owned(),
-        when: format!("at {}", path.display()),
+        when: format!("at {}", shown(path).display()),
         what: error.to_string(),
         fix: "check the path, its permissions and the free space".to_owned(),
     })
@@ -200,5 +214,14 @@ mod tests {
         assert!(text.starts_with("the first\nerror: ") && text.contains("full"), "{text}");
         assert_eq!(first().and(Ok(())).to_string(), "the first");
         assert_eq!(second().and(Err(first())).exit_code(), 1);
+    }
+
+    #[test]
+    fn an_interrupt_has_the_code_of_its_signal() {
+        for (signal, code) in [("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129)] {
+            let stopped = RunError::Interrupted { signal, when: "in window 3".to_owned() };
+            let and_more = stopped.and(Err(RunError::Usage("more".to_owned())));
+            assert_eq!((and_more.exit_code(), and_more.is_interrupt()), (code, true));
+        }
     }
 }

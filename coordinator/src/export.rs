@@ -7,6 +7,7 @@
 use crate::error::{RunError, file_failure};
 use crate::inspect::{FileRecording, failed};
 use crate::results::vtk::{FieldWriter, Shown};
+use crate::results::write::create;
 use proto::description::Description;
 use proto::field::{Body, FieldKind, GEOMETRY, Mapping};
 use proto::grid::Grid;
@@ -14,8 +15,7 @@ use proto::message::{Command, CommandKind, FieldHeader, Topics};
 use proto::model::Step;
 use proto::recording::{Event, Item};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// What is written, and where.
@@ -217,7 +217,7 @@ fn write_csv(folder: &Path, service: &str, shown: &Shown, number: u64) -> Result
     std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
     let name = service.trim_start_matches("field/").replace('/', "_");
     let path = folder.join(format!("{name}_{number:06}.csv"));
-    let written = File::create(&path).map(BufWriter::new).and_then(|mut out| {
+    create(&path, |out| {
         let Shown { grid, kind, values, .. } = shown;
         write!(out, "index,x [m],y [m],z [m]")?;
         for component in 0..kind.components {
@@ -236,7 +236,6 @@ fn write_csv(folder: &Path, service: &str, shown: &Shown, number: u64) -> Result
             }
             writeln!(out)?;
         }
-        out.flush()
-    });
-    written.map_err(|error| file_failure(&path, &error))
+        Ok(())
+    })
 }

@@ -17,6 +17,7 @@ pub mod export;
 pub mod inspect;
 pub mod logging;
 pub mod map;
+pub mod output;
 pub mod plan;
 pub mod programs;
 pub mod progress;

@@ -3,12 +3,14 @@
 //! `log.jsonl` holds one JSON object a line: every event, everything the participants write, and
 //! for every span its busy and idle time when it closes, so that a profiler can be fed from it. The
 //! result directory is known only when the case has been read; what is logged before is kept and
-//! written then. `RUST_LOG` chooses what is logged to both; `--log LEVEL` what reaches the screen.
+//! written then. `RUST_LOG` chooses what is logged to both, but never less than `info` to the file;
+//! `--log LEVEL` what reaches the screen.
 
 use indicatif::ProgressBar;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tracing_subscriber::filter::{FilterExt as _, LevelFilter};
 use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::fmt::format::FmtSpan;
 use tracing_subscriber::layer::SubscriberExt as _;
@@ -54,7 +56,7 @@ impl Logging {
     /// Sets up logging for the whole process; without a level, `RUST_LOG` or warnings.
     #[must_use]
     pub fn install(level: Option<Level>) -> Self {
-        let file = LogFile(Arc::new(Mutex::new(Sink::Memory(Vec::new()))));
+        let file = LogFile(Arc::new(Mutex::new(Sink::default())));
         let log = Self { file, screen: Screen::default() };
         let wanted = |default: &str| {
             EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default))
@@ -64,11 +66,15 @@ impl Logging {
             .with_ansi(false)
             .with_span_events(FmtSpan::CLOSE)
             .with_writer(log.file.clone())
-            .with_filter(wanted("info"));
+            // What cannot be written is told at the end, and not for each event.
+            .log_internal_errors(false)
+            // What a run says is part of its results.
+            .with_filter(wanted("info").or(LevelFilter::INFO));
         let screen = tracing_subscriber::fmt::layer()
             .with_ansi(io::stderr().is_terminal() && !no_color())
             .with_writer(log.screen.clone())
             .without_time()
+            .log_internal_errors(false)
             .with_target(false)
             .with_filter(
                 level.map_or_else(|| wanted("warn"), |level| EnvFilter::new(level.word())),
@@ -80,17 +86,27 @@ impl Logging {
 
     /// Sends everything, also what was logged before, to this file.
     pub fn write_to(&self, mut file: File) -> io::Result<()> {
-        let mut sink = self.file.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut sink = self.file.sink();
         if let Sink::Memory(kept) = &*sink {
             file.write_all(kept)?;
         }
-        *sink = Sink::File(file);
+        let bytes = file.metadata()?.len();
+        *sink = Sink::File { file, bytes };
         Ok(())
     }
 
-    /// Lets go of the file, and with it of its lock; what is logged from now on is kept for the next.
+    /// What has kept something from being written into the file, if anything has.
+    #[must_use]
+    pub fn failure(&self) -> Option<io::Error> {
+        match &mut *self.file.sink() {
+            Sink::Failed(error) => error.take(),
+            Sink::Memory(_) | Sink::File { .. } => None,
+        }
+    }
+
+    /// Lets go of the file; what is logged from now on is kept for the next.
     pub fn release(&self) {
-        *self.file.0.lock().unwrap_or_else(PoisonError::into_inner) = Sink::Memory(Vec::new());
+        *self.file.sink() = Sink::default();
     }
 
     /// From now on the bar steps aside for what is written to the screen.
@@ -111,15 +127,48 @@ struct LogFile(Arc<Mutex<Sink>>);
 #[derive(Debug)]
 enum Sink {
     Memory(Vec<u8>),
-    File(File),
+    File {
+        file: File,
+        /// Its length.
+        bytes: u64,
+    },
+    /// Nothing more is written.
+    Failed(Option<io::Error>),
+}
+
+impl Default for Sink {
+    fn default() -> Self {
+        Self::Memory(Vec::new())
+    }
+}
+
+impl Sink {
+    /// Writes an event; a file ends with the last that is there as a whole.
+    fn write(&mut self, event: &[u8]) {
+        match self {
+            Self::Memory(kept) => kept.extend_from_slice(event),
+            Self::File { file, bytes } => match file.write_all(event) {
+                Ok(()) => *bytes += event.len() as u64,
+                Err(error) => {
+                    let _ = file.set_len(*bytes);
+                    *self = Self::Failed(Some(error));
+                }
+            },
+            Self::Failed(_) => {}
+        }
+    }
+}
+
+impl LogFile {
+    fn sink(&self) -> MutexGuard<'_, Sink> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Write for LogFile {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner) {
-            Sink::Memory(kept) => kept.write(bytes),
-            Sink::File(file) => file.write(bytes),
-        }
+    fn write(&mut self, event: &[u8]) -> io::Result<usize> {
+        self.sink().write(event);
+        Ok(event.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -158,5 +207,33 @@ impl<'a> MakeWriter<'a> for Screen {
 
     fn make_writer(&'a self) -> Self {
         self.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_goes_into_the_file_and_a_full_one_is_told() {
+        let log = Logging {
+            file: LogFile(Arc::new(Mutex::new(Sink::default()))),
+            screen: Screen::default(),
+        };
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("log");
+        log.file.clone().write_all(b"before\n").unwrap();
+        log.write_to(File::create(&path).unwrap()).unwrap();
+        log.file.clone().write_all(b"after\n").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"before\nafter\n");
+        assert!(log.failure().is_none());
+        log.release();
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        log.write_to(full).unwrap();
+        for _ in 0..2 {
+            log.file.clone().write_all(b"lost\n").unwrap();
+        }
+        assert_eq!(log.failure().unwrap().raw_os_error(), Some(28));
+        assert!(log.failure().is_none(), "it is told once");
     }
 }

@@ -14,6 +14,8 @@ pub use proto::recording::Compression;
 
 use crate::error::{Failure, RunError, file_failure};
 use crate::plan::Plan;
+use crate::results::dir::shown;
+use crate::results::write::fresh;
 use crate::signals;
 use portable::{portable_body, without_files};
 use proto::message::{Command, CommandKind, Reply, Status};
@@ -21,7 +23,6 @@ use proto::recording::{
     CaseFile, Event, FILES, FORMAT, Head, Participant, RecordingError, RecordingWriter,
 };
 use proto::transport::{Endpoint, TransportError};
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -92,7 +93,7 @@ impl Recorder {
         let mut attachments = vec![text("case.toml", case), text("plan.txt", &plan.to_string())];
         attachments.extend(files.iter().map(|file| file.attachment.clone()).zip(contents));
         let head = head(plan, files.clone());
-        let out = File::create(path).map_err(|error| file_failure(path, &error))?;
+        let out = fresh(path).map_err(|error| file_failure(path, &error))?;
         let writer = RecordingWriter::create(out, compression, &head, &attachments)
             .map_err(|error| failed(path, &error.to_string()))?;
         let (jobs, received) = channel();
@@ -311,7 +312,7 @@ fn head(plan: &Plan, files: Vec<CaseFile>) -> Head {
 fn failed(path: &Path, what: &str) -> RunError {
     RunError::Failed(Failure {
         who: "the recording".to_owned(),
-        when: format!("at {}", path.display()),
+        when: format!("at {}", shown(path).display()),
         what: what.to_owned(),
         fix: "check the free space; what was written before stays readable".to_owned(),
     })

@@ -27,7 +27,7 @@ use crate::ablate;
 use crate::cost;
 use crate::error::RunError;
 use crate::reproduce;
-use crate::results::folder::replace;
+use crate::results::write::replace;
 use crate::stability;
 use page::Page;
 use source::Results;

@@ -28,7 +28,8 @@ pub use perform::FILE;
 pub use render::page;
 
 use crate::error::{RunError, file_failure};
-use crate::results::folder::replace;
+use crate::results::write::replace;
+use crate::study::folder::{StudyFolder, Wanted, says_incomplete};
 use render::Rendered;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -39,8 +40,10 @@ use study::Study;
 pub struct Request {
     /// The study's file.
     pub study: PathBuf,
-    /// Where runs, text and plots go.
-    pub out: PathBuf,
+    /// Where runs, text and plots go, if the user names it.
+    pub out: Option<PathBuf>,
+    /// An earlier reproduction that is there is replaced.
+    pub replace: bool,
     /// A further place for the text; its plots go into `img/NAME` beside it.
     pub write: Option<PathBuf>,
     /// A text that is kept, with its plots, to be compared.
@@ -57,14 +60,25 @@ pub fn reproduce(request: &Request, say: &mut dyn FnMut(&str)) -> Result<(), Run
     let study = Study::read(file)?;
     check::check(&study, file)?;
     render::rehearse(&study, file)?;
-    perform::perform(&study, file, &request.out, say)?;
-    let rendered = Rendered::of(&request.out)?;
-    rendered.write(&request.out.join(render::TEXT), "img")?;
-    crate::report::write(&request.out)?;
+    let runs = perform::rehearse(&study, file)?;
+    let folder = StudyFolder::choose(&Wanted {
+        command: "reproduce",
+        name: &study.name,
+        out: request.out.as_deref(),
+        replace: request.replace,
+        goes_on: &|folder| says_incomplete(&folder.join(FILE)),
+    })?;
+    let out = folder.open()?;
+    perform::perform(&study, file, &runs, &out, say)?;
+    let rendered = Rendered::of(&out)?;
+    rendered.write(&out.join(render::TEXT), "img")?;
+    crate::report::write(&out)?;
     if let Some(path) = &request.write {
         rendered.write(path, &images_beside(path))?;
     }
-    request.check.as_ref().map_or(Ok(()), |kept| compare(&rendered, kept))
+    request.check.as_ref().map_or(Ok(()), |kept| compare(&rendered, kept))?;
+    say(&format!("{}\n", folder.path().display()));
+    Ok(())
 }
 
 /// The folder of a text's plots, as seen from the text.

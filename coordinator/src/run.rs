@@ -12,6 +12,7 @@ use crate::plan::{Plan, Planned};
 use crate::progress::Progress;
 use crate::record::{Compression, Recorder};
 use crate::report::plan_file;
+use crate::results::dir::shown;
 use crate::results::iterations::IterationTable;
 use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
@@ -75,13 +76,14 @@ pub fn run(
     let error = error.or(not_finite.map(|(role, key)| RunError::NotFinite { role, key }));
     let (status, reason) = match &error {
         None => success(plan, &counts),
+        Some(error) if error.is_interrupt() => (Status::Interrupted, error.to_string()),
         Some(error) => (Status::Failed, error.to_string()),
     };
     let wall_seconds = clock.since.elapsed().as_secs_f64();
     let (finished, sections) = (&finished, &sections);
     let summary =
         build(&Ingredients { plan, status, reason, counts, finished, sections, wall_seconds });
-    let error = first(error, folder.write("summary.json", &json(&summary)));
+    let error = first(error, folder.write_summary(&json(&summary)));
     Ok(Outcome { summary, error })
 }
 
@@ -131,7 +133,7 @@ fn finish_recording(
     let Some(recorder) = recorder else { return ended };
     let written = recorder.finish(ended.as_ref().err().map(ToString::to_string).as_deref());
     if let Ok(bytes) = &written {
-        tracing::info!(bytes, path = %recorder.path().display(), "recording complete");
+        tracing::info!(bytes, path = %shown(recorder.path()).display(), "recording complete");
     }
     match ended {
         Ok(finished) => written.map(|_| finished),
@@ -147,7 +149,7 @@ fn finish_recording(
 #[must_use]
 pub fn report(outcome: &Outcome, plan: &Plan, folder: &ResultFolder) -> String {
     let text = show::text(&outcome.summary, plan.title.as_deref());
-    format!("{text}  results   {}\n", folder.path().display())
+    format!("{text}  results   {}\n", folder.shown().display())
 }
 
 /// An error about a value of the case gets its place in the case.
@@ -171,7 +173,7 @@ fn perform(
 ) -> Result<Vec<Finished>, RunError> {
     let plan = &planned.plan;
     let mut table = table(plan, folder, from)?;
-    let mut fields = FieldWriter::new(folder.file("fields"));
+    let mut fields = FieldWriter::within(folder.dir().clone(), "fields");
     let starting = Instant::now();
     let session = || Session::start(plan, recorder.clone());
     let started = tracing::info_span!("start").in_scope(session);
@@ -180,7 +182,7 @@ fn perform(
     let windows = || {
         let checkpoints = plan.checkpoint_every.map(|every| march::Writing {
             every,
-            into: Checkpoints::of(folder.path()),
+            into: Checkpoints::of(&folder.path()),
             origin: origin(planned),
         });
         let mut march =

@@ -18,7 +18,7 @@ use crate::case::RawCase;
 use crate::error::RunError;
 use crate::plan::{Plan, Planned, plan};
 use crate::progress::Progress;
-use crate::results::ResultFolder;
+use crate::results::{Existing, ResultFolder};
 use crate::run::{self, Clock};
 use serde_json::Value;
 use std::path::Path;
@@ -70,7 +70,8 @@ pub fn run(case: &Path, variant: &Variant, folder: &Path) -> Result<Value, RunEr
     perform(case, &planned(case, variant)?, since, folder)
 }
 
-/// Runs what has been planned since `since`, from a case file into a folder; its summary.
+/// Runs what has been planned since `since`, from a case file into a folder, in which it replaces an
+/// earlier run; its summary.
 ///
 /// # Errors
 /// Those of the command `run`.
@@ -81,7 +82,7 @@ pub fn perform(
     folder: &Path,
 ) -> Result<Value, RunError> {
     let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
-    let folder = ResultFolder::prepare(folder, case)?;
+    let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
     let outcome = run::run(planned, &folder, &mut Progress::Silent, clock, None, None)?;
     outcome.error.map_or(Ok(outcome.summary), Err)
 }
@@ -111,5 +112,5 @@ pub fn scratch() -> Result<tempfile::TempDir, RunError> {
 /// Whether an error ends the whole study, and not only the run that it ended.
 #[must_use]
 pub fn ends_study(error: &RunError) -> bool {
-    matches!(error, RunError::Interrupted { .. })
+    error.is_interrupt()
 }

@@ -4,6 +4,8 @@
 //! coordinator alone, which then ends everything in order, and so that what a participant starts
 //! ends with it. Output goes into the log line by line. An exit is known within milliseconds.
 
+mod words;
+
 use crate::programs::Program;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::io;
@@ -13,12 +15,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use tokio::io::{AsyncBufRead, AsyncBufReadExt, AsyncRead, AsyncReadExt, BufReader};
 use tokio::process::{Child, Command};
 use tokio::sync::oneshot;
-
-/// A line longer than this is logged in pieces [byte].
-const LONGEST_LINE: u64 = 64 * 1024;
+use words::{Words, relay};
 
 /// A participant's process as last seen.
 #[derive(Clone, Debug)]
@@ -151,11 +150,11 @@ fn start_one(launch: &Launch, run_folder: &Path, seen: &Arc<Observations>) -> io
         tracing::info!(role = launch.role, pid = pid.as_raw_nonzero().get(), "participant started");
         seen.processes.lock().unwrap_or_else(PoisonError::into_inner).push(pid);
     }
-    let last_words = Arc::new(Mutex::new(None));
-    let out = child.stdout.take().map(|pipe| relay(pipe, &launch.role, &last_words));
-    let err = child.stderr.take().map(|pipe| relay(pipe, &launch.role, &last_words));
+    let words = Arc::new(Mutex::new(Words::new(&launch.role)));
+    let out = child.stdout.take().map(|pipe| relay(pipe, &words));
+    let err = child.stderr.take().map(|pipe| relay(pipe, &words));
     let role = launch.role.clone();
-    tokio::spawn(watch(child, pid, role, [out, err], last_words, Arc::clone(seen)));
+    tokio::spawn(watch(child, pid, role, [out, err], words, Arc::clone(seen)));
     Ok(())
 }
 
@@ -164,41 +163,12 @@ pub(crate) fn process_group(child: &Child) -> Option<Pid> {
     child.id().and_then(|id| Pid::from_raw(i32::try_from(id).ok()?))
 }
 
-type LastWords = Arc<Mutex<Option<String>>>;
-
-/// Copies a process's output into the log.
-fn relay(
-    pipe: impl AsyncRead + Unpin + Send + 'static,
-    role: &str,
-    last_words: &LastWords,
-) -> tokio::task::JoinHandle<()> {
-    let (role, last_words) = (role.to_owned(), Arc::clone(last_words));
-    tokio::spawn(async move {
-        let mut pipe = BufReader::new(pipe);
-        let mut line = Vec::new();
-        while next_line(&mut pipe, &mut line).await {
-            let line = String::from_utf8_lossy(&line).trim_end().to_owned();
-            if !line.is_empty() {
-                tracing::info!(target: "participant", role, "{line}");
-                *last_words.lock().unwrap_or_else(PoisonError::into_inner) = Some(line);
-            }
-        }
-    })
-}
-
-/// Reads a line, or as much of it as is kept in one piece; false at the end.
-async fn next_line(pipe: &mut (impl AsyncBufRead + Unpin), line: &mut Vec<u8>) -> bool {
-    line.clear();
-    let mut piece = pipe.take(LONGEST_LINE);
-    matches!(piece.read_until(b'\n', line).await, Ok(count) if count > 0)
-}
-
 async fn watch(
     mut child: Child,
     pid: Option<Pid>,
     role: String,
     relays: [Option<tokio::task::JoinHandle<()>>; 2],
-    last_words: LastWords,
+    words: Arc<Mutex<Words>>,
     seen: Arc<Observations>,
 ) {
     let Ok(status) = child.wait().await else { return };
@@ -210,7 +180,7 @@ async fn watch(
         // A grandchild may hold the pipe open; its words are not worth waiting for.
         let _ = tokio::time::timeout(Duration::from_millis(50), relay).await;
     }
-    let last_words = last_words.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let last_words = words.lock().unwrap_or_else(PoisonError::into_inner).end();
     tracing::info!(role, %status, "participant ended");
     let mut exits = seen.exits.lock().unwrap_or_else(PoisonError::into_inner);
     exits.push(Exit { role, status, last_words });

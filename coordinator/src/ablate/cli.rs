@@ -2,12 +2,12 @@
 
 use super::{FILE, Request, show, study};
 use crate::error::RunError;
+use crate::output::print;
 use crate::report;
-use crate::study::folder::StudyFolder;
+use crate::study::folder::{StudyFolder, Wanted};
 use crate::study::{Variant, planned, scratch};
 use clap::Args;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What `coordinator ablate` is asked.
 #[derive(Debug, Args)]
@@ -24,9 +24,12 @@ pub struct Arguments {
     #[arg(long, value_name = "TIMES", default_value_t = 2,
           value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
-    /// Folder of the study [default: results/NAME-ablate].
+    /// Folder of the study [default: results/NAME-ablate, or NAME-ablate-2 and so on].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace an earlier study in that folder.
+    #[arg(long)]
+    replace: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -38,28 +41,26 @@ pub struct Arguments {
 /// A case that cannot run, the file system.
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
-    let folder = match &asked.out {
-        Some(folder) => folder.clone(),
-        None => {
-            let name = planned(&asked.case, &base)?.plan.name;
-            Path::new("results").join(format!("{name}-ablate"))
-        }
-    };
-    let folder = StudyFolder::check(&folder, FILE)?;
+    let standing = planned(&asked.case, &base)?;
+    standing.case.tell_replaced();
+    let folder = StudyFolder::choose(&Wanted {
+        command: "ablate",
+        name: &format!("{}-ablate", standing.plan.name),
+        out: asked.out.as_deref(),
+        replace: asked.replace,
+        goes_on: &|_| false,
+    })?;
     let scratch = scratch()?;
     let request = Request { case: asked.case.clone(), base, repeat: asked.repeat };
     let study = study(&request, quiet || asked.json, scratch.path())?;
     let json = serde_json::to_string_pretty(&study).expect("a study is plain data") + "\n";
     folder.write(FILE, json.as_bytes())?;
-    report::write(folder.path())?;
-    let text = match (asked.json, quiet) {
+    report::write(&folder.open()?)?;
+    print(&match (asked.json, quiet) {
         (true, _) => json,
         (false, true) => String::new(),
         (false, false) => {
             format!("{}  results   {}\n", show::text(&study), folder.path().display())
         }
-    };
-    // A reader that has gone away (`| head`) is no failure of ours.
-    let _ = std::io::stdout().write_all(text.as_bytes());
-    Ok(())
+    })
 }

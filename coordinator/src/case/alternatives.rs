@@ -5,26 +5,42 @@ use super::known::{Known, References, instances};
 use super::raw::RawCase;
 use super::tree::{Origin, Table};
 
-/// The case without the alternatives of the file that an option replaces. Two that both come from
-/// options, or both from the file, stay and are told later.
-pub(super) fn resolve(raw: &RawCase, known: &[Known]) -> RawCase {
-    let mut case = raw.clone();
-    for group in groups(&instances(known, &raw.tree, &References::new())) {
-        let set = |a: &Alternative| a.members.iter().any(|key| is_set(&raw.tree, key));
-        if !group.alternatives.iter().any(set) {
-            continue;
-        }
-        for replaced in group.alternatives.iter().filter(|a| !set(a)) {
-            for key in &replaced.members {
-                remove_with_empty_sections(&mut case.tree, key, &group.section);
-            }
-        }
-    }
-    case
+/// Keys of the file that an option has replaced.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Replaced {
+    /// The option, in full.
+    pub option: String,
+    /// The keys that it stands in the place of.
+    pub keys: Vec<String>,
 }
 
-fn is_set(tree: &Table, key: &str) -> bool {
-    tree.find(key).is_some_and(|node| matches!(node.origin, Origin::Argument(_)))
+/// The case without the alternatives of the file that an option replaces, and what these are. Two that
+/// both come from options, or both from the file, stay and are told later.
+pub(super) fn resolve(raw: &RawCase, known: &[Known]) -> (RawCase, Vec<Replaced>) {
+    let mut case = raw.clone();
+    let mut all = Vec::new();
+    for group in groups(&instances(known, &raw.tree, &References::new())) {
+        let set = |a: &Alternative| a.members.iter().any(|key| set_by(&raw.tree, key).is_some());
+        let members = group.alternatives.iter().flat_map(|a| &a.members);
+        let Some(option) = members.clone().find_map(|key| set_by(&raw.tree, key)) else { continue };
+        let others = group.alternatives.iter().filter(|a| !set(a)).flat_map(|a| &a.members);
+        let keys: Vec<String> = others.filter(|key| raw.has(key)).cloned().collect();
+        for key in &keys {
+            remove_with_empty_sections(&mut case.tree, key, &group.section);
+        }
+        if !keys.is_empty() {
+            all.push(Replaced { option: raw.arguments[option].clone(), keys });
+        }
+    }
+    (case, all)
+}
+
+/// The number of the option that has set a key.
+fn set_by(tree: &Table, key: &str) -> Option<usize> {
+    match tree.find(key)?.origin {
+        Origin::Argument(number) => Some(number),
+        Origin::File { .. } => None,
+    }
 }
 
 /// Removes a key, and the sections below `keep` that it leaves empty.

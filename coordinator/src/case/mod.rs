@@ -46,6 +46,7 @@ mod tree;
 mod unit;
 mod walk;
 
+pub use alternatives::Replaced;
 pub use coupling::{Acceleration, Implicit, Preconditioner, Predictor, Scheme, Tolerances};
 pub use diagnostics::{Place, Problem, Problems};
 pub use mapping::Mappings;
@@ -66,7 +67,7 @@ use settled::Settings;
 pub fn validate(raw: &RawCase, descriptions: &[(String, Description)]) -> Result<Case, Problems> {
     let selection = Selection::new(&raw.tree, descriptions);
     let known = known_keys(&selection, &undescribed(raw, &selection));
-    let case = alternatives::resolve(raw, &known);
+    let (case, replaced) = alternatives::resolve(raw, &known);
     let mut checker = Checker::new(&case, &selection, &known);
     checker.walk(&case.tree, "");
     checker.refer();
@@ -83,7 +84,7 @@ pub fn validate(raw: &RawCase, descriptions: &[(String, Description)]) -> Result
     let Checker { values, references, problems, .. } = checker;
     match case.report(problems) {
         Some(problems) => Err(problems),
-        None => Ok(settle(case, &selection, values, references)),
+        None => Ok(Case { replaced, ..settle(case, &selection, values, references) }),
     }
 }
 
@@ -123,5 +124,6 @@ fn settle(
         values,
         raw: case,
         references,
+        replaced: Vec::new(),
     }
 }

@@ -52,7 +52,8 @@ impl RawCase {
             let fix = "check the path and its permissions";
             return Err(whole_file(&name, format!("cannot be read: {error}"), fix));
         }
-        Self::parse_bytes(&name, &bytes)
+        let folder = path.parent().map(Path::to_owned).unwrap_or_default();
+        Ok(Self::parse_bytes(&name, &bytes)?.with_folder(folder))
     }
 
     /// Reads a case from text; `name` stands for the file in errors.

@@ -1,5 +1,6 @@
 //! The validated case: what the planner starts from.
 
+use super::alternatives::Replaced;
 use super::checker::{fill_defaults, put};
 use super::coupling::{Implicit, Scheme};
 use super::diagnostics::{Problem, Problems};
@@ -42,6 +43,8 @@ pub struct Case {
     pub values: Params,
     pub(super) raw: RawCase,
     pub(super) references: References,
+    /// Keys of the file that an option has replaced.
+    pub replaced: Vec<Replaced>,
 }
 
 /// A participant as the case has it.
@@ -152,6 +155,13 @@ pub enum OutputFields {
 }
 
 impl Case {
+    /// Says which keys of the file an option has replaced, if any.
+    pub fn tell_replaced(&self) {
+        for Replaced { option, keys } in &self.replaced {
+            tracing::warn!("{option} replaces {} of the case", keys.join(", "));
+        }
+    }
+
     /// The case as run: TOML that gives this case again, without options. Relative file names in it
     /// are meant from [`Case::folder`].
     #[must_use]

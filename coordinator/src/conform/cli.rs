@@ -2,9 +2,9 @@
 
 use super::{Report, Request, conform, show};
 use crate::error::{Failure, RunError};
+use crate::output::{Speaker, print};
 use crate::programs::Program;
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -59,22 +59,19 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
         only: asked.only.clone(),
         patience: Duration::from_secs_f64(asked.deadline),
     };
-    let silent = quiet || asked.json;
+    let mut speaker = Speaker::new(quiet || asked.json);
     let report = conform(&request, &mut |so_far| {
-        if !silent {
-            print(&match so_far.checks.last() {
-                None => show::head(so_far),
-                Some(row) => show::line(row),
-            });
-        }
+        speaker.say(&match so_far.checks.last() {
+            None => show::head(so_far),
+            Some(row) => show::line(row),
+        });
     })?;
+    speaker.say(&show::tail(&report));
     if asked.json {
         let json = serde_json::to_string_pretty(&report).expect("a report is plain data");
-        print(&(json + "\n"));
-    } else if !quiet {
-        print(&show::tail(&report));
+        print(&(json + "\n"))?;
     }
-    verdict(&request, &report)
+    speaker.end(verdict(&request, &report))
 }
 
 fn verdict(request: &Request, report: &Report) -> Result<(), RunError> {
@@ -88,10 +85,4 @@ fn verdict(request: &Request, report: &Report) -> Result<(), RunError> {
         what: failed.join(", "),
         fix: "docs/write-a-solver.md tells what each demands".to_owned(),
     }))
-}
-
-fn print(text: &str) {
-    // A reader that has gone away (`| head`) is no failure of ours.
-    let mut out = std::io::stdout();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }

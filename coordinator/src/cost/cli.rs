@@ -1,13 +1,15 @@
 //! The subcommand.
 
+use super::kept::Kept;
+use super::sweep::Places;
 use super::{FILE, Request, Study, analysis, csv, page, show, sweep};
 use crate::error::RunError;
+use crate::output::print;
 use crate::report;
 use crate::study::axis::Axis;
-use crate::study::folder::StudyFolder;
-use crate::study::{Variant, scratch};
+use crate::study::folder::{StudyFolder, Wanted};
+use crate::study::{Variant, planned, scratch};
 use clap::Args;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// What `coordinator cost` is asked.
@@ -38,9 +40,13 @@ pub struct Arguments {
     /// Leave out runs whose solvers expect to take longer.
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
     longest_run: f64,
-    /// Folder of the study [default: results/NAME-cost].
+    /// Folder of the study; one that was stopped goes on [default: results/NAME-cost, or NAME-cost-2 and
+    /// so on].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace an earlier study in that folder.
+    #[arg(long)]
+    replace: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -52,22 +58,64 @@ pub struct Arguments {
 /// A case that cannot run, options that cannot be, the file system.
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let request = request(asked)?;
-    let folder = match &asked.out {
-        Some(folder) => folder.clone(),
-        None => default_folder(&request)?,
+    let standing = planned(&request.case, &request.base)?;
+    standing.case.tell_replaced();
+    let kept = |folder: &Path| Kept::read(folder, &request, &standing);
+    let study = StudyFolder::choose(&Wanted {
+        command: "cost",
+        name: &format!("{}-cost", standing.plan.name),
+        out: asked.out.as_deref(),
+        replace: asked.replace,
+        goes_on: &|folder| kept(folder).count() > 0,
+    })?;
+    let kept = match asked.replace {
+        true => Kept::none(&request, &standing),
+        false => kept(study.path()),
     };
-    let folder = StudyFolder::check(&folder, FILE)?;
+    tell_kept(kept.count());
     let scratch = scratch()?;
-    let swept = sweep::sweep(&request, quiet || asked.json, scratch.path())?;
-    let study = analysis::study(&request, swept)?;
-    let json = serde_json::to_string_pretty(&study).expect("a study is plain data") + "\n";
-    write(&folder, &study, &json)?;
-    if asked.json {
-        print(&json);
-    } else if !quiet {
-        print(&format!("{}  results   {}\n", show::text(&study), folder.path().display()));
+    let mut places = Places { scratch: scratch.path(), study: &study, kept };
+    let swept = sweep::sweep(&request, &standing, quiet || asked.json, &mut places);
+    let swept = swept.inspect_err(|error| tell_stopped(error, &places))?;
+    finish(asked, quiet, &study, &analysis::study(&request, swept)?)
+}
+
+/// Runs of a study that was stopped are not made again.
+fn tell_kept(count: usize) {
+    if count > 0 {
+        tracing::warn!(
+            "{count} runs are those of the study that was stopped; --replace makes all anew"
+        );
     }
-    Ok(())
+}
+
+/// What becomes of the runs of a study that is stopped.
+fn tell_stopped(error: &RunError, places: &Places<'_>) {
+    let (count, path) = (places.kept.count(), places.study.path().display());
+    if error.is_interrupt() && count > 0 {
+        tracing::warn!(
+            "{count} finished runs are kept in {path}; the same command goes on with them"
+        );
+    }
+}
+
+/// Writes the files of a study and prints it.
+fn finish(
+    asked: &Arguments,
+    quiet: bool,
+    folder: &StudyFolder,
+    study: &Study,
+) -> Result<(), RunError> {
+    let json = serde_json::to_string_pretty(study).expect("a study is plain data") + "\n";
+    write(folder, study, &json)?;
+    Kept::remove(folder)?;
+    print(&match (asked.json, quiet) {
+        (true, _) => json,
+        (false, true) => String::new(),
+        (false, false) => {
+            format!("{}  results   {}\n", show::text(study), folder.path().display())
+        }
+    })
 }
 
 fn request(asked: &Arguments) -> Result<Request, RunError> {
@@ -97,12 +145,6 @@ fn reference(option: &str) -> Result<(String, f64), RunError> {
     })
 }
 
-/// Beside the results of runs of this case.
-fn default_folder(request: &Request) -> Result<PathBuf, RunError> {
-    let planned = crate::study::planned(&request.case, &request.base)?;
-    Ok(Path::new("results").join(format!("{}-cost", planned.plan.name)))
-}
-
 fn write(folder: &StudyFolder, study: &Study, json: &str) -> Result<(), RunError> {
     folder.write(FILE, json.as_bytes())?;
     folder.write("cost.csv", csv::text(study).as_bytes())?;
@@ -110,10 +152,5 @@ fn write(folder: &StudyFolder, study: &Study, json: &str) -> Result<(), RunError
     if let Some(figure) = first.and_then(|one| page::work_precision(study, one)) {
         folder.write("work-precision.svg", figure.standalone().as_bytes())?;
     }
-    report::write(folder.path()).map(drop)
-}
-
-fn print(text: &str) {
-    // A reader that has gone away (`| head`) is no failure of ours.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    report::write(&folder.open()?).map(drop)
 }

@@ -1,9 +1,11 @@
 //! The runs of a study: which ones, and what each of them gives.
 
+use super::kept::Kept;
 use super::{Request, Run};
 use crate::error::RunError;
 use crate::plan::{Plan, Planned};
 use crate::study::axis::Axis;
+use crate::study::folder::StudyFolder;
 use crate::study::levels::{Level, Offer, offered, reason};
 use crate::study::progress::Steps;
 use crate::study::quantity::Quantity;
@@ -46,9 +48,20 @@ struct Point {
     variant: Variant,
 }
 
-/// Makes the runs that a request asks for.
-pub(super) fn sweep(request: &Request, quiet: bool, scratch: &Path) -> Result<Sweep, RunError> {
-    let standing = planned(&request.case, &request.base)?;
+/// Where runs are made, and where finished ones are kept.
+pub(super) struct Places<'a> {
+    pub(super) scratch: &'a Path,
+    pub(super) study: &'a StudyFolder,
+    pub(super) kept: Kept,
+}
+
+/// Makes the runs that a request asks for, but those that are kept.
+pub(super) fn sweep(
+    request: &Request,
+    standing: &Planned,
+    quiet: bool,
+    places: &mut Places<'_>,
+) -> Result<Sweep, RunError> {
     let Offer { mut levels, refused } = offered(&request.case, &request.base)?;
     check(&levels, &refused, &request.vary)?;
     choose(&mut levels, &request.vary);
@@ -58,16 +71,19 @@ pub(super) fn sweep(request: &Request, quiet: bool, scratch: &Path) -> Result<Sw
         axes,
         runs: Vec::new(),
         left_out: Vec::new(),
-        closed_forms: BTreeMap::new(),
-        name: standing.plan.name,
-        title: standing.plan.title,
+        closed_forms: places.kept.closed_forms().clone(),
+        name: standing.plan.name.clone(),
+        title: standing.plan.title.clone(),
         levels,
     };
     let points = sweep.points();
     let mut steps = Steps::new(quiet, points.len());
     for point in &points {
         steps.step(&sweep.describe(point));
-        sweep.make(request, point, scratch)?;
+        match places.kept.run(&point.variant.options()) {
+            Some(run) => sweep.runs.push(run.clone()),
+            None => sweep.make(request, point, places)?,
+        }
     }
     steps.finish();
     Ok(sweep)
@@ -181,7 +197,12 @@ impl Sweep {
     }
 
     /// Makes a run as often as is asked; one that is refused or fails has a reason and no figures.
-    fn make(&mut self, request: &Request, point: &Point, scratch: &Path) -> Result<(), RunError> {
+    fn make(
+        &mut self,
+        request: &Request,
+        point: &Point,
+        places: &mut Places<'_>,
+    ) -> Result<(), RunError> {
         let mut run = Run::of(point);
         let silent = point.variant.with("output.fields", "none");
         for _ in 0..request.repeat {
@@ -192,7 +213,7 @@ impl Sweep {
                     return Ok(Err(seconds));
                 }
                 self.note_closed_forms(&planned);
-                perform(&request.case, &planned, clock.since, scratch).map(Ok)
+                perform(&request.case, &planned, clock.since, places.scratch).map(Ok)
             });
             match made {
                 Ok(Ok(summary)) => run.take(&summary, &clock),
@@ -206,6 +227,7 @@ impl Sweep {
                 Err(error) => run.failed = Some(reason(&error)),
             }
         }
+        places.kept.add(&run, &self.closed_forms, places.study)?;
         self.runs.push(run);
         Ok(())
     }

@@ -1,10 +1,11 @@
 //! From one recorded event to the next.
 
 use super::feed::Feed;
-use super::walk::{Answer, Walk, tell};
+use super::walk::{Answer, Walk};
 use super::{Replay, Request};
 use crate::error::{Failure, RunError, file_failure};
 use crate::inspect::FileRecording;
+use crate::output::print;
 use crate::session::Session;
 use proto::configuration::{Layout, Refusal};
 use proto::description::Description;
@@ -118,7 +119,7 @@ impl<'a> Driver<'a> {
                  solved too (output.checkpoint_every records states)"
             ));
         }
-        let walk = Walk::new(request.step);
+        let walk = Walk::new(request.step)?;
         Ok(Self {
             request,
             index,
@@ -433,7 +434,7 @@ impl<'a> Driver<'a> {
                     && let Some(first) = &self.replay.comparison.first
                     && self.replay.comparison.different_samples == 1
                 {
-                    tell(&super::show::difference(first));
+                    print(&(super::show::difference(first) + "\n"))?;
                 }
             }
             None => {

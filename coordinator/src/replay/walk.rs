@@ -1,8 +1,9 @@
 //! Walking through a replay by hand.
 
 use crate::error::{RunError, file_failure};
+use crate::output::print;
 use proto::message::{Command, CommandKind};
-use std::io::{self, BufRead, Write};
+use std::io::{self, BufRead};
 use std::path::Path;
 
 /// What the person at the keyboard wants.
@@ -19,11 +20,11 @@ pub(super) struct Walk {
 }
 
 impl Walk {
-    pub(super) fn new(asking: bool) -> Self {
+    pub(super) fn new(asking: bool) -> Result<Self, RunError> {
         if asking {
-            tell("Enter: do it · c: go on without asking · q: stop here");
+            print("Enter: do it · c: go on without asking · q: stop here\n")?;
         }
-        Self { asking }
+        Ok(Self { asking })
     }
 
     pub(super) fn ask(&mut self, role: &str, command: &Command) -> Result<Answer, RunError> {
@@ -42,8 +43,7 @@ impl Walk {
             }
             _ => String::new(),
         };
-        let mut out = io::stdout();
-        let _ = write!(out, "{role}: {what}{place} > ").and_then(|()| out.flush());
+        print(&format!("{role}: {what}{place} > "))?;
         let mut line = String::new();
         let failed = |error| file_failure(Path::new("standard input"), &error);
         let read = io::stdin().lock().read_line(&mut line).map_err(failed)?;
@@ -56,9 +56,4 @@ impl Walk {
         }
         Ok(Answer::Go)
     }
-}
-
-/// A line for the person.
-pub(super) fn tell(line: &str) {
-    let _ = writeln!(io::stdout(), "{line}");
 }

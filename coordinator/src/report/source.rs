@@ -99,10 +99,10 @@ impl Results {
         self.summary.pointer(pointer).and_then(Value::as_str).unwrap_or_default()
     }
 
-    /// The run has failed.
+    /// The run has failed, or was stopped.
     #[must_use]
     pub fn failed(&self) -> bool {
-        self.word("/status") == Status::Failed.word()
+        Status::ENDED_EARLY.map(Status::word).contains(&self.word("/status"))
     }
 
     /// A text file, empty without one.

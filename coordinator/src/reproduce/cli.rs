@@ -1,10 +1,9 @@
 //! The subcommand.
 
-use super::study::Study;
 use super::{Request, reproduce};
 use crate::error::RunError;
+use crate::output::Speaker;
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// What `coordinator reproduce` is asked.
@@ -13,9 +12,12 @@ pub struct Arguments {
     /// The study: its cases, tables, figures and text.
     #[arg(default_value = "cases/paper/study.toml")]
     study: PathBuf,
-    /// Folder for runs, text and plots [default: results/NAME].
+    /// Folder for runs, text and plots [default: results/NAME, or NAME-2 and so on].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace an earlier reproduction in that folder.
+    #[arg(long)]
+    replace: bool,
     /// Write the text here too, and its plots into img/NAME beside it.
     #[arg(long, value_name = "FILE")]
     write: Option<PathBuf>,
@@ -29,25 +31,14 @@ pub struct Arguments {
 /// # Errors
 /// A study that is wrong, those of its runs, a text that is stale.
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
-    let out = match &asked.out {
-        Some(out) => out.clone(),
-        None => PathBuf::from("results").join(Study::read(&asked.study)?.name),
-    };
     let request = Request {
         study: asked.study.clone(),
-        out,
+        out: asked.out.clone(),
+        replace: asked.replace,
         write: asked.write.clone(),
         check: asked.check.clone(),
     };
-    reproduce(&request, &mut |line| print(quiet, line))?;
-    print(quiet, &format!("{}\n", request.out.display()));
-    Ok(())
-}
-
-fn print(quiet: bool, text: &str) {
-    if !quiet {
-        // A reader that has gone away (`| head`) is no failure of ours.
-        let mut out = std::io::stdout();
-        let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    }
+    let mut speaker = Speaker::new(quiet);
+    let outcome = reproduce(&request, &mut |line| speaker.say(line));
+    speaker.end(outcome)
 }

@@ -3,6 +3,7 @@
 use super::study::{Run, Study};
 use super::values::Outcome;
 use crate::error::{RunError, file_failure};
+use crate::results::write::replace;
 use crate::study::{self, Variant};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -41,22 +42,30 @@ struct Done {
     summary: Value,
 }
 
-/// Runs everything into `out`.
+/// The runs of a study, each of which can be planned.
 ///
 /// # Errors
-/// [`RunError::Usage`] if the folder holds something else, or a case is wrong; those of the runs.
-pub(super) fn perform(
-    study: &Study,
-    file: &Path,
-    out: &Path,
-    say: &mut dyn FnMut(&str),
-) -> Result<(), RunError> {
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let runs = study.runs(folder);
+/// [`RunError::Usage`] if a case is wrong.
+pub(super) fn rehearse(study: &Study, file: &Path) -> Result<Vec<Run>, RunError> {
+    let runs = study.runs(file.parent().unwrap_or(Path::new("")));
     for run in &runs {
         study::planned(&run.case, &run.variant).map_err(|error| of_run(run, file, error))?;
     }
-    prepare(study, file, out)?;
+    Ok(runs)
+}
+
+/// Runs everything into `out`.
+///
+/// # Errors
+/// The file system; those of the runs.
+pub(super) fn perform(
+    study: &Study,
+    file: &Path,
+    runs: &[Run],
+    out: &Path,
+    say: &mut dyn FnMut(&str),
+) -> Result<(), RunError> {
+    keep_study(study, file, out)?;
     let mut record =
         Record { schema: SCHEMA, study: study.name.clone(), complete: false, runs: Vec::new() };
     write(out, &record)?;
@@ -94,19 +103,12 @@ fn of_run(run: &Run, file: &Path, error: RunError) -> RunError {
     }
 }
 
-/// The folder is new, or holds an earlier reproduction; the study goes into it.
-fn prepare(study: &Study, file: &Path, out: &Path) -> Result<(), RunError> {
-    fs::create_dir_all(out).map_err(|error| file_failure(out, &error))?;
-    let mut entries = fs::read_dir(out).map_err(|error| file_failure(out, &error))?;
-    if entries.next().is_some() && !out.join(FILE).is_file() {
-        let shown = out.display();
-        return Err(RunError::Usage(format!(
-            "{shown} holds files but no reproduction; give a new folder with --out"
-        )));
-    }
+/// The study itself goes into the folder.
+fn keep_study(study: &Study, file: &Path, out: &Path) -> Result<(), RunError> {
     let template = file.with_file_name(&study.text);
     for (from, name) in [(file, STUDY), (&template, TEMPLATE)] {
-        fs::copy(from, out.join(name)).map_err(|error| file_failure(from, &error))?;
+        let content = fs::read(from).map_err(|error| file_failure(from, &error))?;
+        replace(&out.join(name), &content)?;
     }
     Ok(())
 }

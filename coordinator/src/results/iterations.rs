@@ -17,10 +17,14 @@
 
 use crate::couple::accelerate::StepTaken;
 use crate::error::{RunError, file_failure};
+use crate::results::dir::shown;
+use crate::results::write::fresh;
 use crate::session::{HeatBalance, SolveRecord};
 use proto::model::Step;
+use rustix::fs::OFlags;
 use std::fs::File;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -49,8 +53,12 @@ pub struct Row<'a> {
 /// The table being written.
 #[derive(Debug)]
 pub struct IterationTable {
-    out: BufWriter<File>,
+    file: File,
     path: PathBuf,
+    /// Rows that are not in the file yet.
+    rows: Vec<u8>,
+    /// Length of the file \[byte\].
+    bytes: u64,
     flushed: Instant,
 }
 
@@ -58,11 +66,15 @@ impl IterationTable {
     /// Creates the file and writes its head, for participants of these roles and fields of these
     /// names that are fed back.
     pub fn create(path: &Path, roles: &[&str], fields: &[&str]) -> Result<Self, RunError> {
-        let failed = |error| file_failure(path, &error);
-        let mut out = BufWriter::new(File::create(path).map_err(failed)?);
-        head(&mut out, roles, fields).map_err(failed)?;
-        out.flush().map_err(failed)?;
-        Ok(Self { out, path: path.to_owned(), flushed: Instant::now() })
+        let file = fresh(path).map_err(|error| file_failure(path, &error))?;
+        let mut table = Self::in_file(file, path, 0);
+        head(&mut table.rows, roles, fields).map_err(|error| file_failure(path, &error))?;
+        table.flush()?;
+        Ok(table)
+    }
+
+    fn in_file(file: File, path: &Path, bytes: u64) -> Self {
+        Self { file, path: path.to_owned(), rows: Vec::new(), bytes, flushed: Instant::now() }
     }
 
     /// Opens the table of a run that is resumed, and forgets what comes after its first `bytes`
@@ -72,37 +84,48 @@ impl IterationTable {
     /// The file is shorter, or cannot be opened.
     pub fn resume(path: &Path, bytes: u64) -> Result<Self, RunError> {
         let failed = |error| file_failure(path, &error);
-        let mut file = File::options().write(true).open(path).map_err(failed)?;
+        let no_link = OFlags::NOFOLLOW.bits().cast_signed();
+        let open = File::options().write(true).custom_flags(no_link).open(path);
+        let mut file = open.map_err(failed)?;
         let found = file.metadata().map_err(failed)?.len();
         if found < bytes {
-            let shown = path.display();
+            let shown = shown(path);
+            let shown = shown.display();
             return Err(RunError::Usage(format!(
                 "{shown} has {found} bytes, and had {bytes} at the checkpoint; the run cannot be \
                  resumed without them"
             )));
         }
         file.set_len(bytes).and_then(|()| file.seek(SeekFrom::End(0))).map_err(failed)?;
-        Ok(Self { out: BufWriter::new(file), path: path.to_owned(), flushed: Instant::now() })
+        Ok(Self::in_file(file, path, bytes))
     }
 
     /// Flushes everything to the disk; the length of the file \[byte\].
     pub fn seal(&mut self) -> Result<u64, RunError> {
         self.flush()?;
-        let file = self.out.get_ref();
-        let length = file.sync_data().and_then(|()| file.metadata()).map(|data| data.len());
-        length.map_err(|error| file_failure(&self.path, &error))
+        self.file.sync_data().map_err(|error| file_failure(&self.path, &error))?;
+        Ok(self.bytes)
     }
 
     /// Writes the row of an iteration; it is on disk a second later, if the run goes on.
     pub fn row(&mut self, row: &Row<'_>) -> Result<(), RunError> {
-        write_row(&mut self.out, row).map_err(|error| file_failure(&self.path, &error))?;
+        write_row(&mut self.rows, row).map_err(|error| file_failure(&self.path, &error))?;
         if self.flushed.elapsed() >= UNWRITTEN { self.flush() } else { Ok(()) }
     }
 
-    /// Writes what is still buffered.
+    /// Writes what is not in the file yet; on a disk that is full the file ends with the last row that is
+    /// there as a whole.
     pub fn flush(&mut self) -> Result<(), RunError> {
         self.flushed = Instant::now();
-        self.out.flush().map_err(|error| file_failure(&self.path, &error))
+        let written = self.file.write_all(&self.rows);
+        if written.is_ok() {
+            self.bytes += self.rows.len() as u64;
+        }
+        self.rows.clear();
+        written.map_err(|error| {
+            let _ = self.file.set_len(self.bytes);
+            file_failure(&self.path, &error)
+        })
     }
 }
 

@@ -18,9 +18,14 @@ pub enum Status {
     Completed,
     /// It did not.
     Failed,
+    /// The user has stopped it.
+    Interrupted,
 }
 
 impl Status {
+    /// The ends before the last window.
+    pub const ENDED_EARLY: [Self; 2] = [Self::Failed, Self::Interrupted];
+
     /// The word in `summary.json`.
     #[must_use]
     pub fn word(self) -> &'static str {
@@ -28,6 +33,7 @@ impl Status {
             Self::Converged => "converged",
             Self::Completed => "completed",
             Self::Failed => "failed",
+            Self::Interrupted => "interrupted",
         }
     }
 }

@@ -14,8 +14,9 @@ mod unstructured;
 
 pub(super) use scene::{FILE as SCENE, is_scene};
 
-use super::folder::replace;
+use super::dir::Dir;
 use super::line;
+use super::write::{create, replace};
 use crate::error::{RunError, file_failure};
 use crate::session::Tap;
 use image::Image;
@@ -24,9 +25,9 @@ use proto::grid::{Grid, Quadrilaterals, Shape};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 /// Fields and their values.
 type Fields<'a> = [(&'a FieldKind, &'a [f64])];
@@ -59,9 +60,38 @@ impl<'a> Shown<'a> {
 /// Writes the newest samples of all fields, one file a grid and an instant.
 #[derive(Debug)]
 pub struct FieldWriter {
-    folder: PathBuf,
+    home: Home,
     series: Vec<Series>,
     scene: Scene,
+}
+
+/// Where the files go; the folder is made when the first field is written.
+#[derive(Debug)]
+enum Home {
+    /// A folder that the user names.
+    Named(PathBuf),
+    /// A folder of this name within one that is held open.
+    Within(Dir, &'static str),
+    /// It is there.
+    Open(Dir),
+}
+
+impl Home {
+    /// A path that leads to it, which is made if it is not there.
+    fn path(&mut self) -> Result<PathBuf, RunError> {
+        let open = match self {
+            Self::Open(dir) => return Ok(dir.path()),
+            Self::Named(path) => fs::create_dir_all(&*path)
+                .and_then(|()| Dir::open(path))
+                .map_err(|error| file_failure(path, &error))?,
+            Self::Within(dir, name) => {
+                dir.inner(name).map_err(|error| file_failure(&dir.path().join(&*name), &error))?
+            }
+        };
+        let path = open.path();
+        *self = Self::Open(open);
+        Ok(path)
+    }
 }
 
 /// One grid of one participant through time.
@@ -76,7 +106,17 @@ impl FieldWriter {
     /// A writer into this folder, which is made when the first field is written.
     #[must_use]
     pub fn new(folder: PathBuf) -> Self {
-        Self { folder, series: Vec::new(), scene: Scene::default() }
+        Self::at(Home::Named(folder))
+    }
+
+    /// A writer into the folder of this name within a result directory.
+    #[must_use]
+    pub fn within(results: Dir, name: &'static str) -> Self {
+        Self::at(Home::Within(results, name))
+    }
+
+    fn at(home: Home) -> Self {
+        Self { home, series: Vec::new(), scene: Scene::default() }
     }
 
     /// What has been written so far.
@@ -119,7 +159,7 @@ impl FieldWriter {
             self.scene.add(&name, &together);
             written.push(name);
         }
-        if written.is_empty() { Ok(()) } else { self.scene.write(&self.folder) }
+        if written.is_empty() { Ok(()) } else { self.scene.write(&self.home.path()?) }
     }
 
     fn write_grid(
@@ -130,34 +170,26 @@ impl FieldWriter {
         window: u64,
         time: f64,
     ) -> Result<(), RunError> {
-        fs::create_dir_all(&self.folder).map_err(|e| file_failure(&self.folder, &e))?;
+        let folder = self.home.path()?;
         let image = grid.as_structured().and_then(Image::of);
         let kind = if image.is_some() { "vti" } else { "vtu" };
         let file = format!("{name}_{window:06}.{kind}");
-        let path = self.folder.join(&file);
-        let write = |out: &mut BufWriter<File>| match (&image, &grid.shape) {
+        create(&folder.join(&file), |out| match (&image, &grid.shape) {
             (Some(image), _) => image.write(out, fields, time),
             (None, Shape::Structured(s)) => {
                 unstructured::write(&Quadrilaterals::from(s), out, fields, time)
             }
             (None, Shape::Quadrilaterals(q)) => unstructured::write(q, out, fields, time),
-        };
-        let out = File::create(&path).map(BufWriter::new);
-        out.and_then(|mut out| write(&mut out).and_then(|()| out.flush()))
-            .map_err(|e| file_failure(&path, &e))?;
+        })?;
         if let Some(structured) = grid.as_structured() {
-            let path = self.folder.join(format!("{name}_{window:06}.csv"));
-            let out = File::create(&path).map(BufWriter::new);
-            out.and_then(|mut out| {
-                line::write(structured, &mut out, fields).and_then(|()| out.flush())
-            })
-            .map_err(|e| file_failure(&path, &e))?;
+            let path = folder.join(format!("{name}_{window:06}.csv"));
+            create(&path, |out| line::write(structured, out, fields))?;
         }
-        self.list(name, time, file)
+        self.list(&folder, name, time, file)
     }
 
     /// Adds a file to its series.
-    fn list(&mut self, name: &str, time: f64, file: String) -> Result<(), RunError> {
+    fn list(&mut self, folder: &Path, name: &str, time: f64, file: String) -> Result<(), RunError> {
         let index = self.series.iter().position(|series| series.name == name);
         let index = index.unwrap_or_else(|| {
             self.series.push(Series { name: name.to_owned(), files: Vec::new() });
@@ -165,7 +197,7 @@ impl FieldWriter {
         });
         let files = &mut self.series[index].files;
         files.push((time, file));
-        replace(&self.folder.join(format!("{name}.pvd")), collection(files).as_bytes())
+        replace(&folder.join(format!("{name}.pvd")), collection(files).as_bytes())
     }
 }
 

@@ -15,8 +15,8 @@ use proto::model::Step;
 use std::path::Path;
 
 impl Session {
-    /// Writes the state after the accepted step into a folder, given by its absolute path; the
-    /// names of the files.
+    /// Writes the state after the accepted step into a folder, given by a path that leads
+    /// there from every process; the names of the files.
     pub fn save(&mut self, step: &Step, folder: &Path) -> Result<Vec<String>, RunError> {
         self.phase = Phase::Saving(*step);
         let mut names = Vec::new();
@@ -93,7 +93,7 @@ impl Session {
         step: &Step,
         file: &StateFile,
     ) -> Result<(), RunError> {
-        let body = serde_json::to_vec(file).expect("paths in a result directory are UTF-8");
+        let body = serde_json::to_vec(file).expect("a path through a handle is ASCII");
         self.post(one, Command::about(kind, step), &body, true)
     }
 

@@ -4,11 +4,11 @@ use super::report::{FILE, Report, SCHEMA};
 use super::suite::Suite;
 use super::{Request, limits, show, stability};
 use crate::error::{Failure, RunError};
+use crate::output::{Speaker, print};
 use crate::report;
-use crate::results::folder::replace;
-use crate::study::folder::StudyFolder;
+use crate::results::write::replace;
+use crate::study::folder::{StudyFolder, Wanted, says_incomplete};
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// What `coordinator stability` is asked.
@@ -26,9 +26,13 @@ pub struct Arguments {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Output folder: stability.json, report.html and the runs.
-    #[arg(long, value_name = "DIR", default_value = "results/stability")]
-    out: PathBuf,
+    /// Output folder: stability.json, report.html and the runs [default: results/stability, or
+    /// stability-2 and so on].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace an earlier suite's output in that folder.
+    #[arg(long)]
+    replace: bool,
     /// Write the edges that were found, as Markdown.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["only", "no_sweep"])]
     write_limits: Option<PathBuf>,
@@ -39,37 +43,35 @@ pub struct Arguments {
 /// # Errors
 /// What is asked for cannot be, or a case went otherwise than expected.
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
-    let request = Request {
-        suite: Suite::read(&asked.suite)?,
-        only: asked.only.clone(),
-        sweeps: !asked.no_sweep,
-        out: asked.out.clone(),
-    };
+    let suite = Suite::read(&asked.suite)?;
     // A case that the suite does not have is told before anything is printed.
-    request.suite.chosen(&request.only)?;
-    let silent = quiet || asked.json;
-    let say = |text: &str| {
-        if !silent {
-            print(text);
-        }
-    };
-    let folder = StudyFolder::check(&asked.out, FILE)?;
+    suite.chosen(&asked.only)?;
+    let folder = StudyFolder::choose(&Wanted {
+        command: "stability",
+        name: "stability",
+        out: asked.out.as_deref(),
+        replace: asked.replace,
+        goes_on: &|folder| says_incomplete(&folder.join(FILE)),
+    })?;
+    let request =
+        Request { suite, only: asked.only.clone(), sweeps: !asked.no_sweep, out: folder.open()? };
+    let mut speaker = Speaker::new(quiet || asked.json);
     // What is interrupted can be begun again in the same folder.
     let begun = Report { schema: SCHEMA, ..Report::default() };
     folder.write(FILE, json(&begun).as_bytes())?;
-    say(&show::head());
-    let report = stability(&request, &mut |case| say(&show::case(case)))?;
+    speaker.say(&show::head());
+    let report = stability(&request, &mut |case| speaker.say(&show::case(case)))?;
     folder.write(FILE, json(&report).as_bytes())?;
-    report::write(folder.path())?;
+    report::write(&request.out)?;
     if asked.json {
-        print(&(json(&report) + "\n"));
+        print(&(json(&report) + "\n"))?;
     }
-    say(&show::tail(&report, &asked.out));
-    verdict(&report)?;
-    match &asked.write_limits {
+    speaker.say(&show::tail(&report, folder.path()));
+    let written = verdict(&report).and_then(|()| match &asked.write_limits {
         Some(path) => replace(path, limits::text(&report).as_bytes()),
         None => Ok(()),
-    }
+    });
+    speaker.end(written)
 }
 
 fn json(report: &Report) -> String {
@@ -88,10 +90,4 @@ fn verdict(report: &Report) -> Result<(), RunError> {
         what: format!("{} went otherwise than expected", names.join(", ")),
         fix: "`coordinator stability --only NAME` runs one alone".to_owned(),
     }))
-}
-
-fn print(text: &str) {
-    // A reader that has gone away (`| head`) is no failure of ours.
-    let mut out = std::io::stdout();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }

@@ -5,7 +5,7 @@ use crate::inspect::{self, Survey, Wanted};
 use crate::plan::{Plan, Planned};
 use crate::progress::Progress;
 use crate::record::Compression;
-use crate::results::ResultFolder;
+use crate::results::{Existing, ResultFolder};
 use crate::run::{self, Clock};
 use crate::study::{self, Variant};
 use serde_json::{Map, Value, json};
@@ -41,9 +41,7 @@ impl Trial {
             Err(error) if study::ends_study(&error) => return Err(error),
             Err(error) => return Ok(Self::refused(&error, since)),
         };
-        std::fs::create_dir_all(folder)
-            .map_err(|error| crate::error::file_failure(folder, &error))?;
-        let folder = ResultFolder::prepare(folder, case)?;
+        let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
         Self::perform(&planned, &folder, since)
     }
 

@@ -1,6 +1,7 @@
 //! `coordinator cost`: references, errors, orders, the front and what to pick.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, wait_until};
+use rustix::process::Signal;
 use serde_json::Value;
 use std::fs;
 
@@ -140,19 +141,62 @@ fn the_files_agree_and_the_report_can_be_made_again() {
     // It is replaced by a study of its own kind only.
     let ended = place.start(&["ablate", &case("wheel-rail.toml"), "--out", &out]).wait();
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
-    assert!(ended.stderr.contains("holds files but no ablate.json"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("holds files but no results of `coordinator ablate`"),
+        "{}",
+        ended.stderr
+    );
     // No run leaves its folder behind.
     let mut left: Vec<_> =
         fs::read_dir(place.out()).unwrap().map(|e| e.unwrap().file_name()).collect();
     left.sort();
-    assert_eq!(left, ["cost.csv", "cost.json", "report.html", "work-precision.svg"]);
+    let files = [".cosim-results", "cost.csv", "cost.json", "report.html", "work-precision.svg"];
+    assert_eq!(left, files);
+}
+
+/// What has been computed when a study is stopped is not computed again.
+#[test]
+fn a_study_that_is_stopped_goes_on() {
+    let place = Place::new();
+    let (out, file) = (place.out().display().to_string(), case("full-slip.toml"));
+    let models = ["--vary", "mech.model=hertz-carter", "--vary", "thermal.model=columns"];
+    let levels = ["--vary", "mech.resolution=5,10,15,20,25,30,35,40,45,50,55,60"];
+    let arguments = [&["cost", &file, "--out", &out, "--repeat", "1"], &levels[..], &models];
+    let arguments = arguments.concat();
+    let kept = || -> Vec<Value> {
+        let text = fs::read(place.out().join("cost.unfinished.json")).unwrap_or_default();
+        let kept: Value = serde_json::from_slice(&text).unwrap_or_default();
+        kept["runs"].as_array().cloned().unwrap_or_default()
+    };
+    let running = place.start(&arguments);
+    wait_until("finished runs", || kept().len() >= 2);
+    running.signal(Signal::INT);
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(130), "{}", ended.stderr);
+    let first = kept();
+    assert!(ended.stderr.contains(&format!("{} finished runs are kept", first.len())));
+    let other = [&arguments[..], &["--set", "motion.speed=30"]].concat();
+    let refused = place.start(&other).wait();
+    assert_eq!(refused.code, Some(2), "another study: {}", refused.stderr);
+    let ended = place.start(&arguments).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(ended.stderr.contains(&format!("{} runs are those", first.len())), "{}", ended.stderr);
+    let study: Value =
+        serde_json::from_slice(&fs::read(place.out().join("cost.json")).unwrap()).unwrap();
+    assert_eq!(runs(&study).len(), 12);
+    for run in &first {
+        // Its time, too: it is that very run.
+        assert!(runs(&study).iter().any(|one| one["cost"] == run["cost"]), "{run}");
+    }
+    assert!(kept().is_empty());
+    place.assert_nothing_left();
 }
 
 #[test]
 fn what_cannot_be_studied_is_refused() {
-    let place = Place::new();
-    let out = place.out().display().to_string();
     let refused = |more: &[&str], words: &str| {
+        let place = Place::new();
+        let out = place.out().display().to_string();
         let file = case("full-slip.toml");
         let mut arguments = vec!["cost", &file, "--out", &out, "--vary", "mech.resolution=5"];
         arguments.extend(more);
@@ -160,7 +204,13 @@ fn what_cannot_be_studied_is_refused() {
         assert_eq!(ended.code, Some(2), "{}", ended.stderr);
         assert!(ended.stderr.contains(words), "{}", ended.stderr);
         place.assert_nothing_left();
-        assert!(!place.out().exists(), "{more:?}");
+        // Whatever has been run by then is kept.
+        let files = fs::read_dir(place.out()).into_iter().flatten().flatten();
+        assert!(
+            files
+                .map(|f| f.file_name())
+                .all(|name| { name == ".cosim-results" || name == "cost.unfinished.json" })
+        );
     };
     refused(&["--vary", "mech.resolution"], "--vary key=v1,v2");
     refused(&["--quantity", "contact.colour"], "no run has the figure `contact.colour`");

@@ -18,7 +18,11 @@ fn in_mid_window<'a>(place: &'a Place, role: &str, more: &[&str]) -> Running<'a>
 }
 
 fn assert_failed(place: &Place, ended: &Ended, parts: &[&str]) {
-    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    assert_ended(place, ended, (1, "failed"), parts);
+}
+
+fn assert_ended(place: &Place, ended: &Ended, (code, status): (i32, &str), parts: &[&str]) {
+    assert_eq!(ended.code, Some(code), "{}", ended.stderr);
     let line = ended.stderr.lines().find(|line| line.starts_with("error: "));
     let line = line.unwrap_or_else(|| panic!("no error line in: {}", ended.stderr));
     for part in parts {
@@ -28,7 +32,7 @@ fn assert_failed(place: &Place, ended: &Ended, parts: &[&str]) {
     assert!(ended.stderr.lines().any(|line| line == log), "{}", ended.stderr);
     place.assert_nothing_left();
     let summary = place.read_summary();
-    assert_eq!(summary["status"], "failed");
+    assert_eq!(summary["status"], status);
     assert!(summary["reason"].as_str().unwrap().contains(parts[0]));
     assert!(place.out().join("iterations.csv").exists());
 }
@@ -111,13 +115,14 @@ fn what_a_run_left_whose_processes_were_all_killed_is_removed_by_the_next() {
 
 #[test]
 fn interrupts_end_everything_in_order() {
-    for (signal, name) in [(Signal::INT, "Ctrl-C"), (Signal::TERM, "SIGTERM")] {
+    for (signal, name, code) in [(Signal::INT, "Ctrl-C", 130), (Signal::TERM, "SIGTERM", 143)] {
         let place = Place::new();
         let running = in_mid_window(&place, "left", &[]);
         running.signal(signal);
         let interrupted = format!("interrupted by {name}");
         let what = ["in window 0, iteration 1", "ended in order"];
-        assert_failed(&place, &running.wait(), &[&interrupted, what[0], what[1]]);
+        let parts = [&interrupted, what[0], what[1]];
+        assert_ended(&place, &running.wait(), (code, "interrupted"), &parts);
     }
 }
 
@@ -295,7 +300,7 @@ fn an_interrupt_at_any_moment_leaves_nothing() {
         running.signal(Signal::TERM);
         let ended = running.wait();
         // Before the handler is installed, within the first millisecond or so, nothing exists yet.
-        assert!(matches!(ended.code, Some(1) | None), "{:?}: {}", ended.code, ended.stderr);
+        assert!(matches!(ended.code, Some(143) | None), "{:?}: {}", ended.code, ended.stderr);
         place.assert_nothing_left();
     }
 }

@@ -5,6 +5,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Arc, OnceLock};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -78,23 +79,31 @@ impl Place {
     }
 
     pub(crate) fn start(&self, arguments: &[&str]) -> Running<'_> {
-        let child = Command::new(programs().join("coordinator"))
+        self.launch(self.command(arguments))
+    }
+
+    /// The coordinator with these arguments, to be changed before it is launched.
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(programs().join("coordinator"));
+        command
             .args(arguments)
             .env("COSIM_RUNTIME_DIR", self.runtime())
             .env_remove("RUST_LOG")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
-            .current_dir(root())
-            .spawn()
-            .unwrap();
-        Running { place: self, child: Some(child) }
+            .current_dir(root());
+        command
     }
 
-    /// Starts `run CASE --out OUT` with more arguments.
+    pub(crate) fn launch(&self, mut command: Command) -> Running<'_> {
+        Running { place: self, child: Some(command.spawn().unwrap()) }
+    }
+
+    /// Starts `run CASE --out OUT --replace` with more arguments.
     pub(crate) fn start_run(&self, case: &str, more: &[&str]) -> Running<'_> {
         let out = self.out().display().to_string();
-        let mut arguments = vec!["run", case, "--out", &out];
+        let mut arguments = vec!["run", case, "--out", &out, "--replace"];
         arguments.extend(more);
         self.start(&arguments)
     }
@@ -192,10 +201,14 @@ impl Running<'_> {
 
     pub(crate) fn wait(mut self) -> Ended {
         let child = self.child.as_mut().unwrap();
-        let out = read_all(child.stdout.take().unwrap());
-        let err = read_all(child.stderr.take().unwrap());
+        let out = child.stdout.take().map(read_all);
+        let err = child.stderr.take().map(read_all);
         let status = self.status();
-        let (stdout, stderr) = (out.join().unwrap(), err.join().unwrap());
+        let text = |reader: Option<JoinHandle<String>>| match reader {
+            Some(reader) => reader.join().unwrap(),
+            None => String::new(),
+        };
+        let (stdout, stderr) = (text(out), text(err));
         Ended { code: status.code(), stdout, stderr }
     }
 
@@ -212,7 +225,7 @@ impl Running<'_> {
     }
 }
 
-fn read_all(mut pipe: impl std::io::Read + Send + 'static) -> std::thread::JoinHandle<String> {
+fn read_all(mut pipe: impl std::io::Read + Send + 'static) -> JoinHandle<String> {
     std::thread::spawn(move || {
         let mut text = String::new();
         pipe.read_to_string(&mut text).unwrap();

@@ -16,6 +16,7 @@ mod crowd;
 mod exchange;
 mod faults;
 mod figures;
+mod folders;
 mod harness;
 mod implicit;
 mod mapping;

@@ -173,7 +173,7 @@ fn two_runs_do_not_share_a_folder() {
     assert_refused(&place.run(&case("exchange.toml"), &[]), "is used by another run");
     assert!(place.out().join("case.toml").exists(), "the first run's files stay");
     first.signal(Signal::INT);
-    assert_eq!(first.wait().code, Some(1));
+    assert_eq!(first.wait().code, Some(130));
     place.summary(&case("exchange.toml"), &["--set", "time.end=3"]);
 }
 

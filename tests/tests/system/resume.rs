@@ -3,6 +3,8 @@
 use crate::harness::{Ended, Place, case, wait_until};
 use rustix::process::Signal;
 use serde_json::Value;
+use std::ffi::OsStr;
+use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
 /// What a run leaves that does not depend on how fast the machine is.
@@ -255,14 +257,15 @@ fn without_a_whole_checkpoint_nothing_is_resumed() {
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("no checkpoint that is whole"), "{}", ended.stderr);
     let none = Place::new();
-    none.summary(&case("exchange.toml"), &["--set", "time.end=3"]);
+    let fails = ["--set", "time.end=3", "--set", "left.fault=exit"];
+    assert_eq!(none.run(&case("exchange.toml"), &fails).code, Some(1));
     let ended = resume(&none);
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("output.checkpoint_every"), "{}", ended.stderr);
 }
 
 #[test]
-fn another_case_and_a_run_that_has_ended_are_refused() {
+fn another_case_is_refused_and_a_run_that_has_ended_stays() {
     let place = killed(&[]);
     let file = place.out().join("case.toml");
     let text = std::fs::read_to_string(&file).unwrap();
@@ -272,9 +275,11 @@ fn another_case_and_a_run_that_has_ended_are_refused() {
     assert!(ended.stderr.contains("case.toml is not the case"), "{}", ended.stderr);
     std::fs::write(&file, text).unwrap();
     assert_eq!(resume(&place).code, Some(0));
+    let before = std::fs::read(place.out().join("summary.json")).unwrap();
     let ended = resume(&place);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.stderr.contains("has come to its end"), "{}", ended.stderr);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(ended.stdout.contains("has come to its end already"), "{}", ended.stdout);
+    assert_eq!(std::fs::read(place.out().join("summary.json")).unwrap(), before);
     let both = ["run", "x.toml", "--resume", "y"];
     assert_eq!(place.start(&both).wait().code, Some(2), "either a case or a run");
 }
@@ -292,6 +297,49 @@ fn a_run_that_failed_can_be_resumed_and_ends_alike() {
     assert_eq!(resume(&place).code, Some(0));
     assert_eq!(place.read_summary()["left"]["solves"], 400);
     place.assert_nothing_left();
+}
+
+/// A run that was stopped says so, in its summary and by its exit code, and goes on.
+#[test]
+fn an_interrupted_run_is_resumed() {
+    for (signal, code) in [(Signal::INT, 130), (Signal::TERM, 143)] {
+        let place = Place::new();
+        let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
+        let running = place.start_run(&case("exchange.toml"), &pairs(&settings));
+        wait_until("a checkpoint", || !checkpoints(&place.out()).is_empty());
+        running.signal(signal);
+        let ended = running.wait();
+        assert_eq!(ended.code, Some(code), "{}", ended.stderr);
+        assert_eq!(place.read_summary()["status"], "interrupted");
+        assert_eq!(resume(&place).code, Some(0));
+        assert_eq!(place.read_summary()["left"]["solves"], 400);
+        place.assert_nothing_left();
+    }
+}
+
+/// Participants are told where their state goes by a path in JSON, which is UTF-8; the folder need not
+/// be, and neither need that of the case.
+#[test]
+fn a_folder_whose_name_is_no_text_holds_checkpoints() {
+    let place = Place::new();
+    let odd = place.out().join(OsStr::from_bytes(b"odd \xff"));
+    std::fs::create_dir_all(&odd).unwrap();
+    std::fs::copy(case("exchange.toml"), odd.join("exchange.toml")).unwrap();
+    let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
+    let mut run = place.command(&["run", "exchange.toml"]);
+    run.args(pairs(&settings)).arg("--out").arg(odd.join("out")).current_dir(&odd);
+    let running = place.launch(run);
+    wait_until("a checkpoint", || !checkpoints(&odd.join("out")).is_empty());
+    running.signal(Signal::KILL);
+    running.wait();
+    let mut resume = place.command(&["run", "--resume"]);
+    resume.arg(odd.join("out"));
+    let ended = place.launch(resume).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = std::fs::read(odd.join("out/summary.json")).unwrap();
+    let summary: Value = serde_json::from_slice(&summary).unwrap();
+    assert_eq!(summary["left"]["solves"], 400);
+    assert!(summary["cost"]["resumed_at_window"].as_u64() > Some(0));
 }
 
 /// Relative file names are meant from the folder of the case file, also when the run is resumed

@@ -1,8 +1,9 @@
 //! `open.py`: a state for ParaView that opens every series beside it.
 
+use super::Fields;
 use super::label::array_name;
-use super::{Fields, replace};
 use crate::error::{RunError, file_failure};
+use crate::results::write::replace;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read};
@@ -46,7 +47,7 @@ impl Scene {
         }
         self.written = true;
         let path = folder.join(FILE);
-        if path.exists() && !is_scene(&path) {
+        if path.symlink_metadata().is_ok() && !is_scene(&path) {
             let path = path.display();
             tracing::warn!(%path, "a foreign file stays in the place of the state for ParaView");
             return Ok(());
