@@ -10,7 +10,8 @@ import pytest
 from strip_columns import StripColumns
 
 from cosim import Configuration, Grid, Layout, Quadrilaterals, Refusal, Solver, Structured
-from cosim.messages import Command, FieldHeader, Reply
+from cosim.messages import PROTOCOL_VERSION, Command, FieldHeader, Reply
+from cosim.run_dir import RunError, RunInfo
 from cosim.server import to_json
 from cosim.solver import checked_layout, first_non_finite
 
@@ -169,3 +170,22 @@ def test_the_readme_shows_the_example():
     package = Path(__file__).parent.parent
     shown = (package / "README.md").read_text().split("```python\n")[1].split("```")[0]
     assert shown == (package / "examples/short_columns.py").read_text()
+
+
+@pytest.mark.parametrize("wrong", ["prefix", "folder", "nothing"])
+def test_a_run_that_names_what_is_not_its_own_is_not_joined(tmp_path, wrong):
+    """Whoever leaves last removes what the run's file names."""
+    run = tmp_path / "0123abcd"
+    run.mkdir()
+    told = {
+        "protocol": PROTOCOL_VERSION,
+        "folder": str(tmp_path if wrong == "folder" else run),
+        "prefix": "cosim_" if wrong == "prefix" else "cosim_0123abcd_",
+        "roles": ["one"],
+    }
+    (run / "run.json").write_text(json.dumps(told))
+    if wrong == "nothing":
+        assert RunInfo.read(run).prefix == told["prefix"]
+    else:
+        with pytest.raises(RunError, match="do not belong to it"):
+            RunInfo.read(run)

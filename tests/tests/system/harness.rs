@@ -73,19 +73,30 @@ impl Place {
         self.out.path().join("out")
     }
 
+    /// The folder of the runs, in the one that the environment names.
     pub(crate) fn runtime(&self) -> PathBuf {
-        self.runtime.path().join("r")
+        self.runtime.path().join(format!("cosim-{}", rustix::process::geteuid().as_raw()))
     }
 
     pub(crate) fn start(&self, arguments: &[&str]) -> Running<'_> {
-        let child = Command::new(programs().join("coordinator"))
+        self.start_in(self.runtime.path(), Command::new(programs().join("coordinator")), arguments)
+    }
+
+    /// Starts a program that becomes the coordinator, with its runs in a folder of the caller's choice.
+    pub(crate) fn start_in(
+        &self,
+        root: &Path,
+        mut program: Command,
+        arguments: &[&str],
+    ) -> Running<'_> {
+        let child = program
             .args(arguments)
-            .env("COSIM_RUNTIME_DIR", self.runtime())
+            .env("COSIM_RUNTIME_DIR", root)
             .env_remove("RUST_LOG")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
-            .current_dir(root())
+            .current_dir(self::root())
             .spawn()
             .unwrap();
         Running { place: self, child: Some(child) }
