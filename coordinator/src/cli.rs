@@ -19,6 +19,7 @@ use crate::report;
 use crate::reproduce;
 use crate::results::{ResultFolder, show};
 use crate::run::{self, Clock, Outcome};
+use crate::signals;
 use crate::stability;
 use crate::study::Variant;
 use clap::{Args, Parser, Subcommand};
@@ -193,7 +194,10 @@ struct CaseArguments {
 
 impl CaseArguments {
     fn plan(&self) -> Result<Planned, RunError> {
+        // It may be a pipe that nobody writes to.
+        let reading = signals::end_at_once();
         let mut raw = RawCase::read(&self.case)?;
+        drop(reading);
         raw.apply(&self.set, &self.unset)?;
         tracing::info_span!("plan").in_scope(|| plan(raw))
     }
@@ -240,11 +244,13 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             }
         }
         Command::Check { case } => {
+            let _asking = signals::end_at_once();
             case.plan()?;
             print(arguments.quiet, &format!("{}: no errors\n", case.case.display()));
             Ok(())
         }
         Command::Plan { case } => {
+            let _asking = signals::end_at_once();
             print(false, &case.plan()?.plan.to_string());
             Ok(())
         }
@@ -257,6 +263,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Stability(asked) => Ok(stability::main(asked, arguments.quiet)?),
         Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
         Command::Report { folder } => {
+            let _reading = signals::end_at_once();
             let path = report::write(folder)?;
             print(arguments.quiet, &format!("{}\n", path.display()));
             Ok(())
@@ -413,6 +420,7 @@ fn conclude(
 }
 
 fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {
+    let _reading = signals::end_at_once();
     let path = &asked.recording;
     let wanted = Wanted { field: asked.field.clone(), window: asked.window };
     let mut recording = inspect::open(path)?;
@@ -482,7 +490,9 @@ fn assignment(option: &str) -> Result<(String, serde_json::Value), RunError> {
 
 fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError> {
     let ExportArguments { recording: path, vtk, csv, iterations } = asked;
+    let reading = signals::end_at_once();
     let mut recording = inspect::open(path)?;
+    drop(reading);
     let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
     let instants = export::export(path, &mut recording, &target)?;
     let mut text = format!("{instants} instant(s)");
@@ -497,6 +507,7 @@ fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError
 }
 
 fn solvers() -> Result<(), RunError> {
+    let _asking = signals::end_at_once();
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()

@@ -17,6 +17,7 @@ mod faults;
 mod figures;
 mod harness;
 mod implicit;
+mod machine;
 mod mapping;
 mod moving;
 mod off_means_off;
