@@ -21,6 +21,7 @@ use crate::reproduce;
 use crate::results::place::RESULTS;
 use crate::results::{Existing, ResultFolder, show};
 use crate::run::{self, Clock, Outcome};
+use crate::signals;
 use crate::stability;
 use crate::study::Variant;
 use clap::{Args, Parser, Subcommand};
@@ -205,7 +206,10 @@ impl CaseArguments {
 
     /// Plans what has been told of before.
     fn plan_again(&self) -> Result<Planned, RunError> {
+        // It may be a pipe that nobody writes to.
+        let reading = signals::end_at_once();
         let mut raw = RawCase::read(&self.case)?;
+        drop(reading);
         raw.apply(&self.set, &self.unset)?;
         tracing::info_span!("plan").in_scope(|| plan(raw))
     }
@@ -274,10 +278,12 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             }
         }
         Command::Check { case } => {
+            let _asking = signals::end_at_once();
             case.plan()?;
             Ok(print(arguments.quiet, &format!("{}: no errors\n", case.case.display()))?)
         }
         Command::Plan { case } => {
+            let _asking = signals::end_at_once();
             let planned = case.plan()?;
             Ok(print(false, &planned.plan.to_string())?)
         }
@@ -290,6 +296,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Stability(asked) => Ok(stability::main(asked, arguments.quiet)?),
         Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
         Command::Report { folder } => {
+            let _reading = signals::end_at_once();
             let path = report::write(folder)?;
             Ok(print(arguments.quiet, &format!("{}\n", path.display()))?)
         }
@@ -488,6 +495,7 @@ fn conclude(
 }
 
 fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {
+    let _reading = signals::end_at_once();
     let path = &asked.recording;
     let wanted = Wanted { field: asked.field.clone(), window: asked.window };
     let mut recording = inspect::open(path)?;
@@ -557,7 +565,9 @@ fn assignment(option: &str) -> Result<(String, serde_json::Value), RunError> {
 
 fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError> {
     let ExportArguments { recording: path, vtk, csv, iterations } = asked;
+    let reading = signals::end_at_once();
     let mut recording = inspect::open(path)?;
+    drop(reading);
     let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
     let instants = export::export(path, &mut recording, &target)?;
     let mut text = format!("{instants} instant(s)");
@@ -571,6 +581,7 @@ fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError
 }
 
 fn solvers() -> Result<(), RunError> {
+    let _asking = signals::end_at_once();
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()

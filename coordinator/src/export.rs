@@ -8,6 +8,7 @@ use crate::error::{RunError, file_failure};
 use crate::inspect::{FileRecording, failed};
 use crate::results::vtk::{FieldWriter, Shown};
 use crate::results::write::create;
+use crate::signals;
 use proto::description::Description;
 use proto::field::{Body, FieldKind, GEOMETRY, Mapping};
 use proto::grid::Grid;
@@ -58,7 +59,12 @@ pub fn export(
         step: None,
         instants: 0,
     };
-    while let Some(entry) = recording.read().map_err(|error| failed(path, &error))? {
+    loop {
+        // Between two files the end may come at any time, within one it may not.
+        let reading = signals::end_at_once();
+        let entry = recording.read().map_err(|error| failed(path, &error))?;
+        drop(reading);
+        let Some(entry) = entry else { break };
         match entry.item {
             Item::Event(event) => export.event(&event)?,
             Item::Sample { service, header, values } => export.sample(service, &header, values),

@@ -8,5 +8,11 @@ fn main() -> ExitCode {
     if let Err(error) = coordinator::signals::listen() {
         tracing::warn!(%error, "signals will not end a run in order");
     }
+    if let Err(error) = coordinator::processes::adopt_orphans() {
+        tracing::warn!(%error, "what participants leave behind will not be ended");
+    }
+    if let Err(error) = coordinator::damage::report() {
+        tracing::warn!(%error, "damaged shared memory will not be reported");
+    }
     ExitCode::from(coordinator::cli::main(since))
 }

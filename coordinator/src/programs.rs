@@ -5,21 +5,22 @@
 //! answer and ends it; nothing of a run is started.
 
 use crate::error::{Failure, RunError};
+use crate::processes::Process;
 use crate::signals;
-use crate::supervise::process_group;
 use proto::configuration::{Configuration, Estimate};
 use proto::description::Description;
-use rustix::process::{Pid, Signal, kill_process_group};
 use serde::de::DeserializeOwned;
 use std::io;
+use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use tokio::process::Command;
+use tokio::sync::watch;
 
 /// More of an answer is not read [byte].
-const LONGEST_ANSWER: u64 = 16 << 20;
+const LONGEST_ANSWER: usize = 16 << 20;
 
 /// An executable with its fixed arguments.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -107,26 +108,35 @@ impl Program {
     }
 
     async fn converse(&self, question: &str, input: Vec<u8>) -> io::Result<Output> {
-        let mut child = Command::new(&self.path)
+        let mut command = Command::new(&self.path);
+        command
             .args(&self.arguments)
             .arg(question)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .process_group(0)
-            .kill_on_drop(true)
-            .spawn()?;
-        let _group = process_group(&child).map(KillOnDrop);
-        let (stdin, stdout) = (child.stdin.take(), child.stdout.take());
+            .stderr(Stdio::piped());
+        let mut process = Process::start(&mut command)?;
+        let child = &mut process.child;
+        let (stdin, stdout, stderr) =
+            (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let (over, ended) = watch::channel(());
         let say = async {
             if let Some(mut stdin) = stdin {
                 // A program that does not read its input may close it early; its answer decides.
-                let _ = stdin.write_all(&input).await;
+                let mut ended = ended.clone();
+                tokio::select! {
+                    _ = stdin.write_all(&input) => (),
+                    _ = ended.changed() => (),
+                }
             }
         };
-        let (stderr, status) = (child.stderr.take(), child.wait());
-        let ((), stdout, stderr, status) =
-            tokio::join!(say, read_some(stdout), read_some(stderr), status);
+        let status = async {
+            let status = child.wait().await;
+            drop(over);
+            status
+        };
+        let (stdout, stderr) = (read_some(stdout, ended.clone()), read_some(stderr, ended.clone()));
+        let ((), stdout, stderr, status) = tokio::join!(say, stdout, stderr, status);
         Ok(Output { status: status?, stdout: stdout?, stderr: stderr? })
     }
 
@@ -152,22 +162,41 @@ impl Program {
     }
 }
 
-/// Ends a process group, with everything that its leader has started.
-struct KillOnDrop(Pid);
-
-impl Drop for KillOnDrop {
-    fn drop(&mut self) {
-        let _ = kill_process_group(self.0, Signal::KILL);
+/// What a program has to say, up to [`LONGEST_ANSWER`]; beyond that it gets no reader. Its end is the
+/// end of its answer, whoever else holds the pipe open: what it has written lies there to be read.
+async fn read_some(
+    pipe: Option<impl AsyncRead + AsFd + Unpin>,
+    mut ended: watch::Receiver<()>,
+) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let Some(mut pipe) = pipe else { return Ok(bytes) };
+    while bytes.len() < LONGEST_ANSWER {
+        let read = tokio::select! {
+            read = pipe.read_buf(&mut bytes) => read?,
+            _ = ended.changed() => {
+                read_the_rest(&pipe, &mut bytes);
+                0
+            }
+        };
+        if read == 0 {
+            break;
+        }
     }
+    bytes.truncate(LONGEST_ANSWER);
+    Ok(bytes)
 }
 
-/// What a pipe has to say, up to [`LONGEST_ANSWER`]; beyond that its writer gets no reader.
-async fn read_some(pipe: Option<impl AsyncRead + Unpin>) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    if let Some(pipe) = pipe {
-        pipe.take(LONGEST_ANSWER).read_to_end(&mut bytes).await?;
+/// Reads what lies in a pipe that does not block.
+fn read_the_rest(pipe: &impl AsFd, bytes: &mut Vec<u8>) {
+    let mut piece = [0; 4096];
+    while bytes.len() < LONGEST_ANSWER {
+        match rustix::io::read(pipe, &mut piece) {
+            Ok(0) => break,
+            Ok(count) => bytes.extend_from_slice(&piece[..count]),
+            Err(rustix::io::Errno::INTR) => {}
+            Err(_) => break,
+        }
     }
-    Ok(bytes)
 }
 
 /// Programs beside the coordinator that look like participants, for `coordinator solvers`.

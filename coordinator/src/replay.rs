@@ -22,6 +22,7 @@ use crate::error::RunError;
 use crate::inspect;
 use crate::programs::Program;
 use crate::session::{Deadlines, Seat, Session};
+use crate::signals;
 use drive::Driver;
 use proto::recording::{Item, Participant};
 use serde::Serialize;
@@ -96,11 +97,13 @@ pub fn replay(request: &Request) -> Result<Replay, RunError> {
     {
         return Err(RunError::Usage(format!("--from {from} comes after --until {until}")));
     }
+    let reading = signals::end_at_once();
     let from = match request.from {
         Some(window) if window > 0 => last_state_before(path, &request.only, window)?,
         _ => None,
     };
     let mut recording = inspect::open(path)?;
+    drop(reading);
     let index = participant(path, &recording.head().participants, &request.only)?;
     let recorded = recording.head().participants[index].clone();
     let program = match &request.program {

@@ -525,7 +525,8 @@ impl Context<'_> {
         let link = links.iter().find(|link| link.role() == exit.role);
         let how = match (exit.status.signal(), exit.status.code()) {
             (Some(7), _) => {
-                "killed by signal 7 (shared memory is full: enlarge /dev/shm)".to_owned()
+                "killed by signal 7 (/dev/shm is full, or the run's files there were cut)"
+                    .to_owned()
             }
             (Some(signal), _) => format!("killed by signal {signal}"),
             (_, Some(code)) => format!("ended with exit code {code}"),

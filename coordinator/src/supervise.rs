@@ -2,10 +2,11 @@
 //!
 //! Every participant is its own process group, so that Ctrl-C in a terminal reaches the
 //! coordinator alone, which then ends everything in order, and so that what a participant starts
-//! ends with it. Output goes into the log line by line. An exit is known within milliseconds.
+//! ends with it ([`crate::processes`]). Output goes into the log line by line. An exit is known within milliseconds.
 
 mod words;
 
+use crate::processes::Process;
 use crate::programs::Program;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::io;
@@ -15,7 +16,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use tokio::process::{Child, Command};
+use tokio::process::Command;
 use tokio::sync::oneshot;
 use words::{Words, relay};
 
@@ -134,48 +135,37 @@ impl Drop for Supervisor {
 }
 
 fn start_one(launch: &Launch, run_folder: &Path, seen: &Arc<Observations>) -> io::Result<()> {
-    let mut child = Command::new(&launch.program.path)
+    let mut command = Command::new(&launch.program.path);
+    command
         .args(&launch.program.arguments)
         .arg("--join")
         .arg(run_folder)
         .args(["--role", &launch.role])
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .process_group(0)
-        .kill_on_drop(true)
-        .spawn()?;
-    let pid = process_group(&child);
-    if let Some(pid) = pid {
-        tracing::info!(role = launch.role, pid = pid.as_raw_nonzero().get(), "participant started");
-        seen.processes.lock().unwrap_or_else(PoisonError::into_inner).push(pid);
-    }
+        .stderr(Stdio::piped());
+    let mut process = Process::start(&mut command)?;
+    let pid = process.group.id();
+    tracing::info!(role = launch.role, pid = pid.as_raw_nonzero().get(), "participant started");
+    seen.processes.lock().unwrap_or_else(PoisonError::into_inner).push(pid);
     let words = Arc::new(Mutex::new(Words::new(&launch.role)));
-    let out = child.stdout.take().map(|pipe| relay(pipe, &words));
-    let err = child.stderr.take().map(|pipe| relay(pipe, &words));
+    let out = process.child.stdout.take().map(|pipe| relay(pipe, &words));
+    let err = process.child.stderr.take().map(|pipe| relay(pipe, &words));
     let role = launch.role.clone();
-    tokio::spawn(watch(child, pid, role, [out, err], words, Arc::clone(seen)));
+    tokio::spawn(watch(process, role, [out, err], words, Arc::clone(seen)));
     Ok(())
 }
 
-/// The process group that a child leads.
-pub(crate) fn process_group(child: &Child) -> Option<Pid> {
-    child.id().and_then(|id| Pid::from_raw(i32::try_from(id).ok()?))
-}
-
 async fn watch(
-    mut child: Child,
-    pid: Option<Pid>,
+    mut process: Process,
     role: String,
     relays: [Option<tokio::task::JoinHandle<()>>; 2],
     words: Arc<Mutex<Words>>,
     seen: Arc<Observations>,
 ) {
-    let Ok(status) = child.wait().await else { return };
+    let Ok(status) = process.child.wait().await else { return };
     // What it started ends with it.
-    if let Some(pid) = pid {
-        let _ = kill_process_group(pid, Signal::KILL);
-    }
+    drop(process);
     for relay in relays.into_iter().flatten() {
         // A grandchild may hold the pipe open; its words are not worth waiting for.
         let _ = tokio::time::timeout(Duration::from_millis(50), relay).await;

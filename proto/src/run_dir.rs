@@ -12,22 +12,23 @@
 //!   last one, and removes the folder and every shared-memory file with the run's prefix.
 //!
 //! A coordinator that starts removes, by the same rule, what earlier runs left whose processes
-//! were all killed.
+//! were all killed. The runtime folder itself is the matter of [`runtime`].
 
+mod runtime;
+
+use runtime::{RuntimeFolder, SHARED_MEMORY, belong_together, prefix_of, remove_run, user};
 use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
 
-const SHARED_MEMORY: &str = "/dev/shm";
+pub(crate) use runtime::close_to_others;
+
 const COORDINATOR_LOCK: &str = "coordinator.lock";
 const MEMBERS_LOCK: &str = "members.lock";
 const RUN_FILE: &str = "run.json";
-/// Longest path of the runtime folder: service sockets must fit into 108 bytes.
-const LONGEST_RUNTIME_FOLDER: usize = 40;
 
 /// What a participant has to know to join: the content of `run.json` in the run's folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,53 +52,50 @@ pub struct RunDir {
     own: File,
 }
 
-/// The folder that holds the runs of this user: `$COSIM_RUNTIME_DIR`, or `/dev/shm/cosim-UID`.
-///
-/// It lies in memory because iceoryx2 flushes every small file that describes a service to the
-/// disk, which takes as long as the disk is busy. It exists only while there are runs.
-pub fn runtime_folder() -> io::Result<PathBuf> {
-    let folder = match std::env::var_os("COSIM_RUNTIME_DIR") {
-        Some(folder) => PathBuf::from(folder),
-        None => {
-            let user = rustix::process::getuid().as_raw();
-            Path::new(SHARED_MEMORY).join(format!("cosim-{user}"))
+impl RunInfo {
+    /// Reads the run of a folder: it is ours, and its prefix is that of its own shared memory, which
+    /// the last who leaves removes.
+    fn read(folder: &Path) -> io::Result<Self> {
+        let no_run = |error: io::Error| {
+            io::Error::new(error.kind(), format!("no run at {}: {error}", folder.display()))
+        };
+        let text = fs::read(folder.join(RUN_FILE)).map_err(no_run)?;
+        let info: Self = serde_json::from_slice(&text)?;
+        let (here, named) = (fs::metadata(folder)?, fs::metadata(&info.folder).map_err(no_run)?);
+        if here.uid() != user() {
+            return Err(io::Error::other(format!(
+                "the run at {} belongs to another user",
+                folder.display()
+            )));
         }
-    };
-    if folder.as_os_str().len() > LONGEST_RUNTIME_FOLDER || !folder.is_absolute() {
-        return Err(io::Error::other(format!(
-            "the runtime folder {} must be an absolute path of at most {LONGEST_RUNTIME_FOLDER} \
-             bytes; set COSIM_RUNTIME_DIR to a shorter one",
-            folder.display()
-        )));
+        let same = (here.dev(), here.ino()) == (named.dev(), named.ino());
+        if !same || !belong_together(&info.folder, &info.prefix) {
+            return Err(io::Error::other(format!(
+                "{} is not that of a run: folder {} and prefix {:?} do not belong to it",
+                folder.join(RUN_FILE).display(),
+                info.folder.display(),
+                info.prefix
+            )));
+        }
+        Ok(info)
     }
-    Ok(folder)
 }
 
 impl RunDir {
     /// Creates the folder of a new run and takes its locks.
     pub fn create(roles: &[String]) -> io::Result<Self> {
-        let runtime = runtime_folder()?;
-        remove_dead_runs(&runtime);
-        let (id, nursery) = new_folder(&runtime).map_err(|error| {
-            let folder = runtime.display();
-            io::Error::new(error.kind(), format!("cannot create a run folder in {folder}: {error}"))
-        })?;
-        let owner = fs::metadata(&runtime)?.uid();
-        if owner != rustix::process::getuid().as_raw() {
-            return Err(io::Error::other(format!(
-                "{} belongs to another user; remove it or set COSIM_RUNTIME_DIR",
-                runtime.display()
-            )));
-        }
+        let runtime = RuntimeFolder::open()?;
+        runtime.remove_dead_runs();
+        let (id, nursery) = runtime.nursery()?;
         let coordinator = File::create(nursery.join(COORDINATOR_LOCK))?;
         let members = File::create(nursery.join(MEMBERS_LOCK))?;
         flock(&coordinator, FlockOperation::NonBlockingLockExclusive)?;
         flock(&members, FlockOperation::NonBlockingLockShared)?;
-        let folder = runtime.join(&id);
+        let folder = runtime.path().join(&id);
         let info = RunInfo {
             protocol: crate::PROTOCOL_VERSION,
             folder: folder.clone(),
-            prefix: format!("cosim_{id}_"),
+            prefix: prefix_of(&id),
             roles: roles.to_vec(),
         };
         fs::write(nursery.join(RUN_FILE), serde_json::to_vec_pretty(&info)?)?;
@@ -108,10 +106,7 @@ impl RunDir {
 
     /// Joins a run as the participant that plays this role.
     pub fn join(folder: &Path, role: &str) -> io::Result<Self> {
-        let text = fs::read(folder.join(RUN_FILE)).map_err(|error| {
-            io::Error::new(error.kind(), format!("no run at {}: {error}", folder.display()))
-        })?;
-        let info: RunInfo = serde_json::from_slice(&text)?;
+        let info = RunInfo::read(folder)?;
         if info.protocol != crate::PROTOCOL_VERSION {
             let (theirs, ours) = (info.protocol, crate::PROTOCOL_VERSION);
             return Err(io::Error::other(format!(
@@ -161,7 +156,7 @@ impl Drop for RunDir {
     fn drop(&mut self) {
         self.release();
         if flock(&self.members, FlockOperation::NonBlockingLockExclusive).is_ok() {
-            remove(&self.info.folder, &self.info.prefix);
+            remove_run(&self.info.folder, &self.info.prefix);
         }
     }
 }
@@ -190,71 +185,12 @@ impl CoordinatorWatch {
     }
 }
 
-/// A new folder `.new-ID` for a run, with a name that nobody else has.
-fn new_folder(runtime: &Path) -> io::Result<(String, PathBuf)> {
-    let mut seed = SystemTime::now()
-        .duration_since(SystemTime::UNIX_EPOCH)
-        .map_or(0, |d| d.subsec_nanos() ^ d.as_secs() as u32)
-        ^ std::process::id().rotate_left(16);
-    loop {
-        // The last run that ends removes the runtime folder, perhaps just now.
-        fs::DirBuilder::new().recursive(true).mode(0o700).create(runtime)?;
-        let id = format!("{seed:08x}");
-        let nursery = runtime.join(format!(".new-{id}"));
-        match fs::DirBuilder::new().mode(0o700).create(&nursery) {
-            Ok(()) if !runtime.join(&id).exists() => return Ok((id, nursery)),
-            Ok(()) => fs::remove_dir(&nursery)?,
-            Err(error)
-                if matches!(
-                    error.kind(),
-                    io::ErrorKind::AlreadyExists | io::ErrorKind::NotFound
-                ) => {}
-            Err(error) => return Err(error),
-        }
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+/// Nobody holds a lock.
+fn is_free(lock: &Path) -> bool {
+    match File::open(lock) {
+        Ok(file) => flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok(),
+        Err(error) => error.kind() == io::ErrorKind::NotFound,
     }
-}
-
-/// Removes the runs of which no process lives.
-fn remove_dead_runs(runtime: &Path) {
-    let Ok(entries) = fs::read_dir(runtime) else { return };
-    for entry in entries.flatten() {
-        let folder = entry.path();
-        let Some(name) = folder.file_name().and_then(|n| n.to_str()) else { continue };
-        if let Some(id) = name.strip_prefix(".new-") {
-            let age = entry.metadata().and_then(|m| m.modified()).map(|t| t.elapsed());
-            if matches!(age, Ok(Ok(age)) if age > Duration::from_secs(60)) {
-                remove(&folder, &format!("cosim_{id}_"));
-            }
-        } else if is_dead(&folder) {
-            tracing::info!(run = name, "removing what a dead run left");
-            remove(&folder, &format!("cosim_{name}_"));
-        }
-    }
-}
-
-fn is_dead(folder: &Path) -> bool {
-    [COORDINATOR_LOCK, MEMBERS_LOCK].iter().all(|lock| {
-        File::open(folder.join(lock))
-            .is_ok_and(|file| flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok())
-    })
-}
-
-fn remove(folder: &Path, prefix: &str) {
-    if let Ok(entries) = fs::read_dir(SHARED_MEMORY) {
-        for entry in entries.flatten() {
-            if entry.file_name().to_str().is_some_and(|name| name.starts_with(prefix)) {
-                let _ = fs::remove_file(entry.path());
-            }
-        }
-    }
-    if let Err(error) = fs::remove_dir_all(folder)
-        && error.kind() != io::ErrorKind::NotFound
-    {
-        tracing::warn!(folder = %folder.display(), %error, "cannot remove the run's folder");
-    }
-    // Succeeds only for the last run.
-    let _ = folder.parent().map(fs::remove_dir);
 }
 
 /// Free shared memory [byte]; `u64::MAX` where it cannot be known.
@@ -306,7 +242,7 @@ mod tests {
     #[test]
     fn a_living_run_is_not_taken_for_dead() {
         let run = RunDir::create(&[]).unwrap();
-        assert!(!is_dead(&run.info().folder));
+        assert!(!runtime::is_dead(&run.info().folder));
         let other = RunDir::create(&[]).unwrap();
         assert!(run.info().folder.exists());
         assert_ne!(run.info().prefix, other.info().prefix);
@@ -330,6 +266,43 @@ mod tests {
     fn joining_a_run_that_is_not_there_names_the_folder() {
         let error = RunDir::join(Path::new("/nonexistent/run"), "mech").unwrap_err();
         assert!(error.to_string().contains("/nonexistent/run"));
+    }
+
+    /// Whoever leaves last would remove what a foreign `run.json` names.
+    #[test]
+    fn a_run_that_names_what_is_not_its_own_is_not_joined() {
+        let run = RunDir::create(&["mech".to_owned()]).unwrap();
+        let (info, other) = (run.info().clone(), RunDir::create(&[]).unwrap());
+        let everything = RunInfo { prefix: String::new(), ..info.clone() };
+        let elsewhere = RunInfo { folder: other.info().folder.clone(), ..info.clone() };
+        let others = RunInfo { prefix: other.info().prefix.clone(), ..info.clone() };
+        for wrong in [everything, elsewhere, others] {
+            fs::write(info.folder.join(RUN_FILE), serde_json::to_vec(&wrong).unwrap()).unwrap();
+            let error = RunDir::join(&info.folder, "mech").unwrap_err().to_string();
+            assert!(error.contains("do not belong to it"), "{error}");
+        }
+        fs::write(info.folder.join(RUN_FILE), serde_json::to_vec(&info).unwrap()).unwrap();
+    }
+
+    /// No file of a run may be opened by another user, who could stop those that join.
+    #[test]
+    fn the_shared_memory_of_a_run_is_closed_to_others() {
+        let run = RunDir::create(&["mech".to_owned()]).unwrap();
+        let endpoint = crate::transport::Endpoint::open(run.info()).unwrap();
+        let _bell = endpoint.doorbell("coordinator").unwrap();
+        let entries = fs::read_dir(SHARED_MEMORY).unwrap().flatten();
+        let of_run = |entry: &fs::DirEntry| {
+            entry.file_name().to_string_lossy().starts_with(&run.info().prefix)
+        };
+        let files: Vec<_> = entries.filter(of_run).collect();
+        assert!(files.len() > 1, "{files:?}");
+        for file in &files {
+            let mode = file.metadata().unwrap().mode() & 0o777;
+            assert_eq!(mode & 0o077, 0, "{file:?}: {mode:o}");
+        }
+        // Whoever joins finds the same count of nodes, and what is there opens.
+        let second = crate::transport::Endpoint::open(run.info()).unwrap();
+        second.ringer("coordinator").unwrap().ring().unwrap();
     }
 
     #[test]

@@ -19,7 +19,7 @@
 //! exchange; polling without yielding would take the processor from the peer that works.
 
 use crate::message::{Command, FieldHeader, Reply};
-use crate::run_dir::RunInfo;
+use crate::run_dir::{RunInfo, close_to_others};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::{
@@ -143,6 +143,7 @@ impl Endpoint {
             .config(&config)
             .create::<Ipc>()
             .map_err(|e| open_error(&run.prefix, e))?;
+        close_to_others(&run.prefix).map_err(|e| open_error(&run.prefix, e))?;
         Ok(Self { node, protocol: run.protocol })
     }
 

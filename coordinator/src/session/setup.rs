@@ -82,7 +82,7 @@ impl Session {
                 "the machine",
                 "while preparing the run",
                 &error,
-                "set COSIM_RUNTIME_DIR to a folder of yours in memory",
+                "COSIM_RUNTIME_DIR may name another folder of yours in memory",
             )
         })?;
         let (prefix, folder) = (&run.info().prefix, run.info().folder.display());

@@ -20,7 +20,8 @@ from cosim import (
     Solver,
     Structured,
 )
-from cosim.messages import Command, FieldHeader, Reply
+from cosim.messages import PROTOCOL_VERSION, Command, FieldHeader, Reply
+from cosim.run_dir import RunError, RunInfo
 from cosim.server import to_json
 from cosim.solver import checked_layout, first_non_finite
 
@@ -240,3 +241,22 @@ def test_a_geometry_reads_back(kind):
     )
     with pytest.raises(ValueError, match="has moved and still"):
         grid.check_moved(elsewhere)
+
+
+@pytest.mark.parametrize("wrong", ["prefix", "folder", "nothing"])
+def test_a_run_that_names_what_is_not_its_own_is_not_joined(tmp_path, wrong):
+    """Whoever leaves last removes what the run's file names."""
+    run = tmp_path / "0123abcd"
+    run.mkdir()
+    told = {
+        "protocol": PROTOCOL_VERSION,
+        "folder": str(tmp_path if wrong == "folder" else run),
+        "prefix": "cosim_" if wrong == "prefix" else "cosim_0123abcd_",
+        "roles": ["one"],
+    }
+    (run / "run.json").write_text(json.dumps(told))
+    if wrong == "nothing":
+        assert RunInfo.read(run).prefix == told["prefix"]
+    else:
+        with pytest.raises(RunError, match="do not belong to it"):
+            RunInfo.read(run)

@@ -74,8 +74,9 @@ impl Place {
         self.out.path().join("out")
     }
 
+    /// The folder of the runs, in the one that the environment names.
     pub(crate) fn runtime(&self) -> PathBuf {
-        self.runtime.path().join("r")
+        self.runtime.path().join(format!("cosim-{}", rustix::process::geteuid().as_raw()))
     }
 
     pub(crate) fn start(&self, arguments: &[&str]) -> Running<'_> {
@@ -84,16 +85,32 @@ impl Place {
 
     /// The coordinator with these arguments, to be changed before it is launched.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(programs().join("coordinator"));
-        command
+        self.becoming(Command::new(programs().join("coordinator")), arguments)
+    }
+
+    /// A program that becomes the coordinator with these arguments.
+    pub(crate) fn becoming(&self, mut program: Command, arguments: &[&str]) -> Command {
+        program
             .args(arguments)
-            .env("COSIM_RUNTIME_DIR", self.runtime())
+            .env("COSIM_RUNTIME_DIR", self.runtime.path())
             .env_remove("RUST_LOG")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .current_dir(root());
-        command
+        program
+    }
+
+    /// Starts a program that becomes the coordinator, with its runs in a folder of the caller's choice.
+    pub(crate) fn start_in(
+        &self,
+        runtime: &Path,
+        program: Command,
+        arguments: &[&str],
+    ) -> Running<'_> {
+        let mut command = self.becoming(program, arguments);
+        command.env("COSIM_RUNTIME_DIR", runtime);
+        self.launch(command)
     }
 
     pub(crate) fn launch(&self, mut command: Command) -> Running<'_> {

@@ -19,6 +19,7 @@ mod figures;
 mod folders;
 mod harness;
 mod implicit;
+mod machine;
 mod mapping;
 mod moving;
 mod off_means_off;

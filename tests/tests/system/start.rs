@@ -63,34 +63,30 @@ fn a_refusal_in_build_is_reported_at_once_in_its_own_words() {
 }
 
 /// Runs the smallest case in a shell that has set limits.
-fn limited(limits: &str, settings: &[&str]) -> (Place, std::process::Output) {
+fn limited(limits: &str) -> (Place, crate::harness::Ended) {
     let place = Place::new();
-    let sets = settings.iter().map(|set| format!(" --set {set}")).collect::<String>();
-    let line = format!(
-        "{limits} && exec {} run {} --out {} --set time.end=2{sets}",
-        programs().join("coordinator").display(),
-        case("exchange.toml"),
-        place.out().display()
-    );
     let mut shell = std::process::Command::new("sh");
-    shell.args(["-c", &line]).env("COSIM_RUNTIME_DIR", place.runtime());
-    let output = shell.current_dir(crate::harness::root()).output().unwrap();
+    let line = format!("{limits} && exec {} \"$@\"", programs().join("coordinator").display());
+    shell.args(["-c", &line, "sh"]);
+    let (case, out) = (case("exchange.toml"), place.out().display().to_string());
+    let arguments = ["run", &case, "--out", &out, "--set", "time.end=2"];
+    let ended = place.launch(place.becoming(shell, &arguments)).wait();
     place.assert_nothing_left();
-    (place, output)
+    (place, ended)
 }
 
 #[test]
 fn a_low_limit_of_open_files_is_raised_as_far_as_it_may_be() {
-    let (_, output) = limited("ulimit -Sn 40", &[]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let (_, ended) = limited("ulimit -Sn 40");
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
 }
 
 #[test]
 fn too_few_open_files_are_refused_before_anything_starts() {
     for most in [40, 64, 90] {
-        let (place, output) = limited(&format!("ulimit -n {most}"), &[]);
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{told}");
+        let (place, ended) = limited(&format!("ulimit -n {most}"));
+        let told = ended.stderr;
+        assert_eq!(ended.code, Some(1), "{told}");
         let allowed = format!("files: {most} are allowed");
         for part in ["before anything was started", &allowed, "ulimit -Hn"] {
             assert!(told.contains(part), "`{part}` is missing in: {told}");

@@ -13,6 +13,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import re
 import shutil
 import threading
 from contextlib import suppress
@@ -52,9 +53,26 @@ class RunInfo:
             raise RunError(
                 f"the coordinator speaks protocol {protocol}, this package {PROTOCOL_VERSION}"
             )
-        if not prefix.startswith("cosim_"):
-            raise RunError(f"{prefix!r} is no prefix of a run's shared memory")
+        info._check_place(folder)
         return info
+
+    def _check_place(self, folder: Path) -> None:
+        """Raise `RunError` for a run of another user, or one that names what is not its own.
+
+        Whoever leaves last removes what the run's file names.
+        """
+        try:
+            here, named = folder.stat(), self.folder.stat()
+        except OSError as error:
+            raise RunError(f"no run at {folder}: {error}") from error
+        if here.st_uid != os.geteuid():
+            raise RunError(f"the run at {folder} belongs to another user")
+        same = os.path.samestat(here, named) and self.prefix == f"cosim_{self.folder.name}_"
+        if not same or not re.fullmatch("[0-9a-f]{8}", self.folder.name):
+            raise RunError(
+                f"{folder / 'run.json'} is not that of a run: folder {self.folder} and prefix "
+                f"{self.prefix!r} do not belong to it"
+            )
 
 
 class Membership:

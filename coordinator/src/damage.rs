@@ -1,0 +1,64 @@
+//! The last words of a process that reads shared memory which is not what it was.
+//!
+//! A file that is cut short, or for which `/dev/shm` has no room, ends whoever touches it with a bus
+//! error; what iceoryx2 keeps beside the samples, once overwritten, with an invalid access. Neither can
+//! be put in order, but it can be said. Participants notice that we are gone, and leave; the next run
+//! removes what is left.
+
+use std::io;
+use std::mem::MaybeUninit;
+use std::ptr;
+use std::sync::OnceLock;
+
+const CUT: &[u8] = b"error: shared memory failed: a file of the run in /dev/shm has been cut, or there \
+    is no room for it (bus error); free or enlarge /dev/shm; the next run removes what this one leaves\n";
+const OVERWRITTEN: &[u8] =
+    b"error: invalid access to memory: the run's files in /dev/shm have been \
+    overwritten, or the program is at fault; the next run removes what this one leaves\n";
+
+/// What the runtime of the language does about invalid accesses: it knows overflows of the stack.
+static BEFORE: OnceLock<libc::sigaction> = OnceLock::new();
+
+/// From now on such an end is reported on standard error.
+pub fn report() -> io::Result<()> {
+    let before = install(libc::SIGSEGV, overwritten)?;
+    let _ = BEFORE.set(before);
+    install(libc::SIGBUS, cut).map(|_| ())
+}
+
+fn install(signal: i32, handler: extern "C" fn(i32)) -> io::Result<libc::sigaction> {
+    let mut before = MaybeUninit::zeroed();
+    // SAFETY: an action of zeros is a valid one without mask; `before` is written by the call, and
+    // read only after its success. The handlers call nothing but what is safe in a signal handler.
+    unsafe {
+        let mut action: libc::sigaction = MaybeUninit::zeroed().assume_init();
+        action.sa_sigaction = handler as *const () as usize;
+        action.sa_flags = libc::SA_ONSTACK;
+        match libc::sigaction(signal, &raw const action, before.as_mut_ptr()) {
+            0 => Ok(before.assume_init()),
+            _ => Err(io::Error::last_os_error()),
+        }
+    }
+}
+
+/// The machine has failed.
+extern "C" fn cut(_signal: i32) {
+    // SAFETY: both calls are safe in a signal handler.
+    unsafe {
+        libc::write(2, CUT.as_ptr().cast(), CUT.len());
+        libc::_exit(1);
+    }
+}
+
+/// The access is repeated when this returns, and then ends the process as it would have before.
+extern "C" fn overwritten(signal: i32) {
+    let before = BEFORE.get().map_or(ptr::null(), ptr::from_ref);
+    // SAFETY: all calls are safe in a signal handler; without a former action nothing is restored, and
+    // then the process ends here.
+    unsafe {
+        libc::write(2, OVERWRITTEN.as_ptr().cast(), OVERWRITTEN.len());
+        if before.is_null() || libc::sigaction(signal, before, ptr::null_mut()) != 0 {
+            libc::_exit(1);
+        }
+    }
+}

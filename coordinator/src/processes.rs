@@ -1,0 +1,170 @@
+//! The processes that we have started, and what they leave behind.
+//!
+//! Each leads a process group of its own and ends with it. What has left the group (`setsid`) and
+//! outlives its parent becomes a child of the coordinator, which adopts orphans ([`adopt_orphans`]).
+//! When the last process that we have started has ended, such a child is ended too; it is known by
+//! [`MARK`], which it has inherited. One that has lost the mark is reported: it may belong to whoever
+//! has started the coordinator.
+
+use rustix::process::{
+    Pid, Signal, WaitId, WaitIdOptions, WaitOptions, getpid, kill_process, kill_process_group,
+    set_child_subreaper, waitid, waitpid,
+};
+use std::io;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+use tokio::process::{Child, Command};
+
+/// Environment of what we start: our process number.
+const MARK: &str = "COSIM_COORDINATOR";
+/// An orphan that is killed and has not ended by then is left alone.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// What the coordinator's executable has started; nothing is adopted in other programs.
+#[derive(Debug)]
+struct Started {
+    adopting: bool,
+    /// Children that the process had when it became the coordinator (`job & exec coordinator`).
+    inherited: Vec<Pid>,
+    groups: Vec<Pid>,
+}
+
+static STARTED: Mutex<Started> =
+    Mutex::new(Started { adopting: false, inherited: Vec::new(), groups: Vec::new() });
+
+fn started() -> MutexGuard<'static, Started> {
+    STARTED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From now on orphans among our descendants become children of ours, and end with the last process
+/// that we have started.
+pub fn adopt_orphans() -> io::Result<()> {
+    set_child_subreaper(Some(getpid()))?;
+    let mut started = started();
+    started.inherited = children();
+    started.adopting = true;
+    Ok(())
+}
+
+/// Ends the process groups of all that we have started, now; for the end of the coordinator itself.
+pub(crate) fn end_all() {
+    for group in &started().groups {
+        let _ = kill_process_group(*group, Signal::KILL);
+    }
+}
+
+/// A process that we have started. Dropping it ends it, and what it has started.
+#[derive(Debug)]
+pub(crate) struct Process {
+    // Ended before its group is, and before orphans are looked for.
+    pub(crate) child: Child,
+    pub(crate) group: Group,
+}
+
+impl Process {
+    /// Starts a program as the leader of a process group.
+    pub(crate) fn start(command: &mut Command) -> io::Result<Self> {
+        let mark = getpid().as_raw_nonzero().get().to_string();
+        command.env(MARK, mark).process_group(0).kill_on_drop(true);
+        // Within the lock, because a child that does not stand in the list is taken for an orphan.
+        let mut started = started();
+        let child = command.spawn()?;
+        let id = child.id().and_then(|id| Pid::from_raw(i32::try_from(id).ok()?));
+        let id = id.ok_or_else(|| io::Error::other("the process has no number"))?;
+        started.groups.push(id);
+        Ok(Self { child, group: Group(id) })
+    }
+}
+
+/// The process group of a process that we have started. Dropping it ends what is left of it.
+#[derive(Debug)]
+pub(crate) struct Group(Pid);
+
+impl Group {
+    pub(crate) fn id(&self) -> Pid {
+        self.0
+    }
+}
+
+impl Drop for Group {
+    fn drop(&mut self) {
+        let _ = kill_process_group(self.0, Signal::KILL);
+        let mut started = started();
+        started.groups.retain(|group| *group != self.0);
+        if started.adopting && started.groups.is_empty() {
+            end_orphans(&started.inherited);
+        }
+    }
+}
+
+/// Ends what has been left behind; what orphans leave behind in turn, too.
+fn end_orphans(inherited: &[Pid]) {
+    let deadline = Instant::now() + PATIENCE;
+    let mut reported = inherited.to_vec();
+    while has_children() && Instant::now() < deadline {
+        let mut ended = false;
+        for orphan in children() {
+            if matches!(waitpid(Some(orphan), WaitOptions::NOHANG), Ok(Some(_))) {
+                ended = true;
+                continue;
+            }
+            let marked = is_marked(orphan);
+            if !reported.contains(&orphan) {
+                reported.push(orphan);
+                report(orphan, marked);
+            }
+            if marked {
+                ended = true;
+                let _ = kill_process(orphan, Signal::KILL);
+            }
+        }
+        if !ended {
+            return;
+        }
+        std::thread::sleep(Duration::from_micros(200));
+    }
+}
+
+fn report(orphan: Pid, marked: bool) {
+    let (pid, name) = (orphan.as_raw_nonzero().get(), stat(orphan).map(|(name, _)| name));
+    let name = name.unwrap_or_default();
+    if marked {
+        tracing::info!(pid, name, "ending a process that a participant has left behind");
+    } else {
+        tracing::warn!("process {pid} ({name}) has lost its parent and is left running");
+    }
+}
+
+/// Costs one call of the kernel in a run that has left nothing.
+fn has_children() -> bool {
+    let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+    waitid(WaitId::All, look).is_ok()
+}
+
+/// Our children, ended ones that nobody has collected among them.
+fn children() -> Vec<Pid> {
+    let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    let numbers = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    let ours = |pid: &Pid| stat(*pid).is_some_and(|(_, parent)| parent == Some(getpid()));
+    numbers.filter_map(Pid::from_raw).filter(ours).collect()
+}
+
+/// Name and parent of a process.
+fn stat(process: Pid) -> Option<(String, Option<Pid>)> {
+    let path = format!("/proc/{}/stat", process.as_raw_nonzero());
+    let text = std::fs::read(path).ok()?;
+    let text = String::from_utf8_lossy(&text);
+    // The name stands in brackets, and may hold some.
+    let (name, rest) = text.split_once('(')?.1.rsplit_once(") ")?;
+    let parent = rest.split(' ').nth(1)?.parse().ok().and_then(Pid::from_raw);
+    Some((name.to_owned(), parent))
+}
+
+/// A process has inherited the mark of what we have started.
+fn is_marked(process: Pid) -> bool {
+    let path = format!("/proc/{}/environ", process.as_raw_nonzero());
+    let mark = format!("{MARK}={}", getpid().as_raw_nonzero());
+    std::fs::read(path).is_ok_and(|environment| {
+        environment.split(|byte| *byte == 0).any(|entry| entry == mark.as_bytes())
+    })
+}

@@ -1,0 +1,206 @@
+//! What a run finds on the machine and leaves there: folders of others, signals that are ignored,
+//! processes that outlive their parents, shared memory that is damaged.
+
+use crate::harness::{Ended, Place, case, programs, wait_until};
+use rustix::process::{Pid, Signal, kill_process};
+use std::fs::File;
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+fn run_in(place: &Place, root: &Path) -> Ended {
+    let out = place.out().display().to_string();
+    let run = ["run", &case("exchange.toml"), "--set", "time.end=2", "--out", &out];
+    place.start_in(root, Command::new(programs().join("coordinator")), &run).wait()
+}
+
+/// Folders that no run has made stay, however much they look like one.
+#[test]
+fn the_users_own_folders_stay() {
+    let place = Place::new();
+    let runs = place.runtime();
+    let root = runs.parent().unwrap();
+    place.summary(&case("exchange.toml"), &["--set", "time.end=2"]);
+    assert!(root.exists() && !runs.exists());
+    let mine = [runs.join("mine"), runs.join(".new-mine")];
+    for folder in &mine {
+        std::fs::create_dir_all(folder).unwrap();
+        for name in ["coordinator.lock", "members.lock", "precious"] {
+            std::fs::write(folder.join(name), b"").unwrap();
+        }
+    }
+    Command::new("chmod").arg("700").arg(&runs).status().unwrap();
+    Command::new("touch").args(["-d", "1 hour ago"]).arg(&mine[1]).status().unwrap();
+    let ended = run_in(&place, root);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(mine.iter().all(|folder| folder.join("precious").exists()));
+    std::fs::remove_dir_all(&runs).unwrap();
+}
+
+/// Nothing is removed in a folder that is not ours alone: what looks like a dead run there names
+/// shared memory of ours.
+#[test]
+fn a_folder_that_is_not_ours_alone_is_refused_before_anything_is_removed() {
+    let place = Place::new();
+    let runs = place.runtime();
+    let root = runs.parent().unwrap();
+    let link = root.join("link");
+    std::os::unix::fs::symlink(root, &link).unwrap();
+    let run = runs.join("0123abcd");
+    std::fs::create_dir_all(&run).unwrap();
+    for lock in ["coordinator.lock", "members.lock"] {
+        std::fs::write(run.join(lock), b"").unwrap();
+    }
+    let ours = Path::new("/dev/shm/cosim_0123abcd_ours");
+    std::fs::write(run.join("run.json"), r#"{"prefix": "cosim_0123abcd_"}"#).unwrap();
+    std::fs::write(ours, b"").unwrap();
+    let refused = |root: &Path, why: &str| {
+        let ended = run_in(&place, root);
+        assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+        let told = [why, "while preparing the run", "COSIM_RUNTIME_DIR"];
+        assert!(told.iter().all(|part| ended.stderr.contains(part)), "{}", ended.stderr);
+        assert!(ours.exists() && run.exists());
+    };
+    refused(&link, "is a symbolic link");
+    refused(root, "is open to other users");
+    // Only root can give a folder away.
+    if rustix::process::geteuid().is_root() {
+        std::os::unix::fs::chown(&runs, Some(4321), None).unwrap();
+        refused(root, "belongs to another user");
+    }
+    std::fs::remove_file(ours).unwrap();
+    std::fs::remove_dir_all(&runs).unwrap();
+}
+
+/// A coordinator that a shell starts after it has made up its mind about signals.
+fn after(preparation: &str) -> Command {
+    let mut shell = Command::new("bash");
+    let script = format!("{preparation}; exec \"$@\"");
+    shell.args(["-c", &script, "bash"]).arg(programs().join("coordinator"));
+    shell
+}
+
+/// As `nohup` starts a program, and a shell what runs in the background.
+#[test]
+fn signals_that_are_ignored_at_the_start_stay_ignored() {
+    let place = Place::new();
+    let out = place.out().display().to_string();
+    let run = ["run", &case("exchange.toml"), "--set", "left.delay=600", "--out", &out];
+    let root = place.runtime();
+    let running = place.start_in(root.parent().unwrap(), after("trap '' HUP INT"), &run);
+    place.wait_for_log("every participant is ready");
+    for signal in [Signal::HUP, Signal::INT] {
+        running.signal(signal);
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    running.signal(Signal::TERM);
+    let ended = running.wait();
+    assert!(ended.stderr.contains("interrupted by SIGTERM in window 0"), "{}", ended.stderr);
+    place.assert_nothing_left();
+}
+
+/// Nobody writes to the pipe that they are to read.
+#[test]
+fn what_reads_ends_with_ctrl_c() {
+    let place = Place::new();
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe").display().to_string();
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let csv = folder.path().join("csv").display().to_string();
+    let commands: [&[&str]; 6] = [
+        &["inspect", &pipe],
+        &["export", &pipe, "--csv", &csv],
+        &["plan", &pipe],
+        &["check", &pipe],
+        &["run", &pipe],
+        &["replay", &pipe, "--only", "mech"],
+    ];
+    for command in commands {
+        let running = place.start(command);
+        // The thread that hears signals is there.
+        let tasks = format!("/proc/{}/task", running.pid().as_raw_nonzero());
+        wait_until("two threads", || std::fs::read_dir(&tasks).unwrap().count() > 1);
+        running.signal(Signal::INT);
+        let ended = running.wait();
+        assert_eq!(ended.code, Some(130), "{command:?}: {}", ended.stderr);
+        assert_eq!(ended.stderr, "error: interrupted by Ctrl-C\n", "{command:?}");
+    }
+}
+
+/// The processes with these arguments.
+fn processes(arguments: &[&str]) -> Vec<Pid> {
+    let line: String = arguments.iter().map(|argument| format!("{argument}\0")).collect();
+    let entries = std::fs::read_dir("/proc").unwrap().flatten();
+    let with = |entry: &std::fs::DirEntry| {
+        std::fs::read(entry.path().join("cmdline")).is_ok_and(|found| found == line.as_bytes())
+    };
+    let numbers = entries.filter(with).filter_map(|e| e.file_name().to_str()?.parse().ok());
+    numbers.filter_map(Pid::from_raw).collect()
+}
+
+/// A participant that has started something, whenever it was started itself; `sleep` is the mark.
+fn with_a_descendant(descendant: &str) -> String {
+    let left = programs().join("toy-left");
+    let script = format!("{descendant} & exec {} \"$@\"", left.display());
+    format!("left.command=[\"sh\", \"-c\", {script:?}, \"sh\"]")
+}
+
+/// In a session of its own it is out of reach of its group's end, and the pipe that it holds open
+/// keeps nobody waiting for the rest of an answer.
+#[test]
+fn what_has_left_its_group_ends_with_the_run() {
+    for (number, output) in ["", ">/dev/null 2>&1"].into_iter().enumerate() {
+        let place = Place::new();
+        let mark = format!("{}", 800_000 + 2 * std::process::id() as usize + number);
+        let command = with_a_descendant(&format!("setsid sleep {mark} {output}"));
+        place.summary(&case("exchange.toml"), &["--set", &command, "--set", "time.end=2"]);
+        assert_eq!(processes(&["sleep", &mark]), []);
+    }
+}
+
+/// What has put off all that it had from us may be somebody else's, and is reported.
+#[test]
+fn an_orphan_without_a_mark_is_reported() {
+    let place = Place::new();
+    let mark = format!("{}", 900_000 + std::process::id());
+    let command = with_a_descendant(&format!("setsid env -i sleep {mark}"));
+    let ended = place.run(&case("exchange.toml"), &["--set", &command, "--set", "time.end=2"]);
+    let left = processes(&["sleep", &mark]);
+    for process in &left {
+        kill_process(*process, Signal::KILL).unwrap();
+        let told = format!("process {} (sleep) has lost its parent", process.as_raw_nonzero());
+        assert!(ended.stderr.contains(&told), "{}", ended.stderr);
+    }
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(!left.is_empty());
+}
+
+/// Whoever touches a file that has been cut is killed; it says so, or its coordinator does.
+#[test]
+fn damaged_shared_memory_is_reported_and_removed_by_the_next_run() {
+    let place = Place::new();
+    let running = place.start_run(&case("exchange.toml"), &["--set", "left.delay=600"]);
+    place.wait_for_log("every participant is ready");
+    let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
+    let prefix = created.unwrap()["fields"]["prefix"].as_str().unwrap().to_owned();
+    let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    let files: Vec<_> = entries
+        .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))
+        .map(|entry| entry.path())
+        .collect();
+    for file in &files {
+        let _ = File::options().write(true).open(file).and_then(|file| file.set_len(0));
+    }
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    assert!(ended.stderr.contains("/dev/shm"), "{}", ended.stderr);
+    for role in ["left", "right"] {
+        let stat = format!("/proc/{}/stat", place.pid_of(role).as_raw_nonzero());
+        wait_until("the end of the participants", || {
+            std::fs::read_to_string(&stat).map_or(true, |stat| stat.contains(") Z "))
+        });
+    }
+    let next = place.run(&case("exchange.toml"), &["--set", "time.end=2"]);
+    assert_eq!(next.code, Some(0), "{}", next.stderr);
+    assert!(files.iter().all(|file| !file.exists()), "{files:?}");
+}
