@@ -1,4 +1,5 @@
-//! The grid that holds a contact: enlarged until the contact stays off its edge.
+//! The grid that holds a contact: enlarged until the contact stays off its edge, and the bodies do not
+//! touch anywhere beside it.
 
 use super::influence::{Elasticity, Influence};
 use super::normal::{NormalContact, NormalError, NormalSolver, Prescribed};
@@ -6,6 +7,10 @@ use proto::grid::Structured;
 
 /// Growth of the grid at a side that the contact touches, as a share of the whole length.
 const GROWTH: f64 = 0.25;
+/// Free rows round a contact found beside the grid.
+const MARGIN: usize = 2;
+/// Rows beside the grid that are looked at on either side; of more, every so many.
+const MOST_ROWS: f64 = 1e6;
 
 /// A normal contact on a grid that holds it.
 #[derive(Clone, Debug)]
@@ -21,8 +26,10 @@ pub struct Fitted {
 }
 
 /// Solves a normal contact with the undeformed distance `distance(x, y)` [m] and enlarges the grid,
-/// elements unchanged, at the sides that the contact touches. The shapes are known for the lateral
-/// coordinates `within` [m].
+/// elements unchanged, at the sides that the contact touches, and by the rows beside it in which the
+/// deformed bodies would penetrate each other: it is cut only where the gap has opened beyond the
+/// approach. The shapes are known for the lateral coordinates `within` [m]; where these have no end,
+/// rows beside the grid are not looked at.
 ///
 /// # Errors
 /// Those of [`NormalSolver::solve`], a contact that needs more than `limit` elements, and one that
@@ -41,15 +48,30 @@ pub fn fit_grid(
         let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
         let contact = solver.solve(&sample(&grid, distance), prescribed, &mut pressure)?;
         if !contact.touches_edge {
-            return Ok(Fitted { grid, pressure, contact, enlargements });
+            let outside = Outside { grid: &grid, pressure: &pressure, influence: &influence };
+            let rows = outside.penetrated(distance, contact.approach, within);
+            if rows == [0, 0] {
+                return Ok(Fitted { grid, pressure, contact, enlargements });
+            }
+            let added = rows[0].saturating_add(rows[1]);
+            let elements = grid.nj.saturating_add(added).saturating_mul(grid.ni);
+            if elements > limit {
+                let below = grid.y(0) - rows[0] as f64 * grid.dy();
+                let above = grid.y(grid.nj - 1) + rows[1] as f64 * grid.dy();
+                let y = if rows[0] > 0 { below } else { above };
+                return Err(NormalError::FarApart { y, elements, limit });
+            }
+            let larger = enlarged(&grid, [0, 0, rows[0], rows[1]]);
+            pressure = embed(&grid, &larger, &pressure);
+            grid = larger;
+            continue;
         }
         let touched = touched(&grid, &pressure);
         let (low, high) = (grid.y(0) - grid.dy(), grid.y(grid.nj - 1) + grid.dy());
         if touched[2] && low < within[0] || touched[3] && high > within[1] {
             return Err(NormalError::EndOfShape);
         }
-        let more = touched.map(usize::from);
-        let larger = enlarged(&grid, more);
+        let larger = grown(&grid, touched);
         if larger.points() > limit {
             break;
         }
@@ -78,16 +100,79 @@ fn touched(grid: &Structured, pressure: &[f64]) -> [bool; 4] {
     ]
 }
 
-/// The grid with whole elements added at some sides.
-fn enlarged(grid: &Structured, [left, right, low, high]: [usize; 4]) -> Structured {
+/// The grid, grown at these sides.
+fn grown(grid: &Structured, sides: [bool; 4]) -> Structured {
     let added = |count: usize| (GROWTH * count as f64).ceil() as usize;
-    let (along_x, along_y) = (added(grid.ni), added(grid.nj));
-    let (before_x, before_y) = (left * along_x, low * along_y);
-    let x0 = grid.x(0) - before_x as f64 * grid.dx();
-    let y0 = grid.y(0) - before_y as f64 * grid.dy();
-    let nx = grid.ni + before_x + right * along_x;
-    let ny = grid.nj + before_y + high * along_y;
+    let counts = [grid.ni, grid.ni, grid.nj, grid.nj];
+    enlarged(grid, std::array::from_fn(|k| if sides[k] { added(counts[k]) } else { 0 }))
+}
+
+/// The grid with whole elements added at its sides.
+fn enlarged(grid: &Structured, [left, right, low, high]: [usize; 4]) -> Structured {
+    let x0 = grid.x(0) - left as f64 * grid.dx();
+    let y0 = grid.y(0) - low as f64 * grid.dy();
+    let (nx, ny) = (grid.ni + left + right, grid.nj + low + high);
     Structured::contact_plane(x0, y0, grid.dx(), grid.dy(), nx, ny)
+}
+
+/// What is beside the grid of a solution.
+struct Outside<'a> {
+    grid: &'a Structured,
+    pressure: &'a [f64],
+    influence: &'a Influence,
+}
+
+impl Outside<'_> {
+    /// Rows to be added below and above, so that the grid holds all in which the bodies penetrate each
+    /// other, and a margin.
+    fn penetrated(
+        &self,
+        distance: &dyn Fn(f64, f64) -> f64,
+        approach: f64,
+        within: [f64; 2],
+    ) -> [usize; 2] {
+        let grid = self.grid;
+        let loaded = self.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0);
+        let loaded: Vec<(usize, f64)> = loaded.map(|(at, p)| (at, *p)).collect();
+        let sides = [(grid.y(0), -1.0), (grid.y(grid.nj - 1), 1.0)];
+        std::array::from_fn(|side| {
+            let (edge, sign) = sides[side];
+            let room = sign * (within[side] - edge) / grid.dy();
+            if !room.is_finite() {
+                return 0;
+            }
+            let penetrates = |row: &usize| {
+                let y = edge + sign * *row as f64 * grid.dy();
+                let open = approach - self.least_displacement(y, &loaded);
+                (0..grid.ni).map(|i| grid.x(i)).any(|x| {
+                    let undeformed = distance(x, y);
+                    undeformed < open && undeformed + self.displacement([x, y], &loaded) < approach
+                })
+            };
+            let every = (room / MOST_ROWS).ceil().max(1.0);
+            let rows = (1..=(room / every).max(0.0) as usize).map(|k| k * every as usize);
+            rows.rev().find(penetrates).map_or(0, |row| row + MARGIN)
+        })
+    }
+
+    /// The normal displacement at a place [m].
+    fn displacement(&self, [x, y]: [f64; 2], loaded: &[(usize, f64)]) -> f64 {
+        let by = |(at, p): &(usize, f64)| {
+            let [from_x, from_y, _] = self.grid.centre(at % self.grid.ni, at / self.grid.ni);
+            p * self.influence.zz_at(x - from_x, y - from_y)
+        };
+        loaded.iter().map(by).sum()
+    }
+
+    /// Less than the displacement anywhere in a row beside the grid: that by the whole load at the
+    /// greatest distance there is [m].
+    fn least_displacement(&self, y: f64, loaded: &[(usize, f64)]) -> f64 {
+        let grid = self.grid;
+        let ends = [grid.y(0), grid.y(grid.nj - 1)];
+        let away = ends.iter().map(|end| (y - end).abs()).fold(0.0, f64::max) + grid.dy();
+        let length = (grid.ni + 1) as f64 * grid.dx();
+        loaded.iter().map(|(_, p)| p).sum::<f64>() * self.influence.zz_at(length, away)
+    }
 }
 
 /// A field of a grid on a larger one of the same elements, zero around it.
@@ -116,8 +201,17 @@ impl Moments {
     /// Those of a pressure; zero without pressure.
     #[must_use]
     pub fn of(grid: &Structured, pressure: &[f64]) -> Self {
+        Self::of_elements(grid, pressure.iter().copied().enumerate())
+    }
+
+    /// Those of the pressures on some elements.
+    #[must_use]
+    pub fn of_elements(
+        grid: &Structured,
+        pressures: impl IntoIterator<Item = (usize, f64)>,
+    ) -> Self {
         let mut sums = [0.0; 5];
-        for (index, p) in pressure.iter().enumerate() {
+        for (index, p) in pressures {
             let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
             for (sum, weight) in sums.iter_mut().zip([1.0, x, y, x * x, y * y]) {
                 *sum += p * weight;
@@ -134,36 +228,6 @@ impl Moments {
         let semi_axes = [semi_axis(xx, centre[0], grid.dx()), semi_axis(yy, centre[1], grid.dy())];
         Self { centre, semi_axes }
     }
-}
-
-/// Number of patches of a pressure: elements that share a side are of one patch.
-#[must_use]
-pub fn patches(grid: &Structured, pressure: &[f64]) -> usize {
-    let mut seen: Vec<bool> = pressure.iter().map(|p| *p <= 0.0).collect();
-    let (mut count, mut waiting) = (0, Vec::new());
-    for start in 0..seen.len() {
-        if seen[start] {
-            continue;
-        }
-        count += 1;
-        seen[start] = true;
-        waiting.push(start);
-        while let Some(at) = waiting.pop() {
-            let (i, j) = (at % grid.ni, at / grid.ni);
-            let neighbours = [
-                (i > 0).then(|| at - 1),
-                (i + 1 < grid.ni).then(|| at + 1),
-                (j > 0).then(|| at - grid.ni),
-                (j + 1 < grid.nj).then(|| at + grid.ni),
-            ];
-            for neighbour in neighbours.into_iter().flatten() {
-                if !std::mem::replace(&mut seen[neighbour], true) {
-                    waiting.push(neighbour);
-                }
-            }
-        }
-    }
-    count
 }
 
 #[cfg(test)]
@@ -214,13 +278,5 @@ mod tests {
         assert!((a / 1.5 - 1.0).abs() < 2e-3 && (b / 0.8 - 1.0).abs() < 2e-3, "{a} {b}");
         assert!((centre[0] - 0.2).abs() < 1e-6 && centre[1].abs() < 1e-6);
         assert_eq!(Moments::of(&grid, &vec![0.0; grid.points()]), Moments::default());
-    }
-
-    #[test]
-    fn patches_are_counted() {
-        let grid = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 4, 3);
-        let pressure = [1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0];
-        assert_eq!(patches(&grid, &pressure), 3);
-        assert_eq!(patches(&grid, &[0.0; 12]), 0);
     }
 }

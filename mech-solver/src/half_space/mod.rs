@@ -5,8 +5,9 @@
 //! | [`influence`] | displacement of an element's centre by a unit traction on another element |
 //! | [`convolution`] | sums of influence over the grid by Fourier transforms |
 //! | [`normal`] | the normal contact by bound-constrained conjugate gradients |
-//! | [`extent`] | a grid that grows until the contact fits; moments and patches of a pressure |
-//! | [`profile`] | a measured lateral profile, from a file |
+//! | [`extent`] | a grid that grows until the contact fits; moments of a pressure |
+//! | [`profile`], [`curve`] | a measured lateral profile, from a file; splines between its kinks |
+//! | [`patches`] | the patches of a pressure: load, place and size of each |
 //! | [`coupling`] | what normal and tangential contact do to each other when the bodies differ |
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
 //! | [`gmres`] | Krylov solver for a few iterations on tall vectors |
@@ -20,6 +21,7 @@
 
 pub mod convolution;
 pub mod coupling;
+pub mod curve;
 pub mod extent;
 pub mod force_search;
 pub mod gmres;
@@ -27,6 +29,7 @@ pub mod influence;
 mod initial_pressure;
 pub mod levels;
 pub mod normal;
+pub mod patches;
 pub mod profile;
 pub mod slip_operator;
 pub mod subsurface;

@@ -10,10 +10,10 @@
 //! -35.5, -3.87
 //! ```
 //!
-//! y points to the left and z up, as everywhere. Between the points lies the natural cubic spline,
-//! whose curvature is continuous, as a contact needs it. Source: de Boor, *A Practical Guide to
-//! Splines* (1978) ch. 4.
+//! y points to the left and z up, as everywhere. Between the points lie natural cubic splines, whose
+//! curvature is continuous, as a contact needs it, and which end at kinks ([`super::curve`]).
 
+use super::curve::Curve;
 use std::path::Path;
 
 /// Fewest points of a profile.
@@ -23,14 +23,7 @@ const MOST_BYTES: u64 = 64 << 20;
 
 /// A lateral profile z(y).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Profile {
-    /// Lateral coordinates, rising [m].
-    y: Vec<f64>,
-    /// Heights [m].
-    z: Vec<f64>,
-    /// Second derivatives of the spline [1/m].
-    bend: Vec<f64>,
-}
+pub struct Profile(Curve);
 
 /// Why a profile cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -59,24 +52,24 @@ pub enum ProfileError {
 }
 
 impl Profile {
-    /// Reads a file.
+    /// Reads a file, and smooths it by no more than `tolerance` [m] at any point.
     ///
     /// # Errors
     /// The file cannot be read, is too large, or is not a profile.
-    pub fn read(path: &Path) -> Result<Self, ProfileError> {
+    pub fn read(path: &Path, tolerance: f64) -> Result<Self, ProfileError> {
         let told = |error: std::io::Error| ProfileError::File(error.to_string());
         let bytes = std::fs::metadata(path).map_err(told)?.len();
         if bytes > MOST_BYTES {
             return Err(ProfileError::File(format!("it has {bytes} bytes")));
         }
-        Self::parse(&std::fs::read(path).map_err(told)?)
+        Self::parse(&std::fs::read(path).map_err(told)?, tolerance)
     }
 
-    /// Reads the text of a file.
+    /// Reads the text of a file, and smooths as [`Profile::read`] does.
     ///
     /// # Errors
     /// It is not a profile.
-    pub fn parse(text: &[u8]) -> Result<Self, ProfileError> {
+    pub fn parse(text: &[u8], tolerance: f64) -> Result<Self, ProfileError> {
         let text = std::str::from_utf8(text)
             .map_err(|error| ProfileError::File(format!("is not text: {error}")))?;
         let lines = text
@@ -97,41 +90,31 @@ impl Profile {
         if y.len() < FEWEST {
             return Err(ProfileError::Few(y.len()));
         }
-        let bend = natural_spline(&y, &z);
-        Ok(Self { y, z, bend })
+        Ok(Self(Curve::new(y, z, tolerance)))
+    }
+
+    /// The curve through the points.
+    #[must_use]
+    pub fn curve(&self) -> &Curve {
+        &self.0
     }
 
     /// The first and the last lateral coordinate [m].
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
-        [self.y[0], self.y[self.y.len() - 1]]
+        self.0.range()
     }
 
     /// Height at y [m]; beyond the ends the straight continuation.
     #[must_use]
     pub fn height(&self, y: f64) -> f64 {
-        self.at(y)[0]
+        self.0.at(y)[0]
     }
 
     /// Slope dz/dy at y [-].
     #[must_use]
     pub fn slope(&self, y: f64) -> f64 {
-        self.at(y)[1]
-    }
-
-    fn at(&self, y: f64) -> [f64; 2] {
-        let [first, last] = self.range();
-        let inside = y.clamp(first, last);
-        let right = self.y.partition_point(|at| *at <= inside).clamp(1, self.y.len() - 1);
-        let left = right - 1;
-        let width = self.y[right] - self.y[left];
-        let (b, a) = ((inside - self.y[left]) / width, (self.y[right] - inside) / width);
-        let (bend_a, bend_b) = (self.bend[left], self.bend[right]);
-        let cubic = (a.powi(3) - a) * bend_a + (b.powi(3) - b) * bend_b;
-        let height = a * self.z[left] + b * self.z[right] + cubic * width * width / 6.0;
-        let turn = (3.0 * b * b - 1.0) * bend_b - (3.0 * a * a - 1.0) * bend_a;
-        let slope = (self.z[right] - self.z[left]) / width + turn * width / 6.0;
-        [height + slope * (y - inside), slope]
+        self.0.at(y)[1]
     }
 }
 
@@ -163,24 +146,6 @@ fn point(text: &str, units: [f64; 2]) -> Option<[f64; 2]> {
     good.then_some(point)
 }
 
-/// Second derivatives of the natural spline, by elimination in its tridiagonal system.
-fn natural_spline(y: &[f64], z: &[f64]) -> Vec<f64> {
-    let count = y.len();
-    let (mut bend, mut carry) = (vec![0.0; count], vec![0.0; count]);
-    for k in 1..count - 1 {
-        let (left, right) = (y[k] - y[k - 1], y[k + 1] - y[k]);
-        let jump = (z[k + 1] - z[k]) / right - (z[k] - z[k - 1]) / left;
-        let share = left / (left + right);
-        let pivot = share * carry[k - 1] + 2.0;
-        carry[k] = (share - 1.0) / pivot;
-        bend[k] = (6.0 * jump / (left + right) - share * bend[k - 1]) / pivot;
-    }
-    for k in (1..count - 1).rev() {
-        bend[k] += carry[k] * bend[k + 1];
-    }
-    bend
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,7 +164,7 @@ mod tests {
     fn converges_with_the_fourth_order() {
         let error = |count: usize| {
             let wave = |y: f64| (std::f64::consts::PI * y).sin();
-            let profile = Profile::parse(text(count, wave).as_bytes()).unwrap();
+            let profile = Profile::parse(text(count, wave).as_bytes(), 0.0).unwrap();
             let at = |k: usize| (profile.height(k as f64 / 999.0) - wave(k as f64 / 999.0)).abs();
             (0..1000).map(at).fold(0.0, f64::max)
         };
@@ -209,7 +174,7 @@ mod tests {
 
     #[test]
     fn units_and_straight_ends() {
-        let profile = Profile::parse(b"y [mm], z [um]\n-1,-2\n0,0\n1,2\n3,6\n").unwrap();
+        let profile = Profile::parse(b"y [mm], z [um]\n-1,-2\n0,0\n1,2\n3,6\n", 0.0).unwrap();
         assert_eq!(profile.range(), [-1e-3, 3e-3]);
         for y in [-2e-3, 0.5e-3, 5e-3] {
             assert!((profile.height(y) - 2e-3 * y).abs() < 1e-15);
@@ -219,7 +184,7 @@ mod tests {
 
     #[test]
     fn faults_name_the_line() {
-        let fault = |text: &str| Profile::parse(text.as_bytes()).unwrap_err();
+        let fault = |text: &str| Profile::parse(text.as_bytes(), 0.0).unwrap_err();
         assert!(matches!(fault("y, z\n1,2\n"), ProfileError::Header(_)));
         assert!(matches!(fault("y [mm], z [inch]\n1,2\n"), ProfileError::Header(_)));
         assert_eq!(fault("y [m], z [m]\n0,1\n#\n1,x\n"), ProfileError::Line { line: 4 });
@@ -227,22 +192,25 @@ mod tests {
         assert_eq!(fault("y [m], z [m]\n0,1\n0,2\n"), ProfileError::Order { line: 3 });
         assert_eq!(fault("y [m], z [m]\n0,1\n1,NaN\n"), ProfileError::Line { line: 3 });
         assert_eq!(fault("y [m], z [m]\n0,1\n"), ProfileError::Few(1));
-        assert!(matches!(Profile::read(Path::new("nowhere.csv")), Err(ProfileError::File(_))));
+        assert!(matches!(Profile::read(Path::new("nowhere.csv"), 0.0), Err(ProfileError::File(_))));
     }
 
     proptest! {
         /// Whatever the bytes, there is an answer, and a profile that was read is finite.
         #[test]
         fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-            let _ = Profile::parse(&bytes);
+            let _ = Profile::parse(&bytes, 0.0);
         }
 
         #[test]
         fn any_points(values in prop::collection::vec((-1e3f64..1e3, -1e3f64..1e3), 0..20)) {
             let lines: String = values.iter().map(|(y, z)| format!("{y},{z}\n")).collect();
-            if let Ok(profile) = Profile::parse(format!("y [mm], z [mm]\n{lines}").as_bytes()) {
-                let [first, last] = profile.range();
-                prop_assert!(profile.height(0.5 * (first + last)).is_finite());
+            let text = format!("y [mm], z [mm]\n{lines}");
+            for tolerance in [0.0, 1e-3] {
+                if let Ok(profile) = Profile::parse(text.as_bytes(), tolerance) {
+                    let [first, last] = profile.range();
+                    prop_assert!(profile.height(0.5 * (first + last)).is_finite());
+                }
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Model `half-space`: exact contact of elastic half-spaces by boundary elements.
 //!
-//! Normal problem on the undeformed distance of the bodies ([`geometry`]), or the elliptic pressure
+//! Normal problem on the undeformed distance of the bodies ([`gap`]), or the elliptic pressure
 //! that the case gives under `[contact]`; then the tangential problem: steady rolling ([`steady`]), or
 //! rolling and shifting with memory ([`transient`]). Of longitudinal, lateral and spin creepage each
 //! may be prescribed itself or by its force ([`drive`]). Without the effect `partial_slip` the whole
@@ -15,6 +15,7 @@
 mod answer;
 mod contact;
 mod drive;
+mod gap;
 mod geometry;
 mod power;
 mod steady;
@@ -208,7 +209,12 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         build_seconds: if once { seconds } else { 0.0 },
         closed_forms: smooth.map(Ellipse::closed_forms).unwrap_or_default(),
         memory_bytes: (BYTES * elements) as u64,
-        remarks: std::iter::once(size).chain(remark).chain(too_large).chain(idle).collect(),
+        remarks: std::iter::once(size)
+            .chain(case.footprint.remarks.iter().cloned())
+            .chain(remark)
+            .chain(too_large)
+            .chain(idle)
+            .collect(),
         ..Layout::default()
     }
 }
@@ -235,7 +241,7 @@ struct Case {
 impl Case {
     /// Hertz's solution holds: smooth second-order surfaces, and tractions that leave the pressure alone.
     fn is_hertzian(&self) -> bool {
-        let rough = self.footprint.gap.as_ref().is_some_and(geometry::Gap::is_rough);
+        let rough = self.footprint.gap.as_ref().is_some_and(gap::Gap::is_rough);
         !rough && !self.bodies.is_coupled()
     }
 

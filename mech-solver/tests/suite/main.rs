@@ -6,3 +6,4 @@ mod fastsim;
 mod half_space;
 mod half_space_model;
 mod hertz_carter;
+mod profiles;

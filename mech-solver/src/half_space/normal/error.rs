@@ -39,6 +39,19 @@ pub enum NormalError {
         /// Most elements allowed.
         limit: usize,
     },
+    /// The bodies touch at places too far apart for one grid.
+    #[error(
+        "the bodies also touch at {y:.4e} m from the first touch, and a grid that holds both places \
+         would have {elements} elements, more than {limit}"
+    )]
+    FarApart {
+        /// Lateral coordinate of the farther place [m].
+        y: f64,
+        /// Elements of that grid.
+        elements: usize,
+        /// Most elements allowed.
+        limit: usize,
+    },
     /// The contact reaches lateral coordinates for which a shape is not given.
     #[error("the contact reaches the end of a profile")]
     EndOfShape,

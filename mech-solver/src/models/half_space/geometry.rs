@@ -1,23 +1,19 @@
-//! The undeformed distance of wheel and rail, and the grid on which they touch.
+//! The grid on which wheel and rail touch.
 //!
-//! h(x, y) = x²/(2R(y)) + z_w(y − s) − z_r(y) + roughness, less the smallest value of the part
-//! without roughness; z_w and z_r are the lateral shapes of wheel and rail, s the lateral shift of
-//! the wheel. A measured wheel has the rolling radius R(y) = R + z_w(0) − z_w(y − s). The distance
-//! is taken along z, which is the contact normal for small contact angles only; a steeper contact
-//! is refused. With profiles the origin lies at the centre of pressure.
+//! Its extent is Hertz's for radii. For profiles a coarse grid finds the contact, wherever the gap closes
+//! ([`fit_grid`]), and the origin lies at the centre of pressure.
 
-use crate::effects::roughness::{self, Roughness};
+use super::gap::{self, Gap, RAIL_PROFILE};
 use crate::ellipse::Ellipse;
 use crate::half_space::extent::{Fitted, Moments, fit_grid};
 use crate::half_space::influence::Elasticity;
 use crate::half_space::normal::{NormalError, Prescribed};
-use crate::half_space::profile::Profile;
+use crate::half_space::patches::{Patch, patches};
 use crate::keys::CheckedParams;
-use crate::scene::{CROWN_RADIUS, Load, RAIL_SHAPE, RESOLUTION, Scene};
+use crate::scene::{Load, RESOLUTION, Scene};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
-use std::path::Path;
 
 /// More elements are refused: operators and Krylov space would take tens of gigabytes.
 const MOST_ELEMENTS: usize = 4_000_000;
@@ -34,215 +30,32 @@ const ROUGH_GROWTH: f64 = 1.25;
 const COUPLED_GROWTH: f64 = 1.4;
 /// Elements of the coarse grid at most.
 const MOST_COARSE_ELEMENTS: usize = 200_000;
-/// Points at which the lateral distance is searched for its smallest value.
-const SAMPLES: usize = 2000;
-/// Steepest contact that is treated as plane [rad].
-const STEEPEST: f64 = 0.2;
+/// Rows across every patch of the coarse grid: its size is then known to a few per cent.
+const COARSE_ROWS: usize = 6;
+/// By how much the rows of the coarse grid are made narrower.
+const NARROWER: f64 = 3.0;
+/// Share of the load from which on a patch counts.
+const PATCH_SHARE: f64 = 0.01;
+/// Rows across half of the narrowest patch, unless the case says otherwise.
+const LEAST_ROWS: f64 = 5.0;
+/// Elements up to which a grid is made finer for its narrowest patch without being asked.
+const MOST_RESOLVED: f64 = 400_000.0;
 
-const RAIL_PROFILE: &str = "rail.profile";
-const WHEEL_PROFILE: &str = "wheel.profile";
-const LATERAL_SHIFT: &str = "wheel.lateral_shift";
 const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 
-/// The keys that the geometry reads besides the scene's.
+/// The keys that shapes and grid are read from besides the scene's.
 pub(super) fn keys() -> Vec<KeySpec> {
-    vec![
-        KeySpec::file(RAIL_PROFILE, "measured lateral profile of the rail: y and z, z up")
-            .one_of(RAIL_SHAPE),
-        KeySpec::file(WHEEL_PROFILE, "measured lateral profile of the wheel as it stands: y and z"),
-        KeySpec::quantity(LATERAL_SHIFT, "m", "lateral shift of a measured wheel, to the left")
-            .default_value(0.0),
+    let mut keys = gap::keys();
+    keys.push(
         KeySpec::integer(
             LATERAL_RESOLUTION,
-            "elements per semi-axis b: dy = b/lateral_resolution; absent: dy = dx",
+            "elements per semi-axis b, that of the narrowest patch: dy = b/lateral_resolution; \
+             absent: dy = dx, or less where a patch is narrow",
         )
         .at_least(1.0)
         .at_most(2000.0),
-    ]
-}
-
-/// Lateral shape of a body.
-#[derive(Clone, Debug)]
-enum Shape {
-    /// z = ½ κ y².
-    Curvature(f64),
-    Profile(Profile),
-}
-
-impl Shape {
-    fn height(&self, y: f64) -> f64 {
-        match self {
-            Self::Curvature(curvature) => 0.5 * curvature * y * y,
-            Self::Profile(profile) => profile.height(y),
-        }
-    }
-
-    fn slope(&self, y: f64) -> f64 {
-        match self {
-            Self::Curvature(curvature) => curvature * y,
-            Self::Profile(profile) => profile.slope(y),
-        }
-    }
-
-    fn range(&self, shift: f64) -> [f64; 2] {
-        match self {
-            Self::Curvature(_) => [f64::NEG_INFINITY, f64::INFINITY],
-            Self::Profile(profile) => profile.range().map(|end| end + shift),
-        }
-    }
-}
-
-/// The undeformed distance.
-#[derive(Clone, Debug)]
-pub(super) struct Gap {
-    wheel: Shape,
-    rail: Shape,
-    wheel_radius: f64,
-    shift: f64,
-    /// Smallest lateral distance [m].
-    closest: f64,
-    /// Lateral coordinate of the origin [m].
-    pub(super) origin: f64,
-    roughness: Option<Roughness>,
-}
-
-impl Gap {
-    /// There is roughness on the surfaces.
-    pub(super) fn is_rough(&self) -> bool {
-        self.roughness.is_some()
-    }
-
-    /// Reads the shapes.
-    fn read(configuration: &Configuration, scene: &Scene) -> Result<Self, Refusal> {
-        let case = CheckedParams::new(&configuration.case, keys());
-        let measured = |key: &str| -> Result<Option<Shape>, Refusal> {
-            if !case.has(key) {
-                return Ok(None);
-            }
-            let path = case.text(key)?;
-            let wrong = |error| {
-                Refusal::new(
-                    key,
-                    format!("`{path}`: {error}"),
-                    "see docs/theory/half-space.md for the format",
-                )
-            };
-            Profile::read(Path::new(path)).map(|p| Some(Shape::Profile(p))).map_err(wrong)
-        };
-        let rail = match (measured(RAIL_PROFILE)?, scene.rail_crown_radius) {
-            (Some(profile), None) => profile,
-            (None, Some(radius)) => Shape::Curvature(-1.0 / radius),
-            (None, None) => {
-                return Err(Refusal::new(
-                    CROWN_RADIUS,
-                    "missing",
-                    format!("add `{CROWN_RADIUS}` or `{RAIL_PROFILE}`"),
-                ));
-            }
-            (Some(_), Some(_)) => {
-                return Err(Refusal::new(
-                    RAIL_PROFILE,
-                    format!("stands beside `{CROWN_RADIUS}`"),
-                    "keep one of them",
-                ));
-            }
-        };
-        let wheel = match measured(WHEEL_PROFILE)? {
-            Some(_) if scene.tread_curvature != 0.0 => {
-                return Err(Refusal::new(
-                    WHEEL_PROFILE,
-                    "stands beside `wheel.tread_radius`",
-                    "keep one of them",
-                ));
-            }
-            Some(profile) => profile,
-            None => Shape::Curvature(scene.tread_curvature),
-        };
-        let shift = case.number(LATERAL_SHIFT)?;
-        if shift != 0.0 && matches!(wheel, Shape::Curvature(_)) {
-            return Err(Refusal::new(
-                LATERAL_SHIFT,
-                "shifts a measured wheel, and this one has no profile",
-                format!("add `{WHEEL_PROFILE}`, or remove the key"),
-            ));
-        }
-        Ok(Self {
-            wheel,
-            rail,
-            wheel_radius: scene.wheel_radius,
-            shift,
-            closest: 0.0,
-            origin: 0.0,
-            roughness: roughness::read(configuration)?,
-        })
-    }
-
-    /// Both bodies have curvatures, so that without roughness the contact is Hertz's.
-    fn is_quadric(&self) -> bool {
-        matches!((&self.wheel, &self.rail), (Shape::Curvature(_), Shape::Curvature(_)))
-    }
-
-    fn lateral(&self, y: f64) -> f64 {
-        self.wheel.height(y - self.shift) - self.rail.height(y)
-    }
-
-    fn smooth(&self, x: f64, y: f64) -> f64 {
-        let y = y + self.origin;
-        let radius = match &self.wheel {
-            Shape::Curvature(_) => self.wheel_radius,
-            Shape::Profile(profile) => {
-                self.wheel_radius + profile.height(0.0) - profile.height(y - self.shift)
-            }
-        };
-        0.5 * x * x / radius + self.lateral(y) - self.closest
-    }
-
-    /// Undeformed distance at (x, y) from the origin [m].
-    pub(super) fn distance(&self, x: f64, y: f64) -> f64 {
-        let rough = self.roughness.as_ref().map_or(0.0, |roughness| roughness.height(x, y));
-        self.smooth(x, y) + rough
-    }
-
-    /// The lateral range in which both shapes are known.
-    fn range(&self) -> [f64; 2] {
-        let ([w0, w1], [r0, r1]) = (self.wheel.range(self.shift), self.rail.range(0.0));
-        [w0.max(r0), w1.min(r1)]
-    }
-
-    /// Moves origin and zero to the place of first touch.
-    fn settle(&mut self) -> Result<(), Refusal> {
-        let [first, last] = self.range();
-        if first >= last {
-            return Err(Refusal::new(
-                WHEEL_PROFILE,
-                "wheel and rail do not face each other anywhere",
-                "check the lateral coordinates of both profiles and wheel.lateral_shift",
-            ));
-        }
-        let at = |k: usize| first + (last - first) * k as f64 / SAMPLES as f64;
-        let lowest = |y: &f64, z: &f64| self.lateral(*y).total_cmp(&self.lateral(*z));
-        let y = (0..=SAMPLES).map(at).min_by(lowest).expect("there are samples");
-        (self.origin, self.closest) = (y, self.lateral(y));
-        Ok(())
-    }
-
-    /// Refuses a contact that is steep anywhere.
-    fn refuse_steep(&self, fitted: &Fitted) -> Result<(), Refusal> {
-        let rows = fitted.pressure.chunks_exact(fitted.grid.ni).enumerate();
-        for (row, _) in rows.filter(|(_, row)| row.iter().any(|p| *p > 0.0)) {
-            let y = fitted.grid.y(row) + self.origin;
-            let slope = self.rail.slope(y).abs().max(self.wheel.slope(y - self.shift).abs());
-            if slope.atan() > STEEPEST {
-                let angle = slope.atan();
-                return Err(Refusal::new(
-                    RAIL_PROFILE,
-                    format!("the bodies touch at y = {y:.4} m under {angle:.2} rad to the plane"),
-                    format!("shift or turn the profiles until all contact is below {STEEPEST} rad"),
-                ));
-            }
-        }
-        Ok(())
-    }
+    );
+    keys
 }
 
 /// Where the contact is solved.
@@ -255,6 +68,8 @@ pub(super) struct Footprint {
     /// Semi-axes, or what comes near them [m].
     pub(super) semi_axes: [f64; 2],
     pub(super) grid: Structured,
+    /// What was done to the shapes, and what the grid does not resolve.
+    pub(super) remarks: Vec<String>,
 }
 
 /// Finds the extent of the contact and lays a grid over it.
@@ -269,12 +84,9 @@ pub(super) fn footprint(
         true => Some(case.integer(LATERAL_RESOLUTION)? as f64),
         false => None,
     };
-    let sides = |[a, b]: [f64; 2]| {
-        let dx = a / scene.resolution as f64;
-        [dx, lateral.map_or(dx, |count| b / count)]
-    };
+    let dx = |a: f64| a / scene.resolution as f64;
     let mut gap = Gap::read(configuration, scene)?;
-    let rough = gap.roughness.is_some();
+    let rough = gap.is_rough();
     if given.is_some() || gap.is_quadric() {
         if given.is_some() && (rough || !gap.is_quadric()) {
             let reason = "a given pressure leaves no room for profiles or roughness";
@@ -282,7 +94,8 @@ pub(super) fn footprint(
         }
         let ellipse = given.map_or_else(|| Ellipse::solve(scene, None), Ok)?;
         let semi_axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
-        let [dx, dy] = sides(semi_axes);
+        let dx = dx(semi_axes[0]);
+        let dy = lateral.map_or(dx, |count| semi_axes[1] / count);
         let growth = match (rough, bodies.is_coupled()) {
             (_, true) => COUPLED_GROWTH,
             (true, false) => ROUGH_GROWTH,
@@ -298,22 +111,69 @@ pub(super) fn footprint(
             false => smooth_grid,
         };
         let gap = given.is_none().then_some(gap);
-        return Ok(Footprint { gap, ellipse: Some(ellipse), semi_axes, grid });
+        let ellipse = Some(ellipse);
+        return Ok(Footprint { gap, ellipse, semi_axes, grid, remarks: Vec::new() });
     }
-    gap.settle()?;
-    let coarse = coarse_contact(&gap, scene, bodies)?;
+    let low = gap.settle()?;
+    let coarse = coarse_contact(&gap, low, scene, bodies)?;
+    let mut remarks = gap.remarks(&coarse);
     let Moments { centre, semi_axes } = Moments::of(&coarse.grid, &coarse.pressure);
     gap.origin += centre[1];
-    let [dx, dy] = sides(semi_axes);
+    let dx = dx(semi_axes[0]);
     let [x_range, y_range] = bounds(&coarse);
     let growth = if bodies.is_coupled() { COUPLED_GROWTH } else { 1.0 };
     let elements = |range: [f64; 2], side: f64| range.map(|end| growth * end / side);
     let y_range = y_range.map(|y| y - centre[1]);
+    let area = growth * growth * (x_range[1] - x_range[0]) * (y_range[1] - y_range[0]);
+    let dy = row_width(&coarse, dx, lateral, area, &mut remarks);
     let mut grid = lay([elements(x_range, dx), elements(y_range, dy)], [dx, dy])?;
     if rough {
         grid = fit(&gap, scene, bodies, grid)?.grid;
     }
-    Ok(Footprint { gap: Some(gap), ellipse: None, semi_axes, grid })
+    Ok(Footprint { gap: Some(gap), ellipse: None, semi_axes, grid, remarks })
+}
+
+/// Width of the rows that resolves the narrowest patch, as the case says or with at least
+/// [`LEAST_ROWS`] for its half width; on a grid over this area [m²] that would become very large,
+/// with fewer. Remarks on what is not resolved.
+fn row_width(
+    coarse: &Fitted,
+    dx: f64,
+    lateral: Option<f64>,
+    area: f64,
+    remarks: &mut Vec<String>,
+) -> f64 {
+    let patches: Vec<Patch> = of_weight(coarse).collect();
+    let least = |axis: usize| {
+        patches.iter().map(|p| p.moments.semi_axes[axis]).fold(f64::INFINITY, f64::min)
+    };
+    let [shortest, narrowest] = [least(0), least(1)];
+    if patches.len() > 1 && shortest < LEAST_ROWS * dx {
+        let columns = 2.0 * shortest / dx;
+        remarks.push(format!(
+            "the shortest patch is {columns:.1} elements long: raise mech.resolution to resolve it"
+        ));
+    }
+    if let Some(count) = lateral {
+        return narrowest / count;
+    }
+    let resolved = narrowest / LEAST_ROWS;
+    let dy = dx.min(resolved.max(area / (dx * MOST_RESOLVED)));
+    if dy > resolved {
+        let rows = 2.0 * narrowest / dy;
+        remarks.push(format!(
+            "the narrowest patch is {rows:.1} rows across: set mech.lateral_resolution to resolve \
+             it, at the price of a large grid"
+        ));
+    }
+    dy
+}
+
+/// The patches that carry more than a hundredth of the load.
+fn of_weight(fitted: &Fitted) -> impl Iterator<Item = Patch> {
+    let found = patches(&fitted.grid, &fitted.pressure);
+    let all: f64 = found.iter().map(|patch| patch.sum).sum();
+    found.into_iter().filter(move |patch| patch.sum > PATCH_SHARE * all)
 }
 
 /// A grid whose elements cover a range of places, in elements from the origin, with an element's
@@ -357,8 +217,14 @@ fn refused(error: NormalError) -> Refusal {
     Refusal::new("load", error.to_string(), fix)
 }
 
-/// The contact of profiles on a coarse grid that spans all of their width.
-fn coarse_contact(gap: &Gap, scene: &Scene, bodies: &Elasticity) -> Result<Fitted, Refusal> {
+/// The contact of profiles on a coarse grid round the first touch, of which `low` is the lowest place
+/// [m], and wherever else the gap closes; its rows are as narrow as its narrowest patch needs.
+fn coarse_contact(
+    gap: &Gap,
+    low: f64,
+    scene: &Scene,
+    bodies: &Elasticity,
+) -> Result<Fitted, Refusal> {
     let (radius, compliance) = (scene.wheel_radius, bodies.contact_compliance());
     let estimate = match scene.load {
         Load::NormalForce(force) => (0.75 * force * radius * compliance).cbrt(),
@@ -366,23 +232,39 @@ fn coarse_contact(gap: &Gap, scene: &Scene, bodies: &Elasticity) -> Result<Fitte
     };
     let side = estimate / COARSE;
     let [first, last] = gap.range().map(|end| end - gap.origin);
-    let x = [-COARSE, COARSE];
-    // Only profiles that are as flat as Hertz's estimate is deep can be touched farther out.
-    let reach = |y: f64| (y / side).clamp(-40.0 * COARSE, 40.0 * COARSE);
-    let grid = lay([x, [reach(first) + 1.0, reach(last) - 1.0]], [side, side])?;
     let smooth = |x: f64, y: f64| gap.smooth(x, y);
-    let load = prescribed(scene.load);
-    let fitted = fit_grid(grid, bodies, &smooth, load, [first, last], MOST_COARSE_ELEMENTS)
-        .map_err(|error| match error {
-            NormalError::EndOfShape | NormalError::GridLimit { .. } => Refusal::new(
-                RAIL_PROFILE,
-                "the contact reaches the end of a profile, or the bodies are flat",
-                "give profiles that reach farther, or check wheel.lateral_shift and the units",
-            ),
-            error => refused(error),
-        })?;
-    gap.refuse_steep(&fitted)?;
-    Ok(fitted)
+    let mut rows = side;
+    loop {
+        // Where to begin; the grid grows to wherever the gap closes.
+        let reach = |y: f64| y.clamp(low - 40.0 * estimate, low + 40.0 * estimate) / rows;
+        let grid = lay([[-COARSE, COARSE], [reach(first) + 1.0, reach(last) - 1.0]], [side, rows])?;
+        let load = prescribed(scene.load);
+        let fitted = fit_grid(grid, bodies, &smooth, load, [first, last], MOST_COARSE_ELEMENTS)
+            .map_err(no_coarse_contact)?;
+        let fewest = of_weight(&fitted).map(|patch| patch.row_count()).min();
+        let too_many = NARROWER * fitted.grid.points() as f64 > MOST_COARSE_ELEMENTS as f64;
+        if too_many || fewest.is_none_or(|rows| rows >= COARSE_ROWS) {
+            gap.refuse_steep(&fitted)?;
+            return Ok(fitted);
+        }
+        rows /= NARROWER;
+    }
+}
+
+fn no_coarse_contact(error: NormalError) -> Refusal {
+    match error {
+        NormalError::EndOfShape | NormalError::GridLimit { .. } => Refusal::new(
+            RAIL_PROFILE,
+            "the contact reaches the end of a profile, or the bodies are flat",
+            "give profiles that reach farther, or check wheel.lateral_shift and the units",
+        ),
+        NormalError::FarApart { .. } => Refusal::new(
+            RAIL_PROFILE,
+            error.to_string(),
+            "raise the load, or give the profiles as far as the contact that matters reaches",
+        ),
+        error => refused(error),
+    }
 }
 
 /// Ranges of x and y of the elements in contact, and a margin [m].

@@ -1,0 +1,174 @@
+//! Contacts of measured profiles: every place that touches is found and resolved, corners are kept,
+//! and mirrored shapes touch in mirrored places.
+
+use super::common::{Run, STEEL, assert_close, configuration, paper, run};
+use mech_solver::MechSolver;
+use mech_solver::reference::hertz::{EllipticContact, elliptic_contact};
+use proto::model::Solver;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// A profile in a file of its own, gone with the value.
+struct File(PathBuf);
+
+impl File {
+    /// A point every `spacing` [m] over ± `end` [m].
+    fn new(name: &str, end: f64, spacing: f64, height: impl Fn(f64) -> f64) -> Self {
+        let count = (end / spacing).round() as i32;
+        let points = (-count..=count).map(|k| f64::from(k) * spacing);
+        let lines = points.map(|y| format!("{y:.9},{:.12}\n", height(y)));
+        let text = format!("y [m], z [m]\n{}", lines.collect::<String>());
+        let path = std::env::temp_dir().join(format!("profiles-{}-{name}.csv", std::process::id()));
+        std::fs::write(&path, text).expect("a writable folder");
+        Self(path)
+    }
+}
+
+impl Drop for File {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+/// A straight wheel on this rail, without friction.
+fn on_rail(rail: &File, force: f64, resolution: usize) -> Value {
+    let mut case = paper();
+    case["rail"] = json!({"profile": rail.0, "material": "steel"});
+    case["motion"] = json!({"speed": 38.889, "creepage": {"xi": 0.0}});
+    case["load"]["normal_force"] = json!(force);
+    case["mech"] = json!({"model": "half-space", "resolution": resolution});
+    case["effects"] = json!({"friction_heat": {}});
+    case
+}
+
+fn hertz(crown: f64, force: f64) -> EllipticContact {
+    elliptic_contact(0.5 / 0.46, 0.5 / crown, force, STEEL)
+}
+
+fn patches(run: &Run) -> Vec<Value> {
+    run.contact["each_patch"].as_array().cloned().unwrap_or_default()
+}
+
+fn of(patch: &Value, key: &str) -> f64 {
+    patch[key].as_f64().unwrap_or_else(|| panic!("{key}: {patch}"))
+}
+
+/// The pressure and its mirror image are one to `tolerance` of the maximum.
+fn assert_symmetric(run: &Run, tolerance: f64) {
+    let pressure = &run.fields["pressure"];
+    let grid = run.grid().as_structured().expect("a plane contact");
+    let largest = pressure.iter().copied().fold(0.0, f64::max);
+    assert!((grid.y(0) + grid.y(grid.nj - 1)).abs() < 1e-6 * grid.dy(), "{grid:?}");
+    for j in 0..grid.nj {
+        for i in 0..grid.ni {
+            let [one, other] = [j, grid.nj - 1 - j].map(|j| pressure[j * grid.ni + i]);
+            assert!((one - other).abs() < tolerance * largest, "{i} {j}: {one:e} {other:e}");
+        }
+    }
+}
+
+/// Two crowns of 300 mm at ±20 mm carry half the load each, as Hertz has it, however light the load.
+/// Tolerances: 1 % for the grid, whose elements do not lie the same on both crowns and on a single one,
+/// and the other patch's displacement.
+#[test]
+fn two_equal_crowns_carry_half_each() {
+    let rail = File::new("crowns", 36e-3, 0.5e-3, |y| -0.5 * (y.abs() - 20e-3).powi(2) / 0.3);
+    for force in [5.0, 50.0, 500.0] {
+        let run = run(&on_rail(&rail, force, 10));
+        assert_eq!(run.number("patches"), 2.0, "{force} N");
+        let half = hertz(0.3, 0.5 * force);
+        assert_close(run.number("max_pressure_pa"), half.max_pressure, 1e-2);
+        assert_close(run.number("normal_force_n"), force, 1e-9);
+        for (patch, place) in patches(&run).iter().zip([-20e-3, 20e-3]) {
+            assert_close(of(patch, "normal_force_n"), 0.5 * force, 1e-6);
+            assert_close(of(patch, "max_pressure_pa"), half.max_pressure, 1e-2);
+            assert_close(of(patch, "semi_axis_a_m"), half.semi_axis_a, 1e-2);
+            assert_close(of(patch, "semi_axis_b_m"), half.semi_axis_b, 1e-2);
+            assert!((of(patch, "y_m") - place).abs() < 0.02 * half.semi_axis_b, "{patch}");
+        }
+        assert_symmetric(&run, 1e-6);
+    }
+}
+
+/// Places that touch too far apart for the coarse grid are a refusal, not a contact that is half there.
+#[test]
+fn crowns_too_far_apart_for_a_grid_are_refused() {
+    let rail = File::new("far", 36e-3, 0.5e-3, |y| -0.5 * (y.abs() - 20e-3).powi(2) / 0.3);
+    let refused = super::common::refusal(&configuration(&on_rail(&rail, 1e-4, 10)));
+    assert_eq!(refused.key, "rail.profile");
+    assert!(refused.reason.contains("also touch at"), "{refused}");
+}
+
+/// A flat railhead of 40 mm with edges that fall off at 1:20 carries a straight wheel over all of its
+/// width: in the middle as a line contact, less the 7 % of the load that its ends draw to themselves, on
+/// both sides alike, and not on a bump of the interpolation.
+#[test]
+fn a_flat_rail_with_edges_is_flat() {
+    let rail = File::new("edges", 36e-3, 1e-3, |y| -0.05 * (y.abs() - 20e-3).max(0.0));
+    let light = run(&on_rail(&rail, 50.0, 6));
+    assert_eq!(light.number("patches"), 1.0, "bumps of the interpolation alone would be two");
+    assert_symmetric(&light, 1e-6);
+    let case = on_rail(&rail, 20e3, 6);
+    let run = run(&case);
+    assert_eq!(run.number("patches"), 1.0);
+    let grid = *run.grid().as_structured().expect("a plane contact");
+    let pressure = &run.fields["pressure"];
+    let middle = pressure[grid.nj / 2 * grid.ni..][..grid.ni].iter().copied().fold(0.0, f64::max);
+    // Johnson, eq. 4.45: p0² = P' E*/(π R), P' the load of a metre.
+    let line = (20e3 / 40e-3 / (std::f64::consts::PI * 0.46 * STEEL)).sqrt();
+    assert_close(middle, 0.93 * line, 0.02);
+    assert_symmetric(&run, 1e-6);
+    let kinks = run.contact["kinks_in_contact_y_m"].as_array().expect("both edges");
+    let kinks: Vec<f64> = kinks.iter().filter_map(Value::as_f64).collect();
+    assert!((kinks[0] + 20e-3).abs() < 1e-9 && (kinks[1] - 20e-3).abs() < 1e-9, "{kinks:?}");
+    let remarks = MechSolver.configure(&configuration(&case)).expect("a good case");
+    let remarks = remarks.layout().remarks.join("\n");
+    assert!(remarks.contains("splines end at the kinks at y = -20.000, 20.000 mm"), "{remarks}");
+    assert!(remarks.contains("the contact reaches kinks"), "{remarks}");
+}
+
+/// A crown of 2 mm radius beside one of 300 mm: each patch meets Hertz's pressure under the load it
+/// carries, the narrow one with ten rows at least. Tolerance: that of a patch of a dozen rows.
+#[test]
+fn a_narrow_patch_is_resolved() {
+    let heights = |y: f64| {
+        let wide = -0.5 * (y + 15e-3).powi(2) / 0.3;
+        let narrow = 10e-6 - 0.5 * (y - 15e-3).powi(2) / 2e-3;
+        wide.max(narrow)
+    };
+    let rail = File::new("narrow", 30e-3, 0.1e-3, heights);
+    let check = |case: &Value, least: f64| {
+        let run = run(case);
+        let patches = patches(&run);
+        assert_eq!(patches.len(), 2, "{}", run.contact);
+        for (patch, crown) in patches.iter().zip([0.3, 2e-3]) {
+            let load = of(patch, "normal_force_n");
+            assert_close(of(patch, "max_pressure_pa"), hertz(crown, load).max_pressure, 0.03);
+            assert!(of(patch, "rows") >= least, "{patch}");
+        }
+    };
+    let mut case = on_rail(&rail, 2e3, 10);
+    check(&case, 10.0);
+    case["mech"]["lateral_resolution"] = json!(10);
+    check(&case, 20.0);
+}
+
+/// A tolerance for smoothing needs a profile to smooth, and takes the noise out of one.
+#[test]
+fn smoothing_by_a_stated_tolerance() {
+    let mut case = paper();
+    case["mech"] = json!({"model": "half-space"});
+    case["wheel"]["profile_tolerance"] = json!(1e-6);
+    assert_eq!(super::common::refusal(&configuration(&case)).key, "wheel.profile_tolerance");
+    let noise = |y: f64| 1e-6 * (1e6 * y * y + 7e4 * y).sin();
+    let rail = File::new("noisy", 30e-3, 0.25e-3, |y| -0.5 * y * y / 0.3 + noise(y));
+    let mut case = on_rail(&rail, 20e3, 10);
+    let rough = run(&case);
+    case["rail"]["profile_tolerance"] = json!(1.5e-6);
+    let smooth = run(&case);
+    let exact = hertz(0.3, 20e3).max_pressure;
+    let error = |run: &Run| (run.number("max_pressure_pa") / exact - 1.0).abs();
+    assert!(error(&rough) > 0.1 && error(&smooth) < 0.03, "{} {}", error(&rough), error(&smooth));
+    let remarks = MechSolver.configure(&configuration(&case)).expect("a good case");
+    assert!(remarks.layout().remarks.iter().any(|remark| remark.contains("smoothed, by ")));
+}
