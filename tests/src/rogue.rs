@@ -10,7 +10,9 @@ use proto::message::{
 };
 use proto::model::Solver;
 use proto::run_dir::RunDir;
-use proto::transport::{Doorbell, Endpoint, FieldReader, FieldWriter, Receiver, TransportError};
+use proto::transport::{
+    Beat, Doorbell, Endpoint, FieldReader, FieldWriter, Receiver, Ringer, TransportError,
+};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -72,12 +74,24 @@ fn take_part(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         if kind == CommandKind::Accept && command.flags & OBSERVE == 0 && !moves {
             continue;
         }
+        if rogue.is_at(&command, "lost-reply") {
+            return be_idle(&coordinator, command.sequence);
+        }
         replies.send(&rogue.reply(&command), &answer)?;
         coordinator.ring()?;
         if kind == CommandKind::Finish {
             return Ok(());
         }
     }
+}
+
+/// As if the reply to a command had been sent: until the run is over, but not for ever.
+fn be_idle(coordinator: &Ringer, command: u64) -> Result<(), Box<dyn std::error::Error>> {
+    for _ in 0..1200 {
+        coordinator.beat(0, Beat::idle_after(command))?;
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    Ok(())
 }
 
 fn next(

@@ -38,6 +38,7 @@ pub const FAULTS: &[&str] = &[
     "silence",
     "old-reply",
     "wrong-answer",
+    "lost-reply",
     "time-is-no-number",
     "negative-time",
     "negative-wish",

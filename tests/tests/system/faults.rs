@@ -201,6 +201,7 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
         ("silence", "it did not send `left_value`"),
         ("old-reply", "it speaks protocol 0"),
         ("wrong-answer", "it answered command"),
+        ("lost-reply", "it has dealt with the last command, but its reply did not arrive"),
         ("time-is-no-number", "model_seconds is NaN s"),
         ("negative-time", "model_seconds is -0.000000001 s"),
         ("negative-wish", "wanted_window is -1 s"),
