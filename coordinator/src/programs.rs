@@ -103,8 +103,15 @@ impl Program {
             let why = format!("it ended with {}, saying: {last}", output.status);
             return Err(self.failed(role, question, &why));
         }
-        serde_json::from_slice(&output.stdout)
-            .map_err(|e| self.failed(role, question, &format!("its answer is not valid: {e}")))
+        serde_json::from_slice(&output.stdout).map_err(|error| {
+            let why = match answers(&output.stdout) {
+                0 | 1 => format!("its answer is not valid: {error}"),
+                _ => "it answers more than once: of several processes that are started as one \
+                      participant (MPI ranks) only one answers, and joins (docs/write-a-solver.md)"
+                    .to_owned(),
+            };
+            self.failed(role, question, &why)
+        })
     }
 
     async fn converse(&self, question: &str, input: Vec<u8>) -> io::Result<Output> {
@@ -160,6 +167,12 @@ impl Program {
             fix: format!("try `{} {question}` by hand", self.command_line()),
         })
     }
+}
+
+/// How many JSON values a text begins with.
+fn answers(text: &[u8]) -> usize {
+    let values = serde_json::Deserializer::from_slice(text).into_iter::<serde::de::IgnoredAny>();
+    values.take_while(Result::is_ok).count()
 }
 
 /// What a program has to say, up to [`LONGEST_ANSWER`]; beyond that it gets no reader. Its end is the

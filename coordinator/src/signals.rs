@@ -24,9 +24,6 @@ const LOOK: Duration = Duration::from_millis(20);
 /// group).
 const REPEATED: Duration = Duration::from_secs(1);
 
-/// Exit code of a program that a signal has ended at once.
-const INTERRUPTED: i32 = 130;
-
 /// Listens from now on, on a thread of its own, for as long as the process lives.
 pub fn listen() -> io::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -73,7 +70,8 @@ fn leave() -> ! {
     processes::end_all();
     let name = received().unwrap_or("a signal");
     let _ = writeln!(io::stderr(), "error: interrupted by {name}");
-    std::process::exit(INTERRUPTED);
+    // As a shell has it.
+    std::process::exit(128 + RECEIVED.load(Ordering::SeqCst));
 }
 
 /// For as long as it lives a signal ends the program at once: nothing has to be put in order.

@@ -121,7 +121,10 @@ impl RunDir {
         }
         let own = File::create(info.folder.join(participant_lock(role)))?;
         flock(&own, FlockOperation::NonBlockingLockExclusive).map_err(|_| {
-            io::Error::other(format!("somebody plays the role `{role}` in this run already"))
+            io::Error::other(format!(
+                "another process plays the role `{role}` in this run; of several that are started as \
+                 one participant (MPI ranks) only one joins (docs/write-a-solver.md)"
+            ))
         })?;
         Ok(Self { info, members, own })
     }

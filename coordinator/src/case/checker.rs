@@ -1,11 +1,11 @@
 //! The state that all checks of a case share.
 
 use super::diagnostics::Problem;
-use super::known::{Instance, Known, References, expand};
+use super::known::{Instance, Known, References, all_keys, expand};
 use super::raw::RawCase;
 use super::selection::Selection;
 use super::tree::Node;
-use proto::description::KeyKind;
+use proto::description::{Description, KeyKind, KeySpec};
 use proto::params::Params;
 use serde_json::{Map, Value as Json};
 
@@ -20,11 +20,20 @@ pub(super) struct Checker<'a> {
     pub(super) values: Params,
     /// Keys that misspelt ones were probably meant to be; they are not missing as well.
     pub(super) meant: Vec<String>,
+    /// What the usual programs say of themselves whose roles others play.
+    pub(super) replaced: &'a [(String, Description)],
+    /// Roles with a key that only the usual program reads.
+    pub(super) unread: Vec<(String, String)>,
     pub(super) problems: Vec<Problem>,
 }
 
 impl<'a> Checker<'a> {
-    pub(super) fn new(case: &'a RawCase, selection: &'a Selection<'a>, known: &'a [Known]) -> Self {
+    pub(super) fn new(
+        case: &'a RawCase,
+        selection: &'a Selection<'a>,
+        known: &'a [Known],
+        replaced: &'a [(String, Description)],
+    ) -> Self {
         Self {
             case,
             selection,
@@ -32,6 +41,8 @@ impl<'a> Checker<'a> {
             references: References::new(),
             values: Params(Json::Object(Map::new())),
             meant: Vec::new(),
+            replaced,
+            unread: Vec::new(),
             problems: Vec::new(),
         }
     }
@@ -49,6 +60,13 @@ impl<'a> Checker<'a> {
     /// The keys that read a dotted key.
     pub(super) fn readers(&self, key: &str) -> Vec<&'a Known> {
         self.known.iter().filter(|k| super::known::matches(&k.spec.path, key)).collect()
+    }
+
+    /// The role whose usual program, in the place of which another one runs, reads such a key.
+    pub(super) fn replaced_reader(&self, reads: impl Fn(&KeySpec) -> bool) -> Option<&'a str> {
+        let reader =
+            self.replaced.iter().find(|(_, description)| all_keys(description).any(&reads));
+        reader.map(|(role, _)| role.as_str())
     }
 
     /// Collects the names that active `name_in` keys refer to, by value or by default.

@@ -108,6 +108,13 @@ pub(super) fn read_by(description: &Description, model: &str, effects: &[String]
     keys
 }
 
+/// The keys that a program reads with one model and effect or another.
+pub(super) fn all_keys(description: &Description) -> impl Iterator<Item = &KeySpec> {
+    let models = description.models.iter().flat_map(|model| &model.keys);
+    let effects = description.effects.iter().flat_map(|effect| &effect.keys);
+    description.keys.iter().chain(models).chain(effects)
+}
+
 /// A dotted key matches a path with `*`.
 pub(super) fn matches(pattern: &str, key: &str) -> bool {
     pattern.split('.').count() == key.split('.').count() && starts(pattern, key)

@@ -14,6 +14,9 @@
 //!   alone and claims no active effect is idle: its keys may be in the case but are not required.
 //! - A key that only another model of a participant, or an effect that is off, reads is no error,
 //!   so that a case survives `--set mech.model=...`; its value must still be of the right kind.
+//! - A key that the usual program of a role reads and the one that has taken its place does not is a
+//!   warning, so that a case survives `--set thermal.command=...`. An effect that nobody offers stays an
+//!   error: without it the answer is another one.
 //! - Of alternatives (`one_of`) exactly one must be given whenever any of them is read. One set by
 //!   an option replaces those of the file; two set by options, or two in the file, are an error.
 //! - A member of an alternative that is marked required or has a default is so only if its
@@ -60,15 +63,21 @@ use proto::description::Description;
 use selection::Selection;
 use settled::Settings;
 
-/// Validates a case against what its participants, by role, say of themselves.
+/// Validates a case against what its participants, by role, say of themselves. A key that only the
+/// usual program of a role reads, the place of which another has taken, is noted in
+/// [`Case::unread`]; it is no error.
 ///
 /// # Errors
 /// Everything that is wrong with the case.
-pub fn validate(raw: &RawCase, descriptions: &[(String, Description)]) -> Result<Case, Problems> {
+pub fn validate(
+    raw: &RawCase,
+    descriptions: &[(String, Description)],
+    swapped: &[(String, Description)],
+) -> Result<Case, Problems> {
     let selection = Selection::new(&raw.tree, descriptions);
     let known = known_keys(&selection, &undescribed(raw, &selection));
     let (case, replaced) = alternatives::resolve(raw, &known);
-    let mut checker = Checker::new(&case, &selection, &known);
+    let mut checker = Checker::new(&case, &selection, &known, swapped);
     checker.walk(&case.tree, "");
     checker.refer();
     let all = instances(&known, &case.tree, &checker.references);
@@ -81,10 +90,10 @@ pub fn validate(raw: &RawCase, descriptions: &[(String, Description)]) -> Result
     checker.effects();
     checker.models();
     checker.own_rules();
-    let Checker { values, references, problems, .. } = checker;
+    let Checker { values, references, unread, problems, .. } = checker;
     match case.report(problems) {
         Some(problems) => Err(problems),
-        None => Ok(Case { replaced, ..settle(case, &selection, values, references) }),
+        None => Ok(Case { replaced, unread, ..settle(case, &selection, values, references) }),
     }
 }
 
@@ -121,6 +130,7 @@ fn settle(
         mappings: settings.mappings(),
         limits: settings.limits(),
         output: settings.output(),
+        unread: Vec::new(),
         values,
         raw: case,
         references,

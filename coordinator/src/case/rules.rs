@@ -139,7 +139,15 @@ impl Checker<'_> {
         }
         for role in self.undescribed() {
             let reason = "the participant of this section has not described itself";
-            self.fault(&role, reason, format!("check `{role}.command`, or remove [{role}]"));
+            let by_hand = self.case.has(&format!("{role}.attach"));
+            let fix = match by_hand && !self.case.has(&format!("{role}.command")) {
+                true => format!(
+                    "name the program that you start by hand as `{role}.command`: it is asked what \
+                     it is, and not started"
+                ),
+                false => format!("check `{role}.command`, or remove [{role}]"),
+            };
+            self.fault(&role, reason, fix);
         }
         self.somebody_runs();
     }

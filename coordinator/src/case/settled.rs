@@ -38,6 +38,8 @@ pub struct Case {
     pub limits: Limits,
     /// What a run writes.
     pub output: Output,
+    /// Roles with a key that the usual program would read, and the one that plays the role does not.
+    pub unread: Vec<(String, String)>,
     /// All checked keys, nested by table, in SI units, defaults filled in. Keys of models that
     /// are not chosen are among them if the case has them.
     pub values: Params,

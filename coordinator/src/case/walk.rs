@@ -71,6 +71,7 @@ impl Checker<'_> {
                 let refers = matches!(&k.spec.kind, KeyKind::NameIn { table } if named(table));
                 refers || leads_to(key, &k.spec.path)
             })
+            || self.replaced_reader(|spec| leads_to(key, &spec.path)).is_some()
     }
 
     fn not_a_section(&mut self, key: &str, node: &Node) {
@@ -88,6 +89,9 @@ impl Checker<'_> {
         let (section, name) = key.rsplit_once('.').unwrap_or(("", key));
         if section == "effects" {
             return self.unknown_effect(key, name, node);
+        }
+        if let Some(role) = self.replaced_reader(|spec| matches(&spec.path, key)) {
+            return self.unread.push((role.to_owned(), key.to_owned()));
         }
         let kind = if section.is_empty() && node.table().is_some() { "section" } else { "key" };
         let siblings = self.siblings(section);

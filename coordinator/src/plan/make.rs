@@ -41,7 +41,8 @@ async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {
         described.push((section.role.clone(), description));
     }
     described.extend(describe_absent(&sections).await);
-    let case = validate(&raw, &described)?;
+    let case = validate(&raw, &described, &describe_replaced(&sections).await)?;
+    warn_of_unread_keys(&case, &described);
     let mut plan = route_case(&case, &described)?;
     estimate(&case, &mut plan).await?;
     Ok(Planned { case, plan })
@@ -154,6 +155,32 @@ async fn describe_absent(sections: &[RawParticipant]) -> Vec<(String, Descriptio
         }
     }
     described
+}
+
+/// The usual programs of roles that others play by a `command`: what they read is known, if not used.
+async fn describe_replaced(sections: &[RawParticipant]) -> Vec<(String, Description)> {
+    let mut described = Vec::new();
+    for RawParticipant { role, command, .. } in sections {
+        let (usual, program) =
+            (Program::of_role(role, None), Program::of_role(role, command.as_deref()));
+        if usual.path != program.path
+            && let Ok(description) = usual.describe(role, ANSWER).await
+        {
+            described.push((role.clone(), description));
+        }
+    }
+    described
+}
+
+fn warn_of_unread_keys(case: &Case, described: &[(String, Description)]) {
+    for (role, description) in described {
+        let of_role = case.unread.iter().filter(|(reader, _)| reader == role);
+        let keys: Vec<&str> = of_role.map(|(_, key)| key.as_str()).collect();
+        if !keys.is_empty() {
+            let (name, keys) = (&description.name, keys.join(", "));
+            tracing::warn!("{name}, which plays {role}, does not read {keys}: without effect");
+        }
+    }
 }
 
 fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, RunError> {

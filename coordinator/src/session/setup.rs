@@ -186,10 +186,18 @@ impl Session {
             return Ok(());
         }
         let (name, version) = (found.name, found.version);
-        Err(self.misbehaved(
-            one,
-            format!("what joined ({name} {version}) differs from what described itself before"),
-        ))
+        let what =
+            format!("what joined ({name} {version}) differs from what described itself before");
+        if participant.attach {
+            let (who, when) = (self.links[one].who(), self.phase.to_string());
+            let fix = format!(
+                "name the program that you start by hand as {}.command: it is asked what it is, and \
+                 not started",
+                participant.role
+            );
+            return Err(RunError::Failed(Failure { who, when, what, fix }));
+        }
+        Err(self.misbehaved(one, what))
     }
 
     /// Configures every participant along the flow of data; each hears the grids of its inputs.

@@ -1,7 +1,7 @@
 //! A participant in Python takes the place of ours: the same answer within its method's error, the
 //! same manners when something goes wrong.
 
-use crate::harness::{Place, case, root};
+use crate::harness::{Place, case, programs, root};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -138,6 +138,123 @@ fn the_short_solver_agrees_with_the_long_one() {
     assert!(number(&summary, IMBALANCE) <= 1e-12);
     let read = |place| field(place, "thermal_contact_000000.vti", "rail_temperature");
     assert!(difference(&read(&short), &read(&long)) < 1e-14);
+}
+
+/// A case may say more than a simpler solver reads, if ours reads it; a slip is still an error.
+#[test]
+fn keys_that_only_ours_reads_are_a_warning() {
+    let program = "proto/python/examples/short_columns.py";
+    let short = format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string());
+    let run = |key: &str| {
+        let settings = ["mech.model=hertz-carter", "thermal.model=short", &short, key];
+        let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+        Place::new().run(&case("wheel-rail.toml"), &more)
+    };
+    let ended = run("thermal.resolution=59");
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let told = "which plays thermal, does not read thermal.resolution: without effect";
+    assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    let ended = run("thermal.resolutoin=59");
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert!(ended.stderr.contains("thermal.resolutoin: unknown key"), "{}", ended.stderr);
+}
+
+/// Its command says what it is, without starting it; without one it has to be ours.
+#[test]
+fn a_solver_started_by_hand_is_asked_by_its_command() {
+    let script = root().join("proto/python/examples/strip_columns.py");
+    for command in [vec![], vec!["--set".to_owned(), strip_columns()]] {
+        let place = Place::new();
+        let attach = ["--set", "mech.model=hertz-carter", "--set", "thermal.attach=true"];
+        let more: Vec<&str> =
+            attach.into_iter().chain(command.iter().map(String::as_str)).collect();
+        let running = place.start_run(&case("wheel-rail.toml"), &more);
+        place.wait_for_log("run created");
+        let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
+        let folder = created.unwrap()["fields"]["folder"].as_str().unwrap().to_owned();
+        let mut by_hand = python();
+        by_hand.arg(&script).args(["--join", &folder, "--role", "thermal"]);
+        by_hand.stderr(std::process::Stdio::null()).status().unwrap();
+        let ended = running.wait();
+        if command.is_empty() {
+            assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+            let told = "name the program that you start by hand as thermal.command";
+            assert!(ended.stderr.contains(told), "{}", ended.stderr);
+        } else {
+            assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        }
+        place.assert_nothing_left();
+    }
+}
+
+/// The launcher of MPI that comes with what the tests need.
+fn launcher() -> PathBuf {
+    let bin = interpreter().parent().unwrap();
+    // Where there is no `venv`, packages lie in a folder.
+    let places = [bin.join("mpiexec"), bin.with_file_name("packages").join("bin/mpiexec")];
+    places.into_iter().find(|path| path.exists()).expect("mpich is installed with the tests' needs")
+}
+
+/// A thermal solver as three ranks.
+fn ranks(script: &str) -> String {
+    let words = [
+        &launcher().display().to_string(),
+        "-n",
+        "3",
+        &interpreter().display().to_string(),
+        "-m",
+        "mpi4py",
+        script,
+    ];
+    format!("thermal.command={words:?}")
+}
+
+/// Rank 0 takes part, the others follow it: each row is computed as by one process.
+#[test]
+fn several_ranks_are_one_participant() {
+    let program = "proto/python/examples/short_columns.py";
+    let one = format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string());
+    let settings = ["mech.model=hertz-carter", "mech.resolution=20", "thermal.model=short"];
+    let (alone, _) = run("wheel-rail.toml", &[&settings[..], &[&one]].concat());
+    let spread = ranks("proto/python/examples/ranks.py");
+    let (together, summary) = run("wheel-rail.toml", &[&settings[..], &[&spread]].concat());
+    assert!(number(&summary, IMBALANCE) <= 1e-12);
+    let read = |place| field(place, "thermal_contact_000000.vti", "rail_temperature");
+    assert!(difference(&read(&together), &read(&alone)) < 1e-14);
+    let table = std::fs::read_to_string(together.out().join("iterations.csv")).unwrap();
+    let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let column = rows.next().unwrap().iter().position(|name| *name == "thermal_work").unwrap();
+    assert_eq!(rows.next().unwrap()[column], "3", "all ranks have computed");
+}
+
+/// Ranks that know nothing of each other all answer, and all join.
+#[test]
+fn ranks_that_all_take_part_are_told_what_to_do() {
+    let place = Place::new();
+    let settings = ["mech.model=hertz-carter", "thermal.model=short"];
+    let command = ranks("proto/python/examples/short_columns.py");
+    let more = [&settings[..], &[&command]].concat();
+    let more: Vec<&str> = more.iter().flat_map(|set| ["--set", set]).collect();
+    let ended = place.run(&case("wheel-rail.toml"), &more);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    for part in ["asked to describe", "it answers more than once", "MPI ranks", "only one answers"]
+    {
+        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
+    }
+    let taken = format!(
+        "case $1 in --join) {0} \"$@\" & until [ -e $2/participant-left.lock ]; do sleep 0.01; done; \
+         sleep 0.3; esac; exec {0} \"$@\"",
+        programs().join("toy-left").display()
+    );
+    let command = format!("left.command=[\"sh\", \"-c\", {taken:?}, \"sh\"]");
+    let place = Place::new();
+    let more = ["--set", &command, "--set", "left.delay=600"];
+    let ended = place.run(&case("exchange.toml"), &more);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    for part in ["left (sh) failed", "another process plays the role `left`", "only one joins"] {
+        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
+    }
+    place.assert_nothing_left();
 }
 
 /// What a case may say to ours it may say to theirs, in the same words.

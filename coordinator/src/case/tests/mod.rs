@@ -169,14 +169,14 @@ fn descriptions() -> Vec<(String, Description)> {
 
 /// Reads and validates a case.
 fn case(text: &str) -> Result<Case, Problems> {
-    validate(&RawCase::parse("case.toml", text)?, &descriptions())
+    validate(&RawCase::parse("case.toml", text)?, &descriptions(), &[])
 }
 
 /// The same after `--set` options.
 fn case_with(text: &str, set: &[&str]) -> Result<Case, Problems> {
     let mut raw = RawCase::parse("case.toml", text)?;
     raw.apply(set, &[])?;
-    validate(&raw, &descriptions())
+    validate(&raw, &descriptions(), &[])
 }
 
 /// Errors on one line each: "12:1 key: reason | fix", or "option | ..." for options.

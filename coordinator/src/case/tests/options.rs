@@ -38,7 +38,7 @@ fn a_model_and_an_effect_can_be_switched() {
     let raw = |set: &[&str], unset: &[&str]| {
         let mut raw = RawCase::parse("case.toml", GOOD).unwrap();
         raw.apply(set, unset).unwrap();
-        validate(&raw, &descriptions()).unwrap_or_else(|e| panic!("{e}"))
+        validate(&raw, &descriptions(), &[]).unwrap_or_else(|e| panic!("{e}"))
     };
     let switched = raw(&["mech.model=hertz-carter"], &["effects.partial_slip"]);
     assert_eq!(switched.participants[0].model, "hertz-carter");

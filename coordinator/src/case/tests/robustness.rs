@@ -10,14 +10,14 @@ fn survive(bytes: &[u8], set: &[String]) -> Result<(), TestCaseError> {
         let applied = raw.apply(set, &[]);
         let roles = raw.participants().len();
         assert!(roles < 50);
-        let validated = validate(&raw, &descriptions());
+        let validated = validate(&raw, &descriptions(), &[]);
         applied.and(validated)
     });
     match checked {
         Err(problems) => complete(&problems),
         Ok(case) => {
             let again = RawCase::parse("again", &case.text());
-            let again = again.and_then(|raw| validate(&raw, &descriptions()));
+            let again = again.and_then(|raw| validate(&raw, &descriptions(), &[]));
             let again = again.map_err(|e| TestCaseError::fail(format!("{e}\n{}", case.text())))?;
             prop_assert_eq!(again.values, case.values, "the text gives the same case");
             prop_assert_eq!(again.effects, case.effects);
@@ -211,6 +211,6 @@ proptest! {
         let mut raw = RawCase::parse("case.toml", GOOD).map_err(|e| TestCaseError::fail(e.to_string()))?;
         let keys: Vec<String> = options.into_iter().map(|(key, _)| key).chain([any]).collect();
         let _ = raw.apply(&[], &keys);
-        let _ = validate(&raw, &descriptions());
+        let _ = validate(&raw, &descriptions(), &[]);
     }
 }

@@ -181,7 +181,7 @@ fn groups_and_products_work_within_each_entry_of_a_table() {
         "{GOOD}[effects.layers]\n[layers.a]\nstiffness = 1\n[layers.b]\n[layers.c]\nflexibility = -2\n"
     );
     let raw = RawCase::parse("case.toml", &text).unwrap();
-    let error = validate(&raw, &descriptions).unwrap_err();
+    let error = validate(&raw, &descriptions, &[]).unwrap_err();
     assert_eq!(
         lines(&error),
         [
@@ -203,7 +203,7 @@ fn an_alternative_that_the_chosen_model_does_not_read_is_told() {
     descriptions[0].1.models[0].keys.push(force);
     let text = GOOD.replace("traction_coefficient = 0.58", "tangential_force = 1000");
     let raw = RawCase::parse("case.toml", &text).unwrap();
-    let error = validate(&raw, &descriptions).unwrap_err();
+    let error = validate(&raw, &descriptions, &[]).unwrap_err();
     assert_eq!(
         lines(&error),
         ["17:1 motion.tangential_force: the chosen models do not read it | write \
@@ -218,7 +218,7 @@ fn a_case_of_one_participant_of_ones_own() {
     own.keys.clear();
     let text = "[case]\nname = \"x\"\n[track]\nmodel = \"half-space\"\ncommand = [\"t\"]\n";
     let raw = RawCase::parse("case.toml", text).unwrap();
-    let case = validate(&raw, &[("track".to_owned(), own)]).unwrap();
+    let case = validate(&raw, &[("track".to_owned(), own)], &[]).unwrap();
     assert_eq!(case.participants[0].role, "track");
     let idle = "[case]\nname = \"x\"\n[thermal]\n";
     let error = super::case(idle).unwrap_err();
@@ -226,5 +226,47 @@ fn a_case_of_one_participant_of_ones_own() {
         lines(&error),
         ["3:1 thermal: nothing would run: without an effect thermal has no part | add an effect, \
           or another participant"]
+    );
+}
+
+/// The thermal program of the case is a simpler one: what the usual one reads is no error.
+#[test]
+fn keys_of_the_program_that_is_replaced_are_noted() {
+    let usual = descriptions();
+    let mut descriptions = descriptions();
+    let simple = &mut descriptions[1].1;
+    let mut own = simple.keys.clone();
+    own.retain(|key| !key.path.starts_with("thermal."));
+    (simple.keys, simple.models[0].keys) = (own, Vec::new());
+    let more = ["thermal.resolution=3", "thermal.mesh.size=2"];
+    let mut usual = vec![usual[1].clone()];
+    usual[0].1.models[0].keys.extend([
+        KeySpec::integer("thermal.resolution", "elements"),
+        KeySpec::number("thermal.mesh.*", "any of them"),
+    ]);
+    let mut raw = RawCase::parse("case.toml", GOOD).unwrap();
+    raw.apply(&more, &[]).unwrap();
+    let case = validate(&raw, &descriptions, &usual).unwrap();
+    let unread = more.map(|set| ("thermal".to_owned(), set.split('=').next().unwrap().to_owned()));
+    assert_eq!(case.unread, unread);
+    assert!(!case.values.has("thermal.resolution"), "nobody has checked it");
+    // Without it, and for what it does not know either, as ever.
+    assert_eq!(validate(&raw, &descriptions, &[]).unwrap_err().list().len(), 2);
+    raw.apply(&["thermal.resolutoin=3", "effects.radiation={}"], &[]).unwrap();
+    let error = validate(&raw, &descriptions, &usual).unwrap_err();
+    let keys: Vec<&str> = error.list().iter().map(|problem| problem.key.as_str()).collect();
+    assert_eq!(keys, ["effects.radiation", "thermal.resolutoin"]);
+}
+
+#[test]
+fn a_participant_started_by_hand_has_a_command_too() {
+    let text = format!("{GOOD}[track]\nmodel = \"beam\"\nattach = true\n");
+    let error = super::case(&text).unwrap_err();
+    assert_eq!(
+        lines(&error),
+        [
+            "32:1 track: the participant of this section has not described itself | name the program \
+          that you start by hand as `track.command`: it is asked what it is, and not started"
+        ]
     );
 }

@@ -95,7 +95,10 @@ class Membership:
         except OSError as error:
             raise RunError(f"no run at {folder}: {error}") from error
         if not _lock(self._own, fcntl.LOCK_EX):
-            raise RunError(f"somebody plays the role `{role}` in this run already")
+            raise RunError(
+                f"another process plays the role `{role}` in this run; of several that are started "
+                "as one participant (MPI ranks) only one joins (docs/write-a-solver.md)"
+            )
 
     def leave(self) -> None:
         """Leave the run; the last member removes its folder and its shared memory."""
