@@ -2,7 +2,7 @@
 
 use crate::ablate;
 use crate::accuracy::{self, Search, Verdict};
-use crate::case::RawCase;
+use crate::case::{Alone, RawCase, judge_alone};
 use crate::checkpoint::{Checkpoint, Checkpoints, Torn};
 use crate::conform;
 use crate::cost;
@@ -10,7 +10,7 @@ use crate::error::{RunError, file_failure};
 use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
 use crate::logging::{Level, Logging};
-use crate::plan::{Planned, plan};
+use crate::plan::{Planned, not_judged, plan};
 use crate::programs::{self, Program};
 use crate::progress::Progress;
 use crate::record::Compression;
@@ -24,6 +24,7 @@ use crate::study::Variant;
 use clap::{Args, Parser, Subcommand};
 use proto::description::Description;
 use proto::recording::End;
+use proto::text::{json, one_line, visible};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -46,15 +47,23 @@ pub struct Arguments {
 enum Command {
     /// Run a case and write its results.
     Run(RunArguments),
-    /// Check a case: every error at once, each with its place, reason and fix.
+    /// Check a case: every error at once, each with its place, reason and fix. Starts the programs
+    /// that the case names, to ask them what they read.
     Check {
         #[command(flatten)]
         case: CaseArguments,
+        /// Start no program: judge a case from elsewhere by the coordinator's own keys alone.
+        #[arg(long)]
+        no_start: bool,
     },
-    /// Show what a case will run and what not, and why.
+    /// Show what a case will run and what not, and why. Starts the programs that the case names, to
+    /// ask them what they offer.
     Plan {
         #[command(flatten)]
         case: CaseArguments,
+        /// Start no program: show what a case from elsewhere says, and what it would start.
+        #[arg(long)]
+        no_start: bool,
     },
     /// Show the models and effects that the installed solvers offer.
     Solvers,
@@ -192,10 +201,20 @@ struct CaseArguments {
 }
 
 impl CaseArguments {
-    fn plan(&self) -> Result<Planned, RunError> {
+    fn read(&self) -> Result<RawCase, RunError> {
         let mut raw = RawCase::read(&self.case)?;
         raw.apply(&self.set, &self.unset)?;
+        Ok(raw)
+    }
+
+    fn plan(&self) -> Result<Planned, RunError> {
+        let raw = self.read()?;
         tracing::info_span!("plan").in_scope(|| plan(raw))
+    }
+
+    /// What can be judged without starting a program.
+    fn alone(&self) -> Result<Alone, RunError> {
+        Ok(judge_alone(&self.read()?)?)
     }
 }
 
@@ -239,13 +258,23 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                 (None, None) => run_case(&begin(run, log)?, run, &screen),
             }
         }
-        Command::Check { case } => {
-            case.plan()?;
-            print(arguments.quiet, &format!("{}: no errors\n", case.case.display()));
+        Command::Check { case, no_start } => {
+            let shown = case.case.display();
+            let text = match no_start {
+                true => {
+                    format!("{shown}: no errors in what was judged\n{}", not_judged(&case.alone()?))
+                }
+                false => case.plan().map(|_| format!("{shown}: no errors\n"))?,
+            };
+            print(arguments.quiet, &text);
             Ok(())
         }
-        Command::Plan { case } => {
-            print(false, &case.plan()?.plan.to_string());
+        Command::Plan { case, no_start } => {
+            let text = match no_start {
+                true => case.alone()?.to_string(),
+                false => case.plan()?.plan.to_string(),
+            };
+            print(false, &text);
             Ok(())
         }
         Command::Solvers => Ok(solvers()?),
@@ -419,8 +448,7 @@ fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {
     let survey = inspect::survey(&mut recording, &wanted);
     let damaged = |damage: &String| Err(inspect::unreadable(path, damage));
     if asked.json {
-        let json = serde_json::to_string_pretty(&survey).expect("a survey is plain data");
-        print(false, &(json + "\n"));
+        print(false, &json(&survey));
         return survey.damage.as_ref().map_or(Ok(()), damaged);
     }
     print(false, &inspect::text(&survey, path));
@@ -453,8 +481,7 @@ fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError
     };
     let replay = replay::replay(&request)?;
     if asked.json {
-        let json = serde_json::to_string_pretty(&replay).expect("a replay is plain data");
-        print(false, &(json + "\n"));
+        print(false, &json(&replay));
     } else {
         print(quiet, &replay::text(&replay, &request));
     }
@@ -503,6 +530,7 @@ fn solvers() -> Result<(), RunError> {
         .map_err(|error| file_failure(std::path::Path::new("tokio"), &error))?;
     for (role, program) in programs::installed() {
         let described = runtime.block_on(program.describe(&role, Duration::from_secs(30)))?;
+        described.check().map_err(|fault| program.misled(&role, fault))?;
         print(false, &show_solver(&described));
     }
     Ok(())
@@ -530,7 +558,7 @@ fn show_solver(of: &Description) -> String {
 fn print(quiet: bool, text: &str) {
     if !quiet {
         // A reader that has gone away (`| head`) is no failure of ours.
-        let _ = std::io::stdout().write_all(text.as_bytes());
+        let _ = std::io::stdout().write_all(visible(text).as_bytes());
     }
 }
 
@@ -544,6 +572,7 @@ fn print_error(error: &RunError) {
         RunError::Case(problems) => {
             writeln!(stderr, "{}", problems.render(stderr.is_terminal()))
         }
-        other => writeln!(stderr, "error: {other}"),
+        // Whatever it quotes, an error is one line.
+        other => writeln!(stderr, "error: {}", one_line(&other.to_string())),
     };
 }

@@ -5,6 +5,7 @@
 //! ends with it. Output goes into the log line by line. An exit is known within milliseconds.
 
 use crate::programs::Program;
+use proto::text::one_line;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::io;
 use std::path::Path;
@@ -177,7 +178,8 @@ fn relay(
         let mut pipe = BufReader::new(pipe);
         let mut line = Vec::new();
         while next_line(&mut pipe, &mut line).await {
-            let line = String::from_utf8_lossy(&line).trim_end().to_owned();
+            let line = String::from_utf8_lossy(&line);
+            let line = one_line(line.trim_end()).into_owned();
             if !line.is_empty() {
                 tracing::info!(target: "participant", role, "{line}");
                 *last_words.lock().unwrap_or_else(PoisonError::into_inner) = Some(line);

@@ -6,6 +6,7 @@ use crate::report;
 use crate::study::folder::StudyFolder;
 use crate::study::{Variant, planned, scratch};
 use clap::Args;
+use proto::text::{json, visible};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -49,7 +50,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let scratch = scratch()?;
     let request = Request { case: asked.case.clone(), base, repeat: asked.repeat };
     let study = study(&request, quiet || asked.json, scratch.path())?;
-    let json = serde_json::to_string_pretty(&study).expect("a study is plain data") + "\n";
+    let json = json(&study);
     folder.write(FILE, json.as_bytes())?;
     report::write(folder.path())?;
     let text = match (asked.json, quiet) {
@@ -60,6 +61,6 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
         }
     };
     // A reader that has gone away (`| head`) is no failure of ours.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let _ = std::io::stdout().write_all(visible(&text).as_bytes());
     Ok(())
 }

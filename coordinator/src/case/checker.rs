@@ -21,6 +21,10 @@ pub(super) struct Checker<'a> {
     /// Keys that misspelt ones were probably meant to be; they are not missing as well.
     pub(super) meant: Vec<String>,
     pub(super) problems: Vec<Problem>,
+    /// No participant was asked: what the coordinator does not know itself is not judged.
+    pub(super) unasked: bool,
+    /// Keys and sections that were not judged.
+    pub(super) not_judged: Vec<String>,
 }
 
 impl<'a> Checker<'a> {
@@ -33,6 +37,8 @@ impl<'a> Checker<'a> {
             values: Params(Json::Object(Map::new())),
             meant: Vec::new(),
             problems: Vec::new(),
+            unasked: false,
+            not_judged: Vec::new(),
         }
     }
 

@@ -21,6 +21,7 @@
 //! - Of a table that `name_in` keys refer to (`materials`), only the entries referred to are read.
 //! - Names with a dot in them are refused: dotted keys address values everywhere else.
 
+mod alone;
 mod alternatives;
 mod check;
 mod checker;
@@ -46,6 +47,7 @@ mod tree;
 mod unit;
 mod walk;
 
+pub use alone::{Alone, judge_alone};
 pub use coupling::{Acceleration, Implicit, Preconditioner, Predictor, Scheme, Tolerances};
 pub use diagnostics::{Place, Problem, Problems};
 pub use mapping::Mappings;

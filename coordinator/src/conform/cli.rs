@@ -1,9 +1,11 @@
 //! The subcommand.
 
-use super::{Report, Request, conform, show};
+use super::{News, Report, Request, Verdict, conform, show};
 use crate::error::{Failure, RunError};
 use crate::programs::Program;
+use crate::study::progress::Steps;
 use clap::Args;
+use proto::text::{json, visible};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -29,6 +31,9 @@ pub struct Arguments {
     /// Make this check alone; may be given several times.
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
+    /// The cheapest model and mode alone, on small grids: for while a solver is written.
+    #[arg(long)]
+    quick: bool,
     /// Longest wait for an answer [s].
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     deadline: f64,
@@ -57,24 +62,37 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
         unset: asked.unset.clone(),
         recording: asked.recording.clone(),
         only: asked.only.clone(),
+        quick: asked.quick,
         patience: Duration::from_secs_f64(asked.deadline),
     };
     let silent = quiet || asked.json;
-    let report = conform(&request, &mut |so_far| {
-        if !silent {
-            print(&match so_far.checks.last() {
-                None => show::head(so_far),
-                Some(row) => show::line(row),
-            });
+    let mut progress: Option<Steps> = None;
+    let report = conform(&request, &mut |news| match news {
+        News::Prepared(report, count) => {
+            progress = Some(Steps::new(silent, count));
+            say(silent, None, &show::head(report));
         }
-    })?;
+        News::Begins(check) => progress.iter_mut().for_each(|steps| steps.step(check)),
+        News::Made(row) if row.verdict == Verdict::NotMade => {}
+        News::Made(row) => say(silent, progress.as_ref(), &show::line(row)),
+    });
+    progress.into_iter().for_each(Steps::finish);
+    let report = report?;
     if asked.json {
-        let json = serde_json::to_string_pretty(&report).expect("a report is plain data");
-        print(&(json + "\n"));
+        print(&json(&report));
     } else if !quiet {
         print(&show::tail(&report));
     }
     verdict(&request, &report)
+}
+
+/// Prints, beside a bar that may be there.
+fn say(silent: bool, beside: Option<&Steps>, text: &str) {
+    match beside {
+        _ if silent => {}
+        Some(steps) => steps.aside(|| print(text)),
+        None => print(text),
+    }
 }
 
 fn verdict(request: &Request, report: &Report) -> Result<(), RunError> {
@@ -93,5 +111,5 @@ fn verdict(request: &Request, report: &Report) -> Result<(), RunError> {
 fn print(text: &str) {
     // A reader that has gone away (`| head`) is no failure of ours.
     let mut out = std::io::stdout();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let _ = out.write_all(visible(text).as_bytes()).and_then(|()| out.flush());
 }

@@ -7,6 +7,7 @@ use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::{Variant, scratch};
 use clap::Args;
+use proto::text::{json, visible};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -60,7 +61,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let scratch = scratch()?;
     let swept = sweep::sweep(&request, quiet || asked.json, scratch.path())?;
     let study = analysis::study(&request, swept)?;
-    let json = serde_json::to_string_pretty(&study).expect("a study is plain data") + "\n";
+    let json = json(&study);
     write(&folder, &study, &json)?;
     if asked.json {
         print(&json);
@@ -115,5 +116,5 @@ fn write(folder: &StudyFolder, study: &Study, json: &str) -> Result<(), RunError
 
 fn print(text: &str) {
     // A reader that has gone away (`| head`) is no failure of ours.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let _ = std::io::stdout().write_all(visible(text).as_bytes());
 }

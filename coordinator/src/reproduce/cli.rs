@@ -4,6 +4,7 @@ use super::study::Study;
 use super::{Request, reproduce};
 use crate::error::RunError;
 use clap::Args;
+use proto::text::visible;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -48,6 +49,6 @@ fn print(quiet: bool, text: &str) {
     if !quiet {
         // A reader that has gone away (`| head`) is no failure of ours.
         let mut out = std::io::stdout();
-        let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+        let _ = out.write_all(visible(text).as_bytes()).and_then(|()| out.flush());
     }
 }

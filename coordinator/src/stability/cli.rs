@@ -8,6 +8,7 @@ use crate::report;
 use crate::results::folder::replace;
 use crate::study::folder::StudyFolder;
 use clap::Args;
+use proto::text::{json, visible};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -62,7 +63,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     folder.write(FILE, json(&report).as_bytes())?;
     report::write(folder.path())?;
     if asked.json {
-        print(&(json(&report) + "\n"));
+        print(&json(&report));
     }
     say(&show::tail(&report, &asked.out));
     verdict(&report)?;
@@ -70,10 +71,6 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
         Some(path) => replace(path, limits::text(&report).as_bytes()),
         None => Ok(()),
     }
-}
-
-fn json(report: &Report) -> String {
-    serde_json::to_string_pretty(report).expect("a report is plain data")
 }
 
 fn verdict(report: &Report) -> Result<(), RunError> {
@@ -93,5 +90,5 @@ fn verdict(report: &Report) -> Result<(), RunError> {
 fn print(text: &str) {
     // A reader that has gone away (`| head`) is no failure of ours.
     let mut out = std::io::stdout();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let _ = out.write_all(visible(text).as_bytes()).and_then(|()| out.flush());
 }
