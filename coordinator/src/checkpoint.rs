@@ -259,14 +259,23 @@ fn read(folder: &Path) -> Result<Checkpoint, String> {
         let name = name.to_owned();
         move |error: io::Error| format!("{name}: {error}")
     };
+    let own = fs::symlink_metadata(folder.join(OWN)).map_err(failed(OWN))?;
+    if !own.is_file() || own.len() > binary::LONGEST as u64 {
+        return Err(format!("{OWN} is no checkpoint: {} bytes", own.len()));
+    }
     let bytes = fs::read(folder.join(OWN)).map_err(failed(OWN))?;
     let (parts, state) = decode_own(&bytes)?;
     for part in &parts {
-        let content = fs::read(folder.join(&part.name)).map_err(failed(&part.name))?;
-        if content.len() as u64 != part.bytes {
-            let (found, expected) = (content.len(), part.bytes);
+        if part.name.contains('/') || part.name == ".." {
+            return Err(format!("{OWN} names {:?}, which is no file of a checkpoint", part.name));
+        }
+        let path = folder.join(&part.name);
+        let file = fs::symlink_metadata(&path).map_err(failed(&part.name))?;
+        if !file.is_file() || file.len() != part.bytes {
+            let (found, expected) = (file.len(), part.bytes);
             return Err(format!("{} is torn: {found} bytes of {expected}", part.name));
         }
+        let content = fs::read(path).map_err(failed(&part.name))?;
         if sum(&content) != part.sum {
             return Err(format!("{} is torn: its bytes have another sum", part.name));
         }

@@ -2,7 +2,7 @@
 
 use crate::ablate;
 use crate::accuracy::{self, Search, Verdict};
-use crate::case::RawCase;
+use crate::case::{Alone, RawCase, judge_alone};
 use crate::checkpoint::{Checkpoint, Checkpoints, Torn};
 use crate::conform;
 use crate::cost;
@@ -11,7 +11,7 @@ use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
 use crate::logging::{Level, Logging};
 use crate::output;
-use crate::plan::{Planned, plan};
+use crate::plan::{Planned, not_judged, plan};
 use crate::programs::{self, Program};
 use crate::progress::Progress;
 use crate::record::Compression;
@@ -27,6 +27,7 @@ use crate::study::Variant;
 use clap::{Args, Parser, Subcommand};
 use proto::description::Description;
 use proto::recording::End;
+use proto::text::{json, one_line};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -49,15 +50,23 @@ pub struct Arguments {
 enum Command {
     /// Run a case and write its results.
     Run(RunArguments),
-    /// Check a case: every error at once, each with its place, reason and fix.
+    /// Check a case: every error at once, each with its place, reason and fix. Starts the programs
+    /// that the case names, to ask them what they read.
     Check {
         #[command(flatten)]
         case: CaseArguments,
+        /// Start no program: judge a case from elsewhere by the coordinator's own keys alone.
+        #[arg(long)]
+        no_start: bool,
     },
-    /// Show what a case will run and what not, and why.
+    /// Show what a case will run and what not, and why. Starts the programs that the case names, to
+    /// ask them what they offer.
     Plan {
         #[command(flatten)]
         case: CaseArguments,
+        /// Start no program: show what a case from elsewhere says, and what it would start.
+        #[arg(long)]
+        no_start: bool,
     },
     /// Show the models and effects that the installed solvers offer.
     Solvers,
@@ -198,6 +207,15 @@ struct CaseArguments {
 }
 
 impl CaseArguments {
+    fn read(&self) -> Result<RawCase, RunError> {
+        // It may be a pipe that nobody writes to.
+        let reading = signals::end_at_once();
+        let mut raw = RawCase::read(&self.case)?;
+        drop(reading);
+        raw.apply(&self.set, &self.unset)?;
+        Ok(raw)
+    }
+
     fn plan(&self) -> Result<Planned, RunError> {
         let planned = self.plan_again()?;
         planned.case.tell_replaced();
@@ -206,12 +224,13 @@ impl CaseArguments {
 
     /// Plans what has been told of before.
     fn plan_again(&self) -> Result<Planned, RunError> {
-        // It may be a pipe that nobody writes to.
-        let reading = signals::end_at_once();
-        let mut raw = RawCase::read(&self.case)?;
-        drop(reading);
-        raw.apply(&self.set, &self.unset)?;
+        let raw = self.read()?;
         tracing::info_span!("plan").in_scope(|| plan(raw))
+    }
+
+    /// What can be judged without starting a program.
+    fn alone(&self) -> Result<Alone, RunError> {
+        Ok(judge_alone(&self.read()?)?)
     }
 }
 
@@ -277,15 +296,24 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                 (None, None) => run_case(&begin(run, log)?, run, &screen),
             }
         }
-        Command::Check { case } => {
+        Command::Check { case, no_start } => {
             let _asking = signals::end_at_once();
-            case.plan()?;
-            Ok(print(arguments.quiet, &format!("{}: no errors\n", case.case.display()))?)
+            let shown = case.case.display();
+            let text = match no_start {
+                true => {
+                    format!("{shown}: no errors in what was judged\n{}", not_judged(&case.alone()?))
+                }
+                false => case.plan().map(|_| format!("{shown}: no errors\n"))?,
+            };
+            Ok(print(arguments.quiet, &text)?)
         }
-        Command::Plan { case } => {
+        Command::Plan { case, no_start } => {
             let _asking = signals::end_at_once();
-            let planned = case.plan()?;
-            Ok(print(false, &planned.plan.to_string())?)
+            let text = match no_start {
+                true => case.alone()?.to_string(),
+                false => case.plan()?.plan.to_string(),
+            };
+            Ok(print(false, &text)?)
         }
         Command::Solvers => Ok(solvers()?),
         Command::Inspect(asked) => Ok(inspect_recording(asked)?),
@@ -502,8 +530,7 @@ fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {
     let survey = inspect::survey(&mut recording, &wanted);
     let damaged = |damage: &String| Err(inspect::unreadable(path, damage));
     if asked.json {
-        let json = serde_json::to_string_pretty(&survey).expect("a survey is plain data");
-        print(false, &(json + "\n"))?;
+        print(false, &json(&survey))?;
         return survey.damage.as_ref().map_or(Ok(()), damaged);
     }
     print(false, &inspect::text(&survey, path))?;
@@ -536,8 +563,7 @@ fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError
     };
     let replay = replay::replay(&request)?;
     if asked.json {
-        let json = serde_json::to_string_pretty(&replay).expect("a replay is plain data");
-        print(false, &(json + "\n"))?;
+        print(false, &json(&replay))?;
     } else {
         print(quiet, &replay::text(&replay, &request))?;
     }
@@ -588,6 +614,7 @@ fn solvers() -> Result<(), RunError> {
         .map_err(|error| file_failure(std::path::Path::new("tokio"), &error))?;
     for (role, program) in programs::installed() {
         let described = runtime.block_on(program.describe(&role, Duration::from_secs(30)))?;
+        described.check().map_err(|fault| program.misled(&role, fault))?;
         print(false, &show_solver(&described))?;
     }
     Ok(())
@@ -626,6 +653,7 @@ fn print_error(error: &RunError) {
         RunError::Case(problems) => {
             writeln!(stderr, "{}", problems.render(stderr.is_terminal()))
         }
-        other => writeln!(stderr, "error: {other}"),
+        // Whatever it quotes, an error is one line.
+        other => writeln!(stderr, "error: {}", one_line(&other.to_string())),
     };
 }

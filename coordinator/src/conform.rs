@@ -1,8 +1,9 @@
 //! `coordinator conform`: any executable, put through the whole participant contract.
 //!
-//! [`CHECKS`] is the list: what the contract demands, one entry a demand. Each check starts the
-//! participant afresh, as a process of its own over real shared memory ([`trial`]), and waits for
-//! nothing without a deadline; one that hangs or dies spoils no other check. What a participant is
+//! [`CHECKS`] is the list: what the contract demands, one entry a demand. The participant runs as a
+//! process of its own over real shared memory ([`trial`]); what a check leaves in order the next one
+//! goes on with, everything else has a fresh process ([`lives`]). Nothing is waited for without a
+//! deadline; a process that hangs or dies spoils no other check. What a participant is
 //! configured with comes from a case ([`setting`]), for every model and mode that it offers.
 //!
 //! ```text
@@ -18,6 +19,7 @@ mod faulty_inputs;
 mod given;
 mod grids;
 mod leaving;
+mod lives;
 mod recorded;
 mod refusing;
 mod setting;
@@ -33,8 +35,9 @@ pub use cli::{Arguments, main};
 use crate::error::RunError;
 use crate::programs::Program;
 use bench::Bench;
-use check::{Check, Fault, Seen};
+use check::{Check, Fault};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -87,6 +90,8 @@ pub struct Request {
     pub recording: Option<PathBuf>,
     /// Names of the checks to make; all if empty.
     pub only: Vec<String>,
+    /// Only the cheapest model and mode, and small grids.
+    pub quick: bool,
     /// Longest wait for an answer.
     pub patience: Duration,
 }
@@ -115,11 +120,22 @@ impl Report {
     }
 }
 
-/// Makes the checks; `tell` hears of each as soon as it is made.
+/// What there is to tell while checks are made.
+#[derive(Clone, Copy, Debug)]
+pub enum News<'a> {
+    /// Everything is prepared for so many checks.
+    Prepared(&'a Report, usize),
+    /// The check of this name begins.
+    Begins(&'static str),
+    /// A check was made.
+    Made(&'a Row),
+}
+
+/// Makes the checks; `tell` hears of each as it begins and as soon as it is made.
 ///
 /// # Errors
 /// The request cannot be, or the user has stopped it. A check that fails is no error here.
-pub fn conform(request: &Request, tell: &mut dyn FnMut(&Report)) -> Result<Report, RunError> {
+pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Report, RunError> {
     let begun = Instant::now();
     let checks = chosen(&request.only)?;
     let (bench, described) = Bench::prepare(request)?;
@@ -130,24 +146,40 @@ pub fn conform(request: &Request, tell: &mut dyn FnMut(&Report)) -> Result<Repor
         left_out: bench.left_out.clone(),
         ..Report::default()
     };
-    tell(&report);
+    tell(News::Prepared(&report, checks.len()));
+    let mut causes: BTreeMap<String, &'static str> = BTreeMap::new();
     for check in checks {
-        let since = Instant::now();
-        let outcome = match &described {
-            // Nothing can be asked of what does not say what it is.
-            Some(fault) if check.name == describing::DESCRIBE.name => Err(fault.clone()),
-            Some(_) => Ok(Seen::Inapplicable("it does not describe itself".to_owned())),
-            None => (check.run)(&bench),
-        };
-        if let Err(Fault::Interrupted(signal)) = outcome {
-            let when = format!("while `{}` was checked", check.name);
-            return Err(RunError::Interrupted { signal, when });
+        tell(News::Begins(check.name));
+        let mut row = made(check, &bench, described.as_ref())?;
+        if row.verdict == Verdict::Failed {
+            // One cause is told once.
+            row.same_as = causes.get(&row.seen).copied();
+            causes.entry(row.seen.clone()).or_insert(check.name);
         }
-        report.checks.push(Row::new(check, outcome, since.elapsed()));
+        tell(News::Made(&row));
+        report.checks.push(row);
         report.wall_s = begun.elapsed().as_secs_f64();
-        tell(&report);
     }
     Ok(report)
+}
+
+/// Makes a check, if it can be made.
+fn made(check: &Check, bench: &Bench, undescribed: Option<&Fault>) -> Result<Row, RunError> {
+    let since = Instant::now();
+    let outcome = match undescribed {
+        // Nothing can be asked of what does not say what it is.
+        Some(fault) if check.name == describing::DESCRIBE.name => Err(fault.clone()),
+        Some(_) => return Ok(Row::not_made(check, "it does not describe itself")),
+        None if bench.never_joined() => {
+            return Ok(Row::not_made(check, "it never joined a run"));
+        }
+        None => (check.run)(bench),
+    };
+    if let Err(Fault::Interrupted(signal)) = outcome {
+        let when = format!("while `{}` was checked", check.name);
+        return Err(RunError::Interrupted { signal, when });
+    }
+    Ok(Row::new(check, outcome, since.elapsed()))
 }
 
 fn chosen(names: &[String]) -> Result<Vec<&'static Check>, RunError> {

@@ -5,18 +5,18 @@
 //! are numbered in the order of the recording.
 
 use crate::error::{RunError, file_failure};
-use crate::inspect::{FileRecording, failed};
+use crate::inspect::failed;
 use crate::results::vtk::{FieldWriter, Shown};
 use crate::results::write::create;
 use crate::signals;
 use proto::description::Description;
 use proto::field::{Body, FieldKind, GEOMETRY, Mapping};
 use proto::grid::Grid;
-use proto::message::{Command, CommandKind, FieldHeader, Topics};
+use proto::message::{Command, CommandKind, FieldHeader};
 use proto::model::Step;
-use proto::recording::{Event, Item};
+use proto::recording::{Event, Item, Recording, RecordingError};
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// What is written, and where.
@@ -44,11 +44,12 @@ struct Newest {
 ///
 /// # Errors
 /// The recording is damaged, or a file cannot be written.
-pub fn export(
+pub fn export<R: Read>(
     path: &Path,
-    recording: &mut FileRecording,
+    recording: &mut Recording<R>,
     target: &Target,
 ) -> Result<u64, RunError> {
+    let damaged = |what: String| failed(path, &RecordingError::Content(what));
     let mut export = Export {
         target,
         vtk: target.vtk.as_ref().map(|folder| FieldWriter::new(folder.clone())),
@@ -66,8 +67,13 @@ pub fn export(
         drop(reading);
         let Some(entry) = entry else { break };
         match entry.item {
-            Item::Event(event) => export.event(&event)?,
-            Item::Sample { service, header, values } => export.sample(service, &header, values),
+            Item::Event(event) => {
+                export.topics(&event).map_err(|error| failed(path, &error))?;
+                export.event(&event)?;
+            }
+            Item::Sample { service, header, values } => {
+                export.sample(service, &header, values).map_err(damaged)?;
+            }
             Item::State { .. } => {}
         }
     }
@@ -93,9 +99,7 @@ struct Export<'a> {
 impl Export<'_> {
     fn event(&mut self, event: &Event) -> Result<(), RunError> {
         match event {
-            Event::Command { participant, command, body } => {
-                self.command(*participant, command, body)
-            }
+            Event::Command { participant, command, .. } => self.command(*participant, command),
             Event::Reply { participant, body, .. } => {
                 self.reply(*participant, body);
                 Ok(())
@@ -107,17 +111,19 @@ impl Export<'_> {
         }
     }
 
-    fn command(&mut self, to: u16, command: &Command, body: &[u8]) -> Result<(), RunError> {
+    /// The grids of the topics that a participant was told.
+    fn topics(&mut self, event: &Event) -> Result<(), RecordingError> {
+        let Some((_, topics)) = event.topics()? else { return Ok(()) };
+        for topic in topics.inputs.into_iter().chain(topics.outputs) {
+            self.grids.insert(topic.service, (topic.grid, topic.geometry));
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, to: u16, command: &Command) -> Result<(), RunError> {
         match CommandKind::from_number(command.kind) {
             Some(CommandKind::Describe) => {
                 self.asked.insert(to);
-            }
-            Some(CommandKind::Connect) => {
-                if let Ok(topics) = serde_json::from_slice::<Topics>(body) {
-                    for topic in topics.inputs.into_iter().chain(topics.outputs) {
-                        self.grids.insert(topic.service, (topic.grid, topic.geometry));
-                    }
-                }
             }
             Some(CommandKind::Solve) => {
                 if self.step.is_some_and(|step| step.window != command.window) {
@@ -134,6 +140,7 @@ impl Export<'_> {
     fn reply(&mut self, from: u16, body: &[u8]) {
         if self.asked.remove(&from)
             && let Ok(description) = serde_json::from_slice::<Description>(body)
+            && description.check().is_ok()
         {
             let fields = description.fields.into_iter();
             self.kinds.extend(fields.map(|kind| (kind.name.clone(), kind)));
@@ -149,16 +156,15 @@ impl Export<'_> {
         }
     }
 
-    fn sample(&mut self, service: &str, header: &FieldHeader, values: &[f64]) {
+    /// The newest sample of a topic, or the geometry of a grid.
+    fn sample(
+        &mut self,
+        service: &str,
+        header: &FieldHeader,
+        values: &[f64],
+    ) -> Result<(), String> {
         if header.name.as_str() == GEOMETRY.name {
-            for (grid, moves) in self.grids.values_mut() {
-                if moves.as_deref() == Some(service)
-                    && let Ok(moved) = grid.with_geometry(values, header.grid_revision)
-                {
-                    *grid = moved;
-                }
-            }
-            return;
+            return self.geometry(service, header, values);
         }
         let grid = self.grids.get(service).map(|(grid, _)| grid);
         let newest = self.newest.entry(service.to_owned()).or_insert_with(|| Newest {
@@ -168,12 +174,30 @@ impl Export<'_> {
             values: Vec::new(),
             fresh: false,
         });
+        if let Some(grid) = grid {
+            fits(newest.kind.components, grid, header)?;
+        }
         newest.values.clear();
         newest.values.extend_from_slice(values);
         newest.fresh = true;
         if newest.grid.as_ref() != grid {
             newest.grid = grid.cloned();
         }
+        Ok(())
+    }
+
+    fn geometry(
+        &mut self,
+        service: &str,
+        header: &FieldHeader,
+        values: &[f64],
+    ) -> Result<(), String> {
+        for (grid, moves) in self.grids.values_mut() {
+            if moves.as_deref() == Some(service) && grid.revision < header.grid_revision {
+                *grid = grid.with_geometry(values, header.grid_revision)?;
+            }
+        }
+        Ok(())
     }
 
     fn write(&mut self, number: u64, time: f64) -> Result<(), RunError> {
@@ -201,6 +225,19 @@ impl Export<'_> {
         self.instants += 1;
         Ok(())
     }
+}
+
+/// A sample has a value of each component for each point of its grid.
+fn fits(components: u32, grid: &Grid, header: &FieldHeader) -> Result<(), String> {
+    let (points, expected) = (header.points, grid.points() as u64);
+    if (header.components, points) == (components, expected) {
+        return Ok(());
+    }
+    let (name, on, found) = (header.name.as_str(), &grid.name, header.components);
+    Err(format!(
+        "`{name}` has {found} component(s) at {points} point(s); its grid `{on}` has {expected}, and \
+         the field {components} component(s)"
+    ))
 }
 
 /// The kind of a field as the table or a participant describes it. In a recording without

@@ -1,15 +1,16 @@
 //! Standard output: what cannot be written there is an error, unless its reader has gone away.
 
 use crate::error::{Failure, RunError};
+use proto::text::visible;
 use std::io::{self, Write};
 
-/// Writes a text, all of it.
+/// Writes a text, all of it, with what would control a terminal as escapes.
 ///
 /// # Errors
 /// It cannot be written, to a full device for example.
 pub fn print(text: &str) -> Result<(), RunError> {
     let mut out = io::stdout();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(visible(text).as_bytes()).and_then(|()| out.flush()) {
         // `| head` has read what it wanted.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written.map_err(|error| failure(&error)),

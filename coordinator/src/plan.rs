@@ -4,6 +4,7 @@
 //! that the case names to describe themselves and to estimate. A [`Plan`] is all that a
 //! [`crate::session::Session`] gets.
 
+mod alone;
 mod make;
 mod mapping;
 mod route;
@@ -20,6 +21,7 @@ use proto::field::FieldKind;
 use proto::message::Interpolation;
 use proto::transport::FIELD_SLOTS;
 
+pub use alone::not_judged;
 pub use make::plan;
 pub use mapping::non_matching;
 

@@ -9,7 +9,7 @@
 mod portable;
 mod writing;
 
-pub use portable::{case_files, without_paths};
+pub use portable::{case_files, fits, without_paths};
 pub use proto::recording::Compression;
 
 use crate::error::{Failure, RunError, file_failure};

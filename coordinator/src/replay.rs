@@ -13,6 +13,9 @@ mod compare;
 mod drive;
 mod feed;
 mod show;
+#[cfg(test)]
+mod tests;
+mod told;
 mod walk;
 
 pub use compare::{Comparison, Difference, Growth, StepDifference};
@@ -36,7 +39,7 @@ pub struct Request {
     pub recording: PathBuf,
     /// Role of the participant that is driven.
     pub only: String,
-    /// The program to drive; by default that of the role.
+    /// The program to drive; by default our own solver of the role.
     pub program: Option<Program>,
     /// It is started by hand, and nothing has a deadline.
     pub serve: bool,
@@ -108,7 +111,8 @@ pub fn replay(request: &Request) -> Result<Replay, RunError> {
     let recorded = recording.head().participants[index].clone();
     let program = match &request.program {
         Some(program) => program.clone(),
-        None => built_in(&recorded),
+        None if request.serve => Program::of_role(&request.only, None),
+        None => built_in(path, &recorded)?,
     };
     let seat = Seat { role: request.only.clone(), program, attach: request.serve };
     let deadlines = if request.serve { NO_DEADLINES } else { DEADLINES };
@@ -165,15 +169,18 @@ fn participant(path: &Path, all: &[Participant], role: &str) -> Result<usize, Ru
     })
 }
 
-/// The program of the role beside us, or else the recorded one.
-fn built_in(recorded: &Participant) -> Program {
-    let usual = Program::of_role(&recorded.role, None);
-    let exists = usual.path.is_file();
-    if exists {
-        usual
-    } else {
-        Program::of_role(&recorded.role, Some(std::slice::from_ref(&recorded.program)))
+/// Our own solver of the role. The program that a recording names is never started: whoever made the
+/// file may have written anything there.
+fn built_in(path: &Path, recorded: &Participant) -> Result<Program, RunError> {
+    let own = Program::of_role(&recorded.role, None);
+    if own.path.is_file() {
+        return Ok(own);
     }
+    let (role, name, shown) = (&recorded.role, &recorded.program, path.display());
+    Err(RunError::Usage(format!(
+        "there is no {role}-solver beside the coordinator; give the program that plays `{role}`: \
+         --command PROGRAM ({shown} was made with one called `{name}`)"
+    )))
 }
 
 /// How many states of the role come up to the last one with which `window` can still be solved.

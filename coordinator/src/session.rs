@@ -21,6 +21,7 @@ mod tap;
 mod topics;
 
 pub use audit::{HeatBalance, Receipt};
+pub(crate) use memory::room_for;
 pub(crate) use setup::{Seat, layout_fault};
 pub use tap::Tap;
 

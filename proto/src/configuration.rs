@@ -4,6 +4,7 @@ use crate::accuracy::Simplification;
 use crate::field::FieldKind;
 use crate::grid::Grid;
 use crate::params::Params;
+use crate::text::check_lines;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -119,8 +120,10 @@ impl Layout {
     ///
     /// # Errors
     /// A grid that [`Grid::check`] refuses, two of the same name, an input that is wanted twice or
-    /// on no grid of the layout, or a name among those that move that is no grid or stands twice.
+    /// on no grid of the layout, a name among those that move that is no grid or stands twice, or a
+    /// text that is more than one line.
     pub fn check(&self) -> Result<(), String> {
+        check_lines("layout", &(&self.remarks, &self.left_out, &self.closed_forms))?;
         for (index, grid) in self.grids.iter().enumerate() {
             grid.check()?;
             if self.grids[..index].iter().any(|other| other.name == grid.name) {

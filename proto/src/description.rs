@@ -7,6 +7,7 @@ use crate::accuracy::Accuracy;
 use crate::configuration::{Configuration, Mode, Refusal};
 use crate::field::{FieldKind, FieldSpec};
 use crate::grid::check_name;
+use crate::text::check_lines;
 use serde::{Deserialize, Serialize};
 
 /// Everything a participant says of itself.
@@ -40,9 +41,10 @@ impl Description {
     /// What is wrong with a description that came from outside.
     ///
     /// # Errors
-    /// Names that are no plain words, fields without components or with a unit that does not fit its
-    /// label, and expectations of accuracy that make no sense.
+    /// Names that are no plain words, texts that are more than one line, fields without components or
+    /// with a unit that does not fit its label, and expectations of accuracy that make no sense.
     pub fn check(&self) -> Result<(), String> {
+        check_lines("description", self)?;
         check_name("role", &self.role)?;
         for model in &self.models {
             model.accuracy.check().map_err(|fault| format!("model `{}`: {fault}", model.name))?;
@@ -389,6 +391,18 @@ mod tests {
             effects: vec![effect],
             keys: Vec::new(),
             fields: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_text_of_several_lines_or_with_escapes_is_refused() {
+        assert_eq!(description().check(), Ok(()));
+        for text in ["two\nlines", "\u{1b}[2J", "\u{9b}31m"] {
+            let mut said = description();
+            text.clone_into(&mut said.effects[0].law);
+            let fault = said.check().unwrap_err();
+            assert!(fault.contains("description.effects.law"), "{fault}");
+            assert!(!fault.contains(['\n', '\u{1b}', '\u{9b}']), "{fault}");
         }
     }
 

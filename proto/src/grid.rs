@@ -78,10 +78,10 @@ impl Structured {
         }
     }
 
-    /// Number of elements.
+    /// Number of elements; [`usize::MAX`] where that cannot be counted.
     #[must_use]
     pub fn points(&self) -> usize {
-        self.ni * self.nj
+        self.ni.saturating_mul(self.nj)
     }
 
     /// Centre of element (i, j) [m].

@@ -14,6 +14,7 @@
 //! | [`model`] | the trait that every model implements |
 //! | [`message`] | the fixed layouts of commands, replies and field headers |
 //! | [`recording`] | what was exchanged in a run, in one file |
+//! | [`text`] | text from outside: what may reach a terminal or a label |
 //! | [`binary`] | the binary form of what only this project reads back |
 //! | [`run_dir`] | isolation of a run on the machine, and removal of what dead runs left |
 //! | [`transport`] | the only module that knows iceoryx2 |
@@ -33,6 +34,7 @@ pub mod params;
 pub mod participant;
 pub mod recording;
 pub mod run_dir;
+pub mod text;
 pub mod transport;
 
 /// Version of the contract. Raised whenever a layout, a command or the meaning of a key changes.

@@ -16,16 +16,21 @@
 //! start of the recording and rises strictly. There is no calendar time, no path, no name of a
 //! machine or person in a recording.
 //!
+//! **Files from elsewhere.** Names obey the rule of names on the wire, grids are checked like those of
+//! a participant, and what a reader has to hold is limited in sum; a file that breaks this is damaged.
+//!
 //! **Cut files.** A recording is written chunk by chunk, each in one go. [`Recording`] reads from
 //! front to back and needs neither index nor footer: a file that was cut, wherever, reads up to the
 //! cut ([`Recording::end`] tells which it was).
 
+mod admit;
 mod event;
+mod held;
 mod label;
 mod reader;
 mod writer;
 
-pub use event::{Event, Iteration};
+pub use event::{Event, Iteration, read_topics};
 pub use label::{LABEL_BYTES, read_label, write_label};
 pub use reader::{End, Entry, Item, Recording};
 pub use writer::{Compression, RecordingWriter};

@@ -7,6 +7,7 @@ use crate::report;
 use crate::study::folder::{StudyFolder, Wanted};
 use crate::study::{Variant, planned, scratch};
 use clap::Args;
+use proto::text::json;
 use std::path::PathBuf;
 
 /// What `coordinator ablate` is asked.
@@ -53,7 +54,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let scratch = scratch()?;
     let request = Request { case: asked.case.clone(), base, repeat: asked.repeat };
     let study = study(&request, quiet || asked.json, scratch.path())?;
-    let json = serde_json::to_string_pretty(&study).expect("a study is plain data") + "\n";
+    let json = json(&study);
     folder.write(FILE, json.as_bytes())?;
     report::write(&folder.open()?)?;
     print(&match (asked.json, quiet) {

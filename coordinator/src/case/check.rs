@@ -7,6 +7,7 @@ use super::schema::Shape;
 use super::suggest::{any_of, nearest};
 use super::tree::{Node, Origin, Value};
 use proto::description::{KeyKind, KeySpec};
+use proto::text::check_line;
 use serde_json::{Number, Value as Json};
 use std::path::{Path, absolute};
 
@@ -35,6 +36,10 @@ pub(super) fn check(known: &Known, node: &Node, folder: &Path) -> Result<Json, F
 
 fn one(spec: &KeySpec, node: &Node, folder: &Path) -> Result<Json, Fault> {
     let expect = |what: &str| Err(mismatch(&node.value, what, spec, Shape::One));
+    if let Value::Text(text) = &node.value {
+        let fix = "write one line of plain text".to_owned();
+        check_line("the text", text).map_err(|reason| Fault { reason, fix })?;
+    }
     match (&spec.kind, &node.value) {
         (KeyKind::Quantity { unit }, Value::Number { value, .. }) => within(spec, *value, unit),
         (KeyKind::Quantity { unit }, Value::Text(text)) => {

@@ -25,6 +25,10 @@ pub(super) struct Checker<'a> {
     /// Roles with a key that only the usual program reads.
     pub(super) unread: Vec<(String, String)>,
     pub(super) problems: Vec<Problem>,
+    /// No participant was asked: what the coordinator does not know itself is not judged.
+    pub(super) unasked: bool,
+    /// Keys and sections that were not judged.
+    pub(super) not_judged: Vec<String>,
 }
 
 impl<'a> Checker<'a> {
@@ -44,6 +48,8 @@ impl<'a> Checker<'a> {
             replaced,
             unread: Vec::new(),
             problems: Vec::new(),
+            unasked: false,
+            not_judged: Vec::new(),
         }
     }
 

@@ -9,6 +9,7 @@
 //! 1 error in cases/bad.toml
 //! ```
 
+use proto::text::is_hidden;
 use std::fmt::{self, Write as _};
 use std::ops::Range;
 use std::sync::Arc;
@@ -186,9 +187,10 @@ fn paint(text: &str, code: &str, colour: bool) -> String {
     if colour { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
 }
 
-/// The text with control characters made visible; a tab stays.
+/// The text with hidden characters made visible, each by one character, so that carets stay where they
+/// are; a tab stays.
 fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() && c != '\t' { '\u{fffd}' } else { c }).collect()
+    text.chars().map(|c| if is_hidden(c) && c != '\t' { '\u{fffd}' } else { c }).collect()
 }
 
 /// The piece of a long line round a column, and that column within the piece.

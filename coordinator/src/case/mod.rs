@@ -24,6 +24,7 @@
 //! - Of a table that `name_in` keys refer to (`materials`), only the entries referred to are read.
 //! - Names with a dot in them are refused: dotted keys address values everywhere else.
 
+mod alone;
 mod alternatives;
 mod check;
 mod checker;
@@ -49,6 +50,7 @@ mod tree;
 mod unit;
 mod walk;
 
+pub use alone::{Alone, judge_alone};
 pub use alternatives::Replaced;
 pub use coupling::{Acceleration, Implicit, Preconditioner, Predictor, Scheme, Tolerances};
 pub use diagnostics::{Place, Problem, Problems};

@@ -3,6 +3,7 @@
 use super::diagnostics::{Place, Problem, Problems, Source};
 use super::tree::{Convert, Node, Origin, Table, TooDeep, Value};
 use super::{schema, text};
+use proto::text::is_hidden;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -225,7 +226,7 @@ fn is_header(node: &Node, key: &std::ops::Range<usize>, value: &std::ops::Range<
 }
 
 fn one_line(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+    text.chars().map(|c| if is_hidden(c) { ' ' } else { c }).collect()
 }
 
 fn whole_file(name: &str, reason: String, fix: &str) -> Problems {

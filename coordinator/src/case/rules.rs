@@ -152,7 +152,7 @@ impl Checker<'_> {
         self.somebody_runs();
     }
 
-    fn somebody_runs(&mut self) {
+    pub(super) fn somebody_runs(&mut self) {
         let present: Vec<&str> =
             self.selection.players.iter().filter(|p| p.present).map(|p| p.role).collect();
         let told = !self.undescribed().is_empty() || !self.meant.is_empty();
@@ -180,6 +180,18 @@ impl Checker<'_> {
 
     /// Checks the coordinator's own rules.
     pub(super) fn own_rules(&mut self) {
+        self.own_values();
+        self.coupled_fields();
+        self.mapped_fields();
+        if let Some(serde_json::Value::Array(names)) = self.values.get("output.fields").cloned() {
+            for name in names.iter().filter_map(|n| n.as_str()) {
+                self.provided_field("output.fields", name, "write \"all\" or \"none\"");
+            }
+        }
+    }
+
+    /// Checks those of its rules for which nobody has to be asked.
+    pub(super) fn own_values(&mut self) {
         self.case_name();
         let number = |key: &str| self.values.get(key).and_then(serde_json::Value::as_f64);
         if let (Some(window), Some(end)) = (number("time.window"), number("time.end"))
@@ -190,20 +202,12 @@ impl Checker<'_> {
         }
         self.window_bounds();
         self.iterations();
-        self.mapped_fields();
         let key = "output.fields";
-        match self.values.get(key).cloned() {
-            Some(serde_json::Value::Array(names)) => {
-                for name in names.iter().filter_map(|n| n.as_str()) {
-                    self.provided_field(key, name, "write \"all\" or \"none\"");
-                }
-            }
-            Some(serde_json::Value::String(word)) if word != "all" && word != "none" => {
-                let reason = format!("`{word}` is neither `all` nor `none`");
-                let fix = "write \"all\", \"none\" or a list of field names";
-                self.fault(key, reason, fix);
-            }
-            _ => {}
+        let word = self.values.get(key).and_then(serde_json::Value::as_str);
+        if let Some(word) = word.filter(|word| *word != "all" && *word != "none") {
+            let reason = format!("`{word}` is neither `all` nor `none`");
+            let fix = "write \"all\", \"none\" or a list of field names";
+            self.fault(key, reason, fix);
         }
     }
 
@@ -223,7 +227,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Iterations that fit together, and tolerances of fields that somebody provides.
+    /// Iterations that fit together.
     fn iterations(&mut self) {
         let count = |name: &str| self.values.get(&format!("coupling.{name}"))?.as_u64();
         if let (Some(least), Some(most)) = (count("min_iterations"), count("max_iterations"))
@@ -233,6 +237,10 @@ impl Checker<'_> {
             let fix = "lower it, or raise coupling.max_iterations";
             self.fault("coupling.min_iterations", reason, fix);
         }
+    }
+
+    /// Tolerances are for fields that somebody provides.
+    fn coupled_fields(&mut self) {
         for name in self.case.tree.names("coupling.fields") {
             self.provided_field(&format!("coupling.fields.{name}"), &name, "remove it");
         }

@@ -3,9 +3,11 @@
 use super::check::{Fault, check};
 use super::checker::{Checker, put};
 use super::known::{COORDINATOR, Known, leads_to, matches};
+use super::schema::SECTIONS;
 use super::suggest::{all_of, any_of, nearest};
 use super::tree::{Node, Table, Value};
 use proto::description::KeyKind;
+use proto::text::check_line;
 use serde_json::{Map, Value as Json};
 use std::collections::BTreeSet;
 
@@ -20,6 +22,10 @@ impl Checker<'_> {
             if name.is_empty() || name.contains('.') {
                 let reason = "a name must not be empty or have a dot in it".to_owned();
                 self.fault_at_name(node, &key, reason, name_fix(name));
+                continue;
+            }
+            if let Err(reason) = check_line("the name", name) {
+                self.fault_at_name(node, &key, reason, "write a plain name".to_owned());
                 continue;
             }
             let readers = self.readers(&key);
@@ -86,6 +92,9 @@ impl Checker<'_> {
     }
 
     fn unknown(&mut self, key: &str, node: &Node) {
+        if self.unasked && !is_own(key) {
+            return self.not_judged.push(key.to_owned());
+        }
         let (section, name) = key.rsplit_once('.').unwrap_or(("", key));
         if section == "effects" {
             return self.unknown_effect(key, name, node);
@@ -175,6 +184,12 @@ impl Checker<'_> {
             }
         }
     }
+}
+
+/// The key is in a section of the coordinator; those of effects are the participants'.
+fn is_own(key: &str) -> bool {
+    let section = key.split('.').next().unwrap_or(key);
+    section != "effects" && SECTIONS.contains(&section)
 }
 
 fn is_role(table: &Table) -> bool {

@@ -71,6 +71,21 @@ fn what_is_torn_is_named_and_the_one_before_used() {
     }
 }
 
+/// Only files of the checkpoint itself are read, whatever its own part names.
+#[test]
+fn a_part_that_is_no_file_of_the_checkpoint_is_refused() {
+    let (place, checkpoints) = written(&[3, 6]);
+    let folder = place.path().join(FOLDER).join("000006");
+    std::os::unix::fs::symlink("/dev/zero", folder.join("endless")).unwrap();
+    for name in ["../000003/mech.state", "/dev/zero", "..", "endless"] {
+        let part = Part { name: name.to_owned(), bytes: 100, sum: sum(&[3; 100]) };
+        fs::write(folder.join(OWN), encode_own(&(vec![part], &state(6)))).unwrap();
+        let (newest, torn) = checkpoints.newest();
+        assert_eq!(newest.unwrap().state, state(3), "{name}");
+        assert!(torn[0].reason.contains(name), "{torn:?}");
+    }
+}
+
 #[test]
 fn a_draft_is_no_checkpoint_and_goes_with_the_others() {
     let (place, checkpoints) = written(&[3]);

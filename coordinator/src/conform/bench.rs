@@ -2,9 +2,9 @@
 
 use super::Request;
 use super::check::{Fault, Seen, broken};
+use super::lives::Lives;
 use super::recorded::Recorded;
 use super::setting::{self, Setting};
-use super::trial::Trial;
 use crate::error::RunError;
 use crate::programs::Program;
 use proto::description::Description;
@@ -25,6 +25,10 @@ pub(super) struct Bench {
     /// Models and modes that it could not even be planned with, and how it failed.
     pub(super) misled: Vec<String>,
     pub(super) patience: Duration,
+    /// Only the cheapest setting, and small grids.
+    pub(super) quick: bool,
+    /// The processes that checks share.
+    pub(super) lives: Lives,
 }
 
 impl Bench {
@@ -44,6 +48,8 @@ impl Bench {
             left_out: Vec::new(),
             misled: Vec::new(),
             patience: request.patience,
+            quick: request.quick,
+            lives: Lives::default(),
         };
         match wait_for(bench.program.describe(&bench.role, bench.patience)) {
             Ok(description) => bench.description = description,
@@ -69,8 +75,7 @@ impl Bench {
 
     /// The kind of a field that it speaks of.
     pub(super) fn kind(&self, name: &str) -> Option<FieldKind> {
-        let own = || self.description.fields.iter().find(|kind| kind.name == name).cloned();
-        field::find(name).map(field::FieldSpec::kind).or_else(own)
+        kind(&self.description.fields, name)
     }
 
     /// The cheapest setting, for what does not depend on the model.
@@ -106,18 +111,12 @@ impl Bench {
             true => Seen::inapplicable(inapplicable.join("; ")),
         }
     }
+}
 
-    /// A fresh process that has joined a run of its own.
-    pub(super) fn start(&self) -> Result<Trial<'_>, Fault> {
-        Trial::start(self)
-    }
-
-    /// A fresh process that is ready for its first window.
-    pub(super) fn ready(&self, setting: &Setting) -> Result<Trial<'_>, Fault> {
-        let mut trial = self.start()?;
-        trial.prepare(setting)?;
-        Ok(trial)
-    }
+/// The kind of a field: of the table, or of those that a participant describes.
+pub(super) fn kind(described: &[FieldKind], name: &str) -> Option<FieldKind> {
+    let own = || described.iter().find(|kind| kind.name == name).cloned();
+    field::find(name).map(field::FieldSpec::kind).or_else(own)
 }
 
 /// Waits for what a program answers outside of a run.

@@ -1,6 +1,7 @@
 //! What a check is, and how it can go.
 
 use super::bench::Bench;
+use proto::text::one_line;
 use proto::transport::TransportError;
 use serde::Serialize;
 use std::time::Duration;
@@ -89,6 +90,8 @@ pub enum Verdict {
     Failed,
     /// It does not concern this participant, or this case.
     Inapplicable,
+    /// It was not made: the participant does not describe itself, or never joins a run.
+    NotMade,
 }
 
 /// A check that was made.
@@ -104,6 +107,9 @@ pub struct Row {
     pub demand: &'static str,
     /// Where to look if it failed.
     pub fix: &'static str,
+    /// An earlier check that failed in the same words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub same_as: Option<&'static str>,
     /// Seconds it took.
     pub seconds: f64,
 }
@@ -117,6 +123,15 @@ impl Row {
             Err(Fault::Interrupted(signal)) => (Verdict::Failed, format!("stopped by {signal}")),
         };
         let Check { name, demand, fix, .. } = *check;
-        Self { name, verdict, seen, demand, fix, seconds: took.as_secs_f64() }
+        let seen = one_line(&seen).into_owned();
+        let seconds = took.as_secs_f64();
+        Self { name, verdict, seen, demand, fix, same_as: None, seconds }
+    }
+
+    /// A check that cannot be made.
+    pub(super) fn not_made(check: &Check, because: &str) -> Self {
+        let Check { name, demand, fix, .. } = *check;
+        let (verdict, seen) = (Verdict::NotMade, because.to_owned());
+        Self { name, verdict, seen, demand, fix, same_as: None, seconds: 0.0 }
     }
 }

@@ -1,10 +1,12 @@
 //! The subcommand.
 
-use super::{Report, Request, conform, show};
+use super::{News, Report, Request, Verdict, conform, show};
 use crate::error::{Failure, RunError};
 use crate::output::{Speaker, print};
 use crate::programs::Program;
+use crate::study::progress::Steps;
 use clap::Args;
+use proto::text::json;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -29,6 +31,9 @@ pub struct Arguments {
     /// Make this check alone; may be given several times.
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
+    /// The cheapest model and mode alone, on small grids: for while a solver is written.
+    #[arg(long)]
+    quick: bool,
     /// Longest wait for an answer [s].
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     deadline: f64,
@@ -57,19 +62,32 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
         unset: asked.unset.clone(),
         recording: asked.recording.clone(),
         only: asked.only.clone(),
+        quick: asked.quick,
         patience: Duration::from_secs_f64(asked.deadline),
     };
-    let mut speaker = Speaker::new(quiet || asked.json);
-    let report = conform(&request, &mut |so_far| {
-        speaker.say(&match so_far.checks.last() {
-            None => show::head(so_far),
-            Some(row) => show::line(row),
-        });
-    })?;
+    let silent = quiet || asked.json;
+    let mut speaker = Speaker::new(silent);
+    let mut progress: Option<Steps> = None;
+    let report = conform(&request, &mut |news| match news {
+        News::Prepared(report, count) => {
+            progress = Some(Steps::new(silent, count));
+            speaker.say(&show::head(report));
+        }
+        News::Begins(check) => progress.iter_mut().for_each(|steps| steps.step(check)),
+        News::Made(row) if row.verdict == Verdict::NotMade => {}
+        News::Made(row) => {
+            let mut say = || speaker.say(&show::line(row));
+            match &progress {
+                Some(steps) => steps.aside(say),
+                None => say(),
+            }
+        }
+    });
+    progress.into_iter().for_each(Steps::finish);
+    let report = report?;
     speaker.say(&show::tail(&report));
     if asked.json {
-        let json = serde_json::to_string_pretty(&report).expect("a report is plain data");
-        print(&(json + "\n"))?;
+        print(&json(&report))?;
     }
     speaker.end(verdict(&request, &report))
 }

@@ -47,11 +47,12 @@ fn describe(bench: &Bench) -> Result<Seen, Fault> {
         return broken(format!("it plays the role `{}`", said.role));
     }
     well_formed(bench, &said)?;
-    let mut trial = bench.start()?;
+    let mut trial = bench.joined()?;
     let answer = trial.ask(Command::new(CommandKind::Describe), &[])?.done()?;
     if answer.json::<Description>("a description")? != said {
         return broken("Describe over the run differs from --describe");
     }
+    bench.keep_joined(trial);
     Seen::kept(format!(
         "{} model(s), {} effect(s), in {:.0} ms",
         said.models.len(),
@@ -157,7 +158,9 @@ fn estimate(bench: &Bench) -> Result<Seen, Fault> {
         let Estimate::Layout(expected) = wait_for(asked).map_err(fault)? else {
             return broken("--estimate refuses what it accepted while the case was planned");
         };
-        let layout = bench.start()?.configure(&setting.configuration)?;
+        let mut trial = bench.joined()?;
+        let layout = trial.configure(&setting.configuration)?;
+        bench.keep_joined(trial);
         if placed(&layout) != placed(&expected) {
             return broken("--estimate and Configure answer with other grids or places of fields");
         }
@@ -179,11 +182,12 @@ fn configure(bench: &Bench) -> Result<Seen, Fault> {
         return broken(left_out.clone());
     }
     bench.each(|setting| {
-        let mut trial = bench.start()?;
+        let mut trial = bench.joined()?;
         let first = trial.configure(&setting.configuration)?;
         if trial.configure(&setting.configuration)? != first {
             return broken("a second Configure answers with another layout");
         }
+        bench.keep_joined(trial);
         let names: Vec<&str> = first.grids.iter().map(|grid| grid.name.as_str()).collect();
         Seen::kept(match names.is_empty() {
             true => "no grid".to_owned(),

@@ -50,8 +50,8 @@ fn missing(bench: &Bench) -> Result<Seen, Fault> {
     if setting.given.is_empty() {
         return Seen::inapplicable(NO_INPUT);
     }
-    let mut trial = bench.ready(setting)?;
-    let step = setting.step(0);
+    let mut trial = bench.between(setting)?;
+    let step = trial.next(setting);
     trial.feed(&step, 0)?;
     let mut told = String::new();
     for slot in 0..trial.inputs.len() {
@@ -67,6 +67,7 @@ fn missing(bench: &Bench) -> Result<Seen, Fault> {
         }
     }
     trial.solve(&step).map_err(|fault| fault.at("after a sample that was missing"))?;
+    bench.keep(setting, trial);
     Seen::kept(told)
 }
 
@@ -99,8 +100,9 @@ fn wrong(bench: &Bench) -> Result<Seen, Fault> {
     }
     let mut told = Vec::new();
     for (because, spoil) in WRONG {
-        let mut trial = bench.ready(setting)?;
-        let step = setting.step(0);
+        // Not kept: the samples of the spoilt input are numbered otherwise from here on.
+        let mut trial = bench.between(setting)?;
+        let step = trial.next(setting);
         trial.solve_with(&step, 0)?;
         for feed in trial.inputs.iter_mut().skip(1) {
             let values = feed.given.values(&feed.grid, 0);
@@ -116,27 +118,26 @@ fn wrong(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn not_finite(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each(|setting| {
+    bench.each_between(|setting, trial| {
         if setting.given.is_empty() {
             return Seen::inapplicable(NO_INPUT);
         }
-        let mut trial = bench.ready(setting)?;
-        let step = setting.step(0);
+        let step = trial.next(setting);
         let first = trial.solve_with(&step, 0)?.outputs;
         let mut told = String::new();
         for slot in 0..trial.inputs.len() {
+            let field = trial.inputs[slot].given.kind.name.clone();
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-                let field = trial.inputs[slot].given.kind.name.clone();
                 trial.feed(&step, 0)?;
                 let feed = &mut trial.inputs[slot];
                 let mut values = feed.values.clone();
                 let middle = values.len() / 2;
                 values[middle] = value;
                 feed.send(&values, &step)?;
-                told = fails(&mut trial, &step, (&format!("{value}"), &field))?;
-                let again = trial.solve_with(&step, 0)?.outputs;
-                same(&again, &first, &format!("after {value} in `{field}`"))?;
+                told = fails(trial, &step, (&format!("{value}"), &field))?;
             }
+            let again = trial.solve_with(&step, 0)?.outputs;
+            same(&again, &first, &format!("after NaN and infinities in `{field}`"))?;
         }
         Seen::kept(told)
     })

@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use super::check::{Check, Fault, Seen, broken};
-use super::grids::LARGEST;
+use super::grids::largest;
 use super::trial::{Trial, told};
 use proto::message::{Command, CommandKind, Finished};
 use serde_json::Value;
@@ -56,14 +56,15 @@ fn quick_enough(silence: Duration, place: &str) -> Result<(), Fault> {
 }
 
 fn heart(bench: &Bench) -> Result<Seen, Fault> {
-    let mut trial = bench.start()?;
+    let mut trial = bench.joined()?;
     let since = Instant::now();
     trial.listen(IDLE)?;
     let idle = silence(&mut trial, since);
+    bench.keep_joined(trial);
     quick_enough(idle, "while idle")?;
     let mut longest = (Duration::ZERO, Duration::ZERO);
     for setting in &bench.settings {
-        let setting = setting.resized(LARGEST).unwrap_or_else(|| setting.clone());
+        let setting = setting.resized(largest(bench)).unwrap_or_else(|| setting.clone());
         let mut trial = bench.ready(&setting)?;
         let step = setting.step(0);
         trial.feed(&step, 0)?;
@@ -83,9 +84,9 @@ fn heart(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn coordinator_dies(bench: &Bench) -> Result<Seen, Fault> {
-    let idle = bench.start()?.abandon().ends().map_err(|fault| fault.at("while idle"))?;
+    let idle = bench.joined()?.abandon().ends().map_err(|fault| fault.at("while idle"))?;
     let setting = bench.first()?;
-    let setting = setting.resized(LARGEST).unwrap_or_else(|| setting.clone());
+    let setting = setting.resized(largest(bench)).unwrap_or_else(|| setting.clone());
     let mut trial = bench.ready(&setting)?;
     trial.feed(&setting.step(0), 0)?;
     trial.post_solve(&setting.step(0))?;
@@ -95,12 +96,12 @@ fn coordinator_dies(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn finish(bench: &Bench) -> Result<Seen, Fault> {
-    let mut before = bench.start()?;
+    let mut before = bench.fresh()?;
     before.lives_on("joining")?;
     end(before, false).map_err(|fault| fault.at("before it is configured"))?;
     bench.each(|setting| {
-        let mut trial = bench.ready(setting)?;
-        let step = setting.step(0);
+        let mut trial = bench.between(setting)?;
+        let step = trial.next(setting);
         trial.solve_with(&step, 0)?;
         trial.accept(&step, false)?;
         let summary = end(trial, true)?;

@@ -81,7 +81,7 @@ fn refuses(
 ) -> Result<String, Fault> {
     let mut wrong = setting.configuration.clone();
     spoil(&mut wrong);
-    let mut trial = bench.start()?;
+    let mut trial = bench.joined()?;
     let body = serde_json::to_vec(&wrong).expect("a configuration is plain data");
     let answer = trial.ask(Command::new(CommandKind::Configure), &body)?;
     let refusal = answer.refused(because)?;
@@ -90,6 +90,7 @@ fn refuses(
     }
     let good = trial.configure(&setting.configuration);
     good.map_err(|fault| fault.at("after a refusal"))?;
+    bench.keep_joined(trial);
     Ok(refusal.to_string())
 }
 

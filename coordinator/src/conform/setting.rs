@@ -107,17 +107,29 @@ pub(super) fn all(
     let mut raw = RawCase::read(&request.case)?;
     raw.apply(&request.set, &request.unset)?;
     let mut all = Settings::default();
-    for model in &description.models {
+    let offered = description.models.iter().flat_map(|model| {
         let modes = [(model.steady, Mode::Steady), (model.transient, Mode::Transient)];
-        for mode in modes.into_iter().filter(|(offered, _)| *offered).map(|(_, mode)| mode) {
-            match one(request, &raw, (&model.name, mode), recorded) {
-                Ok(setting) => all.settings.push(setting),
-                Err(interrupted @ RunError::Interrupted { .. }) => return Err(interrupted),
-                Err(error) => {
-                    let failed = matches!(error, RunError::Failed(_));
-                    let list = if failed { &mut all.misled } else { &mut all.left_out };
-                    list.push(format!("{}: {}", label(&model.name, mode), words(&error)));
-                }
+        modes.into_iter().filter(|(offered, _)| *offered).map(|(_, mode)| (&*model.name, mode))
+    });
+    let offered: Vec<(&str, Mode)> = offered.collect();
+    // Each plan starts programs, and waits for them.
+    let plans: Vec<Result<Setting, RunError>> = std::thread::scope(|scope| {
+        let raw = &raw;
+        let plan = |of| scope.spawn(move || one(request, raw, of, recorded));
+        let plans: Vec<_> = offered.iter().copied().map(plan).collect();
+        plans.into_iter().map(|plan| plan.join().expect("planning does not panic")).collect()
+    });
+    for ((model, mode), planned) in offered.into_iter().zip(plans) {
+        match planned {
+            Ok(_) if request.quick && !all.settings.is_empty() => {
+                all.left_out.push(format!("{}: --quick", label(model, mode)));
+            }
+            Ok(setting) => all.settings.push(setting),
+            Err(interrupted @ RunError::Interrupted { .. }) => return Err(interrupted),
+            Err(error) => {
+                let failed = matches!(error, RunError::Failed(_));
+                let list = if failed { &mut all.misled } else { &mut all.left_out };
+                list.push(format!("{}: {}", label(model, mode), words(&error)));
             }
         }
     }

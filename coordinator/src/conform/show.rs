@@ -1,6 +1,7 @@
 //! The table on the terminal.
 
 use super::{Report, Row, Verdict};
+use proto::text::one_line;
 use std::fmt::Write as _;
 
 /// Column of the names of the checks.
@@ -10,13 +11,13 @@ const LINE: usize = 96;
 
 /// Who is put through the contract, and in which settings.
 pub(super) fn head(report: &Report) -> String {
-    let program = if report.program.is_empty() { "?" } else { &report.program };
+    let program = if report.program.is_empty() { "?" } else { &one_line(&report.program) };
     let mut text =
         format!("{} as `{}`, protocol {}\n", program, report.role, proto::PROTOCOL_VERSION);
     let mut listed = |word: &str, list: &[String]| {
         for (index, one) in list.iter().enumerate() {
             let word = if index == 0 { word } else { "" };
-            let _ = writeln!(text, "  {word:9} {one}");
+            let _ = writeln!(text, "  {word:9} {}", one_line(one));
         }
     };
     listed("settings", &report.settings);
@@ -29,9 +30,10 @@ pub(super) fn line(row: &Row) -> String {
     let word = match row.verdict {
         Verdict::Passed => "ok",
         Verdict::Failed => "FAIL",
-        Verdict::Inapplicable => "-",
+        Verdict::Inapplicable | Verdict::NotMade => "-",
     };
-    let seen = row.seen.lines().next().unwrap_or_default();
+    let same = row.same_as.map(|earlier| format!("as `{earlier}`"));
+    let seen = same.as_deref().unwrap_or(&row.seen).lines().next().unwrap_or_default();
     let width = LINE - NAME_WIDTH - 9;
     let short: String = match seen.chars().count() > width {
         true => seen.chars().take(width - 1).chain(['…']).collect(),
@@ -43,16 +45,20 @@ pub(super) fn line(row: &Row) -> String {
 /// The details of what failed, and the sum.
 pub(super) fn tail(report: &Report) -> String {
     let mut text = String::new();
-    for row in report.failed() {
+    for row in report.failed().filter(|row| row.same_as.is_none()) {
         let _ = writeln!(text, "\n{}", row.name);
         for (word, words) in [("demand", row.demand), ("seen", &row.seen), ("look at", row.fix)] {
             let _ = writeln!(text, "  {word:8} {}", wrapped(words, 11));
         }
     }
     let count = |verdict| report.checks.iter().filter(|row| row.verdict == verdict).count();
+    let not_made = match report.checks.iter().find(|row| row.verdict == Verdict::NotMade) {
+        Some(row) => format!(", {} not made ({})", count(Verdict::NotMade), row.seen),
+        None => String::new(),
+    };
     let _ = writeln!(
         text,
-        "\n{} passed, {} failed, {} do not apply; {:.1} s",
+        "\n{} passed, {} failed, {} do not apply{not_made}; {:.1} s",
         count(Verdict::Passed),
         count(Verdict::Failed),
         count(Verdict::Inapplicable),
@@ -85,7 +91,7 @@ mod tests {
 
     fn row(verdict: Verdict, seen: &str) -> Row {
         let (name, demand, fix) = ("solve", "what is demanded", "where to look");
-        Row { name, verdict, seen: seen.to_owned(), demand, fix, seconds: 0.0 }
+        Row { name, verdict, seen: seen.to_owned(), demand, fix, same_as: None, seconds: 0.0 }
     }
 
     #[test]
@@ -95,16 +101,20 @@ mod tests {
             row(Verdict::Passed, "2 outputs"),
             row(Verdict::Failed, &long),
             row(Verdict::Inapplicable, "no input"),
+            Row { same_as: Some("solve"), ..row(Verdict::Failed, &long) },
+            row(Verdict::NotMade, "it is gone"),
         ];
         for row in &rows {
             let text = line(row);
             assert_eq!(text.lines().count(), 1);
             assert!(text.trim_end().chars().count() <= LINE, "{text}");
         }
-        let text = tail(&Report { checks: rows, ..Report::default() });
+        let text = tail(&Report { checks: rows.clone(), ..Report::default() });
         assert!(text.lines().all(|line| line.chars().count() <= LINE), "{text}");
         assert_eq!(text.matches("what is demanded").count(), 1);
         assert_eq!(text.matches("word").count(), 60);
-        assert!(text.contains("1 passed, 1 failed, 1 do not apply"), "{text}");
+        assert!(line(&rows[3]).contains(" FAIL  as `solve`"), "{}", line(&rows[3]));
+        let sum = "1 passed, 2 failed, 1 do not apply, 1 not made (it is gone)";
+        assert!(text.contains(sum), "{text}");
     }
 }

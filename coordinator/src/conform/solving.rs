@@ -59,7 +59,9 @@ const HEAT_TOLERANCE: f64 = 1e-10;
 
 fn initialise(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
-        let (_, first) = bench.start()?.prepare(setting)?;
+        let mut trial = bench.joined()?;
+        let (_, first) = trial.prepare(setting)?;
+        bench.keep(setting, trial);
         Seen::kept(listed(&first))
     })
 }
@@ -74,10 +76,9 @@ fn listed(fields: &Values) -> String {
 }
 
 fn solve(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each(|setting| {
-        let mut trial = bench.ready(setting)?;
-        for (window, variation) in (0..).zip([0, 1, 2]) {
-            let step = setting.step(window);
+    bench.each_between(|setting, trial| {
+        for variation in [0, 1, 2] {
+            let step = trial.next(setting);
             let step = Step { iteration: step.iteration + variation, ..step };
             let solved = trial.solve_with(&step, variation)?;
             if let Some(fault) = solved.reply.fault() {
@@ -96,23 +97,23 @@ fn solve(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn heat(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each(|setting| {
-        let mut trial = bench.ready(setting)?;
+    bench.each_between(|setting, trial| {
         let conservative = |trial: &Trial| {
             let fields =
                 trial.inputs.iter().filter(|f| f.given.kind.mapping == Mapping::Conservative);
             fields.map(|f| (f.grid.integrate(&f.values), f.values.clone())).collect::<Vec<_>>()
         };
-        trial.feed(&setting.step(0), 0)?;
-        if conservative(&trial).is_empty() {
+        let step = trial.next(setting);
+        trial.feed(&step, 0)?;
+        if conservative(trial).is_empty() {
             return Seen::inapplicable("it has no conservative input");
         }
-        let solved = trial.solve(&setting.step(0))?;
+        let solved = trial.solve(&step)?;
         let received = solved.reply.heat_received;
         if received.is_nan() {
             return Seen::inapplicable("it reports no heat_received");
         }
-        let sent: f64 = conservative(&trial).iter().map(|(heat, _)| heat).sum();
+        let sent: f64 = conservative(trial).iter().map(|(heat, _)| heat).sum();
         let off = (received - sent).abs();
         if off > HEAT_TOLERANCE * sent.abs() {
             return broken(format!("heat_received is {received:e} W, the integral {sent:e} W"));
@@ -122,30 +123,29 @@ fn heat(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn repeat(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each(|setting| {
-        let mut trial = bench.ready(setting)?;
-        let mut step = setting.step(0);
+    bench.each_between(|setting, trial| {
+        let mut step = trial.next(setting);
         if setting.is_transient() {
             trial.solve_with(&step, 1)?;
             trial.accept(&step, false)?;
-            step = setting.after(&step);
+            step = trial.next(setting);
         }
+        let next = step;
         let first = trial.solve_with(&step, 0)?.outputs;
         let mut again = |trial: &mut Trial, why: &str| -> Result<(), Fault> {
             step.iteration += 1;
             same(&trial.solve(&step)?.outputs, &first, why)
         };
         // The same sample once more, a new one of the same values, and one after others.
-        again(&mut trial, "solved again with the same samples")?;
-        trial.feed(&setting.step(0), 0)?;
-        again(&mut trial, "solved again with the same values")?;
+        again(trial, "solved again with the same samples")?;
+        trial.feed(&next, 0)?;
+        again(trial, "solved again with the same values")?;
         if trial.inputs.is_empty() {
             return Seen::kept("the same bits (it has no inputs to vary)");
         }
-        let other = Step { iteration: 9, ..setting.step(u64::from(setting.is_transient())) };
-        trial.solve_with(&other, 2)?;
-        trial.feed(&setting.step(0), 0)?;
-        again(&mut trial, "solved again after a solve with other inputs")?;
+        trial.solve_with(&Step { iteration: 9, ..next }, 2)?;
+        trial.feed(&next, 0)?;
+        again(trial, "solved again after a solve with other inputs")?;
         Seen::kept("the same bits, also after a solve with other inputs")
     })
 }
@@ -159,12 +159,11 @@ pub(super) fn same(found: &Values, expected: &Values, why: &str) -> Result<(), F
 }
 
 fn other_end(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each(|setting| {
+    bench.each_between(|setting, trial| {
         if !setting.is_transient() {
             return Seen::inapplicable("no transient setting");
         }
-        let mut trial = bench.ready(setting)?;
-        let whole = setting.step(0);
+        let whole = trial.next(setting);
         let half = Step { end: 0.5 * (whole.start + whole.end), ..whole };
         let first = trial.solve_with(&whole, 0)?.outputs;
         let shorter = trial.solve_with(&half, 0)?.outputs;
@@ -179,12 +178,11 @@ fn other_end(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn no_duration(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each(|setting| {
+    bench.each_between(|setting, trial| {
         if !setting.is_transient() {
             return Seen::inapplicable("no transient setting");
         }
-        let mut trial = bench.ready(setting)?;
-        let step = setting.step(0);
+        let step = trial.next(setting);
         let first = trial.solve_with(&step, 0)?.outputs;
         let empty = Step { end: step.start, ..step };
         trial.feed(&empty, 0)?;

@@ -37,11 +37,11 @@ struct Saved {
 }
 
 fn save(bench: &Bench, setting: &Setting) -> Result<Saved, Fault> {
-    let mut trial = bench.ready(setting)?;
+    let mut trial = bench.between(setting)?;
     let (mut step, mut outputs) = (setting.step(0), Values::new());
     let windows = if setting.is_transient() { 3 } else { 1 };
     for window in 0..windows {
-        step = if window == 0 { step } else { setting.after(&step) };
+        step = trial.next(setting);
         outputs = trial.solve_with(&step, window)?.outputs;
         trial.accept(&step, false)?;
     }
@@ -51,6 +51,7 @@ fn save(bench: &Bench, setting: &Setting) -> Result<Saved, Fault> {
         .map_err(|error| Fault::Broken(format!("Save is done, but the file: {error}")))?;
     let next = setting.after(&step);
     let continued = trial.solve_with(&next, 1)?.outputs;
+    bench.keep(setting, trial);
     Ok(Saved { bytes, step, outputs, next, continued })
 }
 
@@ -85,6 +86,7 @@ impl Saved {
     /// Restores the whole state and goes on.
     fn continue_in(&self, trial: &mut Trial) -> Result<(), Fault> {
         self.give(trial, Some(&self.bytes))?.done()?;
+        trial.restored(&self.step);
         same(&trial.collect(&self.step)?, &self.outputs, "Restore publishes other values")?;
         let continued = trial.solve_with(&self.next, 1)?.outputs;
         same(&continued, &self.continued, "the restored process goes on otherwise")
@@ -94,7 +96,8 @@ impl Saved {
 fn restore(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
         let saved = save(bench, setting)?;
-        saved.continue_in(&mut bench.ready(setting)?)?;
+        let mut trial = bench.ready(setting)?;
+        saved.continue_in(&mut trial)?;
         Seen::kept(format!("{} bytes, the same bits", saved.bytes.len()))
     })
 }
@@ -102,7 +105,7 @@ fn restore(bench: &Bench) -> Result<Seen, Fault> {
 fn damaged(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
         let saved = save(bench, setting)?;
-        let mut trial = bench.ready(setting)?;
+        let mut trial = bench.between(setting)?;
         let missing = saved.give(&mut trial, None)?.not_done("a state file that is not there")?;
         trial.none_of_outputs("a Restore that failed")?;
         let length = saved.bytes.len();
@@ -127,6 +130,7 @@ fn damaged(bench: &Bench) -> Result<Seen, Fault> {
             }
         }
         saved.continue_in(&mut trial)?;
+        bench.keep(setting, trial);
         Seen::kept(format!("cut {length} bytes refused; the whole state is taken afterwards"))
     })
 }

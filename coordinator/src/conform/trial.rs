@@ -9,7 +9,7 @@ mod ending;
 pub(super) use answer::Answer;
 pub(super) use ending::told;
 
-use super::bench::Bench;
+use super::bench::{Bench, kind};
 use super::check::{Fault, broken};
 use super::given::Given;
 use super::setting::Setting;
@@ -20,6 +20,7 @@ use crate::signals;
 use crate::supervise::{Exit, Launch, Supervisor};
 use ending::{Abandoned, nothing_left};
 use proto::configuration::{Configuration, Layout};
+use proto::field::FieldKind;
 use proto::grid::Grid;
 use proto::message::{Command, CommandKind, FieldHeader, OBSERVE, Reply, Status, Topic, Topics};
 use proto::model::{Step, first_non_finite};
@@ -33,7 +34,7 @@ pub(super) const LEAVE: Duration = Duration::from_secs(2);
 
 /// The only participant of a run, and what it is connected to.
 // Fields drop in this order: the process ends first, ports close next, the run's folder goes last.
-pub(super) struct Trial<'a> {
+pub(super) struct Trial {
     supervisor: Supervisor,
     outputs: Vec<Tap>,
     observed: Vec<Tap>,
@@ -44,7 +45,12 @@ pub(super) struct Trial<'a> {
     run: RunDir,
     /// When its heart was heard to beat.
     pub(super) beats: Vec<Instant>,
-    bench: &'a Bench,
+    role: String,
+    /// Fields that it describes itself.
+    fields: Vec<FieldKind>,
+    patience: Duration,
+    /// What was accepted last.
+    accepted: Option<Step>,
 }
 
 /// A solve that went through.
@@ -79,22 +85,26 @@ impl Feed {
     }
 }
 
-impl<'a> Trial<'a> {
-    /// Starts the participant in a run of its own and waits until it has joined.
-    pub(super) fn start(bench: &'a Bench) -> Result<Self, Fault> {
-        let trial = Self::of_version(bench, proto::PROTOCOL_VERSION)?;
-        let deadline = Instant::now() + bench.patience;
-        while !trial.link.is_up() {
-            trial.look(deadline, "joining the run")?;
+impl Trial {
+    /// Starts the participant in a run of its own; it has not joined yet.
+    pub(super) fn start(bench: &Bench) -> Result<Self, Fault> {
+        Self::of_version(bench, proto::PROTOCOL_VERSION)
+    }
+
+    /// Waits until it has joined.
+    pub(super) fn joined(self) -> Result<Self, Fault> {
+        let deadline = Instant::now() + self.patience;
+        while !self.link.is_up() {
+            self.look(deadline, "joining the run")?;
             std::thread::sleep(Duration::from_millis(1));
         }
         // Connects to its replies: what it sends last is heard even if it has ended by then.
-        trial.link.receive()?;
-        Ok(trial)
+        self.link.receive()?;
+        Ok(self)
     }
 
     /// Starts the participant in a run of some version of the contract; it has not joined yet.
-    pub(super) fn of_version(bench: &'a Bench, protocol: u32) -> Result<Self, Fault> {
+    pub(super) fn of_version(bench: &Bench, protocol: u32) -> Result<Self, Fault> {
         let run = RunDir::create(std::slice::from_ref(&bench.role))?;
         let info = RunInfo { protocol, ..run.info().clone() };
         if protocol != proto::PROTOCOL_VERSION {
@@ -125,7 +135,10 @@ impl<'a> Trial<'a> {
             endpoint,
             run,
             beats,
-            bench,
+            role: bench.role.clone(),
+            fields: bench.description.fields.clone(),
+            patience: bench.patience,
+            accepted: None,
         })
     }
 
@@ -148,7 +161,7 @@ impl<'a> Trial<'a> {
             return broken(format!("{what}: its process {}", told(&exit)));
         }
         if Instant::now() > deadline {
-            let seconds = self.bench.patience.as_secs_f64();
+            let seconds = self.patience.as_secs_f64();
             return broken(format!("{what}: no answer within {seconds:.0} s"));
         }
         Ok(())
@@ -163,7 +176,7 @@ impl<'a> Trial<'a> {
 
     /// Waits for the reply to the last command, and checks its label.
     pub(super) fn answer(&mut self, what: &str) -> Result<Answer, Fault> {
-        let deadline = Instant::now() + self.bench.patience;
+        let deadline = Instant::now() + self.patience;
         let (mut beats, this) = (Vec::new(), &*self);
         let poll = || -> Result<_, Fault> {
             if let Some(message) = this.link.receive()? {
@@ -229,7 +242,7 @@ impl<'a> Trial<'a> {
         let topics = self.open(setting, layout)?;
         let body = serde_json::to_vec(&topics).expect("topics are plain data");
         self.ask(Command::new(CommandKind::Connect), &body)?.done()?;
-        let deadline = Instant::now() + self.bench.patience;
+        let deadline = Instant::now() + self.patience;
         for feed in &self.inputs {
             feed.writer.wait_for_subscribers(deadline)?;
         }
@@ -241,7 +254,7 @@ impl<'a> Trial<'a> {
     fn open(&mut self, setting: &Setting, layout: &Layout) -> Result<Topics, Fault> {
         let configuration = &setting.configuration;
         let mut topics = Topics {
-            deadline: self.bench.patience.as_secs_f64(),
+            deadline: self.patience.as_secs_f64(),
             interpolation: setting.interpolation,
             ..Topics::default()
         };
@@ -252,13 +265,13 @@ impl<'a> Trial<'a> {
             subscribers: 1,
             geometry: None,
         };
-        let role = &self.bench.role;
+        let role = &self.role;
         for (list, names) in [
             (&mut self.outputs, &configuration.outputs),
             (&mut self.observed, &configuration.observed),
         ] {
             for name in names {
-                let Some(kind) = self.bench.kind(name) else {
+                let Some(kind) = kind(&self.fields, name) else {
                     return broken(format!("it provides `{name}`, which it does not describe"));
                 };
                 let grid = layout.grid_of(name).expect("the layout is checked");
@@ -285,6 +298,16 @@ impl<'a> Trial<'a> {
             topics.inputs.push(topic);
         }
         Ok(topics)
+    }
+
+    /// What can be solved next: the window after the accepted one.
+    pub(super) fn next(&self, setting: &Setting) -> Step {
+        self.accepted.map_or_else(|| setting.step(0), |step| setting.after(&step))
+    }
+
+    /// It has been restored to the state after this step.
+    pub(super) fn restored(&mut self, step: &Step) {
+        self.accepted = Some(*step);
     }
 
     /// Sends every input, in a variation.
@@ -326,6 +349,7 @@ impl<'a> Trial<'a> {
     /// `Accept`; with the observed fields if asked for.
     pub(super) fn accept(&mut self, step: &Step, observe: bool) -> Result<Values, Fault> {
         let mut command = Command::about(CommandKind::Accept, step);
+        self.accepted = Some(*step);
         if !observe {
             self.post(command, &[])?;
             return Ok(Values::new());
@@ -371,7 +395,7 @@ impl<'a> Trial<'a> {
         let until = Instant::now() + time;
         let (mut beats, this) = (Vec::new(), &*self);
         let over = || -> Result<_, Fault> {
-            this.look(until + this.bench.patience, "while idle")?;
+            this.look(until + this.patience, "while idle")?;
             Ok((Instant::now() >= until).then_some(()))
         };
         this.doorbell.wait(over, |_, _| beats.push(Instant::now()))?;

@@ -29,7 +29,7 @@ pub(super) const OUT_OF_ORDER: Check = Check {
 };
 
 fn unknown(bench: &Bench) -> Result<Seen, Fault> {
-    let mut trial = bench.start()?;
+    let mut trial = bench.joined()?;
     let mut told = String::new();
     for kind in [0, 10, u32::MAX] {
         let command = Command { kind, ..Command::new(CommandKind::Describe) };
@@ -43,6 +43,7 @@ fn unknown(bench: &Bench) -> Result<Seen, Fault> {
         return broken(format!("version 999 is answered with `{other}`, not naming both"));
     }
     trial.lives_on("a command of another version")?;
+    bench.keep_joined(trial);
     Seen::kept(told)
 }
 
@@ -51,7 +52,7 @@ const BODIES: [&[u8]; 6] = [b"", b"{", b"[]", b"null", b"{\"role\": 7}", b"\xff\
 
 fn malformed(bench: &Bench) -> Result<Seen, Fault> {
     let setting = bench.first()?;
-    let mut trial = bench.start()?;
+    let mut trial = bench.joined()?;
     let mut told = String::new();
     for body in BODIES {
         let shown = format!("the body {:?}", String::from_utf8_lossy(body));
@@ -66,9 +67,10 @@ fn malformed(bench: &Bench) -> Result<Seen, Fault> {
         }
     }
     trial.solve_with(&setting.step(0), 0).map_err(|fault| fault.at("after bodies of no sense"))?;
+    bench.keep(setting, trial);
     // Connect takes what was configured with it, so that a fresh process is asked.
-    for body in BODIES {
-        let mut trial = bench.start()?;
+    for body in if bench.quick { &BODIES[..2] } else { &BODIES[..] } {
+        let mut trial = bench.joined()?;
         trial.configure(&setting.configuration)?;
         let shown = format!("the body {:?}", String::from_utf8_lossy(body));
         trial.ask(Command::new(CommandKind::Connect), body)?.not_done(&shown)?;
@@ -79,7 +81,7 @@ fn malformed(bench: &Bench) -> Result<Seen, Fault> {
 
 fn out_of_order(bench: &Bench) -> Result<Seen, Fault> {
     let setting = bench.first()?;
-    let mut trial = bench.start()?;
+    let mut trial = bench.fresh()?;
     let mut told = String::new();
     let topics = br#"{"inputs": [], "outputs": [], "deadline": 1}"#;
     let state = br#"{"path": "/nonexistent/state"}"#;
@@ -104,5 +106,6 @@ fn out_of_order(bench: &Bench) -> Result<Seen, Fault> {
     }
     trial.prepare(setting).map_err(|fault| fault.at("after commands out of order"))?;
     trial.solve_with(&setting.step(0), 0)?;
+    bench.keep(setting, trial);
     Seen::kept(told)
 }

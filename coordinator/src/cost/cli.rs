@@ -10,6 +10,7 @@ use crate::study::axis::Axis;
 use crate::study::folder::{StudyFolder, Wanted};
 use crate::study::{Variant, planned, scratch};
 use clap::Args;
+use proto::text::json;
 use std::path::{Path, PathBuf};
 
 /// What `coordinator cost` is asked.
@@ -106,7 +107,7 @@ fn finish(
     folder: &StudyFolder,
     study: &Study,
 ) -> Result<(), RunError> {
-    let json = serde_json::to_string_pretty(study).expect("a study is plain data") + "\n";
+    let json = json(study);
     write(folder, study, &json)?;
     Kept::remove(folder)?;
     print(&match (asked.json, quiet) {

@@ -2,6 +2,7 @@
 
 use super::{Details, FieldSurvey, Range, Survey};
 use crate::plan::show::{bytes, seconds};
+use proto::text::one_line;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -23,7 +24,7 @@ pub fn text(survey: &Survey, path: &Path) -> String {
     );
     match &survey.error {
         Some(error) => {
-            let _ = writeln!(out, "  the run       FAILED: {error}");
+            let _ = writeln!(out, "  the run       FAILED: {}", one_line(error));
         }
         None if survey.complete => out += "  the run       ended well\n",
         None => {}
@@ -43,7 +44,7 @@ fn participants(out: &mut String, survey: &Survey) {
             0 => String::new(),
             n => format!(", {n} state(s)"),
         };
-        let model = if one.model.is_empty() { "?" } else { &one.model };
+        let model = if one.model.is_empty() { "?".into() } else { one_line(&one.model) };
         let _ = writeln!(
             out,
             "  {title:13} {:10} {model:14} {} solve(s) in {}{states}, by {}",
@@ -76,7 +77,11 @@ fn coupling(out: &mut String, survey: &Survey) {
         seconds(survey.coupling_s)
     );
     for (field, residual) in &survey.final_residuals {
-        let _ = writeln!(out, "  residual      {field} {residual:.3e} in the last iteration");
+        let _ = writeln!(
+            out,
+            "  residual      {} {residual:.3e} in the last iteration",
+            one_line(field)
+        );
     }
     if let Some(imbalance) = survey.energy_imbalance {
         let _ =

@@ -270,7 +270,7 @@ fn scheme(case: &Case, fields: &[Field], running: &[Candidate]) -> SchemeChoice 
     SchemeChoice { scheme, reason }
 }
 
-fn windows(timing: Timing) -> Windows {
+pub(super) fn windows(timing: Timing) -> Windows {
     match timing {
         Timing::Steady => Windows::Steady,
         Timing::Transient { window, end, control: Control::Fixed } => {

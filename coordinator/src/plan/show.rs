@@ -23,25 +23,7 @@ impl Display for Plan {
 
 impl Plan {
     fn show_time(&self, f: &mut Formatter<'_>) -> Result {
-        match self.windows {
-            Windows::Steady => writeln!(f, "\ntime       steady: one window without duration")?,
-            Windows::Fixed { window, end } => writeln!(
-                f,
-                "\ntime       transient: {} windows of {} to {}",
-                self.windows.count().unwrap_or(0),
-                seconds(window),
-                seconds(end)
-            )?,
-            Windows::Adaptive { first, tolerance, shortest, longest, end } => writeln!(
-                f,
-                "\ntime       transient: adaptive windows of {} to {}, the first of {}, to {}; \
-                 tolerance {tolerance:e}",
-                seconds(shortest),
-                seconds(longest),
-                seconds(first),
-                seconds(end)
-            )?,
-        }
+        writeln!(f, "\ntime       {}", in_time(self.windows))?;
         let scheme = self.scheme.scheme;
         writeln!(f, "scheme     {}: {}", scheme.word(), self.scheme.reason)?;
         if scheme.is_implicit() {
@@ -148,6 +130,25 @@ impl Plan {
             }
         }
         Ok(())
+    }
+}
+
+/// The windows of a run, in words.
+pub(super) fn in_time(windows: Windows) -> String {
+    match windows {
+        Windows::Steady => "steady: one window without duration".to_owned(),
+        Windows::Fixed { window, end } => {
+            let count = windows.count().unwrap_or(0);
+            format!("transient: {count} windows of {} to {}", seconds(window), seconds(end))
+        }
+        Windows::Adaptive { first, tolerance, shortest, longest, end } => format!(
+            "transient: adaptive windows of {} to {}, the first of {}, to {}; tolerance \
+             {tolerance:e}",
+            seconds(shortest),
+            seconds(longest),
+            seconds(first),
+            seconds(end)
+        ),
     }
 }
 

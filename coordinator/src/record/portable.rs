@@ -57,7 +57,8 @@ fn names_file(participant: &Description, key: &[&str]) -> bool {
 }
 
 /// A dotted path in which `*` stands for any one name fits a key.
-fn fits(path: &str, key: &[&str]) -> bool {
+#[must_use]
+pub fn fits(path: &str, key: &[&str]) -> bool {
     let parts = path.split('.');
     parts.clone().count() == key.len()
         && parts.zip(key).all(|(part, name)| part == "*" || part == *name)

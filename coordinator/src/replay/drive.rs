@@ -1,12 +1,14 @@
 //! From one recorded event to the next.
 
 use super::feed::Feed;
+use super::told::Told;
 use super::walk::{Answer, Walk};
 use super::{Replay, Request};
 use crate::error::{Failure, RunError, file_failure};
 use crate::inspect::FileRecording;
 use crate::output::print;
-use crate::session::Session;
+use crate::plan::sample_bytes;
+use crate::session::{Session, room_for};
 use proto::configuration::{Layout, Refusal};
 use proto::description::Description;
 use proto::field::GEOMETRY;
@@ -16,7 +18,7 @@ use proto::message::{
     Reply, StateFile, Status, Topics,
 };
 use proto::model::Step;
-use proto::recording::{CaseFile, Event, Item, Participant};
+use proto::recording::{CaseFile, Event, Item, Participant, read_topics};
 use proto::transport::{Endpoint, FieldReader, TransportError};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -75,8 +77,11 @@ enum Done {
 pub(super) struct Driver<'a> {
     request: &'a Request,
     index: usize,
+    recorded: &'a Participant,
     session: &'a mut Session,
     replay: Replay,
+    /// What the program says of itself, once it was asked.
+    description: Option<Description>,
     folder: PathBuf,
     files: Vec<CaseFile>,
     feed: Feed,
@@ -102,7 +107,7 @@ impl<'a> Driver<'a> {
     pub(super) fn new(
         request: &'a Request,
         index: usize,
-        recorded: &Participant,
+        recorded: &'a Participant,
         session: &'a mut Session,
         from: Option<u64>,
     ) -> Result<Self, RunError> {
@@ -123,8 +128,10 @@ impl<'a> Driver<'a> {
         Ok(Self {
             request,
             index,
+            recorded,
             session,
             replay,
+            description: None,
             folder,
             files: Vec::new(),
             feed: Feed::default(),
@@ -219,7 +226,7 @@ impl<'a> Driver<'a> {
         match kind {
             CommandKind::Describe => self.ask(command, &[])?,
             CommandKind::Configure => {
-                let body = self.configuration(body)?;
+                let body = self.told().configuration(body)?;
                 self.ask(command, &body)?;
             }
             CommandKind::Connect => self.connect(command, body)?,
@@ -317,6 +324,17 @@ impl<'a> Driver<'a> {
                 self.replay.remarks.push(remark);
                 Ok(())
             }
+            Done::Failed(now) if self.outputs.is_empty() && self.replay.solves == 0 => {
+                Err(RunError::Failed(Failure {
+                    who: self.request.only.clone(),
+                    when: "when it was told what was recorded".to_owned(),
+                    what: now,
+                    fix: format!(
+                        "change what it is told with --set KEY=VALUE, or {}",
+                        self.told().otherwise()
+                    ),
+                }))
+            }
             Done::Failed(now) => Err(RunError::Failed(Failure {
                 who: self.request.only.clone(),
                 when: format!(
@@ -338,9 +356,7 @@ impl<'a> Driver<'a> {
     /// Descriptions, layouts and summaries side by side.
     fn answered(&mut self, kind: CommandKind, now: &[u8], then: &[u8]) -> Result<(), RunError> {
         match kind {
-            CommandKind::Describe => {
-                self.replay.program = program(&self.parsed(now, "its description")?);
-            }
+            CommandKind::Describe => self.described(self.parsed(now, "its description")?)?,
             CommandKind::Configure => {
                 let now: Layout = self.parsed(now, "its layout")?;
                 let then: Layout = self.parsed(then, "its recorded layout")?;
@@ -365,13 +381,27 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
+    /// What the program says of itself: it has to play the role.
+    fn described(&mut self, description: Description) -> Result<(), RunError> {
+        let (role, plays) = (&self.request.only, &description.role);
+        if plays != role {
+            let (name, otherwise) = (&description.name, self.told().otherwise());
+            return Err(RunError::Usage(format!(
+                "`{name}` plays `{plays}`, not `{role}`; give a program that does, or {otherwise}"
+            )));
+        }
+        self.replay.program = program(&description);
+        self.description = Some(description);
+        Ok(())
+    }
+
     fn parsed<T: DeserializeOwned>(&self, body: &[u8], what: &str) -> Result<T, RunError> {
         serde_json::from_slice(body).map_err(|error| self.damaged(&format!("{what}: {error}")))
     }
 
     fn connect(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
-        let mut topics: Topics = serde_json::from_slice(body)
-            .map_err(|error| self.damaged(&format!("its topics: {error}")))?;
+        let mut topics = read_topics(body).map_err(|error| self.damaged(&error.to_string()))?;
+        room_for(self.samples(&topics), "before the fields of the replay were created")?;
         let endpoint = self.session.endpoint();
         self.feed = Feed::open(endpoint, &topics).map_err(|e| self.transport(&e))?;
         let mut outputs = Vec::new();
@@ -392,6 +422,17 @@ impl<'a> Driver<'a> {
         self.ask(command, &body)?;
         let deadline = Instant::now() + self.session.deadlines().start;
         self.feed.wait_for_subscriber(deadline).map_err(|e| self.transport(&e))
+    }
+
+    /// Bytes of a sample of each topic.
+    fn samples(&self, topics: &Topics) -> Vec<u64> {
+        let own = |name: &str| self.recorded.description.fields.iter().find(|f| f.name == name);
+        let components = |name: &str| match proto::field::find(name) {
+            Some(spec) => spec.components,
+            None => own(name).map_or(1, |kind| kind.components),
+        };
+        let all = topics.inputs.iter().chain(&topics.outputs);
+        all.map(|topic| sample_bytes(topic.grid.points(), components(&topic.field))).collect()
     }
 
     /// A recorded sample: an input to come, or an output to compare with.
@@ -505,24 +546,9 @@ impl<'a> Driver<'a> {
         restored.into_iter().try_for_each(|at| self.compare(at))
     }
 
-    /// The recorded configuration with the paths of the files on this machine, and what is to be
-    /// changed.
-    fn configuration(&self, body: &[u8]) -> Result<Vec<u8>, RunError> {
-        if self.files.is_empty() && self.request.set.is_empty() {
-            return Ok(body.to_vec());
-        }
-        let mut configuration: Value = serde_json::from_slice(body)
-            .map_err(|error| self.damaged(&format!("its configuration: {error}")))?;
-        replace_texts(&mut configuration, &self.files);
-        for (key, value) in &self.request.set {
-            let pointer = format!("/case/{}", key.replace('.', "/"));
-            let Some(found) = configuration.pointer_mut(&pointer) else {
-                let role = &self.request.only;
-                return Err(RunError::Usage(format!("{role} was not told any `{key}`")));
-            };
-            found.clone_from(value);
-        }
-        Ok(serde_json::to_vec(&configuration).expect("it was JSON before"))
+    fn told(&self) -> Told<'_> {
+        let (request, recorded, files) = (self.request, self.recorded, &self.files);
+        Told { request, recorded, files, description: self.description.as_ref() }
     }
 
     fn transport(&self, error: &TransportError) -> RunError {
@@ -537,20 +563,6 @@ impl<'a> Driver<'a> {
             fix: "see what it wrote; `coordinator inspect` shows what the recording holds"
                 .to_owned(),
         })
-    }
-}
-
-/// Replaces the names of attachments by paths, wherever they stand.
-fn replace_texts(tree: &mut Value, files: &[CaseFile]) {
-    match tree {
-        Value::String(text) => {
-            if let Some(file) = files.iter().find(|file| file.attachment == *text) {
-                text.clone_from(&file.key);
-            }
-        }
-        Value::Object(table) => table.values_mut().for_each(|value| replace_texts(value, files)),
-        Value::Array(list) => list.iter_mut().for_each(|value| replace_texts(value, files)),
-        _ => {}
     }
 }
 

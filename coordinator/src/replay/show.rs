@@ -2,6 +2,7 @@
 
 use super::{Difference, Replay, Request};
 use crate::plan::show::seconds;
+use proto::text::one_line;
 use std::fmt::Write as _;
 
 /// A few lines: what was driven, what was compared, where it first differs and how that grows.
@@ -10,14 +11,14 @@ pub fn text(replay: &Replay, request: &Request) -> String {
     let mut out = format!(
         "replay of {} by {} from {}\n",
         replay.role,
-        replay.program,
+        one_line(&replay.program),
         request.recording.display()
     );
     if replay.program != replay.recorded_program {
-        let _ = writeln!(out, "  recorded was {}", replay.recorded_program);
+        let _ = writeln!(out, "  recorded was {}", one_line(&replay.recorded_program));
     }
     for remark in &replay.remarks {
-        let _ = writeln!(out, "  {remark}");
+        let _ = writeln!(out, "  {}", one_line(remark));
     }
     let compared = &replay.comparison;
     let _ = writeln!(
@@ -48,10 +49,10 @@ pub fn text(replay: &Replay, request: &Request) -> String {
     }
     if let Some(other) = &compared.other {
         let word = if compared.first.is_some() { "also" } else { "what" };
-        let _ = writeln!(out, "  {word}      {other}");
+        let _ = writeln!(out, "  {word}      {}", one_line(other));
     }
     if let Some(damage) = &replay.damage {
-        let _ = writeln!(out, "  here the recording cannot be read on: {damage}");
+        let _ = writeln!(out, "  here the recording cannot be read on: {}", one_line(damage));
     }
     let _ = writeln!(
         out,

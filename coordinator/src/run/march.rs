@@ -133,11 +133,12 @@ impl<'a> March<'a> {
         audit(&self.session.heat_balance(), &roles, step.window, self.counts)?;
         let done = step.window + 1;
         let last = self.time.window().is_none();
-        let observe =
-            last || self.plan.output_every.is_some_and(|every| done.is_multiple_of(every));
+        let due = last || self.plan.output_every.is_some_and(|every| done.is_multiple_of(every));
         self.coupling.accept_window();
-        self.session.accept(self.coupling.step(), observe)?;
-        if observe {
+        // A recording holds the observed fields of every window, so that a replay compares them all:
+        // in a run that is not coupled back they may be all that a participant sends.
+        self.session.accept(self.coupling.step(), due || self.recorder.is_some())?;
+        if due {
             self.fields.write(self.session.taps(), step.window, step.end)?;
             self.table.flush()?;
         }

@@ -54,6 +54,15 @@ impl SharedMemory {
     }
 }
 
+/// There is room for topics whose samples have these lengths [byte].
+///
+/// # Errors
+/// There is less shared memory than that.
+pub(crate) fn room_for(samples: Vec<u64>, when: &str) -> Result<(), RunError> {
+    let topics = samples.into_iter().map(topic_bytes);
+    check(topics.fold(OVERHEAD, u64::saturating_add), u64::MAX, when)
+}
+
 fn fields<'a>(plan: &'a Plan, layout: &impl Fn(usize) -> Option<&'a Layout>) -> u64 {
     let of = |field: &crate::plan::Field| {
         let grid = layout(field.producer)?.grid_of(&field.kind.name)?;

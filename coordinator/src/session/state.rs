@@ -106,7 +106,11 @@ impl Session {
 /// The grid on which a checkpoint's values are.
 fn read(moving: &MovingGrid, folder: &Path) -> Result<Grid, RunError> {
     let path = folder.join(moving.file());
-    let grid = std::fs::read(&path).and_then(|text| Ok(serde_json::from_slice(&text)?));
+    let grid = std::fs::read(&path).and_then(|text| {
+        let grid: Grid = serde_json::from_slice(&text)?;
+        grid.check().map_err(std::io::Error::other)?;
+        Ok(grid)
+    });
     grid.map_err(|error| file_failure(&path, &error))
 }
 

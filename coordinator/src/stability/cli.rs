@@ -9,6 +9,7 @@ use crate::report;
 use crate::results::write::replace;
 use crate::study::folder::{StudyFolder, Wanted, says_incomplete};
 use clap::Args;
+use proto::text::json;
 use std::path::PathBuf;
 
 /// What `coordinator stability` is asked.
@@ -64,7 +65,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     folder.write(FILE, json(&report).as_bytes())?;
     report::write(&request.out)?;
     if asked.json {
-        print(&(json(&report) + "\n"))?;
+        print(&json(&report))?;
     }
     speaker.say(&show::tail(&report, folder.path()));
     let written = verdict(&report).and_then(|()| match &asked.write_limits {
@@ -72,10 +73,6 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
         None => Ok(()),
     });
     speaker.end(written)
-}
-
-fn json(report: &Report) -> String {
-    serde_json::to_string_pretty(report).expect("a report is plain data")
 }
 
 fn verdict(report: &Report) -> Result<(), RunError> {

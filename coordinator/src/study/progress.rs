@@ -57,6 +57,14 @@ impl Steps {
         }
     }
 
+    /// Writes something while the bar steps aside.
+    pub fn aside(&self, write: impl FnOnce()) {
+        match &self.show {
+            Show::Bar(bar) => bar.suspend(write),
+            Show::Nowhere | Show::Lines(_) => write(),
+        }
+    }
+
     /// The study is over.
     pub fn finish(self) {
         if let Show::Bar(bar) = self.show {

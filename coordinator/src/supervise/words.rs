@@ -1,5 +1,6 @@
 //! What a participant writes to its standard output and error: into the log line by line, up to a limit.
 
+use proto::text::one_line;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use tokio::io::{AsyncBufRead, AsyncBufReadExt, AsyncRead, AsyncReadExt, BufReader};
@@ -78,9 +79,9 @@ pub(super) fn relay(
         let mut line = Vec::new();
         while next_line(&mut pipe, &mut line).await {
             let line = String::from_utf8_lossy(&line);
-            let line = line.trim_end();
+            let line = one_line(line.trim_end());
             if !line.is_empty() {
-                words.lock().unwrap_or_else(PoisonError::into_inner).line(line);
+                words.lock().unwrap_or_else(PoisonError::into_inner).line(&line);
             }
         }
     })

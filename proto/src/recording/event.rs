@@ -1,6 +1,7 @@
 //! What is recorded besides fields: the conversation, and what the coordinator made of it.
 
-use crate::message::{Command, Reply};
+use super::{RecordingError, admit};
+use crate::message::{Command, CommandKind, Reply, Topics};
 use serde::{Deserialize, Serialize};
 
 /// One event of a run. Participants are named by their index in [`super::Head::participants`].
@@ -39,6 +40,43 @@ pub enum Event {
         /// What ended it, if that was no success.
         error: Option<String>,
     },
+}
+
+impl Event {
+    /// Bytes of what stands behind a command or reply.
+    pub(super) fn text_length(&self) -> usize {
+        match self {
+            Self::Command { body, .. } | Self::Reply { body, .. } => body.len(),
+            Self::Iteration(_) | Self::Repeated { .. } | Self::Ended { .. } => 0,
+        }
+    }
+
+    /// The topics that a participant was told, and its index; `None` in any other event.
+    ///
+    /// # Errors
+    /// They are none, or name what no recording holds.
+    pub fn topics(&self) -> Result<Option<(u16, Topics)>, RecordingError> {
+        match self {
+            Self::Command { participant, command, body }
+                if command.kind == CommandKind::Connect as u32 =>
+            {
+                read_topics(body).map(|topics| Some((*participant, topics)))
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+/// The topics in the body of a recorded command.
+///
+/// # Errors
+/// They are none, or name what no recording holds.
+pub fn read_topics(body: &[u8]) -> Result<Topics, RecordingError> {
+    let wrong =
+        |fault: String| RecordingError::Content(format!("the topics of a participant: {fault}"));
+    let topics = serde_json::from_slice(body).map_err(|error| wrong(error.to_string()))?;
+    admit::topics(&topics).map_err(wrong)?;
+    Ok(topics)
 }
 
 /// What the coordinator says of an iteration.

@@ -1,6 +1,9 @@
 //! Reading a recording from front to back.
 
-use super::{CONTROL, Event, FORMAT, Head, LONGEST_RECORD, RecordingError, STATE, read_label};
+use super::held::Held;
+use super::{
+    CONTROL, Event, FORMAT, Head, LONGEST_RECORD, RecordingError, STATE, admit, read_label,
+};
 use crate::binary;
 use crate::message::FieldHeader;
 use mcap::records::{Record, op};
@@ -12,7 +15,7 @@ use std::io::Read;
 /// allocated only as far as the bytes are there.
 const READ: usize = 1 << 20;
 
-/// A recording being read. Memory is bounded by its longest message.
+/// A recording being read. Memory is bounded, see [`Held`].
 pub struct Recording<R: Read> {
     source: Source<R>,
     head: Head,
@@ -76,13 +79,16 @@ impl<R: Read> Recording<R> {
         let mut attachments = Vec::new();
         let mut held = None;
         while let Some((opcode, bytes)) = source.next()? {
+            if opcode == op::ATTACHMENT && !attachment_is_whole(bytes) {
+                return damaged("an attachment is shorter than its length".to_owned());
+            }
             match mcap::parse_record(opcode, bytes)? {
                 Record::Header(header) if header.profile != super::PROFILE => {
                     let profile = header.profile;
-                    let what = format!("an MCAP file of profile {profile:?}, not of a run");
-                    return Err(RecordingError::Content(what));
+                    return damaged(format!("an MCAP file of profile {profile:?}, not of a run"));
                 }
                 Record::Attachment { header, data, .. } => {
+                    admit::attachment(&header.name).or_else(damaged)?;
                     attachments.push((header.name, data.into_owned()));
                 }
                 Record::Header(_) => {}
@@ -98,7 +104,8 @@ impl<R: Read> Recording<R> {
         if format.format != FORMAT {
             return Err(RecordingError::Format { found: format.format });
         }
-        let head = serde_json::from_slice(head).map_err(content)?;
+        let head: Head = serde_json::from_slice(head).map_err(content)?;
+        admit::head(&head).or_else(damaged)?;
         let (channels, values) = (HashMap::new(), Vec::new());
         Ok(Self { source, head, attachments, channels, values, held })
     }
@@ -136,22 +143,22 @@ impl<R: Read> Recording<R> {
         if let Some((opcode, bytes)) = held.take()
             && let Record::Channel(channel) = mcap::parse_record(opcode, &bytes)?
         {
-            channels.insert(channel.id, channel.topic);
+            open_channel(channels, channel.id, channel.topic)?;
         }
         loop {
             let Some((opcode, bytes)) = source.next()? else { return Ok(None) };
             match opcode {
                 op::CHANNEL => {
                     if let Record::Channel(channel) = mcap::parse_record(opcode, bytes)? {
-                        channels.insert(channel.id, channel.topic);
+                        open_channel(channels, channel.id, channel.topic)?;
                     }
                 }
                 op::MESSAGE => break,
                 _ => {}
             }
         }
-        let Record::Message { header, data } = mcap::parse_record(op::MESSAGE, source.record())?
-        else {
+        let Source { record, held, bytes_read, .. } = source;
+        let Record::Message { header, data } = mcap::parse_record(op::MESSAGE, record)? else {
             return Err(RecordingError::Content("a message that is none".to_owned()));
         };
         let Some(channel) = channels.get(&header.channel_id) else {
@@ -164,11 +171,48 @@ impl<R: Read> Recording<R> {
         };
         let item = match channel.strip_prefix(STATE) {
             Some(role) => Item::State { role, bytes: data },
-            None if channel == CONTROL => Item::Event(event(data, head)?),
+            None if channel == CONTROL => {
+                let event = event(data, head)?;
+                held.text(event.text_length(), *bytes_read).or_else(damaged)?;
+                Item::Event(event)
+            }
             None => sample(channel, data, values)?,
         };
         Ok(Some(Entry { nanoseconds: header.log_time, item }))
     }
+}
+
+fn damaged<T>(what: String) -> Result<T, RecordingError> {
+    Err(RecordingError::Content(what))
+}
+
+/// A channel keeps the name that it has first.
+fn open_channel(
+    channels: &mut HashMap<u16, String>,
+    id: u16,
+    name: String,
+) -> Result<(), RecordingError> {
+    admit::channel(&name).or_else(damaged)?;
+    match channels.get(&id).filter(|known| **known != name) {
+        Some(known) => damaged(format!("channel {id} is called {known} and {name}")),
+        None => {
+            channels.insert(id, name);
+            Ok(())
+        }
+    }
+}
+
+/// An attachment has two times, two texts behind their lengths, a length, its content and a sum.
+fn attachment_is_whole(bytes: &[u8]) -> bool {
+    let text = |rest: &'_ [u8]| -> Option<usize> {
+        let (length, rest) = rest.split_first_chunk()?;
+        let length = u32::from_le_bytes(*length) as usize;
+        rest.get(length..).map(<[u8]>::len)
+    };
+    let after = |left: usize| &bytes[bytes.len() - left..];
+    let times = bytes.get(16..).map(<[u8]>::len);
+    let texts = times.and_then(|left| text(after(left))).and_then(|left| text(after(left)));
+    texts.is_some_and(|left| left >= size_of::<u64>() + size_of::<u32>())
 }
 
 /// The part of the head that every format has.
@@ -200,6 +244,8 @@ fn sample<'a>(
 ) -> Result<Item<'a>, RecordingError> {
     let wrong = |what: &str| Err(RecordingError::Content(format!("a sample of {service} {what}")));
     let Some((header, bytes)) = read_label(bytes) else { return wrong("without a label") };
+    admit::label(service, &header)
+        .or_else(|what| damaged(format!("a sample of {service} has {what}")))?;
     let (doubles, rest) = bytes.as_chunks();
     let count = header.points.checked_mul(u64::from(header.components));
     if !rest.is_empty() || count != Some(doubles.len() as u64) {
@@ -216,6 +262,7 @@ struct Source<R: Read> {
     reader: LinearReader,
     record: Vec<u8>,
     bytes_read: u64,
+    held: Held,
     end: End,
 }
 
@@ -226,12 +273,14 @@ impl<R: Read> Source<R> {
             .with_validate_chunk_crcs(true)
             .with_record_length_limit(LONGEST_RECORD + 64);
         let reader = LinearReader::new_with_options(options);
-        Self { file, reader, record: Vec::new(), bytes_read: 0, end: End::Unknown }
-    }
-
-    /// The bytes of the record that [`Source::next`] gave last.
-    fn record(&self) -> &[u8] {
-        &self.record
+        Self {
+            file,
+            reader,
+            record: Vec::new(),
+            bytes_read: 0,
+            held: Held::default(),
+            end: End::Unknown,
+        }
     }
 
     /// The next record's opcode and bytes; `None` at the end or at the cut.
@@ -256,6 +305,7 @@ impl<R: Read> Source<R> {
                     break self.end = End::Complete;
                 }
                 Some(Ok(LinearReadEvent::Record { opcode, data })) => {
+                    self.held.record(opcode, data, self.bytes_read).or_else(damaged)?;
                     self.record.clear();
                     self.record.extend_from_slice(data);
                     return Ok(Some((opcode, &self.record)));

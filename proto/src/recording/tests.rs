@@ -1,6 +1,7 @@
 use super::*;
 use crate::binary;
 use crate::message::{Command, CommandKind, FieldHeader, Label, Reply, Topics};
+use mcap::records::op;
 use proptest::prelude::*;
 use std::io::Cursor;
 
@@ -236,5 +237,207 @@ proptest! {
         let mut bytes = Vec::new();
         binary::append(&mut bytes, &event).unwrap();
         let _ = binary::read::<Event>(&edited(&bytes, &edits));
+    }
+}
+
+/// A record of the container.
+fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
+    [&[opcode][..], &(body.len() as u64).to_le_bytes(), body].concat()
+}
+
+fn text(text: &str) -> Vec<u8> {
+    [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat()
+}
+
+/// What stands before the content of an attachment of this name and length.
+fn attachment(name: &str, length: usize) -> Vec<u8> {
+    [&[0; 16][..], &text(name), &text(""), &(length as u64).to_le_bytes()].concat()
+}
+
+/// A recording up to the end of its head.
+fn beginning() -> Vec<u8> {
+    let head = serde_json::to_vec(&head()).unwrap();
+    let attached = [attachment("head.json", head.len()), head, vec![0; 4]].concat();
+    let header = [text(PROFILE), text("")].concat();
+    [mcap::MAGIC, &record(op::HEADER, &header), &record(op::ATTACHMENT, &attached)].concat()
+}
+
+/// A chunk in zstd's simplest form: blocks of bytes as they are, and blocks of zeros in four bytes.
+fn chunk_of_zeros(records: &[(u8, Vec<u8>, usize)]) -> Vec<u8> {
+    let block = |kind: usize, size: usize| (size << 3 | kind << 1).to_le_bytes()[..3].to_vec();
+    let (mut frame, mut length) = (vec![0x28, 0xb5, 0x2f, 0xfd, 0, 0x38], 0);
+    for (opcode, body, zeros) in records {
+        let size = ((body.len() + zeros) as u64).to_le_bytes();
+        let head = [&[*opcode][..], &size, body].concat();
+        frame.extend([block(0, head.len()), head.clone()].concat());
+        let mut left = *zeros;
+        while left > 0 {
+            let some = left.min(1 << 16);
+            frame.extend([block(1, some), vec![0]].concat());
+            left -= some;
+        }
+        length += head.len() + zeros;
+    }
+    frame.extend([1, 0, 0]);
+    let numbers = [&[0; 16][..], &(length as u64).to_le_bytes(), &[0; 4]].concat();
+    let compression = [&4_u32.to_le_bytes()[..], b"zstd"].concat();
+    let compressed = [&(frame.len() as u64).to_le_bytes()[..], &frame].concat();
+    record(op::CHUNK, &[numbers, compression, compressed].concat())
+}
+
+/// A recording of a few kilobytes cannot make its reader hold gigabytes, neither in one piece nor in
+/// many.
+#[test]
+fn what_a_small_file_claims_is_limited_in_sum() {
+    let told = |chunk: Vec<u8>| {
+        let file = [beginning(), chunk].concat();
+        assert!(file.len() < 100_000, "{}", file.len());
+        let mut recording = match Recording::open(&file[..]) {
+            Err(error) => return error.to_string(),
+            Ok(recording) => recording,
+        };
+        loop {
+            match recording.read() {
+                Err(error) => break error.to_string(),
+                Ok(entry) => assert!(entry.is_some(), "all of it was read"),
+            }
+        }
+    };
+    let attached = |n: usize| {
+        let length = 16 << 20;
+        (op::ATTACHMENT, attachment(&format!("files/{n}"), length), length + 4)
+    };
+    let error = told(chunk_of_zeros(&(0..40).map(attached).collect::<Vec<_>>()));
+    assert!(error.contains("256 MiB at most"), "{error}");
+    // States: of all messages those that need no label.
+    let states = (1_u16..=40).flat_map(|id| {
+        let topic = format!("state/role-{id}");
+        let channel = [&id.to_le_bytes()[..], &[0; 2], &text(&topic), &[0; 8]].concat();
+        [(op::CHANNEL, channel, 0), (op::MESSAGE, id.to_le_bytes().to_vec(), 20 + (16 << 20))]
+    });
+    let error = told(chunk_of_zeros(&states.collect::<Vec<_>>()));
+    assert!(error.contains("256 MiB at most"), "{error}");
+}
+
+/// Many topics of many values are no claim but content: they read.
+#[test]
+fn an_uncompressed_file_of_any_length_reads() {
+    let out = Cursor::new(Vec::new());
+    let mut writer = RecordingWriter::create(out, Compression::None, &head(), &[]).unwrap();
+    let values = vec![0.5; 2 << 20];
+    for role in 0..20 {
+        let header =
+            FieldHeader { producer: Label::new(&format!("role-{role}")), ..header(0, 1 << 20) };
+        writer.sample(&format!("field/role-{role}/slip_velocity"), &header, &values).unwrap();
+    }
+    let file = writer.finish().unwrap().into_inner();
+    let mut recording = Recording::open(&file[..]).unwrap();
+    let mut count = 0;
+    while recording.read().unwrap().is_some() {
+        count += 1;
+    }
+    assert_eq!((count, recording.end()), (20, End::Complete));
+}
+
+#[test]
+fn an_attachment_shorter_than_its_length_is_told() {
+    let body = attachment("head.json", 0);
+    for missing in 0..body.len() {
+        let file = [mcap::MAGIC, &record(op::ATTACHMENT, &body[..body.len() - missing])].concat();
+        let error = Recording::open(&file[..]).err().unwrap().to_string();
+        assert!(error.contains("shorter than its length"), "{missing}: {error}");
+    }
+}
+
+/// Reads a recording with this head, whose only message is a sample on a topic.
+fn with_sample(head: &Head, topic: &str, header: &FieldHeader) -> Result<(), RecordingError> {
+    let out = Cursor::new(Vec::new());
+    let mut writer = RecordingWriter::create(out, Compression::None, head, &[])?;
+    let count = header.points.saturating_mul(header.components.into());
+    writer.sample(topic, header, &vec![1.0; count.min(100) as usize])?;
+    let file = writer.finish()?.into_inner();
+    let mut recording = Recording::open(&file[..])?;
+    while recording.read()?.is_some() {}
+    Ok(())
+}
+
+#[test]
+fn names_obey_the_rule_of_names_on_the_wire() {
+    let (topic, good) = ("field/mech/slip_velocity", header(0, 2));
+    assert!(with_sample(&head(), topic, &good).is_ok());
+    assert!(
+        with_sample(
+            &head(),
+            "field/coordinator/slip_velocity/thermal",
+            &FieldHeader { producer: Label::new("coordinator"), ..good }
+        )
+        .is_ok()
+    );
+    let label = |header: FieldHeader| with_sample(&head(), topic, &header);
+    let wrong = [
+        label(FieldHeader { name: Label::new("../slip"), ..good }),
+        label(FieldHeader { producer: Label::new("/etc"), ..good }),
+        label(FieldHeader { grid: Label::new(".."), ..good }),
+        label(FieldHeader { grid: Label::new(""), ..good }),
+        label(FieldHeader { unit: Label::new("\u{1b}[2J"), ..good }),
+        label(FieldHeader { producer: Label::new("thermal"), ..good }),
+        label(FieldHeader { components: 0, ..good }),
+        with_sample(&head(), "field/../slip_velocity", &good),
+        with_sample(&head(), "field/mech/../slip_velocity", &good),
+        with_sample(&head(), "/etc/passwd", &good),
+        with_sample(&head(), "", &good),
+    ];
+    for (n, one) in wrong.iter().enumerate() {
+        let error = one.as_ref().expect_err(&n.to_string()).to_string();
+        assert!(error.contains("damaged") && !error.contains('\u{1b}'), "{n}: {error}");
+    }
+    let change = |change: &dyn Fn(&mut Head)| {
+        let mut head = head();
+        change(&mut head);
+        with_sample(&head, topic, &good).map_err(|error| error.to_string())
+    };
+    let wrong = [
+        change(&|head| head.participants[0].role = "..".to_owned()),
+        change(&|head| head.participants[0].program = "../../bin/sh".to_owned()),
+        change(&|head| head.participants[0].description.version = "1\n2".to_owned()),
+        change(&|head| head.case = "a\u{1b}[2Jb".to_owned()),
+        change(&|head| head.participants = vec![head.participants[0].clone(); 2]),
+        change(&|head| {
+            let (key, attachment) = ("rail.profile".to_owned(), "case.toml".to_owned());
+            head.files.push(CaseFile { key, attachment });
+        }),
+    ];
+    for (n, one) in wrong.iter().enumerate() {
+        let error = one.as_ref().expect_err(&n.to_string());
+        assert!(error.contains("damaged") && !error.contains(['\u{1b}', '\n']), "{n}: {error}");
+    }
+}
+
+#[test]
+fn topics_are_checked() {
+    let topic = |service: &str, field: &str, shape: &str| {
+        let grid = format!(
+            "{{\"name\": \"g\", \"revision\": 1, \"kind\": \"structured\", \"origin\": [0, 0, 0], \
+             \"step_i\": [1, 0, 0], \"step_j\": [0, 1, 0], {shape}}}"
+        );
+        let topic = format!(
+            "{{\"field\": \"{field}\", \"service\": \"{service}\", \"grid\": {grid}, \"subscribers\": 1}}"
+        );
+        let body = format!("{{\"inputs\": [{topic}], \"outputs\": [{topic}], \"deadline\": 1}}");
+        read_topics(body.as_bytes()).map(drop).map_err(|error| error.to_string())
+    };
+    let service = "field/mech/pressure";
+    assert_eq!(topic(service, "pressure", "\"ni\": 3, \"nj\": 2"), Ok(()));
+    for (service, field, shape, words) in [
+        (service, "pressure", "\"ni\": 0, \"nj\": 2", "0 x 2 points"),
+        (service, "pressure", "\"ni\": 7071068, \"nj\": 7071068", "7071068 x 7071068 points"),
+        (service, "pressure", "\"ni\": 100000, \"nj\": 100000", "no recording holds a field on it"),
+        (service, "pressure", "\"ni\": 18446744073709551615, \"nj\": 3", "points"),
+        (service, "../../pressure", "\"ni\": 3, \"nj\": 2", "\"../../pressure\""),
+        ("field/../pressure", "pressure", "\"ni\": 3, \"nj\": 2", "\"..\""),
+        ("state/mech", "pressure", "\"ni\": 3, \"nj\": 2", "state/mech"),
+    ] {
+        let fault = topic(service, field, shape).unwrap_err();
+        assert!(fault.contains(words), "{fault}");
     }
 }

@@ -88,6 +88,71 @@ fn the_closed_form_in_c_conforms() {
     assert_eq!(settings, 1);
 }
 
+/// A participant that counts how often it is started to join a run.
+fn counted(folder: &std::path::Path, program: &str) -> Vec<String> {
+    let (count, program) = (folder.join("count"), programs().join(program));
+    let script = format!(
+        "case \"$1\" in --join) echo >> {};; esac; exec {} \"$@\"",
+        count.display(),
+        program.display()
+    );
+    ["sh", "-c", &script, "sh"].map(str::to_owned).to_vec()
+}
+
+/// Checks share processes, and a quick look takes one model on small grids.
+#[test]
+fn few_processes_are_started_and_fewer_for_a_quick_look() {
+    let folder = tempfile::tempdir().unwrap();
+    let command = counted(folder.path(), "thermal-solver");
+    let starts = |options: &[&str], settings: usize| {
+        let _ = std::fs::remove_file(folder.path().join("count"));
+        let conforms =
+            assert_conforms("thermal", &case("wheel-rail.toml"), (options, &command), &[]);
+        assert_eq!(conforms, settings);
+        std::fs::read_to_string(folder.path().join("count")).unwrap().lines().count()
+    };
+    let all = starts(&[], 3);
+    assert!(all <= 50, "{all} processes for three settings");
+    let _ = std::fs::remove_file(folder.path().join("count"));
+    let (ended, report) = conform("thermal", &case("wheel-rail.toml"), &["--quick"], &command);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(report["settings"].as_array().unwrap().len(), 1);
+    assert!(report["left_out"][0].as_str().unwrap().contains("--quick"), "{report:#}");
+    assert_eq!(report["checks"].as_array().unwrap().len(), check_names().len());
+    let quick = std::fs::read_to_string(folder.path().join("count")).unwrap().lines().count();
+    assert!(quick <= 25, "{quick} processes for a quick look");
+}
+
+/// A program that describes itself and never joins: one failure, with its last words, and no more.
+#[test]
+fn a_participant_that_cannot_start_is_told_once() {
+    let program = programs().join("toy-left").display().to_string();
+    let script =
+        format!("case \"$1\" in --join) echo no licence >&2; exit 3;; esac; exec {program} \"$@\"");
+    let command = ["sh", "-c", &script, "sh"].map(str::to_owned);
+    let (ended, report) = conform("left", &case("exchange.toml"), &[], &command);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    assert_eq!(with_verdict(&report, "failed"), ["describe"]);
+    assert_eq!(with_verdict(&report, "not-made").len(), check_names().len() - 1);
+    let seen = report["checks"][0]["seen"].as_str().unwrap();
+    assert!(seen.contains("exit code 3") && seen.contains("no licence"), "{seen}");
+}
+
+/// The same words in several checks are one cause.
+#[test]
+fn a_cause_is_told_once() {
+    let rogue = [programs().join("rogue").display().to_string()];
+    let checks = ["solve", "heat-received", "repeat", "accept"];
+    let mut options = vec!["--set", "left.fault=silence"];
+    options.extend(checks.iter().flat_map(|name| ["--only", name]));
+    let (ended, report) = conform("left", &case("exchange.toml"), &options, &rogue);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    assert_eq!(with_verdict(&report, "failed"), checks);
+    let same: Vec<_> =
+        report["checks"].as_array().unwrap().iter().map(|row| &row["same_as"]).collect();
+    assert!(same[0].is_null() && same[1..].iter().all(|one| *one == "solve"), "{report:#}");
+}
+
 /// What was recorded takes the place of made-up fields: the heat is that of the run.
 #[test]
 fn recorded_inputs_are_used() {

@@ -45,6 +45,7 @@ pub(crate) struct Place {
 }
 
 /// What a finished coordinator left.
+#[derive(Debug)]
 pub(crate) struct Ended {
     pub(crate) code: Option<i32>,
     pub(crate) stdout: String,

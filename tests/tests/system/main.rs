@@ -13,6 +13,7 @@ mod c_interface;
 mod conform;
 mod cost;
 mod crowd;
+mod elsewhere;
 mod exchange;
 mod faults;
 mod figures;

@@ -1,6 +1,7 @@
 //! Recordings: what was exchanged is all there, one participant replays to the bit, and what
 //! differs is named.
 
+use crate::c_interface::Compiled;
 use crate::harness::{Ended, Place, case, programs, root, wait_until};
 use rustix::process::{Pid, Resource, Rlimit, Signal, prlimit};
 use serde_json::Value;
@@ -119,6 +120,66 @@ fn grids_that_move_replay_to_the_bit() {
         assert_identical(&place, &recording, role, &["--command", &program]);
         assert_identical(&place, &recording, role, &["--from", "6", "--command", &program]);
     }
+}
+
+/// One participant only observes: everything that it computes, in each window, is there to compare,
+/// and what the run writes is what it writes without a recording.
+#[test]
+fn a_one_way_transient_is_compared_in_every_window() {
+    let place = Place::new();
+    let last_only = ["output.every=1000"];
+    let recording = record(&place, "cold-start.toml", "--record", &last_only);
+    let windows = place.read_summary()["coupling"]["windows"].as_u64().unwrap();
+    let seen = inspect(&place, &recording, &[]);
+    let of_thermal = |field: &&Value| field["topic"].as_str().unwrap().contains("/thermal/");
+    let fields: Vec<&Value> =
+        seen["fields"].as_array().unwrap().iter().filter(of_thermal).collect();
+    assert!(windows > 40 && fields.len() > 1, "{seen:#}");
+    assert!(fields.iter().all(|field| field["samples"] == windows), "{seen:#}");
+    let replay = assert_identical(&place, &recording, "thermal", &[]);
+    assert_eq!(replay["comparison"]["samples"], windows * fields.len() as u64, "{replay:#}");
+    let written = |place: &Place| {
+        let files = std::fs::read_dir(place.out().join("fields")).unwrap().flatten();
+        let mut names: Vec<_> = files.map(|file| file.file_name()).collect();
+        names.sort();
+        names
+    };
+    let plain = Place::new();
+    plain.summary(&case("cold-start.toml"), &sets(&last_only));
+    assert_eq!(written(&place), written(&plain));
+    for name in written(&plain) {
+        let read = |place: &Place| std::fs::read(place.out().join("fields").join(&name)).unwrap();
+        assert!(read(&place) == read(&plain), "{name:?} differs in a recorded run");
+    }
+}
+
+/// A program with other models is told which to choose, and how.
+#[test]
+fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
+    let place = Place::new();
+    let recording = record(&place, "wheel-rail.toml", "--record", &["mech.model=hertz-carter"]);
+    let program = Compiled::from("proto/c/examples/closed_form.c").path();
+    let (code, _, stderr) = replay(&place, &recording, "thermal", &["--command", &program]);
+    assert_eq!(code, Some(2), "{stderr}");
+    for words in [
+        "`closed-form` has no model `columns`, which thermal was told when it was recorded",
+        "--set thermal.model=NAME (ertz-knothe)",
+        "replay with the program that was recorded, `thermal-solver`",
+    ] {
+        assert!(stderr.contains(words), "{stderr}");
+    }
+    let chosen = ["--set", "thermal.model=ertz-knothe", "--tolerance", "1", "--command", &program];
+    let (code, replay, stderr) = self::replay(&place, &recording, "thermal", &chosen);
+    assert!(code == Some(0) || code == Some(4), "{stderr}");
+    assert_eq!(replay["program"], "closed-form 1.0", "{stderr}");
+    let (left, right) = (toy("toy-left"), toy("toy-right"));
+    for program in [left, right] {
+        let (code, _, stderr) =
+            self::replay(&place, &recording, "thermal", &["--command", &program]);
+        assert_eq!(code, Some(2), "{stderr}");
+        assert!(stderr.contains("not `thermal`; give a program that does"), "{stderr}");
+    }
+    place.assert_nothing_left();
 }
 
 #[test]

@@ -447,7 +447,7 @@ const ROWS: &[Row] = &[
         replace: r#"name = "wheel-rail""#,
         by: r#"name = "x\ny""#,
         errors: &[
-            r#"2:8 case.name: '\n' cannot stand in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: the text `x\ny` holds the control character \u{a} | write one line of plain text"#,
         ],
     },
     Row {

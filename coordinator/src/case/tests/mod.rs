@@ -1,5 +1,6 @@
 //! Tests of the case front end, with two small participants that have every kind of key.
 
+mod alone;
 mod errors;
 mod options;
 mod robustness;

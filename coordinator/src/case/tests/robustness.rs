@@ -1,7 +1,7 @@
 //! Nothing that a user can write makes the front end panic, and no error is without a fix.
 
 use super::{GOOD, descriptions};
-use crate::case::{Problems, RawCase, validate};
+use crate::case::{Problems, RawCase, judge_alone, validate};
 use proptest::prelude::*;
 
 /// Validates whatever can be read, and shows the errors.
@@ -10,6 +10,9 @@ fn survive(bytes: &[u8], set: &[String]) -> Result<(), TestCaseError> {
         let applied = raw.apply(set, &[]);
         let roles = raw.participants().len();
         assert!(roles < 50);
+        if let Err(problems) = judge_alone(&raw) {
+            assert!(!problems.list().is_empty());
+        }
         let validated = validate(&raw, &descriptions(), &[]);
         applied.and(validated)
     });

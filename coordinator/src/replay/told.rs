@@ -1,0 +1,109 @@
+//! What the participant is told: its recorded configuration, with the files of the case where it can
+//! read them, and changed as was asked for.
+
+use super::Request;
+use crate::error::RunError;
+use crate::record::fits;
+use proto::description::{Description, KeySpec};
+use proto::recording::{CaseFile, Participant};
+use serde_json::{Map, Value};
+
+/// Who is told, and what was recorded of it.
+pub(super) struct Told<'a> {
+    pub(super) request: &'a Request,
+    pub(super) recorded: &'a Participant,
+    /// What the program says of itself.
+    pub(super) description: Option<&'a Description>,
+    /// Attachments, with paths on this machine in the place of their keys.
+    pub(super) files: &'a [CaseFile],
+}
+
+impl Told<'_> {
+    /// The configuration to send for a recorded one.
+    ///
+    /// # Errors
+    /// It is none, the program does not have the model, or a key to be changed is not in it.
+    pub(super) fn configuration(&self, body: &[u8]) -> Result<Vec<u8>, RunError> {
+        let mut configuration: Value = serde_json::from_slice(body).map_err(|error| {
+            RunError::Usage(format!("the recorded configuration is none: {error}"))
+        })?;
+        replace_texts(&mut configuration, self.files);
+        for (key, value) in &self.request.set {
+            self.change(&mut configuration, key, value)?;
+        }
+        self.knows_model(&configuration)?;
+        Ok(serde_json::to_vec(&configuration).expect("it was JSON before"))
+    }
+
+    /// Sets the model, a value that was recorded, or one that the program reads.
+    fn change(&self, tree: &mut Value, key: &str, value: &Value) -> Result<(), RunError> {
+        let role = &self.request.only;
+        let pointer = match key == format!("{role}.model") {
+            true => "/model".to_owned(),
+            false => format!("/case/{}", key.replace('.', "/")),
+        };
+        match tree.pointer_mut(&pointer) {
+            Some(found) => found.clone_from(value),
+            None if self.reads(key) => insert(&mut tree["case"], key, value),
+            None => return Err(RunError::Usage(format!("{role} was not told any `{key}`"))),
+        }
+        Ok(())
+    }
+
+    /// The program describes the key.
+    fn reads(&self, key: &str) -> bool {
+        let Some(said) = self.description else { return false };
+        let models = said.models.iter().flat_map(|model| &model.keys);
+        let effects = said.effects.iter().flat_map(|effect| &effect.keys);
+        let parts: Vec<&str> = key.split('.').collect();
+        let reads = |spec: &KeySpec| fits(&spec.path, &parts);
+        said.keys.iter().chain(models).chain(effects).any(reads)
+    }
+
+    fn knows_model(&self, configuration: &Value) -> Result<(), RunError> {
+        let (Some(said), Some(model)) = (self.description, configuration["model"].as_str()) else {
+            return Ok(());
+        };
+        if said.models.iter().any(|known| known.name == model) {
+            return Ok(());
+        }
+        let known: Vec<&str> = said.models.iter().map(|model| model.name.as_str()).collect();
+        let (role, program, known) = (&self.request.only, &said.name, known.join(", "));
+        Err(RunError::Usage(format!(
+            "`{program}` has no model `{model}`, which {role} was told when it was recorded; choose \
+             one of its own with --set {role}.model=NAME ({known}), or {}",
+            self.otherwise()
+        )))
+    }
+
+    /// What else can be replayed with.
+    pub(super) fn otherwise(&self) -> String {
+        format!("replay with the program that was recorded, `{}`", self.recorded.program)
+    }
+}
+
+/// Puts a value at a dotted key, in tables that are made as needed.
+fn insert(tree: &mut Value, key: &str, value: &Value) {
+    let mut at = tree;
+    for part in key.split('.') {
+        if !at.is_object() {
+            *at = Value::Object(Map::new());
+        }
+        at = &mut at[part];
+    }
+    at.clone_from(value);
+}
+
+/// Replaces the names of attachments by paths, wherever they stand.
+fn replace_texts(tree: &mut Value, files: &[CaseFile]) {
+    match tree {
+        Value::String(text) => {
+            if let Some(file) = files.iter().find(|file| file.attachment == *text) {
+                text.clone_from(&file.key);
+            }
+        }
+        Value::Object(table) => table.values_mut().for_each(|value| replace_texts(value, files)),
+        Value::Array(list) => list.iter_mut().for_each(|value| replace_texts(value, files)),
+        _ => {}
+    }
+}

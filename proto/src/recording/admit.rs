@@ -1,0 +1,123 @@
+//! What a recording may hold. A file comes from anywhere: its names obey the same rule as on the
+//! wire, its grids are checked like those of a participant, and nothing in it is longer than what
+//! a recording can hold.
+
+use super::{CONTROL, FILES, Head, LONGEST_RECORD, STATE};
+use crate::field::GEOMETRY;
+use crate::grid::{Grid, check_name};
+use crate::message::{FieldHeader, MAX_INPUTS, Topics};
+use crate::text::{check_line, check_lines, one_line};
+
+/// Most participants of a run.
+const MOST_PARTICIPANTS: usize = 16;
+/// Most components of a field.
+const MOST_COMPONENTS: u32 = 64;
+/// Most topics that one participant sends.
+const MOST_OUTPUTS: usize = 256;
+
+/// What is wrong with a head.
+pub(super) fn head(head: &Head) -> Result<(), String> {
+    check_lines("head", head)?;
+    let count = head.participants.len();
+    if count > MOST_PARTICIPANTS {
+        return Err(format!("{count} participants, {MOST_PARTICIPANTS} at most"));
+    }
+    for (index, one) in head.participants.iter().enumerate() {
+        let role = &one.role;
+        check_name("role", role)?;
+        if head.participants[..index].iter().any(|other| other.role == *role) {
+            return Err(format!("two participants play `{role}`"));
+        }
+        one.description.check().map_err(|fault| format!("participant `{role}`: {fault}"))?;
+        if one.program.contains('/') {
+            return Err(format!("the program of `{role}`, `{}`, is a path", one.program));
+        }
+    }
+    match head.files.iter().find(|file| !file.attachment.starts_with(FILES)) {
+        Some(file) => {
+            Err(format!("the file of `{}` is attached as `{}`", file.key, file.attachment))
+        }
+        None => Ok(()),
+    }
+}
+
+/// What is wrong with the name of a channel.
+pub(super) fn channel(name: &str) -> Result<(), String> {
+    let parts: Vec<&str> = name.split('/').collect();
+    let known = match parts.as_slice() {
+        [control] => *control == CONTROL,
+        ["state", _] | ["geometry", _, _] | ["field", _, _] => true,
+        ["field", sender, _, _] => *sender == "coordinator",
+        _ => false,
+    };
+    if !known {
+        let shown: String = one_line(name).chars().take(80).collect();
+        return Err(format!("a channel `{shown}`, which is none of a recording"));
+    }
+    parts.iter().try_for_each(|part| check_name("channel's", part))
+}
+
+/// What is wrong with the label of a sample that came on a channel that is admitted.
+pub(super) fn label(channel: &str, header: &FieldHeader) -> Result<(), String> {
+    let [name, producer, grid] =
+        [header.name.as_str(), header.producer.as_str(), header.grid.as_str()];
+    for (what, name) in [("field", name), ("producer", producer), ("grid", grid)] {
+        check_name(what, name)?;
+    }
+    if !(1..=MOST_COMPONENTS).contains(&header.components) {
+        return Err(format!("{} components", header.components));
+    }
+    let unit = header.unit.as_str();
+    if !unit.is_ascii() || unit.contains(|c: char| c.is_control()) {
+        return Err(format!("the unit {unit:?}"));
+    }
+    let mut parts = channel.split('/');
+    let (kind, sender, subject) = (parts.next(), parts.next(), parts.next());
+    let expected = match kind {
+        Some("geometry") => (name == GEOMETRY.name).then_some(grid),
+        _ => Some(name),
+    };
+    match sender == Some(producer) && subject == expected {
+        true => Ok(()),
+        false => Err(format!("the label `{name}` from `{producer}` on `{grid}`")),
+    }
+}
+
+/// What is wrong with the topics of a participant.
+pub(super) fn topics(topics: &Topics) -> Result<(), String> {
+    let Topics { inputs, outputs, geometry, .. } = topics;
+    if inputs.len() > MAX_INPUTS || outputs.len().max(geometry.len()) > MOST_OUTPUTS {
+        return Err(format!("{} inputs and {} outputs", inputs.len(), outputs.len()));
+    }
+    for topic in inputs.iter().chain(outputs) {
+        check_name("field", &topic.field)?;
+        grid(&topic.grid)?;
+    }
+    for topic in geometry {
+        check_name("grid", &topic.grid)?;
+    }
+    let moving = inputs.iter().chain(outputs).filter_map(|topic| topic.geometry.as_ref());
+    let services = inputs.iter().chain(outputs).map(|topic| &topic.service).chain(moving);
+    let own = geometry.iter().map(|topic| &topic.service);
+    services.chain(own).try_for_each(|service| match service.starts_with(STATE) {
+        true => Err(format!("the topic `{service}`")),
+        false => channel(service),
+    })
+}
+
+/// What is wrong with a grid: more than for a run, as its samples fit into a recording.
+fn grid(grid: &Grid) -> Result<(), String> {
+    grid.check()?;
+    match grid.points() {
+        points if points > LONGEST_RECORD / 8 => Err(format!(
+            "grid `{}` has {points} points: no recording holds a field on it",
+            grid.name
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// What is wrong with the name of an attachment.
+pub(super) fn attachment(name: &str) -> Result<(), String> {
+    check_line("an attachment", name)
+}
