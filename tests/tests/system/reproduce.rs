@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 fn reproduce(place: &Place, study: &Path, more: &[&str]) -> Ended {
     let (study, out) = (study.display().to_string(), place.out().display().to_string());
-    let mut arguments = vec!["reproduce", &study, "--out", &out];
+    let mut arguments = vec!["reproduce", &study, "--out", &out, "--replace"];
     arguments.extend(more);
     place.start(&arguments).wait()
 }
@@ -207,7 +207,11 @@ fn a_folder_with_other_files_is_refused() {
     fs::write(place.out().join("notes.txt"), "mine").unwrap();
     let ended = reproduce(&place, &small.study(), &[]);
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
-    assert!(ended.stderr.contains("holds files but no reproduction"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("holds files but no results of `coordinator reproduce`"),
+        "{}",
+        ended.stderr
+    );
     assert_eq!(fs::read_dir(place.out()).unwrap().count(), 1);
 }
 
