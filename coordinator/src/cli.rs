@@ -16,6 +16,7 @@ use crate::progress::Progress;
 use crate::record::Compression;
 use crate::replay;
 use crate::report;
+use crate::report::unit::counted;
 use crate::reproduce;
 use crate::results::{ResultFolder, show};
 use crate::run::{self, Clock, Outcome};
@@ -485,7 +486,7 @@ fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError
     let mut recording = inspect::open(path)?;
     let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
     let instants = export::export(path, &mut recording, &target)?;
-    let mut text = format!("{instants} instant(s)");
+    let mut text = counted(instants as u64, "instant");
     for folder in [vtk, csv].into_iter().flatten() {
         text += &format!(" -> {}", folder.display());
     }
