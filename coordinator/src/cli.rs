@@ -17,6 +17,7 @@ use crate::progress::Progress;
 use crate::record::Compression;
 use crate::replay;
 use crate::report;
+use crate::report::unit::counted;
 use crate::reproduce;
 use crate::results::place::RESULTS;
 use crate::results::{Existing, ResultFolder, show};
@@ -596,7 +597,7 @@ fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError
     drop(reading);
     let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
     let instants = export::export(path, &mut recording, &target)?;
-    let mut text = format!("{instants} instant(s)");
+    let mut text = counted(instants as u64, "instant");
     for folder in [vtk, csv].into_iter().flatten() {
         text += &format!(" -> {}", folder.display());
     }

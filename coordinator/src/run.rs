@@ -12,6 +12,7 @@ use crate::plan::{Plan, Planned};
 use crate::progress::Progress;
 use crate::record::{Compression, Recorder};
 use crate::report::plan_file;
+use crate::report::unit::counted;
 use crate::results::dir::shown;
 use crate::results::iterations::IterationTable;
 use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
@@ -99,7 +100,11 @@ fn success(plan: &Plan, counts: &Counts) -> (Status, String) {
     match counts.not_converged {
         _ if !plan.scheme.scheme.is_implicit() => (Status::Completed, reason.clone()),
         0 => (Status::Converged, format!("every window is within its tolerances; {reason}")),
-        few => (Status::Completed, format!("{few} window(s) have not converged; {reason}")),
+        few => {
+            let have = if few == 1 { "has" } else { "have" };
+            let windows = counted(few, "window");
+            (Status::Completed, format!("{windows} {have} not converged; {reason}"))
+        }
     }
 }
 

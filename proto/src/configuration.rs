@@ -51,6 +51,9 @@ pub struct Input {
     /// own ([`Layout::inputs`]), or refuses.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub moves: bool,
+    /// Where its largest value is expected, see [`Layout::peaks`] [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peak: Option<[f64; 3]>,
 }
 
 impl Configuration {
@@ -82,6 +85,10 @@ pub struct Layout {
     /// [`crate::model::Model::moved_grids`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moving: Vec<String>,
+    /// Where the largest value of a field is expected, by its name, as far as that is known before
+    /// the first solve [m]; for consumers that look at one place more closely than at others.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub peaks: BTreeMap<String, [f64; 3]>,
     /// Expected processor seconds of one solve.
     pub solve_seconds: f64,
     /// Expected processor seconds of what is done once, whatever the number of solves.
@@ -247,7 +254,8 @@ mod tests {
     #[test]
     fn an_input_whose_grid_stays_is_written_as_before() {
         let field = crate::field::PRESSURE.kind();
-        let input = Input { field, producer: "mech".to_owned(), grid: None, moves: false };
+        let input =
+            Input { field, producer: "mech".to_owned(), grid: None, moves: false, peak: None };
         let text = serde_json::to_string(&input).unwrap();
         assert!(!text.contains("moves"), "{text}");
         assert_eq!(serde_json::from_str::<Input>(&text).unwrap(), input);

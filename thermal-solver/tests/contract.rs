@@ -51,6 +51,50 @@ fn layout_places_the_fields_and_sections_only_when_asked() {
     assert!(layout.memory_bytes > 0 && layout.solve_seconds > 0.0);
 }
 
+/// Sections lie where most heat is expected, or where the case wants them.
+#[test]
+fn sections_go_through_the_peak_or_where_asked() {
+    let grid = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 40);
+    let mut given = configuration("columns", Mode::Steady, grid, steel());
+    let row_of = |given: &proto::configuration::Configuration| {
+        let layout = ThermalSolver.configure(given).unwrap().layout().clone();
+        let section = *layout.grid_of("rail_section_temperature").unwrap().as_structured().unwrap();
+        ((section.centre(0, 0)[1] + 1e-3) / 5e-4).round() as usize
+    };
+    assert_eq!(row_of(&given), 2);
+    given.inputs[0].peak = Some([0.0, 14.2e-3, 0.0]);
+    assert_eq!(row_of(&given), 30);
+    given.case.0["thermal"] = serde_json::json!({"section_y": 4e-3});
+    assert_eq!(row_of(&given), 10);
+}
+
+/// Two heated strips, cold between them, have a hottest place each; one has none of its own.
+#[test]
+fn every_heated_strip_has_its_hottest_place() {
+    let grid = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 9);
+    for model in ["columns", "ertz-knothe"] {
+        let mut run = Run::new(model, Mode::Steady, grid, steel());
+        let heated = |row: usize| match row {
+            1 | 2 => 1e8,
+            6 => 3e8,
+            _ => 0.0,
+        };
+        let inside = |i: usize| (10..30).contains(&i);
+        let flux = |at: usize| if inside(at % 40) { heated(at / 40) } else { 0.0 };
+        run.advance(&(0..grid.points()).map(flux).collect::<Vec<_>>(), 0.0);
+        let rail = run.model.summary()["temperature"]["rail"].clone();
+        let strips = rail["each_strip"].as_array().expect("two strips").clone();
+        let of = |n: usize, key: &str| strips[n][key].as_f64().unwrap();
+        assert_eq!(strips.len(), 2, "{model}");
+        assert_eq!(of(1, "max_rise_k"), rail["max_rise_k"].as_f64().unwrap());
+        assert!((of(1, "max_rise_k") / of(0, "max_rise_k") - 3.0).abs() < 1e-9, "{strips:?}");
+        let ends = [of(0, "y_from_m"), of(0, "y_to_m"), of(1, "y_m")];
+        for (end, expected) in ends.into_iter().zip([-0.75e-3, 0.25e-3, 2e-3]) {
+            assert!((end - expected).abs() < 1e-12, "{model}: {ends:?}");
+        }
+    }
+}
+
 /// The patch of the heat flux, cut into as many elements as asked for.
 #[test]
 fn resolution_gives_a_grid_of_its_own() {

@@ -4,6 +4,7 @@ use super::bench::{Bench, wait_for};
 use super::check::{Check, Fault, Seen, broken};
 use crate::case::parse_quantity;
 use crate::error::RunError;
+use crate::report::unit::counted;
 use proto::configuration::{Estimate, Layout};
 use proto::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
 use proto::grid::check_name;
@@ -54,9 +55,9 @@ fn describe(bench: &Bench) -> Result<Seen, Fault> {
     }
     bench.keep_joined(trial);
     Seen::kept(format!(
-        "{} model(s), {} effect(s), in {:.0} ms",
-        said.models.len(),
-        said.effects.len(),
+        "{}, {}, in {:.0} ms",
+        counted(said.models.len() as u64, "model"),
+        counted(said.effects.len() as u64, "effect"),
         1e3 * took.as_secs_f64()
     ))
 }

@@ -2,6 +2,7 @@
 
 use super::{Details, FieldSurvey, Range, Survey};
 use crate::plan::show::{bytes, seconds};
+use crate::report::unit::counted;
 use proto::text::one_line;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -42,14 +43,14 @@ fn participants(out: &mut String, survey: &Survey) {
         let title = if n == 0 { "participants" } else { "" };
         let states = match one.states {
             0 => String::new(),
-            n => format!(", {n} state(s)"),
+            n => format!(", {}", counted(n as u64, "state")),
         };
         let model = if one.model.is_empty() { "?".into() } else { one_line(&one.model) };
         let _ = writeln!(
             out,
-            "  {title:13} {:10} {model:14} {} solve(s) in {}{states}, by {}",
+            "  {title:13} {:10} {model:14} {} in {}{states}, by {}",
             one.role,
-            one.solves,
+            counted(one.solves, "solve"),
             seconds(one.model_s),
             one.program
         );
@@ -67,12 +68,12 @@ fn coupling(out: &mut String, survey: &Survey) {
     };
     let _ = writeln!(
         out,
-        "  coupling      {}{acceleration}: {} window(s){repeated} up to {} s, {} iteration(s), at \
-         most {} in a window, {} beside the models",
+        "  coupling      {}{acceleration}: {}{repeated} up to {} s, {}, at most {} in a window, {} \
+         beside the models",
         survey.scheme,
-        survey.windows,
+        counted(survey.windows, "window"),
         survey.end_s,
-        survey.iterations,
+        counted(survey.iterations, "iteration"),
         survey.max_iterations_in_window,
         seconds(survey.coupling_s)
     );

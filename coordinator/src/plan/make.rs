@@ -333,6 +333,7 @@ fn participants(
                 producer: running[f.producer].role.to_owned(),
                 grid: None,
                 moves: false,
+                peak: None,
             })
             .collect();
         if inputs.len() > MAX_INPUTS {
@@ -425,5 +426,6 @@ fn fill_input_grids(plan: &mut Plan, index: usize) {
         let producer = layouts.iter().find(|(role, _)| *role == input.producer);
         let layout = producer.and_then(|(_, layout)| layout.as_ref());
         input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
+        input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
     }
 }

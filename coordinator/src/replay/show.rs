@@ -2,6 +2,7 @@
 
 use super::{Difference, Replay, Request};
 use crate::plan::show::seconds;
+use crate::report::unit::counted;
 use proto::text::one_line;
 use std::fmt::Write as _;
 
@@ -23,23 +24,24 @@ pub fn text(replay: &Replay, request: &Request) -> String {
     let compared = &replay.comparison;
     let _ = writeln!(
         out,
-        "  windows {} to {}: {} solve(s), {} sample(s) of {} value(s) compared{}",
+        "  windows {} to {}: {}, {} of {} compared{}",
         replay.from_window,
         replay.last_window,
-        replay.solves,
-        compared.samples,
-        compared.values,
+        counted(replay.solves, "solve"),
+        counted(compared.samples, "sample"),
+        counted(compared.values, "value"),
         if replay.cut { "; the recording is cut here" } else { "" }
     );
     let verdict = match (compared.differs(), request.tolerance) {
         (false, _) if compared.samples == 0 => "  nothing was there to compare".to_owned(),
         (false, None) => "  bit-identical".to_owned(),
         (false, Some(tolerance)) => format!(
-            "  within {tolerance:e} of the recording: {} sample(s) differ, by {:.2e} at most",
-            compared.unequal_samples, compared.largest
+            "  within {tolerance:e} of the recording but for {}, by {:.2e} at most",
+            counted(compared.unequal_samples, "sample"),
+            compared.largest
         ),
         (true, _) if compared.first.is_none() => "  DIFFERS, though not in its fields".to_owned(),
-        (true, _) => format!("  DIFFERS in {} sample(s)", compared.different_samples),
+        (true, _) => format!("  DIFFERS in {}", counted(compared.different_samples, "sample")),
     };
     let _ = writeln!(out, "{verdict}");
     if let Some(first) = &compared.first {

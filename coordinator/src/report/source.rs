@@ -47,12 +47,12 @@ pub struct Series {
     pub instants: Vec<(f64, PathBuf)>,
     /// The newest fields, if they lie on an image.
     pub image: Option<Image>,
-    /// Their centre line.
+    /// Their line through the largest value.
     pub line: Option<Table>,
 }
 
 impl Series {
-    /// The centre line at an instant.
+    /// That line at an instant.
     #[must_use]
     pub fn line_at(&self, instant: usize) -> Option<Table> {
         let (_, path) = self.instants.get(instant)?;

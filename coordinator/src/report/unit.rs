@@ -36,7 +36,11 @@ impl Scale {
 
 /// How many of a unit a value has to be to be shown in it.
 fn enough(si: &str) -> f64 {
-    if si == "m/s" { 0.05 } else { 2.0 }
+    match si {
+        "m/s" => 0.05,
+        "W" | "N" | "Nm" => 1.0,
+        _ => 2.0,
+    }
 }
 
 /// The units in which values of this SI unit are shown, the largest first.
@@ -45,7 +49,7 @@ fn prefixed(si: &str) -> &'static [(f64, &'static str)] {
         "Pa" => &[(1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")],
         "m" => &[(1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")],
         "s" => &[(1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")],
-        "N" => &[(1e6, "MN"), (1e3, "kN"), (1.0, "N")],
+        "N" => &[(1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"), (1e-6, "µN")],
         "Nm" => &[(1e3, "kN·m"), (1.0, "N·m"), (1e-3, "mN·m")],
         "W" => &[(1e6, "MW"), (1e3, "kW"), (1.0, "W"), (1e-3, "mW"), (1e-6, "µW")],
         "J" => &[(1e6, "MJ"), (1e3, "kJ"), (1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ")],
@@ -127,6 +131,17 @@ pub fn superscript(exponent: i32) -> String {
     exponent.to_string().chars().map(raised).collect()
 }
 
+/// A number of things: `1 window`, `2 windows`.
+#[must_use]
+pub fn counted(count: u64, thing: &str) -> String {
+    let ending = match count {
+        1 => "",
+        _ if thing.ends_with("ch") => "es",
+        _ => "s",
+    };
+    format!("{count} {thing}{ending}")
+}
+
 /// A name of a field or key as words.
 #[must_use]
 pub fn words(name: &str) -> String {
@@ -148,6 +163,18 @@ mod tests {
         assert_eq!(shown("K", 225.912), "225.9\u{a0}K");
         assert_eq!(shown("-", 0.58), "0.5800");
         assert_eq!(shown("Pa", 0.0), "0\u{a0}Pa");
+    }
+
+    #[test]
+    fn powers_and_plurals_fit() {
+        let power = |value: f64| Scale::of("W", value).show(value, 3);
+        assert_eq!(
+            [power(2.0), power(1530.0), power(25.9e3)].map(|p| p.replace('\u{a0}', " ")),
+            ["2.00 W", "1.53 kW", "25.9 kW"]
+        );
+        let windows = [0, 1, 2].map(|count| counted(count, "window"));
+        assert_eq!(windows, ["0 windows", "1 window", "2 windows"]);
+        assert_eq!(counted(2, "patch"), "2 patches");
     }
 
     #[test]

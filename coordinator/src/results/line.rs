@@ -1,10 +1,15 @@
-//! Fields along the centre line of a structured grid, as a table for plots: the row of elements along
-//! i whose centre line passes nearest to the origin; where all is zero there, as between two patches,
-//! the row of the first field's largest value.
+//! Fields along a line of a structured grid, as a table for plots: through the largest value of the
+//! first scalar field, or of the first field if all are vectors. On a surface it runs along i, in the
+//! rolling direction; in a section, whose rows are levels over each other, through all of them. Of
+//! several largest values, as on mirrored patches, the one nearest to the origin counts, and where all
+//! is zero the line is the one nearest to it.
 
 use proto::field::FieldKind;
 use proto::grid::Structured;
 use std::io::{self, Write};
+
+/// Relative difference of the squares of values that are the same but for rounding.
+const SAME: f64 = 1e-9;
 
 /// Names of the components of vectors.
 const COMPONENTS: [&str; 3] = ["x", "y", "z"];
@@ -15,7 +20,7 @@ pub(super) fn write(
     out: &mut impl Write,
     fields: &[(&FieldKind, &[f64])],
 ) -> io::Result<()> {
-    let row = told_row(grid, fields);
+    let elements = elements(grid, fields);
     write!(out, "x [m],y [m],z [m]")?;
     for (kind, _) in fields {
         for component in 0..kind.components as usize {
@@ -27,12 +32,12 @@ pub(super) fn write(
         }
     }
     writeln!(out)?;
-    for i in 0..grid.ni {
-        let [x, y, z] = grid.centre(i, row);
+    for (i, j) in elements {
+        let [x, y, z] = grid.centre(i, j);
         write!(out, "{x:e},{y:e},{z:e}")?;
         for (kind, values) in fields {
             for component in 0..kind.components as usize {
-                let at = component * grid.points() + row * grid.ni + i;
+                let at = component * grid.points() + j * grid.ni + i;
                 write!(out, ",{:e}", values.get(at).copied().unwrap_or(f64::NAN))?;
             }
         }
@@ -41,56 +46,85 @@ pub(super) fn write(
     Ok(())
 }
 
-fn told_row(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> usize {
-    let nearest = nearest_row(grid);
-    let in_row = |index: usize| index % grid.points() / grid.ni == nearest;
-    let told = |values: &[f64]| values.iter().enumerate().any(|(k, v)| in_row(k) && *v != 0.0);
-    if fields.iter().any(|(_, values)| told(values)) {
-        return nearest;
-    }
-    let first = fields.first().map_or(&[][..], |(_, values)| *values);
-    let largest = first.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    match largest {
-        Some((index, value)) if *value != 0.0 => index % grid.points() / grid.ni,
-        _ => nearest,
+/// The elements of the line.
+fn elements(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> Vec<(usize, usize)> {
+    let (i, j) = largest(grid, fields).unwrap_or_else(|| nearest(grid, |_| true));
+    match grid.step_j[2] {
+        0.0 => (0..grid.ni).map(|i| (i, j)).collect(),
+        _ => (0..grid.nj).map(|j| (i, j)).collect(),
     }
 }
 
-fn nearest_row(grid: &Structured) -> usize {
-    let distance = |j: usize| {
-        let ([x, y, z], [dx, dy, dz]) = (grid.centre(0, j), grid.step_i);
-        let cross = [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx];
-        cross.iter().map(|value| value * value).sum::<f64>()
+/// The element of the largest value; `None` where all is zero.
+fn largest(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> Option<(usize, usize)> {
+    let (kind, values) = fields.iter().find(|(kind, _)| kind.components == 1).or(fields.first())?;
+    let points = grid.points();
+    let size = |at: usize| {
+        let components = (0..kind.components as usize).map(|c| values.get(c * points + at));
+        components.flatten().map(|value| value * value).sum::<f64>()
     };
-    (0..grid.nj).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(0)
+    let largest = (0..points).map(size).fold(0.0, f64::max);
+    (largest > 0.0).then(|| nearest(grid, |at| size(at) >= (1.0 - SAME) * largest))
+}
+
+/// The element nearest to the origin among those that qualify.
+fn nearest(grid: &Structured, qualifies: impl Fn(usize) -> bool) -> (usize, usize) {
+    let place = |at: usize| (at % grid.ni, at / grid.ni);
+    let distance = |at: &usize| {
+        let (i, j) = place(*at);
+        grid.centre(i, j).iter().map(|value| value * value).sum::<f64>()
+    };
+    let qualified = (0..grid.points()).filter(|at| qualifies(*at));
+    place(qualified.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_middle_row_with_all_components() {
-        let grid = Structured::contact_plane(-1.0, -0.4, 1.0, 0.5, 2, 3);
-        let (power, traction) =
-            (proto::field::FRICTION_POWER.kind(), proto::field::TRACTION.kind());
-        let one: Vec<f64> = (0..6).map(f64::from).collect();
-        let two: Vec<f64> = (10..22).map(f64::from).collect();
+    fn written(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> String {
         let mut out = Vec::new();
-        write(&grid, &mut out, &[(&power, &one), (&traction, &two)]).unwrap();
-        let text = String::from_utf8(out).unwrap();
-        let expected = "x [m],y [m],z [m],friction_power [W/m2],traction_x [Pa],traction_y [Pa]\n\
-                        -1e0,9.999999999999998e-2,0e0,2e0,1.2e1,1.8e1\n\
-                        0e0,9.999999999999998e-2,0e0,3e0,1.3e1,1.9e1\n";
-        assert_eq!(text, expected);
+        write(grid, &mut out, fields).unwrap();
+        String::from_utf8(out).unwrap()
     }
 
     #[test]
-    fn between_two_patches_the_row_of_the_larger_one() {
+    fn the_row_through_the_largest_scalar_with_all_components() {
+        let grid = Structured::contact_plane(-1.0, -0.5, 1.0, 0.5, 2, 3);
+        let (power, traction) =
+            (proto::field::FRICTION_POWER.kind(), proto::field::TRACTION.kind());
+        let one = [0.0, 1.0, 2.0, 3.0, 9.0, 5.0];
+        let two: Vec<f64> = (10..22).map(f64::from).collect();
+        let expected = "x [m],y [m],z [m],traction_x [Pa],traction_y [Pa],friction_power [W/m2]\n\
+                        -1e0,5e-1,0e0,1.4e1,2e1,9e0\n\
+                        0e0,5e-1,0e0,1.5e1,2.1e1,5e0\n";
+        assert_eq!(written(&grid, &[(&traction, &two), (&power, &one)]), expected);
+    }
+
+    #[test]
+    fn of_equal_rows_the_one_nearest_to_the_origin() {
         let grid = Structured::contact_plane(0.0, -1.0, 1.0, 1.0, 2, 3);
         let pressure = proto::field::PRESSURE.kind();
-        let mut out = Vec::new();
-        write(&grid, &mut out, &[(&pressure, &[1.0, 2.0, 0.0, 0.0, 4.0, 3.0])]).unwrap();
-        assert!(String::from_utf8(out).unwrap().contains("0e0,1e0,0e0,4e0"));
+        let row = |values: &[f64]| written(&grid, &[(&pressure, values)]);
+        assert!(row(&[1.0, 2.0, 0.0, 0.0, 4.0, 3.0]).contains("0e0,1e0,0e0,4e0"));
+        assert!(row(&[4.0, 0.0, 4.0 - 1e-12, 3.9, 4.0, 0.0]).contains("1e0,0e0,0e0,3.9e0"));
+        assert!(row(&[0.0; 6]).contains("0e0,0e0,0e0,0e0"));
+    }
+
+    /// A section has its depth line below the largest value, all levels of it.
+    #[test]
+    fn a_section_has_its_depth_line() {
+        let grid = Structured {
+            origin: [0.0, 0.5, -0.1],
+            step_i: [1.0, 0.0, 0.0],
+            step_j: [0.0, 0.0, -0.2],
+            ni: 3,
+            nj: 2,
+        };
+        let stress = proto::field::RAIL_SECTION_VON_MISES.kind();
+        let values = [1.0, 2.0, 3.0, 4.0, 9.0, 5.0];
+        let text = written(&grid, &[(&stress, &values)]);
+        let rows: Vec<&str> = text.lines().skip(1).collect();
+        assert_eq!(rows, ["1e0,5e-1,-1e-1,2e0", "1e0,5e-1,-3.0000000000000004e-1,9e0"]);
     }
 }

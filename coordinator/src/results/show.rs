@@ -1,7 +1,9 @@
 //! The summary as a person reads it.
 
+mod contact;
+
 use crate::plan::show::{bytes, seconds};
-use crate::report::unit::number;
+use crate::report::unit::{Scale, counted, number};
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -15,38 +17,21 @@ pub fn text(summary: &Value, title: Option<&str>) -> String {
         let _ = write!(out, " · {title}");
     }
     let _ = writeln!(out, "\n  {}: {}", word("/status"), word("/reason"));
-    line(
-        &mut out,
-        "contact",
-        &[
-            of("/contact/semi_axis_a_m").map(|v| format!("a {:.4} mm", v * 1e3)),
-            of("/contact/semi_axis_b_m").map(|v| format!("b {:.4} mm", v * 1e3)),
-            of("/contact/max_pressure_pa").map(|v| format!("p0 {:.2} MPa", v / 1e6)),
-            of("/contact/approach_m").map(|v| format!("approach {:.3} µm", v * 1e6)),
-            of("/contact/normal_force_n").map(|v| format!("N {:.3} kN", v / 1e3)),
-        ],
-    );
-    line(
-        &mut out,
-        "friction",
-        &[
-            of("/contact/traction_coefficient").map(|v| format!("F/N {v:.4}")),
-            of("/contact/creepage_xi").map(|v| format!("creepage {:.4} %", v * 100.0)),
-            of("/contact/slip_area_ratio").map(|v| format!("slip area {:.1} %", v * 100.0)),
-            of("/contact/max_slip_velocity_m_per_s").map(|v| format!("slip {v:.4} m/s")),
-            of("/contact/friction_power_w").map(|v| format!("power {:.3} kW", v / 1e3)),
-        ],
-    );
+    line(&mut out, "contact", &contact::extent(summary));
+    for (head, entries) in contact::patches(summary) {
+        line(&mut out, &head, &entries);
+    }
+    line(&mut out, "friction", &contact::friction(summary));
     for body in ["rail", "wheel"] {
         let at = |key: &str| of(&format!("/temperature/{body}/{key}"));
         line(
             &mut out,
             body,
             &[
-                at("max_rise_k").map(|v| format!("+{v:.2} K")),
+                at("max_rise_k").map(rise),
                 at("x_over_a").map(|v| format!("at x/a {v:.4}")),
                 at("y_m").map(|v| format!("y {:.3} mm", v * 1e3)),
-                at("penetration_depth_m").map(|v| format!("1/e at depth {:.1} µm", v * 1e6)),
+                at("penetration_depth_m").map(|v| format!("1/e at depth {}", with_unit(v, "m", 3))),
             ],
         );
     }
@@ -57,8 +42,8 @@ pub fn text(summary: &Value, title: Option<&str>) -> String {
             Some(word("/coupling/scheme").to_owned()).filter(|scheme| !scheme.is_empty()),
             Some(word("/coupling/acceleration").to_owned())
                 .filter(|word| !word.is_empty() && word != "none"),
-            of("/coupling/windows").map(|v| format!("{v:.0} window(s)")),
-            of("/coupling/iterations").map(|v| format!("{v:.0} iteration(s)")),
+            of("/coupling/windows").map(|v| counted(v as u64, "window")),
+            of("/coupling/iterations").map(|v| counted(v as u64, "iteration")),
             of("/coupling/final_residual").map(|v| format!("residual {v:.1e}")),
             of("/coupling/energy_imbalance").map(imbalance),
         ],
@@ -66,6 +51,25 @@ pub fn text(summary: &Value, title: Option<&str>) -> String {
     line(&mut out, "accuracy", &accuracy(summary));
     line(&mut out, "cost", &cost(summary));
     out
+}
+
+/// A value in a unit that fits, as a terminal and its programs read numbers.
+fn with_unit(value: f64, si: &str, digits: usize) -> String {
+    plain(&Scale::of(si, value).show(value, digits))
+}
+
+/// A number to some digits, with a plain minus sign.
+fn digits(value: f64, digits: usize) -> String {
+    plain(&number(value, digits))
+}
+
+fn plain(text: &str) -> String {
+    text.replace('\u{a0}', " ").replace('−', "-")
+}
+
+fn rise(value: f64) -> String {
+    let sign = if value < 0.0 { "" } else { "+" };
+    format!("{sign}{} K", digits(value, 5))
 }
 
 fn imbalance(value: f64) -> String {

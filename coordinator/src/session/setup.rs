@@ -209,6 +209,7 @@ impl Session {
                 let producer = self.links.iter().position(|l| l.role() == input.producer);
                 let layout = producer.and_then(|index| layouts.get(index));
                 input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
+                input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
                 input.moves = is_told(plan, &layouts, input);
             }
             let body = serde_json::to_vec(&configuration).expect("a configuration is plain data");

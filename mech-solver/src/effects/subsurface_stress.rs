@@ -45,7 +45,11 @@ fn keys() -> Vec<KeySpec> {
             .default_value(60)
             .at_least(1.0)
             .at_most(2000.0),
-        KeySpec::quantity(LATERAL, "m", "lateral coordinate of the section").default_value(0.0),
+        KeySpec::quantity(
+            LATERAL,
+            "m",
+            "lateral coordinate of the section; absent: through the highest pressure",
+        ),
     ]
 }
 
@@ -88,7 +92,8 @@ struct Fields {
 }
 
 impl Sections {
-    /// The sections of a configuration; `None` when the effect is off.
+    /// The sections of a configuration; `None` when the effect is off. The highest pressure without
+    /// friction is at `peak_y` [m].
     ///
     /// # Errors
     /// The effect is on and a value is out of range.
@@ -97,6 +102,7 @@ impl Sections {
         scene: &Scene,
         contact: Structured,
         [a, b]: [f64; 2],
+        peak_y: f64,
     ) -> Result<Option<Self>, Refusal> {
         if !configuration.has_effect(NAME) {
             return Ok(None);
@@ -107,7 +113,7 @@ impl Sections {
         let step = depth / layers as f64;
         Ok(Some(Self {
             contact,
-            y: case.number(LATERAL)?,
+            y: case.maybe_number(LATERAL)?.unwrap_or(peak_y),
             depths: (0..layers).map(|k| (k as f64 + 0.5) * step).collect(),
             poisson: [scene.wheel.poisson_ratio, scene.rail.poisson_ratio],
             results: None,
@@ -174,6 +180,7 @@ impl Sections {
             Some(json!({
                 "max_von_mises_pa": von_mises, "von_mises_x_m": x, "von_mises_depth_m": depth,
                 "max_shear_pa": shear, "shear_x_m": shear_x, "shear_depth_m": shear_depth,
+                "section_y_m": self.y,
             }))
         };
         let both = BODIES

@@ -103,8 +103,9 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let footprint = geometry::footprint(configuration, &scene, given, &bodies)?;
     let driven = Driven::read(configuration, &scene, given.as_ref(), footprint.ellipse.as_ref())?;
     let (grid, semi_axes) = (footprint.grid, footprint.semi_axes);
+    let peak_y = footprint.peak_y.unwrap_or(0.0);
     let case = Case {
-        sections: Sections::read(configuration, &scene, grid, semi_axes)?,
+        sections: Sections::read(configuration, &scene, grid, semi_axes, peak_y)?,
         friction_law: FrictionLaw::read(configuration, scene.friction_coefficient)?,
         partial: configuration.has_effect(partial_slip::NAME),
         layer: third_body_layer::flexibility(configuration)?,
@@ -195,6 +196,8 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     });
     let seconds = SECONDS * elements.powf(1.15);
     let once = !case.memory && case.friction_law.is_none();
+    let peak =
+        case.footprint.peak_y.map(|y| (field::FRICTION_POWER.name.to_owned(), [0.0, y, 0.0]));
     let smooth = case.footprint.ellipse.as_ref().filter(|_| case.is_hertzian());
     let given = case.footprint.ellipse.filter(|_| case.footprint.gap.is_none());
     let remark = given.and_then(|ellipse| ellipse.remark(&case.scene));
@@ -205,6 +208,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
             .map(|(name, shape)| Grid::structured(name, shape))
             .collect(),
         fields,
+        peaks: peak.into_iter().collect(),
         solve_seconds: if once { 0.0 } else { seconds },
         build_seconds: if once { seconds } else { 0.0 },
         closed_forms: smooth.map(Ellipse::closed_forms).unwrap_or_default(),

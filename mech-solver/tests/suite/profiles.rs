@@ -172,3 +172,27 @@ fn smoothing_by_a_stated_tolerance() {
     let remarks = MechSolver.configure(&configuration(&case)).expect("a good case");
     assert!(remarks.layout().remarks.iter().any(|remark| remark.contains("smoothed, by ")));
 }
+
+/// Sub-surface sections lie below the patch with the highest pressure, unless the case says where, and
+/// the friction power is announced there.
+#[test]
+fn sections_go_through_the_highest_pressure() {
+    let heights = |y: f64| -0.5 * (y.abs() - 15e-3).powi(2) / if y > 0.0 { 0.1 } else { 0.3 };
+    let rail = File::new("sections", 30e-3, 0.5e-3, heights);
+    let mut case = on_rail(&rail, 5e3, 10);
+    case["effects"]["subsurface_stress"] = json!({});
+    let section = |case: &Value| {
+        let mut configuration = configuration(case);
+        configuration.observed = vec!["rail_section_von_mises_stress".to_owned()];
+        let layout = MechSolver.configure(&configuration).expect("a good case").layout().clone();
+        let grid = layout.grid_of("rail_section_von_mises_stress").expect("it is asked for");
+        (grid.as_structured().expect("a plane").origin[1], layout.peaks["friction_power"][1])
+    };
+    let run = run(&case);
+    let steep = patches(&run)[1].clone();
+    let (y, peak) = section(&case);
+    assert!((y - of(&steep, "y_m")).abs() < 0.3 * of(&steep, "semi_axis_b_m"), "{y} {steep}");
+    assert_eq!(y, peak);
+    case["effects"]["subsurface_stress"]["y"] = json!(-1e-3);
+    assert_eq!(section(&case).0, -1e-3);
+}

@@ -25,6 +25,7 @@ mod mapping;
 mod moving;
 mod off_means_off;
 mod paraview;
+mod patches;
 mod python;
 mod recording;
 mod report;

@@ -1,7 +1,7 @@
 //! Model `columns`: one-dimensional conduction with the exact kernel, for any heat flux in space
 //! and time. Equations and discretisation: [`crate::columns`].
 
-use super::setup::{Cost, Frame, resolution};
+use super::setup::{Cost, Frame, resolution, section_key};
 use super::shell::{Conduction, Peak, Work};
 use super::{along_the_surface, fields};
 use crate::columns::convolution::{
@@ -35,7 +35,7 @@ pub fn spec() -> ModelSpec {
         transient: true,
         consumes,
         provides,
-        keys: vec![resolution()],
+        keys: vec![resolution(), section_key()],
         accuracy: Accuracy { refinement: None, simplifications: vec![along_the_surface()] },
     }
 }

@@ -15,7 +15,7 @@
 //! The paper takes equations 13 and 14, for a uniform flux, below the surface. They do not meet
 //! equation 10 on the surface, so that here the polynomial flux itself is integrated in depth.
 
-use super::setup::{Cost, Frame};
+use super::setup::{Cost, Frame, section_key};
 use super::shell::{Conduction, Peak, Work};
 use super::{along_the_surface, fields};
 use crate::columns::history::{Drive, State};
@@ -45,7 +45,7 @@ pub fn spec() -> ModelSpec {
         transient: false,
         consumes,
         provides,
-        keys: Vec::new(),
+        keys: vec![section_key()],
         accuracy: Accuracy {
             refinement: None,
             simplifications: vec![
@@ -154,12 +154,15 @@ impl Conduction for ErtzKnothe {
         self.accepted.rise(&self.frame, body, row, x, depth)
     }
 
-    fn peak(&self, body: usize, _: &[f64]) -> Option<Peak> {
+    fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
         let (xi, _) = polynomial::peak();
+        let columns = self.frame.grid.ni;
+        let asked = |row: usize| rise[row * columns..][..columns].iter().any(|rise| *rise > 0.0);
         let warmest = |ellipse: &Ellipse| ellipse.heat / ellipse.semi_axis.sqrt();
         let warm = self.accepted.rows.iter().enumerate();
         let (row, ellipse) = warm
             .filter(|(_, ellipse)| ellipse.semi_axis > 0.0 && ellipse.heat > 0.0)
+            .filter(|(row, _)| asked(*row))
             .reduce(|a, b| if warmest(b.1) > warmest(a.1) { b } else { a })?;
         let x = ellipse.centre - xi * ellipse.semi_axis;
         Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, row })

@@ -26,6 +26,24 @@ const SECTION_GRIDS: [&str; 2] = ["wheel_section", "rail_section"];
 /// Elements along the larger extent of the grid.
 const RESOLUTION: &str = "thermal.resolution";
 
+const SECTION_Y: &str = "thermal.section_y";
+
+/// The key for the place of the sections.
+#[must_use]
+pub fn section_key() -> KeySpec {
+    let help = "lateral coordinate of the sections; absent: through the most heat expected, or 0";
+    KeySpec::quantity(SECTION_Y, "m", help)
+}
+
+/// Where the sections are wanted [m].
+fn section_y(given: &Configuration) -> Result<f64, Refusal> {
+    if given.case.has(SECTION_Y) {
+        return given.case.number(SECTION_Y);
+    }
+    let heat = given.inputs.iter().find(|input| is_heat(input));
+    Ok(heat.and_then(|input| input.peak).map_or(0.0, |peak| peak[1]))
+}
+
 /// The key for a grid that is not the heat flux's.
 #[must_use]
 pub fn resolution() -> KeySpec {
@@ -44,13 +62,15 @@ pub struct Frame {
     pub mode: Mode,
     /// The grid of heat flux and temperatures, along x in i and along y in j.
     pub grid: Structured,
+    /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
+    pub section_y: f64,
 }
 
 impl Frame {
-    /// The row closest to y = 0, where the sections are.
+    /// The row of the sections.
     #[must_use]
     pub fn section_row(&self) -> usize {
-        let from_axis = |row: &usize| self.grid.y(*row).abs();
+        let from_axis = |row: &usize| (self.grid.y(*row) - self.section_y).abs();
         (0..self.grid.nj)
             .min_by(|a, b| from_axis(a).total_cmp(&from_axis(b)))
             .expect("a grid has at least one row")
@@ -126,7 +146,8 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
         Some(arriving) => {
             let grid = own_grid(given, &arriving)?;
             let moves = given.inputs.iter().any(|i| i.moves && is_heat(i));
-            let known = Frame { scene, partition, mode: given.mode, grid };
+            let section_y = section_y(given)?;
+            let known = Frame { scene, partition, mode: given.mode, grid, section_y };
             layout = lay_out::<C>(&known, given);
             if grid != arriving || moves {
                 layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));

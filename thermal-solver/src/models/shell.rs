@@ -66,8 +66,8 @@ pub trait Conduction: Sized + 'static {
     /// Rise [K] of a body in the accepted state at any x [m] of a row, at the depth c [√s].
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;
 
-    /// The hottest place of a body in the accepted state, whose surface rises are given; `None` if
-    /// nothing is warm.
+    /// The hottest place of a body in the accepted state, whose surface rises are given, among the
+    /// rows in which they are not zero; `None` if nothing is warm.
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak>;
 
     /// Appends the accepted state.
@@ -212,11 +212,7 @@ impl<C: Conduction> Model for Shell<C> {
     }
 
     fn summary(&self) -> serde_json::Value {
-        summary::temperature(&self.frame, |body| {
-            let peak = self.conduction.peak(body, &self.accepted[body])?;
-            let penetration = summary::penetration(&self.frame, &self.conduction, body, peak);
-            Some(summary::Hottest { peak, penetration })
-        })
+        summary::temperature(&self.frame, &self.conduction, &self.accepted)
     }
 
     fn save(&self, into: &mut StateBlob) {

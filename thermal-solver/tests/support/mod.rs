@@ -55,6 +55,7 @@ pub(crate) fn configuration(
         producer: "mech".to_owned(),
         grid: Some(grid),
         moves: false,
+        peak: None,
     };
     let names = |specs: &[&FieldSpec]| specs.iter().map(|s| s.name.to_owned()).collect();
     Configuration {

@@ -1,4 +1,4 @@
-//! The surface fields of the newest instant: maps, and their centre lines.
+//! The surface fields of the newest instant: maps, and lines through their largest values.
 
 use super::temperature;
 use crate::report::axis::extent;
@@ -82,13 +82,13 @@ fn sentence(text: &str) -> String {
     rest.next().map(|first| first.to_uppercase().chain(rest).collect()).unwrap_or_default()
 }
 
-/// Centre lines, one figure for each grid and unit; then depth and time.
+/// Lines in the rolling direction, one figure for each grid and unit; then depth and time.
 pub(super) fn lines(results: &Results) -> Option<Section> {
     let surfaces = results.series.iter().filter(|series| is_surface(series));
     let figures = surfaces.filter_map(|series| series.line.as_ref()).flat_map(figures);
     let mut blocks: Vec<Block> = figures.map(Block::Figure).collect();
     blocks.extend(temperature::figures(results).into_iter().map(Block::Figure));
-    Section::of("Along the centre line, over depth, through time", blocks)
+    Section::of("Through the largest value, over depth, through time", blocks)
 }
 
 /// The grid is a surface, and no section below one.

@@ -3,7 +3,7 @@
 use crate::report::page::{Block, Headline, Section};
 use crate::report::source::Results;
 use crate::report::table::Table;
-use crate::report::unit::{Scale, number, stem_and_unit, words};
+use crate::report::unit::{Scale, counted, number, of_key, stem_and_unit, words};
 use serde_json::Value;
 
 /// Contact, friction, temperature and energy at a glance.
@@ -15,7 +15,31 @@ pub(super) fn section(results: &Results) -> Option<Section> {
     if all.is_empty() {
         return None;
     }
-    Section::of("Results", vec![Block::Headlines(all)])
+    let patches = patches(results).map(|table| Block::Card("Patches".to_owned(), table));
+    Section::of("Results", std::iter::once(Block::Headlines(all)).chain(patches).collect())
+}
+
+/// A row for each patch, if there are several.
+fn patches(results: &Results) -> Option<Table> {
+    let patches = results.summary.pointer("/contact/each_patch")?.as_array()?;
+    let columns = [
+        ("y", "y_m"),
+        ("load", "normal_force_n"),
+        ("a", "semi_axis_a_m"),
+        ("b", "semi_axis_b_m"),
+        ("p0", "max_pressure_pa"),
+        ("rail rise", "rail_max_rise_k"),
+        ("wheel rise", "wheel_max_rise_k"),
+    ];
+    let mut table = Table::new(columns.map(|(name, _)| name), 0);
+    for patch in patches {
+        let shown = |key: &str| {
+            let value = patch.get(key)?.as_f64()?;
+            Some(of_key(key, value).show(value, 4))
+        };
+        table.row(columns.map(|(_, key)| shown(key).unwrap_or_default()));
+    }
+    Some(table)
 }
 
 fn headline(name: &str, value: String, more: String) -> Headline {
@@ -49,14 +73,31 @@ fn contact(results: &Results) -> Vec<Headline> {
 fn friction(results: &Results) -> Vec<Headline> {
     let of = |key: &str| results.figure(&format!("/contact/{key}"));
     let with_unit = |key: &str, si: &str| shown(results, &format!("/contact/{key}"), si, 4);
+    let forces = ["creep_force_x_n", "creep_force_y_n"].map(|key| of(key).unwrap_or(0.0));
+    let normal = of("normal_force_n").filter(|force| *force > 0.0);
+    let ratio = normal.map(|normal| forces[0].hypot(forces[1]) / normal);
     let coefficient = of("traction_coefficient").map(|value| {
-        let force = with_unit("creep_force_x_n", "N").map(|f| format!("creep force {f}"));
-        headline("Traction coefficient F/N", number(value, 4), force.unwrap_or_default())
+        let parts = [("x", "creep_force_x_n"), ("y", "creep_force_y_n")];
+        let told = |(axis, key): &(&str, &str)| {
+            let force = of(key).filter(|force| force.abs() > 1e-6 * normal.unwrap_or(0.0))?;
+            Some(format!("{} along {axis}", of_key(key, force).show(force, 4)))
+        };
+        let parts: Vec<String> = parts.iter().filter_map(told).collect();
+        let value = number(ratio.unwrap_or(value.abs()), 4);
+        headline("Traction coefficient |F|/N", value, parts.join(", "))
     });
     let creepage = of("creepage_xi").map(|value| {
+        let across = of("creepage_eta").filter(|eta| *eta != 0.0);
+        let spin = of("creepage_phi_per_m").filter(|phi| *phi != 0.0);
         let slip =
             of("slip_area_ratio").map(|ratio| format!("{} of the area slips", percent(ratio)));
-        headline("Creepage along x", percent(value), slip.unwrap_or_default())
+        let more = [
+            across.map(|eta| format!("along y {}", percent(eta))),
+            spin.map(|phi| format!("spin {}\u{a0}rad/m", number(phi, 4))),
+            slip,
+        ];
+        let more: Vec<String> = more.into_iter().flatten().collect();
+        headline("Creepage along x", percent(value), more.join(", "))
     });
     let power = with_unit("friction_power_w", "W").map(|value| {
         let slip = with_unit("max_slip_velocity_m_per_s", "m/s").map(|v| format!("slip up to {v}"));
@@ -82,7 +123,8 @@ fn coupling(results: &Results) -> Vec<Headline> {
     });
     let iterations = results.figure("/coupling/iterations").map(|value| {
         let windows = results.figure("/coupling/windows").unwrap_or(0.0);
-        let more = format!("in {windows} window(s), {}", results.word("/coupling/scheme"));
+        let windows = counted(windows as u64, "window");
+        let more = format!("in {windows}, {}", results.word("/coupling/scheme"));
         headline("Iterations", format!("{value}"), more)
     });
     let wall = shown(results, "/cost/wall_s", "s", 3).map(|value| {

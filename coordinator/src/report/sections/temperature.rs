@@ -8,7 +8,7 @@ use crate::report::unit::{Scale, words};
 /// Most instants shown in one figure.
 const INSTANTS: usize = 6;
 
-/// Depth profiles below the hottest points; centre lines through time.
+/// Depth profiles below the hottest points; lines through them, through time.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let surfaces = results.series.iter().filter(|series| is_surface(series));
     depth(results).into_iter().chain(surfaces.filter_map(build_up)).collect()
@@ -46,7 +46,7 @@ fn profile(image: &Image, field: &Field) -> Option<(String, Vec<[f64; 2]>)> {
     Some((format!("{}, at {} {place}", words(&field.name), super::fields::AXES[along]), points))
 }
 
-/// The centre line of the first temperature of a surface at several instants.
+/// The line through the largest first temperature of a surface at several instants.
 fn build_up(series: &Series) -> Option<Figure> {
     let count = series.instants.len();
     let name = series.line.as_ref()?.names().find_map(|name| name.strip_suffix(" [K]"))?.to_owned();
@@ -55,7 +55,7 @@ fn build_up(series: &Series) -> Option<Figure> {
     }
     let (x_label, _) = places(series.line.as_ref()?)?;
     let mut figure = Figure::new(format!("{} through time", words(&name)), x_label, "K");
-    figure.note = "Along the centre line of the grid.".to_owned();
+    figure.note = "Along the row of the largest value of each instant.".to_owned();
     let mut chosen: Vec<usize> = (0..INSTANTS.min(count))
         .map(|k| (k * (count - 1)).div_ceil((INSTANTS.min(count) - 1).max(1)))
         .collect();

@@ -35,8 +35,8 @@ const LATERAL_SHIFT: &str = "wheel.lateral_shift";
 /// The keys that the shapes are read from besides the scene's.
 pub(super) fn keys() -> Vec<KeySpec> {
     let tolerance = |key: &str| {
-        let help = "how far smoothing may move a point of the profile; 0: through all points";
-        KeySpec::quantity(key, "m", help).default_value(0.0).at_least(0.0)
+        let help = "how far smoothing may move a point of the profile; absent: through all points";
+        KeySpec::quantity(key, "m", help).at_least(0.0)
     };
     vec![
         KeySpec::file(RAIL_PROFILE, "measured lateral profile of the rail: y and z, z up")
@@ -104,15 +104,15 @@ impl Gap {
     pub(super) fn read(configuration: &Configuration, scene: &Scene) -> Result<Self, Refusal> {
         let case = CheckedParams::new(&configuration.case, keys());
         let measured = |key: &str, tolerance: &str| -> Result<Option<Shape>, Refusal> {
-            let within = case.number(tolerance)?;
+            let within = case.maybe_number(tolerance)?;
             if !case.has(key) {
-                return match case.has(tolerance) {
-                    true => Err(Refusal::new(
+                return match within {
+                    Some(_) => Err(Refusal::new(
                         tolerance,
                         "smooths a measured profile, and there is none",
                         format!("add `{key}`, or remove the key"),
                     )),
-                    false => Ok(None),
+                    None => Ok(None),
                 };
             }
             let path = case.text(key)?;
@@ -123,7 +123,9 @@ impl Gap {
                     "see docs/theory/half-space.md for the format",
                 )
             };
-            Profile::read(Path::new(path), within).map(|p| Some(Shape::Profile(p))).map_err(wrong)
+            Profile::read(Path::new(path), within.unwrap_or(0.0))
+                .map(|p| Some(Shape::Profile(p)))
+                .map_err(wrong)
         };
         let rail = match (measured(RAIL_PROFILE, RAIL_TOLERANCE)?, scene.rail_crown_radius) {
             (Some(profile), None) => profile,

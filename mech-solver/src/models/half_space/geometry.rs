@@ -68,6 +68,8 @@ pub(super) struct Footprint {
     /// Semi-axes, or what comes near them [m].
     pub(super) semi_axes: [f64; 2],
     pub(super) grid: Structured,
+    /// Lateral place of the highest pressure, where that is not the origin [m].
+    pub(super) peak_y: Option<f64>,
     /// What was done to the shapes, and what the grid does not resolve.
     pub(super) remarks: Vec<String>,
 }
@@ -106,13 +108,16 @@ pub(super) fn footprint(
             [-elements, elements].map(|end| end + end.signum() * (MARGIN - 0.5))
         };
         let smooth_grid = lay([reach(semi_axes[0], dx), reach(semi_axes[1], dy)], [dx, dy])?;
-        let grid = match rough {
-            true => fit(&gap, scene, bodies, smooth_grid)?.grid,
-            false => smooth_grid,
+        let (grid, peak_y) = match rough {
+            true => {
+                let fitted = fit(&gap, scene, bodies, smooth_grid)?;
+                (fitted.grid, Some(highest(&fitted)))
+            }
+            false => (smooth_grid, None),
         };
         let gap = given.is_none().then_some(gap);
-        let ellipse = Some(ellipse);
-        return Ok(Footprint { gap, ellipse, semi_axes, grid, remarks: Vec::new() });
+        let (ellipse, remarks) = (Some(ellipse), Vec::new());
+        return Ok(Footprint { gap, ellipse, semi_axes, grid, peak_y, remarks });
     }
     let low = gap.settle()?;
     let coarse = coarse_contact(&gap, low, scene, bodies)?;
@@ -127,10 +132,20 @@ pub(super) fn footprint(
     let area = growth * growth * (x_range[1] - x_range[0]) * (y_range[1] - y_range[0]);
     let dy = row_width(&coarse, dx, lateral, area, &mut remarks);
     let mut grid = lay([elements(x_range, dx), elements(y_range, dy)], [dx, dy])?;
+    let mut peak_y = highest(&coarse) - centre[1];
     if rough {
-        grid = fit(&gap, scene, bodies, grid)?.grid;
+        let fitted = fit(&gap, scene, bodies, grid)?;
+        (grid, peak_y) = (fitted.grid, highest(&fitted));
     }
-    Ok(Footprint { gap: Some(gap), ellipse: None, semi_axes, grid, remarks })
+    let (gap, peak_y) = (Some(gap), Some(peak_y));
+    Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
+}
+
+/// Lateral place of the highest pressure [m].
+fn highest(fitted: &Fitted) -> f64 {
+    let pressures = fitted.pressure.iter().enumerate();
+    let highest = pressures.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(at, _)| at);
+    fitted.grid.y(highest / fitted.grid.ni)
 }
 
 /// Width of the rows that resolves the narrowest patch, as the case says or with at least

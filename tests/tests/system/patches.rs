@@ -1,0 +1,118 @@
+//! Several patches, lateral creepage and spin, through the whole of three processes: on the screen, in
+//! the summary, in tables and sections.
+
+use crate::harness::{Place, case};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// A rail with two equal crowns of 300 mm at ±20 mm, and a case of a straight wheel on it.
+fn two_crowns(folder: &Path) -> PathBuf {
+    let height = |y: f64| -0.5 * (y.abs() - 20.0).powi(2) / 300.0;
+    let points = (-72..=72).map(|k| 0.5 * f64::from(k));
+    let lines: String = points.map(|y| format!("{y},{:.9}\n", height(y))).collect();
+    std::fs::write(folder.join("crowns.csv"), format!("y [mm], z [mm]\n{lines}")).unwrap();
+    let text = std::fs::read_to_string(case("wheel-rail.toml")).unwrap();
+    let text = text.replace("crown_radius = 0.30", "profile = \"crowns.csv\"");
+    let file = folder.join("crowns.toml");
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("{key}: {value}"))
+}
+
+/// Places of a table of the fields [m].
+fn places(place: &Place, file: &str) -> Vec<[f64; 3]> {
+    let text = std::fs::read_to_string(place.out().join("fields").join(file)).unwrap();
+    let row = |line: &str| {
+        let mut cells = line.split(',').map(|cell| cell.parse::<f64>().unwrap());
+        std::array::from_fn(|_| cells.next().unwrap())
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+/// Under 50 N too both crowns carry half; each has a row on the screen, in the summary and on the page,
+/// with its own peak; sections and tables go through a patch and not through the cold middle.
+#[test]
+fn two_patches_have_a_row_each_and_the_sections() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = two_crowns(folder.path()).display().to_string();
+    let place = Place::new();
+    let more = [
+        "--set",
+        "load.normal_force=50 N",
+        "--set",
+        "mech.resolution=10",
+        "--set",
+        "effects.subsurface_stress={}",
+        "--report",
+    ];
+    let ended = place.run(&file, &more);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = place.read_summary();
+    assert_eq!(summary["contact"]["patches"], 2);
+    let patches = summary["contact"]["each_patch"].as_array().unwrap();
+    assert_eq!(patches.len(), 2);
+    let peak = summary["temperature"]["rail"]["max_rise_k"].as_f64().unwrap();
+    for patch in patches {
+        assert!((number(patch, "normal_force_n") - 25.0).abs() < 1e-3, "{patch}");
+        // Hertz under 25 N, as the tests of the model have it; the grid of a/10.
+        assert!((number(patch, "max_pressure_pa") / 77.96e6 - 1.0).abs() < 0.01, "{patch}");
+        assert!((number(patch, "rail_max_rise_k") / peak - 1.0).abs() < 1e-3, "{patch}");
+    }
+    for told in ["contact   2 patches", "patch 1   y -20.0", "patch 2   y 20.0", "1 window   "] {
+        assert!(ended.stdout.contains(told), "{told}: {}", ended.stdout);
+    }
+    let page = std::fs::read_to_string(place.out().join("report.html")).unwrap();
+    assert!(page.contains("Patches") && page.contains("−20.00"));
+    let b = number(&patches[0], "semi_axis_b_m");
+    let through_a_patch = |[_, y, _]: &[f64; 3]| (y.abs() - 20e-3).abs() < b;
+    for (file, count) in
+        [("mech_rail_stress_section_000000.csv", 60), ("thermal_rail_section_000000.csv", 33)]
+    {
+        let line = places(&place, file);
+        assert_eq!(line.len(), count, "{file} holds a depth line");
+        assert!(line.iter().all(through_a_patch), "{file}: {:?}", line[0]);
+        assert!(line.windows(2).all(|two| two[1][2] < two[0][2]), "{file} goes down");
+    }
+    for file in ["mech_contact_000000.csv", "thermal_contact_000000.csv"] {
+        assert!(places(&place, file).iter().all(through_a_patch), "{file}");
+    }
+}
+
+/// Lateral creepage and spin are on the screen, with their forces and in units that fit.
+#[test]
+fn lateral_creepage_and_spin_are_told() {
+    let place = Place::new();
+    let more = [
+        "--set",
+        "mech.resolution=10",
+        "--unset",
+        "motion.traction_coefficient",
+        "--set",
+        "motion.creepage={xi=0, eta=2e-3}",
+    ];
+    let ended = place.run(&case("wheel-rail.toml"), &more);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let line =
+        |text: &str| text.lines().find(|line| line.contains("friction ")).unwrap().to_owned();
+    let lateral = line(&ended.stdout);
+    assert!(lateral.contains("F_y -") && lateral.contains("creepage η 0.2000 %"), "{lateral}");
+    assert!(!lateral.contains("|F|/N 0.0000") && !lateral.contains("F_x"), "{lateral}");
+    assert!(lateral.contains(" kW"), "{lateral}");
+    let ended = place.run(
+        &case("wheel-rail.toml"),
+        &[
+            "--set",
+            "mech.resolution=10",
+            "--unset",
+            "motion.traction_coefficient",
+            "--set",
+            "motion.creepage={xi=0, phi=0.02}",
+        ],
+    );
+    let spin = line(&ended.stdout);
+    assert!(spin.contains("M_z ") && spin.contains("spin φ 0.02000 rad/m"), "{spin}");
+    assert!(!spin.contains("kW") && spin.contains(" W"), "{spin}");
+}
