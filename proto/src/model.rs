@@ -157,6 +157,15 @@ pub trait Model {
     /// Writes the outputs that hold before the first solve.
     fn first_outputs(&mut self, outputs: &mut dyn Outputs);
 
+    /// Whether the last solve may become the accepted state. An answer that is good for an iteration
+    /// on its way only is refused here, which ends the run.
+    ///
+    /// # Errors
+    /// Why it may not.
+    fn acceptable(&self) -> Result<(), StepError> {
+        Ok(())
+    }
+
     /// Makes the last solve the accepted state.
     fn accept(&mut self);
 

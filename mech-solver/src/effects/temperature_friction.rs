@@ -8,6 +8,11 @@
 //!
 //! The effect closes a loop: friction heats, heat changes friction.
 //!
+//! On its way the loop may be hotter than where it settles, and friction carry less than the force that
+//! is prescribed. Such an iterate is answered with the force that it carries while all slips, which
+//! joins the answers below the limit, so that the loop may cool and find the force again. It is no
+//! solution: as an accepted state it is refused, with both forces ([`Shortfall`]).
+//!
 //! Source: Ertz & Bucher, Vehicle System Dynamics 37 supplement (2002) 675–684, for friction that
 //! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over the
 //! slip velocity.
@@ -66,6 +71,26 @@ pub fn spec() -> EffectSpec {
         consumes: names(&[&SURFACES[0], &SURFACES[1]]),
         provides: Vec::new(),
         keys: keys(),
+    }
+}
+
+/// A force that friction does not carry at the temperatures of an iterate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shortfall {
+    /// What is prescribed [N].
+    pub(crate) asked: f64,
+    /// What the answer has [N].
+    pub(crate) carried: f64,
+}
+
+impl Shortfall {
+    /// The error of a state that would be accepted so.
+    pub(crate) fn refused(shortfall: Option<Self>) -> Result<(), StepError> {
+        let Some(Self { asked, carried }) = shortfall else { return Ok(()) };
+        Err(StepError::NoSolution(format!(
+            "the contact is too hot for the force: {asked:.6e} N are prescribed, and at these \
+             temperatures friction carries {carried:.6e} N; prescribe less, or motion.creepage"
+        )))
     }
 }
 

@@ -5,6 +5,7 @@
 //! | [`influence`] | displacement of an element's centre by a unit traction on another element |
 //! | [`convolution`] | sums of influence over the grid by Fourier transforms |
 //! | [`normal`] | the normal contact by bound-constrained conjugate gradients |
+//! | [`area`] | area of a contact, finer than its elements |
 //! | [`extent`] | a grid that grows until the contact fits; moments of a pressure |
 //! | [`profile`], [`curve`] | a measured lateral profile, from a file; splines between its kinks |
 //! | [`patches`] | the patches of a pressure: load, place and size of each |
@@ -19,6 +20,7 @@
 //! A field on nx × ny elements is a slice of nx·ny values, row after row: element (i, j) has the
 //! index j·nx + i, i along x and j along y.
 
+pub mod area;
 pub mod convolution;
 pub mod coupling;
 pub mod curve;

@@ -1,5 +1,6 @@
 //! The numerical base of the half-space model against Hertz, and its invariances.
 
+use mech_solver::half_space::area::contact_area;
 use mech_solver::half_space::extent::{Fitted, Moments, fit_grid};
 use mech_solver::half_space::influence::Elasticity;
 use mech_solver::half_space::normal::Prescribed;
@@ -167,4 +168,30 @@ fn two_crowns_merge() {
     assert!(far.enlargements > 0 && pressed(&far, 30e-3) && !pressed(&far, 0.0));
     let near = solve(start, steel(), crowns(2e-3));
     assert!(pressed(&near, 2.1e-3) && pressed(&near, 0.0));
+}
+
+/// π a b of Hertz's ellipse, round, slender and wide, on grids that know and that do not know its
+/// middle. Elements in contact, of which the area was the sum before, are too many by 1 to 5 %.
+#[test]
+fn area_of_ellipses() {
+    for gap_y in [GAP_X, GAP_Y, 20.0 * GAP_X, 0.2 * GAP_X] {
+        let exact = elliptic_contact(GAP_X, gap_y, LOAD, steel().contact_compliance());
+        let [a, b] = [exact.semi_axis_a, exact.semi_axis_b];
+        for shift in [[0.0, 0.0], [0.37, 0.21]] {
+            let off = |resolution: f64| {
+                let side = a.min(b) / resolution;
+                let half = |semi_axis: f64| (1.05 * semi_axis / side + 1.5).ceil() as usize;
+                let mut grid = centred(half(a), half(b), side);
+                grid.origin[0] += shift[0] * side;
+                grid.origin[1] += shift[1] * side;
+                let Fitted { grid, pressure, .. } =
+                    solve(grid, steel(), |x, y| GAP_X * x * x + gap_y * y * y);
+                contact_area(&grid, &pressure) / (std::f64::consts::PI * a * b) - 1.0
+            };
+            for (resolution, most) in [(5.0, 2e-2), (7.0, 5e-3), (10.0, 1.1e-3), (40.0, 4e-4)] {
+                let error = off(resolution);
+                assert!(error.abs() < most, "{a} {b} {shift:?} {resolution}: {error:e}");
+            }
+        }
+    }
 }

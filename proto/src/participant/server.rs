@@ -35,6 +35,8 @@ enum CommandError {
     Protocol(String),
     #[error("{0}")]
     Report(String),
+    #[error("the answer of window {window} cannot be accepted: {error}")]
+    Unacceptable { window: u64, error: StepError },
 }
 
 /// How far the participant has come.
@@ -52,6 +54,8 @@ struct Running {
     ports: Ports,
     step: Step,
     model_time: Duration,
+    /// What went wrong in a command that is not answered; the next one is answered with it.
+    late: Option<CommandError>,
 }
 
 /// Everything that is received and published.
@@ -176,14 +180,22 @@ impl<'a> Server<'a> {
             CommandKind::Restore => {
                 self.running(kind)?.restore(command, done, &serde_json::from_slice(body)?)?
             }
-            CommandKind::Finish => return self.finish(done),
+            CommandKind::Finish => {
+                if let Stage::Running(_) = self.stage {
+                    self.running(kind)?;
+                }
+                return self.finish(done);
+            }
         };
         Ok(Some(Answer { reply, body: Vec::new() }))
     }
 
     fn running(&mut self, kind: CommandKind) -> Result<&mut Running, CommandError> {
         match &mut self.stage {
-            Stage::Running(running) => Ok(running),
+            Stage::Running(running) => match running.late.take() {
+                Some(late) => Err(late),
+                None => Ok(running),
+            },
             _ => Err(CommandError::Protocol(format!("{kind:?} before Initialise"))),
         }
     }
@@ -238,7 +250,7 @@ impl<'a> Server<'a> {
         ports.outputs.loan()?;
         model.first_outputs(&mut ports.outputs);
         ports.outputs.publish(&step)?;
-        self.stage = Stage::Running(Running { model, ports, step, model_time });
+        self.stage = Stage::Running(Running { model, ports, step, model_time, late: None });
         Ok(done)
     }
 
@@ -303,10 +315,19 @@ impl Running {
 
     /// Accepts the last solve; a reply only if something is published.
     fn accept(&mut self, observe: bool, done: Reply) -> Result<Option<Reply>, CommandError> {
-        let Self { model, ports, step, .. } = self;
+        let Self { model, ports, step, late, .. } = self;
         let start = Instant::now();
-        model.accept();
-        if !observe && ports.geometry.is_empty() {
+        let refused = |error| CommandError::Unacceptable { window: step.window, error };
+        let answered = observe || !ports.geometry.is_empty();
+        match model.acceptable().map_err(refused) {
+            Ok(()) => model.accept(),
+            Err(error) if answered => return Err(error),
+            Err(error) => {
+                *late = Some(error);
+                return Ok(None);
+            }
+        }
+        if !answered {
             return Ok(None);
         }
         if observe {

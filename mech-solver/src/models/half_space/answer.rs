@@ -4,6 +4,7 @@ use super::Case;
 use super::contact::ContactSolver;
 use super::power::Balance;
 use crate::effects::friction_heat;
+use crate::half_space::area::contact_area;
 use crate::half_space::extent::Moments;
 use crate::half_space::levels::Solution;
 use crate::half_space::patches::{Patch, patches};
@@ -119,7 +120,6 @@ impl Answer {
         let grid = &case.footprint.grid;
         let area = grid.element_area();
         let [normal, force_x, force_y, moment] = self.sums(grid).map(|sum| sum * area);
-        let touching = self.pressure.iter().filter(|p| **p > 0.0).count() as f64;
         let [a, b] = match case.footprint.gap {
             Some(_) => Moments::of(grid, &self.pressure).semi_axes,
             None => case.footprint.semi_axes,
@@ -128,7 +128,7 @@ impl Answer {
         let mut figures = json!({
             "semi_axis_a_m": a,
             "semi_axis_b_m": b,
-            "area_m2": touching * area,
+            "area_m2": contact_area(grid, &self.pressure),
             "patches": patches.len(),
             "max_pressure_pa": self.pressure.iter().copied().fold(0.0, f64::max),
             "normal_force_n": normal,

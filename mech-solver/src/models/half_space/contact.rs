@@ -6,10 +6,10 @@
 use super::Case;
 use super::drive::Driven;
 use super::power::{PowerError, PressurePower};
-use crate::effects::temperature_friction::FrictionLaw;
+use crate::effects::temperature_friction::{FrictionLaw, Shortfall};
 use crate::half_space::coupling::Coupling;
 use crate::half_space::extent::sample;
-use crate::half_space::force_search::ForceSearch;
+use crate::half_space::force_search::{self, ForceSearch};
 use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
@@ -22,6 +22,9 @@ const REST: f64 = 1e-6;
 const TOLERANCE: f64 = 1e-4;
 /// The same where a coupling loop iterates on them: well below what it is asked for.
 const LOOP_TOLERANCE: f64 = 1e-10;
+/// Part of f N that an iterate has which is too hot for its force: all but a little slips, and the
+/// creepage is finite.
+const ALMOST_ALL: f64 = 0.999;
 /// Turns of normal and tangential contact after which they are given up.
 const MOST_TURNS: usize = 30;
 
@@ -62,6 +65,10 @@ pub(super) struct ContactSolver {
     /// Slip s₀ without tractions.
     before: [Vec<f64>; 2],
     bound: Vec<f64>,
+    /// Friction follows the temperature.
+    heated: bool,
+    /// The force of the last solve is not the prescribed one.
+    pub(super) shortfall: Option<Shortfall>,
 }
 
 /// A normal problem to be solved.
@@ -112,6 +119,8 @@ impl ContactSolver {
             normal_iterations: 0,
             before: [zeros.clone(), zeros.clone()],
             bound: zeros,
+            heated: case.friction_law.is_some(),
+            shortfall: None,
         };
         solver.press()?;
         solver.set_bound();
@@ -187,17 +196,16 @@ impl ContactSolver {
         near: Option<Solution>,
         history: Option<[&[f64]; 2]>,
     ) -> Result<Solution, ContactError> {
+        let prescribed = self.prescribed(driven);
         let levels = self.levels.as_mut().expect("partial slip has its operators");
-        let prescribed = |force| driven.at(force);
-        let normal_force = self.pressure.iter().sum::<f64>() * self.area;
         let mut solution = match (near, history) {
             (Some(near), _) => near,
             (None, Some(_)) => Solution::new(State::at_rest(&self.bound, [0.0; 3])),
-            (None, None) => levels.solve(&self.bound, &prescribed(normal_force))?,
+            (None, None) => levels.solve(&self.bound, &prescribed)?,
         };
         if self.coupling.is_none() {
             if history.is_some() {
-                levels.improve(&self.bound, &prescribed(normal_force), history, &mut solution)?;
+                levels.improve(&self.bound, &prescribed, history, &mut solution)?;
             }
             return Ok(solution);
         }
@@ -212,6 +220,22 @@ impl ContactSolver {
         Err(ContactError::Unsettled { change })
     }
 
+    /// What is prescribed at the latest pressure; where friction follows the temperature, of a force
+    /// beyond it what it carries.
+    fn prescribed(&mut self, driven: &Driven) -> force_search::Prescribed {
+        let mut prescribed = driven.at(self.normal_force());
+        let [x, y, _] = prescribed.force.map(Option::unwrap_or_default);
+        let asked = x.hypot(y);
+        let carried = ALMOST_ALL * self.bound.iter().sum::<f64>() * self.area;
+        self.shortfall = (self.heated && asked > carried).then_some(Shortfall { asked, carried });
+        if self.shortfall.is_some() {
+            for force in prescribed.force[..2].iter_mut().flatten() {
+                *force *= carried / asked;
+            }
+        }
+        prescribed
+    }
+
     /// The tractions under the latest pressure, with the slip that it makes.
     fn turn(
         &mut self,
@@ -220,7 +244,7 @@ impl ContactSolver {
         solution: &mut Solution,
     ) -> Result<(), ContactError> {
         self.set_bound();
-        let prescribed = driven.at(self.normal_force());
+        let prescribed = self.prescribed(driven);
         let [before_x, before_y] = &mut self.before;
         if let Some(coupling) = &mut self.coupling {
             coupling.slip_by_pressure(&self.pressure, [before_x, before_y]);

@@ -8,6 +8,7 @@ use super::answer::Answer;
 use super::contact::{ContactError, ContactSolver};
 use super::power::Balance;
 use super::{Case, NAME};
+use crate::effects::temperature_friction::Shortfall;
 use crate::half_space::levels::Motion;
 use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
@@ -83,6 +84,10 @@ impl Model for Steady {
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
         self.case.first_outputs(outputs);
+    }
+
+    fn acceptable(&self) -> Result<(), StepError> {
+        Shortfall::refused(self.contact.as_ref().and_then(|contact| contact.shortfall))
     }
 
     fn accept(&mut self) {}

@@ -19,6 +19,7 @@ use super::answer::Answer;
 use super::contact::{ContactError, ContactSolver};
 use super::power::Balance;
 use super::{Case, NAME};
+use crate::effects::temperature_friction::Shortfall;
 use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
 use crate::half_space::tangential::State;
@@ -41,6 +42,8 @@ pub(super) struct Transient {
     power: Vec<f64>,
     /// Slip that remains of the step before, x and y [m].
     history: [Vec<f64>; 2],
+    /// A step of the last solve has not the prescribed force.
+    shortfall: Option<Shortfall>,
 }
 
 /// What a step leaves for the next one.
@@ -104,11 +107,13 @@ impl Transient {
         let accepted = Memory::at_rest(&case, &mut contact);
         let zeros = vec![0.0; contact.pressure.len()];
         let history = [zeros.clone(), zeros.clone()];
-        Ok(Self { trial: accepted.clone(), accepted, case, contact, power: zeros, history })
+        let (trial, power, shortfall) = (accepted.clone(), zeros, None);
+        Ok(Self { trial, accepted, case, contact, power, history, shortfall })
     }
 
     /// Goes from the accepted state to the end of the window.
     fn advance(&mut self, duration: f64) -> Result<StepReport, ContactError> {
+        self.shortfall = None;
         self.trial.clone_from(&self.accepted);
         self.trial.solution.newton_steps = 0;
         self.trial.solution.operator_applications = 0;
@@ -164,6 +169,7 @@ impl Transient {
         let energy_before = energy(&before, &trial.displacement);
         let near = trial.solution.clone();
         trial.solution = self.contact.solve(&driven, Some(near), Some([along, across]))?;
+        self.shortfall = self.shortfall.or(self.contact.shortfall);
         let state = &trial.solution.state;
         self.contact.displacement(state, &mut trial.displacement);
         trial.answer = Answer::partial(case, &self.contact, &trial.solution, Some(&before));
@@ -210,6 +216,10 @@ impl Model for Transient {
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
         self.case.first_outputs(outputs);
+    }
+
+    fn acceptable(&self) -> Result<(), StepError> {
+        Shortfall::refused(self.shortfall)
     }
 
     fn accept(&mut self) {

@@ -7,8 +7,8 @@
 use super::Prepared;
 use super::contact::Contact;
 use super::fields;
-use crate::effects::temperature_friction::FrictionLaw;
-use crate::scene::Scene;
+use crate::effects::temperature_friction::{FrictionLaw, Shortfall};
+use crate::scene::{Drive, Scene};
 use proto::configuration::Refusal;
 use proto::field;
 use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
@@ -20,12 +20,14 @@ pub(super) struct Heated {
     law: FrictionLaw,
     pressure: Vec<f64>,
     friction: Vec<f64>,
+    /// The force of the last solve is not the prescribed one.
+    shortfall: Option<Shortfall>,
 }
 
 impl Heated {
     pub(super) fn new(case: Prepared, law: FrictionLaw) -> Self {
         let pressure = fields::values(&field::PRESSURE, &case.contact, case.grid);
-        Self { law, pressure, friction: Vec::new(), case }
+        Self { law, pressure, friction: Vec::new(), shortfall: None, case }
     }
 
     fn write(&self, outputs: &mut dyn Outputs) {
@@ -34,6 +36,25 @@ impl Heated {
                 place.copy_from_slice(&fields::values(spec, &self.case.contact, self.case.grid));
             }
         }
+    }
+}
+
+/// What is prescribed, or of a force beyond friction what that carries.
+fn carried(drive: Drive, friction: f64, normal_force: f64) -> (Drive, Option<Shortfall>) {
+    let most = friction * normal_force;
+    let short = |asked: f64| {
+        let asked = asked.abs();
+        (asked > most).then_some(Shortfall { asked, carried: most })
+    };
+    match drive {
+        Drive::TractionCoefficient(value) => {
+            let within = Drive::TractionCoefficient(value.clamp(-friction, friction));
+            (within, short(value * normal_force))
+        }
+        Drive::TangentialForce(value) => {
+            (Drive::TangentialForce(value.clamp(-most, most)), short(value))
+        }
+        other => (other, None),
     }
 }
 
@@ -47,7 +68,10 @@ impl Model for Heated {
         self.law.on_grid(inputs, &self.case.grid, &mut self.friction)?;
         let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
         let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
-        let scene = Scene { friction_coefficient: friction, ..self.case.scene };
+        let normal_force = self.case.contact.ellipse.normal_force;
+        let (drive, shortfall) = carried(self.case.scene.drive, friction, normal_force);
+        self.shortfall = shortfall;
+        let scene = Scene { friction_coefficient: friction, drive, ..self.case.scene };
         let Prepared { contact, law, partial, .. } = &mut self.case;
         *contact = Contact::solve(&scene, contact.ellipse, *law, *partial).map_err(
             |Refusal { reason, fix, .. }| StepError::NoSolution(format!("{reason}; {fix}")),
@@ -59,6 +83,10 @@ impl Model for Heated {
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
         self.write(outputs);
+    }
+
+    fn acceptable(&self) -> Result<(), StepError> {
+        Shortfall::refused(self.shortfall)
     }
 
     fn accept(&mut self) {}
