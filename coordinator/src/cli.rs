@@ -427,8 +427,7 @@ struct Screen<'a> {
 }
 
 fn run_case(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
-    let outcome = perform(begun, asked, screen)?;
-    conclude(begun, outcome, asked, screen)
+    conclude(begun, perform(begun, asked, screen), asked, screen)
 }
 
 /// Models and resolution are chosen, and once more if the error turns out too large. The answer that there
@@ -447,7 +446,7 @@ fn run_to(relative: f64, asked: &RunArguments, screen: &Screen) -> Result<(), En
             None => begin(&chosen, screen.log)?,
             Some(answer) => refine(&chosen, answer, screen.log)?,
         };
-        let mut outcome = perform(&begun, &chosen, screen)?;
+        let mut outcome = perform(&begun, &chosen, screen);
         if outcome.error.is_some() {
             return conclude(&begun, outcome, &chosen, screen);
         }
@@ -481,21 +480,16 @@ fn refine(run: &RunArguments, answer: &ResultFolder, log: &Logging) -> Result<Be
     Ok(Begun { planned, folder, plan_seconds, from: None })
 }
 
-fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<Outcome, Ended> {
+fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Outcome {
     let Begun { planned, folder, plan_seconds, from } = begun;
     let clock = Clock { since: screen.since, plan_seconds: *plan_seconds };
     let mut progress = Progress::new(screen.quiet, planned.plan.windows.count());
     screen.log.share_screen(progress.bar());
-    let outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
-    let mut outcome = outcome.map_err(|error| begun.told(error))?;
+    let mut outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
     if let Some(error) = screen.log.failure() {
-        let incomplete = file_failure(&folder.shown_log(), &error);
-        outcome.error = Some(match outcome.error {
-            Some(first) => first.and(Err(incomplete)),
-            None => incomplete,
-        });
+        outcome = outcome.fail(file_failure(&folder.shown_log(), &error), folder);
     }
-    Ok(outcome)
+    outcome
 }
 
 /// Writes the report that is asked for, and prints how the run went.

@@ -34,6 +34,21 @@ pub struct Outcome {
     pub error: Option<RunError>,
 }
 
+impl Outcome {
+    /// The outcome of a run of which it comes to light at its end that something could not be written.
+    #[must_use]
+    pub fn fail(self, error: RunError, folder: &ResultFolder) -> Self {
+        let Self { mut summary, error: before } = self;
+        if let Some(before) = before {
+            return Self { summary, error: Some(before.and(Err(error))) };
+        }
+        summary["status"] = Status::Failed.word().into();
+        summary["reason"] = error.to_string().into();
+        let error = error.and(folder.write_summary(&json(&summary)));
+        Self { summary, error: Some(error) }
+    }
+}
+
 /// What a run is measured by before it begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
@@ -52,19 +67,18 @@ pub fn run(
     clock: Clock,
     from: Option<&Checkpoint>,
     record: Option<Compression>,
-) -> Result<Outcome, RunError> {
+) -> Outcome {
     let Planned { case, plan } = planned;
     let mut counts = match from {
         Some(checkpoint) => checkpoint.state.counts.resumed(clock.plan_seconds),
-        None => {
-            folder.write("case.toml", case.text().as_bytes())?;
-            folder.write(plan_file::FILE, plan_file::text(plan).as_bytes())?;
-            Counts { plan_seconds: clock.plan_seconds, ..Counts::default() }
-        }
+        None => Counts { plan_seconds: clock.plan_seconds, ..Counts::default() },
     };
-    let start = |compression| recorder(planned, folder, from, compression).map(Arc::new);
-    let recorder = record.map(start).transpose()?;
-    let ended = perform(planned, folder, progress, &mut counts, from, recorder.clone());
+    let (ended, recorder) = match set_out(planned, folder, from, record) {
+        Ok(recorder) => {
+            (perform(planned, folder, progress, &mut counts, from, recorder.clone()), recorder)
+        }
+        Err(error) => (Err(error), None),
+    };
     progress.finish();
     let ended = finish_recording(ended, recorder.as_deref());
     let (finished, error) = match ended {
@@ -85,7 +99,22 @@ pub fn run(
     let summary =
         build(&Ingredients { plan, status, reason, counts, finished, sections, wall_seconds });
     let error = first(error, folder.write_summary(&json(&summary)));
-    Ok(Outcome { summary, error })
+    Outcome { summary, error }
+}
+
+/// Writes what is known before a run, and begins its recording, if there is to be one.
+fn set_out(
+    planned: &Planned,
+    folder: &ResultFolder,
+    from: Option<&Checkpoint>,
+    record: Option<Compression>,
+) -> Result<Option<Arc<Recorder>>, RunError> {
+    if from.is_none() {
+        folder.write("case.toml", planned.case.text().as_bytes())?;
+        folder.write(plan_file::FILE, plan_file::text(&planned.plan).as_bytes())?;
+    }
+    let start = |compression| recorder(planned, folder, from, compression).map(Arc::new);
+    record.map(start).transpose()
 }
 
 /// A summary as it is written.

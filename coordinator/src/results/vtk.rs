@@ -85,7 +85,7 @@ impl Home {
                 .and_then(|()| Dir::open(path))
                 .map_err(|error| file_failure(path, &error))?,
             Self::Within(dir, name) => {
-                dir.inner(name).map_err(|error| file_failure(&dir.path().join(&*name), &error))?
+                dir.inner(name).map_err(|error| file_failure(&dir.path().join(*name), &error))?
             }
         };
         let path = open.path();

@@ -57,7 +57,7 @@ impl Trial {
     fn perform(planned: &Planned, folder: &ResultFolder, since: Instant) -> Result<Self, RunError> {
         let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
         let record = Some(Compression::None);
-        let outcome = run::run(planned, folder, &mut Progress::Silent, clock, None, record)?;
+        let outcome = run::run(planned, folder, &mut Progress::Silent, clock, None, record);
         let seconds = since.elapsed().as_secs_f64();
         let error = match outcome.error {
             Some(error) if study::ends_study(&error) => return Err(error),

@@ -201,24 +201,24 @@ fn a_folder_renamed_in_mid_run_keeps_its_results_together() {
 
 /// Files of a coordinator cannot grow beyond this any more, which stands for the end of a disk. (Its
 /// signal is ignored; what it has started by then has no such limit.)
-fn limit_files(running: &Running<'_>, bytes: u64) {
-    let limit = Rlimit { current: Some(bytes), maximum: Some(bytes) };
+fn limit_files(running: &Running<'_>) {
+    let limit = Rlimit { current: Some(64 << 10), maximum: Some(64 << 10) };
     prlimit(Some(running.pid()), Resource::Fsize, limit).unwrap();
 }
 
 /// Starts a run that is left alone by the signal of a file that has grown too large.
-fn start_limited<'a>(place: &'a Place, settings: &[&str], bytes: u64) -> Running<'a> {
+fn start_limited<'a>(place: &'a Place, settings: &[&str], log: &str) -> Running<'a> {
     let plain = place.command(&["run", &case("exchange.toml"), "--out"]);
     let mut command = std::process::Command::new("bash");
     command.args(["-c", "trap '' XFSZ; exec \"$@\"", "bash"]).arg(plain.get_program());
     command.args(plain.get_args()).arg(place.out());
     command.args(settings.iter().flat_map(|set| ["--set", set]));
     command.envs(plain.get_envs().filter_map(|(key, value)| Some((key, value?))));
-    command.env_remove("RUST_LOG").current_dir(plain.get_current_dir().unwrap());
+    command.env("RUST_LOG", log).current_dir(plain.get_current_dir().unwrap());
     command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
     let running = place.launch(command);
     place.wait_for_log("every participant is ready");
-    limit_files(&running, bytes);
+    limit_files(&running);
     running
 }
 
@@ -227,18 +227,21 @@ fn start_limited<'a>(place: &'a Place, settings: &[&str], bytes: u64) -> Running
 fn a_full_disk_leaves_whole_files_and_a_summary_that_says_so() {
     let fields = ["left.points=20000", "right.points=20000", "output.fields=all"];
     let later = ["output.every=40", "left.delay=10 ms"];
-    let table = ["time.end=1e6"];
-    for settings in [[&fields[..], &later[..]].concat(), table.to_vec()] {
+    let fields = [&fields[..], &later[..]].concat();
+    let (table, log) = (["time.end=1e6"], ["time.end=400", "left.delay=2 ms"]);
+    for (settings, level) in [(&fields[..], "info"), (&table, "info"), (&log, "debug")] {
         let place = Place::new();
-        let ended = start_limited(&place, &settings, 64 << 10).wait();
+        let ended = start_limited(&place, settings, level).wait();
         assert_eq!(ended.code, Some(1), "{}", ended.stderr);
         assert!(ended.stderr.contains("the file system failed at"), "{}", ended.stderr);
         place.assert_nothing_left();
         let summary = place.read_summary();
         assert_eq!(summary["status"], "failed", "{summary}");
         assert!(summary["reason"].as_str().unwrap().contains("the file system failed"));
-        let rows = fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-        assert!(rows.ends_with('\n'), "{:?}", rows.lines().last());
+        for name in ["iterations.csv", "log.jsonl"] {
+            let rows = fs::read_to_string(place.out().join(name)).unwrap();
+            assert!(rows.ends_with('\n'), "{name}: {:?}", rows.lines().last());
+        }
         let files = fs::read_dir(place.out().join("fields")).into_iter().flatten().flatten();
         for path in files.map(|file| file.path()) {
             let text = fs::read(&path).unwrap();
