@@ -41,7 +41,7 @@ fn started() -> MutexGuard<'static, Started> {
 pub fn adopt_orphans() -> io::Result<()> {
     set_child_subreaper(Some(getpid()))?;
     let mut started = started();
-    started.inherited = children();
+    started.inherited = if has_children() { children() } else { Vec::new() };
     started.adopting = true;
     Ok(())
 }

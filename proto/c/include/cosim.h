@@ -407,7 +407,9 @@ const double *cosim_require_input(const struct cosim_inputs *inputs,
  * before, and an output that is left as it was fails the call. Writes the number of values; `count`
  * may be NULL. NULL, and a count of 0, for a field that nobody needs now.
  */
-double *cosim_output(struct cosim_outputs *outputs, const char *field, size_t *count);
+double *cosim_output(struct cosim_outputs *outputs,
+                     const char *field,
+                     size_t *count);
 
 /**
  * Appends `size` bytes to a state that is being saved; they are copied.

@@ -142,7 +142,7 @@ fn a_participant_that_cannot_start_is_told_once() {
 #[test]
 fn a_cause_is_told_once() {
     let rogue = [programs().join("rogue").display().to_string()];
-    let checks = ["solve", "heat-received", "repeat", "accept"];
+    let checks = ["solve", "repeat", "accept"];
     let mut options = vec!["--set", "left.fault=silence"];
     options.extend(checks.iter().flat_map(|name| ["--only", name]));
     let (ended, report) = conform("left", &case("exchange.toml"), &options, &rogue);

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 fn run_in(place: &Place, root: &Path) -> Ended {
     let out = place.out().display().to_string();
-    let run = ["run", &case("exchange.toml"), "--set", "time.end=2", "--out", &out];
+    let run = ["run", &case("exchange.toml"), "--set", "time.end=2", "--out", &out, "--replace"];
     place.start_in(root, Command::new(programs().join("coordinator")), &run).wait()
 }
 
@@ -125,6 +125,23 @@ fn what_reads_ends_with_ctrl_c() {
         assert_eq!(ended.code, Some(130), "{command:?}: {}", ended.stderr);
         assert_eq!(ended.stderr, "error: interrupted by Ctrl-C\n", "{command:?}");
     }
+}
+
+/// One that waits where nobody looks for signals: it reads its case in the course of a study.
+#[test]
+fn a_second_signal_ends_anything() {
+    let place = Place::new();
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe").display().to_string();
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let running = place.start(&["ablate", &pipe]);
+    let tasks = format!("/proc/{}/task", running.pid().as_raw_nonzero());
+    wait_until("two threads", || std::fs::read_dir(&tasks).unwrap().count() > 1);
+    running.signal(Signal::INT);
+    std::thread::sleep(Duration::from_millis(1200));
+    running.signal(Signal::INT);
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(130), "{}", ended.stderr);
 }
 
 /// The processes with these arguments.

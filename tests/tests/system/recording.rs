@@ -158,7 +158,8 @@ fn a_one_way_transient_is_compared_in_every_window() {
 fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     let place = Place::new();
     let recording = record(&place, "wheel-rail.toml", "--record", &["mech.model=hertz-carter"]);
-    let program = Compiled::from("proto/c/examples/closed_form.c").path();
+    let program = Compiled::from("proto/c/examples/closed_form.c");
+    let program = program.path();
     let (code, _, stderr) = replay(&place, &recording, "thermal", &["--command", &program]);
     assert_eq!(code, Some(2), "{stderr}");
     for words in [
