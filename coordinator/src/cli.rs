@@ -591,7 +591,7 @@ fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError
     drop(reading);
     let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
     let instants = export::export(path, &mut recording, &target)?;
-    let mut text = counted(instants as u64, "instant");
+    let mut text = counted(instants, "instant");
     for folder in [vtk, csv].into_iter().flatten() {
         text += &format!(" -> {}", folder.display());
     }

@@ -43,7 +43,7 @@ fn participants(out: &mut String, survey: &Survey) {
         let title = if n == 0 { "participants" } else { "" };
         let states = match one.states {
             0 => String::new(),
-            n => format!(", {}", counted(n as u64, "state")),
+            n => format!(", {}", counted(n, "state")),
         };
         let model = if one.model.is_empty() { "?".into() } else { one_line(&one.model) };
         let _ = writeln!(

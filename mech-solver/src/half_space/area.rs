@@ -79,7 +79,7 @@ impl Level {
         if inner[0].at(at) > 0.0 {
             return own;
         }
-        match (inner.iter().find_map(|inner| self.from_inside(at, inner)), own > 0.0) {
+        match (inner.iter().find_map(|inner| self.seen_from_inside(at, inner)), own > 0.0) {
             (Some(value), true) => value,
             (Some(value), false) => value.min(0.0),
             (None, true) => own,
@@ -91,7 +91,7 @@ impl Level {
     }
 
     /// φ continued from inner elements, the mean over the directions; `None` without such elements.
-    fn from_inside(&self, [i, j]: [i64; 2], inner: &Self) -> Option<f64> {
+    fn seen_from_inside(&self, [i, j]: [i64; 2], inner: &Self) -> Option<f64> {
         let along = |[di, dj]: &[i64; 2]| {
             let place = |steps: i64| [i + steps * di, j + steps * dj];
             let first = (1..=REACH).find(|steps| inner.at(place(*steps)) > 0.0)?;
