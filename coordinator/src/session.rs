@@ -76,6 +76,17 @@ impl Deadlines {
     }
 }
 
+/// Which participants publish their observed fields when a window is accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Observed {
+    /// All of them.
+    Everybody,
+    /// Those of whom nobody consumes anything: they publish nothing else.
+    Unconsumed,
+    /// None.
+    Nobody,
+}
+
 /// What is going on, for messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
@@ -237,32 +248,43 @@ impl Session {
         HeatBalance { mapping, ..HeatBalance::of(&self.solved) }
     }
 
-    /// Makes the last solve of every participant its accepted state. With `observe` the observed
-    /// fields are published and received. Grids that move are where they have moved to thereafter.
-    pub fn accept(&mut self, step: &Step, observe: bool) -> Result<(), RunError> {
+    /// Makes the last solve of every participant its accepted state. Fields of those who are observed
+    /// are published and received. Grids that move are where they have moved to thereafter.
+    pub fn accept(&mut self, step: &Step, observed: Observed) -> Result<(), RunError> {
         // Nothing else looks through what was sent last in an explicit scheme before it is kept.
         (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
         self.phase = Phase::Accepting(*step);
-        let mut command = Command::about(CommandKind::Accept, step);
-        command.flags = if observe { OBSERVE } else { 0 };
-        let mut answers = 0_u64;
+        let (mut observing, mut answers) = (0_u64, 0_u64);
         for one in 0..self.links.len() {
+            let observe = self.is_observed(one, observed);
             let answer = observe || self.has_moving_grids(one);
+            observing |= u64::from(observe) << one;
             answers |= u64::from(answer) << one;
+            let mut command = Command::about(CommandKind::Accept, step);
+            command.flags = if observe { OBSERVE } else { 0 };
             self.post(one, command, &[], answer)?;
         }
         self.keep_geometry();
         for one in (0..self.links.len()).filter(|one| answers >> one & 1 == 1) {
             self.await_done(one, self.deadlines.solve)?;
-            if observe {
+            if observing >> one & 1 == 1 {
                 self.collect(one, step, true)?;
             }
             self.receive_geometry(one, step)?;
         }
-        if observe {
+        if observing != 0 {
             (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
         }
         Ok(())
+    }
+
+    fn is_observed(&self, one: usize, observed: Observed) -> bool {
+        let mut own = self.taps.iter().filter(|tap| tap.producer == one).peekable();
+        match observed {
+            Observed::Everybody => true,
+            Observed::Unconsumed => own.peek().is_some() && own.all(|tap| tap.observed_only),
+            Observed::Nobody => false,
+        }
     }
 
     /// Asks every participant for its summary and lets it go.

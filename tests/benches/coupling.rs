@@ -11,7 +11,7 @@ use coordinator::case::{Acceleration, Implicit, RawCase};
 use coordinator::couple::{Coupling, accelerate, parts};
 use coordinator::plan::{Planned, plan};
 use coordinator::record::{Compression, Recorder};
-use coordinator::session::Session;
+use coordinator::session::{Observed, Session};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use faer::linalg::solvers::SolveLstsq;
 use proto::model::Step;
@@ -69,7 +69,7 @@ fn step(window: u64) -> Step {
 fn windows(session: &mut Session, coupling: &mut Coupling, from: &mut u64, count: u64) {
     for _ in 0..count {
         coupling.solve_window(session, &step(*from)).expect("the window is solved");
-        session.accept(&step(*from), false).expect("the window is accepted");
+        session.accept(&step(*from), Observed::Nobody).expect("the window is accepted");
         *from += 1;
     }
 }

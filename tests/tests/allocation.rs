@@ -8,7 +8,7 @@
 use coordinator::case::RawCase;
 use coordinator::couple::Coupling;
 use coordinator::plan::plan;
-use coordinator::session::Session;
+use coordinator::session::{Observed, Session};
 use proto::model::Step;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -76,7 +76,7 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
         let step = Step { window, iteration: 1, start: window as f64, end: window as f64 + 1.0 };
         coupling.solve_window(&mut session, &step).unwrap();
         let heat = session.heat_balance();
-        session.accept(&step, false).unwrap();
+        session.accept(&step, Observed::Nobody).unwrap();
         counted.push(COUNT.get() - before);
         assert_eq!(heat.sent, None, "the fields are not conservative");
     }
@@ -123,7 +123,7 @@ fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
             coupling.iterate(&mut session).unwrap();
         }
         coupling.accept_window();
-        session.accept(&step, false).unwrap();
+        session.accept(&step, Observed::Nobody).unwrap();
         counted.push(COUNT.get() - before);
     }
     session.finish().unwrap();

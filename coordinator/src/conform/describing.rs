@@ -154,28 +154,35 @@ fn estimate(bench: &Bench) -> Result<Seen, Fault> {
     if !bench.description.estimates {
         return Seen::inapplicable("it does not offer --estimate");
     }
-    bench.each(|setting| {
-        let asked = bench.program.estimate(&setting.configuration, bench.patience);
-        let Estimate::Layout(expected) = wait_for(asked).map_err(fault)? else {
-            return broken("--estimate refuses what it accepted while the case was planned");
-        };
-        let mut trial = bench.joined()?;
-        let layout = trial.configure(&setting.configuration)?;
-        bench.keep_joined(trial);
-        if placed(&layout) != placed(&expected) {
-            return broken("--estimate and Configure answer with other grids or places of fields");
-        }
-        let mut wrong = setting.configuration.clone();
-        "no-such-model".clone_into(&mut wrong.model);
-        match wait_for(bench.program.estimate(&wrong, bench.patience)).map_err(fault)? {
-            Estimate::Refused(refusal) if !refusal.key.is_empty() && !refusal.fix.is_empty() => {}
-            Estimate::Refused(refusal) => {
-                return broken(format!("its refusal lacks a key or a fix: {refusal:?}"));
+    bench
+        .each(|setting| {
+            let asked = bench.program.estimate(&setting.configuration, bench.patience);
+            let Estimate::Layout(expected) = wait_for(asked).map_err(fault)? else {
+                return broken("--estimate refuses what it accepted while the case was planned");
+            };
+            let mut trial = bench.joined()?;
+            let layout = trial.configure(&setting.configuration)?;
+            bench.keep_joined(trial);
+            if placed(&layout) != placed(&expected) {
+                return broken(
+                    "--estimate and Configure answer with other grids or places of fields",
+                );
             }
-            Estimate::Layout(_) => return broken("--estimate takes a model that does not exist"),
+            Seen::kept("the grids of Configure; a model that does not exist is refused")
+        })
+        .and_then(|seen| refuses_estimate(bench).map(|()| seen))
+}
+
+fn refuses_estimate(bench: &Bench) -> Result<(), Fault> {
+    let mut wrong = bench.first()?.configuration.clone();
+    "no-such-model".clone_into(&mut wrong.model);
+    match wait_for(bench.program.estimate(&wrong, bench.patience)).map_err(fault)? {
+        Estimate::Refused(refusal) if !refusal.key.is_empty() && !refusal.fix.is_empty() => Ok(()),
+        Estimate::Refused(refusal) => {
+            broken(format!("its refusal lacks a key or a fix: {refusal:?}"))
         }
-        Seen::kept("the grids of Configure; a model that does not exist is refused")
-    })
+        Estimate::Layout(_) => broken("--estimate takes a model that does not exist"),
+    }
 }
 
 fn configure(bench: &Bench) -> Result<Seen, Fault> {

@@ -3,7 +3,7 @@
 //! A participant may take seconds to start, and some checks leave it as any other could find it: joined
 //! and not configured to stay, or between two windows. Such a life is kept for the next check; one in
 //! which a check failed, or that a check has spoilt, is not. While one process is put through a check
-//! the next one starts.
+//! the next ones start.
 
 use super::bench::Bench;
 use super::check::{Fault, Seen};
@@ -11,7 +11,12 @@ use super::setting::Setting;
 use super::trial::{Trial, Values};
 use proto::configuration::Configuration;
 use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::num::NonZero;
 use std::rc::Rc;
+
+/// Most processes that are started ahead.
+const MOST_AHEAD: usize = 4;
 
 /// What is running and not in use.
 #[derive(Default)]
@@ -23,7 +28,7 @@ pub(super) struct Lives {
     /// How settings went on after their first window, see [`Bench::unobserved`].
     unobserved: RefCell<Vec<(Configuration, Rc<Values>)>>,
     /// On its way.
-    coming: RefCell<Option<Trial>>,
+    coming: RefCell<VecDeque<Trial>>,
     /// Some process has joined.
     once: Cell<bool>,
     /// A process was started, and none has.
@@ -50,16 +55,27 @@ impl Bench {
     /// A process that has joined and heard nothing yet.
     pub(super) fn fresh(&self) -> Result<Trial, Fault> {
         let Lives { coming, once, never, .. } = &self.lives;
-        let next = coming.borrow_mut().take();
+        let next = coming.borrow_mut().pop_front();
         let joined = next.map_or_else(|| Trial::start(self), Ok).and_then(Trial::joined);
         match &joined {
             Ok(_) => {
                 once.set(true);
-                *coming.borrow_mut() = Trial::start(self).ok();
+                self.start_ahead();
             }
             Err(_) => never.set(!once.get()),
         }
         joined
+    }
+
+    /// Starts as many processes as can start at the same time.
+    fn start_ahead(&self) {
+        let at_once = std::thread::available_parallelism().map_or(1, NonZero::get).min(MOST_AHEAD);
+        let mut coming = self.lives.coming.borrow_mut();
+        while coming.len() < at_once
+            && let Ok(trial) = Trial::start(self)
+        {
+            coming.push_back(trial);
+        }
     }
 
     /// A process that is ready for its very first window.

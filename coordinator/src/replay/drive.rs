@@ -82,6 +82,8 @@ pub(super) struct Driver<'a> {
     replay: Replay,
     /// What the program says of itself, once it was asked.
     description: Option<Description>,
+    /// Recorded fields that it does not provide.
+    left_out: Vec<String>,
     folder: PathBuf,
     files: Vec<CaseFile>,
     feed: Feed,
@@ -132,6 +134,7 @@ impl<'a> Driver<'a> {
             session,
             replay,
             description: None,
+            left_out: Vec::new(),
             folder,
             files: Vec::new(),
             feed: Feed::default(),
@@ -226,7 +229,11 @@ impl<'a> Driver<'a> {
         match kind {
             CommandKind::Describe => self.ask(command, &[])?,
             CommandKind::Configure => {
-                let body = self.told().configuration(body)?;
+                let (body, left_out) = self.told().configuration(body)?;
+                let remark =
+                    |name| format!("`{name}` is not compared: the program does not provide it");
+                self.replay.remarks.extend(left_out.iter().map(remark));
+                self.left_out = left_out;
                 self.ask(command, &body)?;
             }
             CommandKind::Connect => self.connect(command, body)?,
@@ -401,6 +408,7 @@ impl<'a> Driver<'a> {
 
     fn connect(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
         let mut topics = read_topics(body).map_err(|error| self.damaged(&error.to_string()))?;
+        topics.outputs.retain(|topic| !self.left_out.contains(&topic.field));
         room_for(self.samples(&topics), "before the fields of the replay were created")?;
         let endpoint = self.session.endpoint();
         self.feed = Feed::open(endpoint, &topics).map_err(|e| self.transport(&e))?;

@@ -26,7 +26,7 @@ fn description() -> Description {
         steady: true,
         transient: true,
         consumes: Vec::new(),
-        provides: Vec::new(),
+        provides: vec!["rail_temperature".to_owned()],
         keys: vec![KeySpec::number("thermal.depth", "a depth")],
         accuracy: proto::accuracy::Accuracy::default(),
     };
@@ -152,7 +152,7 @@ fn configuration() -> Vec<u8> {
         case: Params(serde_json::json!({"rail": {"profile": "files/rail.profile"}})),
         inputs: Vec::new(),
         outputs: Vec::new(),
-        observed: Vec::new(),
+        observed: ["rail_temperature", "rail_section_temperature"].map(str::to_owned).to_vec(),
     };
     serde_json::to_vec(&configuration).unwrap()
 }
@@ -335,7 +335,7 @@ fn told(
     let (key, attachment) = ("/here/file-0".to_owned(), "files/rail.profile".to_owned());
     let files = &[CaseFile { key, attachment }];
     let told = Told { request, recorded, description, files }.configuration(&configuration());
-    told.map(|body| serde_json::from_slice(&body).unwrap()).map_err(|error| error.to_string())
+    told.map(|(body, _)| serde_json::from_slice(&body).unwrap()).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -364,4 +364,5 @@ fn a_program_without_the_recorded_model_is_told_what_to_do() {
     }
     let chosen = told(&[("thermal.model", "strips".into())], Some(&other)).unwrap();
     assert_eq!(chosen["model"], "strips");
+    assert_eq!(chosen["observed"], serde_json::json!(["rail_temperature"]), "what it provides");
 }

@@ -19,11 +19,12 @@ pub(super) struct Told<'a> {
 }
 
 impl Told<'_> {
-    /// The configuration to send for a recorded one.
+    /// The configuration to send for a recorded one, and the observed fields that are not asked for
+    /// as the program does not provide them.
     ///
     /// # Errors
     /// It is none, the program does not have the model, or a key to be changed is not in it.
-    pub(super) fn configuration(&self, body: &[u8]) -> Result<Vec<u8>, RunError> {
+    pub(super) fn configuration(&self, body: &[u8]) -> Result<(Vec<u8>, Vec<String>), RunError> {
         let mut configuration: Value = serde_json::from_slice(body).map_err(|error| {
             RunError::Usage(format!("the recorded configuration is none: {error}"))
         })?;
@@ -32,7 +33,26 @@ impl Told<'_> {
             self.change(&mut configuration, key, value)?;
         }
         self.knows_model(&configuration)?;
-        Ok(serde_json::to_vec(&configuration).expect("it was JSON before"))
+        let left_out = self.leave_out(&mut configuration);
+        Ok((serde_json::to_vec(&configuration).expect("it was JSON before"), left_out))
+    }
+
+    /// Removes the observed fields that neither the model nor an effect of the program provides.
+    fn leave_out(&self, configuration: &mut Value) -> Vec<String> {
+        let Some(said) = self.description else { return Vec::new() };
+        let model = said.models.iter().filter(|model| configuration["model"] == *model.name);
+        let effects = said.effects.iter().flat_map(|effect| &effect.provides);
+        let provided: Vec<&String> = model.flat_map(|m| &m.provides).chain(effects).collect();
+        let mut left_out = Vec::new();
+        if let Some(observed) = configuration["observed"].as_array_mut() {
+            observed.retain(|field| {
+                let name = field.as_str().unwrap_or_default();
+                let known = provided.iter().any(|provided| *provided == name);
+                left_out.extend((!known).then(|| name.to_owned()));
+                known
+            });
+        }
+        left_out
     }
 
     /// Sets the model, a value that was recorded, or one that the program reads.

@@ -12,7 +12,7 @@ use crate::record::Recorder;
 use crate::results::iterations::{IterationTable, Row};
 use crate::results::summary::Counts;
 use crate::results::vtk::FieldWriter;
-use crate::session::{HeatBalance, Receipt, Session};
+use crate::session::{HeatBalance, Observed, Receipt, Session};
 use crate::windows::{self, Controller};
 use proto::model::Step;
 use proto::recording::{Event, Iteration};
@@ -135,9 +135,13 @@ impl<'a> March<'a> {
         let last = self.time.window().is_none();
         let due = last || self.plan.output_every.is_some_and(|every| done.is_multiple_of(every));
         self.coupling.accept_window();
-        // A recording holds the observed fields of every window, so that a replay compares them all:
-        // in a run that is not coupled back they may be all that a participant sends.
-        self.session.accept(self.coupling.step(), due || self.recorder.is_some())?;
+        let observed = match (due, self.recorder) {
+            (true, _) => Observed::Everybody,
+            // So that a replay compares every window of everybody.
+            (false, Some(_)) => Observed::Unconsumed,
+            (false, None) => Observed::Nobody,
+        };
+        self.session.accept(self.coupling.step(), observed)?;
         if due {
             self.fields.write(self.session.taps(), step.window, step.end)?;
             self.table.flush()?;

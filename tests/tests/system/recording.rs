@@ -158,8 +158,8 @@ fn a_one_way_transient_is_compared_in_every_window() {
 fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     let place = Place::new();
     let recording = record(&place, "wheel-rail.toml", "--record", &["mech.model=hertz-carter"]);
-    let program = Compiled::from("proto/c/examples/closed_form.c");
-    let program = program.path();
+    let compiled = Compiled::from("proto/c/examples/closed_form.c");
+    let program = compiled.path();
     let (code, _, stderr) = replay(&place, &recording, "thermal", &["--command", &program]);
     assert_eq!(code, Some(2), "{stderr}");
     for words in [
@@ -173,6 +173,9 @@ fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     let (code, replay, stderr) = self::replay(&place, &recording, "thermal", &chosen);
     assert!(code == Some(0) || code == Some(4), "{stderr}");
     assert_eq!(replay["program"], "closed-form 1.0", "{stderr}");
+    let remark = "`rail_section_temperature` is not compared: the program does not provide it";
+    assert!(replay["remarks"].as_array().unwrap().iter().any(|one| one == remark), "{replay:#}");
+    assert!(replay["comparison"]["samples"].as_u64().unwrap() > 0, "{replay:#}");
     let (left, right) = (toy("toy-left"), toy("toy-right"));
     for program in [left, right] {
         let (code, _, stderr) =
