@@ -6,4 +6,5 @@ mod fastsim;
 mod half_space;
 mod half_space_model;
 mod hertz_carter;
+mod hot;
 mod profiles;
