@@ -111,9 +111,9 @@ field_table! {
     WHEEL_TEMPERATURE = "wheel_temperature" ["K"; 1], Consistent, Wheel,
         "temperature rise of the wheel surface";
     RAIL_SECTION_TEMPERATURE = "rail_section_temperature" ["K"; 1], Consistent, Rail,
-        "temperature rise of the rail in the vertical plane y = 0 under the surface";
+        "temperature rise of the rail in a vertical plane along x under the surface";
     WHEEL_SECTION_TEMPERATURE = "wheel_section_temperature" ["K"; 1], Consistent, Wheel,
-        "temperature rise of the wheel in the vertical plane y = 0 over the surface";
+        "temperature rise of the wheel in a vertical plane along x over the surface";
     RAIL_SECTION_VON_MISES = "rail_section_von_mises_stress" ["Pa"; 1], Consistent, Rail,
         "von Mises stress of the rail in a vertical plane along x under the surface";
     WHEEL_SECTION_VON_MISES = "wheel_section_von_mises_stress" ["Pa"; 1], Consistent, Wheel,

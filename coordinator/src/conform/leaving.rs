@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 
 pub(super) const HEART: Check = Check {
     name: "heart",
-    demand: "from joining on the heart beats, event 1 + index of the role on bell/coordinator, every \
-             few hundred milliseconds, in mid-solve too",
-    fix: "beat from a thread of its own that no solve holds up",
+    demand: "from joining on there is a heartbeat on bell/coordinator, every few hundred milliseconds, \
+             in mid-solve too",
+    fix: "beat from a thread or process of its own that no solve holds up",
     run: heart,
 };
 
@@ -20,7 +20,7 @@ pub(super) const COORDINATOR_DIES: Check = Check {
     name: "coordinator-dies",
     demand: "when coordinator.lock is free the participant ends within 2 s, in mid-solve too, and \
              the last one removes the run's folder and its shared memory",
-    fix: "try the lock from the thread of the heart; clean up when members.lock is free",
+    fix: "try the lock wherever the heartbeat comes from; clean up when members.lock is free",
     run: coordinator_dies,
 };
 

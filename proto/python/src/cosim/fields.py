@@ -85,13 +85,13 @@ TABLE: dict[str, FieldKind] = {
             "rail_section_temperature",
             "K",
             body="rail",
-            meaning="temperature rise of the rail in the vertical plane y = 0 under the surface",
+            meaning="temperature rise of the rail in a vertical plane along x under the surface",
         ),
         FieldKind(
             "wheel_section_temperature",
             "K",
             body="wheel",
-            meaning="temperature rise of the wheel in the vertical plane y = 0 over the surface",
+            meaning="temperature rise of the wheel in a vertical plane along x over the surface",
         ),
         *(
             FieldKind(

@@ -57,7 +57,7 @@ class Heart:
         self._membership, self._stopping = membership, False
         self._news, tell = os.pipe()
         info = membership.info
-        given = (info.folder, membership.index, shared, tell, INTERVAL)
+        given = (info.folder, membership.index, shared, tell)
         self._process = subprocess.Popen(
             [sys.executable, "-m", "cosim.heart", *map(str, given)],
             stdin=subprocess.DEVNULL,
@@ -99,7 +99,7 @@ class Heart:
             os._exit(1)
 
 
-def main(folder: Path, index: int, shared: int, tell: int, interval: float) -> None:
+def main(folder: Path, index: int, shared: int, tell: int) -> None:
     """Beat for the parent process until it ends."""
     parent = os.getppid()
     _end_with_parent(signal.SIGKILL)
@@ -120,7 +120,7 @@ def main(folder: Path, index: int, shared: int, tell: int, interval: float) -> N
                 ringer.beat(index, beat)
             except TransportError as error:
                 log.warning("the heartbeat does not reach the coordinator: %s", error)
-        time.sleep(interval)
+        time.sleep(INTERVAL)
 
 
 def _end_with_parent(signal_number: int) -> None:
@@ -161,5 +161,5 @@ def _end(participant: int, info: RunInfo, tell: int) -> None:
 
 
 if __name__ == "__main__":
-    _, folder, index, shared, tell, interval = sys.argv
-    main(Path(folder), int(index), int(shared), int(tell), float(interval))
+    _, folder, index, shared, tell = sys.argv
+    main(Path(folder), int(index), int(shared), int(tell))

@@ -137,9 +137,7 @@ match FAULT:
         cosim.server.parse = careless(cosim.server.parse, ProtocolError, end)
     case "out-of-order":
         Server._ready = careless(Server._ready, ProtocolError, end)
-    case "heart":
-        cosim.heart.INTERVAL = 1.3
-    case "coordinator-dies":
+    case "heart" | "coordinator-dies":
         cosim.heart.Heart = NoHeart
 
 main(Astray)
