@@ -114,8 +114,13 @@ class Membership:
 
 def leave_for(info: RunInfo) -> None:
     """What the last member of a run does, for one that has been killed."""
-    with suppress(OSError):
-        _remove_if_last(info, os.open(info.folder / "members.lock", os.O_RDONLY))
+    try:
+        members = os.open(info.folder / "members.lock", os.O_RDONLY)
+    except OSError:
+        # It was the last, and was killed while it removed them.
+        _remove(info)
+    else:
+        _remove_if_last(info, members)
 
 
 def _remove_if_last(info: RunInfo, members: int) -> None:
