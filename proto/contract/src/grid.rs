@@ -7,8 +7,13 @@
 
 mod geometry;
 mod quadrilaterals;
+mod structured;
+mod sum;
+mod vector;
 
 pub use quadrilaterals::Quadrilaterals;
+pub use structured::Structured;
+pub use sum::{blocked_sum, pairwise_sum};
 
 use serde::{Deserialize, Serialize};
 
@@ -48,78 +53,6 @@ pub enum Shape {
     Structured(Structured),
     /// Surface of quadrilateral elements.
     Quadrilaterals(Quadrilaterals),
-}
-
-/// Plane patch of `ni` × `nj` equal elements.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Structured {
-    /// Centre of element (0, 0) [m].
-    pub origin: [f64; 3],
-    /// From one element to the next in i [m].
-    pub step_i: [f64; 3],
-    /// From one element to the next in j [m].
-    pub step_j: [f64; 3],
-    /// Number of elements in i.
-    pub ni: usize,
-    /// Number of elements in j.
-    pub nj: usize,
-}
-
-impl Structured {
-    /// A grid in the contact plane z = 0 with its first element centred on (x0, y0) [m].
-    #[must_use]
-    pub fn contact_plane(x0: f64, y0: f64, dx: f64, dy: f64, nx: usize, ny: usize) -> Self {
-        Self {
-            origin: [x0, y0, 0.0],
-            step_i: [dx, 0.0, 0.0],
-            step_j: [0.0, dy, 0.0],
-            ni: nx,
-            nj: ny,
-        }
-    }
-
-    /// Number of elements; [`usize::MAX`] where that cannot be counted.
-    #[must_use]
-    pub fn points(&self) -> usize {
-        self.ni.saturating_mul(self.nj)
-    }
-
-    /// Centre of element (i, j) [m].
-    #[must_use]
-    pub fn centre(&self, i: usize, j: usize) -> [f64; 3] {
-        let (i, j) = (i as f64, j as f64);
-        std::array::from_fn(|k| self.origin[k] + i * self.step_i[k] + j * self.step_j[k])
-    }
-
-    /// x of column i [m].
-    #[must_use]
-    pub fn x(&self, i: usize) -> f64 {
-        self.centre(i, 0)[0]
-    }
-
-    /// y of row j [m].
-    #[must_use]
-    pub fn y(&self, j: usize) -> f64 {
-        self.centre(0, j)[1]
-    }
-
-    /// Element length along x of a contact-plane grid [m].
-    #[must_use]
-    pub fn dx(&self) -> f64 {
-        self.step_i[0]
-    }
-
-    /// Element length along y of a contact-plane grid [m].
-    #[must_use]
-    pub fn dy(&self) -> f64 {
-        self.step_j[1]
-    }
-
-    /// Area of one element [m²].
-    #[must_use]
-    pub fn element_area(&self) -> f64 {
-        quadrilaterals::length(quadrilaterals::cross(self.step_i, self.step_j))
-    }
 }
 
 impl Grid {
@@ -226,37 +159,6 @@ impl Grid {
     }
 }
 
-/// Sum of a term over a range, halved until it is short: its error grows like the logarithm of the
-/// length.
-pub fn pairwise_sum(range: std::ops::Range<usize>, term: &impl Fn(usize) -> f64) -> f64 {
-    if range.len() <= 32 {
-        return range.map(term).sum();
-    }
-    let middle = range.start.midpoint(range.end);
-    pairwise_sum(range.start..middle, term) + pairwise_sum(middle..range.end, term)
-}
-
-/// Sum in independent lanes and blocks: fast, and with an error that grows like the logarithm of
-/// the length, so that two sums of the same field agree to a few units in the last place.
-#[must_use]
-pub fn blocked_sum(values: &[f64]) -> f64 {
-    const BLOCK: usize = 1024;
-    if values.len() > BLOCK {
-        let half = (values.len() / 2).next_multiple_of(BLOCK);
-        let (left, right) = values.split_at(half.min(values.len() - 1));
-        return blocked_sum(left) + blocked_sum(right);
-    }
-    let mut lanes = [0.0; 8];
-    let chunks = values.chunks_exact(8);
-    let tail: f64 = chunks.remainder().iter().sum();
-    for chunk in chunks {
-        for (lane, value) in lanes.iter_mut().zip(chunk) {
-            *lane += value;
-        }
-    }
-    lanes.iter().sum::<f64>() + tail
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -267,15 +169,6 @@ mod tests {
         let grid = Grid::structured("contact", shape);
         let text = serde_json::to_string(&grid).unwrap();
         assert_eq!(serde_json::from_str::<Grid>(&text).unwrap(), grid);
-    }
-
-    #[test]
-    fn blocked_sum_equals_exact_sum_of_integers() {
-        for n in [0, 1, 7, 8, 1024, 1025, 2048, 100_001] {
-            let values: Vec<f64> = (0..n).map(f64::from).collect();
-            let n = f64::from(n);
-            assert_eq!(blocked_sum(&values), n * (n - 1.0) / 2.0);
-        }
     }
 
     #[test]

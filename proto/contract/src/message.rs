@@ -5,7 +5,7 @@
 //! labels. Variable-length content (configuration, errors, summaries) travels as JSON bytes behind
 //! a [`Command`] or [`Reply`]; field values travel as `[f64]` behind a [`FieldHeader`].
 
-use crate::model::{Step, StepReport};
+use crate::step::{Step, StepReport};
 
 /// The most inputs one participant can have.
 pub const MAX_INPUTS: usize = 16;

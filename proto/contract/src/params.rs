@@ -3,7 +3,7 @@
 //! The coordinator has checked types, units and ranges against the description's keys and filled
 //! in the defaults; a participant started by another coordinator still gets an error, not a panic.
 
-use crate::configuration::Refusal;
+use crate::refusal::Refusal;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

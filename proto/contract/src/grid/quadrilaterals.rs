@@ -5,7 +5,8 @@
 //! one plane, the size of the vector area where they do not. So a structured grid and the same one
 //! written as quadrilaterals have the same centres and areas, but for rounding.
 
-use super::Structured;
+use super::structured::Structured;
+use super::vector::{cross, difference, length};
 use serde::{Deserialize, Serialize};
 
 /// Quadrilateral elements over shared vertices.
@@ -114,18 +115,6 @@ fn convex(corners: &[[f64; 3]; 4]) -> bool {
 fn vector_area(corners: &[[f64; 3]; 4]) -> [f64; 3] {
     let [a, b, c, d] = *corners;
     cross(difference(c, a), difference(d, b)).map(|component| 0.5 * component)
-}
-
-fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(super) fn length(a: [f64; 3]) -> f64 {
-    a.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

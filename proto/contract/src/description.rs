@@ -4,9 +4,10 @@
 //! in which unit and range, and which fields they exchange, it learns from here.
 
 use crate::accuracy::Accuracy;
-use crate::configuration::{Configuration, Mode, Refusal};
+use crate::configuration::{Configuration, Mode};
 use crate::field::{FieldKind, FieldSpec};
 use crate::grid::check_name;
+use crate::refusal::Refusal;
 use crate::text::check_lines;
 use serde::{Deserialize, Serialize};
 

@@ -1,5 +1,7 @@
 //! What a participant is told before a run, and what it answers. All of it travels as JSON.
 
+pub use crate::refusal::Refusal;
+
 use crate::accuracy::Simplification;
 use crate::field::FieldKind;
 use crate::grid::Grid;
@@ -82,7 +84,7 @@ pub struct Layout {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub inputs: Vec<FieldOnGrid>,
     /// Names of those of the grids that may move when a window is accepted, see
-    /// [`crate::model::Model::moved_grids`].
+    /// `moved_grids` of a model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moving: Vec<String>,
     /// Where the largest value of a field is expected, by its name, as far as that is known before
@@ -180,25 +182,6 @@ impl Layout {
     fn among(&self, placed: &[FieldOnGrid], field: &str) -> Option<&Grid> {
         let name = &placed.iter().find(|f| f.field == field)?.grid;
         self.grids.iter().find(|g| &g.name == name)
-    }
-}
-
-/// A case that a participant cannot take: a value, or a combination of values, is at fault.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-#[error("{key}: {reason}; {fix}")]
-pub struct Refusal {
-    /// Dotted key of the case at fault.
-    pub key: String,
-    /// Why it cannot be.
-    pub reason: String,
-    /// What to write instead.
-    pub fix: String,
-}
-
-impl Refusal {
-    /// A refusal that names the key, the reason and the fix.
-    pub fn new(key: &str, reason: impl Into<String>, fix: impl Into<String>) -> Self {
-        Self { key: key.to_owned(), reason: reason.into(), fix: fix.into() }
     }
 }
 
