@@ -21,7 +21,7 @@ pub use sum::sum;
 use crate::error::{RunError, file_failure};
 use crate::results::summary::Counts;
 use crate::results::vtk::Series;
-use crate::windows;
+use coupling::windows;
 use proto::binary;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -66,7 +66,7 @@ pub struct State {
     pub time: windows::State,
     /// What has been counted.
     pub counts: Counts,
-    /// What [`crate::couple::Coupling::save`] wrote.
+    /// What [`coupling::Coupling::save`] wrote.
     pub coupling: Vec<u8>,
     /// The last iterate sent to those who close the loop.
     pub iterate: Vec<f64>,

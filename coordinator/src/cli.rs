@@ -2,7 +2,6 @@
 
 use crate::ablate;
 use crate::accuracy::{self, Search, Verdict};
-use crate::case::{Alone, RawCase, judge_alone};
 use crate::checkpoint::{Checkpoint, Checkpoints, Torn};
 use crate::conform;
 use crate::cost;
@@ -11,7 +10,7 @@ use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
 use crate::logging::{Level, Logging};
 use crate::output;
-use crate::plan::{Planned, not_judged, plan};
+use crate::plan::{Planned, Shown, plan};
 use crate::programs::{self, Program};
 use crate::progress::Progress;
 use crate::record::Compression;
@@ -25,6 +24,7 @@ use crate::run::{self, Clock, Outcome};
 use crate::signals;
 use crate::stability;
 use crate::study::Variant;
+use case::{Alone, RawCase, judge_alone};
 use clap::{Args, Parser, Subcommand};
 use proto::description::Description;
 use proto::recording::End;
@@ -219,7 +219,7 @@ impl CaseArguments {
 
     fn plan(&self) -> Result<Planned, RunError> {
         let planned = self.plan_again()?;
-        planned.case.tell_replaced();
+        crate::logging::warn_of_replaced(&planned.case);
         Ok(planned)
     }
 
@@ -302,7 +302,10 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             let shown = case.case.display();
             let text = match no_start {
                 true => {
-                    format!("{shown}: no errors in what was judged\n{}", not_judged(&case.alone()?))
+                    format!(
+                        "{shown}: no errors in what was judged\n{}",
+                        case.alone()?.not_judged_text()
+                    )
                 }
                 false => case.plan().map(|_| format!("{shown}: no errors\n"))?,
             };
@@ -311,7 +314,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Plan { case, no_start } => {
             let _asking = signals::end_at_once();
             let text = match no_start {
-                true => case.alone()?.to_string(),
+                true => Shown(&case.alone()?).to_string(),
                 false => case.plan()?.plan.to_string(),
             };
             Ok(print(false, &text)?)

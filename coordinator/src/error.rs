@@ -1,9 +1,10 @@
 //! How a command can end badly, and the exit code that goes with it.
 
-use crate::case::Problems;
-use crate::couple::converge::Why;
 use crate::programs::Program;
 use crate::results::dir::shown;
+use case::Problems;
+use coupling::NotConverged;
+use coupling::converge::Why;
 use proto::configuration::Refusal;
 
 /// Why a command of the coordinator did not succeed.
@@ -36,7 +37,7 @@ pub enum RunError {
     #[error(transparent)]
     Failed(#[from] Failure),
     /// A window did not converge, and the case is strict.
-    #[error(transparent)]
+    #[error("{not_converged}; {fix}", not_converged = .0, fix = fix(.0))]
     NotConverged(#[from] NotConverged),
     /// The finest grid that was tried misses the target of accuracy.
     #[error(
@@ -99,60 +100,6 @@ pub struct Failure {
     pub fix: String,
 }
 
-/// Which window did not converge, how, and what to do about it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NotConverged {
-    /// Divergence, stagnation, or too few iterations.
-    pub why: Why,
-    /// Number of the window, from 0.
-    pub window: u64,
-    /// The last iteration.
-    pub iteration: u32,
-    /// The field that is farthest from its end.
-    pub field: String,
-    /// Its residual over its values, in two-norms \[-\].
-    pub residual: f64,
-    /// Word of the accelerator.
-    pub acceleration: &'static str,
-}
-
-impl std::error::Error for NotConverged {}
-
-impl std::fmt::Display for NotConverged {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { window, iteration, field, residual, .. } = self;
-        let word = match self.why {
-            Why::Diverged => "the coupling diverged",
-            Why::Stagnated => "the coupling stagnated",
-            Why::OutOfIterations => "the coupling has not converged",
-        };
-        write!(
-            f,
-            "{word} in window {window}, iteration {iteration}: the relative residual of `{field}` \
-             is {residual:.3e}; {}",
-            self.fix()
-        )
-    }
-}
-
-impl NotConverged {
-    fn fix(&self) -> String {
-        let other = match self.acceleration {
-            "none" | "constant" | "aitken" => "set coupling.acceleration to \"iqn-ils\"",
-            _ => "raise coupling.max_columns",
-        };
-        match self.why {
-            Why::Diverged => format!("{other}, lower coupling.relaxation, or shorten time.window"),
-            Why::Stagnated => format!(
-                "{other}, or loosen coupling.relative: the participants may not be more precise"
-            ),
-            Why::OutOfIterations => {
-                format!("raise coupling.max_iterations, {other}, or shorten time.window")
-            }
-        }
-    }
-}
-
 impl RunError {
     /// The exit code: 1 a solver or the machine failed, 2 bad usage or case, 3 not converged, 4 a replay
     /// differs, or a text that is kept is stale, 128 and the number of the signal that has stopped it.
@@ -186,6 +133,23 @@ impl RunError {
         match then {
             Ok(()) => self,
             Err(second) => Self::Both { first: Box::new(self), second: Box::new(second) },
+        }
+    }
+}
+
+/// What to do about a window that did not converge.
+fn fix(of: &NotConverged) -> String {
+    let other = match of.acceleration {
+        "none" | "constant" | "aitken" => "set coupling.acceleration to \"iqn-ils\"",
+        _ => "raise coupling.max_columns",
+    };
+    match of.why {
+        Why::Diverged => format!("{other}, lower coupling.relaxation, or shorten time.window"),
+        Why::Stagnated => format!(
+            "{other}, or loosen coupling.relative: the participants may not be more precise"
+        ),
+        Why::OutOfIterations => {
+            format!("raise coupling.max_iterations, {other}, or shorten time.window")
         }
     }
 }

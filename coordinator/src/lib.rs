@@ -6,18 +6,15 @@
 
 pub mod ablate;
 pub mod accuracy;
-pub mod case;
 pub mod checkpoint;
 pub mod cli;
 pub mod conform;
 pub mod cost;
-pub mod couple;
 pub mod damage;
 pub mod error;
 pub mod export;
 pub mod inspect;
 pub mod logging;
-pub mod map;
 pub mod output;
 pub mod plan;
 pub mod processes;
@@ -34,7 +31,6 @@ pub mod signals;
 pub mod stability;
 pub mod study;
 pub mod supervise;
-pub mod windows;
 
 /// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
 #[cfg(test)]

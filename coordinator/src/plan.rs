@@ -10,18 +10,19 @@ mod mapping;
 mod route;
 pub(crate) mod show;
 
-use crate::case::{Acceleration, Case, Implicit, Scheme};
-use crate::map::Method;
 use crate::programs::Program;
 use crate::session::Deadlines;
-use crate::windows::Windows;
+use case::Case;
+use coupling::map::Method;
+use coupling::settings::{Acceleration, Implicit, Scheme};
+use coupling::windows::Windows;
 use proto::configuration::{Configuration, Layout, Mode};
 use proto::description::Description;
 use proto::field::FieldKind;
 use proto::message::Interpolation;
 use proto::transport::FIELD_SLOTS;
 
-pub use alone::not_judged;
+pub use alone::Shown;
 pub use make::plan;
 pub use mapping::non_matching;
 

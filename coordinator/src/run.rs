@@ -5,7 +5,6 @@ mod origin;
 
 pub use origin::{check_origin, origin};
 
-use crate::case::Case;
 use crate::checkpoint::{Checkpoint, Checkpoints};
 use crate::error::RunError;
 use crate::plan::{Plan, Planned};
@@ -19,6 +18,7 @@ use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
 use crate::session::Session;
+use case::Case;
 use march::March;
 use proto::message::Finished;
 use serde_json::Value;

@@ -25,12 +25,13 @@ pub(crate) use memory::room_for;
 pub(crate) use setup::{Seat, layout_fault};
 pub use tap::Tap;
 
-use crate::couple::{Exchange, Part};
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
 use crate::record::Recorder;
 use crate::signals;
 use crate::supervise::{Exit, Supervisor};
+use contract::step::Step;
+use coupling::{Exchange, Part};
 use feedback::Feedback;
 use geometry::MovingGrid;
 use link::Link;
@@ -39,7 +40,6 @@ use memory::SharedMemory;
 use patience::Patience;
 use proto::configuration::Layout;
 use proto::message::{Command, CommandKind, Finished, OBSERVE, Reply, Status};
-use proto::model::Step;
 use proto::run_dir::RunDir;
 use proto::transport::{Doorbell, Endpoint, Message, TransportError};
 use std::os::unix::process::ExitStatusExt;
@@ -566,6 +566,8 @@ impl Context<'_> {
 }
 
 impl Exchange for Session {
+    type Error = RunError;
+
     fn participants(&self) -> usize {
         self.links.len()
     }
@@ -618,7 +620,7 @@ impl Exchange for Session {
         Ok(())
     }
 
-    fn fed_back(&self) -> &[Part] {
+    fn coupling_data(&self) -> &[Part] {
         &self.parts
     }
 

@@ -14,12 +14,12 @@ pub mod quantity;
 pub mod richardson;
 pub mod spent;
 
-use crate::case::RawCase;
 use crate::error::RunError;
 use crate::plan::{Plan, Planned, plan};
 use crate::progress::Progress;
 use crate::results::{Existing, ResultFolder};
 use crate::run::{self, Clock};
+use case::RawCase;
 use serde_json::Value;
 use std::path::Path;
 use std::time::Instant;

@@ -187,10 +187,7 @@ impl Endpoint {
             .map_err(|e| open_error(name, e))
     }
 
-    fn sender<H: Header>(
-        &self,
-        name: String,
-    ) -> Result<Sender<H>, TransportError> {
+    fn sender<H: Header>(&self, name: String) -> Result<Sender<H>, TransportError> {
         let topic = self.topic::<u8, H>(&name)?;
         let publisher = topic
             .publisher_builder()
@@ -202,10 +199,7 @@ impl Endpoint {
         Ok(Sender { publisher, topic, name, connected: Cell::new(false) })
     }
 
-    fn receiver<H: Header>(
-        &self,
-        name: String,
-    ) -> Result<Receiver<H>, TransportError> {
+    fn receiver<H: Header>(&self, name: String) -> Result<Receiver<H>, TransportError> {
         let topic = self.topic::<u8, H>(&name)?;
         let subscriber = topic.subscriber_builder().create().map_err(|e| open_error(&name, e))?;
         Ok(Receiver { subscriber, topic, name })

@@ -5,10 +5,10 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
 
-use coordinator::case::RawCase;
-use coordinator::couple::Coupling;
+use case::RawCase;
 use coordinator::plan::plan;
 use coordinator::session::{Observed, Session};
+use coupling::Coupling;
 use proto::model::Step;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

@@ -43,7 +43,7 @@ pub struct Arguments {
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
     let standing = planned(&asked.case, &base)?;
-    standing.case.tell_replaced();
+    crate::logging::warn_of_replaced(&standing.case);
     let folder = StudyFolder::choose(&Wanted {
         command: "ablate",
         name: &format!("{}-ablate", standing.plan.name),

@@ -5,7 +5,7 @@ use crate::error::RunError;
 use crate::plan::{Plan, Planned};
 use crate::study::levels::{Level, all, reason};
 use crate::study::{Variant, ends_study, expected_seconds, planned};
-use crate::windows::Windows;
+use coupling::windows::Windows;
 use std::path::Path;
 
 /// The models, and the coarsest resolution at which they expect to meet the target.

@@ -2,9 +2,9 @@
 
 use super::bench::{Bench, wait_for};
 use super::check::{Check, Fault, Seen, broken};
-use crate::case::parse_quantity;
 use crate::error::RunError;
 use crate::report::unit::counted;
+use case::parse_quantity;
 use proto::configuration::{Estimate, Layout};
 use proto::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
 use proto::grid::check_name;

@@ -60,7 +60,7 @@ pub struct Arguments {
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let request = request(asked)?;
     let standing = planned(&request.case, &request.base)?;
-    standing.case.tell_replaced();
+    crate::logging::warn_of_replaced(&standing.case);
     let kept = |folder: &Path| Kept::read(folder, &request, &standing);
     let study = StudyFolder::choose(&Wanted {
         command: "cost",

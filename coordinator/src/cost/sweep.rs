@@ -11,7 +11,7 @@ use crate::study::progress::Steps;
 use crate::study::quantity::Quantity;
 use crate::study::spent::{Clock, Spent};
 use crate::study::{Variant, ends_study, expected_seconds, perform, planned};
-use crate::windows::Windows;
+use coupling::windows::Windows;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -2,22 +2,27 @@
 
 use super::make::windows;
 use super::show::in_time;
-use crate::case::{Alone, RawParticipant};
 use crate::programs::Program;
+use case::{Alone, RawParticipant};
 use std::fmt::{Display, Formatter, Result};
 
-impl Display for Alone {
+/// A case that was judged alone, as a person reads it.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a>(pub &'a Alone);
+
+impl Display for Shown<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let title = self.title.as_ref().map(|title| format!(" · {title}")).unwrap_or_default();
-        writeln!(f, "{}{title}", self.name)?;
-        writeln!(f, "\ntime       {}", in_time(windows(self.timing)))?;
-        writeln!(f, "scheme     {}", self.coupling.scheme.word())?;
+        let Self(alone) = self;
+        let title = alone.title.as_ref().map(|title| format!(" · {title}")).unwrap_or_default();
+        writeln!(f, "{}{title}", alone.name)?;
+        writeln!(f, "\ntime       {}", in_time(windows(alone.timing)))?;
+        writeln!(f, "scheme     {}", alone.coupling.scheme.word())?;
         writeln!(f, "\nprocesses  coordinator")?;
-        for one in &self.participants {
+        for one in &alone.participants {
             let model = one.model.as_deref().unwrap_or("?");
             writeln!(f, "           {:10} {model:14} {}", one.role, how(one))?;
         }
-        write!(f, "\n{}", not_judged(self))
+        write!(f, "\n{}", alone.not_judged_text())
     }
 }
 
@@ -33,19 +38,4 @@ fn how(one: &RawParticipant) -> String {
         (false, Some(_)) => format!("would start, as the case says: {line}"),
         (false, None) => format!("would start: {line}"),
     }
-}
-
-/// What was not judged of a case, and why.
-#[must_use]
-pub fn not_judged(alone: &Alone) -> String {
-    let roles: Vec<&str> = alone.participants.iter().map(|one| one.role.as_str()).collect();
-    let mut text = format!(
-        "not judged, as no program was started: models, effects and fields, which the programs of {} \
-         describe, and the scheme that follows from them",
-        roles.join(", ")
-    );
-    if !alone.not_judged.is_empty() {
-        text += &format!("; the keys {}", alone.not_judged.join(", "));
-    }
-    text + "\n"
 }

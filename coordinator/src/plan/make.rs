@@ -2,12 +2,13 @@
 
 use super::route::{self, Candidate};
 use super::{Field, Participant, Plan, Planned, SchemeChoice};
-use crate::case::schema::WELL_KNOWN_ROLES;
-use crate::case::{Case, Control, Problem, RawCase, RawParticipant, Scheme, Timing, validate};
 use crate::error::RunError;
 use crate::programs::Program;
 use crate::session::Deadlines;
-use crate::windows::Windows;
+use case::schema::WELL_KNOWN_ROLES;
+use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
+use coupling::settings::Scheme;
+use coupling::windows::Windows;
 use proto::configuration::{Configuration, Estimate, Input, Layout};
 use proto::description::Description;
 use proto::grid::check_name;

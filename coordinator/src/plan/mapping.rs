@@ -1,7 +1,7 @@
 //! Which fields are mapped for whom, and how well the grids cover each other.
 
 use super::{Field, Plan, sample_bytes};
-use crate::map::{GridMapping, Method};
+use coupling::map::{GridMapping, Method};
 use proto::configuration::Layout;
 use proto::field::Mapping;
 use proto::grid::Grid;

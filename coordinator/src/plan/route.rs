@@ -1,7 +1,8 @@
 //! Routing: who runs, which fields exist, who sends them to whom, and in which order.
 
 use super::{Effect, Field};
-use crate::case::{Case, OutputFields, Scheme};
+use case::{Case, OutputFields};
+use coupling::settings::Scheme;
 use proto::description::{Description, EffectSpec, ModelSpec};
 use proto::field::{self, FieldKind};
 

@@ -1,8 +1,8 @@
 //! The plan as a person reads it.
 
 use super::Plan;
-use crate::case::Implicit;
-use crate::windows::Windows;
+use coupling::settings::Implicit;
+use coupling::windows::Windows;
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Plan {

@@ -1,7 +1,7 @@
 //! What the participant sends now against what it sent then.
 
+use contract::step::Step;
 use proto::message::FieldHeader;
-use proto::model::Step;
 use serde::Serialize;
 
 /// What was compared, and how it differs.

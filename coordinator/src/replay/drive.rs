@@ -9,6 +9,7 @@ use crate::inspect::FileRecording;
 use crate::output::print;
 use crate::plan::sample_bytes;
 use crate::session::{Session, room_for};
+use contract::step::Step;
 use proto::configuration::{Layout, Refusal};
 use proto::description::Description;
 use proto::field::GEOMETRY;
@@ -17,7 +18,6 @@ use proto::message::{
     Command, CommandKind, Failure as Unsuccessful, FieldHeader, Finished, OBSERVE, OutputFile,
     Reply, StateFile, Status, Topics,
 };
-use proto::model::Step;
 use proto::recording::{CaseFile, Event, Item, Participant, read_topics};
 use proto::transport::{Endpoint, FieldReader, TransportError};
 use serde::de::DeserializeOwned;

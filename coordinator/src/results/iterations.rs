@@ -15,12 +15,12 @@
 //! What an explicit scheme does not have, residuals of fields and the choice of iterates, has no
 //! column.
 
-use crate::couple::accelerate::StepTaken;
 use crate::error::{RunError, file_failure};
 use crate::results::dir::shown;
 use crate::results::write::fresh;
 use crate::session::{HeatBalance, SolveRecord};
-use proto::model::Step;
+use contract::step::Step;
+use coupling::accelerate::StepTaken;
 use rustix::fs::OFlags;
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};

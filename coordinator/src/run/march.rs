@@ -1,10 +1,6 @@
 //! The windows of a run, one after the other: solved, judged, accepted, written, checkpointed.
 
 use crate::checkpoint::{Checkpoint, Checkpoints, Origin, State};
-use crate::couple::Exchange as _;
-use crate::couple::converge::Verdict;
-use crate::couple::state::Reader;
-use crate::couple::{Coupling, WindowOutcome};
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
 use crate::progress::Progress;
@@ -13,8 +9,12 @@ use crate::results::iterations::{IterationTable, Row};
 use crate::results::summary::Counts;
 use crate::results::vtk::FieldWriter;
 use crate::session::{HeatBalance, Observed, Receipt, Session};
-use crate::windows::{self, Controller};
-use proto::model::Step;
+use contract::step::Step;
+use coupling::Exchange as _;
+use coupling::converge::Verdict;
+use coupling::state::Reader;
+use coupling::windows::{self, Controller};
+use coupling::{Coupling, WindowOutcome};
 use proto::recording::{Event, Iteration};
 use std::time::Instant;
 
@@ -223,7 +223,7 @@ impl March<'_> {
     fn iteration(&self, coupling_seconds: f64) -> Iteration {
         let (step, taken) = (self.coupling.step(), self.coupling.taken());
         let heat = self.session.heat_balance();
-        let names = self.session.fed_back().iter().map(|part| part.name.clone());
+        let names = self.session.coupling_data().iter().map(|part| part.name.clone());
         Iteration {
             window: step.window,
             iteration: step.iteration,

@@ -8,10 +8,10 @@
 use super::outlet::Outlet;
 use super::tap::Consumer;
 use super::{COORDINATOR, Session};
-use crate::couple::Part;
 use crate::error::{Failure, RunError};
+use contract::step::Step;
+use coupling::Part;
 use proto::grid::Grid;
-use proto::model::Step;
 use proto::transport::TransportError;
 
 /// One field that is fed back.
@@ -74,7 +74,7 @@ impl Session {
             let tap = &self.taps[feedback.tap];
             (tap.kind.name.as_str(), tap.values().map_or(0, <[f64]>::len))
         });
-        crate::couple::parts(fields)
+        coupling::parts(fields)
     }
 
     pub(super) fn send_iterate(&mut self, iterate: &[f64], step: &Step) -> Result<(), RunError> {

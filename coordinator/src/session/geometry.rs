@@ -8,9 +8,9 @@
 use super::Session;
 use crate::error::{Failure, RunError};
 use crate::record::{Recorder, TopicNumber};
+use contract::step::Step;
 use proto::field::GEOMETRY;
 use proto::grid::Grid;
-use proto::model::Step;
 use proto::transport::{Endpoint, FieldReader, FieldSample, TransportError};
 use std::sync::Arc;
 

@@ -10,10 +10,10 @@ use super::outlet::Outlet;
 use super::tap::Consumer;
 use super::{COORDINATOR, Session};
 use crate::error::{Failure, RunError};
-use crate::map::{Coverage, CurrentMapping, MapError, Method};
+use contract::step::Step;
+use coupling::map::{Coverage, CurrentMapping, MapError, Method};
 use proto::field::{FieldKind, Mapping};
 use proto::grid::Grid;
-use proto::model::Step;
 use proto::transport::TransportError;
 
 /// One field for one consumer.
@@ -42,7 +42,7 @@ pub(super) struct Mapped {
 pub(super) struct Heat {
     /// Surface integral on the producer's grid.
     pub(super) sent: f64,
-    /// What the mapping has changed of it, see [`crate::map::GridMapping::imbalance`].
+    /// What the mapping has changed of it, see [`coupling::map::GridMapping::imbalance`].
     pub(super) imbalance: f64,
 }
 

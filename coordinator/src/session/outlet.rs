@@ -2,10 +2,10 @@
 
 use super::COORDINATOR;
 use crate::record::{Recorder, TopicNumber};
+use contract::step::Step;
 use proto::field::FieldKind;
 use proto::grid::Grid;
 use proto::message::{FieldHeader, Label};
-use proto::model::Step;
 use proto::transport::{Endpoint, FieldLoan, FieldWriter, TransportError};
 use std::sync::Arc;
 use std::time::Instant;

@@ -9,9 +9,9 @@
 use super::geometry::MovingGrid;
 use super::{Phase, Session};
 use crate::error::{RunError, file_failure};
+use contract::step::Step;
 use proto::grid::Grid;
 use proto::message::{Command, CommandKind, OutputFile, StateFile};
-use proto::model::Step;
 use std::path::Path;
 
 impl Session {

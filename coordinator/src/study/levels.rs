@@ -2,9 +2,9 @@
 //! resolutions worth running, as their descriptions say.
 
 use super::{Variant, ends_study, planned};
-use crate::case::Problem;
 use crate::error::RunError;
 use crate::plan::Planned;
+use case::Problem;
 use proto::accuracy::{Refinement, Simplification};
 use std::path::Path;
 

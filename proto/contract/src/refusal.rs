@@ -20,4 +20,3 @@ impl Refusal {
         Self { key: key.to_owned(), reason: reason.into(), fix: fix.into() }
     }
 }
-

@@ -54,4 +54,3 @@ impl StepReport {
         Some(format!("the model wants a window of {wish} s"))
     }
 }
-

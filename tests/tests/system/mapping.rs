@@ -2,7 +2,7 @@
 //! grids know nothing of it.
 
 use crate::harness::{Place, case};
-use coordinator::map::{GridMapping, Method};
+use coupling::map::{GridMapping, Method};
 use proto::field::Mapping;
 use serde_json::Value;
 use tests::linear::{Problem, grid};
