@@ -15,6 +15,7 @@ pub mod couple;
 pub mod damage;
 pub mod error;
 pub mod export;
+pub mod format;
 pub mod inspect;
 pub mod logging;
 pub mod map;

@@ -8,7 +8,7 @@ mod alone;
 mod make;
 mod mapping;
 mod route;
-pub(crate) mod show;
+mod show;
 
 use crate::case::{Acceleration, Case, Implicit, Scheme};
 use crate::map::Method;

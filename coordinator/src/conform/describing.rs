@@ -4,7 +4,7 @@ use super::bench::{Bench, wait_for};
 use super::check::{Check, Fault, Seen, broken};
 use crate::case::parse_quantity;
 use crate::error::RunError;
-use crate::report::unit::counted;
+use crate::format::counted;
 use proto::configuration::{Estimate, Layout};
 use proto::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
 use proto::grid::check_name;
