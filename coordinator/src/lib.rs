@@ -13,6 +13,7 @@ pub mod cost;
 pub mod damage;
 pub mod error;
 pub mod export;
+pub mod format;
 pub mod inspect;
 pub mod logging;
 pub mod output;

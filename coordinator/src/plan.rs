@@ -8,7 +8,7 @@ mod alone;
 mod make;
 mod mapping;
 mod route;
-pub(crate) mod show;
+mod show;
 
 use crate::programs::Program;
 use crate::session::Deadlines;

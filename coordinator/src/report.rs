@@ -10,6 +10,8 @@
 
 pub mod axis;
 pub mod bars;
+mod canvas;
+mod html;
 pub mod image;
 pub mod lanes;
 pub mod map;
@@ -21,7 +23,6 @@ mod sections;
 pub mod source;
 mod standalone;
 pub mod table;
-pub mod unit;
 
 use crate::ablate;
 use crate::cost;

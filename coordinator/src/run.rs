@@ -7,11 +7,11 @@ pub use origin::{check_origin, origin};
 
 use crate::checkpoint::{Checkpoint, Checkpoints};
 use crate::error::RunError;
+use crate::format::counted;
 use crate::plan::{Plan, Planned};
 use crate::progress::Progress;
 use crate::record::{Compression, Recorder};
 use crate::report::plan_file;
-use crate::report::unit::counted;
 use crate::results::dir::shown;
 use crate::results::iterations::IterationTable;
 use crate::results::summary::{Counts, Ingredients, Sections, Status, build};

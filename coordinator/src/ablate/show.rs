@@ -1,8 +1,7 @@
 //! The study on the terminal.
 
 use super::{Run, Study};
-use crate::plan::show::seconds;
-use crate::report::unit::{number, of_key};
+use crate::format::{number, of_key, seconds};
 use crate::study::quantity::{Measure, Quantity};
 use comfy_table::{CellAlignment, Table, presets};
 

@@ -3,7 +3,7 @@
 use super::bench::{Bench, wait_for};
 use super::check::{Check, Fault, Seen, broken};
 use crate::error::RunError;
-use crate::report::unit::counted;
+use crate::format::counted;
 use case::parse_quantity;
 use proto::configuration::{Estimate, Layout};
 use proto::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};

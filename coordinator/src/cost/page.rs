@@ -3,10 +3,10 @@
 use super::show::error;
 use super::{Compared, FILE, Run, Study};
 use crate::error::{RunError, file_failure};
+use crate::format::{Scale, of_key};
 use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::plot::Figure;
 use crate::report::table::Table;
-use crate::report::unit::{Scale, of_key};
 use crate::study::quantity::Measure;
 use std::path::Path;
 

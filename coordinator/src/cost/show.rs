@@ -1,8 +1,7 @@
 //! The study on the terminal.
 
 use super::{Compared, Run, Study};
-use crate::plan::show::{bytes, seconds};
-use crate::report::unit::{number, of_key};
+use crate::format::{bytes, number, of_key, seconds};
 use crate::study::quantity::Measure;
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write as _;

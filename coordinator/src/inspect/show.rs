@@ -1,8 +1,7 @@
 //! A survey as a person reads it.
 
 use super::{Details, FieldSurvey, Range, Survey};
-use crate::plan::show::{bytes, seconds};
-use crate::report::unit::counted;
+use crate::format::{bytes, counted, seconds};
 use proto::text::one_line;
 use std::fmt::Write as _;
 use std::path::Path;

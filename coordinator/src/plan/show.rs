@@ -1,6 +1,8 @@
 //! The plan as a person reads it.
 
 use super::Plan;
+use crate::format::bytes;
+use crate::format::seconds;
 use coupling::settings::Implicit;
 use coupling::windows::Windows;
 use std::fmt::{Display, Formatter, Result};
@@ -149,27 +151,5 @@ pub(super) fn in_time(windows: Windows) -> String {
             seconds(first),
             seconds(end)
         ),
-    }
-}
-
-/// A time with a unit that suits it.
-#[must_use]
-pub(crate) fn seconds(value: f64) -> String {
-    match value {
-        0.0 => "0 s".to_owned(),
-        v if v < 1e-6 => format!("{:.3} ns", v * 1e9),
-        v if v < 1e-3 => format!("{:.3} µs", v * 1e6),
-        v if v < 1.0 => format!("{:.3} ms", v * 1e3),
-        v => format!("{v:.3} s"),
-    }
-}
-
-/// A number of bytes with a unit that suits it.
-#[must_use]
-pub(crate) fn bytes(value: u64) -> String {
-    match value {
-        v if v < 10_000 => format!("{v} B"),
-        v if v < 10_000_000 => format!("{:.1} kB", v as f64 / 1e3),
-        v => format!("{:.1} MB", v as f64 / 1e6),
     }
 }

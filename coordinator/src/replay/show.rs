@@ -1,8 +1,7 @@
 //! How a replay went, for a person.
 
 use super::{Difference, Replay, Request};
-use crate::plan::show::seconds;
-use crate::report::unit::counted;
+use crate::format::{counted, seconds};
 use proto::text::one_line;
 use std::fmt::Write as _;
 

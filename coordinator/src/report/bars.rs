@@ -1,9 +1,9 @@
 //! Bars to both sides of nought, one a name.
 
 use super::axis::Axis;
-use super::page::escape;
-use super::plot::{RIGHT, WIDTH, figure, view};
-use super::unit::number;
+use super::canvas::{RIGHT, WIDTH, figure, view};
+use super::html::escape;
+use crate::format::number;
 use std::fmt::Write as _;
 
 /// Height of a bar with its room.

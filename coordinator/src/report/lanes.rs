@@ -1,9 +1,9 @@
 //! Who was at work when: one lane a process, bars along time.
 
 use super::axis::Axis;
-use super::page::escape;
-use super::plot::{COLOURS, RIGHT, figure, view};
-use super::unit::Scale;
+use super::canvas::{COLOURS, RIGHT, figure, view};
+use super::html::escape;
+use crate::format::Scale;
 use std::fmt::Write as _;
 
 const LEFT: f64 = 92.0;

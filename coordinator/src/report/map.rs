@@ -1,11 +1,11 @@
 //! Values over a plane, as colours.
 
 use super::axis::{Axis, Frame, extent};
+use super::canvas::{LEFT, figure, view};
 use super::image::address;
 use super::palette::{COLOURS, entry};
-use super::plot::{LEFT, figure, view};
 use super::standalone::Standalone;
-use super::unit::number;
+use crate::format::number;
 use std::fmt::Write as _;
 
 /// Where a map ends at most on the paper, and where its colour bar is.
@@ -174,7 +174,7 @@ impl Heatmap {
             svg,
             "<text class=\"label\" x=\"{left}\" y=\"{:.2}\">{}</text>",
             bottom + 19.0,
-            super::page::escape(&self.value_label)
+            super::html::escape(&self.value_label)
         );
         svg
     }

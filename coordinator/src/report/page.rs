@@ -1,14 +1,14 @@
 //! The page: head, style and sections, as HTML that is also well-formed XML.
 
 use super::bars::Bars;
+use super::canvas::figure;
+use super::html::{PLOT_STYLE, escape};
 use super::lanes::Lanes;
 use super::map::Heatmap;
-use super::plot::{Figure, figure};
+use super::plot::Figure;
 use super::table::Table;
 use std::fmt::{Display, Formatter, Result};
 
-/// Colours of the page and its plots, and what plots need.
-pub(super) const PLOT_STYLE: &str = include_str!("plot.css");
 /// Fonts, grid and everything else of the page.
 const STYLE: &str = include_str!("style.css");
 
@@ -205,24 +205,6 @@ fn quoted(escaped: &str) -> String {
     out
 }
 
-/// Text as it may stand in HTML and its attributes; control characters are shown, not sent.
-#[must_use]
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out += "&amp;",
-            '<' => out += "&lt;",
-            '>' => out += "&gt;",
-            '"' => out += "&quot;",
-            '\n' | '\t' => out.push(c),
-            c if c.is_control() => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -231,10 +213,5 @@ mod tests {
     fn code_is_marked_and_a_lone_backtick_stays() {
         assert_eq!(quoted("`a` and `b` or `c"), "<code>a</code> and <code>b</code> or `c");
         assert_eq!(quoted("none"), "none");
-    }
-
-    #[test]
-    fn what_would_break_the_page_is_escaped() {
-        assert_eq!(escape("<a & \"b\">\u{1b}\n"), "&lt;a &amp; &quot;b&quot;&gt;\u{fffd}\n");
     }
 }

@@ -5,6 +5,7 @@
 
 mod image;
 mod table;
+mod xml;
 
 pub use image::{Field, Image};
 pub use table::Table;
@@ -16,6 +17,7 @@ use serde_json::Value;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use xml::attribute;
 
 /// A result directory.
 #[derive(Clone, Debug, Default)]
@@ -147,12 +149,6 @@ fn instants(text: &str, folder: &Path) -> Vec<(f64, PathBuf)> {
         Some((time, folder.join(attribute(line, "file")?)))
     };
     text.lines().filter(|line| line.contains("<DataSet")).filter_map(one).collect()
-}
-
-/// The value of an attribute of a tag.
-fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
-    let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
-    rest.split_once('"').map(|(value, _)| value)
 }
 
 fn log(text: &str) -> Vec<[String; 3]> {

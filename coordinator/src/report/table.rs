@@ -1,6 +1,6 @@
 //! Tables of text and figures.
 
-use super::page::escape;
+use super::html::escape;
 
 /// A table with a head; the first column names the row.
 #[derive(Clone, Debug, Default, PartialEq)]

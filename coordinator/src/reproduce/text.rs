@@ -14,7 +14,7 @@
 
 use super::values::Values;
 use crate::error::RunError;
-use crate::report::unit::number;
+use crate::format::number;
 use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -2,8 +2,7 @@
 
 mod contact;
 
-use crate::plan::show::{bytes, seconds};
-use crate::report::unit::{Scale, counted, number};
+use crate::format::{Scale, bytes, counted, number, seconds};
 use serde_json::Value;
 use std::fmt::Write as _;
 

@@ -3,9 +3,9 @@
 use super::report::{CaseReport, Report, SweepReport};
 use super::show::{bounded, course, end, energy, factor, margin};
 use crate::error::RunError;
+use crate::format::number;
 use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::table::Table;
-use crate::report::unit::number;
 use std::path::Path;
 
 /// The page about the report of a suite in its folder.

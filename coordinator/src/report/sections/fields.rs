@@ -1,15 +1,12 @@
 //! The surface fields of the newest instant: maps, and lines through their largest values.
 
+use super::places::{AXES, is_surface, label, places};
 use super::temperature;
-use crate::report::axis::extent;
+use crate::format::{Scale, words};
 use crate::report::map::Heatmap;
 use crate::report::page::{Block, Section};
 use crate::report::plot::Figure;
-use crate::report::source::{Field, Image, Results, Series, Table};
-use crate::report::unit::{Scale, words};
-
-/// Names of the axes.
-pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
+use crate::report::source::{Field, Image, Results, Table};
 
 /// Every field of every grid, the mechanical ones first as the files are named.
 pub(super) fn maps(results: &Results) -> Option<Section> {
@@ -91,11 +88,6 @@ pub(super) fn lines(results: &Results) -> Option<Section> {
     Section::of("Through the largest value, over depth, through time", blocks)
 }
 
-/// The grid is a surface, and no section below one.
-pub(super) fn is_surface(series: &Series) -> bool {
-    series.image.as_ref().and_then(Image::plane) == Some([0, 1])
-}
-
 fn figures(line: &Table) -> Vec<Figure> {
     let Some((x_label, places)) = places(line) else { return Vec::new() };
     let columns: Vec<(&str, &str)> =
@@ -135,27 +127,7 @@ fn lines_of<'a>(
     (!figure.series.is_empty()).then_some(figure)
 }
 
-/// The coordinate along a line, with its label.
-pub(super) fn places(line: &Table) -> Option<(String, Vec<f64>)> {
-    let columns = AXES.iter().filter_map(|axis| Some((axis, line.column(&format!("{axis} [m]"))?)));
-    let length =
-        |values: &[f64]| extent(values.iter().copied()).map_or(0.0, |[low, high]| high - low);
-    let (axis, values) = columns.max_by(|a, b| length(&a.1).total_cmp(&length(&b.1)))?;
-    let scale = Scale::of("m", values.iter().fold(0.0, |l: f64, v| l.max(v.abs())));
-    let places = values.iter().map(|v| v / scale.factor).collect();
-    Some((label(axis, &scale.unit), places))
-}
-
 /// Name and unit of a column.
 fn quantity(column: &str) -> Option<(&str, &str)> {
     column.strip_suffix(']')?.rsplit_once(" [")
-}
-
-/// What an axis is labelled with.
-pub(super) fn label(name: &str, unit: &str) -> String {
-    match (name, unit) {
-        (name, "") => name.to_owned(),
-        ("", unit) => unit.to_owned(),
-        (name, unit) => format!("{name} [{unit}]"),
-    }
 }

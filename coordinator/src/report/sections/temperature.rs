@@ -1,9 +1,9 @@
 //! Temperature over the depth, and how it has built up.
 
-use super::fields::{is_surface, places};
+use super::places::{AXES, is_surface, places};
+use crate::format::{Scale, words};
 use crate::report::plot::Figure;
 use crate::report::source::{Field, Image, Results, Series};
-use crate::report::unit::{Scale, words};
 
 /// Most instants shown in one figure.
 const INSTANTS: usize = 6;
@@ -43,7 +43,7 @@ fn profile(image: &Image, field: &Field) -> Option<(String, Vec<[f64; 2]>)> {
     let [along, _] = image.plane()?;
     let (x, points) = image.through_largest(field)?;
     let place = Scale::of("m", x).show(x, 3);
-    Some((format!("{}, at {} {place}", words(&field.name), super::fields::AXES[along]), points))
+    Some((format!("{}, at {} {place}", words(&field.name), AXES[along]), points))
 }
 
 /// The line through the largest first temperature of a surface at several instants.

@@ -1,6 +1,6 @@
 //! VTK images as `results::vtk` writes them: cell data, appended raw, little-endian doubles.
 
-use super::attribute;
+use super::xml::attribute;
 use std::fs;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Extent, patches and friction of a contact.
 
 use super::{digits, rise, with_unit};
-use crate::report::unit::counted;
+use crate::format::counted;
 use serde_json::Value;
 
 /// Patches with a line of their own at most.

@@ -1,4 +1,6 @@
 //! Numbers as a person reads them: a unit with a prefix that suits, and few digits.
+//!
+//! It uses nothing else of this crate, so that everything may use it.
 
 /// A unit to show values in, and how many SI units it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,6 +148,28 @@ pub fn counted(count: u64, thing: &str) -> String {
 #[must_use]
 pub fn words(name: &str) -> String {
     name.replace('_', " ")
+}
+
+/// A time with a unit that suits it.
+#[must_use]
+pub fn seconds(value: f64) -> String {
+    match value {
+        0.0 => "0 s".to_owned(),
+        v if v < 1e-6 => format!("{:.3} ns", v * 1e9),
+        v if v < 1e-3 => format!("{:.3} µs", v * 1e6),
+        v if v < 1.0 => format!("{:.3} ms", v * 1e3),
+        v => format!("{v:.3} s"),
+    }
+}
+
+/// A number of bytes with a unit that suits it.
+#[must_use]
+pub fn bytes(value: u64) -> String {
+    match value {
+        v if v < 10_000 => format!("{v} B"),
+        v if v < 10_000_000 => format!("{:.1} kB", v as f64 / 1e3),
+        v => format!("{:.1} MB", v as f64 / 1e6),
+    }
 }
 
 #[cfg(test)]
