@@ -12,12 +12,12 @@ mod show;
 pub use cli::{Arguments, main};
 pub use page::page;
 
-use crate::error::RunError;
 use crate::study::levels::reason;
 use crate::study::progress::Steps;
 use crate::study::quantity::{Measure, Quantity};
 use crate::study::spent::{Clock, Spent};
 use crate::study::{Variant, ends_study, perform, planned};
+use run::error::RunError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Models, resolutions and what models leave out come from the descriptions of the programs
-//! ([`proto::accuracy`]); nothing here names one.
+//! ([`contract::accuracy`]); nothing here names one.
 
 mod analysis;
 mod cli;
@@ -28,7 +28,7 @@ use crate::study::Variant;
 use crate::study::axis::Axis;
 use crate::study::quantity::Measure;
 use crate::study::spent::Spent;
-use proto::accuracy::Simplification;
+use contract::accuracy::Simplification;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

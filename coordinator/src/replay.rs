@@ -21,13 +21,13 @@ mod walk;
 pub use compare::{Comparison, Difference, Growth, StepDifference};
 pub use show::{difference, text};
 
-use crate::error::RunError;
 use crate::inspect;
-use crate::programs::Program;
-use crate::session::{Deadlines, Seat, Session};
-use crate::signals;
 use drive::Driver;
 use proto::recording::{Item, Participant};
+use run::error::RunError;
+use run::programs::Program;
+use run::session::{Deadlines, Seat, Session};
+use run::signals;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -200,7 +200,7 @@ fn last_state_before(path: &Path, role: &str, window: u64) -> Result<Option<u64>
                 if usize::from(participant) == index =>
             {
                 end = end.max(command.window);
-                let saves = command.kind == proto::message::CommandKind::Save as u32;
+                let saves = command.kind == contract::message::CommandKind::Save as u32;
                 saving = saves.then_some(command.window);
             }
             _ => {}

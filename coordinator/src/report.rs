@@ -17,7 +17,6 @@ pub mod lanes;
 pub mod map;
 pub mod page;
 pub mod palette;
-pub mod plan_file;
 pub mod plot;
 mod sections;
 pub mod source;
@@ -26,11 +25,11 @@ pub mod table;
 
 use crate::ablate;
 use crate::cost;
-use crate::error::RunError;
 use crate::reproduce;
-use crate::results::write::replace;
 use crate::stability;
 use page::Page;
+use run::error::RunError;
+use run::results::write::replace;
 use source::Results;
 use std::path::{Path, PathBuf};
 

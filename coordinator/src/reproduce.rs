@@ -27,10 +27,10 @@ pub use cli::{Arguments, main};
 pub use perform::FILE;
 pub use render::page;
 
-use crate::error::{RunError, file_failure};
-use crate::results::write::replace;
 use crate::study::folder::{StudyFolder, Wanted, says_incomplete};
 use render::Rendered;
+use run::error::{RunError, file_failure};
+use run::results::write::replace;
 use std::fs;
 use std::path::{Path, PathBuf};
 use study::Study;

@@ -26,9 +26,9 @@ pub use page::page;
 pub use report::{CaseReport, FILE, Finding, Report, Row, SweepReport, Waiting};
 pub use suite::Suite;
 
-use crate::error::RunError;
 use crate::study::Variant;
 use judge::judge;
+use run::error::RunError;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use suite::{Entry, Expected, Sweep};

@@ -14,12 +14,12 @@ pub mod quantity;
 pub mod richardson;
 pub mod spent;
 
-use crate::error::RunError;
-use crate::plan::{Plan, Planned, plan};
 use crate::progress::Progress;
-use crate::results::{Existing, ResultFolder};
-use crate::run::{self, Clock};
 use case::RawCase;
+use run::error::RunError;
+use run::perform::{self, Clock};
+use run::plan::{Plan, Planned, plan};
+use run::results::{Existing, ResultFolder};
 use serde_json::Value;
 use std::path::Path;
 use std::time::Instant;
@@ -105,7 +105,7 @@ pub fn expected_seconds(plan: &Plan) -> f64 {
 /// # Errors
 /// The file system.
 pub fn scratch() -> Result<tempfile::TempDir, RunError> {
-    let failed = |error| crate::error::file_failure(&std::env::temp_dir(), &error);
+    let failed = |error| run::error::file_failure(&std::env::temp_dir(), &error);
     tempfile::Builder::new().prefix("cosim-study-").tempdir().map_err(failed)
 }
 

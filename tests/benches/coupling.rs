@@ -8,14 +8,14 @@
 //! field once and multiply it once, is included. `accelerator` is the choice of the iterate alone.
 
 use case::RawCase;
-use coordinator::plan::{Planned, plan};
-use coordinator::record::{Compression, Recorder};
-use coordinator::session::{Observed, Session};
 use coupling::settings::{Acceleration, Implicit};
 use coupling::{Coupling, accelerate, parts};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use faer::linalg::solvers::SolveLstsq;
 use proto::model::Step;
+use run::plan::{Planned, plan};
+use run::record::{Compression, Recorder};
+use run::session::{Observed, Session};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 

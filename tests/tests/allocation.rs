@@ -6,10 +6,10 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
 
 use case::RawCase;
-use coordinator::plan::plan;
-use coordinator::session::{Observed, Session};
 use coupling::Coupling;
 use proto::model::Step;
+use run::plan::plan;
+use run::session::{Observed, Session};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 

@@ -1,13 +1,13 @@
 //! The subcommand.
 
 use super::{FILE, Request, show, study};
-use crate::error::RunError;
 use crate::output::print;
 use crate::report;
 use crate::study::folder::{StudyFolder, Wanted};
 use crate::study::{Variant, planned, scratch};
 use clap::Args;
-use proto::text::json;
+use contract::text::json;
+use run::error::RunError;
 use std::path::PathBuf;
 
 /// What `coordinator ablate` is asked.

@@ -2,11 +2,11 @@
 
 use super::show::{quantities, row};
 use super::{FILE, Study};
-use crate::error::{RunError, file_failure};
 use crate::report::bars::Bars;
 use crate::report::page::{Block, Mood, Page, Section};
 use crate::report::table::Table;
 use crate::study::quantity::Measure;
+use run::error::{RunError, file_failure};
 use std::path::Path;
 
 /// The page about the study in a folder.

@@ -1,9 +1,9 @@
 //! The study on the terminal.
 
 use super::{Run, Study};
-use crate::format::{number, of_key, seconds};
 use crate::study::quantity::{Measure, Quantity};
 use comfy_table::{CellAlignment, Table, presets};
+use run::format::{number, of_key, seconds};
 
 /// Figures that have a column; all of them are in the file.
 pub(super) const COLUMNS: usize = 6;

@@ -6,13 +6,13 @@
 use super::Request;
 use super::given::{self, Given};
 use super::recorded::Recorded;
-use crate::error::RunError;
-use crate::plan::{Plan, plan};
 use case::RawCase;
+use contract::configuration::{Configuration, Mode};
+use contract::description::Description;
+use contract::message::Interpolation;
 use contract::step::Step;
-use proto::configuration::{Configuration, Mode};
-use proto::description::Description;
-use proto::message::Interpolation;
+use run::error::RunError;
+use run::plan::{Plan, plan};
 
 /// Window of a transient setting whose case has none [s]: rolling over a fraction of the contact.
 const WINDOW: &str = "20 us";

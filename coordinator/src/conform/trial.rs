@@ -1,6 +1,6 @@
 //! One life of the participant under test: a run of its own, with the other side in our hands.
 //!
-//! A [`crate::session::Session`] hides what a participant must not do; a trial does it: it sends any
+//! A [`run::session::Session`] hides what a participant must not do; a trial does it: it sends any
 //! command, any sample, and looks at everything that comes back.
 
 mod answer;
@@ -13,19 +13,19 @@ use super::bench::{Bench, kind};
 use super::check::{Fault, broken};
 use super::given::Given;
 use super::setting::Setting;
-use crate::session::link::Link;
-use crate::session::outlet::header;
-use crate::session::{COORDINATOR, Tap, layout_fault};
-use crate::signals;
-use crate::supervise::{Exit, Launch, Supervisor};
+use contract::configuration::{Configuration, Layout};
+use contract::field::FieldKind;
+use contract::grid::Grid;
+use contract::message::{Command, CommandKind, FieldHeader, OBSERVE, Reply, Status, Topic, Topics};
 use ending::{Abandoned, nothing_left};
-use proto::configuration::{Configuration, Layout};
-use proto::field::FieldKind;
-use proto::grid::Grid;
-use proto::message::{Command, CommandKind, FieldHeader, OBSERVE, Reply, Status, Topic, Topics};
 use proto::model::{Step, first_non_finite};
 use proto::run_dir::{RunDir, RunInfo};
 use proto::transport::{Doorbell, Endpoint, FieldWriter, TransportError};
+use run::session::link::Link;
+use run::session::outlet::header;
+use run::session::{COORDINATOR, Tap, layout_fault};
+use run::signals;
+use run::supervise::{Exit, Launch, Supervisor};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -88,7 +88,7 @@ impl Feed {
 impl Trial {
     /// Starts the participant in a run of its own; it has not joined yet.
     pub(super) fn start(bench: &Bench) -> Result<Self, Fault> {
-        Self::of_version(bench, proto::PROTOCOL_VERSION)
+        Self::of_version(bench, contract::PROTOCOL_VERSION)
     }
 
     /// Waits until it has joined.
@@ -107,7 +107,7 @@ impl Trial {
     pub(super) fn of_version(bench: &Bench, protocol: u32) -> Result<Self, Fault> {
         let run = RunDir::create(std::slice::from_ref(&bench.role))?;
         let info = RunInfo { protocol, ..run.info().clone() };
-        if protocol != proto::PROTOCOL_VERSION {
+        if protocol != contract::PROTOCOL_VERSION {
             let text = serde_json::to_vec(&info).expect("a run's description is plain data");
             std::fs::write(info.folder.join("run.json"), text)?;
         }
@@ -194,7 +194,7 @@ impl Trial {
         drop(message);
         self.beats.extend(beats);
         let expected = self.link.sequence();
-        if reply.protocol != proto::PROTOCOL_VERSION {
+        if reply.protocol != contract::PROTOCOL_VERSION {
             return broken(format!("{what}: its reply has protocol {}", reply.protocol));
         }
         if reply.sequence != expected {

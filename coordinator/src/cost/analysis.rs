@@ -2,11 +2,11 @@
 
 use super::sweep::{Sweep, WINDOW};
 use super::{Compared, LevelSeen, Pick, Reference, Request, Run, Shows, Study};
-use crate::error::RunError;
 use crate::study::axis::Axis;
 use crate::study::levels::Level;
 use crate::study::quantity::{Measure, Quantity};
 use crate::study::richardson::{Estimate, Sample};
+use run::error::RunError;
 use std::collections::BTreeMap;
 
 /// The targets for which a study names a run.

@@ -3,14 +3,14 @@
 use super::kept::Kept;
 use super::sweep::Places;
 use super::{FILE, Request, Study, analysis, csv, page, show, sweep};
-use crate::error::RunError;
 use crate::output::print;
 use crate::report;
 use crate::study::axis::Axis;
 use crate::study::folder::{StudyFolder, Wanted};
 use crate::study::{Variant, planned, scratch};
 use clap::Args;
-use proto::text::json;
+use contract::text::json;
+use run::error::RunError;
 use std::path::{Path, PathBuf};
 
 /// What `coordinator cost` is asked.

@@ -2,12 +2,12 @@
 
 use super::show::error;
 use super::{Compared, FILE, Run, Study};
-use crate::error::{RunError, file_failure};
-use crate::format::{Scale, of_key};
 use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::plot::Figure;
 use crate::report::table::Table;
 use crate::study::quantity::Measure;
+use run::error::{RunError, file_failure};
+use run::format::{Scale, of_key};
 use std::path::Path;
 
 /// The page about the study in a folder.

@@ -1,9 +1,9 @@
 //! The study on the terminal.
 
 use super::{Compared, Run, Study};
-use crate::format::{bytes, number, of_key, seconds};
 use crate::study::quantity::Measure;
 use comfy_table::{CellAlignment, Table, presets};
+use run::format::{bytes, number, of_key, seconds};
 use std::fmt::Write as _;
 
 /// Figures that have a column; all of them are in the files.

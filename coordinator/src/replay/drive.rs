@@ -4,22 +4,22 @@ use super::feed::Feed;
 use super::told::Told;
 use super::walk::{Answer, Walk};
 use super::{Replay, Request};
-use crate::error::{Failure, RunError, file_failure};
 use crate::inspect::FileRecording;
 use crate::output::print;
-use crate::plan::sample_bytes;
-use crate::session::{Session, room_for};
-use contract::step::Step;
-use proto::configuration::{Layout, Refusal};
-use proto::description::Description;
-use proto::field::GEOMETRY;
-use proto::grid::Grid;
-use proto::message::{
+use contract::configuration::{Layout, Refusal};
+use contract::description::Description;
+use contract::field::GEOMETRY;
+use contract::grid::Grid;
+use contract::message::{
     Command, CommandKind, Failure as Unsuccessful, FieldHeader, Finished, OBSERVE, OutputFile,
     Reply, StateFile, Status, Topics,
 };
+use contract::step::Step;
 use proto::recording::{CaseFile, Event, Item, Participant, read_topics};
 use proto::transport::{Endpoint, FieldReader, TransportError};
+use run::error::{Failure, RunError, file_failure};
+use run::plan::sample_bytes;
+use run::session::{Session, room_for};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -435,7 +435,7 @@ impl<'a> Driver<'a> {
     /// Bytes of a sample of each topic.
     fn samples(&self, topics: &Topics) -> Vec<u64> {
         let own = |name: &str| self.recorded.description.fields.iter().find(|f| f.name == name);
-        let components = |name: &str| match proto::field::find(name) {
+        let components = |name: &str| match contract::field::find(name) {
             Some(spec) => spec.components,
             None => own(name).map_or(1, |kind| kind.components),
         };

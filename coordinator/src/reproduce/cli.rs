@@ -1,9 +1,9 @@
 //! The subcommand.
 
 use super::{Request, reproduce};
-use crate::error::RunError;
 use crate::output::Speaker;
 use clap::Args;
+use run::error::RunError;
 use std::path::PathBuf;
 
 /// What `coordinator reproduce` is asked.

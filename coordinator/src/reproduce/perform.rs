@@ -2,9 +2,9 @@
 
 use super::study::{Run, Study};
 use super::values::Outcome;
-use crate::error::{RunError, file_failure};
-use crate::results::write::replace;
 use crate::study::{self, Variant};
+use run::error::{RunError, file_failure};
+use run::results::write::replace;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -2,10 +2,10 @@
 
 use super::report::{CaseReport, Report, SweepReport};
 use super::show::{bounded, course, end, energy, factor, margin};
-use crate::error::RunError;
-use crate::format::number;
 use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::table::Table;
+use run::error::RunError;
+use run::format::number;
 use std::path::Path;
 
 /// The page about the report of a suite in its folder.

@@ -1,6 +1,6 @@
 //! What a suite has shown, as plain data: `stability.json`.
 
-use crate::error::{RunError, file_failure};
+use run::error::{RunError, file_failure};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! The table on the terminal.
 
 use super::report::{CaseReport, Finding, Report, Row, SweepReport};
-use crate::format::number;
+use run::format::number;
 use std::fmt::Write as _;
 use std::path::Path;
 

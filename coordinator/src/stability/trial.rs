@@ -1,13 +1,13 @@
 //! One run: how it ended, its figures, and what its recording holds.
 
-use crate::error::RunError;
 use crate::inspect::{self, Survey, Wanted};
-use crate::plan::{Plan, Planned};
 use crate::progress::Progress;
-use crate::record::Compression;
-use crate::results::{Existing, ResultFolder};
-use crate::run::{self, Clock};
 use crate::study::{self, Variant};
+use run::error::RunError;
+use run::perform::{self, Clock};
+use run::plan::{Plan, Planned};
+use run::record::Compression;
+use run::results::{Existing, ResultFolder};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::time::Instant;

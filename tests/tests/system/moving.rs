@@ -1,8 +1,8 @@
 //! A grid that moves in mid-run: what crosses arrives whole, and where it belongs.
 
 use crate::harness::{Ended, Place, case};
-use coordinator::plan::{sample_bytes, topic_bytes};
 use proto::grid::{Grid, Quadrilaterals, Shape};
+use run::plan::{sample_bytes, topic_bytes};
 use serde_json::Value;
 use tests::moving::{flux, patch, plate};
 

@@ -2,8 +2,8 @@
 
 use super::LEAVE;
 use crate::conform::check::{Fault, broken};
-use crate::supervise::{Exit, Supervisor};
 use proto::run_dir::{RunDir, RunInfo};
+use run::supervise::{Exit, Supervisor};
 use std::os::unix::process::ExitStatusExt;
 use std::time::{Duration, Instant};
 
