@@ -403,7 +403,7 @@ fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
     })?;
     let raw = folder.read_case()?.with_folder(checkpoint.state.origin.folder.clone());
     let planned = tracing::info_span!("plan").in_scope(|| plan(raw))?;
-    run::check_origin(&checkpoint.state.origin, &run::origin(&planned))?;
+    perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned))?;
     log_into(&folder, log)?;
     folder.reopen()?;
     let plan_seconds = planning.elapsed().as_secs_f64();
@@ -454,7 +454,7 @@ fn run_to(relative: f64, asked: &RunArguments, screen: &Screen) -> Result<(), En
             return conclude(&begun, outcome, &chosen, screen);
         }
         let verdict = search.judge(&mut outcome.summary, begin_at.elapsed().as_secs_f64())?;
-        begun.folder.write_summary(&run::json(&outcome.summary))?;
+        begun.folder.write_summary(&perform::json(&outcome.summary))?;
         begun.folder = match answer.take() {
             None => begun.folder,
             Some(answer) => answer.take_over(begun.folder)?,
@@ -488,7 +488,8 @@ fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Outcome {
     let clock = Clock { since: screen.since, plan_seconds: *plan_seconds };
     let mut progress = Progress::new(screen.quiet, planned.plan.windows.count());
     screen.log.share_screen(progress.bar());
-    let mut outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
+    let mut outcome =
+        perform::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
     if let Some(error) = screen.log.failure() {
         outcome = outcome.fail(file_failure(&folder.shown_log(), &error), folder);
     }
@@ -504,7 +505,7 @@ fn conclude(
 ) -> Result<(), Ended> {
     let folder = &begun.folder;
     let written = if asked.report { report::write(&folder.path()).map(drop) } else { Ok(()) };
-    let text = || run::report(&outcome, &begun.planned.plan, folder);
+    let text = || perform::report(&outcome, &begun.planned.plan, folder);
     match outcome.error {
         // It has an answer, if not as accurate as was asked for.
         Some(error @ RunError::Inaccurate { .. }) => {

@@ -24,9 +24,10 @@ pub use show::{difference, text};
 use crate::inspect;
 use drive::Driver;
 use proto::recording::{Item, Participant};
+use run::deadlines::Deadlines;
 use run::error::RunError;
+use run::peers::{Peers, Seat};
 use run::programs::Program;
-use run::session::{Deadlines, Seat, Session};
 use run::signals;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -116,9 +117,9 @@ pub fn replay(request: &Request) -> Result<Replay, RunError> {
     };
     let seat = Seat { role: request.only.clone(), program, attach: request.serve };
     let deadlines = if request.serve { NO_DEADLINES } else { DEADLINES };
-    let mut session = Session::open(&[seat], deadlines, None)?;
-    session.wait_for_joining()?;
-    let mut driver = Driver::new(request, index, &recorded, &mut session, from)?;
+    let mut peers = Peers::start(&[seat], deadlines, None)?;
+    peers.join()?;
+    let mut driver = Driver::new(request, index, &recorded, &mut peers, from)?;
     driver.attach_files(&recording)?;
     let mut damage = None;
     loop {

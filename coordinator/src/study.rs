@@ -14,7 +14,6 @@ pub mod quantity;
 pub mod richardson;
 pub mod spent;
 
-use crate::progress::Progress;
 use case::RawCase;
 use run::error::RunError;
 use run::perform::{self, Clock};
@@ -83,7 +82,7 @@ pub fn perform(
 ) -> Result<Value, RunError> {
     let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
     let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-    let outcome = run::run(planned, &folder, &mut Progress::Silent, clock, None, None);
+    let outcome = perform::run(planned, &folder, &mut (), clock, None, None);
     outcome.error.map_or(Ok(outcome.summary), Err)
 }
 

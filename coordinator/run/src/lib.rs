@@ -5,8 +5,10 @@
 
 pub mod checkpoint;
 pub mod damage;
+pub mod deadlines;
 pub mod error;
 pub mod format;
+pub mod peers;
 pub mod perform;
 pub mod plan;
 pub mod plan_file;
@@ -18,3 +20,10 @@ pub mod results;
 pub mod session;
 pub mod signals;
 pub mod supervise;
+
+/// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
+#[cfg(test)]
+fn fuzz_config() -> proptest::test_runner::Config {
+    let cases = std::env::var("FUZZ_CASES").ok().and_then(|text| text.parse().ok());
+    proptest::test_runner::Config::with_cases(cases.unwrap_or(400))
+}

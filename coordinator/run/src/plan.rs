@@ -10,8 +10,8 @@ mod mapping;
 mod route;
 mod show;
 
+use crate::deadlines::Deadlines;
 use crate::programs::Program;
-use crate::session::Deadlines;
 use case::Case;
 use contract::configuration::{Configuration, Layout, Mode};
 use contract::description::Description;

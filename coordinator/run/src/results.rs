@@ -10,7 +10,7 @@ pub mod place;
 pub mod show;
 pub mod summary;
 pub mod vtk;
-pub(crate) mod write;
+pub mod write;
 
 pub use claim::Existing;
 pub use folder::ResultFolder;

@@ -107,7 +107,7 @@ impl Supervisor {
     }
 
     /// Ends what still runs: SIGTERM, and SIGKILL for what does not follow.
-    fn end_all(&self) {
+    pub fn end_all(&self) {
         for (signal, patience) in [(Signal::TERM, 1), (Signal::KILL, 10)] {
             if self.all_ended() {
                 return;

@@ -1,7 +1,6 @@
 //! One run: how it ended, its figures, and what its recording holds.
 
 use crate::inspect::{self, Survey, Wanted};
-use crate::progress::Progress;
 use crate::study::{self, Variant};
 use run::error::RunError;
 use run::perform::{self, Clock};
@@ -57,7 +56,7 @@ impl Trial {
     fn perform(planned: &Planned, folder: &ResultFolder, since: Instant) -> Result<Self, RunError> {
         let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
         let record = Some(Compression::None);
-        let outcome = run::run(planned, folder, &mut Progress::Silent, clock, None, record);
+        let outcome = perform::run(planned, folder, &mut (), clock, None, record);
         let seconds = since.elapsed().as_secs_f64();
         let error = match outcome.error {
             Some(error) if study::ends_study(&error) => return Err(error),

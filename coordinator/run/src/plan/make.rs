@@ -2,9 +2,9 @@
 
 use super::route::{self, Candidate};
 use super::{Field, Participant, Plan, Planned, SchemeChoice};
+use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::programs::Program;
-use crate::session::Deadlines;
 use case::schema::WELL_KNOWN_ROLES;
 use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
 use contract::configuration::{Configuration, Estimate, Input, Layout};

@@ -13,15 +13,15 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Ends the name of a file that is being written.
-pub(crate) const UNFINISHED: &str = ".new";
+pub const UNFINISHED: &str = ".new";
 
 /// Replaces a file as a whole: a reader, or who comes after a crash, sees the old or the new one.
-pub(crate) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
+pub fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
     create(path, |out| out.write_all(content))
 }
 
 /// Replaces a file as a whole by what is written into it.
-pub(crate) fn create(
+pub fn create(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), RunError> {
@@ -39,7 +39,7 @@ pub(crate) fn create(
 }
 
 /// A new file in the place of whatever is there.
-pub(crate) fn fresh(path: &Path) -> io::Result<File> {
+pub fn fresh(path: &Path) -> io::Result<File> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => {}
@@ -48,7 +48,7 @@ pub(crate) fn fresh(path: &Path) -> io::Result<File> {
 }
 
 /// Removes a file, if it is there.
-pub(crate) fn remove(path: &Path) -> Result<(), RunError> {
+pub fn remove(path: &Path) -> Result<(), RunError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(file_failure(path, &error)),
         _ => Ok(()),
@@ -64,7 +64,7 @@ fn beside(path: &Path) -> PathBuf {
 
 /// Space on the disk that is kept for a small file, so that it can be written when the disk is full.
 #[derive(Debug)]
-pub(crate) struct Reserve {
+pub struct Reserve {
     /// The path leads through it.
     _dir: Dir,
     path: PathBuf,
@@ -73,7 +73,7 @@ pub(crate) struct Reserve {
 
 impl Reserve {
     /// Keeps so many bytes, in a file of this name.
-    pub(crate) fn keep(dir: &Dir, name: &str, bytes: u64) -> Result<Self, RunError> {
+    pub fn keep(dir: &Dir, name: &str, bytes: u64) -> Result<Self, RunError> {
         let path = dir.path().join(name);
         let keep = || {
             let file = fresh(&path)?;
@@ -90,7 +90,7 @@ impl Reserve {
     }
 
     /// Writes the file into the space kept for it, and gives it its name.
-    pub(crate) fn write(mut self, path: &Path, content: &[u8]) -> Result<(), RunError> {
+    pub fn write(mut self, path: &Path, content: &[u8]) -> Result<(), RunError> {
         let written = self.file.write_all(content).and_then(|()| fs::rename(&self.path, path));
         written.map_err(|error| file_failure(path, &error))?;
         // What was kept beyond the content; without effect on what can be read.

@@ -7,7 +7,8 @@
 
 use super::feedback::Feedback;
 use super::mapped::Mapped;
-use super::{SolveRecord, Tap};
+use super::solved::SolveRecord;
+use super::tap::Tap;
 use contract::message::Reply;
 
 /// Heat across the interface in one iteration, as mean power over the window.

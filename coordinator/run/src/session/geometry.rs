@@ -1,101 +1,10 @@
-//! Grids that move: the coordinator hears the geometry of every one that a field of the run is on,
-//! or is mapped to, on `geometry/ROLE/GRID`.
-//!
-//! Geometry is part of the accepted state. A participant publishes it when it has accepted a window
-//! (or has been restored), and replies; so it is known before anybody solves the next one, and holds
-//! through all iterations of it. A run in which nothing moves has no such topic and no such reply.
+//! The geometry of the grids that move, as it is received.
 
 use super::Session;
+use super::moving::MovingGrid;
 use crate::error::{Failure, RunError};
-use crate::record::{Recorder, TopicNumber};
-use contract::field::GEOMETRY;
 use contract::grid::Grid;
 use contract::step::Step;
-use proto::transport::{Endpoint, FieldReader, FieldSample, TransportError};
-use std::sync::Arc;
-
-/// One grid that may move.
-#[derive(Debug)]
-pub(super) struct MovingGrid {
-    /// Index of the participant whose grid it is.
-    pub(super) participant: usize,
-    /// As it is accepted, for the next window.
-    pub(super) grid: Grid,
-    /// As it was in the last window: its samples are on it.
-    pub(super) last: Grid,
-    /// Most points that its topics have room for.
-    capacity: usize,
-    role: String,
-    reader: FieldReader,
-    sequence: u64,
-    recorded: Option<TopicNumber>,
-}
-
-impl MovingGrid {
-    pub(super) fn open(
-        endpoint: &Endpoint,
-        (participant, role): (usize, &str),
-        grid: &Grid,
-        recorder: Option<&Arc<Recorder>>,
-    ) -> Result<Self, TransportError> {
-        let service = Self::service(role, &grid.name);
-        let recorded = recorder.map(|recorder| recorder.listen(endpoint, &service)).transpose()?;
-        Ok(Self {
-            participant,
-            grid: grid.clone(),
-            last: grid.clone(),
-            capacity: grid.points(),
-            role: role.to_owned(),
-            reader: endpoint.field_reader(&service)?,
-            sequence: 0,
-            recorded,
-        })
-    }
-
-    /// The service on which the geometry of a role's grid travels.
-    pub(super) fn service(role: &str, grid: &str) -> String {
-        format!("geometry/{role}/{grid}")
-    }
-
-    /// The file of a checkpoint with the grid on which the values in it are.
-    pub(super) fn file(&self) -> String {
-        format!("{}.{}.geometry", self.role, self.grid.name)
-    }
-
-    /// The grid as a sample says; it has to be labelled for this step.
-    fn moved(&self, sample: &FieldSample, step: &Step) -> Result<Grid, String> {
-        let (header, grid) = (sample.header(), &self.grid);
-        let about = format!("the geometry of grid `{}`", grid.name);
-        if header.protocol != contract::PROTOCOL_VERSION {
-            return Err(format!("{about} has protocol version {}", header.protocol));
-        }
-        let label = [&header.name.as_str(), &header.unit.as_str()];
-        let place = [&header.producer.as_str(), &header.grid.as_str()];
-        let expected = [&GEOMETRY.name, &GEOMETRY.unit];
-        if label != expected || place != [&self.role.as_str(), &grid.name.as_str()] {
-            let (label, place) = (label.map(|text| *text), place.map(|text| *text));
-            return Err(format!("{about} is labelled {label:?} from {place:?}"));
-        }
-        if header.sequence != self.sequence + 1 {
-            let (found, expected) = (header.sequence, self.sequence + 1);
-            return Err(format!("{about} has sequence number {found}, not {expected}"));
-        }
-        let labelled = (header.window, header.iteration, header.start, header.end);
-        if labelled != (step.window, step.iteration, step.start, step.end) {
-            let (window, iteration) = (header.window, header.iteration);
-            return Err(format!("{about} is labelled window {window}, iteration {iteration}"));
-        }
-        let shape = (header.components, header.points * u64::from(header.components));
-        if shape != (GEOMETRY.components, sample.values().len() as u64) {
-            let (components, points) = (header.components, header.points);
-            let found = sample.values().len();
-            return Err(format!(
-                "{about} has {found} values ({components} components, {points} points)"
-            ));
-        }
-        grid.with_geometry(sample.values(), header.grid_revision)
-    }
-}
 
 impl Session {
     /// The moving grid of this name of a participant, if it is one.
@@ -146,7 +55,7 @@ impl Session {
         if grid.revision != revision {
             let (one, name, found) = (*participant, grid.name.clone(), grid.revision);
             let what = format!("it restored grid `{name}` in revision {found}, not {revision}");
-            return Err(self.misbehaved(one, what));
+            return Err(self.peers.misbehaved(one, what));
         }
         last.clone_from(grid);
         Ok(())
@@ -156,17 +65,17 @@ impl Session {
         let moving = &mut self.moving[index];
         let one = moving.participant;
         let received = moving.reader.receive();
-        let Some(sample) = received.map_err(|e| self.transport_failed(one, &e))? else {
+        let Some(sample) = received.map_err(|e| self.peers.transport_failed(one, e))? else {
             return Ok(false);
         };
         let moving = &mut self.moving[index];
         let moved = moving.moved(&sample, step);
         moving.sequence += 1;
-        if let (Some(recorder), Some(topic)) = (&self.recorder, moving.recorded) {
+        if let (Some(recorder), Some(topic)) = (self.peers.recorder(), moving.recorded) {
             recorder.sample(topic, sample.header().sequence);
         }
         self.bytes_exchanged += std::mem::size_of_val(sample.values()) as u64;
-        let moved = moved.map_err(|fault| self.misbehaved(one, fault))?;
+        let moved = moved.map_err(|fault| self.peers.misbehaved(one, fault))?;
         self.move_grid(index, moved)?;
         Ok(true)
     }
@@ -196,8 +105,8 @@ impl Session {
         if let Some(tap) = fed_back.find(|tap| tap.moving == Some(index)) {
             let (name, from, to) = (&grid.name, grid.points(), moved.points());
             return Err(RunError::Failed(Failure {
-                who: self.links[*participant].who(),
-                when: self.phase.to_string(),
+                who: self.peers.all()[*participant].who(),
+                when: self.peers.phase.to_string(),
                 what: format!(
                     "grid `{name}` has gone from {from} to {to} elements, but `{}` on it is fed \
                      back",
@@ -217,7 +126,7 @@ impl Session {
         let mapped = self.mapped.iter().filter(|mapped| mapped.moving == Some(index));
         let kinds = sent.chain(mapped.map(|mapped| &self.taps[mapped.tap].kind));
         let components: Vec<u32> = kinds.map(|kind| kind.components).collect();
-        self.memory.take(capacity, &components, &self.phase.to_string())?;
+        self.memory.take(capacity, &components, &self.peers.phase.to_string())?;
         self.moving[index].capacity = capacity;
         Ok(())
     }

@@ -58,7 +58,7 @@ impl SharedMemory {
 ///
 /// # Errors
 /// There is less shared memory than that.
-pub(crate) fn room_for(samples: Vec<u64>, when: &str) -> Result<(), RunError> {
+pub fn room_for(samples: Vec<u64>, when: &str) -> Result<(), RunError> {
     let topics = samples.into_iter().map(topic_bytes);
     check(topics.fold(OVERHEAD, u64::saturating_add), u64::MAX, when)
 }

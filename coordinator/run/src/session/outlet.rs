@@ -1,6 +1,6 @@
 //! A topic on which the coordinator itself sends a field: what is fed back, or mapped.
 
-use super::COORDINATOR;
+use crate::peers::COORDINATOR;
 use crate::record::{Recorder, TopicNumber};
 use contract::field::FieldKind;
 use contract::grid::Grid;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// What stands on every sample of a field that the coordinator sends on a grid.
-pub(crate) fn header(kind: &FieldKind, grid: &Grid) -> FieldHeader {
+pub fn header(kind: &FieldKind, grid: &Grid) -> FieldHeader {
     FieldHeader {
         protocol: contract::PROTOCOL_VERSION,
         components: kind.components,

@@ -1,13 +1,11 @@
 //! The coordinator's own view of every field: it receives each sample, checks label and values,
 //! and holds the newest.
 
-use super::{Phase, Session};
-use crate::error::{Failure, RunError};
 use crate::record::TopicNumber;
 use contract::field::{FieldKind, Mapping};
 use contract::grid::Grid;
 use contract::message::FieldHeader;
-use proto::model::{Step, first_non_finite};
+use contract::step::Step;
 use proto::transport::{FieldReader, FieldSample};
 
 /// A participant that consumes a field.
@@ -39,7 +37,7 @@ pub struct Tap {
 
 impl Tap {
     /// A tap of the only participant of a run, the one with this role.
-    pub(crate) fn of_role(role: &str, kind: FieldKind, grid: Grid, reader: FieldReader) -> Self {
+    pub fn of_role(role: &str, kind: FieldKind, grid: Grid, reader: FieldReader) -> Self {
         Self {
             kind,
             grid,
@@ -60,7 +58,7 @@ impl Tap {
     ///
     /// # Errors
     /// It cannot be received, or it is not what it should be.
-    pub(crate) fn take(&mut self, step: &Step) -> Result<Option<&[f64]>, String> {
+    pub fn take(&mut self, step: &Step) -> Result<Option<&[f64]>, String> {
         let Some(sample) = self.reader.receive().map_err(|error| error.to_string())? else {
             return Ok(None);
         };
@@ -125,7 +123,7 @@ impl Tap {
     }
 
     /// What is wrong with a sample, if anything.
-    fn fault(&self, sample: &FieldSample, step: &Step) -> Option<String> {
+    pub(super) fn fault(&self, sample: &FieldSample, step: &Step) -> Option<String> {
         let (header, name) = (sample.header(), &self.kind.name);
         let expected = self.grid.points() * self.kind.components as usize;
         if header.protocol != contract::PROTOCOL_VERSION {
@@ -181,83 +179,5 @@ impl Tap {
 
     fn shape_fits(&self, header: &FieldHeader) -> bool {
         header.components == self.kind.components && header.points == self.grid.points() as u64
-    }
-}
-
-impl Session {
-    /// Receives what a participant has published for a step: its outputs, or what is only
-    /// observed. Exactly one sample of each, on the grids as they are known.
-    pub(super) fn collect(
-        &mut self,
-        one: usize,
-        step: &Step,
-        observed_only: bool,
-    ) -> Result<(), RunError> {
-        for index in 0..self.taps.len() {
-            let tap = &self.taps[index];
-            if tap.producer != one || tap.observed_only != observed_only {
-                continue;
-            }
-            let received = tap.reader.receive().map_err(|e| self.transport_failed(one, &e))?;
-            let Some(sample) = received else {
-                let what = format!("it did not send `{}`", tap.kind.name);
-                return Err(self.misbehaved(one, what));
-            };
-            self.follow(index);
-            let tap = &self.taps[index];
-            if let Some(fault) = tap.fault(&sample, step) {
-                return Err(self.misbehaved(one, fault));
-            }
-            self.bytes_exchanged += std::mem::size_of_val(sample.values()) as u64;
-            if let (Some(recorder), Some(topic)) = (&self.recorder, tap.recorded) {
-                recorder.sample(topic, sample.header().sequence);
-            }
-            self.taps[index].sample = Some(sample);
-        }
-        Ok(())
-    }
-
-    /// Puts a tap whose sample is about to be replaced on its grid as it is now.
-    fn follow(&mut self, index: usize) {
-        let Self { taps, moving, .. } = self;
-        let tap = &mut taps[index];
-        if let Some(grid) = tap.moving.map(|at| &moving[at].grid)
-            && grid.revision != tap.grid.revision
-        {
-            tap.grid.clone_from(grid);
-        }
-    }
-
-    /// Every value of the newest sample is finite; looked at once per sample.
-    pub(super) fn check_finite(&mut self, index: usize) -> Result<(), RunError> {
-        let tap = &mut self.taps[index];
-        let Some(sample) = &tap.sample else { return Ok(()) };
-        let header = sample.header();
-        if tap.checked == header.sequence {
-            return Ok(());
-        }
-        tap.checked = header.sequence;
-        match first_non_finite(sample.values()) {
-            None => Ok(()),
-            Some(at) => {
-                let step = Step {
-                    window: header.window,
-                    iteration: header.iteration,
-                    start: header.start,
-                    end: header.end,
-                };
-                let what = format!(
-                    "field `{}` holds {} at index {at}",
-                    tap.kind.name,
-                    sample.values()[at]
-                );
-                Err(RunError::Failed(Failure {
-                    who: self.links[tap.producer].who(),
-                    when: Phase::Solving(step).to_string(),
-                    what,
-                    fix: "see its messages in log.jsonl, and check the case's values".to_owned(),
-                }))
-            }
-        }
     }
 }

@@ -1,60 +1,15 @@
-//! Who hears what on which topic.
+//! The topics of a run: services, subscribers, grids.
 
 use super::Session;
 use super::feedback::Feedback;
-use super::geometry::MovingGrid;
+use super::hears::{Hears, hears, readers};
 use super::mapped::Mapped;
-use super::tap::Consumer;
-use crate::plan::{Field, Plan, non_matching};
-use contract::configuration::{Input, Layout};
+use super::moving::MovingGrid;
+use crate::plan::{Field, Plan};
+use contract::configuration::Layout;
 use contract::grid::Grid;
 use contract::message::{GeometryTopic, Topic};
 use proto::transport::TransportError;
-
-/// Whom a consumer hears.
-#[derive(Debug, PartialEq)]
-pub(super) enum Hears<'a> {
-    Producer,
-    /// The coordinator, on the producer's grid.
-    Iterates,
-    /// The coordinator, on the grid that the consumer wants, maybe iterates too.
-    Mapped(&'a Grid),
-}
-
-/// Whom one of a field's consumers hears.
-pub(super) fn hears<'a>(field: &Field, one: usize, layouts: &'a [Layout]) -> Hears<'a> {
-    match non_matching(field, one, |index| layouts.get(index)) {
-        Some([_, wanted]) => Hears::Mapped(wanted),
-        None if field.fed_back.contains(&one) => Hears::Iterates,
-        None => Hears::Producer,
-    }
-}
-
-/// The consumers of a field that hear it like this.
-pub(super) fn readers<'a>(
-    field: &'a Field,
-    layouts: &'a [Layout],
-    like: &'a Hears<'a>,
-) -> impl Iterator<Item = usize> + 'a {
-    field.consumers.iter().copied().filter(move |&one| hears(field, one, layouts) == *like)
-}
-
-/// A consumer of a field, and where that is among its inputs.
-pub(super) fn consumer(plan: &Plan, field: &Field, participant: usize) -> Consumer {
-    let inputs = &plan.participants[participant].configuration.inputs;
-    let slot = inputs.iter().position(|i| i.field.name == field.kind.name);
-    Consumer { participant, slot: slot.expect("a consumer has the field as an input") }
-}
-
-/// What a participant is told, when the layouts of those before it are known: whether the grid of
-/// one of its inputs may move. Of who comes later the estimate says it.
-pub(super) fn is_told(plan: &Plan, layouts: &[Layout], input: &Input) -> bool {
-    let producer = plan.participants.iter().position(|p| p.role == input.producer);
-    let layout = producer.and_then(|index| {
-        layouts.get(index).or_else(|| plan.participants[index].estimate.as_ref())
-    });
-    layout.is_some_and(|layout| layout.moves_under(&input.field.name))
-}
 
 impl Session {
     /// Listens to the grids that move and that a field of the run is on, or is wanted on.
@@ -73,9 +28,9 @@ impl Session {
                 })
             };
             for grid in layout.grids.iter().filter(|grid| layout.moves(grid) && is_used(grid)) {
-                let owner = (one, self.links[one].role());
-                let recorder = self.recorder.as_ref();
-                self.moving.push(MovingGrid::open(&self._endpoint, owner, grid, recorder)?);
+                let owner = (one, self.peers.all()[one].role());
+                let recorder = self.peers.recorder();
+                self.moving.push(MovingGrid::open(self.peers.endpoint(), owner, grid, recorder)?);
             }
         }
         Ok(())
@@ -101,9 +56,9 @@ impl Session {
                     field.consumers.contains(consumer) && !maps()
                 })
             };
-            let listeners = (0..self.links.len()).filter(listens).count();
-            let service = MovingGrid::service(self.links[one].role(), name);
-            let subscribers = listeners + 1 + usize::from(self.recorder.is_some());
+            let listeners = (0..self.peers.all().len()).filter(listens).count();
+            let service = MovingGrid::service(self.peers.all()[one].role(), name);
+            let subscribers = listeners + 1 + usize::from(self.peers.recorder().is_some());
             GeometryTopic { grid: name.clone(), service, subscribers }
         };
         self.moving.iter().filter(|moving| moving.participant == one).map(topic).collect()
@@ -112,7 +67,7 @@ impl Session {
     /// The service of a grid's geometry, if it may move.
     fn geometry_service(&self, one: usize, grid: &Grid) -> Option<String> {
         let moves = self.moving_grid(one, &grid.name);
-        moves.map(|_| MovingGrid::service(self.links[one].role(), &grid.name))
+        moves.map(|_| MovingGrid::service(self.peers.all()[one].role(), &grid.name))
     }
 
     /// The topic on which the producer sends a field.
@@ -127,7 +82,7 @@ impl Session {
             // Those of its consumers who hear it directly, our own tap, and the recorder.
             subscribers: readers(field, layouts, &Hears::Producer).count()
                 + 1
-                + usize::from(self.recorder.is_some()),
+                + usize::from(self.peers.recorder().is_some()),
             geometry: self.geometry_service(field.producer, grid),
         }
     }
@@ -150,7 +105,7 @@ impl Session {
             },
             Hears::Mapped(grid) => Topic {
                 field: name.clone(),
-                service: Mapped::service(name, self.links[one].role()),
+                service: Mapped::service(name, self.peers.all()[one].role()),
                 grid: grid.clone(),
                 subscribers: 1,
                 geometry: self.geometry_service(one, grid),

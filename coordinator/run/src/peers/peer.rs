@@ -1,4 +1,4 @@
-//! The control link to one participant.
+//! One participant, as the coordinator talks with it: commands go out, replies and heartbeats come in.
 
 use super::patience::Patience;
 use crate::error::RunError;
@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 /// after the first had been received.
 const APART: Duration = Duration::from_millis(10);
 
-/// Commands go out, replies come in.
+/// A participant of a run.
 #[derive(Debug)]
-pub(crate) struct Link {
+pub struct Peer {
     role: String,
     program: String,
     attached: bool,
@@ -32,8 +32,8 @@ pub(crate) struct Link {
     last_dealt_with: Option<Instant>,
 }
 
-impl Link {
-    pub(crate) fn new(
+impl Peer {
+    pub(super) fn new(
         (role, program): (&str, String),
         attached: bool,
         commands: Sender<Command>,
@@ -56,28 +56,32 @@ impl Link {
         }
     }
 
-    pub(crate) fn role(&self) -> &str {
+    /// The role it plays.
+    #[must_use]
+    pub fn role(&self) -> &str {
         &self.role
     }
 
     /// It was started by hand.
-    pub(crate) fn is_attached(&self) -> bool {
+    #[must_use]
+    pub fn is_attached(&self) -> bool {
         self.attached
     }
 
     /// Role and program, for messages.
-    pub(crate) fn who(&self) -> String {
+    #[must_use]
+    pub fn who(&self) -> String {
         format!("{} ({})", self.role, self.program)
     }
 
     /// The participant has joined.
-    pub(crate) fn is_up(&self) -> bool {
+    pub(super) fn is_up(&self) -> bool {
         self.commands.is_heard() && self.replies.is_served()
     }
 
     /// Sends a command, and gives it back with its number; `ring` only when an answer is wanted
     /// soon.
-    pub(crate) fn post(
+    pub(super) fn post(
         &mut self,
         mut command: Command,
         body: &[u8],
@@ -97,11 +101,12 @@ impl Link {
     }
 
     /// Sequence number of the last command.
-    pub(crate) fn sequence(&self) -> u64 {
+    #[must_use]
+    pub fn sequence(&self) -> u64 {
         self.sequence
     }
 
-    pub(crate) fn receive(&self) -> Result<Option<Message<Reply>>, TransportError> {
+    pub(super) fn receive(&self) -> Result<Option<Message<Reply>>, TransportError> {
         let message = match self.early.take() {
             Some(early) => Some(early),
             None => self.replies.receive()?,
@@ -112,7 +117,7 @@ impl Link {
 
     /// A reply that is owed has come already, and says that the command has failed; a good one is
     /// kept until it is asked for.
-    pub(crate) fn has_failed(&self) -> Result<bool, TransportError> {
+    pub(super) fn has_failed(&self) -> Result<bool, TransportError> {
         let mut early = self.early.borrow_mut();
         if self.owing.get() && early.is_none() {
             *early = self.replies.receive()?;
@@ -122,7 +127,7 @@ impl Link {
     }
 
     /// A heartbeat has come.
-    pub(crate) fn heard(&mut self, beat: Beat) {
+    pub(super) fn heard(&mut self, beat: Beat) {
         self.silence = Patience::new();
         let now = Instant::now();
         let apart = self.last_dealt_with.is_none_or(|last| now - last >= APART);
@@ -134,17 +139,17 @@ impl Link {
 
     /// The participant says that it has dealt with the last command. The first such heartbeat may
     /// be left over from an earlier command whose number looks alike; the second one is not.
-    pub(crate) fn has_dealt_with_it(&self) -> bool {
+    pub(super) fn has_dealt_with_it(&self) -> bool {
         self.dealt_with >= 2
     }
 
     /// Time since the last sign of life, as far as this process ran.
-    pub(crate) fn silence(&mut self) -> Duration {
+    pub(super) fn silence(&mut self) -> Duration {
         self.silence.waited()
     }
 
     /// The error for a refused case.
-    pub(crate) fn refused(&self, body: &[u8]) -> RunError {
+    pub(super) fn refused(&self, body: &[u8]) -> RunError {
         let refusal = serde_json::from_slice(body).unwrap_or_else(|_| {
             Refusal::new(&self.role, "refused without a reason", "ask the program's author")
         });
@@ -153,7 +158,7 @@ impl Link {
 }
 
 /// What a failed reply says.
-pub(crate) fn failure_text(body: &[u8]) -> String {
+pub(super) fn failure_text(body: &[u8]) -> String {
     serde_json::from_slice::<Failure>(body)
         .map_or_else(|_| "it failed without saying why".to_owned(), |failure| failure.error)
 }

@@ -6,9 +6,10 @@
 //! beside them, `ROLE.GRID.geometry`: the participant's own state has the grid of the window that
 //! follows.
 
-use super::geometry::MovingGrid;
-use super::{Phase, Session};
+use super::Session;
+use super::moving::MovingGrid;
 use crate::error::{RunError, file_failure};
+use crate::peers::Phase;
 use contract::grid::Grid;
 use contract::message::{Command, CommandKind, OutputFile, StateFile};
 use contract::step::Step;
@@ -18,10 +19,10 @@ impl Session {
     /// Writes the state after the accepted step into a folder, given by a path that leads
     /// there from every process; the names of the files.
     pub fn save(&mut self, step: &Step, folder: &Path) -> Result<Vec<String>, RunError> {
-        self.phase = Phase::Saving(*step);
+        self.peers.phase = Phase::Saving(*step);
         let mut names = Vec::new();
-        for one in 0..self.links.len() {
-            let name = state_file(self.links[one].role());
+        for one in 0..self.peers.all().len() {
+            let name = state_file(self.peers.all()[one].role());
             let file =
                 StateFile { path: folder.join(&name), outputs: Vec::new(), geometry: Vec::new() };
             self.command_about(one, CommandKind::Save, step, &file)?;
@@ -40,8 +41,8 @@ impl Session {
             std::fs::write(&path, text).map_err(|error| file_failure(&path, &error))?;
             names.push(name);
         }
-        for one in 0..self.links.len() {
-            self.await_done(one, self.deadlines.solve)?;
+        for one in 0..self.peers.all().len() {
+            self.peers.done(one, self.peers.deadlines().solve)?;
             self.record_state(one, folder)?;
         }
         Ok(names)
@@ -50,10 +51,10 @@ impl Session {
     /// Returns to the state that [`Session::save`] wrote after `step`, before the first window is
     /// solved; `iterate` is what was sent last to those who close the loop.
     pub fn restore(&mut self, step: &Step, folder: &Path, iterate: &[f64]) -> Result<(), RunError> {
-        self.phase = Phase::Restoring(*step);
+        self.peers.phase = Phase::Restoring(*step);
         let last: Vec<Grid> =
             self.moving.iter().map(|m| read(m, folder)).collect::<Result<_, _>>()?;
-        for one in 0..self.links.len() {
+        for one in 0..self.peers.all().len() {
             let sent = self.taps.iter().filter(|t| t.producer == one && !t.observed_only);
             let output = |name: &String| OutputFile {
                 field: name.clone(),
@@ -61,14 +62,14 @@ impl Session {
             };
             let outputs = sent.map(|tap| output(&tap.kind.name)).collect();
             self.record_state(one, folder)?;
-            let path = folder.join(state_file(self.links[one].role()));
+            let path = folder.join(state_file(self.peers.all()[one].role()));
             let own = self.moving.iter().zip(&last).filter(|(m, _)| m.participant == one);
             let geometry = own.map(|(_, grid)| grid.clone()).collect();
             let file = StateFile { path, outputs, geometry };
             self.command_about(one, CommandKind::Restore, step, &file)?;
         }
-        for one in 0..self.links.len() {
-            self.await_done(one, self.deadlines.solve)?;
+        for one in 0..self.peers.all().len() {
+            self.peers.done(one, self.peers.deadlines().solve)?;
             for (index, grid) in last.iter().enumerate() {
                 if self.moving[index].participant == one {
                     self.receive_last(index, grid.revision, step)?;
@@ -77,12 +78,12 @@ impl Session {
             self.collect(one, step, false)?;
         }
         self.send_iterate(iterate, step)?;
-        (0..self.links.len()).try_for_each(|one| self.receive_geometry(one, step))
+        (0..self.peers.all().len()).try_for_each(|one| self.receive_geometry(one, step))
     }
 
     fn record_state(&self, one: usize, folder: &Path) -> Result<(), RunError> {
-        let Some(recorder) = &self.recorder else { return Ok(()) };
-        let role = self.links[one].role();
+        let Some(recorder) = self.peers.recorder() else { return Ok(()) };
+        let role = self.peers.all()[one].role();
         recorder.state(role, &folder.join(state_file(role)))
     }
 
@@ -94,7 +95,7 @@ impl Session {
         file: &StateFile,
     ) -> Result<(), RunError> {
         let body = serde_json::to_vec(file).expect("a path through a handle is ASCII");
-        self.post(one, Command::about(kind, step), &body, true)
+        self.peers.post(one, Command::about(kind, step), &body, true)
     }
 
     /// Counts bytes exchanged from here on as if this many had been before.

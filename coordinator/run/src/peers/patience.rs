@@ -12,19 +12,19 @@ const LOOK: Duration = Doorbell::NAP.saturating_mul(5);
 
 /// The time a wait has lasted; looked at on every poll.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Patience {
+pub(super) struct Patience {
     waited: Duration,
     looked: Instant,
 }
 
 impl Patience {
     /// A wait that begins now.
-    pub(crate) fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { waited: Duration::ZERO, looked: Instant::now() }
     }
 
     /// How long the wait has lasted.
-    pub(crate) fn waited(&mut self) -> Duration {
+    pub(super) fn waited(&mut self) -> Duration {
         self.waited_until(Instant::now())
     }
 

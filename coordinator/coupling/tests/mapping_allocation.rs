@@ -3,9 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
-use coordinator::map::{CurrentMapping, Method};
-use proto::field::Mapping;
-use proto::grid::{Grid, Quadrilaterals, Structured};
+use contract::field::Mapping;
+use contract::grid::{Grid, Quadrilaterals, Structured};
+use coupling::map::{CurrentMapping, Method};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
