@@ -12,6 +12,7 @@ use coordinator::session::{Observed, Session};
 use proto::model::Step;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use tests::harness::programs;
 
 /// Commands that the coordinator sends in a window of one pass: two solves, two acceptances.
 const LOANS: u64 = 4;
@@ -46,15 +47,7 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 fn program(name: &str) -> String {
-    let test = std::env::current_exe().unwrap();
-    let path = test.parent().unwrap().parent().unwrap().join(name);
-    let mut build = std::process::Command::new(env!("CARGO"));
-    build.args(["build", "--quiet", "-p", "tests", "--bins"]);
-    if !cfg!(debug_assertions) {
-        build.arg("--release");
-    }
-    assert!(build.status().unwrap().success());
-    path.display().to_string()
+    programs().join(name).display().to_string()
 }
 
 #[test]

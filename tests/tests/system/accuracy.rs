@@ -1,13 +1,7 @@
 //! `run --accuracy`: the error that is stated, and the true one.
 
-use crate::harness::{Place, case};
-use serde_json::Value;
+use crate::harness::{Place, case, number};
 use thermal_solver::reference::{ellipse, polynomial, scales};
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    let value = summary.pointer(pointer).and_then(Value::as_f64);
-    value.unwrap_or_else(|| panic!("{pointer} is missing in {summary}"))
-}
 
 /// A scene, and the rail's largest rise there \[K\] with what it is known to, relative.
 struct Scene {

@@ -1,32 +1,19 @@
 //! The energy audit: every consumer is judged by the heat that it was told to use.
 
-use crate::harness::{Place, case};
+use crate::harness::{Ended, Place, case};
 use serde_json::Value;
 
 const SCHEMES: [&str; 4] =
     ["serial-explicit", "parallel-explicit", "serial-implicit", "parallel-implicit"];
 
 /// Runs twenty windows of the lumped pair, the load step among them; the place and how it ended.
-fn lumped(settings: &[String]) -> (Place, crate::harness::Ended) {
+fn lumped(settings: &[String]) -> (Place, Ended) {
     let place = Place::new();
     let short = ["time.end=0.2", "lumped.step_at=0.105"].map(str::to_owned);
     let more: Vec<&str> =
         short.iter().chain(settings).flat_map(|set| ["--set", set.as_str()]).collect();
     let ended = place.run(&case("lumped.toml"), &more);
     (place, ended)
-}
-
-/// `heat_sent_w` and `heat_received_w` of every iteration.
-fn heat(place: &Place) -> Vec<[f64; 2]> {
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let at = ["heat_sent_w", "heat_received_w"]
-        .map(|name| head.iter().position(|h| *h == name).unwrap());
-    let row = |line: &str| {
-        let cells: Vec<&str> = line.split(',').collect();
-        at.map(|at| cells[at].parse().unwrap())
-    };
-    table.lines().skip(1).map(row).collect()
 }
 
 /// One conservative field or two, on the producer's grid or mapped, as one solve a window or
@@ -47,7 +34,8 @@ fn every_scheme_is_audited_by_what_it_commands() {
                     settings.extend(points.map(|n| format!("body.points={n}")));
                     let (place, ended) = lumped(&settings);
                     assert_eq!(ended.code, Some(0), "{settings:?}: {}", ended.stderr);
-                    let rows = heat(&place);
+                    let rows =
+                        place.table("iterations.csv").columns(["heat_sent_w", "heat_received_w"]);
                     let off = |[sent, received]: &[f64; 2]| (sent - received).abs() / sent.abs();
                     assert!(rows.iter().all(|row| off(row) <= 1e-12), "{settings:?}: {rows:?}");
                     // Who solves at the same time as the source has its first flux.

@@ -101,10 +101,8 @@ fn a_parallel_scheme_finds_the_same_solution() {
 fn every_iteration_has_a_row_that_tells_its_residual_and_its_columns() {
     let place = Place::new();
     let summary = linear(&place, &["linear.problem=P4", "linear.seed=7"]);
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let at = |name: &str| head.iter().position(|h| *h == name).unwrap();
-    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|l| l.split(',').collect()).collect();
+    let table = place.table("iterations.csv");
+    let (at, rows) = (|name: &str| table.find(name).unwrap(), &table.rows);
     assert_eq!(rows.len() as u64, summary["coupling"]["iterations"].as_u64().unwrap());
     for pair in rows.windows(2) {
         let (row, next) = (&pair[0], &pair[1]);

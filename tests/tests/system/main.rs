@@ -18,7 +18,6 @@ mod exchange;
 mod faults;
 mod figures;
 mod folders;
-mod harness;
 mod implicit;
 mod machine;
 mod mapping;
@@ -36,3 +35,5 @@ mod stability;
 mod start;
 mod time;
 mod two_way;
+
+use tests::harness;

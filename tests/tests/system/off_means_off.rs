@@ -1,7 +1,7 @@
 //! What a case does not name does not exist at run time. The tests iterate the registries, so that
 //! a new effect is tested by being registered.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, Table, case, field_files, root};
 use proto::description::Description;
 use proto::model::Solver;
 use std::collections::BTreeSet;
@@ -15,26 +15,9 @@ fn effects() -> BTreeSet<String> {
 }
 
 /// Every field file of a run, byte by byte, and the participants' work.
-fn answer(place: &Place) -> (Vec<(String, Vec<u8>)>, Vec<String>) {
-    let folder = place.out().join("fields");
-    let mut fields: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .flatten()
-        .map(|e| (e.file_name().into_string().unwrap(), std::fs::read(e.path()).unwrap()))
-        .collect();
-    fields.sort();
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let work = columns(&table, |head| head.ends_with("_work") || head.ends_with("_iterations"));
-    (fields, work)
-}
-
-fn columns(table: &str, wanted: impl Fn(&str) -> bool) -> Vec<String> {
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let picked = |line: &str| {
-        let cells = line.split(',').zip(&head).filter(|(_, head)| wanted(head));
-        cells.map(|(cell, _)| cell.to_owned()).collect::<Vec<_>>().join(",")
-    };
-    table.lines().map(picked).collect()
+fn answer(place: &Place) -> (Vec<(String, Vec<u8>)>, Table) {
+    let work = |head: &str| head.ends_with("_work") || head.ends_with("_iterations");
+    (field_files(&place.out()), place.table("iterations.csv").of(work))
 }
 
 /// The shipped cases whose answers are compared, and the effects that others of the case cannot do
@@ -151,7 +134,7 @@ fn only_the_fields_asked_for_are_written() {
 /// shipped case exercises every effect.
 #[test]
 fn registries_are_complete() {
-    let shipped: String = std::fs::read_dir(crate::harness::root().join("cases"))
+    let shipped: String = std::fs::read_dir(root().join("cases"))
         .unwrap()
         .flatten()
         .filter_map(|entry| std::fs::read_to_string(entry.path()).ok())

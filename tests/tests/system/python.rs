@@ -1,7 +1,7 @@
 //! A participant in Python takes the place of ours: the same answer within its method's error, the
 //! same manners when something goes wrong.
 
-use crate::harness::{Place, case, programs, root};
+use crate::harness::{Place, case, completed as run, number, programs, root};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -47,34 +47,8 @@ fn faulty(fault: &str) -> String {
     format!("thermal.command=[\"sh\", \"-c\", {script:?}, \"sh\"]")
 }
 
-fn run(name: &str, settings: &[&str]) -> (Place, Value) {
-    let place = Place::new();
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
-    let summary = place.summary(&case(name), &more);
-    (place, summary)
-}
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    let value = summary.pointer(pointer).and_then(Value::as_f64);
-    value.unwrap_or_else(|| panic!("{pointer} is missing in {summary}"))
-}
-
 const PEAK: &str = "/temperature/rail/max_rise_k";
 const IMBALANCE: &str = "/coupling/energy_imbalance";
-
-/// A one-component field of a .vti file: raw doubles behind their number of bytes.
-fn field(place: &Place, file: &str, name: &str) -> Vec<f64> {
-    let bytes = std::fs::read(place.out().join("fields").join(file)).unwrap();
-    let mark = b"<AppendedData encoding=\"raw\">\n_";
-    let data = bytes.windows(mark.len()).position(|window| window == mark).unwrap();
-    let head = String::from_utf8(bytes[..data].to_vec()).unwrap();
-    let line = head.lines().find(|line| line.contains(&format!("Name=\"{name} ["))).unwrap();
-    let offset = line.split("offset=\"").nth(1).unwrap().split('"').next().unwrap();
-    let start = data + mark.len() + offset.parse::<usize>().unwrap();
-    let size = u64::from_le_bytes(bytes[start..start + 8].try_into().unwrap()) as usize;
-    let values = bytes[start + 8..start + 8 + size].as_chunks().0.iter();
-    values.map(|value| f64::from_le_bytes(*value)).collect()
-}
 
 /// Largest difference of two fields, relative to the largest value of the second.
 fn difference(found: &[f64], expected: &[f64]) -> f64 {
@@ -106,7 +80,7 @@ fn strip_columns_give_what_ours_give() {
             assert!((ratio("penetration_depth_m") - 1.0).abs() < 5.0 * of_peak);
             let read = |place: &Place| {
                 let name = format!("{body}_temperature");
-                field(place, "thermal_contact_000000.vti", &name)
+                place.field("thermal_contact_000000.vti", &name)
             };
             let error = difference(&read(&theirs), &read(&ours));
             assert!(error < of_field, "{body}: {error:e}");
@@ -114,7 +88,7 @@ fn strip_columns_give_what_ours_give() {
             let read = |place: &Place| {
                 let name = format!("{body}_section");
                 let file = format!("thermal_{name}_000000.vti");
-                field(place, &file, &format!("{name}_temperature"))
+                place.field(&file, &format!("{name}_temperature"))
             };
             assert!(difference(&read(&theirs), &read(&ours)) < of_field);
         }
@@ -136,7 +110,7 @@ fn the_short_solver_agrees_with_the_long_one() {
     let (short, summary) =
         run("wheel-rail.toml", &[&settings[..], &[&short, "thermal.model=short"]].concat());
     assert!(number(&summary, IMBALANCE) <= 1e-12);
-    let read = |place| field(place, "thermal_contact_000000.vti", "rail_temperature");
+    let read = |place: &Place| place.field("thermal_contact_000000.vti", "rail_temperature");
     assert!(difference(&read(&short), &read(&long)) < 1e-14);
 }
 
@@ -219,12 +193,10 @@ fn several_ranks_are_one_participant() {
     let spread = ranks("proto/python/examples/ranks.py");
     let (together, summary) = run("wheel-rail.toml", &[&settings[..], &[&spread]].concat());
     assert!(number(&summary, IMBALANCE) <= 1e-12);
-    let read = |place| field(place, "thermal_contact_000000.vti", "rail_temperature");
+    let read = |place: &Place| place.field("thermal_contact_000000.vti", "rail_temperature");
     assert!(difference(&read(&together), &read(&alone)) < 1e-14);
-    let table = std::fs::read_to_string(together.out().join("iterations.csv")).unwrap();
-    let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let column = rows.next().unwrap().iter().position(|name| *name == "thermal_work").unwrap();
-    assert_eq!(rows.next().unwrap()[column], "3", "all ranks have computed");
+    let work = together.table("iterations.csv").numbers("thermal_work");
+    assert_eq!(work[0], 3.0, "all ranks have computed");
 }
 
 /// Ranks that know nothing of each other all answer, and all join.
@@ -353,7 +325,7 @@ fn a_wished_grid_gets_all_the_heat() {
     let settings = ["mech.resolution=20", "thermal.resolution=59", &strip_columns()];
     let (place, mapped) = run("wheel-rail.toml", &settings);
     assert!(number(&mapped, IMBALANCE) <= 1e-10);
-    let values = field(&place, "thermal_contact_000000.vti", "rail_temperature");
+    let values = place.field("thermal_contact_000000.vti", "rail_temperature");
     assert_eq!(values.len(), 59 * 46);
 }
 
@@ -375,7 +347,7 @@ fn a_killed_run_is_resumed() {
     place.assert_nothing_left();
     assert_eq!(place.read_summary()["temperature"], expected["temperature"]);
     let last = format!("thermal_contact_{:06}.vti", 124);
-    let read = |place: &Place| field(place, &last, "wheel_temperature");
+    let read = |place: &Place| place.field(&last, "wheel_temperature");
     assert_eq!(read(&place), read(&undisturbed));
 }
 

@@ -1,6 +1,6 @@
 //! Restart: a run that is killed and resumed ends to the bit as if nothing had happened.
 
-use crate::harness::{Ended, Place, case, wait_until};
+use crate::harness::{Ended, Place, Table, case, field_files, sets, wait_until};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::ffi::OsStr;
@@ -13,28 +13,18 @@ struct Results {
     /// Every field file, byte by byte.
     fields: Vec<(String, Vec<u8>)>,
     /// The table of iterations without its times.
-    table: Vec<Vec<String>>,
+    table: Table,
     /// The summary with the bytes exchanged alone for its cost.
     summary: Value,
 }
 
 fn results(place: &Place) -> Results {
-    let files = std::fs::read_dir(place.out().join("fields")).into_iter().flatten().flatten();
-    let mut fields: Vec<_> = files
-        .map(|e| (e.file_name().into_string().unwrap(), std::fs::read(e.path()).unwrap()))
-        .collect();
-    fields.sort();
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let timeless = |head: &str| !head.ends_with("_s") || head == "start_s" || head == "end_s";
-    let row = |line: &str| {
-        let cells = line.split(',').zip(&head).filter(|(_, head)| timeless(head));
-        cells.map(|(cell, _)| cell.to_owned()).collect()
-    };
     let mut summary = place.read_summary();
     let cost = summary.as_object_mut().unwrap().remove("cost").unwrap();
     summary["bytes_exchanged"] = cost["bytes_exchanged"].clone();
-    Results { fields, table: table.lines().map(row).collect(), summary }
+    let table = place.table("iterations.csv").of(timeless);
+    Results { fields: field_files(&place.out()), table, summary }
 }
 
 fn resume(place: &Place) -> Ended {
@@ -76,14 +66,10 @@ fn random(state: &mut u64) -> u64 {
     z ^ (z >> 31)
 }
 
-fn pairs<'a>(settings: &[&'a str]) -> Vec<&'a str> {
-    settings.iter().flat_map(|set| ["--set", set]).collect()
-}
-
 /// Runs undisturbed, and killed after a random number of checkpoints and resumed; both have to end
 /// alike.
 fn killed_and_resumed(case: &str, settings: &[&str], most: u64, seed: &mut u64) {
-    let more = pairs(settings);
+    let more = sets(settings);
     let undisturbed = Place::new();
     undisturbed.summary(case, &more);
     let expected = results(&undisturbed);
@@ -220,7 +206,7 @@ fn killed(settings: &[&str]) -> Place {
     let place = Place::new();
     let all =
         [&["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"], settings].concat();
-    assert!(kill_at(&place, &case("exchange.toml"), &pairs(&all), 4));
+    assert!(kill_at(&place, &case("exchange.toml"), &sets(&all), 4));
     assert_eq!(checkpoints(&place.out()).len(), 2, "the last two are kept");
     place
 }
@@ -229,7 +215,7 @@ fn killed(settings: &[&str]) -> Place {
 fn a_torn_checkpoint_is_named_and_the_one_before_used() {
     let undisturbed = Place::new();
     let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
-    undisturbed.summary(&case("exchange.toml"), &pairs(&settings));
+    undisturbed.summary(&case("exchange.toml"), &sets(&settings));
     for file in ["left.state", "right_value.values", "coordinator.state"] {
         let place = killed(&[]);
         let names = checkpoints(&place.out());
@@ -289,7 +275,7 @@ fn another_case_is_refused_and_a_run_that_has_ended_stays() {
 fn a_run_that_failed_can_be_resumed_and_ends_alike() {
     let place = Place::new();
     let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
-    let running = place.start_run(&case("exchange.toml"), &pairs(&settings));
+    let running = place.start_run(&case("exchange.toml"), &sets(&settings));
     wait_until("a checkpoint", || !checkpoints(&place.out()).is_empty());
     rustix::process::kill_process(place.pid_of("right"), Signal::KILL).unwrap();
     assert_eq!(running.wait().code, Some(1));
@@ -305,7 +291,7 @@ fn an_interrupted_run_is_resumed() {
     for (signal, code) in [(Signal::INT, 130), (Signal::TERM, 143)] {
         let place = Place::new();
         let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
-        let running = place.start_run(&case("exchange.toml"), &pairs(&settings));
+        let running = place.start_run(&case("exchange.toml"), &sets(&settings));
         wait_until("a checkpoint", || !checkpoints(&place.out()).is_empty());
         running.signal(signal);
         let ended = running.wait();
@@ -327,7 +313,7 @@ fn a_folder_whose_name_is_no_text_holds_checkpoints() {
     std::fs::copy(case("exchange.toml"), odd.join("exchange.toml")).unwrap();
     let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
     let mut run = place.command(&["run", "exchange.toml"]);
-    run.args(pairs(&settings)).arg("--out").arg(odd.join("out")).current_dir(&odd);
+    run.args(sets(&settings)).arg("--out").arg(odd.join("out")).current_dir(&odd);
     let running = place.launch(run);
     wait_until("a checkpoint", || !checkpoints(&odd.join("out")).is_empty());
     running.signal(Signal::KILL);
@@ -354,7 +340,7 @@ fn files_of_the_case_are_found_again() {
         "time.end=1 ms",
         "output.checkpoint_every=1",
     ];
-    assert!(kill_at(&place, &case("measured-profile.toml"), &pairs(&settings), 2));
+    assert!(kill_at(&place, &case("measured-profile.toml"), &sets(&settings), 2));
     let ended = resume(&place);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert_eq!(place.read_summary()["coupling"]["windows"], 50);

@@ -1,16 +1,11 @@
 //! Time: adaptive windows, subcycling, and what is conserved over it.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, completed, number};
 use serde_json::Value;
 
 /// Runs the lumped pair with these settings; the summary.
 fn lumped(settings: &[&str]) -> Value {
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
-    Place::new().summary(&case("lumped.toml"), &more)
-}
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
+    completed("lumped.toml", settings).1
 }
 
 fn error(summary: &Value) -> f64 {
@@ -57,9 +52,7 @@ fn windows_end_where_a_participant_wants_and_at_the_end() {
     let place = Place::new();
     let more = ["time.control=adaptive", "time.tolerance=1e-2", "source.announce=true"];
     place.summary(&case("lumped.toml"), &more.map(|set| ["--set", set]).concat());
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let ends: Vec<f64> =
-        table.lines().skip(1).map(|l| l.split(',').nth(3).unwrap().parse().unwrap()).collect();
+    let ends = place.table("iterations.csv").numbers("end_s");
     assert_eq!(*ends.last().unwrap(), 40.0);
     // start + (step − start) rounds once.
     let step = 3.1234;

@@ -1,15 +1,10 @@
 //! Physics that closes a loop: friction that falls with temperature.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, completed, number};
 use serde_json::Value;
 
-fn run(more: &[&str]) -> Value {
-    let set = more.iter().flat_map(|more| ["--set", more]).collect::<Vec<_>>();
-    Place::new().summary(&case("falling-friction.toml"), &set)
-}
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer}"))
+fn run(settings: &[&str]) -> Value {
+    completed("falling-friction.toml", settings).1
 }
 
 /// The loop's gain is above one: what goes in comes back larger, and turned. Plain iteration ends in a
