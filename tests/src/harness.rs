@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod answers;
+pub mod browser;
 mod programs;
 
 pub use answers::{Table, field, field_files, number};
