@@ -20,15 +20,6 @@ fn answer(place: &Place) -> (Vec<(String, Vec<u8>)>, Table) {
     (field_files(&place.out()), place.table("iterations.csv").of(work))
 }
 
-/// The shipped cases whose answers are compared, and the effects that others of the case cannot do
-/// without.
-const CASES: [(&str, &[&str]); 4] = [
-    ("wheel-rail.toml", &[]),
-    ("third-body.toml", &[]),
-    ("rough.toml", &[]),
-    ("falling-friction.toml", &["friction_heat"]),
-];
-
 /// Elements of the shipped case: 83 × 63, the ellipse and a free element all round.
 const POINTS: u64 = 5229;
 
@@ -44,32 +35,54 @@ fn without(text: &str, effect: &str) -> String {
     text.lines().filter(keep).map(|line| format!("{line}\n")).collect()
 }
 
+/// The effects that the text of a case names, but for those that others of the case cannot do without.
+fn switchable(text: &str, needed: &[&str]) -> BTreeSet<String> {
+    let named = |e: &String| text.contains(&format!("[effects.{e}]"));
+    effects().into_iter().filter(|e| named(e) && !needed.contains(&e.as_str())).collect()
+}
+
 /// Taking an effect out of a case gives what a case gives that has never heard of it.
-#[test]
-fn an_effect_that_is_off_leaves_no_trace() {
+fn leaves_no_trace(name: &str, needed: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
-    let mut tested = BTreeSet::new();
-    for (name, needed) in CASES {
-        let text = std::fs::read_to_string(case(name)).unwrap();
-        let named = |e: &String| text.contains(&format!("[effects.{e}]"));
-        let can_go = |e: &String| named(e) && !needed.contains(&e.as_str());
-        for off in effects().into_iter().filter(can_go) {
-            let never_named = folder.path().join(format!("{off}-{name}"));
-            std::fs::write(&never_named, without(&text, &off)).unwrap();
-            let (removed, never) = (Place::new(), Place::new());
-            let summary = removed.summary(&case(name), &["--unset", &format!("effects.{off}")]);
-            let reference = never.summary(&never_named.display().to_string(), &[]);
-            assert_eq!(answer(&removed), answer(&never), "{name} without {off}");
-            for part in ["contact", "temperature", "effects"] {
-                assert_eq!(summary[part], reference[part], "{name} without {off}: {part}");
-            }
-            let inactive = summary["effects"]["inactive"].as_array().unwrap();
-            assert!(inactive.iter().any(|name| name == off.as_str()));
-            assert_fields_of_effect_are_absent(&removed, name, &off);
-            tested.insert(off);
+    let text = std::fs::read_to_string(case(name)).unwrap();
+    for off in switchable(&text, needed) {
+        let never_named = folder.path().join(format!("{off}-{name}"));
+        std::fs::write(&never_named, without(&text, &off)).unwrap();
+        let (removed, never) = (Place::new(), Place::new());
+        let summary = removed.summary(&case(name), &["--unset", &format!("effects.{off}")]);
+        let reference = never.summary(&never_named.display().to_string(), &[]);
+        assert_eq!(answer(&removed), answer(&never), "{name} without {off}");
+        for part in ["contact", "temperature", "effects"] {
+            assert_eq!(summary[part], reference[part], "{name} without {off}: {part}");
         }
+        let inactive = summary["effects"]["inactive"].as_array().unwrap();
+        assert!(inactive.iter().any(|name| name == off.as_str()));
+        assert_fields_of_effect_are_absent(&removed, name, &off);
     }
-    assert_eq!(tested, effects(), "every registered effect is switched off in some case");
+}
+
+/// A test for each shipped case whose answers are compared, with the effects that others of the case
+/// cannot do without.
+macro_rules! an_effect_that_is_off_leaves_no_trace {
+    ($($test:ident($name:expr, $needed:expr);)+) => {
+        table_of_tests! { leaves_no_trace: $($test($name, $needed);)+ }
+
+        #[test]
+        fn every_registered_effect_is_switched_off_in_some_case() {
+            let of = |name: &str, needed: &[&str]| {
+                switchable(&std::fs::read_to_string(case(name)).unwrap(), needed)
+            };
+            let tested: BTreeSet<String> = [$(of($name, $needed)),+].into_iter().flatten().collect();
+            assert_eq!(tested, effects());
+        }
+    };
+}
+
+an_effect_that_is_off_leaves_no_trace! {
+    an_effect_that_is_off_leaves_no_trace_in_rolling("wheel-rail.toml", &[]);
+    an_effect_that_is_off_leaves_no_trace_in_a_third_body("third-body.toml", &[]);
+    an_effect_that_is_off_leaves_no_trace_on_rough_surfaces("rough.toml", &[]);
+    an_effect_that_is_off_leaves_no_trace_in_a_loop("falling-friction.toml", &["friction_heat"]);
 }
 
 /// No field that only this effect provides is written or planned.

@@ -248,6 +248,7 @@ fn a_replay_begins_at_a_recorded_state() {
 fn a_killed_and_resumed_run_is_recorded_in_two_files_that_replay() {
     let place = Place::new();
     let slow = ["output.checkpoint_every=3", "time.window=1e-6", "output.every=10"];
+    let slow = [&slow[..], &["mech.resolution=16"]].concat();
     let more: Vec<&str> = ["--record"].into_iter().chain(sets(&slow)).collect();
     let running = place.start_run(&case("cold-start.toml"), &more);
     let first = place.out().join("recording.mcap");

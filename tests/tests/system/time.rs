@@ -83,30 +83,31 @@ fn adaptive_windows_with_a_late_field_are_refused() {
     assert!(ended.stderr.contains("is a window late"), "{}", ended.stderr);
 }
 
-/// One substep of the source against seven of the body, and the other way round: what the source
-/// has sent over the run, what the body has received, and what it has stored and lost are the same
-/// heat. 1e-10 is far above the rounding of some thousand windows, far below any step's error.
-#[test]
-fn heat_is_conserved_over_subcycling() {
-    for settings in [
-        ["source.substeps=1", "body.substeps=7"],
-        ["source.substeps=7", "body.substeps=1"],
-        ["source.substeps=3", "body.substeps=7"],
-    ] {
-        for course in ["coupling.interpolation=constant", "coupling.interpolation=linear"] {
-            for control in ["time.control=fixed", "time.control=adaptive"] {
-                let more = [&settings[..], &[course, control, "time.end=10"]].concat();
-                let summary = lumped(&more);
-                let books =
-                    ["/source/sent_j", "/body/received_j", "/body/stored_j", "/body/lost_j"];
-                let [sent, received, stored, lost] = books.map(|at| number(&summary, at));
-                assert!(sent > 5.0, "{sent} J");
-                assert!((sent - received).abs() <= 1e-10 * sent, "{more:?}: {sent} {received}");
-                assert!((received - stored - lost).abs() <= 1e-10 * sent, "{more:?}");
-                assert!(number(&summary, "/coupling/energy_imbalance") <= 1e-10);
-            }
-        }
+/// Over subcycling, what the source has sent over the run, what the body has received, and what it has
+/// stored and lost are the same heat. 1e-10 is far above the rounding of some thousand windows, far
+/// below any step's error.
+fn heat_is_conserved(source: u32, body: u32, course: &str) {
+    let substeps = [format!("source.substeps={source}"), format!("body.substeps={body}")];
+    let course = format!("coupling.interpolation={course}");
+    for control in ["time.control=fixed", "time.control=adaptive"] {
+        let more = [&substeps[0], &substeps[1], &course, control, "time.end=10"];
+        let summary = lumped(&more);
+        let books = ["/source/sent_j", "/body/received_j", "/body/stored_j", "/body/lost_j"];
+        let [sent, received, stored, lost] = books.map(|at| number(&summary, at));
+        assert!(sent > 5.0, "{sent} J");
+        assert!((sent - received).abs() <= 1e-10 * sent, "{more:?}: {sent} {received}");
+        assert!((received - stored - lost).abs() <= 1e-10 * sent, "{more:?}");
+        assert!(number(&summary, "/coupling/energy_imbalance") <= 1e-10);
     }
+}
+
+table_of_tests! { heat_is_conserved:
+    heat_is_conserved_by_one_substep_against_seven(1, 7, "constant");
+    heat_is_conserved_by_seven_substeps_against_one(7, 1, "constant");
+    heat_is_conserved_by_three_substeps_against_seven(3, 7, "constant");
+    heat_is_conserved_by_one_substep_against_seven_on_a_line(1, 7, "linear");
+    heat_is_conserved_by_seven_substeps_against_one_on_a_line(7, 1, "linear");
+    heat_is_conserved_by_three_substeps_against_seven_on_a_line(3, 7, "linear");
 }
 
 /// With the temperature constant within a window the coupling is of first order, with a straight
