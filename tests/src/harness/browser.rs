@@ -1,7 +1,7 @@
 //! Headless Chromium: pictures of a page, its layout, and what it asked the network for.
 //!
-//! The browser takes longer to start than to show a page: one start tells of a page in all widths, and
-//! one takes its pictures in a scheme of colours.
+//! The browser takes longer to start than to show a page: one start shows it in all widths of a scheme
+//! of colours.
 
 use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};
@@ -138,23 +138,25 @@ const PROBE: &str = r#"<script>addEventListener("load", () => setTimeout(() => {
   parent.postMessage({ plots, fetched, size }, "*");
 }, 100));</script>"#;
 
-/// A page that shows another one in frames of these sizes, side by side: windows cannot be as narrow
-/// as a phone. Its title is what the frames have told of themselves.
-fn framed(sizes: &[[u32; 2]]) -> String {
-    let frame = |[width, height]: &[u32; 2]| {
+/// A page that shows another one in frames of these widths, side by side: windows cannot be as narrow
+/// as a phone. A frame becomes as high as its page; the title is what the frames have told of
+/// themselves.
+fn framed(widths: &[u32]) -> String {
+    let frame = |width: &u32| {
         format!(
             "<iframe src=\"page.html\" style=\"border:0;flex:none\" width=\"{width}\" \
-             height=\"{height}\"></iframe>"
+             height=\"800\"></iframe>"
         )
     };
     format!(
         "<!DOCTYPE html><title></title>\
          <body style=\"margin:0;display:flex;align-items:flex-start\"><script>\
          const told = []; onmessage = event => {{\
-         const at = [...document.querySelectorAll('iframe')]\
-         .findIndex(frame => frame.contentWindow === event.source);\
-         told[at] = event.data; document.title = JSON.stringify(told) }}</script>{}</body>",
-        sizes.iter().map(frame).collect::<String>()
+         const frames = [...document.querySelectorAll('iframe')];\
+         const at = frames.findIndex(frame => frame.contentWindow === event.source);\
+         told[at] = event.data; frames[at].height = event.data.size[1];\
+         document.title = JSON.stringify(told) }}</script>{}</body>",
+        widths.iter().map(frame).collect::<String>()
     )
 }
 
@@ -164,24 +166,83 @@ pub fn look(page: &Path, views: &[View]) -> (Vec<Look>, Vec<String>) {
     let text = fs::read_to_string(page).unwrap();
     let probe = text.replace("</body>", &format!("{PROBE}</body>"));
     fs::write(place.path().join("page.html"), probe).unwrap();
-    let mut widths: Vec<u32> = views.iter().map(|view| view.width).collect();
-    widths.sort_unstable();
-    widths.dedup();
-    let (layouts, requests) = lay_out(&place, &widths);
     let mut looks: Vec<Option<Look>> = views.iter().map(|_| None).collect();
+    let mut requests = BTreeSet::new();
     for scheme in [Scheme::Light, Scheme::Dark] {
         let of: Vec<usize> = (0..views.len()).filter(|&k| views[k].scheme == scheme).collect();
-        let sizes = of.iter().map(|&k| {
-            let layout = &layouts[widths.iter().position(|w| *w == views[k].width).unwrap()];
-            ([views[k].width, numbers(&layout["size"])[1]], layout)
-        });
-        let (sizes, layouts): (Vec<[u32; 2]>, Vec<&Value>) = sizes.unzip();
-        let pictures = shoot(&place, scheme, &sizes);
-        for ((k, layout), (columns, pixels)) in of.into_iter().zip(layouts).zip(pictures) {
-            looks[k] = Some(Look::new(layout, columns, pixels));
+        let widths: Vec<u32> = of.iter().map(|&k| views[k].width).collect();
+        if !widths.is_empty() {
+            let (seen, asked) = see(&place, scheme, &widths);
+            of.into_iter().zip(seen).for_each(|(k, look)| looks[k] = Some(look));
+            requests.extend(asked);
         }
     }
-    (looks.into_iter().map(|look| look.expect("each view has a scheme")).collect(), requests)
+    let looks = looks.into_iter().map(|look| look.expect("each view has a scheme"));
+    (looks.collect(), requests.into_iter().collect())
+}
+
+/// How a page is laid out in each width and what it looks like, in one scheme of colours, and what it
+/// asks the network for.
+fn see(place: &TempDir, scheme: Scheme, widths: &[u32]) -> (Vec<Look>, Vec<String>) {
+    let at = |name: &str| place.path().join(name);
+    fs::write(at("frames.html"), framed(widths)).unwrap();
+    let prefers = u8::from(scheme == Scheme::Light);
+    let width = widths.iter().sum::<u32>().max(600);
+    // High enough for most pages; what is higher is looked at again.
+    let mut height = 10_000;
+    let layouts = loop {
+        let more = [
+            format!("--blink-settings=preferredColorScheme={prefers}"),
+            format!("--log-net-log={}", at("net.json").display()),
+            format!("--window-size={width},{height}"),
+            format!("--screenshot={}", at("shot.png").display()),
+            "--dump-dom".to_owned(),
+        ];
+        let ended = browse(place, &more, &at("frames.html"));
+        let layouts: Vec<Value> = probed(&String::from_utf8_lossy(&ended.stdout));
+        assert_eq!(layouts.len(), widths.len(), "a frame has told nothing");
+        let highest = layouts.iter().map(|layout| numbers(&layout["size"])[1]).max().unwrap();
+        if highest <= height {
+            break layouts;
+        }
+        height = highest;
+    };
+    let (columns, pixels) = decode(&at("shot.png"));
+    let mut left = 0;
+    let looks = layouts.iter().zip(widths).map(|(layout, width)| {
+        let rows = pixels.chunks_exact(columns as usize);
+        let rows = rows.take(numbers(&layout["size"])[1] as usize);
+        let own = left..left + *width as usize;
+        left = own.end;
+        Look::new(layout, *width, rows.flat_map(|row| &row[own.clone()]).copied().collect())
+    });
+    (looks.collect(), requests(&at("net.json"), &at("page.html")))
+}
+
+/// What a page asks the network for, by the browser's own log. The browser asks for things of its own,
+/// and for the frames; what a page asks for has the page as its initiator.
+fn requests(log: &Path, page: &Path) -> Vec<String> {
+    let log: Value = serde_json::from_str(&fs::read_to_string(log).unwrap()).unwrap();
+    let events = log["events"].as_array().expect("the log has events");
+    assert!(!events.is_empty());
+    let of_page = |event: &&Value| {
+        let initiator = event["params"]["initiator"].as_str();
+        initiator.is_some_and(|initiator| initiator != "not an origin")
+    };
+    let urls = events.iter().filter(of_page).filter_map(|event| event["params"]["url"].as_str());
+    let own = format!("file://{}", page.display());
+    urls.filter(|url| !url.starts_with("data:") && *url != own).map(str::to_owned).collect()
+}
+
+fn probed(dom: &str) -> Vec<Value> {
+    let title = dom.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
+    let (title, _) = title.unwrap_or_else(|| panic!("no title in {dom:.400}"));
+    serde_json::from_str(&title.replace("&amp;", "&"))
+        .unwrap_or_else(|error| panic!("{error}: the page has not told its layout: {dom:.400}"))
+}
+
+fn numbers(list: &Value) -> Vec<u32> {
+    list.as_array().unwrap().iter().map(|n| n.as_u64().unwrap() as u32).collect()
 }
 
 /// Shows the page in a browser and demands that in every view it fits and that each of its plots is
@@ -203,70 +264,6 @@ pub fn assert_shown(page: &Path, views: &[View], plots: usize) {
             assert!(look.is_drawn(plot), "{view:?}: plot {plot} is blank");
         }
     }
-}
-
-/// How a page is laid out in each width, as its probe tells, and what it asks the network for, by the
-/// browser's own log. The browser asks for things of its own, and for the frames; what a page asks for
-/// has the page as its initiator.
-fn lay_out(place: &TempDir, widths: &[u32]) -> (Vec<Value>, Vec<String>) {
-    let at = |name: &str| place.path().join(name);
-    let sizes: Vec<[u32; 2]> = widths.iter().map(|width| [*width, 800]).collect();
-    fs::write(at("frames.html"), framed(&sizes)).unwrap();
-    let log = at("net.json");
-    let more = [format!("--log-net-log={}", log.display()), "--dump-dom".to_owned()];
-    let ended = browse(place, &more, &at("frames.html"));
-    let layouts: Vec<Value> = probed(&String::from_utf8_lossy(&ended.stdout));
-    assert_eq!(layouts.len(), widths.len());
-    let log: Value = serde_json::from_str(&fs::read_to_string(&log).unwrap()).unwrap();
-    let events = log["events"].as_array().expect("the log has events");
-    assert!(!events.is_empty());
-    let of_page = |event: &&Value| {
-        let initiator = event["params"]["initiator"].as_str();
-        initiator.is_some_and(|initiator| initiator != "not an origin")
-    };
-    let urls = events.iter().filter(of_page).filter_map(|event| event["params"]["url"].as_str());
-    let own = format!("file://{}", at("page.html").display());
-    let urls: BTreeSet<&str> =
-        urls.filter(|url| !url.starts_with("data:") && *url != own).collect();
-    (layouts, urls.into_iter().map(str::to_owned).collect())
-}
-
-/// Pictures of a page in frames of these sizes: the width of each in pixels, and its pixels.
-fn shoot(place: &TempDir, scheme: Scheme, sizes: &[[u32; 2]]) -> Vec<(u32, Vec<[u8; 3]>)> {
-    if sizes.is_empty() {
-        return Vec::new();
-    }
-    let at = |name: &str| place.path().join(name);
-    fs::write(at("frames.html"), framed(sizes)).unwrap();
-    let prefers = u8::from(scheme == Scheme::Light);
-    let width = sizes.iter().map(|size| size[0]).sum::<u32>().max(600);
-    let height = sizes.iter().map(|size| size[1]).max().unwrap();
-    let more = [
-        format!("--blink-settings=preferredColorScheme={prefers}"),
-        format!("--window-size={width},{height}"),
-        format!("--screenshot={}", at("shot.png").display()),
-    ];
-    browse(place, &more, &at("frames.html"));
-    let (columns, pixels) = decode(&at("shot.png"));
-    let mut left = 0;
-    let part = |[width, height]: &[u32; 2]| {
-        let rows = pixels.chunks_exact(columns as usize).take(*height as usize);
-        let part = rows.flat_map(|row| &row[left..left + *width as usize]).copied().collect();
-        left += *width as usize;
-        (*width, part)
-    };
-    sizes.iter().map(part).collect()
-}
-
-fn probed(dom: &str) -> Vec<Value> {
-    let title = dom.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
-    let (title, _) = title.unwrap_or_else(|| panic!("no title in {dom:.400}"));
-    serde_json::from_str(&title.replace("&amp;", "&"))
-        .unwrap_or_else(|error| panic!("{error}: the page has not told its layout: {dom:.400}"))
-}
-
-fn numbers(list: &Value) -> Vec<u32> {
-    list.as_array().unwrap().iter().map(|n| n.as_u64().unwrap() as u32).collect()
 }
 
 /// Width and pixels of a picture.

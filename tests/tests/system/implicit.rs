@@ -1,12 +1,12 @@
 //! Implicit coupling on the linear pair: how many iterations, how exact, and what is told when it
 //! does not converge.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, sets};
 use serde_json::Value;
 
 /// Runs the pair with these settings, and demands convergence; the summary.
 fn linear(place: &Place, settings: &[&str]) -> Value {
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+    let more = sets(&settings);
     let summary = place.summary(&case("linear.toml"), &more);
     assert_eq!(summary["status"], "converged", "{settings:?}");
     assert_eq!(summary["coupling"]["windows"], 10);
@@ -124,7 +124,7 @@ fn a_tolerance_of_a_field_that_is_not_fed_back_is_refused() {
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("is not fed back"), "{}", ended.stderr);
     let own = ["coupling.fields.operator_value.relative=1e-3", "linear.problem=P4"];
-    let more = own.map(|set| ["--set", set]).concat();
+    let more = sets(&own);
     let loose = place.summary(&case("linear.toml"), &more);
     let iterations = loose["coupling"]["iterations"].as_u64().unwrap();
     assert!(iterations < 34, "{iterations}: 34 are needed for 1e-6");

@@ -121,7 +121,7 @@ fn keys_that_only_ours_reads_are_a_warning() {
     let short = format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string());
     let run = |key: &str| {
         let settings = ["mech.model=hertz-carter", "thermal.model=short", &short, key];
-        let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+        let more = sets(&settings);
         Place::new().run(&case("wheel-rail.toml"), &more)
     };
     let ended = run("thermal.resolution=59");
@@ -206,7 +206,7 @@ fn ranks_that_all_take_part_are_told_what_to_do() {
     let settings = ["mech.model=hertz-carter", "thermal.model=short"];
     let command = ranks("proto/python/examples/short_columns.py");
     let more = [&settings[..], &[&command]].concat();
-    let more: Vec<&str> = more.iter().flat_map(|set| ["--set", set]).collect();
+    let more = sets(&more);
     let ended = place.run(&case("wheel-rail.toml"), &more);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     for part in ["asked to describe", "it answers more than once", "MPI ranks", "only one answers"]
@@ -339,7 +339,7 @@ fn a_wished_grid_gets_all_the_heat() {
 fn a_killed_run_is_resumed() {
     let python = strip_columns();
     let settings = [python.as_str(), "time.end=2.5 ms", "output.checkpoint_every=7"];
-    let more = settings.map(|set| ["--set", set]).concat();
+    let more = sets(&settings);
     let (undisturbed, expected) = run("cold-start.toml", &settings);
     let place = Place::new();
     let running = place.start_run(&case("cold-start.toml"), &more);
@@ -380,7 +380,7 @@ fn a_busy_solve_keeps_its_heart() {
     let place = Place::new();
     let settings =
         [&faulty("spin"), "coupling.heartbeat_deadline=1.5", "coupling.solve_deadline=4"];
-    let ended = place.run(&case("cold-start.toml"), &settings.map(|set| ["--set", set]).concat());
+    let ended = place.run(&case("cold-start.toml"), &sets(&settings));
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     assert!(ended.stderr.contains("its heartbeat is still received"), "{}", ended.stderr);
     place.assert_nothing_left();
@@ -391,7 +391,7 @@ fn a_busy_solve_keeps_its_heart() {
 fn a_solve_that_holds_the_interpreters_lock_keeps_its_heart() {
     let place = Place::new();
     let settings = [&faulty("hold"), "coupling.heartbeat_deadline=3", "time.end=2e-5"];
-    let ended = place.run(&case("cold-start.toml"), &settings.map(|set| ["--set", set]).concat());
+    let ended = place.run(&case("cold-start.toml"), &sets(&settings));
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     place.assert_nothing_left();
 }
@@ -470,7 +470,8 @@ fn what_python_refuses_is_an_error_of_the_case() {
     ];
     for (settings, code, what) in refused {
         let place = Place::new();
-        let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+        let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
+        let more = sets(&settings);
         let ended = place.run(&case("falling-friction.toml"), &more);
         assert_eq!(ended.code, Some(code), "{settings:?}: {}", ended.stderr);
         assert!(ended.stderr.contains(what), "`{what}` is missing in: {}", ended.stderr);

@@ -1,6 +1,6 @@
 //! The result directory, as other programs read it.
 
-use crate::harness::{Ended, Place, case, wait_until};
+use crate::harness::{Ended, Place, case, sets, wait_until};
 use rustix::process::Signal;
 use std::path::Path;
 
@@ -170,7 +170,7 @@ fn two_runs_do_not_share_a_folder() {
 fn a_killed_run_can_be_read() {
     let place = Place::new();
     let more = ["output.fields=all", "output.every=2", "left.delay=0.02"];
-    let more = more.map(|set| ["--set", set]).concat();
+    let more = sets(&more);
     let running = place.start_run(&case("exchange.toml"), &more);
     let series = place.out().join("fields/left_numbers.pvd");
     let entries = || -> Vec<String> {

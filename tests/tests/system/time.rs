@@ -1,6 +1,6 @@
 //! Time: adaptive windows, subcycling, and what is conserved over it.
 
-use crate::harness::{Place, case, completed, number};
+use crate::harness::{Place, case, completed, number, sets};
 use serde_json::Value;
 
 /// Runs the lumped pair with these settings; the summary.
@@ -51,7 +51,7 @@ fn a_load_step_is_met_with_fewer_windows_than_a_fixed_grid_needs() {
 fn windows_end_where_a_participant_wants_and_at_the_end() {
     let place = Place::new();
     let more = ["time.control=adaptive", "time.tolerance=1e-2", "source.announce=true"];
-    place.summary(&case("lumped.toml"), &more.map(|set| ["--set", set]).concat());
+    place.summary(&case("lumped.toml"), &sets(&more));
     let ends = place.table("iterations.csv").numbers("end_s");
     assert_eq!(*ends.last().unwrap(), 40.0);
     // start + (step − start) rounds once.
@@ -65,7 +65,7 @@ fn windows_end_where_a_participant_wants_and_at_the_end() {
 fn a_window_that_does_not_converge_is_repeated_with_a_shorter_one() {
     let stiff = ["lumped.gain=20", "coupling.acceleration=none", "time.window=0.5", "time.end=4"];
     let place = Place::new();
-    let more: Vec<&str> = stiff.iter().flat_map(|set| ["--set", set]).collect();
+    let more = sets(&stiff);
     let ended = place.run(&case("lumped.toml"), &more);
     assert_eq!(ended.code, Some(3), "fixed windows end the run: {}", ended.stderr);
     let adaptive = lumped(&[&stiff[..], &["time.control=adaptive", "time.tolerance=0.1"]].concat());
@@ -78,7 +78,7 @@ fn a_window_that_does_not_converge_is_repeated_with_a_shorter_one() {
 fn adaptive_windows_with_a_late_field_are_refused() {
     let place = Place::new();
     let more = ["time.control=adaptive", "coupling.scheme=serial-explicit"];
-    let ended = place.run(&case("lumped.toml"), &more.map(|set| ["--set", set]).concat());
+    let ended = place.run(&case("lumped.toml"), &sets(&more));
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("is a window late"), "{}", ended.stderr);
 }

@@ -1,6 +1,6 @@
 //! Physics that closes a loop: friction that falls with temperature.
 
-use crate::harness::{Place, case, completed, number};
+use crate::harness::{Place, case, completed, number, sets};
 use serde_json::Value;
 
 fn run(settings: &[&str]) -> Value {
@@ -86,7 +86,7 @@ fn partial_slip_with_a_prescribed_force() {
 fn refused_where_it_would_be_accepted(model: &str) {
     let place = Place::new();
     let settings = [model, "mech.resolution=16", "motion.traction_coefficient=0.5"];
-    let more = settings.map(|set| ["--set", set]).concat();
+    let more = sets(&settings);
     let ended = place.run(&case("falling-friction.toml"), &more);
     assert_eq!(ended.code, Some(1), "{model}: {}", ended.stderr);
     for part in [
