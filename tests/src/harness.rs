@@ -186,6 +186,12 @@ impl Place {
         wait_until(&format!("`{message}` in the log"), || !self.logged(message).is_empty());
     }
 
+    /// The `folder` or the `prefix` of the run that was created first, by what the coordinator logged.
+    pub fn created(&self, key: &str) -> String {
+        let runs = self.logged("run created");
+        runs.first().expect("a run was created")[key].as_str().unwrap().to_owned()
+    }
+
     /// The process of a participant, by what the coordinator logged.
     pub fn pid_of(&self, role: &str) -> Pid {
         let started = self.logged("participant started");

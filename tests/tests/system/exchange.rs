@@ -41,8 +41,7 @@ fn a_participant_started_by_hand_is_waited_for() {
     let attach = ["--set", "left.attach=true", "--set", "time.end=5", "--log", "warn"];
     let running = place.start_run(&case("exchange.toml"), &attach);
     place.wait_for_log("participant started");
-    let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
-    let folder = created.unwrap()["fields"]["folder"].as_str().unwrap().to_owned();
+    let folder = place.created("folder");
     let by_hand = std::process::Command::new(crate::harness::programs().join("toy-left"))
         .args(["--join", &folder, "--role", "left"])
         .status();

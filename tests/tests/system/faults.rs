@@ -99,11 +99,9 @@ fn what_a_run_left_whose_processes_were_all_killed_is_removed_by_the_next() {
         stat.map_or(true, |stat| stat.contains(") Z "))
     };
     wait_until("the end of the participants", || pids.iter().all(|pid| gone(*pid)));
-    let logs = place.log();
+    let prefix = place.created("prefix");
     let next = place.run(&case("exchange.toml"), &["--set", "time.end=2"]);
     assert_eq!(next.code, Some(0), "{}", next.stderr);
-    let first = logs.iter().find(|e| e["fields"]["message"] == "run created").unwrap();
-    let prefix = first["fields"]["prefix"].as_str().unwrap().to_owned();
     let left: Vec<_> = std::fs::read_dir("/dev/shm")
         .unwrap()
         .flatten()
@@ -330,8 +328,7 @@ fn a_participant_started_by_hand_that_dies_is_noticed_by_its_lock() {
     let attach = ["--set", "left.attach=true", "--set", "left.delay=600"];
     let running = place.start_run(&case("exchange.toml"), &attach);
     place.wait_for_log("participant started");
-    let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
-    let folder = created.unwrap()["fields"]["folder"].as_str().unwrap().to_owned();
+    let folder = place.created("folder");
     let mut by_hand = std::process::Command::new(programs().join("toy-left"))
         .args(["--join", &folder, "--role", "left"])
         .spawn()

@@ -144,8 +144,7 @@ fn a_solver_started_by_hand_is_asked_by_its_command() {
             attach.into_iter().chain(command.iter().map(String::as_str)).collect();
         let running = place.start_run(&case("wheel-rail.toml"), &more);
         place.wait_for_log("run created");
-        let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
-        let folder = created.unwrap()["fields"]["folder"].as_str().unwrap().to_owned();
+        let folder = place.created("folder");
         let mut by_hand = python();
         by_hand.arg(&script).args(["--join", &folder, "--role", "thermal"]);
         by_hand.stderr(std::process::Stdio::null()).status().unwrap();
