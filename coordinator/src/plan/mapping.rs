@@ -77,8 +77,8 @@ fn show_quality(f: &mut Formatter<'_>, field: &Field, [source, wanted]: [&Grid; 
         }
         Err(error) => line(&format!("{sizes}; refused: {error}"))?,
     }
-    if field.kind.mapping == Mapping::Conservative && field.method != Method::Overlap {
-        line("warning: this keeps the integral but not the density; \"overlap\" keeps both")?;
+    if field.kind.mapping == Mapping::Conservative && field.method != Method::Intersection {
+        line("warning: this keeps the integral but not the density; \"intersection\" keeps both")?;
     }
     Ok(())
 }

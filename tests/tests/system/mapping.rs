@@ -195,8 +195,11 @@ fn work_of_loops_with_mappings() {
 fn the_plan_tells_what_is_mapped_and_how_well() {
     let settings = ["mech.resolution=20", "thermal.resolution=59"];
     let (_, plan) = shown("plan", "wheel-rail.toml", &settings);
-    for told in ["mech -> thermal          overlap, conservative", "1419 to 2714 elements; all of"]
-    {
+    for told in [
+        "mech -> thermal          intersection, conservative",
+        "1419 to 2714 elements; \
+                  all of",
+    ] {
         assert!(plan.contains(told), "{told}: {plan}");
     }
     assert!(!plan.contains("warning"), "{plan}");
@@ -218,7 +221,7 @@ fn methods_that_make_no_sense_are_refused() {
         ("mapping.method=linear", "unknown method `linear`"),
         ("mapping.fields.heat.method=auto", "unknown field `heat`"),
         (
-            "mapping.fields.pressure.method=overlap",
+            "mapping.fields.pressure.method=intersection",
             "no participant consumes `pressure`: it is never mapped",
         ),
     ] {

@@ -364,9 +364,9 @@ const ROWS: &[Row] = &[
     Row {
         replace: "[load]",
         by: "[mapping]\nmethod = \"linear\"\n[mapping.fields.presure]\nmethod = \"auto\"\n\
-             [mapping.fields.pressure]\nmethod = \"overlap\"\n[load]",
+             [mapping.fields.pressure]\nmethod = \"intersection\"\n[load]",
         errors: &[
-            r#"19:10 mapping.method: unknown method `linear` | write "auto", "nearest-neighbour", "nearest-projection", "radial-basis" or "overlap""#,
+            r#"19:10 mapping.method: unknown method `linear` | write "auto", "nearest-neighbour", "nearest-projection", "radial-basis" or "intersection""#,
             "20:1 mapping.fields.presure: unknown field `presure`; did you mean `pressure`? | the participants provide friction_power and pressure",
             "22:1 mapping.fields.pressure: no participant consumes `pressure`: it is never mapped | remove it; the participants consume friction_power",
         ],
