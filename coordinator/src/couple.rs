@@ -1,8 +1,8 @@
-//! The coupling of one run: which participants solve when, what is fed back, and when a window
-//! is done. Independent axes, each behind a trait:
+//! The coupling of one run: which participants solve when, what the coupling data are, and when a
+//! window is done. Independent axes, each behind a trait:
 //!
 //! - a [`scheme::Scheme`] orders the participants within one iteration,
-//! - an [`accelerate::Accelerator`] chooses the next iterate of the fields that are fed back,
+//! - an [`accelerate::Accelerator`] chooses the next iterate of the coupling data,
 //! - a [`converge::Convergence`] decides whether the window is done,
 //! - a [`predict::Predictor`] gives the first iterate of a window.
 //!
@@ -37,10 +37,10 @@ pub trait Exchange {
     /// they are when the call begins.
     fn solve(&mut self, participants: &[usize], step: &Step) -> Result<(), RunError>;
 
-    /// The fields that are fed back, as parts of one vector; none for an explicit scheme.
+    /// The coupling data: fields, as parts of one vector; none for an explicit scheme.
     fn fed_back(&self) -> &[Part];
 
-    /// Sends an iterate of everything fed back to those who consume it.
+    /// Sends an iterate of the coupling data to the participants which consume it.
     fn send(&mut self, iterate: &[f64], step: &Step) -> Result<(), RunError>;
 
     /// Copies what the participants have returned last into `returned`.
@@ -52,7 +52,7 @@ pub trait Exchange {
 pub struct WindowOutcome {
     /// Iterations made.
     pub iterations: u32,
-    /// Largest relative residual of the last one; `None` if nothing is fed back.
+    /// Largest relative residual of the last one; `None` if there are no coupling data.
     pub residual: Option<f64>,
     /// Why the window is not converged, if it is not.
     pub not_converged: Option<NotConverged>,
@@ -72,7 +72,7 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// One pass a window, one participant after the other, nothing fed back within the window.
+    /// One pass a window, one participant after the other, nothing iterated within the window.
     #[must_use]
     pub fn explicit() -> Self {
         Self::one_pass(Box::new(scheme::Serial))
@@ -98,7 +98,7 @@ impl Coupling {
         }
     }
 
-    /// Windows that are iterated until what is fed back through `exchange` has converged; the
+    /// Windows that are iterated until the coupling data of `exchange` have converged; the
     /// first iterate of the first window is what the participants gave before any solve.
     #[must_use]
     pub fn implicit(settings: &Implicit, parallel: bool, exchange: &dyn Exchange) -> Self {
@@ -205,19 +205,19 @@ impl Coupling {
         &self.sent
     }
 
-    /// The fields that are fed back.
+    /// The fields of the coupling data.
     #[must_use]
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    /// ‖r‖/‖x̃‖ of every field that is fed back, in the last iteration.
+    /// ‖r‖/‖x̃‖ of every field of the coupling data, in the last iteration.
     #[must_use]
     pub fn residuals(&self) -> &[f64] {
         self.convergence.residuals()
     }
 
-    /// The largest of the residuals; `None` if nothing is fed back.
+    /// The largest of the residuals; `None` if there are no coupling data.
     #[must_use]
     pub fn residual(&self) -> Option<f64> {
         // `f64::max` would lose a NaN.

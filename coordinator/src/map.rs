@@ -103,7 +103,7 @@ impl Method {
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum MapError {
     /// A grid is not what [`Grid::check`] lets pass.
-    #[error("no mapping from or to a wrong grid: {0}")]
+    #[error("no mapping from or to an invalid grid: {0}")]
     Grid(String),
     /// Columns and vertices are counted with 32 bits.
     #[error("no mapping for grid `{grid}`: {points} points are more than 32 bits can count")]

@@ -81,7 +81,7 @@ impl Deadlines {
 pub enum Observed {
     /// All of them.
     Everybody,
-    /// Those of whom nobody consumes anything: they publish nothing else.
+    /// Those of which no other participant consumes anything: they publish nothing else.
     Unconsumed,
     /// None.
     Nobody,
@@ -128,7 +128,7 @@ pub struct SolveRecord {
     pub substeps: u32,
     /// Iterations of the inner solver.
     pub inner_iterations: u32,
-    /// Power in the conservative inputs that it was told to use [W].
+    /// Power in the conservative inputs that it was assigned [W].
     pub heat_sent: Option<f64>,
     /// Mean power received through conservative inputs, as it reports [W].
     pub heat_received: Option<f64>,
@@ -198,7 +198,7 @@ impl Session {
         &self.deadlines
     }
 
-    /// Gives those who have been asked to finish the time to do so.
+    /// Gives the participants that have been asked to finish the time to do so.
     pub(crate) fn wait_for_exits(&self) {
         if !self.supervisor.wait_for_exits(LEAVE) {
             tracing::warn!("a participant did not leave after Finish and is ended");
@@ -248,8 +248,9 @@ impl Session {
         HeatBalance { mapping, ..HeatBalance::of(&self.solved) }
     }
 
-    /// Makes the last solve of every participant its accepted state. Fields of those who are observed
-    /// are published and received. Grids that move are where they have moved to thereafter.
+    /// Makes the last solve of every participant its accepted state. Fields of those which are
+    /// observed are published and received. Grids that move are where they have moved to
+    /// thereafter.
     pub fn accept(&mut self, step: &Step, observed: Observed) -> Result<(), RunError> {
         // Nothing else looks through what was sent last in an explicit scheme before it is kept.
         (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
@@ -309,7 +310,7 @@ impl Session {
             }
             finished.push(said);
         }
-        // They end by themselves now; who does not is ended when the session is dropped.
+        // They end by themselves now; one that does not is ended when the session is dropped.
         self.wait_for_exits();
         Ok(finished)
     }
@@ -372,7 +373,7 @@ impl Session {
             },
             |index, beat| {
                 if let Some(link) = links.borrow_mut().get_mut(index) {
-                    link.heard(beat);
+                    link.beat_received(beat);
                 }
             },
         );
@@ -424,8 +425,7 @@ impl Session {
             who: self.links[one].who(),
             when: self.phase.to_string(),
             what,
-            fix: "the program does not keep the participant contract (docs/ARCHITECTURE.md)"
-                .to_owned(),
+            fix: "the program violates the participant contract (docs/ARCHITECTURE.md)".to_owned(),
         })
     }
 
@@ -451,7 +451,7 @@ impl Session {
 impl Drop for Session {
     fn drop(&mut self) {
         if let Some(recorder) = &self.recorder {
-            // Its failure has been told by whoever noticed it, or will be by `finish`.
+            // Its failure has been reported by whatever noticed it, or will be by `finish`.
             let _ = recorder.stop_listening();
         }
     }
@@ -490,7 +490,8 @@ impl Context<'_> {
             let when = self.phase.to_string();
             return Err(Waiting::Run(RunError::Interrupted { signal, when }));
         }
-        // Who has been asked to finish, and is not the one we wait for, may have left in peace.
+        // A participant that has been asked to finish, and is not the one we wait for, may have
+        // left in peace.
         let in_peace = |role: &str| self.phase == Phase::Finishing && role != links[one].role();
         let early = |exit: &&Exit| !(in_peace(&exit.role) && exit.status.success());
         if let Some(exit) = self.supervisor.exits().iter().find(early) {
@@ -509,7 +510,7 @@ impl Context<'_> {
         if links[one].has_dealt_with_it() {
             return Err(Waiting::Run(self.hung(
                 &links[one],
-                "it has dealt with the last command, but its reply did not arrive".to_owned(),
+                "it has processed the last command, but its reply did not arrive".to_owned(),
                 "a message was lost in shared memory: see log.jsonl, `ulimit -n` and /dev/shm",
             )));
         }

@@ -9,7 +9,7 @@
 //! | [`field`] | the table of fields that may cross the interface |
 //! | [`grid`] | the surface grids that fields live on |
 //! | [`description`] | what a participant says of itself: models, effects, case keys, fields |
-//! | [`configuration`] | what a participant is told: its part of the case, its inputs and outputs |
+//! | [`configuration`] | what a participant is given: its part of the case, its inputs and outputs |
 //! | [`params`] | typed access to the case values inside a configuration |
 //! | [`model`] | the trait that every model implements |
 //! | [`message`] | the fixed layouts of commands, replies and field headers |

@@ -7,7 +7,7 @@ mod answer;
 mod ending;
 
 pub(super) use answer::Answer;
-pub(super) use ending::told;
+pub(super) use ending::end_of;
 
 use super::bench::{Bench, kind};
 use super::check::{Fault, broken};
@@ -43,7 +43,7 @@ pub(super) struct Trial {
     doorbell: Doorbell,
     endpoint: Endpoint,
     run: RunDir,
-    /// When its heart was heard to beat.
+    /// When its last heartbeat was received.
     pub(super) beats: Vec<Instant>,
     role: String,
     /// Fields that it describes itself.
@@ -98,7 +98,7 @@ impl Trial {
             self.look(deadline, "joining the run")?;
             std::thread::sleep(Duration::from_millis(1));
         }
-        // Connects to its replies: what it sends last is heard even if it has ended by then.
+        // Connects to its replies: what it sends last is received even if it has ended by then.
         self.link.receive()?;
         Ok(self)
     }
@@ -158,7 +158,7 @@ impl Trial {
             return Err(Fault::Interrupted(signal));
         }
         if let Some(exit) = self.ended() {
-            return broken(format!("{what}: its process {}", told(&exit)));
+            return broken(format!("{what}: its process {}", end_of(&exit)));
         }
         if Instant::now() > deadline {
             let seconds = self.patience.as_secs_f64();

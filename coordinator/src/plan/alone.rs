@@ -40,8 +40,8 @@ fn how(one: &RawParticipant) -> String {
 pub fn not_judged(alone: &Alone) -> String {
     let roles: Vec<&str> = alone.participants.iter().map(|one| one.role.as_str()).collect();
     let mut text = format!(
-        "not judged, as no program was started: models, effects and fields, which the programs of {} \
-         describe, and the scheme that follows from them",
+        "not checked, as no program was started: models, effects and fields, which the programs of \
+         {} describe, and the scheme that follows from them",
         roles.join(", ")
     );
     if !alone.not_judged.is_empty() {

@@ -150,7 +150,7 @@ impl Figure {
         svg
     }
 
-    /// The range of every line, for who cannot see the plot.
+    /// The range of every line, for readers who cannot see the plot.
     fn describe(&self) -> String {
         let mut text = format!("{} over {}.", self.y_label, self.x_label);
         for series in &self.series {
@@ -245,7 +245,7 @@ pub(super) fn legend(keys: &[Key<'_>]) -> String {
     format!("<ul class=\"legend\">{}</ul>\n", keys.iter().map(item).collect::<String>())
 }
 
-/// An SVG with a title and a description for who cannot see it.
+/// An SVG with a title and a description for readers who cannot see it.
 pub(super) fn view(title: &str, description: &str, height: f64, content: &str) -> String {
     format!(
         "<svg class=\"plot\" role=\"img\" viewBox=\"0 0 {WIDTH} {height:.0}\" \

@@ -1,7 +1,7 @@
-//! Fields that are fed back: the coordinator takes them from their producer, and sends its own
-//! iterate of them to those who consume them.
+//! Coupling data: the coordinator takes these fields from their producer, and sends its own
+//! iterate of them to the participants that consume them.
 //!
-//! Only the consumers that close the loop hear the coordinator; everybody else hears the producer
+//! Only the consumers that close the loop subscribe to the coordinator; all others to the producer
 //! directly. The topic is `field/coordinator/NAME`; its samples have sequence numbers of their own.
 //! Consumers on a grid of their own have a topic of their own ([`super::mapped`]).
 
@@ -14,16 +14,16 @@ use proto::grid::Grid;
 use proto::model::Step;
 use proto::transport::TransportError;
 
-/// One field that is fed back.
+/// One field of the coupling data.
 #[derive(Debug)]
 pub(super) struct Feedback {
     /// Index of its tap.
     pub(super) tap: usize,
-    /// Who hears the iterates on the producer's grid.
+    /// The consumers which receive the iterates on the producer's grid.
     pub(super) readers: Vec<Consumer>,
     /// Surface integral of the last iterate, if its mapping conserves it.
     pub(super) heat: Option<f64>,
-    /// Where they hear them; `None` if nobody does.
+    /// Where they receive them; `None` if none does.
     outlet: Option<Outlet>,
 }
 
@@ -68,7 +68,7 @@ impl Session {
         waited.map_err(|error| self.not_sent(&error))
     }
 
-    /// The coupling vector: the fields that are fed back, in the order of the plan.
+    /// The coupling vector: the fields of the coupling data, in the order of the plan.
     pub(super) fn coupling_parts(&self) -> Vec<Part> {
         let fields = self.feedback.iter().map(|feedback| {
             let tap = &self.taps[feedback.tap];
@@ -98,7 +98,7 @@ impl Session {
     pub(super) fn copy_returned(&self, returned: &mut [f64]) {
         for (feedback, part) in self.feedback.iter().zip(&self.parts) {
             let values = self.taps[feedback.tap].values();
-            let values = values.expect("a field that is fed back has its first values");
+            let values = values.expect("a field of the coupling data has its first values");
             returned[part.range.clone()].copy_from_slice(values);
         }
     }

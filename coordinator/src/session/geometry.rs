@@ -1,5 +1,5 @@
-//! Grids that move: the coordinator hears the geometry of every one that a field of the run is on,
-//! or is mapped to, on `geometry/ROLE/GRID`.
+//! Grids that move: the coordinator subscribes to the geometry of every one that a field of the run
+//! is on, or is mapped to, on `geometry/ROLE/GRID`.
 //!
 //! Geometry is part of the accepted state. A participant publishes it when it has accepted a window
 //! (or has been restored), and replies; so it is known before anybody solves the next one, and holds
@@ -189,7 +189,7 @@ impl Session {
         Ok(())
     }
 
-    /// What is fed back keeps its length, and everything else must have room in shared memory.
+    /// Coupling data keep their length, and everything else must have room in shared memory.
     fn check_growth(&mut self, index: usize, moved: &Grid) -> Result<(), RunError> {
         let MovingGrid { participant, grid, capacity, .. } = &self.moving[index];
         let mut fed_back = self.feedback.iter().map(|feedback| &self.taps[feedback.tap]);
@@ -199,12 +199,11 @@ impl Session {
                 who: self.links[*participant].who(),
                 when: self.phase.to_string(),
                 what: format!(
-                    "grid `{name}` has gone from {from} to {to} elements, but `{}` on it is fed \
-                     back",
+                    "grid `{name}` has gone from {from} to {to} elements, but `{}` on it is coupling data",
                     tap.kind.name
                 ),
                 fix: "keep the number of its elements, or use a scheme in which the field is not \
-                      fed back"
+                      coupling data"
                     .to_owned(),
             }));
         }

@@ -122,7 +122,7 @@ impl Link {
     }
 
     /// A heartbeat has come.
-    pub(crate) fn heard(&mut self, beat: Beat) {
+    pub(crate) fn beat_received(&mut self, beat: Beat) {
         self.silence = Patience::new();
         let now = Instant::now();
         let apart = self.last_dealt_with.is_none_or(|last| now - last >= APART);

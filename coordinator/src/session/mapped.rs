@@ -2,9 +2,9 @@
 //! consumer, and sends them on.
 //!
 //! One topic for each such consumer, `field/coordinator/NAME/ROLE`, with sequence numbers of its own.
-//! What is fed back is accelerated on its producer's grid and mapped thereafter. Everything else is
+//! Coupling data are accelerated on their producer's grid and mapped thereafter. Everything else is
 //! mapped when its consumer is about to solve, from the newest sample, once. Where the grid of either
-//! side moves, the mapping is that between the grids as they are, and made anew only then.
+//! side moves, the mapping is that between the grids as they are, and rebuilt only then.
 
 use super::outlet::Outlet;
 use super::tap::Consumer;
@@ -21,7 +21,7 @@ use proto::transport::TransportError;
 pub(super) struct Mapped {
     /// Index of its tap.
     pub(super) tap: usize,
-    /// Index among what is fed back, if the consumer hears the iterates.
+    /// Index within the coupling data, if the consumer subscribes to the iterates.
     pub(super) part: Option<usize>,
     pub(super) reader: Consumer,
     /// What the last sample has of a field whose integral is kept.
@@ -30,8 +30,8 @@ pub(super) struct Mapped {
     pub(super) moving: Option<usize>,
     grid: Grid,
     mapping: CurrentMapping,
-    /// Its coverage has been told, when it was made so many times.
-    told: (u64, Coverage),
+    /// Its coverage was reported when it had been built so many times.
+    reported: (u64, Coverage),
     /// Sequence number of the producer's sample that was mapped last.
     seen: u64,
     outlet: Outlet,
@@ -64,8 +64,8 @@ impl Mapped {
         outlet: Outlet,
     ) -> Self {
         let mapping = CurrentMapping::new(method, kind.mapping);
-        let (grid, told) = (grid.clone(), (0, Coverage::default()));
-        Self { tap, part, reader, heat: None, moving, grid, mapping, told, seen: 0, outlet }
+        let (grid, reported) = (grid.clone(), (0, Coverage::default()));
+        Self { tap, part, reader, heat: None, moving, grid, mapping, reported, seen: 0, outlet }
     }
 
     /// The consumer's grid has moved.
@@ -121,19 +121,19 @@ impl Session {
     fn tell_coverage(&mut self, index: usize) {
         let Self { mapped, taps, links, .. } = self;
         let one = &mut mapped[index];
-        let (before, covered) = one.told;
+        let (before, covered) = one.reported;
         let Some(coverage) = one.mapping.coverage().filter(|_| one.mapping.builds() != before)
         else {
             return;
         };
-        one.told = (one.mapping.builds(), coverage);
+        one.reported = (one.mapping.builds(), coverage);
         let (field, role) = (&taps[one.tap].kind().name, links[one.reader.participant].role());
         match coverage.is_poor() {
             true if !covered.is_poor() => {
                 tracing::warn!("`{field}` mapped for {role}: {coverage}");
             }
             _ if before == 0 => tracing::info!("`{field}` mapped for {role}: {coverage}"),
-            _ => tracing::debug!("`{field}` mapped for {role} anew: {coverage}"),
+            _ => tracing::debug!("`{field}` mapped for {role} again: {coverage}"),
         }
     }
 
@@ -146,7 +146,8 @@ impl Session {
         }
     }
 
-    /// Sends those who are about to solve the newest samples of what is mapped for them.
+    /// Sends the participants that are about to solve the newest samples of what is mapped for
+    /// them.
     pub(super) fn send_mapped(&mut self, participants: &[usize]) -> Result<(), RunError> {
         for index in 0..self.mapped.len() {
             let Self { mapped, taps, .. } = self;
@@ -171,7 +172,7 @@ impl Session {
         Ok(())
     }
 
-    /// Maps an iterate of what is fed back for those whose grid does not match.
+    /// Maps an iterate of the coupling data for consumers with a non-matching grid.
     pub(super) fn send_mapped_iterate(
         &mut self,
         part: usize,

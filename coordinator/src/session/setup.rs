@@ -6,7 +6,7 @@ use super::memory::SharedMemory;
 use super::outlet::Outlet;
 use super::patience::Patience;
 use super::tap::Consumer;
-use super::topics::{Hears, consumer, hears, is_told, readers};
+use super::topics::{Subscription, consumer, is_informed, readers, subscription};
 use super::{
     COORDINATOR, Context, Deadlines, Link, Phase, Session, SolveRecord, Tap, Waiting, open_files,
 };
@@ -60,7 +60,7 @@ fn topics_of(plan: &Plan) -> usize {
     plan.fields.iter().map(sent_on).sum::<usize>() + grids.map(|l| l.moving.len()).sum::<usize>()
 }
 
-/// A place in a run, and who is to take it.
+/// A place in a run, and the participant that is to take it.
 #[derive(Clone, Debug)]
 pub(crate) struct Seat {
     pub(crate) role: String,
@@ -152,7 +152,7 @@ impl Session {
                         return Ok(Some(()));
                     }
                     // A participant that has not joined has no heartbeat yet.
-                    links[one].heard(Beat::Busy);
+                    links[one].beat_received(Beat::Busy);
                     let waited = waited.waited();
                     if waited > patience {
                         let what =
@@ -200,7 +200,7 @@ impl Session {
         Err(self.misbehaved(one, what))
     }
 
-    /// Configures every participant along the flow of data; each hears the grids of its inputs.
+    /// Configures every participant along the flow of data; each receives the grids of its inputs.
     fn configure(&mut self, plan: &Plan) -> Result<Vec<Layout>, RunError> {
         let mut layouts: Vec<Layout> = Vec::with_capacity(self.links.len());
         for (one, participant) in plan.participants.iter().enumerate() {
@@ -210,7 +210,7 @@ impl Session {
                 let layout = producer.and_then(|index| layouts.get(index));
                 input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
                 input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
-                input.moves = is_told(plan, &layouts, input);
+                input.moves = is_informed(plan, &layouts, input);
             }
             let body = serde_json::to_vec(&configuration).expect("a configuration is plain data");
             self.post(one, Command::new(CommandKind::Configure), &body, true)?;
@@ -233,7 +233,7 @@ impl Session {
         layout_fault(configuration, layout).map_or(Ok(()), |what| Err(self.misbehaved(one, what)))
     }
 
-    /// Nobody hears a field on a moving grid who was not told of it, or does not know it.
+    /// No participant subscribes to a field on a moving grid unannounced, or without knowing it.
     fn check_told(&self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
         for field in &plan.fields {
             let (producer, name) = (&layouts[field.producer], &field.kind.name);
@@ -241,20 +241,22 @@ impl Session {
             for &one in field.consumers.iter().filter(|_| producer.moves(grid)) {
                 let inputs = &plan.participants[one].configuration.inputs;
                 let input = inputs.iter().find(|input| input.field.name == *name);
-                let told = input.is_some_and(|input| is_told(plan, &layouts[..one], input));
-                if !told && !matches!(hears(field, one, layouts), Hears::Mapped(_)) {
+                let informed = input.is_some_and(|input| is_informed(plan, &layouts[..one], input));
+                if !informed
+                    && !matches!(subscription(field, one, layouts), Subscription::Mapped(_))
+                {
                     let (producer, role) = (&self.links[field.producer], self.links[one].role());
                     return Err(RunError::Failed(Failure {
                         who: producer.who(),
                         when: self.phase.to_string(),
                         what: format!(
-                            "its grid `{}` may move, which {role}, who hears `{name}` on it, could \
-                             not be told",
+                            "its grid `{}` may move, of which {role}, which subscribes to `{name}` \
+                             on it, could not be informed",
                             grid.name
                         ),
                         fix: format!(
-                            "let it say so in its estimate, or let {role} want `{name}` on a grid \
-                             of its own"
+                            "let it announce that in its estimate, or let {role} request `{name}` \
+                             on a grid of its own"
                         ),
                     }));
                 }
@@ -283,7 +285,7 @@ impl Session {
             let outputs = pairs().filter(|(f, _)| f.producer == one).map(|(_, t)| t.clone());
             let outputs = outputs.collect();
             let consumed = pairs().filter(|(f, _)| f.consumers.contains(&one));
-            let inputs = consumed.map(|(field, topic)| self.heard(one, field, topic, layouts));
+            let inputs = consumed.map(|(field, topic)| self.subscribed(one, field, topic, layouts));
             let inputs = inputs.collect();
             let geometry = self.geometry_topics(plan, one, layouts);
             let topics = Topics { inputs, outputs, deadline, interpolation, geometry };
@@ -329,7 +331,7 @@ impl Session {
         let recorded = self.recorder.as_ref().map(listen).transpose().map_err(|error| {
             machine("shared memory", "while connecting", &error, "check /dev/shm")
         })?;
-        let direct = readers(field, layouts, &Hears::Producer);
+        let direct = readers(field, layouts, &Subscription::Producer);
         self.taps.push(Tap {
             kind: field.kind.clone(),
             grid: topic.grid.clone(),
@@ -357,7 +359,7 @@ impl Session {
     ) -> Result<(), TransportError> {
         let (kind, tap, recorder) = (&field.kind, self.taps.len() - 1, self.recorder.as_ref());
         if !field.fed_back.is_empty() {
-            let iterates = readers(field, layouts, &Hears::Iterates);
+            let iterates = readers(field, layouts, &Subscription::Iterates);
             let readers: Vec<Consumer> = iterates.map(|one| consumer(plan, field, one)).collect();
             let open = |subscribers| {
                 let service = Feedback::service(&kind.name);
@@ -367,7 +369,7 @@ impl Session {
             self.feedback.push(Feedback::new(tap, readers, outlet));
         }
         for &one in &field.consumers {
-            let Hears::Mapped(grid) = hears(field, one, layouts) else { continue };
+            let Subscription::Mapped(grid) = subscription(field, one, layouts) else { continue };
             let service = Mapped::service(&kind.name, &plan.participants[one].role);
             let outlet = Outlet::open(&self._endpoint, &service, (kind, grid), 1, recorder)?;
             let part = field.fed_back.contains(&one).then(|| self.feedback.len() - 1);
@@ -386,11 +388,11 @@ pub(crate) fn layout_fault(configuration: &Configuration, layout: &Layout) -> Op
     }
     let mut sent = configuration.outputs.iter().chain(&configuration.observed);
     if let Some(field) = sent.find(|field| layout.grid_of(field).is_none()) {
-        return Some(format!("it gives no grid for `{field}`"));
+        return Some(format!("its layout has no grid for `{field}`"));
     }
     let received = |field: &str| configuration.inputs.iter().any(|i| i.field.name == field);
     let wish = layout.inputs.iter().find(|wish| !received(&wish.field))?;
-    Some(format!("it wants a grid for `{}`, which it does not get", wish.field))
+    Some(format!("it requests a grid for `{}`, which is not an input of it", wish.field))
 }
 
 fn machine(who: &str, when: &str, error: &dyn std::fmt::Display, fix: &str) -> RunError {

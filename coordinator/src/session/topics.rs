@@ -1,4 +1,4 @@
-//! Who hears what on which topic.
+//! Which participant subscribes to which topic.
 
 use super::Session;
 use super::feedback::Feedback;
@@ -11,9 +11,9 @@ use proto::grid::Grid;
 use proto::message::{GeometryTopic, Topic};
 use proto::transport::TransportError;
 
-/// Whom a consumer hears.
+/// Where a consumer gets a field from.
 #[derive(Debug, PartialEq)]
-pub(super) enum Hears<'a> {
+pub(super) enum Subscription<'a> {
     Producer,
     /// The coordinator, on the producer's grid.
     Iterates,
@@ -21,22 +21,26 @@ pub(super) enum Hears<'a> {
     Mapped(&'a Grid),
 }
 
-/// Whom one of a field's consumers hears.
-pub(super) fn hears<'a>(field: &Field, one: usize, layouts: &'a [Layout]) -> Hears<'a> {
+/// Where one of a field's consumers gets it from.
+pub(super) fn subscription<'a>(
+    field: &Field,
+    one: usize,
+    layouts: &'a [Layout],
+) -> Subscription<'a> {
     match non_matching(field, one, |index| layouts.get(index)) {
-        Some([_, wanted]) => Hears::Mapped(wanted),
-        None if field.fed_back.contains(&one) => Hears::Iterates,
-        None => Hears::Producer,
+        Some([_, wanted]) => Subscription::Mapped(wanted),
+        None if field.fed_back.contains(&one) => Subscription::Iterates,
+        None => Subscription::Producer,
     }
 }
 
-/// The consumers of a field that hear it like this.
+/// The consumers of a field that subscribe to it like this.
 pub(super) fn readers<'a>(
     field: &'a Field,
     layouts: &'a [Layout],
-    like: &'a Hears<'a>,
+    like: &'a Subscription<'a>,
 ) -> impl Iterator<Item = usize> + 'a {
-    field.consumers.iter().copied().filter(move |&one| hears(field, one, layouts) == *like)
+    field.consumers.iter().copied().filter(move |&one| subscription(field, one, layouts) == *like)
 }
 
 /// A consumer of a field, and where that is among its inputs.
@@ -46,9 +50,9 @@ pub(super) fn consumer(plan: &Plan, field: &Field, participant: usize) -> Consum
     Consumer { participant, slot: slot.expect("a consumer has the field as an input") }
 }
 
-/// What a participant is told, when the layouts of those before it are known: whether the grid of
-/// one of its inputs may move. Of who comes later the estimate says it.
-pub(super) fn is_told(plan: &Plan, layouts: &[Layout], input: &Input) -> bool {
+/// What a participant is informed of, when the layouts of those before it are known: whether the
+/// grid of one of its inputs may move. Of later ones the estimate says it.
+pub(super) fn is_informed(plan: &Plan, layouts: &[Layout], input: &Input) -> bool {
     let producer = plan.participants.iter().position(|p| p.role == input.producer);
     let layout = producer.and_then(|index| {
         layouts.get(index).or_else(|| plan.participants[index].estimate.as_ref())
@@ -81,8 +85,8 @@ impl Session {
         Ok(())
     }
 
-    /// The geometry that a participant has to publish: we listen, and everybody who hears a field
-    /// on the grid from its producer, or our iterates of it.
+    /// The geometry that a participant has to publish: we subscribe, and so does every participant
+    /// which receives a field on the grid from its producer, or our iterates of it.
     pub(super) fn geometry_topics(
         &self,
         plan: &Plan,
@@ -97,7 +101,9 @@ impl Session {
             };
             let listens = |consumer: &usize| {
                 plan.fields.iter().filter(on_it).any(|field| {
-                    let maps = || matches!(hears(field, *consumer, layouts), Hears::Mapped(_));
+                    let maps = || {
+                        matches!(subscription(field, *consumer, layouts), Subscription::Mapped(_))
+                    };
                     field.consumers.contains(consumer) && !maps()
                 })
             };
@@ -124,16 +130,16 @@ impl Session {
             field: field.kind.name.clone(),
             service: format!("field/{role}/{}", field.kind.name),
             grid: grid.clone(),
-            // Those of its consumers who hear it directly, our own tap, and the recorder.
-            subscribers: readers(field, layouts, &Hears::Producer).count()
+            // Those of its consumers which subscribe to it directly, our own tap, and the recorder.
+            subscribers: readers(field, layouts, &Subscription::Producer).count()
                 + 1
                 + usize::from(self.recorder.is_some()),
             geometry: self.geometry_service(field.producer, grid),
         }
     }
 
-    /// The topic on which a consumer hears a field, given the producer's.
-    pub(super) fn heard(
+    /// The topic on which a consumer receives a field, given the producer's.
+    pub(super) fn subscribed(
         &self,
         one: usize,
         field: &Field,
@@ -141,14 +147,14 @@ impl Session {
         layouts: &[Layout],
     ) -> Topic {
         let name = &topic.field;
-        match hears(field, one, layouts) {
-            Hears::Producer => topic.clone(),
-            Hears::Iterates => Topic {
+        match subscription(field, one, layouts) {
+            Subscription::Producer => topic.clone(),
+            Subscription::Iterates => Topic {
                 service: Feedback::service(name),
-                subscribers: readers(field, layouts, &Hears::Iterates).count(),
+                subscribers: readers(field, layouts, &Subscription::Iterates).count(),
                 ..topic.clone()
             },
-            Hears::Mapped(grid) => Topic {
+            Subscription::Mapped(grid) => Topic {
                 field: name.clone(),
                 service: Mapped::service(name, self.links[one].role()),
                 grid: grid.clone(),

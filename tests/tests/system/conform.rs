@@ -274,7 +274,7 @@ fn every_check_can_fail() {
         ("no-duration", "ended with exit code 3"),
         ("accept", "after an iteration that was not the last"),
         ("observe", "observing changes the next solve"),
-        ("restore", "the restored process goes on otherwise"),
+        ("restore", "the restored process continues differently"),
         ("damaged-state", "in spite of a state cut to 0 of"),
         ("growing-grids", "too many elements"),
         ("missing-sample", "never came, and it fails with: input `surface_speed` is missing"),
@@ -302,8 +302,8 @@ fn every_check_can_fail() {
 #[test]
 fn what_cannot_be_asked_is_refused() {
     for (options, words) in [
-        (["--only", "no-such-check"], "there is no check `no-such-check`; there are: describe"),
-        (["--deadline", "0"], "--deadline is a number of seconds above 0"),
+        (["--only", "no-such-check"], "unknown check `no-such-check`; known checks: describe"),
+        (["--deadline", "0"], "--deadline must be a number of seconds above 0"),
         (["--recording", "no-such.mcap"], "there is no recording no-such.mcap"),
         (["--set", "nonsense"], "has no `=`"),
     ] {

@@ -87,7 +87,7 @@ fn adaptive_windows_with_a_late_field_are_refused() {
     let more = ["time.control=adaptive", "coupling.scheme=serial-explicit"];
     let ended = place.run(&case("lumped.toml"), &more.map(|set| ["--set", set]).concat());
     assert_eq!(ended.code, Some(2));
-    assert!(ended.stderr.contains("is a window late"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("lags by one window"), "{}", ended.stderr);
 }
 
 /// One substep of the source against seven of the body, and the other way round: what the source

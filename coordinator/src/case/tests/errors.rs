@@ -19,7 +19,7 @@ fn every_error_names_its_place_and_its_fix() {
     }
 }
 
-/// Errors of different kinds are told at once, as a person sees them.
+/// Errors of different kinds are reported together, as a person sees them.
 #[test]
 fn all_errors_are_told_at_once() {
     let bad = GOOD
@@ -433,14 +433,14 @@ const ROWS: &[Row] = &[
         replace: r#"name = "wheel-rail""#,
         by: r#"name = "../../evil""#,
         errors: &[
-            r#"2:8 case.name: '/' cannot stand in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: '/' is not allowed in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
         ],
     },
     Row {
         replace: r#"name = "wheel-rail""#,
         by: r#"name = "/tmp/abs""#,
         errors: &[
-            r#"2:8 case.name: '/' cannot stand in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: '/' is not allowed in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
         ],
     },
     Row {
