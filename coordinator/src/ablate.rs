@@ -2,8 +2,8 @@
 //!
 //! A case is run as it is, and once more without each of its effects. The difference in the answer is what
 //! the effect is worth in this scene; the difference in time is its price. Effects that need another, or
-//! that a model cannot do without, are told with the reason. Which effects there are is in the plan;
-//! nothing here names one.
+//! that a model cannot do without, are reported with the reason. Which effects there are is in the
+//! plan; nothing here names one.
 
 mod cli;
 mod page;
@@ -39,7 +39,7 @@ pub struct Study {
     pub title: Option<String>,
     /// The case file.
     pub file: String,
-    /// Keys of the figures of interest that the runs have.
+    /// Keys of the quantities of interest that the runs have.
     pub quantities: Vec<String>,
     /// The case as it is.
     pub whole: Run,
@@ -52,13 +52,13 @@ pub struct Study {
 pub struct Run {
     /// The effect that is off; empty for the case as it is.
     pub effect: String,
-    /// Why it has no figures.
+    /// Why it has no quantities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
-    /// Its figures by key.
+    /// Its quantities by key.
     pub values: BTreeMap<String, f64>,
-    /// Its figures' change against the case as it is, by key: relative, or the difference for a place
-    /// or a share; absent for a figure that one of the two does not have.
+    /// Its quantities' change against the case as it is, by key: relative, or the difference for a
+    /// place or a share; absent for a quantity that one of the two does not have.
     pub changes: BTreeMap<String, f64>,
     /// What it cost.
     pub cost: Spent,
@@ -116,7 +116,7 @@ fn study(request: &Request, quiet: bool, scratch: &Path) -> Result<Study, RunErr
     steps.step("with all effects");
     let whole = run("", request, base, scratch)?;
     if let Some(why) = whole.failed {
-        return Err(RunError::Usage(format!("the case as it is does not run: {why}")));
+        return Err(RunError::Usage(format!("the unmodified case does not run: {why}")));
     }
     let mut without = Vec::new();
     for effect in active {
@@ -144,7 +144,7 @@ fn study(request: &Request, quiet: bool, scratch: &Path) -> Result<Study, RunErr
     })
 }
 
-/// One run, as often as is asked; what is refused or fails has a reason and no figures.
+/// One run, as often as is asked; what is refused or fails has a reason and no quantities.
 fn run(effect: &str, request: &Request, off: &Variant, scratch: &Path) -> Result<Run, RunError> {
     let mut run = Run { effect: effect.to_owned(), ..Run::default() };
     let silent = off.with("output.fields", "none");

@@ -131,7 +131,7 @@ pub enum News<'a> {
     Made(&'a Row),
 }
 
-/// Makes the checks; `tell` hears of each as it begins and as soon as it is made.
+/// Makes the checks; `tell` is called for each as it begins and as soon as it is made.
 ///
 /// # Errors
 /// The request cannot be, or the user has stopped it. A check that fails is no error here.
@@ -152,7 +152,7 @@ pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Repo
         tell(News::Begins(check.name));
         let mut row = made(check, &bench, described.as_ref())?;
         if row.verdict == Verdict::Failed {
-            // One cause is told once.
+            // One cause is reported once.
             row.same_as = causes.get(&row.seen).copied();
             causes.entry(row.seen.clone()).or_insert(check.name);
         }
@@ -187,7 +187,7 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Check>, RunError> {
     if let Some(name) = unknown {
         let known: Vec<&str> = CHECKS.iter().map(|check| check.name).collect();
         let known = known.join(", ");
-        return Err(RunError::Usage(format!("there is no check `{name}`; there are: {known}")));
+        return Err(RunError::Usage(format!("unknown check `{name}`; known checks: {known}")));
     }
     let wanted = |check: &&&Check| names.is_empty() || names.iter().any(|n| n == check.name);
     Ok(CHECKS.iter().filter(wanted).copied().collect())

@@ -2,13 +2,13 @@
 //!
 //! One case is run with every choice of models that can run it, over their resolutions, and, where
 //! the case has them, over the length of its windows and the tolerance of its coupling ([`sweep`]).
-//! Each figure of interest is compared with a reference ([`analysis`]): its closed form where a
+//! Each quantity of interest is compared with a reference ([`analysis`]): its closed form where a
 //! participant knows one, else the finest runs of the most faithful models, extrapolated. So every run
 //! has an error and a cost; those that no other beats in both are the Pareto front.
 //!
 //! ```text
-//! Request ──sweep──► Run (figures, cost) ──analysis──► Study ──► table, cost.json, cost.csv, report.html
-//! ```
+//! Request ──sweep──► Run (quantities, cost) ──analysis──► Study ──► table, cost.json, cost.csv,
+//! report.html ```
 //!
 //! Models, resolutions and what models leave out come from the descriptions of the programs
 //! ([`contract::accuracy`]); nothing here names one.
@@ -48,7 +48,8 @@ pub struct Request {
     /// What is varied in place of the default plan: a `ROLE.model` chooses among the models, the key
     /// of a refinement its levels, any other key is varied besides.
     pub vary: Vec<Axis>,
-    /// The figure by which runs are ranked, a key of the summary; `None` for the first of interest.
+    /// The quantity by which runs are ranked, a key of the summary; `None` for the first of
+    /// interest.
     pub quantity: Option<String>,
     /// References given by hand: key of the summary and value.
     pub references: Vec<(String, f64)>,
@@ -71,7 +72,7 @@ pub struct Study {
     pub file: String,
     /// Options that were given for all runs.
     pub options: Vec<String>,
-    /// The figures that are compared; the first one ranks the runs.
+    /// The quantities that are compared; the first one ranks the runs.
     pub quantities: Vec<Compared>,
     /// The choices of models.
     pub levels: Vec<LevelSeen>,
@@ -85,7 +86,7 @@ pub struct Study {
     pub picks: Vec<Pick>,
 }
 
-/// A figure that is compared.
+/// A quantity that is compared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compared {
     /// Key of the summary.
@@ -99,7 +100,7 @@ pub struct Compared {
     pub reference: Option<Reference>,
 }
 
-/// What the values of a figure are compared with.
+/// What the values of a quantity are compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// Its value, in the unit of the key.
@@ -119,14 +120,14 @@ pub struct LevelSeen {
     pub name: String,
     /// What they leave out that matters in this case.
     pub left_out: Vec<Simplification>,
-    /// What its runs show of each figure, by key.
+    /// What its runs show of each quantity, by key.
     pub shows: BTreeMap<String, Shows>,
     /// From which resolution on refining it does not pay, if there is one, in a sentence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stops_paying: Option<String>,
 }
 
-/// What the runs of a level show of one figure.
+/// What the runs of a level show of one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shows {
     /// Order of convergence with the resolution, if three resolutions show one.
@@ -151,12 +152,12 @@ pub struct Run {
     pub settings: Vec<(String, String)>,
     /// All options that make it with `coordinator run`.
     pub options: Vec<String>,
-    /// Why it has no figures.
+    /// Why it has no quantities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
     /// What it cost.
     pub cost: Spent,
-    /// Its figures by key.
+    /// Its quantities by key.
     pub values: BTreeMap<String, f64>,
     /// Their errors by key.
     pub errors: BTreeMap<String, f64>,
@@ -167,7 +168,7 @@ pub struct Run {
 /// The cheapest run that meets a target.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pick {
-    /// Largest error of the first figure, relative or absolute as it is measured.
+    /// Largest error of the first quantity, relative or absolute as it is measured.
     pub target: f64,
     /// Index of the run; absent if none meets the target.
     #[serde(default, skip_serializing_if = "Option::is_none")]

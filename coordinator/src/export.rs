@@ -111,7 +111,7 @@ impl Export<'_> {
         }
     }
 
-    /// The grids of the topics that a participant was told.
+    /// The grids of the topics that a participant was given.
     fn topics(&mut self, event: &Event) -> Result<(), RecordingError> {
         let Some((_, topics)) = event.topics()? else { return Ok(()) };
         for topic in topics.inputs.into_iter().chain(topics.outputs) {

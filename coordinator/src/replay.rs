@@ -6,7 +6,7 @@
 //! with what was sent then. It may be the program of the recorded run, another build of it, or any
 //! other that plays the role; its partners need not be on the machine.
 //!
-//! Samples are numbered anew, so that a replay may begin in the middle ([`Request::from`]): at the
+//! Samples are renumbered, so that a replay may begin in the middle ([`Request::from`]): at the
 //! last state of the participant that the recording holds before.
 
 mod compare;
@@ -45,7 +45,7 @@ pub struct Request {
     /// It is started by hand, and nothing has a deadline.
     pub serve: bool,
     /// Largest difference that passes, relative to the largest value of the sample; `None` for
-    /// none, to the bit.
+    /// none, bit-identical.
     pub tolerance: Option<f64>,
     /// The first window to be solved; earlier ones are skipped as far as a state allows.
     pub from: Option<u64>,
@@ -163,7 +163,7 @@ fn participant(path: &Path, all: &[Participant], role: &str) -> Result<usize, Ru
     all.iter().position(|p| p.role == role).ok_or_else(|| {
         let roles: Vec<&str> = all.iter().map(|p| p.role.as_str()).collect();
         RunError::Usage(format!(
-            "nobody in {} plays `{role}`; give --only one of: {}",
+            "no participant in {} plays `{role}`; give --only one of: {}",
             path.display(),
             roles.join(", ")
         ))

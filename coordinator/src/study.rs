@@ -2,9 +2,10 @@
 //! `run --accuracy`, `stability` and `reproduce` have in common.
 //!
 //! [`Variant`] is what is changed, [`run`] performs it like any other run, processes and shared
-//! memory included, [`quantity`] names the figures of a summary that are compared, [`richardson`]
-//! estimates their errors from grids, [`levels`] lists what the installed models offer for a case.
-//! Nothing here knows a model or an effect by name: what there is to vary is in the descriptions.
+//! memory included, [`quantity`] names the quantities of a summary that are compared,
+//! [`richardson`] estimates their errors from grids, [`levels`] lists what the installed models
+//! offer for a case. Nothing here knows a model or an effect by name: what there is to vary is in
+//! the descriptions.
 
 pub mod axis;
 pub mod folder;

@@ -86,7 +86,7 @@ fn act(arguments: &Arguments, solver: &dyn Solver) -> Result<(), Box<dyn Error>>
     } else if let (Some(folder), Some(role)) = (&arguments.join, &arguments.role) {
         take_part(folder, role, solver)
     } else {
-        Err("nothing to do; started by hand, a participant wants --describe, --estimate or \
+        Err("nothing to do; started by hand, a participant needs --describe, --estimate or \
              --join RUN_FOLDER --role ROLE"
             .into())
     }

@@ -1,14 +1,15 @@
 //! Isolation of a run on the machine, and removal of everything it leaves there.
 //!
 //! Every run has a folder of its own under the runtime folder, and a prefix of its own for its
-//! shared-memory files. Two advisory locks in the folder say who is alive; the kernel drops them
-//! when a process ends, however it ends:
+//! shared-memory files. Two advisory locks in the folder say which processes are alive; the kernel
+//! drops them when a process ends, however it ends:
 //!
 //! - `coordinator.lock` is held exclusively by the coordinator for the whole run. A participant
 //!   that can take it knows that the coordinator is dead.
 //! - `participant-ROLE.lock` is held exclusively by the participant that plays the role, so that
 //!   the coordinator knows when one is gone that it has not started itself.
-//! - `members.lock` is held shared by everybody in the run. Whoever can take it exclusively is the
+//! - `members.lock` is held shared by everybody in the run. The process that can take it
+//!   exclusively is the
 //!   last one, and removes the folder and every shared-memory file with the run's prefix.
 //!
 //! A coordinator that starts removes, by the same rule, what earlier runs left whose processes
@@ -54,7 +55,7 @@ pub struct RunDir {
 
 impl RunInfo {
     /// Reads the run of a folder: it is ours, and its prefix is that of its own shared memory, which
-    /// the last who leaves removes.
+    /// the last to leave removes.
     fn read(folder: &Path) -> io::Result<Self> {
         let no_run = |error: io::Error| {
             io::Error::new(error.kind(), format!("no run at {}: {error}", folder.display()))
@@ -271,7 +272,7 @@ mod tests {
         assert!(error.to_string().contains("/nonexistent/run"));
     }
 
-    /// Whoever leaves last would remove what a foreign `run.json` names.
+    /// The last to leave would remove what a foreign `run.json` names.
     #[test]
     fn a_run_that_names_what_is_not_its_own_is_not_joined() {
         let run = RunDir::create(&["mech".to_owned()]).unwrap();
@@ -303,7 +304,7 @@ mod tests {
             let mode = file.metadata().unwrap().mode() & 0o777;
             assert_eq!(mode & 0o077, 0, "{file:?}: {mode:o}");
         }
-        // Whoever joins finds the same count of nodes, and what is there opens.
+        // A process that joins finds the same count of nodes, and what is there opens.
         let second = crate::transport::Endpoint::open(run.info()).unwrap();
         second.ringer("coordinator").unwrap().ring().unwrap();
     }

@@ -81,7 +81,7 @@ pub struct Participant {
     pub attach: bool,
     /// What it says of itself.
     pub description: Description,
-    /// What it will be told; the grids of the inputs are filled in as they become known.
+    /// Its configuration; the grids of the inputs are filled in as they become known.
     pub configuration: Configuration,
     /// What it expects, if it estimates.
     pub estimate: Option<Layout>,
@@ -96,7 +96,8 @@ pub struct Field {
     pub producer: usize,
     /// Indices of the participants that consume it; empty for a field that is only observed.
     pub consumers: Vec<usize>,
-    /// Those of the consumers that hear the coordinator's iterate of it, and not the producer.
+    /// Those of the consumers that subscribe to the coordinator's iterate of it, not to the
+    /// producer.
     pub fed_back: Vec<usize>,
     /// How it is mapped for those of the consumers whose grid does not match the producer's.
     pub method: Method,
@@ -119,7 +120,7 @@ pub struct Effect {
     pub name: String,
     /// Named in the case.
     pub active: bool,
-    /// Who takes part in it.
+    /// The participants in it.
     pub roles: Vec<String>,
     /// The law.
     pub law: String,
@@ -135,8 +136,8 @@ impl Plan {
         }
     }
 
-    /// The columns that the acceleration of an implicit scheme may keep; `None` for one that keeps
-    /// none, or if a grid of what is fed back is not known.
+    /// The secant columns that the acceleration of an implicit scheme may keep; `None` for one that
+    /// keeps none, or if a grid of the coupling data is not known.
     #[must_use]
     pub fn accelerator_history(&self) -> Option<History> {
         let keeps = match self.acceleration() {
@@ -162,10 +163,10 @@ impl Plan {
     }
 }
 
-/// What an accelerator remembers: two vectors a column, of all that is fed back.
+/// What an accelerator remembers: two vectors for each secant column, of all coupling data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct History {
-    /// Most columns.
+    /// Largest number of secant columns.
     pub columns: u64,
     /// Values of a vector.
     pub length: u64,

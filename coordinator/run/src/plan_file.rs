@@ -35,7 +35,7 @@ pub fn parts(text: &str) -> (&str, Vec<[&str; 4]>) {
     (plan, versions.lines().filter_map(row).collect())
 }
 
-/// What the plan says of an effect: who takes part, and its law.
+/// What the plan says of an effect: which participants take part, and its law.
 #[must_use]
 pub fn law<'a>(plan: &'a str, effect: &str) -> Option<&'a str> {
     let mut lines = plan.lines();

@@ -154,8 +154,7 @@ impl Program {
             who: format!("{role} ({})", self.name()),
             when: "while planning".to_owned(),
             what: fault,
-            fix: "the program does not keep the participant contract (docs/ARCHITECTURE.md)"
-                .to_owned(),
+            fix: "the program violates the participant contract (docs/ARCHITECTURE.md)".to_owned(),
         })
     }
 
@@ -164,7 +163,7 @@ impl Program {
             who: format!("{role} ({})", self.name()),
             when: format!("asked to {}", question.trim_start_matches("--")),
             what: why.to_owned(),
-            fix: format!("try `{} {question}` by hand", self.command_line()),
+            fix: format!("run `{} {question}` by hand", self.command_line()),
         })
     }
 }
@@ -176,7 +175,7 @@ fn answers(text: &[u8]) -> usize {
 }
 
 /// What a program has to say, up to [`LONGEST_ANSWER`]; beyond that it gets no reader. Its end is the
-/// end of its answer, whoever else holds the pipe open: what it has written lies there to be read.
+/// end of its answer, whatever else holds the pipe open: what it has written lies there to be read.
 async fn read_some(
     pipe: Option<impl AsyncRead + AsFd + Unpin>,
     mut ended: watch::Receiver<()>,

@@ -98,10 +98,10 @@ impl Recorder {
             .map_err(|error| failed(path, &error.to_string()))?;
         let (jobs, received) = channel();
         let progress = Arc::new((Mutex::new(Progress::default()), Condvar::new()));
-        let told = Arc::clone(&progress);
+        let shared = Arc::clone(&progress);
         let thread = std::thread::Builder::new()
             .name("record".to_owned())
-            .spawn(move || write_all(writer, &received, &told))
+            .spawn(move || write_all(writer, &received, &shared))
             .map_err(|error| failed(path, &error.to_string()))?;
         let (batch, thread) = (Vec::new(), Some(thread));
         let notes = Mutex::new(Notes { jobs, batch, begun: 0, topics: 0, thread });
@@ -244,7 +244,7 @@ impl Recorder {
         while !thread.is_finished() {
             let patience = if signals::received().is_some() { LAST_WORDS } else { self.patience };
             if start.elapsed() > patience {
-                return Err(failed(&self.path, "the disk does not take its end"));
+                return Err(failed(&self.path, "its end cannot be written"));
             }
             std::thread::sleep(Duration::from_micros(200));
         }
@@ -270,7 +270,7 @@ impl Recorder {
                 let seconds = self.patience.as_secs_f64();
                 return Err(failed(
                     &self.path,
-                    &format!("the disk took nothing for {seconds:.0} s"),
+                    &format!("the disk accepted no data for {seconds:.0} s"),
                 ));
             }
             let waited = news.wait_timeout(progress, NAP);
@@ -324,6 +324,6 @@ fn attachment_name(key: &str) -> String {
 }
 
 /// Why writing stopped.
-fn told(error: &RecordingError) -> String {
+fn described(error: &RecordingError) -> String {
     error.to_string()
 }

@@ -17,8 +17,8 @@ pub fn page(folder: &Path) -> Result<Page, RunError> {
     let path = folder.join(FILE);
     let text = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
     let study: Study = serde_json::from_slice(&text).map_err(|fault| {
-        let fix = "make it anew with `coordinator ablate`";
-        RunError::Usage(format!("{} holds no study: {fault}; {fix}", path.display()))
+        let fix = "run `coordinator ablate` again";
+        RunError::Usage(format!("{} contains no study: {fault}; {fix}", path.display()))
     })?;
     Ok(of(&study))
 }
@@ -41,7 +41,7 @@ fn of(study: &Study) -> Page {
     }
 }
 
-/// For each figure the change that every effect makes, and the time it takes.
+/// For each quantity the change that every effect makes, and the time it takes.
 fn changes(study: &Study) -> Option<Section> {
     let whole = study.whole.cost.solve_s;
     let change_of = |key: &str, unit: f64| {

@@ -5,7 +5,7 @@ use crate::study::quantity::{Measure, Quantity};
 use comfy_table::{CellAlignment, Table, presets};
 use run::format::{number, of_key, seconds};
 
-/// Figures that have a column; all of them are in the file.
+/// Quantities that have a column; all of them are in the file.
 pub(super) const COLUMNS: usize = 6;
 
 /// Each effect in a row: what the answer is without it, and what it costs.
@@ -31,13 +31,13 @@ pub(super) fn text(study: &Study) -> String {
     format!("effects of {}{title}\n{}", study.case, lines.chain(reasons).collect::<String>())
 }
 
-/// The figures that have a column.
+/// The quantities that have a column.
 pub(super) fn quantities(study: &Study) -> impl Iterator<Item = Quantity> {
     let compared = study.quantities.iter().map(|key| Quantity::of(key));
     compared.filter(|one| one.measure != Measure::Itself).take(COLUMNS)
 }
 
-/// The cells of a run: its figures first, their changes for one without an effect.
+/// The cells of a run: its quantities first, their changes for one without an effect.
 pub(super) fn row(study: &Study, run: &Run) -> Vec<String> {
     let name = match run.effect.as_str() {
         "" => "all effects".to_owned(),

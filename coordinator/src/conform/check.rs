@@ -41,7 +41,7 @@ impl Seen {
 /// Why a check did not go through.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Fault {
-    /// The participant does not keep the contract.
+    /// The participant violates the contract.
     Broken(String),
     /// The user wants to stop.
     Interrupted(&'static str),

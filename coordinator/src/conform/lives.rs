@@ -52,7 +52,7 @@ impl Bench {
         self.lives.joined.borrow_mut().get_or_insert(trial);
     }
 
-    /// A process that has joined and heard nothing yet.
+    /// A process that has joined and received nothing yet.
     pub(super) fn fresh(&self) -> Result<Trial, Fault> {
         let Lives { coming, once, never, .. } = &self.lives;
         let next = coming.borrow_mut().pop_front();

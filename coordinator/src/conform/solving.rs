@@ -40,7 +40,8 @@ pub(super) const REPEAT: Check = Check {
 
 pub(super) const OTHER_END: Check = Check {
     name: "other-end",
-    demand: "a window may be solved again with another end, and with the first end again to the bit",
+    demand: "a window may be solved again with another end, and with the first end again \
+             bit-identically",
     fix: "what is kept for the length of a window has to follow it",
     run: other_end,
 };

@@ -7,7 +7,7 @@ mod answer;
 mod ending;
 
 pub(super) use answer::Answer;
-pub(super) use ending::told;
+pub(super) use ending::end_of;
 
 use super::bench::{Bench, kind};
 use super::check::{Fault, broken};
@@ -137,7 +137,7 @@ impl Trial {
         let broken = |how: String| Fault::Broken(format!("{what}: {how}"));
         match stopped {
             Stopped::Interrupted(signal) => Fault::Interrupted(signal),
-            Stopped::Exited(exit) => broken(format!("its process {}", told(&exit))),
+            Stopped::Exited(exit) => broken(format!("its process {}", end_of(&exit))),
             Stopped::Gone(_) => broken("its process is gone".to_owned()),
             Stopped::ReplyLost(_) => {
                 broken("no answer, and its heartbeat says that it waits for a command".to_owned())

@@ -28,10 +28,11 @@ pub struct Arguments {
     /// window, a tolerance; may be given several times.
     #[arg(long, value_name = "KEY=V1,V2")]
     vary: Vec<String>,
-    /// The figure that ranks the runs, a dotted key of summary.json [default: the rail's rise].
+    /// The quantity that ranks the runs, a dotted key of summary.json [default: the rail's rise].
     #[arg(long, value_name = "KEY")]
     quantity: Option<String>,
-    /// Compare a figure with this value [default: its closed form, or the finest runs extrapolated].
+    /// Compare a quantity with this value [default: its closed form, or the finest runs
+    /// extrapolated].
     #[arg(long, value_name = "KEY=VALUE")]
     reference: Vec<String>,
     /// Make each run so often; its times are the least.
@@ -41,8 +42,8 @@ pub struct Arguments {
     /// Leave out runs whose solvers expect to take longer.
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
     longest_run: f64,
-    /// Folder of the study; one that was stopped goes on [default: results/NAME-cost, or NAME-cost-2 and
-    /// so on].
+    /// Folder of the study; one that was stopped is resumed [default: results/NAME-cost, or
+    /// NAME-cost-2 and so on].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace an earlier study in that folder.
@@ -84,9 +85,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
 /// Runs of a study that was stopped are not made again.
 fn tell_kept(count: usize) {
     if count > 0 {
-        tracing::warn!(
-            "{count} runs are those of the study that was stopped; --replace makes all anew"
-        );
+        tracing::warn!("{count} runs of the interrupted study are reused; --replace repeats all");
     }
 }
 
@@ -95,7 +94,7 @@ fn tell_stopped(error: &RunError, places: &Places<'_>) {
     let (count, path) = (places.kept.count(), places.study.path().display());
     if error.is_interrupt() && count > 0 {
         tracing::warn!(
-            "{count} finished runs are kept in {path}; the same command goes on with them"
+            "{count} finished runs are kept in {path}; the same command resumes with them"
         );
     }
 }
@@ -123,7 +122,9 @@ fn request(asked: &Arguments) -> Result<Request, RunError> {
     let axes = asked.vary.iter().map(|option| Axis::parse(option));
     let references = asked.reference.iter().map(|option| reference(option));
     if asked.longest_run.is_nan() || asked.longest_run <= 0.0 {
-        return Err(RunError::Usage("--longest-run is a number of seconds above 0".to_owned()));
+        return Err(RunError::Usage(
+            "--longest-run must be a number of seconds above 0".to_owned(),
+        ));
     }
     Ok(Request {
         case: asked.case.clone(),

@@ -94,12 +94,12 @@ fn one(run: &Run, out: &Path) -> Result<Done, RunError> {
     Ok(Done { name: run.name.clone(), set, unset, folder, summary })
 }
 
-/// What is wrong with a case is told with the run that it is of; a failure keeps its own words.
+/// What is wrong with a case is reported with the run that it is of; a failure keeps its own words.
 fn of_run(run: &Run, file: &Path, error: RunError) -> RunError {
     let place = format!("{}: run `{}`", file.display(), run.name);
     match error {
         RunError::Case(problems) => RunError::Usage(format!("{place}: {problems}")),
-        error => error.and(Err(RunError::Usage(format!("{place} has not come to its end")))),
+        error => error.and(Err(RunError::Usage(format!("{place} has not finished")))),
     }
 }
 
@@ -136,7 +136,7 @@ pub(super) fn found(out: &Path) -> Result<Found, RunError> {
     let refuse = |why: String| RunError::Usage(format!("{}: {why}", path.display()));
     let record: Record = serde_json::from_str(&text).map_err(|error| refuse(error.to_string()))?;
     if record.schema != SCHEMA || !record.complete {
-        let why = "the reproduction has not come to its end; run it again";
+        let why = "the reproduction has not finished; run it again";
         return Err(refuse(why.to_owned()));
     }
     let mut found = Found { outcomes: BTreeMap::new(), folders: BTreeMap::new() };

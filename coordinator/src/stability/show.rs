@@ -14,7 +14,13 @@ const END_WIDTH: usize = 13;
 pub(super) fn head() -> String {
     format!(
         "  no {:NAME_WIDTH$} {:END_WIDTH$} {:7} {:7} {:>5} {:>7}  {}\n",
-        "case", "end", "bounded", "energy", "iter.", "time", "margin: least of bound over figure"
+        "case",
+        "end",
+        "bounded",
+        "energy",
+        "iter.",
+        "time",
+        "margin: least ratio of bound to quantity"
     )
 }
 
@@ -114,7 +120,7 @@ pub(super) fn margin(row: &Row) -> String {
     }
 }
 
-/// How many times the bound is as far as the figure.
+/// How many times the bound is as far as the quantity.
 pub(super) fn factor(finding: &Finding) -> String {
     match finding.share {
         Some(0.0) => "∞".to_owned(),

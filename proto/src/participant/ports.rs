@@ -29,8 +29,8 @@ pub(super) enum PortError {
     #[error("{0}")]
     Geometry(String),
     #[error(
-        "input `{field}` cannot go in a straight line from {before} values to {now}: its grid has \
-         grown; set coupling.interpolation to \"constant\""
+        "input `{field}` cannot be interpolated linearly from {before} values to {now}: its grid \
+         has grown; set coupling.interpolation to \"constant\""
     )]
     Grown { field: String, before: usize, now: usize },
     #[error("the topic of `{expected}` carries `{found}`")]

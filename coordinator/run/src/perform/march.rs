@@ -256,8 +256,8 @@ fn beside_the_models(wall: f64, models: f64) -> f64 {
     (wall - models).max(0.0)
 }
 
-/// Heat that is lost or made between the participants ends the run. Who reports none of what it
-/// consumes is named, once, and left out.
+/// Heat that is not conserved between the participants ends the run. A participant that reports
+/// none of what it consumes is named, once, and left out.
 fn audit(
     heat: &HeatBalance,
     roles: &[&str],
@@ -267,7 +267,9 @@ fn audit(
     let unreported = heat.unreported & !counts.heat_unreported;
     counts.heat_unreported |= unreported;
     for (_, role) in roles.iter().enumerate().filter(|(one, _)| unreported >> one & 1 == 1) {
-        tracing::warn!("{role} does not report the heat it receives and is left out of the audit");
+        tracing::warn!(
+            "{role} does not report the heat it receives and is excluded from the audit"
+        );
     }
     let Some(imbalance) = heat.imbalance() else { return Ok(()) };
     let worst = counts.energy_imbalance.get_or_insert(0.0);
@@ -275,16 +277,19 @@ fn audit(
     if imbalance <= LARGEST_IMBALANCE {
         return Ok(());
     }
-    let told = heat.worst.filter(|told| told.imbalance().is_nan() || told.imbalance() >= imbalance);
-    let (what, fix) = match told {
-        Some(told) => {
-            let Receipt { participant, sent, received } = told;
+    let receipt = heat
+        .worst
+        .filter(|receipt| receipt.imbalance().is_nan() || receipt.imbalance() >= imbalance);
+    let (what, fix) = match receipt {
+        Some(receipt) => {
+            let Receipt { participant, sent, received } = receipt;
             let role = roles[participant];
             let what = format!("{sent:e} W sent to {role}, which reports {received:e} W received");
-            (what, "a participant loses or makes heat; see iterations.csv")
+            (what, "heat is not conserved: see iterations.csv")
         }
         None => {
-            let what = format!("a mapping changes the heat by {imbalance:e} of what it carries");
+            let what =
+                format!("heat is not conserved by a mapping, by {imbalance:e} of what it carries");
             (what, "see what log.jsonl says of its coverage; choose another [mapping] method")
         }
     };
@@ -329,9 +334,9 @@ mod tests {
     #[test]
     fn heat_that_is_lost_or_no_number_ends_the_run() {
         let (judged, worst) = audited(1000.0, 999.0);
-        let told = "the energy audit failed in window 7: 1e3 W sent to thermal, which reports \
-                    9.99e2 W received; a participant loses or makes heat; see iterations.csv";
-        assert_eq!(judged, Err(told.to_owned()));
+        let message = "the energy audit failed in window 7: 1e3 W sent to thermal, which reports \
+                    9.99e2 W received; heat is not conserved: see iterations.csv";
+        assert_eq!(judged, Err(message.to_owned()));
         assert_eq!(worst, Some(0.001));
         for (sent, received) in [
             (f64::NAN, 1.0),
@@ -345,7 +350,9 @@ mod tests {
         }
         let mapped = HeatBalance { mapping: Some(0.5), ..heat(1.0, Some(1.0)) };
         let judged = audit(&mapped, &["mech", "thermal"], 7, &mut Counts::default());
-        assert!(judged.unwrap_err().to_string().contains("a mapping changes the heat by 5e-1"));
+        assert!(
+            judged.unwrap_err().to_string().contains("heat is not conserved by a mapping, by 5e-1")
+        );
     }
 
     #[test]

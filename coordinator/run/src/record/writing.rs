@@ -1,6 +1,6 @@
 //! The thread that writes.
 
-use super::{Progress, told};
+use super::{Progress, described};
 use proto::recording::{Event, RecordingError, RecordingWriter};
 use proto::transport::FieldReader;
 use std::fs::File;
@@ -89,7 +89,7 @@ pub(super) fn write_all(
             progress.done += u64::from(ends);
             progress.closed |= closes;
             if let Err(error) = &outcome {
-                progress.failed.get_or_insert_with(|| told(error));
+                progress.failed.get_or_insert_with(|| described(error));
             }
             drop(progress);
             if ends || closes || outcome.is_err() {

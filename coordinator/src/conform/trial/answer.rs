@@ -1,4 +1,4 @@
-//! Replies, and what is demanded of them.
+//! Replies, and what is required of them.
 
 use crate::conform::check::{Fault, broken};
 use contract::configuration::Refusal;

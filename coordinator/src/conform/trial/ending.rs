@@ -48,7 +48,7 @@ pub(super) fn nothing_left(info: &RunInfo) -> Result<(), Fault> {
 }
 
 /// How a process ended, in words.
-pub(in crate::conform) fn told(exit: &Exit) -> String {
+pub(in crate::conform) fn end_of(exit: &Exit) -> String {
     let how = match (exit.status.signal(), exit.status.code()) {
         (Some(signal), _) => format!("was killed by signal {signal}"),
         (_, Some(code)) => format!("ended with exit code {code}"),

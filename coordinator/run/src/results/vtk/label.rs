@@ -21,7 +21,7 @@ pub(super) fn unit(kind: &FieldKind) -> String {
     )
 }
 
-/// The table of the arrays: one column for each thing that is told, one row for each array.
+/// The table of the arrays: one column for each thing that is stated, one row for each array.
 pub(super) fn table(fields: &Fields) -> String {
     let columns: [(&str, Column); 4] = [
         ("array", array_name),
@@ -30,8 +30,9 @@ pub(super) fn table(fields: &Fields) -> String {
         ("meaning", |kind| kind.meaning.clone()),
     ];
     let mut text = String::new();
-    for (name, told) in columns {
-        let rows = fields.iter().map(|(kind, _)| codes(&told(kind))).collect::<Vec<_>>().join(" ");
+    for (name, describe) in columns {
+        let rows =
+            fields.iter().map(|(kind, _)| codes(&describe(kind))).collect::<Vec<_>>().join(" ");
         let _ = writeln!(
             text,
             "      <Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{}\" format=\"ascii\">\
