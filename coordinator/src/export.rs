@@ -214,7 +214,7 @@ impl Export<'_> {
         }
         if let Some(vtk) = &mut self.vtk {
             let fields: Vec<Shown> = shown.iter().map(|(_, shown)| *shown).collect();
-            vtk.write_fields(&fields, number, time)?;
+            vtk.write(&fields, number, time)?;
         }
         if let Some(folder) = &self.target.csv {
             for (service, shown) in &shown {

@@ -1,6 +1,6 @@
 //! How a command can end badly, and the exit code that goes with it.
 
-use crate::programs::Program;
+use crate::program::Program;
 use crate::results::dir::shown;
 use case::Problems;
 use contract::configuration::Refusal;

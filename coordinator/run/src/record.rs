@@ -19,16 +19,14 @@ use crate::results::write::fresh;
 use crate::signals;
 use contract::message::{Command, CommandKind, Reply, Status};
 use portable::{portable_body, without_files};
-use proto::recording::{
-    CaseFile, Event, FILES, FORMAT, Head, Participant, RecordingError, RecordingWriter,
-};
+use proto::recording::{CaseFile, Event, FORMAT, Head, Participant, RecordingWriter};
 use proto::transport::{Endpoint, TransportError};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use writing::{Job, Listener, write_all};
+use writing::{Job, Listener, Progress, lock, write_all};
 
 /// Iterations that the disk may be behind: one is being written while the next one runs. With the
 /// one noted and the one under way no topic's queue ever holds more than it can.
@@ -39,17 +37,6 @@ const NAP: Duration = Duration::from_millis(20);
 
 /// Longest wait for the disk once the user wants to stop.
 const LAST_WORDS: Duration = Duration::from_secs(2);
-
-/// How far the writing thread has come.
-#[derive(Debug, Default)]
-struct Progress {
-    /// Iterations written.
-    done: u64,
-    /// Every listener has been closed.
-    closed: bool,
-    /// The thread has failed; everything after is dropped.
-    failed: Option<String>,
-}
 
 /// A recording in progress.
 #[derive(Debug)]
@@ -283,10 +270,6 @@ impl Recorder {
     }
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 fn index(participant: usize) -> u16 {
     u16::try_from(participant).expect("a run has at most sixteen participants")
 }
@@ -316,14 +299,4 @@ fn failed(path: &Path, what: &str) -> RunError {
         what: what.to_owned(),
         fix: "check the free space; what was written before stays readable".to_owned(),
     })
-}
-
-/// The name of a file of the case in a recording.
-fn attachment_name(key: &str) -> String {
-    format!("{FILES}{key}")
-}
-
-/// Why writing stopped.
-fn described(error: &RecordingError) -> String {
-    error.to_string()
 }

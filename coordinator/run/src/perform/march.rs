@@ -7,8 +7,8 @@ use crate::progress::Progress;
 use crate::record::Recorder;
 use crate::results::iterations::{IterationTable, Row};
 use crate::results::summary::Counts;
-use crate::results::vtk::FieldWriter;
-use crate::session::{HeatBalance, Observed, Receipt, Session};
+use crate::results::vtk::{FieldWriter, Shown};
+use crate::session::{HeatBalance, Observed, Receipt, Session, Tap};
 use contract::step::Step;
 use coupling::Exchange as _;
 use coupling::converge::Verdict;
@@ -116,10 +116,11 @@ impl<'a> March<'a> {
         step: &Step,
     ) -> Result<(), RunError> {
         if let Some(not_converged) = outcome.not_converged {
+            let error = RunError::from(not_converged);
             if self.plan.implicit.strict {
-                return Err(not_converged.into());
+                return Err(error);
             }
-            tracing::warn!("{not_converged}");
+            tracing::warn!("{error}");
             self.counts.not_converged += 1;
         }
         if let Some(wanted) = wanted.filter(|wanted| *wanted < step.duration() * (1.0 - 1e-9)) {
@@ -143,7 +144,9 @@ impl<'a> March<'a> {
         };
         self.session.accept(self.coupling.step(), observed)?;
         if due {
-            self.fields.write(self.session.taps(), step.window, step.end)?;
+            let wanted = self.session.taps().iter().filter(|tap| tap.wanted());
+            let shown: Vec<Shown> = wanted.filter_map(shown).collect();
+            self.fields.write(&shown, step.window, step.end)?;
             self.table.flush()?;
         }
         self.counts.windows += 1;
@@ -239,6 +242,12 @@ impl March<'_> {
             model_seconds: self.session.solved().iter().map(|s| s.model_seconds).collect(),
         }
     }
+}
+
+/// What is written of a field, once it has a sample.
+fn shown(tap: &Tap) -> Option<Shown<'_>> {
+    let (producer, grid, kind) = (tap.producer_role(), tap.grid(), tap.kind());
+    Some(Shown { producer, grid, kind, values: tap.values()? })
 }
 
 /// The coupling that the plan has chosen.

@@ -1,7 +1,7 @@
 //! Making a plan: describe, validate, route, estimate.
 
+use super::contents::{Field, Participant, Plan, Planned, SchemeChoice};
 use super::route::{self, Candidate};
-use super::{Field, Participant, Plan, Planned, SchemeChoice};
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::programs::Program;

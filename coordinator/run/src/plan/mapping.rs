@@ -1,6 +1,6 @@
 //! Which fields are mapped for which consumer, and how well the grids cover each other.
 
-use super::{Field, Plan, sample_bytes};
+use super::contents::{Field, Plan, sample_bytes};
 use contract::configuration::Layout;
 use contract::field::Mapping;
 use contract::grid::Grid;

@@ -1,7 +1,7 @@
 //! Routing: which participants run, which fields exist, which participant sends them to which, and
 //! in which order.
 
-use super::{Effect, Field};
+use super::contents::{Effect, Field};
 use case::{Case, OutputFields};
 use contract::description::{Description, EffectSpec, ModelSpec};
 use contract::field::{self, FieldKind};

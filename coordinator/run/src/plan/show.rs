@@ -1,6 +1,6 @@
 //! The plan as a person reads it.
 
-use super::Plan;
+use super::contents::Plan;
 use crate::format::bytes;
 use crate::format::seconds;
 use coupling::settings::Implicit;

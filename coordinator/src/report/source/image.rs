@@ -145,7 +145,7 @@ mod tests {
         let vector: Vec<f64> = (0..12).map(|k| if k < 6 { 3.0 } else { f64::from(k) }).collect();
         let shown = |kind, values| Shown { producer: "p", grid: &grid, kind, values };
         let fields = [shown(&pressure, &scalar[..]), shown(&traction, &vector[..])];
-        FieldWriter::new(place.path().to_owned()).write_fields(&fields, 7, 0.0).unwrap();
+        FieldWriter::new(place.path().to_owned()).write(&fields, 7, 0.0).unwrap();
         let path = place.path().join("p_g_000007.vti");
         let image = Image::read(&path).unwrap();
         assert_eq!((image.plane(), image.cells), (Some([0, 1]), [3, 2, 0]));

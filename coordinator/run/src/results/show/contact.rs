@@ -1,6 +1,6 @@
 //! Extent, patches and friction of a contact.
 
-use super::{digits, rise, with_unit};
+use super::numbers::{digits, rise, with_unit};
 use crate::format::counted;
 use serde_json::Value;
 

@@ -1,7 +1,7 @@
 //! What a file says of its arrays, where programs look for it: the unit of an array in its
 //! information, and for people a table in the field data with unit, body and meaning of every array.
 
-use super::Fields;
+use super::shown::Fields;
 use contract::field::{Body, FieldKind};
 use std::fmt::Write as _;
 
