@@ -1,7 +1,8 @@
 //! Inputs that do not come, or not as they should.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::solving::same;
 use super::trial::{Feed, Trial};
 use contract::message::{Command, CommandKind, Label};

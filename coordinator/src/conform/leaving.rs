@@ -1,7 +1,8 @@
 //! Signs of life, and the end.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::grids::largest;
 use super::trial::Trial;
 use super::trial::end_of;

@@ -1,7 +1,8 @@
 //! Runs and configurations that a participant cannot take.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::setting::Setting;
 use super::trial::Trial;
 use super::trial::end_of;
@@ -59,8 +60,8 @@ pub(super) const UNKNOWN_FIELD: Check = Check {
 const OTHER_VERSION: u32 = 999;
 
 fn version(bench: &Bench) -> Result<Seen, Fault> {
-    let trial = Trial::of_version(bench, OTHER_VERSION)?;
-    let deadline = Instant::now() + bench.patience;
+    let trial = Trial::of_version(&bench.subject, OTHER_VERSION)?;
+    let deadline = Instant::now() + bench.subject.patience;
     while trial.ended().is_none() && Instant::now() < deadline {
         std::thread::sleep(LEAVE / 1000);
     }
@@ -69,7 +70,8 @@ fn version(bench: &Bench) -> Result<Seen, Fault> {
     if exit.status.success() {
         return broken(format!("it {}", end_of(&exit)));
     }
-    let numbers = [OTHER_VERSION, bench.description.protocol].map(|number| number.to_string());
+    let numbers =
+        [OTHER_VERSION, bench.subject.description.protocol].map(|number| number.to_string());
     match numbers.iter().find(|number| !words.contains(*number)) {
         Some(number) => broken(format!("it {}; {number} is not named", end_of(&exit))),
         None => Seen::kept(words),
@@ -131,7 +133,7 @@ fn unknown_field(bench: &Bench) -> Result<Seen, Fault> {
 
 fn missing_key(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
-        let keys = required(&bench.description, &setting.configuration);
+        let keys = required(&bench.subject.description, &setting.configuration);
         if keys.is_empty() {
             return Seen::inapplicable("no key is required");
         }

@@ -3,9 +3,9 @@
 //! The plan is made as for a run, with the case's other participants, so that case values, inputs,
 //! outputs and the grids of the inputs are those that it would meet there. None of the others runs.
 
-use super::Request;
 use super::given::{self, Given};
 use super::recorded::Recorded;
+use super::request::Request;
 use case::RawCase;
 use contract::configuration::{Configuration, Mode};
 use contract::description::Description;

@@ -1,7 +1,8 @@
 //! First outputs, and solves from the accepted state.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::trial::{Trial, Values, difference};
 use contract::field::Mapping;
 use contract::message::Status;

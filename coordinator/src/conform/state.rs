@@ -1,7 +1,8 @@
 //! Save and Restore.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen};
+use super::check::Check;
+use super::fault::{Fault, Seen};
 use super::setting::Setting;
 use super::solving::same;
 use super::trial::{Trial, Values};

@@ -1,7 +1,8 @@
 //! Commands that make no sense.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use contract::message::{Command, CommandKind, OBSERVE};
 
 pub(super) const UNKNOWN_COMMAND: Check = Check {

@@ -1,9 +1,9 @@
 //! From one recorded event to the next.
 
 use super::feed::Feed;
+use super::request::{Replay, Request};
 use super::told::Reconfiguration;
 use super::walk::{Answer, Walk};
-use super::{Replay, Request};
 use crate::inspect::FileRecording;
 use crate::output::print;
 use contract::configuration::{Layout, Refusal};

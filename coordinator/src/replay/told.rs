@@ -1,7 +1,7 @@
 //! What the participant is given: its recorded configuration, with the files of the case where it
 //! can read them, and changed as was asked for.
 
-use super::Request;
+use super::request::Request;
 use contract::description::{Description, KeySpec};
 use proto::recording::{CaseFile, Participant};
 use run::error::RunError;

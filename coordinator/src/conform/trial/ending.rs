@@ -1,6 +1,6 @@
 //! How a participant's life ends, and what is left of it.
 
-use crate::conform::check::{Fault, broken};
+use crate::conform::fault::{Fault, broken};
 use proto::run_dir::{RunDir, RunInfo};
 use run::peers::LEAVE;
 use run::supervise::{Exit, Supervisor};
