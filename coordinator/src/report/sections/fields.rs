@@ -2,7 +2,7 @@
 
 use super::places::{AXES, is_surface, label, places};
 use super::temperature;
-use crate::format::{Scale, words};
+use crate::format::{Scale, sentence, words};
 use crate::report::map::Heatmap;
 use crate::report::page::{Block, Section};
 use crate::report::plot::Figure;
@@ -71,12 +71,6 @@ fn map(image: &Image, field: &Field) -> Option<Heatmap> {
         true_shape: upright == 1,
         note: sentence(&note),
     })
-}
-
-/// Begins with a capital.
-fn sentence(text: &str) -> String {
-    let mut rest = text.chars();
-    rest.next().map(|first| first.to_uppercase().chain(rest).collect()).unwrap_or_default()
 }
 
 /// Lines in the rolling direction, one figure for each grid and unit; then depth and time.
