@@ -2,7 +2,7 @@
 //! that their grids show.
 //!
 //! 1. **Models.** Of all choices of models that can run the case those count whose expected errors
-//!    ([`proto::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
+//!    ([`contract::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
 //! 2. **Pilot.** It runs on its two coarsest grids, and the two tell the error
 //!    ([`crate::study::richardson`]). If it is within the target, the second is the answer.
 //! 3. **Climb.** If not, they tell how fine the grid has to be. It runs on that one, or on one four
@@ -21,12 +21,12 @@ mod target;
 pub use section::{Stated, StatedRun};
 pub use target::Target;
 
-use crate::error::RunError;
 use crate::study::levels::Level;
 use crate::study::quantity::Quantity;
 use crate::study::richardson::{Estimate, Sample};
 use crate::study::{Variant, planned, run, scratch};
 use choice::Choice;
+use run::error::RunError;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -261,7 +261,7 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proto::accuracy::{Refinement, Simplification};
+    use contract::accuracy::{Refinement, Simplification};
     use serde_json::json;
 
     const RISE: &str = "temperature.rail.max_rise_k";

@@ -2,35 +2,35 @@
 
 use crate::ablate;
 use crate::accuracy::{self, Search, Verdict};
-use crate::case::{Alone, RawCase, judge_alone};
-use crate::checkpoint::{Checkpoint, Checkpoints, Torn};
 use crate::conform;
 use crate::cost;
-use crate::error::{RunError, file_failure};
 use crate::export::{self, Target};
-use crate::format::counted;
 use crate::inspect::{self, Wanted};
 use crate::logging::{Level, Logging};
 use crate::output;
-use crate::plan::{Planned, not_judged, plan};
-use crate::programs::{self, Program};
 use crate::progress::Progress;
-use crate::record::Compression;
 use crate::replay;
 use crate::report;
 use crate::report::page::Page;
 use crate::reproduce;
-use crate::results::place::RESULTS;
-use crate::results::{Existing, ResultFolder, show};
-use crate::run::{self, Clock, Outcome};
-use crate::signals;
 use crate::stability;
 use crate::study::Variant;
 use crate::study::output::{Kind, kind};
+use case::{Alone, RawCase, judge_alone};
 use clap::{Args, Parser, Subcommand};
-use proto::description::Description;
+use contract::description::Description;
+use contract::text::{json, one_line};
 use proto::recording::End;
-use proto::text::{json, one_line};
+use run::checkpoint::{Checkpoint, Checkpoints, Torn};
+use run::error::{RunError, file_failure};
+use run::format::counted;
+use run::perform::{self, Clock, Outcome};
+use run::plan::{Planned, Shown, plan};
+use run::programs::{self, Program};
+use run::record::Compression;
+use run::results::place::RESULTS;
+use run::results::{Existing, ResultFolder, show};
+use run::signals;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -221,7 +221,7 @@ impl CaseArguments {
 
     fn plan(&self) -> Result<Planned, RunError> {
         let planned = self.plan_again()?;
-        planned.case.tell_replaced();
+        crate::logging::warn_of_replaced(&planned.case);
         Ok(planned)
     }
 
@@ -304,7 +304,10 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             let shown = case.case.display();
             let text = match no_start {
                 true => {
-                    format!("{shown}: no errors in what was judged\n{}", not_judged(&case.alone()?))
+                    format!(
+                        "{shown}: no errors in what was judged\n{}",
+                        case.alone()?.not_judged_text()
+                    )
                 }
                 false => case.plan().map(|_| format!("{shown}: no errors\n"))?,
             };
@@ -313,7 +316,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Plan { case, no_start } => {
             let _asking = signals::end_at_once();
             let text = match no_start {
-                true => case.alone()?.to_string(),
+                true => Shown(&case.alone()?).to_string(),
                 false => case.plan()?.plan.to_string(),
             };
             Ok(print(false, &text)?)
@@ -402,7 +405,7 @@ fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
     })?;
     let raw = folder.read_case()?.with_folder(checkpoint.state.origin.folder.clone());
     let planned = tracing::info_span!("plan").in_scope(|| plan(raw))?;
-    run::check_origin(&checkpoint.state.origin, &run::origin(&planned))?;
+    perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned))?;
     log_into(&folder, log)?;
     folder.reopen()?;
     let plan_seconds = planning.elapsed().as_secs_f64();
@@ -453,7 +456,7 @@ fn run_to(relative: f64, asked: &RunArguments, screen: &Screen) -> Result<(), En
             return conclude(&begun, outcome, &chosen, screen);
         }
         let verdict = search.judge(&mut outcome.summary, begin_at.elapsed().as_secs_f64())?;
-        begun.folder.write_summary(&run::json(&outcome.summary))?;
+        begun.folder.write_summary(&perform::json(&outcome.summary))?;
         begun.folder = match answer.take() {
             None => begun.folder,
             Some(answer) => answer.take_over(begun.folder)?,
@@ -487,7 +490,8 @@ fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Outcome {
     let clock = Clock { since: screen.since, plan_seconds: *plan_seconds };
     let mut progress = Progress::new(screen.quiet, planned.plan.windows.count());
     screen.log.share_screen(progress.bar());
-    let mut outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
+    let mut outcome =
+        perform::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
     if let Some(error) = screen.log.failure() {
         outcome = outcome.fail(file_failure(&folder.shown_log(), &error), folder);
     }
@@ -503,7 +507,7 @@ fn conclude(
 ) -> Result<(), Ended> {
     let folder = &begun.folder;
     let written = if asked.report { report_on(&folder.path()) } else { Ok(()) };
-    let text = || run::report(&outcome, &begun.planned.plan, folder);
+    let text = || perform::report(&outcome, &begun.planned.plan, folder);
     match outcome.error {
         // It has an answer, if not as accurate as was asked for.
         Some(error @ RunError::Inaccurate { .. }) => {

@@ -32,10 +32,10 @@ mod unruly;
 pub use check::{Row, Verdict};
 pub use cli::{Arguments, main};
 
-use crate::error::RunError;
-use crate::programs::Program;
 use bench::Bench;
 use check::{Check, Fault};
+use run::error::RunError;
+use run::programs::Program;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;

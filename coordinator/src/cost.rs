@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Models, resolutions and what models leave out come from the descriptions of the programs
-//! ([`proto::accuracy`]); nothing here names one.
+//! ([`contract::accuracy`]); nothing here names one.
 
 mod analysis;
 mod cli;

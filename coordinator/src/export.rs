@@ -4,17 +4,17 @@
 //! each value. By default one instant a window, the accepted one; with every iteration, the instants
 //! are numbered in the order of the recording.
 
-use crate::error::{RunError, file_failure};
 use crate::inspect::failed;
-use crate::results::vtk::{FieldWriter, Shown};
-use crate::results::write::create;
-use crate::signals;
-use proto::description::Description;
-use proto::field::{Body, FieldKind, GEOMETRY, Mapping};
-use proto::grid::Grid;
-use proto::message::{Command, CommandKind, FieldHeader};
-use proto::model::Step;
+use contract::description::Description;
+use contract::field::{Body, FieldKind, GEOMETRY, Mapping};
+use contract::grid::Grid;
+use contract::message::{Command, CommandKind, FieldHeader};
+use contract::step::Step;
 use proto::recording::{Event, Item, Recording, RecordingError};
+use run::error::{RunError, file_failure};
+use run::results::vtk::{FieldWriter, Shown};
+use run::results::write::create;
+use run::signals;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -244,7 +244,7 @@ fn fits(components: u32, grid: &Grid, header: &FieldHeader) -> Result<(), String
 /// descriptions there is its label alone, and what that does not say is taken for the interface's.
 fn kind(header: &FieldHeader, described: &BTreeMap<String, FieldKind>) -> FieldKind {
     let name = header.name.as_str();
-    let known = proto::field::find(name).map(proto::field::FieldSpec::kind);
+    let known = contract::field::find(name).map(contract::field::FieldSpec::kind);
     known.or_else(|| described.get(name).cloned()).unwrap_or_else(|| FieldKind {
         name: name.to_owned(),
         unit: header.unit.as_str().to_owned(),

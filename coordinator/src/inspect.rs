@@ -8,8 +8,8 @@ pub use range::Range;
 pub use show::{details_text, text};
 pub use survey::{Details, FieldSurvey, IterationSurvey, SampleSurvey, Survey, Wanted, survey};
 
-use crate::error::{Failure, RunError, file_failure};
 use proto::recording::{Recording, RecordingError};
+use run::error::{Failure, RunError, file_failure};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;

@@ -210,6 +210,13 @@ impl<'a> MakeWriter<'a> for Screen {
     }
 }
 
+/// Warns of the keys of the file that an option has replaced, if any.
+pub fn warn_of_replaced(case: &case::Case) {
+    for case::Replaced { option, keys } in &case.replaced {
+        tracing::warn!("{option} replaces {} of the case", keys.join(", "));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! Standard output: what cannot be written there is an error, unless its reader has gone away.
 
-use crate::error::{Failure, RunError};
-use proto::text::visible;
+use contract::text::visible;
+use run::error::{Failure, RunError};
 use std::io::{self, Write};
 
 /// Writes a text, all of it, with what would control a terminal as escapes.

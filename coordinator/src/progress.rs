@@ -50,9 +50,10 @@ impl Progress {
             Self::Silent | Self::Lines { .. } => None,
         }
     }
+}
 
-    /// `done` windows are done, up to the time `reached` [s].
-    pub fn window(&mut self, done: u64, reached: f64) {
+impl run::progress::Progress for Progress {
+    fn window(&mut self, done: u64, reached: f64) {
         match self {
             Self::Silent => {}
             Self::Bar(bar) => {
@@ -70,8 +71,7 @@ impl Progress {
         }
     }
 
-    /// The run is over.
-    pub fn finish(&mut self) {
+    fn finish(&mut self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
         }

@@ -21,13 +21,14 @@ mod walk;
 pub use compare::{Comparison, Difference, Growth, StepDifference};
 pub use show::{difference, text};
 
-use crate::error::RunError;
 use crate::inspect;
-use crate::programs::Program;
-use crate::session::{Deadlines, Seat, Session};
-use crate::signals;
 use drive::Driver;
 use proto::recording::{Item, Participant};
+use run::deadlines::Deadlines;
+use run::error::RunError;
+use run::peers::{Peers, Seat};
+use run::programs::Program;
+use run::signals;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -116,9 +117,9 @@ pub fn replay(request: &Request) -> Result<Replay, RunError> {
     };
     let seat = Seat { role: request.only.clone(), program, attach: request.serve };
     let deadlines = if request.serve { NO_DEADLINES } else { DEADLINES };
-    let mut session = Session::open(&[seat], deadlines, None)?;
-    session.wait_for_joining()?;
-    let mut driver = Driver::new(request, index, &recorded, &mut session, from)?;
+    let mut peers = Peers::start(&[seat], deadlines, None)?;
+    peers.join()?;
+    let mut driver = Driver::new(request, index, &recorded, &mut peers, from)?;
     driver.attach_files(&recording)?;
     let mut damage = None;
     loop {
@@ -200,7 +201,7 @@ fn last_state_before(path: &Path, role: &str, window: u64) -> Result<Option<u64>
                 if usize::from(participant) == index =>
             {
                 end = end.max(command.window);
-                let saves = command.kind == proto::message::CommandKind::Save as u32;
+                let saves = command.kind == contract::message::CommandKind::Save as u32;
                 saving = saves.then_some(command.window);
             }
             _ => {}

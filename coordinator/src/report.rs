@@ -17,16 +17,15 @@ pub mod lanes;
 pub mod map;
 pub mod page;
 pub mod palette;
-pub mod plan_file;
 pub mod plot;
 mod sections;
 pub mod source;
 mod standalone;
 pub mod table;
 
-use crate::error::RunError;
-use crate::results::write::replace;
 use page::Page;
+use run::error::RunError;
+use run::results::write::replace;
 use source::Results;
 use std::path::{Path, PathBuf};
 

@@ -27,10 +27,10 @@ mod values;
 pub use cli::{Arguments, main};
 pub use record::Record;
 
-use crate::error::{RunError, file_failure};
 use crate::study::arguments::FolderArguments;
 use crate::study::output::{Kept, Shown};
 use render::Rendered;
+use run::error::{RunError, file_failure};
 use std::fs;
 use std::path::Path;
 use study::Study;

@@ -26,10 +26,10 @@ pub use cli::{Arguments, main};
 pub use report::{CaseReport, Finding, Report, Row, SweepReport, Waiting};
 pub use suite::Suite;
 
-use crate::error::RunError;
 use crate::study::Variant;
 use crate::study::output::Kept;
 use judge::judge;
+use run::error::RunError;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use suite::{Entry, Expected, Sweep};

@@ -19,12 +19,11 @@ pub mod richardson;
 pub mod spent;
 pub mod table;
 
-use crate::case::RawCase;
-use crate::error::RunError;
-use crate::plan::{Plan, Planned, plan};
-use crate::progress::Progress;
-use crate::results::{Existing, ResultFolder};
-use crate::run::{self, Clock};
+use case::RawCase;
+use run::error::RunError;
+use run::perform::{self, Clock};
+use run::plan::{Plan, Planned, plan};
+use run::results::{Existing, ResultFolder};
 use serde_json::Value;
 use std::path::Path;
 use std::time::Instant;
@@ -88,7 +87,7 @@ pub fn perform(
 ) -> Result<Value, RunError> {
     let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
     let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-    let outcome = run::run(planned, &folder, &mut Progress::Silent, clock, None, None);
+    let outcome = perform::run(planned, &folder, &mut (), clock, None, None);
     outcome.error.map_or(Ok(outcome.summary), Err)
 }
 
@@ -110,7 +109,7 @@ pub fn expected_seconds(plan: &Plan) -> f64 {
 /// # Errors
 /// The file system.
 pub fn scratch() -> Result<tempfile::TempDir, RunError> {
-    let failed = |error| crate::error::file_failure(&std::env::temp_dir(), &error);
+    let failed = |error| run::error::file_failure(&std::env::temp_dir(), &error);
     tempfile::Builder::new().prefix("cosim-study-").tempdir().map_err(failed)
 }
 

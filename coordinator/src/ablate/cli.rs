@@ -3,11 +3,11 @@
 use super::perform::{Request, study};
 use super::runs;
 use super::study::Study;
-use crate::error::RunError;
 use crate::study::arguments::{CaseArguments, FolderArguments};
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::{planned, scratch};
 use clap::Args;
+use run::error::RunError;
 
 /// What `coordinator ablate` is asked.
 #[derive(Debug, Args)]
@@ -28,7 +28,7 @@ pub struct Arguments {
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let (case, base) = (asked.of.case.clone(), asked.of.base());
     let standing = planned(&case, &base)?;
-    standing.case.tell_replaced();
+    crate::logging::warn_of_replaced(&standing.case);
     let name = format!("{}-ablate", standing.plan.name);
     let folder = asked.folder.choose(Study::COMMAND, &name, &|_| false)?;
     let scratch = scratch()?;

@@ -2,12 +2,12 @@
 
 use super::runs::{all, quantities, table};
 use super::study::{Run, Study};
-use crate::error::RunError;
-use crate::format::sentence;
 use crate::report::bars::Bars;
 use crate::report::page::{Block, Mood, Page, Section};
 use crate::study::output::Shown;
 use crate::study::quantity::Measure;
+use run::error::RunError;
+use run::format::sentence;
 use std::path::Path;
 
 impl Shown for Study {

@@ -1,13 +1,13 @@
 //! The runs: the case as it is, and once more without each of its effects.
 
 use super::study::{Run, Study};
-use crate::error::RunError;
 use crate::study::levels::reason;
 use crate::study::output::Kept;
 use crate::study::progress::Steps;
 use crate::study::quantity::Quantity;
 use crate::study::spent::Clock;
 use crate::study::{Variant, ends_study, perform, planned};
+use run::error::RunError;
 use std::path::{Path, PathBuf};
 
 /// What is to be studied.

@@ -1,9 +1,9 @@
 //! The runs as a table: each effect in a row, what the answer is without it, and what it costs.
 
 use super::study::{Run, Study};
-use crate::format::{number, of_key};
 use crate::study::quantity::{Measure, Quantity};
 use crate::study::table::{Cell, Column, Failure, Table};
+use run::format::{number, of_key};
 
 /// Figures that have a column; all of them are in the file.
 const COLUMNS: usize = 6;

@@ -1,7 +1,7 @@
 //! What is asked for: an error, of a figure.
 
-use crate::error::RunError;
 use crate::study::quantity::{Measure, Quantity};
+use run::error::RunError;
 use serde_json::Value;
 
 /// What drives the figures of a section: an error there is an error here.

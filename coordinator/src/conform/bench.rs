@@ -5,10 +5,10 @@ use super::check::{Fault, Seen, broken};
 use super::lives::Lives;
 use super::recorded::Recorded;
 use super::setting::{self, Setting};
-use crate::error::RunError;
-use crate::programs::Program;
-use proto::description::Description;
-use proto::field::{self, FieldKind};
+use contract::description::Description;
+use contract::field::{self, FieldKind};
+use run::error::RunError;
+use run::programs::Program;
 use std::future::Future;
 use std::time::Duration;
 
@@ -124,14 +124,14 @@ pub(super) fn wait_for<T>(
     answer: impl Future<Output = Result<T, RunError>>,
 ) -> Result<T, RunError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
-    let failed = |error| crate::error::file_failure(std::path::Path::new("tokio"), &error);
+    let failed = |error| run::error::file_failure(std::path::Path::new("tokio"), &error);
     runtime.map_err(failed)?.block_on(answer)
 }
 
 /// What is known of a program before it has said anything.
 fn nobody(role: &str) -> Description {
     Description {
-        protocol: proto::PROTOCOL_VERSION,
+        protocol: contract::PROTOCOL_VERSION,
         name: String::new(),
         version: String::new(),
         role: role.to_owned(),

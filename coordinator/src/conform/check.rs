@@ -1,7 +1,7 @@
 //! What a check is, and how it can go.
 
 use super::bench::Bench;
-use proto::text::one_line;
+use contract::text::one_line;
 use proto::transport::TransportError;
 use serde::Serialize;
 use std::time::Duration;

@@ -1,12 +1,12 @@
 //! The subcommand.
 
 use super::{News, Report, Request, Verdict, conform, show};
-use crate::error::{Failure, RunError};
 use crate::output::{Speaker, print};
-use crate::programs::Program;
 use crate::study::progress::Steps;
 use clap::Args;
-use proto::text::json;
+use contract::text::json;
+use run::error::{Failure, RunError};
+use run::programs::Program;
 use std::path::PathBuf;
 use std::time::Duration;
 

@@ -2,13 +2,13 @@
 
 use super::bench::{Bench, wait_for};
 use super::check::{Check, Fault, Seen, broken};
-use crate::case::parse_quantity;
-use crate::error::RunError;
-use crate::format::counted;
-use proto::configuration::{Estimate, Layout};
-use proto::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
-use proto::grid::check_name;
-use proto::message::{Command, CommandKind};
+use case::parse_quantity;
+use contract::configuration::{Estimate, Layout};
+use contract::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
+use contract::grid::check_name;
+use contract::message::{Command, CommandKind};
+use run::error::RunError;
+use run::format::counted;
 use std::time::Instant;
 
 pub(super) const DESCRIBE: Check = Check {
@@ -40,8 +40,8 @@ fn describe(bench: &Bench) -> Result<Seen, Fault> {
     let begun = Instant::now();
     let said = wait_for(bench.program.describe(&bench.role, bench.patience)).map_err(fault)?;
     let took = begun.elapsed();
-    if said.protocol != proto::PROTOCOL_VERSION {
-        let ours = proto::PROTOCOL_VERSION;
+    if said.protocol != contract::PROTOCOL_VERSION {
+        let ours = contract::PROTOCOL_VERSION;
         return broken(format!("it speaks protocol {}, this coordinator {ours}", said.protocol));
     }
     if said.role != bench.role {

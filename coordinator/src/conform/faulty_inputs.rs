@@ -4,8 +4,8 @@ use super::bench::Bench;
 use super::check::{Check, Fault, Seen, broken};
 use super::solving::same;
 use super::trial::{Feed, Trial};
-use proto::message::{Command, CommandKind, Label};
-use proto::model::Step;
+use contract::message::{Command, CommandKind, Label};
+use contract::step::Step;
 
 pub(super) const MISSING_SAMPLE: Check = Check {
     name: "missing-sample",

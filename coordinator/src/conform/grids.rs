@@ -45,7 +45,7 @@ fn growing(bench: &Bench) -> Result<Seen, Fault> {
             if size == largest(bench) {
                 same(&solve()?.outputs, &first, &place)?;
             }
-            points.push(layout.grids.iter().map(proto::grid::Grid::points).sum::<usize>());
+            points.push(layout.grids.iter().map(contract::grid::Grid::points).sum::<usize>());
         }
         let points: Vec<String> = points.iter().map(usize::to_string).collect();
         Seen::kept(format!("own grids of {} points", points.join(", ")))

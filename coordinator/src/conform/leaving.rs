@@ -4,7 +4,7 @@ use super::bench::Bench;
 use super::check::{Check, Fault, Seen, broken};
 use super::grids::largest;
 use super::trial::{Trial, told};
-use proto::message::{Command, CommandKind, Finished};
+use contract::message::{Command, CommandKind, Finished};
 use serde_json::Value;
 use std::time::{Duration, Instant};
 

@@ -9,7 +9,7 @@ use super::bench::Bench;
 use super::check::{Fault, Seen};
 use super::setting::Setting;
 use super::trial::{Trial, Values};
-use proto::configuration::Configuration;
+use contract::configuration::Configuration;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::num::NonZero;

@@ -3,11 +3,12 @@
 use super::bench::Bench;
 use super::check::{Check, Fault, Seen, broken};
 use super::setting::Setting;
-use super::trial::{LEAVE, Trial, told};
-use proto::configuration::Configuration;
-use proto::description::{Description, KeySpec};
-use proto::message::{Command, CommandKind};
-use proto::params::Params;
+use super::trial::{Trial, told};
+use contract::configuration::Configuration;
+use contract::description::{Description, KeySpec};
+use contract::message::{Command, CommandKind};
+use contract::params::Params;
+use run::peers::LEAVE;
 use serde_json::{Value, json};
 use std::time::Instant;
 

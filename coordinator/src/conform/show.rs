@@ -1,7 +1,7 @@
 //! The table on the terminal.
 
 use super::{Report, Row, Verdict};
-use proto::text::one_line;
+use contract::text::one_line;
 use std::fmt::Write as _;
 
 /// Column of the names of the checks.
@@ -13,7 +13,7 @@ const LINE: usize = 96;
 pub(super) fn head(report: &Report) -> String {
     let program = if report.program.is_empty() { "?" } else { &one_line(&report.program) };
     let mut text =
-        format!("{} as `{}`, protocol {}\n", program, report.role, proto::PROTOCOL_VERSION);
+        format!("{} as `{}`, protocol {}\n", program, report.role, contract::PROTOCOL_VERSION);
     let mut listed = |word: &str, list: &[String]| {
         for (index, one) in list.iter().enumerate() {
             let word = if index == 0 { word } else { "" };

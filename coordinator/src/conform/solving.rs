@@ -3,9 +3,9 @@
 use super::bench::Bench;
 use super::check::{Check, Fault, Seen, broken};
 use super::trial::{Trial, Values, difference};
-use proto::field::Mapping;
-use proto::message::Status;
-use proto::model::Step;
+use contract::field::Mapping;
+use contract::message::Status;
+use contract::step::Step;
 
 pub(super) const INITIALISE: Check = Check {
     name: "initialise",

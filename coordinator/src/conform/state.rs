@@ -5,8 +5,8 @@ use super::check::{Check, Fault, Seen};
 use super::setting::Setting;
 use super::solving::same;
 use super::trial::{Trial, Values};
-use proto::message::{Command, CommandKind, OutputFile, StateFile, Status};
-use proto::model::Step;
+use contract::message::{Command, CommandKind, OutputFile, StateFile, Status};
+use contract::step::Step;
 use std::path::{Path, PathBuf};
 
 pub(super) const RESTORE: Check = Check {

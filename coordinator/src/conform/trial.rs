@@ -1,6 +1,6 @@
 //! One life of the participant under test: a run of its own, with the other side in our hands.
 //!
-//! A [`crate::session::Session`] hides what a participant must not do; a trial does it: it sends any
+//! A [`run::session::Session`] hides what a participant must not do; a trial does it: it sends any
 //! command, any sample, and looks at everything that comes back.
 
 mod answer;
@@ -13,37 +13,31 @@ use super::bench::{Bench, kind};
 use super::check::{Fault, broken};
 use super::given::Given;
 use super::setting::Setting;
-use crate::session::link::Link;
-use crate::session::outlet::header;
-use crate::session::{COORDINATOR, Tap, layout_fault};
-use crate::signals;
-use crate::supervise::{Exit, Launch, Supervisor};
+use contract::configuration::{Configuration, Layout};
+use contract::field::FieldKind;
+use contract::grid::Grid;
+use contract::message::{Command, CommandKind, FieldHeader, OBSERVE, Reply, Status, Topic, Topics};
 use ending::{Abandoned, nothing_left};
-use proto::configuration::{Configuration, Layout};
-use proto::field::FieldKind;
-use proto::grid::Grid;
-use proto::message::{Command, CommandKind, FieldHeader, OBSERVE, Reply, Status, Topic, Topics};
 use proto::model::{Step, first_non_finite};
-use proto::run_dir::{RunDir, RunInfo};
-use proto::transport::{Doorbell, Endpoint, FieldWriter, TransportError};
+use proto::transport::{FieldWriter, TransportError};
+use run::deadlines::Deadlines;
+use run::error::RunError;
+use run::peers::{COORDINATOR, EndsFirst, LEAVE, Peers, Seat, Stopped};
+use run::session::{Tap, header, layout_fault};
+use run::supervise::Exit;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// How long a participant may take to end when it has to.
-pub(super) const LEAVE: Duration = Duration::from_secs(2);
+/// A participant may be silent while it is put through a check; its heartbeats have one of their own.
+const NEVER: Duration = Duration::MAX;
 
 /// The only participant of a run, and what it is connected to.
-// Fields drop in this order: the process ends first, ports close next, the run's folder goes last.
 pub(super) struct Trial {
-    supervisor: Supervisor,
+    guard: EndsFirst,
     outputs: Vec<Tap>,
     observed: Vec<Tap>,
     pub(super) inputs: Vec<Feed>,
-    link: Link,
-    doorbell: Doorbell,
-    endpoint: Endpoint,
-    run: RunDir,
-    /// When its heart was heard to beat.
+    /// When its heartbeats were received.
     pub(super) beats: Vec<Instant>,
     role: String,
     /// Fields that it describes itself.
@@ -51,6 +45,7 @@ pub(super) struct Trial {
     patience: Duration,
     /// What was accepted last.
     accepted: Option<Step>,
+    peers: Peers,
 }
 
 /// A solve that went through.
@@ -88,113 +83,88 @@ impl Feed {
 impl Trial {
     /// Starts the participant in a run of its own; it has not joined yet.
     pub(super) fn start(bench: &Bench) -> Result<Self, Fault> {
-        Self::of_version(bench, proto::PROTOCOL_VERSION)
+        Self::of_version(bench, contract::PROTOCOL_VERSION)
     }
 
     /// Waits until it has joined.
-    pub(super) fn joined(self) -> Result<Self, Fault> {
-        let deadline = Instant::now() + self.patience;
-        while !self.link.is_up() {
-            self.look(deadline, "joining the run")?;
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        // Connects to its replies: what it sends last is heard even if it has ended by then.
-        self.link.receive()?;
+    pub(super) fn joined(mut self) -> Result<Self, Fault> {
+        let joined = self.peers.joined(0, self.patience);
+        joined.map_err(|stopped| self.fault(stopped, "joining the run"))?;
         Ok(self)
     }
 
     /// Starts the participant in a run of some version of the contract; it has not joined yet.
     pub(super) fn of_version(bench: &Bench, protocol: u32) -> Result<Self, Fault> {
-        let run = RunDir::create(std::slice::from_ref(&bench.role))?;
-        let info = RunInfo { protocol, ..run.info().clone() };
-        if protocol != proto::PROTOCOL_VERSION {
-            let text = serde_json::to_vec(&info).expect("a run's description is plain data");
-            std::fs::write(info.folder.join("run.json"), text)?;
-        }
-        let endpoint = Endpoint::open(&info)?;
-        let doorbell = endpoint.doorbell(COORDINATOR)?;
-        let role = bench.role.as_str();
-        let link = Link::new(
-            (role, bench.program.name()),
-            false,
-            endpoint.command_sender(role)?,
-            endpoint.reply_receiver(role)?,
-            endpoint.ringer(role)?,
-        );
-        let launch = Launch { role: bench.role.clone(), program: bench.program.clone() };
-        let supervisor = Supervisor::start(&[launch], &info.folder)
-            .map_err(|(_, error)| Fault::Broken(format!("it does not start: {error}")))?;
+        let (role, program) = (bench.role.clone(), bench.program.clone());
+        let seat = Seat { role: role.clone(), program, attach: false };
+        let patience = bench.patience;
+        let deadlines =
+            Deadlines { start: patience, build: patience, solve: patience, heartbeat: NEVER };
+        let started = Peers::start_version(protocol, &[seat], deadlines, None);
+        let peers = started.map_err(|error| match error {
+            RunError::Failed(failure) => {
+                Fault::Broken(format!("it does not start: {}", failure.what))
+            }
+            other => Fault::Broken(other.to_string()),
+        })?;
         let (outputs, observed, inputs, beats) = Default::default();
         Ok(Self {
-            supervisor,
+            guard: peers.end_first(),
             outputs,
             observed,
             inputs,
-            link,
-            doorbell,
-            endpoint,
-            run,
             beats,
-            role: bench.role.clone(),
+            role,
             fields: bench.description.fields.clone(),
-            patience: bench.patience,
+            patience,
             accepted: None,
+            peers,
         })
     }
 
     /// The run's folder.
     pub(super) fn folder(&self) -> &Path {
-        &self.run.info().folder
+        &self.peers.info().folder
     }
 
     /// The participant's process has ended.
     pub(super) fn ended(&self) -> Option<Exit> {
-        self.supervisor.exits().pop()
+        self.peers.supervisor().exits().pop()
     }
 
-    /// Is there a reason not to wait any longer?
-    fn look(&self, deadline: Instant, what: &str) -> Result<(), Fault> {
-        if let Some(signal) = signals::received() {
-            return Err(Fault::Interrupted(signal));
+    /// Why a wait has ended, as a fault of the participant.
+    fn fault(&self, stopped: Stopped, what: &str) -> Fault {
+        let broken = |how: String| Fault::Broken(format!("{what}: {how}"));
+        match stopped {
+            Stopped::Interrupted(signal) => Fault::Interrupted(signal),
+            Stopped::Exited(exit) => broken(format!("its process {}", told(&exit))),
+            Stopped::Gone(_) => broken("its process is gone".to_owned()),
+            Stopped::ReplyLost(_) => {
+                broken("no answer, and its heartbeat says that it waits for a command".to_owned())
+            }
+            Stopped::Silent(_, time) | Stopped::Late(_, time) => {
+                broken(format!("no answer within {:.0} s", time.as_secs_f64()))
+            }
+            Stopped::Transport(_, error) => error.into(),
         }
-        if let Some(exit) = self.ended() {
-            return broken(format!("{what}: its process {}", told(&exit)));
-        }
-        if Instant::now() > deadline {
-            let seconds = self.patience.as_secs_f64();
-            return broken(format!("{what}: no answer within {seconds:.0} s"));
-        }
-        Ok(())
     }
 
     /// Sends a command; its number and the version are put in unless they are given.
     pub(super) fn post(&mut self, command: Command, body: &[u8]) -> Result<(), Fault> {
         let answered = command.kind != CommandKind::Accept as u32 || command.flags & OBSERVE != 0;
-        self.link.post(command, body, answered)?;
+        self.peers.send(0, command, body, answered)?;
         Ok(())
     }
 
     /// Waits for the reply to the last command, and checks its label.
     pub(super) fn answer(&mut self, what: &str) -> Result<Answer, Fault> {
-        let deadline = Instant::now() + self.patience;
-        let (mut beats, this) = (Vec::new(), &*self);
-        let poll = || -> Result<_, Fault> {
-            if let Some(message) = this.link.receive()? {
-                return Ok(Some(message));
-            }
-            match this.look(deadline, what) {
-                Ok(()) => Ok(None),
-                // What it sent just before it ended still counts.
-                Err(reason) => this.link.receive()?.map(Some).ok_or(reason),
-            }
-        };
-        let message = this.doorbell.wait(poll, |_, _| beats.push(Instant::now()));
-        let message = message?;
+        let Self { peers, beats, patience, .. } = self;
+        let waited = peers.wait(0, *patience, || beats.push(Instant::now()));
+        let (_, message) = waited.map_err(|stopped| self.fault(stopped, what))?;
         let (reply, body) = (*message.header(), message.body().to_vec());
         drop(message);
-        self.beats.extend(beats);
-        let expected = self.link.sequence();
-        if reply.protocol != proto::PROTOCOL_VERSION {
+        let expected = self.peers.all()[0].sequence();
+        if reply.protocol != contract::PROTOCOL_VERSION {
             return broken(format!("{what}: its reply has protocol {}", reply.protocol));
         }
         if reply.sequence != expected {
@@ -276,7 +246,7 @@ impl Trial {
                 };
                 let grid = layout.grid_of(name).expect("the layout is checked");
                 let topic = topic(name, role, grid);
-                let reader = self.endpoint.field_reader(&topic.service)?;
+                let reader = self.peers.endpoint().field_reader(&topic.service)?;
                 list.push(Tap::of_role(role, kind, grid.clone(), reader));
                 topics.outputs.push(topic);
             }
@@ -286,7 +256,7 @@ impl Trial {
             let grid = wanted.expect("every input of a setting has a grid").clone();
             let topic = topic(&input.field.name, COORDINATOR, &grid);
             let length = grid.points() * given.kind.components as usize;
-            let writer = self.endpoint.field_writer(&topic.service, length, 1)?;
+            let writer = self.peers.endpoint().field_writer(&topic.service, length, 1)?;
             let header = header(&given.kind, &grid);
             self.inputs.push(Feed {
                 given: given.clone(),
@@ -390,23 +360,17 @@ impl Trial {
         answer.map(|_| ()).map_err(|fault| fault.at(&format!("after {after}")))
     }
 
-    /// Listens to its heart for a while.
+    /// Receives heartbeats for a while.
     pub(super) fn listen(&mut self, time: Duration) -> Result<(), Fault> {
-        let until = Instant::now() + time;
-        let (mut beats, this) = (Vec::new(), &*self);
-        let over = || -> Result<_, Fault> {
-            this.look(until + this.patience, "while idle")?;
-            Ok((Instant::now() >= until).then_some(()))
-        };
-        this.doorbell.wait(over, |_, _| beats.push(Instant::now()))?;
-        self.beats.extend(beats);
-        Ok(())
+        let Self { peers, beats, .. } = self;
+        let waited = peers.idle(time, || beats.push(Instant::now()));
+        waited.map_err(|stopped| self.fault(stopped, "while idle"))
     }
 
     /// It has been let go, or must go by itself: how it ended, and whether anything is left.
     pub(super) fn leave(self, why: &str) -> Result<Exit, Fault> {
-        let gone = self.supervisor.wait_for_exits(LEAVE);
-        let (exit, info) = (self.ended(), self.run.info().clone());
+        let gone = self.peers.supervisor().wait_for_exits(LEAVE);
+        let (exit, info) = (self.ended(), self.peers.info().clone());
         drop(self);
         match exit {
             Some(exit) if gone => nothing_left(&info).map(|()| exit),
@@ -416,12 +380,9 @@ impl Trial {
 
     /// As if the coordinator were killed: its locks are free, its ports and files stay as they are.
     pub(super) fn abandon(self) -> Abandoned {
-        let Self { supervisor, outputs, observed, inputs, link, doorbell, endpoint, run, .. } =
-            self;
-        // The kernel closes nothing in order.
-        std::mem::forget((outputs, observed, inputs, link, doorbell, endpoint));
-        let info = run.info().clone();
-        drop(run);
+        let Self { guard, outputs, observed, inputs, peers, .. } = self;
+        std::mem::forget((outputs, observed, inputs));
+        let (supervisor, info) = peers.abandon(guard);
         Abandoned { supervisor, info, since: Instant::now() }
     }
 }

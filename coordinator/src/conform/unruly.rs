@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use super::check::{Check, Fault, Seen, broken};
-use proto::message::{Command, CommandKind, OBSERVE};
+use contract::message::{Command, CommandKind, OBSERVE};
 
 pub(super) const UNKNOWN_COMMAND: Check = Check {
     name: "unknown-command",
@@ -38,7 +38,7 @@ fn unknown(bench: &Bench) -> Result<Seen, Fault> {
     }
     let command = Command { protocol: 999, ..Command::new(CommandKind::Describe) };
     let other = trial.ask(command, &[])?.not_done("its version")?;
-    let ours = proto::PROTOCOL_VERSION.to_string();
+    let ours = contract::PROTOCOL_VERSION.to_string();
     if !other.contains("999") || !other.contains(&ours) {
         return broken(format!("version 999 is answered with `{other}`, not naming both"));
     }

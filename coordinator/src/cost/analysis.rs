@@ -2,12 +2,12 @@
 
 use super::study::{Compared, LevelSeen, Pick, Reference, Request, Run, Shows, Study};
 use super::sweep::{Sweep, WINDOW};
-use crate::error::RunError;
 use crate::study::axis::Axis;
 use crate::study::levels::Level;
 use crate::study::output::Kept;
 use crate::study::quantity::{Measure, Quantity};
 use crate::study::richardson::{Estimate, Sample};
+use run::error::RunError;
 use std::collections::BTreeMap;
 
 /// The targets for which a study names a run.

@@ -4,13 +4,13 @@ use super::finished::FinishedRuns;
 use super::study::{Request, Study};
 use super::sweep::Places;
 use super::{analysis, page, runs, show, sweep};
-use crate::error::RunError;
 use crate::study::arguments::{CaseArguments, FolderArguments};
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::{planned, scratch};
 use clap::Args;
+use run::error::RunError;
 use std::path::Path;
 
 /// What `coordinator cost` is asked.
@@ -45,7 +45,7 @@ pub struct Arguments {
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let request = request(asked)?;
     let standing = planned(&request.case, &request.base)?;
-    standing.case.tell_replaced();
+    crate::logging::warn_of_replaced(&standing.case);
     let kept = |folder: &Path| FinishedRuns::read(folder, &request, &standing);
     let name = format!("{}-cost", standing.plan.name);
     let goes_on = |folder: &Path| kept(folder).count() > 0;

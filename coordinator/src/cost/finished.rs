@@ -2,11 +2,11 @@
 //! request goes on with them.
 
 use super::study::{Request, Run};
-use crate::checkpoint::sum;
-use crate::error::RunError;
-use crate::plan::Planned;
-use crate::run::origin;
 use crate::study::folder::StudyFolder;
+use run::checkpoint::sum;
+use run::error::RunError;
+use run::perform::origin;
+use run::plan::Planned;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::collections::BTreeMap;

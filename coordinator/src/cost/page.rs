@@ -2,13 +2,13 @@
 
 use super::runs::{COLUMNS, of_level, table};
 use super::study::{Compared, Pick, Run, Study};
-use crate::error::RunError;
-use crate::format::{of_key, seconds};
 use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::plot::Figure;
 use crate::report::table::Table;
 use crate::study::output::Shown;
 use crate::study::quantity::Measure;
+use run::error::RunError;
+use run::format::{of_key, seconds};
 use std::path::Path;
 
 impl Shown for Study {

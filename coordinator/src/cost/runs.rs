@@ -1,8 +1,8 @@
 //! The runs as a table: those of a level for people, all of them for programs.
 
 use super::study::{Run, Study};
-use crate::format::number;
 use crate::study::table::{Cell, Column, Failure, Table};
+use run::format::number;
 use std::collections::BTreeSet;
 
 /// Figures that have a column on the terminal; all of them are in the files.

@@ -2,7 +2,7 @@
 
 use super::runs::{COLUMNS, of_level, table};
 use super::study::{Compared, Study};
-use crate::format::{of_key, seconds};
+use run::format::{of_key, seconds};
 use std::fmt::Write as _;
 
 /// Everything that a person wants to see of a study.

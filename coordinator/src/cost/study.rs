@@ -5,7 +5,7 @@ use crate::study::axis::Axis;
 use crate::study::output::Kept;
 use crate::study::quantity::{Measure, Quantity};
 use crate::study::spent::Spent;
-use proto::accuracy::Simplification;
+use contract::accuracy::Simplification;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

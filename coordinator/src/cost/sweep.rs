@@ -2,8 +2,6 @@
 
 use super::finished::FinishedRuns;
 use super::study::{Request, Run};
-use crate::error::RunError;
-use crate::plan::{Plan, Planned};
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::levels::{Level, Offer, offered, reason};
@@ -11,7 +9,9 @@ use crate::study::progress::Steps;
 use crate::study::quantity::Quantity;
 use crate::study::spent::{Clock, Spent};
 use crate::study::{Variant, ends_study, expected_seconds, perform, planned};
-use crate::windows::Windows;
+use coupling::windows::Windows;
+use run::error::RunError;
+use run::plan::{Plan, Planned};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -40,7 +40,7 @@ impl Range {
                 *high = if *value > *high { *value } else { *high };
             }
         }
-        let sum = proto::grid::blocked_sum(values);
+        let sum = contract::grid::blocked_sum(values);
         Self {
             min: low.into_iter().reduce(f64::min),
             max: high.into_iter().reduce(f64::max),

@@ -1,8 +1,8 @@
 //! A survey as a person reads it.
 
 use super::{Details, FieldSurvey, Range, Survey};
-use crate::format::{bytes, counted, seconds};
-use proto::text::one_line;
+use contract::text::one_line;
+use run::format::{bytes, counted, seconds};
 use std::fmt::Write as _;
 use std::path::Path;
 

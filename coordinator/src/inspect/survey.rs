@@ -1,7 +1,7 @@
 //! One pass over a recording.
 
 use super::Range;
-use proto::message::{CommandKind, FieldHeader};
+use contract::message::{CommandKind, FieldHeader};
 use proto::recording::{End, Event, Item, Iteration, Recording};
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! What the participant sends now against what it sent then.
 
-use proto::message::FieldHeader;
-use proto::model::Step;
+use contract::message::FieldHeader;
+use contract::step::Step;
 use serde::Serialize;
 
 /// What was compared, and how it differs.
@@ -175,7 +175,7 @@ impl Growth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proto::message::Label;
+    use contract::message::Label;
 
     fn header(window: u64, components: u32) -> FieldHeader {
         let (name, unit) = (Label::new("rail_temperature"), Label::new("K"));

@@ -1,8 +1,8 @@
 //! How a replay went, for a person.
 
 use super::{Difference, Replay, Request};
-use crate::format::{counted, seconds};
-use proto::text::one_line;
+use contract::text::one_line;
+use run::format::{counted, seconds};
 use std::fmt::Write as _;
 
 /// A few lines: what was driven, what was compared, where it first differs and how that grows.

@@ -2,10 +2,10 @@
 //! read them, and changed as was asked for.
 
 use super::Request;
-use crate::error::RunError;
-use crate::record::fits;
-use proto::description::{Description, KeySpec};
+use contract::description::{Description, KeySpec};
 use proto::recording::{CaseFile, Participant};
+use run::error::RunError;
+use run::record::fits;
 use serde_json::{Map, Value};
 
 /// Who is told, and what was recorded of it.

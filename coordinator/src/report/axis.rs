@@ -1,7 +1,7 @@
 //! Axes: where values go on the paper, and round numbers along them.
 
 use super::html::escape;
-use crate::format::{number, superscript};
+use run::format::{number, superscript};
 use std::fmt::Write as _;
 
 /// An axis over its values, linear or by decades.

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::canvas::{RIGHT, WIDTH, figure, view};
 use super::html::escape;
-use crate::format::number;
+use run::format::number;
 use std::fmt::Write as _;
 
 /// Height of a bar with its room.

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::canvas::{COLOURS, RIGHT, figure, view};
 use super::html::escape;
-use crate::format::Scale;
+use run::format::Scale;
 use std::fmt::Write as _;
 
 const LEFT: f64 = 92.0;

@@ -5,7 +5,7 @@ use super::canvas::{LEFT, figure, view};
 use super::image::address;
 use super::palette::{COLOURS, entry};
 use super::standalone::Standalone;
-use crate::format::number;
+use run::format::number;
 use std::fmt::Write as _;
 
 /// Where a map ends at most on the paper, and where its colour bar is.

@@ -3,7 +3,7 @@
 use super::axis::{Axis, Frame};
 use super::canvas::{COLOURS, Key, LEFT, RIGHT, figure, legend, mark, view};
 use super::standalone::Standalone;
-use crate::format::number;
+use run::format::number;
 use std::fmt::Write as _;
 
 /// Height of a line plot's view box.

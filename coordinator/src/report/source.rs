@@ -10,9 +10,9 @@ mod xml;
 pub use image::{Field, Image};
 pub use table::Table;
 
-use super::plan_file;
-use crate::error::{RunError, file_failure};
-use crate::results::summary::Status;
+use run::error::{RunError, file_failure};
+use run::plan_file;
+use run::results::summary::Status;
 use serde_json::Value;
 use std::fs;
 use std::io::ErrorKind;

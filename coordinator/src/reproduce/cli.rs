@@ -1,10 +1,10 @@
 //! The subcommand.
 
 use super::{Request, reproduce};
-use crate::error::RunError;
 use crate::output::Speaker;
 use crate::study::arguments::FolderArguments;
 use clap::Args;
+use run::error::RunError;
 use std::path::PathBuf;
 
 /// What `coordinator reproduce` is asked.

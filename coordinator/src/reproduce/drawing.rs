@@ -2,11 +2,11 @@
 
 use super::study::{Divisor, FigureSpec, LineSpec, MapSpec, Member, PlotSpec, Study};
 use super::values::Values;
-use crate::error::RunError;
 use crate::report::map::Heatmap;
 use crate::report::page::Block;
 use crate::report::plot::Figure;
 use crate::report::source::{Field, Image, Results, Series};
+use run::error::RunError;
 use std::path::{Path, PathBuf};
 
 /// Lines or colours.

@@ -2,10 +2,10 @@
 
 use super::record::{Done, Record, STUDY, TEMPLATE};
 use super::study::{Run, Study};
-use crate::error::{RunError, file_failure};
 use crate::study::folder::StudyFolder;
 use crate::study::output::Kept;
 use crate::study::{self, Variant};
+use run::error::{RunError, file_failure};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -4,8 +4,8 @@
 //! holds the text. A *family* is one `[[run]]` entry; with `over` it is one run for each value of an
 //! axis, named `FAMILY/VALUE`, and `{AXIS}` stands for the value in what it sets.
 
-use crate::error::{RunError, file_failure};
 use crate::study::Variant;
+use run::error::{RunError, file_failure};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -3,8 +3,8 @@
 use super::study::{Column, RowSpec, Study, TableSpec};
 use super::text::{ABSENT, cell};
 use super::values::Values;
-use crate::error::RunError;
 use crate::report::table::Table;
+use run::error::RunError;
 use std::sync::Arc;
 
 /// A row with its name and the family that it shows.

@@ -3,13 +3,13 @@
 use super::report::Report;
 use super::suite::Suite;
 use super::{Request, limits, show, stability};
-use crate::error::{Failure, RunError};
 use crate::output::{Speaker, print};
-use crate::results::write::replace;
 use crate::study::arguments::FolderArguments;
 use crate::study::output::{Kept, Shown};
 use clap::Args;
-use proto::text::json;
+use contract::text::json;
+use run::error::{Failure, RunError};
+use run::results::write::replace;
 use std::path::PathBuf;
 
 /// What `coordinator stability` is asked.

@@ -9,7 +9,7 @@ const OPENING: &str = "\
 # Limits
 
 Where the answers of this program end, and what happens there. Every line is the outcome of a run of
-`coordinator stability`, which wrote this file (`--write-limits docs/limits.md`); the system tests run
+`coordinator stability`, which wrote this file (`--write-limits docs/limits.md`); the nightly tests run
 it again and compare. The cases and the reasons of their bounds stand in
 [cases/hard/suite.toml](../cases/hard/suite.toml); a case or a sweep joins by an entry there. Numbers in
 headings are those of the list of hard cases.

@@ -2,11 +2,11 @@
 
 use super::report::{CaseReport, Report, SweepReport};
 use super::rows::{self, OTHERWISE, course, factor};
-use crate::error::RunError;
-use crate::format::number;
 use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::table::Table;
 use crate::study::output::Shown;
+use run::error::RunError;
+use run::format::number;
 use std::path::Path;
 
 impl Shown for Report {

@@ -1,8 +1,8 @@
 //! How runs went, in columns and words: for the terminal and for pages.
 
 use super::report::{CaseReport, Finding, Row, SweepReport};
-use crate::format::number;
 use crate::study::table::{Cell, Column, Table};
+use run::format::number;
 
 /// Marks what went otherwise than expected.
 pub(super) const OTHERWISE: &str = "✗";

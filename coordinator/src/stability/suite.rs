@@ -3,8 +3,8 @@
 
 use super::figure::Figure;
 use super::report::Waiting;
-use crate::error::RunError;
 use crate::study::Variant;
+use run::error::RunError;
 use serde::Deserialize;
 use std::fmt;
 use std::path::{Path, PathBuf};

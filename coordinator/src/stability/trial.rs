@@ -1,13 +1,12 @@
 //! One run: how it ended, its figures, and what its recording holds.
 
-use crate::error::RunError;
 use crate::inspect::{self, Survey, Wanted};
-use crate::plan::{Plan, Planned};
-use crate::progress::Progress;
-use crate::record::Compression;
-use crate::results::{Existing, ResultFolder};
-use crate::run::{self, Clock};
 use crate::study::{self, Variant};
+use run::error::RunError;
+use run::perform::{self, Clock};
+use run::plan::{Plan, Planned};
+use run::record::Compression;
+use run::results::{Existing, ResultFolder};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::time::Instant;
@@ -57,7 +56,7 @@ impl Trial {
     fn perform(planned: &Planned, folder: &ResultFolder, since: Instant) -> Result<Self, RunError> {
         let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
         let record = Some(Compression::None);
-        let outcome = run::run(planned, folder, &mut Progress::Silent, clock, None, record);
+        let outcome = perform::run(planned, folder, &mut (), clock, None, record);
         let seconds = since.elapsed().as_secs_f64();
         let error = match outcome.error {
             Some(error) if study::ends_study(&error) => return Err(error),

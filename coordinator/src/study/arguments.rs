@@ -2,8 +2,8 @@
 
 use super::Variant;
 use super::folder::{StudyFolder, Wanted};
-use crate::error::RunError;
 use clap::Args;
+use run::error::RunError;
 use std::path::{Path, PathBuf};
 
 /// The case of a study, and how often it is run.

@@ -1,6 +1,6 @@
 //! What a study varies: a key of the case and its values.
 
-use crate::error::RunError;
+use run::error::RunError;
 
 /// A key and the values it takes, one run after the other.
 #[derive(Clone, Debug, PartialEq, Eq)]

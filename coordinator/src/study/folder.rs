@@ -1,11 +1,11 @@
 //! The folder of a study: nothing but an earlier study of the same kind is ever replaced, and one that
 //! was stopped is gone on with.
 
-use crate::error::RunError;
-use crate::results::Existing;
-use crate::results::claim::{Claim, holds_results};
-use crate::results::place::{RESULTS, link_latest, numbered};
-use crate::results::write::{remove, replace};
+use run::error::RunError;
+use run::results::Existing;
+use run::results::claim::{Claim, holds_results};
+use run::results::place::{RESULTS, link_latest, numbered};
+use run::results::write::{remove, replace};
 use serde_json::Value;
 use std::cell::OnceCell;
 use std::fs;

@@ -2,10 +2,10 @@
 //! resolutions worth running, as their descriptions say.
 
 use super::{Variant, ends_study, planned};
-use crate::case::Problem;
-use crate::error::RunError;
-use crate::plan::Planned;
-use proto::accuracy::{Refinement, Simplification};
+use case::Problem;
+use contract::accuracy::{Refinement, Simplification};
+use run::error::RunError;
+use run::plan::Planned;
 use std::path::Path;
 
 /// One choice of a model for every participant.

@@ -1,11 +1,11 @@
 //! What every study leaves in its folder: one file of plain data, which is read again for its page.
 
 use super::folder::{StudyFolder, says_incomplete};
-use crate::error::{RunError, file_failure};
 use crate::output::print;
 use crate::report;
 use crate::report::page::Page;
-use proto::text::json;
+use contract::text::json;
+use run::error::{RunError, file_failure};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fs;

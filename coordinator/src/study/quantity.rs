@@ -1,6 +1,6 @@
 //! The figures of a summary that studies compare.
 
-use crate::format::number;
+use run::format::number;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -94,7 +94,7 @@ impl Quantity {
     #[must_use]
     pub fn of(key: &str) -> Self {
         let known = Self::of_interest().into_iter().find(|quantity| quantity.key == key);
-        let name = || crate::format::words(key.rsplit('.').next().unwrap_or(key));
+        let name = || run::format::words(key.rsplit('.').next().unwrap_or(key));
         let other = || Self { key: key.to_owned(), name: name(), measure: Measure::Relative };
         known.unwrap_or_else(other)
     }

@@ -3,8 +3,8 @@
 //! A study says what each column is of one row. Where a column is not told otherwise it stands on the
 //! terminal and on the page; in CSV stand those that have a name there.
 
-use crate::format;
 use crate::report;
+use run::format;
 
 /// Space between two columns on the terminal.
 const GAP: &str = "  ";

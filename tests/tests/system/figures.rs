@@ -1,6 +1,6 @@
 //! The figures that a run has to print: PHYSICS §2 and §3 through the whole of three processes.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, number};
 use serde_json::Value;
 
 /// The contact ellipse of the paper's Table 2.
@@ -12,11 +12,6 @@ const TABLE_2: [&str; 6] = [
     "--set",
     "contact.max_pressure=1352 MPa",
 ];
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    let value = summary.pointer(pointer).and_then(Value::as_f64);
-    value.unwrap_or_else(|| panic!("{pointer} is missing in {summary}"))
-}
 
 fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
     let off = (found - expected).abs();

@@ -1,8 +1,8 @@
 //! Replies, and what is demanded of them.
 
 use crate::conform::check::{Fault, broken};
-use proto::configuration::Refusal;
-use proto::message::{Failure, Reply, Status};
+use contract::configuration::Refusal;
+use contract::message::{Failure, Reply, Status};
 
 /// What came back for a command.
 pub(in crate::conform) struct Answer {

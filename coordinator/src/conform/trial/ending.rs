@@ -1,15 +1,16 @@
 //! How a participant's life ends, and what is left of it.
 
-use super::LEAVE;
 use crate::conform::check::{Fault, broken};
-use crate::supervise::{Exit, Supervisor};
 use proto::run_dir::{RunDir, RunInfo};
+use run::peers::LEAVE;
+use run::supervise::{Exit, Supervisor};
 use std::os::unix::process::ExitStatusExt;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A participant whose coordinator is dead.
 pub(in crate::conform) struct Abandoned {
-    pub(super) supervisor: Supervisor,
+    pub(super) supervisor: Arc<Supervisor>,
     pub(super) info: RunInfo,
     pub(super) since: Instant,
 }

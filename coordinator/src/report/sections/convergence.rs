@@ -1,9 +1,9 @@
 //! How the coupling has converged.
 
 use super::work::windows;
-use crate::format::words;
 use crate::report::plot::Figure;
 use crate::report::source::Results;
+use run::format::words;
 
 /// Residuals over all iterations, and iterations a window; nothing for an explicit scheme.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {

@@ -2,11 +2,11 @@
 
 use super::places::label;
 use super::work::windows;
-use crate::format::{Scale, number};
 use crate::report::page::Block;
 use crate::report::plot::Figure;
 use crate::report::source::Results;
 use crate::report::table::Table;
+use run::format::{Scale, number};
 
 /// Heat sent against heat received: in sums, and window by window.
 pub(super) fn blocks(results: &Results) -> Vec<Block> {

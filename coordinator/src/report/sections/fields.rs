@@ -2,11 +2,11 @@
 
 use super::places::{AXES, is_surface, label, places};
 use super::temperature;
-use crate::format::{Scale, sentence, words};
 use crate::report::map::Heatmap;
 use crate::report::page::{Block, Section};
 use crate::report::plot::Figure;
 use crate::report::source::{Field, Image, Results, Table};
+use run::format::{Scale, sentence, words};
 
 /// Every field of every grid, the mechanical ones first as the files are named.
 pub(super) fn maps(results: &Results) -> Option<Section> {
@@ -55,7 +55,7 @@ fn map(image: &Image, field: &Field) -> Option<Heatmap> {
         (borders.map(|border| border / scale.factor), label)
     };
     let ((x, x_label), (y, y_label)) = (axis(horizontal), axis(upright));
-    let meaning = proto::field::find(&field.name).map(|spec| spec.meaning);
+    let meaning = contract::field::find(&field.name).map(|spec| spec.meaning);
     let length = if field.components > 1 { "Length of the vector: " } else { "" };
     let note = meaning.map(|meaning| format!("{length}{meaning}.")).unwrap_or_default();
     Some(Heatmap {

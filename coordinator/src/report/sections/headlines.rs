@@ -1,9 +1,9 @@
 //! The figures of the summary: the few that matter first, all of them last.
 
-use crate::format::{Scale, counted, number, of_key, stem_and_unit, words};
 use crate::report::page::{Block, Headline, Section};
 use crate::report::source::Results;
 use crate::report::table::Table;
+use run::format::{Scale, counted, number, of_key, stem_and_unit, words};
 use serde_json::Value;
 
 /// Contact, friction, temperature and energy at a glance.

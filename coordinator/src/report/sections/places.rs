@@ -1,8 +1,8 @@
 //! Axes, and places along them.
 
-use crate::format::Scale;
 use crate::report::axis::extent;
 use crate::report::source::{Image, Series, Table};
+use run::format::Scale;
 
 /// Names of the axes.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];

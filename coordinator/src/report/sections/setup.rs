@@ -1,10 +1,10 @@
 //! What ran: effects, plan, versions, the case, and what the processes complained of.
 
-use crate::format::Scale;
 use crate::report::page::{Block, Section};
-use crate::report::plan_file::{law, parts};
 use crate::report::source::Results;
 use crate::report::table::Table;
+use run::format::Scale;
+use run::plan_file::{law, parts};
 use serde_json::Value;
 
 /// Effects on and off, and the plan as it was printed.

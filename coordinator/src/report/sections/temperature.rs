@@ -1,9 +1,9 @@
 //! Temperature over the depth, and how it has built up.
 
 use super::places::{AXES, is_surface, places};
-use crate::format::{Scale, words};
 use crate::report::plot::Figure;
 use crate::report::source::{Field, Image, Results, Series};
+use run::format::{Scale, words};
 
 /// Most instants shown in one figure.
 const INSTANTS: usize = 6;

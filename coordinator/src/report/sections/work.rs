@@ -1,10 +1,10 @@
 //! Who worked when, and where the time went.
 
-use crate::format::{Scale, words};
 use crate::report::lanes::{Lane, Lanes};
 use crate::report::page::{Block, Section};
 use crate::report::source::{Results, Table};
 use crate::report::table::Table as Figures;
+use run::format::{Scale, words};
 use std::ops::Range;
 
 /// Most pieces of a lane; more are put together.

@@ -131,9 +131,9 @@ fn numbers<T: std::str::FromStr>(text: &str) -> Option<Vec<T>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::vtk::{FieldWriter, Shown};
-    use proto::field::{PRESSURE, TRACTION};
-    use proto::grid::{Grid, Structured};
+    use contract::field::{PRESSURE, TRACTION};
+    use contract::grid::{Grid, Structured};
+    use run::results::vtk::{FieldWriter, Shown};
 
     /// What the writer of results writes is read back to the bit, each value at its place.
     #[test]

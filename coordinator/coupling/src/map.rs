@@ -1,0 +1,54 @@
+//! Mapping of fields between grids that do not match.
+//!
+//! A mapping is a sparse matrix W, made once for a pair of grids: target = W source. In its
+//! *consistent* form C every row sums to one, Σ_s C_ts = 1, so that a constant stays one: what
+//! temperatures want. Its *conservative* form keeps the surface integral of densities such as a
+//! heat flux. It is the transpose of the consistent form C' of the opposite direction (from the
+//! target's grid to the source's), between integrated quantities, with the element areas A:
+//!
+//! W_ts = A_s C'_st / A_t,   hence   Σ_t A_t W_ts = A_s Σ_t C'_st = A_s
+//!
+//! for every source element s and every method: whatever leaves an element arrives, also where the
+//! target's grid ends, for C' has a full row for every element, wherever it lies.
+//! A mapping says how many elements found nothing opposite them, and how far off they were
+//! ([`Coverage`]).
+//!
+//! The four methods differ in C:
+//!
+//! | method | a target takes | order | weights |
+//! |---|---|---|---|
+//! | [`Method::NearestNeighbour`] | the nearest centre's value | 1 | ≥ 0 |
+//! | [`Method::NearestProjection`] | the value, bilinear between centres, at its foot on the surface through them | 2 | ≥ 0 |
+//! | [`Method::RadialBasis`] | an interpolant of compactly supported functions with a linear polynomial | 2 to 3 | any |
+//! | [`Method::Overlap`] | the mean over the part of the source that it covers | 1 | ≥ 0 |
+//!
+//! Weights ≥ 0 keep a consistently mapped field within the source's extremes. A conservatively
+//! mapped density is bounded that way only by [`Method::Overlap`], and there where target elements
+//! are wholly covered: Σ_s W_ts = Σ_s |t ∩ s|/A_t = 1.
+//! It is the natural mapping of what finite volumes exchange; the transposed point methods leave
+//! elements of a finer target empty. Orders measured and advice: `docs/theory/mapping.md`.
+//!
+//! Sources: A. de Boer, A. H. van Zuijlen, H. Bijl, *Comput. Methods Appl. Mech. Engrg.* 196 (2007)
+//! 1515–1525 (consistent and conservative forms); H. Wendland, *Adv. Comput. Math.* 4 (1995)
+//! 389–396 (functions); P. E. Farrell, J. R. Maddison, *Comput. Methods Appl. Mech. Engrg.* 200
+//! (2011) 89–100 (overlaps). Deviation from the first: the interpolants are local, one small system
+//! for each target, so that W is sparse and there is nothing to solve when it is applied.
+
+mod current;
+mod intersection;
+mod mapping;
+mod method;
+mod nearest;
+mod operator;
+mod patch;
+mod projection;
+mod radial;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod vector;
+mod weigh;
+
+pub use current::CurrentMapping;
+pub use mapping::{Coverage, GridMapping, MapError};
+pub use method::{Mappings, Method};

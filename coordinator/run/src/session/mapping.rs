@@ -1,0 +1,109 @@
+//! The mappings of a run: made, applied when their consumers are about to solve, and what they cover.
+
+use super::Session;
+use super::mapped::MappingError;
+use crate::error::{Failure, RunError};
+use contract::step::Step;
+
+impl Session {
+    /// Makes the mappings, and says what they cover.
+    pub(super) fn make_mappings(&mut self) -> Result<(), RunError> {
+        for index in 0..self.mapped.len() {
+            let Self { mapped, taps, .. } = self;
+            let one = &mut mapped[index];
+            let made = one.mapping.between(taps[one.tap].grid(), &one.grid).map(|_| ());
+            made.map_err(|error| self.not_mapped(index, &error.into()))?;
+            self.tell_coverage(index);
+        }
+        Ok(())
+    }
+
+    /// Says what a mapping covers: when it is made, and when it has become poor.
+    fn tell_coverage(&mut self, index: usize) {
+        let Self { mapped, taps, peers, .. } = self;
+        let one = &mut mapped[index];
+        let (before, covered) = one.told;
+        let Some(coverage) = one.mapping.coverage().filter(|_| one.mapping.builds() != before)
+        else {
+            return;
+        };
+        one.told = (one.mapping.builds(), coverage);
+        let (field, role) =
+            (&taps[one.tap].kind().name, peers.all()[one.reader.participant].role());
+        match coverage.is_poor() {
+            true if !covered.is_poor() => {
+                tracing::warn!("`{field}` mapped for {role}: {coverage}");
+            }
+            _ if before == 0 => tracing::info!("`{field}` mapped for {role}: {coverage}"),
+            _ => tracing::debug!("`{field}` mapped for {role} anew: {coverage}"),
+        }
+    }
+
+    /// Says how many times the mappings were made that have followed their grids.
+    pub(super) fn tell_mappings(&self) {
+        for one in self.mapped.iter().filter(|one| one.mapping.builds() > 1) {
+            let field = self.taps[one.tap].kind().name.as_str();
+            let role = self.peers.all()[one.reader.participant].role();
+            tracing::info!(field, role, times = one.mapping.builds(), "mapping made");
+        }
+    }
+
+    /// Sends those who are about to solve the newest samples of what is mapped for them.
+    pub(super) fn send_mapped(&mut self, participants: &[usize]) -> Result<(), RunError> {
+        for index in 0..self.mapped.len() {
+            let Self { mapped, taps, .. } = self;
+            let one = &mut mapped[index];
+            let tap = &taps[one.tap];
+            let due = one.part.is_none() && participants.contains(&one.reader.participant);
+            let (Some(sample), true) = (&tap.sample, due && tap.sequence() != one.seen) else {
+                continue;
+            };
+            let header = sample.header();
+            let step = Step {
+                window: header.window,
+                iteration: header.iteration,
+                start: header.start,
+                end: header.end,
+            };
+            one.seen = header.sequence;
+            let sent = one.send((tap.kind(), tap.grid()), sample.values(), &step);
+            self.bytes_exchanged += sent.map_err(|error| self.not_mapped(index, &error))?;
+            self.tell_coverage(index);
+        }
+        Ok(())
+    }
+
+    /// Maps an iterate of what is fed back for those whose grid does not match.
+    pub(super) fn send_mapped_iterate(
+        &mut self,
+        part: usize,
+        values: &[f64],
+        step: &Step,
+    ) -> Result<(), RunError> {
+        for index in 0..self.mapped.len() {
+            if self.mapped[index].part != Some(part) {
+                continue;
+            }
+            let Self { mapped, taps, moving, .. } = self;
+            let one = &mut mapped[index];
+            let tap = &taps[one.tap];
+            let source = tap.moving.map_or(&tap.grid, |at| &moving[at].grid);
+            let sent = one.send((tap.kind(), source), values, step);
+            self.bytes_exchanged += sent.map_err(|error| self.not_mapped(index, &error))?;
+            self.tell_coverage(index);
+        }
+        Ok(())
+    }
+
+    fn not_mapped(&self, index: usize, error: &MappingError) -> RunError {
+        let one = &self.mapped[index];
+        let (field, role) =
+            (&self.taps[one.tap].kind.name, self.peers.all()[one.reader.participant].role());
+        RunError::Failed(Failure {
+            who: format!("the mapping of `{field}` for {role}"),
+            when: self.peers.phase.to_string(),
+            what: error.to_string(),
+            fix: "see log.jsonl; a participant may have left its inputs unread".to_owned(),
+        })
+    }
+}

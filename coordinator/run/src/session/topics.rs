@@ -1,0 +1,115 @@
+//! The topics of a run: services, subscribers, grids.
+
+use super::Session;
+use super::feedback::Feedback;
+use super::hears::{Hears, hears, readers};
+use super::mapped::Mapped;
+use super::moving::MovingGrid;
+use crate::plan::{Field, Plan};
+use contract::configuration::Layout;
+use contract::grid::Grid;
+use contract::message::{GeometryTopic, Topic};
+use proto::transport::TransportError;
+
+impl Session {
+    /// Listens to the grids that move and that a field of the run is on, or is wanted on.
+    pub(super) fn open_geometry(
+        &mut self,
+        plan: &Plan,
+        layouts: &[Layout],
+    ) -> Result<(), TransportError> {
+        for (one, layout) in layouts.iter().enumerate() {
+            let is_used = |grid: &Grid| {
+                plan.fields.iter().any(|field| {
+                    let name = &field.kind.name;
+                    let sent = || layout.grid_of(name) == Some(grid);
+                    let wanted = || layout.input_grid(name) == Some(grid);
+                    field.producer == one && sent() || field.consumers.contains(&one) && wanted()
+                })
+            };
+            for grid in layout.grids.iter().filter(|grid| layout.moves(grid) && is_used(grid)) {
+                let owner = (one, self.peers.all()[one].role());
+                let recorder = self.peers.recorder();
+                self.moving.push(MovingGrid::open(self.peers.endpoint(), owner, grid, recorder)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// The geometry that a participant has to publish: we listen, and everybody who hears a field
+    /// on the grid from its producer, or our iterates of it.
+    pub(super) fn geometry_topics(
+        &self,
+        plan: &Plan,
+        one: usize,
+        layouts: &[Layout],
+    ) -> Vec<GeometryTopic> {
+        let topic = |moving: &MovingGrid| {
+            let name = &moving.grid.name;
+            let on_it = |field: &&Field| {
+                let grid = layouts[one].grid_of(&field.kind.name);
+                field.producer == one && grid.is_some_and(|grid| grid.name == *name)
+            };
+            let listens = |consumer: &usize| {
+                plan.fields.iter().filter(on_it).any(|field| {
+                    let maps = || matches!(hears(field, *consumer, layouts), Hears::Mapped(_));
+                    field.consumers.contains(consumer) && !maps()
+                })
+            };
+            let listeners = (0..self.peers.all().len()).filter(listens).count();
+            let service = MovingGrid::service(self.peers.all()[one].role(), name);
+            let subscribers = listeners + 1 + usize::from(self.peers.recorder().is_some());
+            GeometryTopic { grid: name.clone(), service, subscribers }
+        };
+        self.moving.iter().filter(|moving| moving.participant == one).map(topic).collect()
+    }
+
+    /// The service of a grid's geometry, if it may move.
+    fn geometry_service(&self, one: usize, grid: &Grid) -> Option<String> {
+        let moves = self.moving_grid(one, &grid.name);
+        moves.map(|_| MovingGrid::service(self.peers.all()[one].role(), &grid.name))
+    }
+
+    /// The topic on which the producer sends a field.
+    pub(super) fn topic(&self, plan: &Plan, field: &Field, layouts: &[Layout]) -> Topic {
+        let role = &plan.participants[field.producer].role;
+        let grid: &Grid =
+            layouts[field.producer].grid_of(&field.kind.name).expect("layout is checked");
+        Topic {
+            field: field.kind.name.clone(),
+            service: format!("field/{role}/{}", field.kind.name),
+            grid: grid.clone(),
+            // Those of its consumers who hear it directly, our own tap, and the recorder.
+            subscribers: readers(field, layouts, &Hears::Producer).count()
+                + 1
+                + usize::from(self.peers.recorder().is_some()),
+            geometry: self.geometry_service(field.producer, grid),
+        }
+    }
+
+    /// The topic on which a consumer hears a field, given the producer's.
+    pub(super) fn heard(
+        &self,
+        one: usize,
+        field: &Field,
+        topic: &Topic,
+        layouts: &[Layout],
+    ) -> Topic {
+        let name = &topic.field;
+        match hears(field, one, layouts) {
+            Hears::Producer => topic.clone(),
+            Hears::Iterates => Topic {
+                service: Feedback::service(name),
+                subscribers: readers(field, layouts, &Hears::Iterates).count(),
+                ..topic.clone()
+            },
+            Hears::Mapped(grid) => Topic {
+                field: name.clone(),
+                service: Mapped::service(name, self.peers.all()[one].role()),
+                grid: grid.clone(),
+                subscribers: 1,
+                geometry: self.geometry_service(one, grid),
+            },
+        }
+    }
+}
