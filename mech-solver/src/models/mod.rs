@@ -1,5 +1,5 @@
 //! The models by name, cheapest first. A model is a module of this folder and one line in
-//! [`MODELS`].
+//! [`MODELS`], its name in [`names`].
 
 mod expected;
 pub mod fastsim;

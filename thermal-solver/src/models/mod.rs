@@ -1,4 +1,4 @@
-//! The models, cheapest first: one file a model, one line in the list here.
+//! The models, cheapest first: one file a model, one line in the list here, its name in [`names`].
 //!
 //! What models have in common, checking inputs, splitting heat, writing outputs, the summary and
 //! the state, is in [`shell`]; a model answers for the physics only, through
