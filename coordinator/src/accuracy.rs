@@ -18,7 +18,7 @@ mod choice;
 mod section;
 mod target;
 
-pub use section::Stated;
+pub use section::{Stated, StatedRun};
 pub use target::Target;
 
 use crate::study::levels::Level;
@@ -212,6 +212,33 @@ impl Search {
         }
         self.step = needed;
         Ok(())
+    }
+
+    /// What the runs so far say of the last one's error.
+    fn stated(&self) -> Stated {
+        let value = self.trials.last().and_then(|trial| trial.values[0]).unwrap_or(f64::NAN);
+        let estimate = self.estimate(0);
+        // Models without a resolution have no error of a grid.
+        let grid_error = self.grid_error().unwrap_or(0.0);
+        let model_error = self.level.model_error();
+        let estimated_error = grid_error + model_error;
+        let run = |trial: &Trial| StatedRun {
+            settings: self.level.keys_at(trial.step).map(|(r, n)| (r.key.clone(), n)).collect(),
+            value: trial.values[0],
+            wall_s: trial.wall_s,
+        };
+        Stated {
+            quantity: self.quantities[0].key.clone(),
+            target: self.target.relative,
+            estimated_error,
+            grid_error,
+            model_error,
+            met: estimated_error <= self.target.relative,
+            value,
+            extrapolated: estimate.map(|estimate| estimate.limit),
+            models: self.level.name(),
+            runs: self.trials.iter().map(run).collect(),
+        }
     }
 
     /// The error of an answer that misses the target.

@@ -11,9 +11,11 @@ use crate::output;
 use crate::progress::Progress;
 use crate::replay;
 use crate::report;
+use crate::report::page::Page;
 use crate::reproduce;
 use crate::stability;
 use crate::study::Variant;
+use crate::study::output::{Kind, kind};
 use case::{Alone, RawCase, judge_alone};
 use clap::{Args, Parser, Subcommand};
 use contract::description::Description;
@@ -329,7 +331,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
         Command::Report { folder } => {
             let _reading = signals::end_at_once();
-            let path = report::write(folder)?;
+            let path = report::write(&page_about(folder)?, folder)?;
             Ok(print(arguments.quiet, &format!("{}\n", path.display()))?)
         }
         Command::Reproduce(asked) => Ok(reproduce::main(asked, arguments.quiet)?),
@@ -504,7 +506,7 @@ fn conclude(
     screen: &Screen,
 ) -> Result<(), Ended> {
     let folder = &begun.folder;
-    let written = if asked.report { report::write(&folder.path()).map(drop) } else { Ok(()) };
+    let written = if asked.report { report_on(&folder.path()) } else { Ok(()) };
     let text = || perform::report(&outcome, &begun.planned.plan, folder);
     match outcome.error {
         // It has an answer, if not as accurate as was asked for.
@@ -519,6 +521,27 @@ fn conclude(
             printed.map_err(|error| begun.report(error))
         }
     }
+}
+
+/// Every kind of study that leaves a page.
+const STUDIES: [Kind; 4] = [
+    kind::<cost::Study>(),
+    kind::<ablate::Study>(),
+    kind::<stability::Report>(),
+    kind::<reproduce::Record>(),
+];
+
+/// The page about what is in a folder, a study or a run.
+fn page_about(folder: &Path) -> Result<Page, RunError> {
+    match STUDIES.iter().find(|study| folder.join(study.file).is_file()) {
+        Some(study) => (study.page)(folder),
+        None => report::of_run(folder),
+    }
+}
+
+/// Writes the report about the run in a folder.
+fn report_on(folder: &Path) -> Result<(), RunError> {
+    report::write(&report::of_run(folder)?, folder).map(drop)
 }
 
 fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {

@@ -23,10 +23,6 @@ pub mod source;
 mod standalone;
 pub mod table;
 
-use crate::ablate;
-use crate::cost;
-use crate::reproduce;
-use crate::stability;
 use page::Page;
 use run::error::RunError;
 use run::results::write::replace;
@@ -36,30 +32,22 @@ use std::path::{Path, PathBuf};
 /// Name of the page in a result directory.
 pub const FILE: &str = "report.html";
 
-/// Makes the page about what is in a folder.
-type PageOf = fn(&Path) -> Result<Page, RunError>;
-
-/// Every kind of study: the file that it leaves in its folder, and the page about it.
-const STUDIES: [(&str, PageOf); 4] = [
-    (cost::FILE, cost::page),
-    (ablate::FILE, ablate::page),
-    (stability::FILE, stability::page),
-    (reproduce::FILE, reproduce::page),
-];
-
-/// Writes the report about what is in this folder, a study or a run; its path.
+/// Writes a page into a folder; its path.
 ///
 /// # Errors
-/// [`RunError::Usage`] if neither has been written into the folder; the file system.
-pub fn write(folder: &Path) -> Result<PathBuf, RunError> {
-    let study = STUDIES.iter().find(|(file, _)| folder.join(file).is_file());
-    let page = match study {
-        Some((_, page)) => page(folder)?,
-        None => page(&Results::read(folder)?),
-    };
+/// The file system.
+pub fn write(page: &Page, folder: &Path) -> Result<PathBuf, RunError> {
     let path = folder.join(FILE);
     replace(&path, page.to_string().as_bytes())?;
     Ok(path)
+}
+
+/// The page about the run in a folder.
+///
+/// # Errors
+/// [`RunError::Usage`] if no run has written into it; the file system.
+pub fn of_run(folder: &Path) -> Result<Page, RunError> {
+    Ok(page(&Results::read(folder)?))
 }
 
 /// The page about these results.

@@ -17,16 +17,17 @@ mod judge;
 mod limits;
 mod page;
 mod report;
+mod rows;
 mod show;
 mod suite;
 mod trial;
 
 pub use cli::{Arguments, main};
-pub use page::page;
-pub use report::{CaseReport, FILE, Finding, Report, Row, SweepReport, Waiting};
+pub use report::{CaseReport, Finding, Report, Row, SweepReport, Waiting};
 pub use suite::Suite;
 
 use crate::study::Variant;
+use crate::study::output::Kept;
 use judge::judge;
 use run::error::RunError;
 use std::path::{Path, PathBuf};
@@ -55,7 +56,7 @@ pub struct Request {
 pub fn stability(request: &Request, tell: &mut dyn FnMut(&CaseReport)) -> Result<Report, RunError> {
     let begun = Instant::now();
     let mut report = Report {
-        schema: report::SCHEMA,
+        schema: Report::SCHEMA,
         suite: request.suite.name(),
         waiting: request.suite.waiting.clone(),
         ..Report::default()

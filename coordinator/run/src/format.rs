@@ -172,6 +172,13 @@ pub fn bytes(value: u64) -> String {
     }
 }
 
+/// A text that begins with a capital.
+#[must_use]
+pub fn sentence(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map(|first| first.to_uppercase().chain(rest).collect()).unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

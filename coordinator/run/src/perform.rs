@@ -111,7 +111,7 @@ fn set_out(
 ) -> Result<Option<Arc<Recorder>>, RunError> {
     if from.is_none() {
         folder.write("case.toml", planned.case.text().as_bytes())?;
-        folder.write(plan_file::FILE, plan_file::text(&planned.plan).as_bytes())?;
+        plan_file::write(&planned.plan, folder)?;
     }
     let start = |compression| recorder(planned, folder, from, compression).map(Arc::new);
     record.map(start).transpose()

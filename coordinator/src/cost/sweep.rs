@@ -1,7 +1,7 @@
 //! The runs of a study: which ones, and what each of them gives.
 
-use super::kept::Kept;
-use super::{Request, Run};
+use super::finished::FinishedRuns;
+use super::study::{Request, Run};
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::levels::{Level, Offer, offered, reason};
@@ -52,7 +52,7 @@ struct Point {
 pub(super) struct Places<'a> {
     pub(super) scratch: &'a Path,
     pub(super) study: &'a StudyFolder,
-    pub(super) kept: Kept,
+    pub(super) kept: FinishedRuns,
 }
 
 /// Makes the runs that a request asks for, but those that are kept.

@@ -11,8 +11,9 @@ pub use image::{Field, Image};
 pub use table::Table;
 
 use run::error::{RunError, file_failure};
-use run::plan_file;
+use run::plan_file::{self, PlanFile};
 use run::results::summary::Status;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::fs;
 use std::io::ErrorKind;
@@ -30,8 +31,8 @@ pub struct Results {
     pub series: Vec<Series>,
     /// The case as run.
     pub case: String,
-    /// Content of `plan.txt`.
-    pub plan: String,
+    /// Content of `plan.json`, if there is one.
+    pub plan: Option<PlanFile>,
     /// Warnings and errors of `log.jsonl`: level, source, message.
     pub log: Vec<[String; 3]>,
     /// Recordings: name and size \[byte\].
@@ -73,16 +74,10 @@ impl Results {
             return Err(RunError::Usage(format!("{shown} holds no results of a run")));
         }
         let mut results = Self::default();
-        let summary = results.text(&folder.join("summary.json"))?;
-        results.summary = serde_json::from_str(&summary).unwrap_or_else(|error| {
-            if !summary.is_empty() {
-                results.troubles.push(format!("summary.json: {error}"));
-            }
-            Value::Null
-        });
+        results.summary = results.json(folder, "summary.json")?.unwrap_or_default();
         results.iterations = Table::parse(&results.text(&folder.join("iterations.csv"))?);
         results.case = results.text(&folder.join("case.toml"))?;
-        results.plan = results.text(&folder.join(plan_file::FILE))?;
+        results.plan = results.json(folder, plan_file::FILE)?;
         results.log = log(&results.text(&folder.join("log.jsonl"))?);
         results.recordings = recordings(folder).map_err(|error| file_failure(folder, &error))?;
         results.read_series(&folder.join("fields"))?;
@@ -114,6 +109,20 @@ impl Results {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(String::new()),
             Err(error) => Err(file_failure(path, &error)),
         }
+    }
+
+    /// The content of a JSON file, if there is one that can be read.
+    fn json<T: DeserializeOwned>(
+        &mut self,
+        folder: &Path,
+        name: &str,
+    ) -> Result<Option<T>, RunError> {
+        let text = self.text(&folder.join(name))?;
+        if text.is_empty() {
+            return Ok(None);
+        }
+        let read = serde_json::from_str(&text);
+        Ok(read.map_err(|error| self.troubles.push(format!("{name}: {error}"))).ok())
     }
 
     fn read_series(&mut self, folder: &Path) -> Result<(), RunError> {

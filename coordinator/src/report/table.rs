@@ -45,4 +45,17 @@ impl Table {
             self.rows.iter().map(row).collect::<String>()
         )
     }
+
+    /// The table in Markdown, without an end of line after its last row.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let plain = |cell: &String| cell.replace('|', "\\|").replace('\n', " ");
+        let line = |cells: &[String]| {
+            format!("| {} |\n", cells.iter().map(plain).collect::<Vec<_>>().join(" | "))
+        };
+        let rule = |n: usize| if n < self.figures_from { "---" } else { "---:" }.to_owned();
+        let rule: Vec<String> = (0..self.head.len()).map(rule).collect();
+        let rows: String = self.rows.iter().map(|row| line(row)).collect();
+        line(&self.head) + &line(&rule) + rows.trim_end()
+    }
 }

@@ -102,17 +102,3 @@ fn filled(
     let has_digits = text.chars().any(|c| c.is_ascii_digit());
     Ok(if has_digits || !text.contains(ABSENT) { text } else { ABSENT.to_owned() })
 }
-
-/// A table in Markdown.
-#[must_use]
-pub(super) fn markdown(table: &Table) -> String {
-    let line = |cells: &[String]| {
-        let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
-        format!("| {} |\n", cells.join(" | "))
-    };
-    let rule: Vec<String> = (0..table.head.len())
-        .map(|n| if n < table.figures_from { "---" } else { "---:" }.to_owned())
-        .collect();
-    let rows: String = table.rows.iter().map(|row| line(row)).collect();
-    line(&table.head) + &line(&rule) + rows.trim_end()
-}

@@ -1,13 +1,7 @@
 //! What a suite has shown, as plain data: `stability.json`.
 
-use run::error::{RunError, file_failure};
+use crate::study::output::Kept;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
-
-/// Name of the file in the output folder.
-pub const FILE: &str = "stability.json";
-/// Version of its layout.
-pub(super) const SCHEMA: u32 = 1;
 
 /// How a suite went.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -24,6 +18,12 @@ pub struct Report {
     pub waiting: Vec<Waiting>,
     /// Seconds of all runs.
     pub wall_s: f64,
+}
+
+impl Kept for Report {
+    const COMMAND: &'static str = "stability";
+    const FILE: &'static str = "stability.json";
+    const SCHEMA: u32 = 1;
 }
 
 /// A hard case that no model or effect can meet yet.
@@ -175,24 +175,5 @@ impl Report {
     #[must_use]
     pub fn runs(&self) -> usize {
         self.cases.iter().map(|case| case.runs().count()).sum()
-    }
-
-    /// Reads the report of a suite out of its folder.
-    ///
-    /// # Errors
-    /// The file cannot be read, or is no such report.
-    pub fn read(folder: &Path) -> Result<Self, RunError> {
-        let path = folder.join(FILE);
-        let text = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
-        let refuse = |what: String| {
-            let fix = "run `coordinator stability` again";
-            RunError::Usage(format!("{} {what}; {fix}", path.display()))
-        };
-        let read: Result<Self, _> = serde_json::from_slice(&text);
-        let report = read.map_err(|error| refuse(format!("is not a stability report: {error}")))?;
-        match report.complete {
-            true => Ok(report),
-            false => Err(refuse("is of a suite that has not finished".to_owned())),
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! The quantities of a summary that studies compare.
 
+use run::format::number;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -13,6 +14,27 @@ pub enum Measure {
     Absolute,
     /// Its value is an error itself; nothing is compared.
     Itself,
+}
+
+impl Measure {
+    /// An error as it is measured: in per cent, or as it is.
+    #[must_use]
+    pub fn show(self, error: f64) -> String {
+        match self {
+            Self::Relative => format!("{} %", number(100.0 * error, 2)),
+            Self::Absolute | Self::Itself => number(error, 2),
+        }
+    }
+
+    /// A change with its sign, as it is measured.
+    #[must_use]
+    pub fn show_change(self, change: f64) -> String {
+        match change {
+            0.0 => "same".to_owned(),
+            _ if change > 0.0 => format!("+{}", self.show(change)),
+            _ => self.show(change),
+        }
+    }
 }
 
 /// One quantity of a summary.
@@ -118,6 +140,14 @@ impl Quantity {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn a_change_has_its_sign() {
+        assert_eq!(Measure::Relative.show_change(0.123), "+12 %");
+        assert_eq!(Measure::Relative.show_change(-0.004), "−0.40 %");
+        assert_eq!(Measure::Absolute.show_change(-0.2), "−0.20");
+        assert_eq!(Measure::Relative.show_change(0.0), "same");
+    }
 
     #[test]
     fn figures_are_found_and_compared() {

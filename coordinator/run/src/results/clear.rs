@@ -24,13 +24,14 @@ pub(super) const REFINED: &str = "refined";
 
 /// Files that a run writes besides the fields and recordings with a number; the summary first, for
 /// without it a run has not come to its end.
-pub(super) const FILES: [&str; 8] = [
+pub(super) const FILES: [&str; 9] = [
     SUMMARY,
     RESERVE,
     LOG,
     "iterations.csv",
     "case.toml",
     "plan.txt",
+    "plan.json",
     "recording.mcap",
     "report.html",
 ];

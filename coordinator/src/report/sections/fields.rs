@@ -6,7 +6,7 @@ use crate::report::map::Heatmap;
 use crate::report::page::{Block, Section};
 use crate::report::plot::Figure;
 use crate::report::source::{Field, Image, Results, Table};
-use run::format::{Scale, words};
+use run::format::{Scale, sentence, words};
 
 /// Every field of every grid, the mechanical ones first as the files are named.
 pub(super) fn maps(results: &Results) -> Option<Section> {
@@ -71,12 +71,6 @@ fn map(image: &Image, field: &Field) -> Option<Heatmap> {
         true_shape: upright == 1,
         note: sentence(&note),
     })
-}
-
-/// Begins with a capital.
-fn sentence(text: &str) -> String {
-    let mut rest = text.chars();
-    rest.next().map(|first| first.to_uppercase().chain(rest).collect()).unwrap_or_default()
 }
 
 /// Lines in the rolling direction, one figure for each grid and unit; then depth and time.

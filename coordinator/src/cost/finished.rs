@@ -1,7 +1,7 @@
-//! Finished runs of a study that has not come to its end: they are kept in its folder, and the same
+//! Finished runs of a study that has not finished: they are kept in its folder, and the same
 //! request goes on with them.
 
-use super::{Request, Run};
+use super::study::{Request, Run};
 use crate::study::folder::StudyFolder;
 use run::checkpoint::sum;
 use run::error::RunError;
@@ -18,7 +18,7 @@ const FILE: &str = "cost.unfinished.json";
 
 /// Finished runs, and what they were asked for with.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub(super) struct Kept {
+pub(super) struct FinishedRuns {
     /// CRC-64 of everything that decides what the runs are.
     request: u64,
     runs: Vec<Run>,
@@ -26,7 +26,7 @@ pub(super) struct Kept {
     closed_forms: BTreeMap<String, f64>,
 }
 
-impl Kept {
+impl FinishedRuns {
     /// None, for a request.
     pub(super) fn none(request: &Request, standing: &Planned) -> Self {
         Self { request: identity(request, standing), ..Self::default() }
