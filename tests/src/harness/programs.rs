@@ -5,7 +5,6 @@
 //! test: it would wait for every other cargo on the machine. What is missing, or older than a source
 //! that it is made from, is refused with the command that builds it.
 
-use super::root;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -61,6 +60,11 @@ pub fn library() -> &'static Path {
         Ok(deps())
     });
     checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
+}
+
+/// The root of the workspace.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
 /// The folder of the test's own executable, `target/PROFILE/deps`.
