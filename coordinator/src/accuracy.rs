@@ -81,7 +81,7 @@ impl Search {
     /// Chooses the models, and runs the coarser half of the pilot.
     ///
     /// # Errors
-    /// A case that cannot run, a figure that no run has, a pilot that fails.
+    /// A case that cannot run, a quantity that no run has, a pilot that fails.
     pub fn begin(case: &Path, base: &Variant, target: Target) -> Result<Self, RunError> {
         let standing = planned(case, base)?;
         let Choice { level, step } = choice::choose(case, base, &standing, &target)?;
@@ -120,7 +120,7 @@ impl Search {
         }
     }
 
-    /// Runs at a resolution, for its figures alone.
+    /// Runs at a resolution, for its quantities alone.
     fn try_out(&mut self, step: usize) -> Result<(), RunError> {
         let begun = Instant::now();
         let folder = scratch()?;
@@ -185,7 +185,7 @@ impl Search {
     /// says what is next.
     ///
     /// # Errors
-    /// A summary without the figure.
+    /// A summary without the quantity.
     pub fn judge(&mut self, summary: &mut Value, wall_s: f64) -> Result<Verdict, RunError> {
         self.note(self.step, summary, wall_s)?;
         let stated = self.stated();

@@ -21,7 +21,7 @@ use clap::{Args, Parser, Subcommand};
 use contract::description::Description;
 use contract::text::{json, one_line};
 use proto::recording::End;
-use run::checkpoint::{Checkpoint, Checkpoints, Torn};
+use run::checkpoint::{Checkpoint, Checkpoints, Corrupt};
 use run::error::{RunError, file_failure};
 use run::format::counted;
 use run::perform::{self, Clock, Outcome};
@@ -189,7 +189,7 @@ struct RunArguments {
     /// Choose models and resolution, the cheapest expected to meet this error, and state the error.
     #[arg(long, value_name = "ERROR", conflicts_with = "resume", value_parser = accuracy::Target::read_error)]
     accuracy: Option<f64>,
-    /// The figure that --accuracy means, a dotted key of summary.json [default: the rail's rise].
+    /// The quantity that --accuracy means, a dotted key of summary.json [default: the rail's rise].
     #[arg(long, value_name = "KEY", requires = "accuracy")]
     quantity: Option<String>,
     /// Go on with the run of this result directory from its last checkpoint.
@@ -225,7 +225,7 @@ impl CaseArguments {
         Ok(planned)
     }
 
-    /// Plans what has been told of before.
+    /// Plans what has been described before.
     fn plan_again(&self) -> Result<Planned, RunError> {
         let raw = self.read()?;
         tracing::info_span!("plan").in_scope(|| plan(raw))
@@ -254,7 +254,7 @@ impl From<RunError> for Ended {
 pub fn main(since: Instant) -> u8 {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(told) => return tell_usage(&told),
+        Err(error) => return usage_error(&error),
     };
     let level = if arguments.quiet { Some(Level::Error) } else { arguments.log };
     let log = Logging::install(level);
@@ -271,14 +271,14 @@ pub fn main(since: Instant) -> u8 {
 }
 
 /// Help, the version, or what is wrong with the command line.
-fn tell_usage(told: &clap::Error) -> u8 {
-    match told.print().and_then(|()| std::io::stdout().flush()) {
+fn usage_error(error: &clap::Error) -> u8 {
+    match error.print().and_then(|()| std::io::stdout().flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             let error = output::failure(&error);
             print_error(&error);
             error.exit_code()
         }
-        _ => u8::try_from(told.exit_code()).unwrap_or(2),
+        _ => u8::try_from(error.exit_code()).unwrap_or(2),
     }
 }
 
@@ -292,7 +292,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                     Some(begun) => run_case(&begun, run, &screen),
                     None => {
                         let shown = folder.display();
-                        let text = format!("the run in {shown} has come to its end already\n");
+                        let text = format!("the run in {shown} has already finished\n");
                         Ok(print(arguments.quiet, &text)?)
                     }
                 },
@@ -305,7 +305,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             let text = match no_start {
                 true => {
                     format!(
-                        "{shown}: no errors in what was judged\n{}",
+                        "{shown}: no errors in what was checked\n{}",
                         case.alone()?.not_judged_text()
                     )
                 }
@@ -348,7 +348,7 @@ struct Begun {
 
 impl Begun {
     /// An error, with the log in which there is more to read.
-    fn told(&self, error: RunError) -> Ended {
+    fn report(&self, error: RunError) -> Ended {
         Ended { error: Box::new(error), log: Some(self.folder.shown_log()) }
     }
 }
@@ -383,7 +383,7 @@ fn begin(run: &RunArguments, log: &Logging) -> Result<Begun, RunError> {
     Ok(Begun { planned, folder, plan_seconds, from: None })
 }
 
-/// A run goes on from its newest checkpoint that is whole, with the case as it was run; `None` if it has
+/// A run resumes from its newest intact checkpoint, with the case as it was run; `None` if it has
 /// come to its end.
 fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
     let planning = Instant::now();
@@ -391,14 +391,14 @@ fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
     if folder.has_ended() {
         return Ok(None);
     }
-    let (newest, torn) = Checkpoints::of(&folder.path()).newest();
-    for Torn { name, reason } in &torn {
-        let next = if newest.is_some() { "; the one before is used" } else { "" };
+    let (newest, corrupt) = Checkpoints::of(&folder.path()).newest();
+    for Corrupt { name, reason } in &corrupt {
+        let next = if newest.is_some() { "; using the previous one" } else { "" };
         tracing::warn!("checkpoint {name} is not used: {reason}{next}");
     }
     let shown = path.display();
     let checkpoint = newest.ok_or_else(|| {
-        let whole = if torn.is_empty() { "no checkpoint" } else { "no checkpoint that is whole" };
+        let whole = if corrupt.is_empty() { "no checkpoint" } else { "no intact checkpoint" };
         RunError::Usage(format!(
             "{shown} holds {whole}; a case writes them with output.checkpoint_every"
         ))
@@ -512,13 +512,13 @@ fn conclude(
         // It has an answer, if not as accurate as was asked for.
         Some(error @ RunError::Inaccurate { .. }) => {
             let text = show::text(&outcome.summary, begun.planned.plan.title.as_deref());
-            let told = print(screen.quiet, &text);
-            Err(begun.told(error.and(written).and(told)))
+            let printed = print(screen.quiet, &text);
+            Err(begun.report(error.and(written).and(printed)))
         }
-        Some(error) => Err(begun.told(error.and(written))),
+        Some(error) => Err(begun.report(error.and(written))),
         None => {
-            let told = written.and_then(|()| print(screen.quiet, &text()));
-            told.map_err(|error| begun.told(error))
+            let printed = written.and_then(|()| print(screen.quiet, &text()));
+            printed.map_err(|error| begun.report(error))
         }
     }
 }
@@ -564,7 +564,7 @@ fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {
 
 fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError> {
     if asked.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
-        return Err(RunError::Usage("--tolerance is a number from 0 on".to_owned()));
+        return Err(RunError::Usage("--tolerance must be a number of at least 0".to_owned()));
     }
     // One text with spaces is a command line.
     let words: Vec<String> = match asked.command.as_slice() {
@@ -595,7 +595,7 @@ fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError
         (Some(difference), _) => Err(RunError::Differs(difference)),
         (None, Some(damage)) => Err(inspect::unreadable(&asked.recording, damage)),
         (None, None) if compared.samples == 0 => {
-            Err(RunError::Usage("nothing was there to compare in these windows".to_owned()))
+            Err(RunError::Usage("there was nothing to compare in these windows".to_owned()))
         }
         (None, None) => Ok(()),
     }
@@ -623,7 +623,7 @@ fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError
         text += &format!(" -> {}", folder.display());
     }
     if let End::Cut(bytes) = recording.end() {
-        text += &format!(" (the recording is cut after {bytes} bytes)");
+        text += &format!(" (the recording is truncated after {bytes} bytes)");
     }
     print(quiet, &(text + "\n"))
 }

@@ -15,6 +15,7 @@ mod bench;
 mod check;
 mod cli;
 mod describing;
+mod fault;
 mod faulty_inputs;
 mod given;
 mod grids;
@@ -22,24 +23,27 @@ mod leaving;
 mod lives;
 mod recorded;
 mod refusing;
+mod request;
 mod setting;
+mod shared;
 mod show;
 mod solving;
 mod state;
+mod subject;
 mod trial;
 mod unruly;
 
 pub use check::{Row, Verdict};
 pub use cli::{Arguments, main};
+pub use request::Request;
 
 use bench::Bench;
-use check::{Check, Fault};
+use check::Check;
+use fault::Fault;
 use run::error::RunError;
-use run::programs::Program;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Everything that is checked, in the order in which a participant is best written.
 const CHECKS: &[&Check] = &[
@@ -72,29 +76,6 @@ const CHECKS: &[&Check] = &[
     &leaving::COORDINATOR_DIES,
     &leaving::FINISH,
 ];
-
-/// What is to be put through the contract, and with what.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// The role that it plays.
-    pub role: String,
-    /// The executable.
-    pub program: Program,
-    /// The case that it is configured with.
-    pub case: PathBuf,
-    /// Keys of the case to change.
-    pub set: Vec<String>,
-    /// Keys of the case to remove.
-    pub unset: Vec<String>,
-    /// A recording whose inputs are used in place of made-up ones.
-    pub recording: Option<PathBuf>,
-    /// Names of the checks to make; all if empty.
-    pub only: Vec<String>,
-    /// Only the cheapest model and mode, and small grids.
-    pub quick: bool,
-    /// Longest wait for an answer.
-    pub patience: Duration,
-}
 
 /// How a participant went through the contract.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -131,14 +112,15 @@ pub enum News<'a> {
     Made(&'a Row),
 }
 
-/// Makes the checks; `tell` hears of each as it begins and as soon as it is made.
+/// Makes the checks; `tell` is called for each as it begins and as soon as it is made.
 ///
 /// # Errors
 /// The request cannot be, or the user has stopped it. A check that fails is no error here.
 pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Report, RunError> {
     let begun = Instant::now();
     let checks = chosen(&request.only)?;
-    let (bench, described) = Bench::prepare(request)?;
+    let configures = checks.iter().any(|check| check.name != describing::DESCRIBE.name);
+    let (bench, described) = Bench::prepare(request, configures)?;
     let mut report = Report {
         role: request.role.clone(),
         program: bench.program_name(),
@@ -152,7 +134,7 @@ pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Repo
         tell(News::Begins(check.name));
         let mut row = made(check, &bench, described.as_ref())?;
         if row.verdict == Verdict::Failed {
-            // One cause is told once.
+            // One cause is reported once.
             row.same_as = causes.get(&row.seen).copied();
             causes.entry(row.seen.clone()).or_insert(check.name);
         }
@@ -187,7 +169,7 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Check>, RunError> {
     if let Some(name) = unknown {
         let known: Vec<&str> = CHECKS.iter().map(|check| check.name).collect();
         let known = known.join(", ");
-        return Err(RunError::Usage(format!("there is no check `{name}`; there are: {known}")));
+        return Err(RunError::Usage(format!("unknown check `{name}`; known checks: {known}")));
     }
     let wanted = |check: &&&Check| names.is_empty() || names.iter().any(|n| n == check.name);
     Ok(CHECKS.iter().filter(wanted).copied().collect())

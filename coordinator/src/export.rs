@@ -111,7 +111,7 @@ impl Export<'_> {
         }
     }
 
-    /// The grids of the topics that a participant was told.
+    /// The grids of the topics that a participant was given.
     fn topics(&mut self, event: &Event) -> Result<(), RecordingError> {
         let Some((_, topics)) = event.topics()? else { return Ok(()) };
         for topic in topics.inputs.into_iter().chain(topics.outputs) {
@@ -214,7 +214,7 @@ impl Export<'_> {
         }
         if let Some(vtk) = &mut self.vtk {
             let fields: Vec<Shown> = shown.iter().map(|(_, shown)| *shown).collect();
-            vtk.write_fields(&fields, number, time)?;
+            vtk.write(&fields, number, time)?;
         }
         if let Some(folder) = &self.target.csv {
             for (service, shown) in &shown {

@@ -40,16 +40,16 @@ pub fn failed(path: &Path, error: &RecordingError) -> RunError {
         RecordingError::Io(_) => "check the path and its permissions",
         _ => "record the run again, or take the file from where it was made",
     };
-    told(path, error.to_string(), fix)
+    failure(path, error.to_string(), fix)
 }
 
 /// The error for a recording of which only the first part could be read.
 #[must_use]
 pub fn unreadable(path: &Path, damage: &str) -> RunError {
-    told(path, damage.to_owned(), "what stands before the damage was read")
+    failure(path, damage.to_owned(), "everything before the damage was read")
 }
 
-fn told(path: &Path, what: String, fix: &str) -> RunError {
+fn failure(path: &Path, what: String, fix: &str) -> RunError {
     let (who, when) = ("the recording".to_owned(), format!("at {}", path.display()));
     RunError::Failed(Failure { who, when, what, fix: fix.to_owned() })
 }

@@ -66,7 +66,7 @@ impl Logging {
             .with_ansi(false)
             .with_span_events(FmtSpan::CLOSE)
             .with_writer(log.file.clone())
-            // What cannot be written is told at the end, and not for each event.
+            // What cannot be written is reported at the end, and not for each event.
             .log_internal_errors(false)
             // What a run says is part of its results.
             .with_filter(wanted("info").or(LevelFilter::INFO));
@@ -241,6 +241,6 @@ mod tests {
             log.file.clone().write_all(b"lost\n").unwrap();
         }
         assert_eq!(log.failure().unwrap().raw_os_error(), Some(28));
-        assert!(log.failure().is_none(), "it is told once");
+        assert!(log.failure().is_none(), "it is reported once");
     }
 }

@@ -6,10 +6,10 @@ use std::time::Instant;
 fn main() -> ExitCode {
     let since = Instant::now();
     if let Err(error) = run::signals::listen() {
-        tracing::warn!(%error, "signals will not end a run in order");
+        tracing::warn!(%error, "signals will not shut a run down in order");
     }
     if let Err(error) = run::processes::adopt_orphans() {
-        tracing::warn!(%error, "what participants leave behind will not be ended");
+        tracing::warn!(%error, "orphaned processes of participants will not be ended");
     }
     if let Err(error) = run::damage::report() {
         tracing::warn!(%error, "damaged shared memory will not be reported");

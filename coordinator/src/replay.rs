@@ -6,12 +6,13 @@
 //! with what was sent then. It may be the program of the recorded run, another build of it, or any
 //! other that plays the role; its partners need not be on the machine.
 //!
-//! Samples are numbered anew, so that a replay may begin in the middle ([`Request::from`]): at the
+//! Samples are renumbered, so that a replay may begin in the middle ([`Request::from`]): at the
 //! last state of the participant that the recording holds before.
 
 mod compare;
 mod drive;
 mod feed;
+mod request;
 mod show;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ mod told;
 mod walk;
 
 pub use compare::{Comparison, Difference, Growth, StepDifference};
+pub use request::{Replay, Request};
 pub use show::{difference, text};
 
 use crate::inspect;
@@ -29,64 +31,8 @@ use run::error::RunError;
 use run::peers::{Peers, Seat};
 use run::programs::Program;
 use run::signals;
-use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
-
-/// What is to be replayed.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// The recording.
-    pub recording: PathBuf,
-    /// Role of the participant that is driven.
-    pub only: String,
-    /// The program to drive; by default our own solver of the role.
-    pub program: Option<Program>,
-    /// It is started by hand, and nothing has a deadline.
-    pub serve: bool,
-    /// Largest difference that passes, relative to the largest value of the sample; `None` for
-    /// none, to the bit.
-    pub tolerance: Option<f64>,
-    /// The first window to be solved; earlier ones are skipped as far as a state allows.
-    pub from: Option<u64>,
-    /// The last window to be solved.
-    pub until: Option<u64>,
-    /// Values of the recorded configuration to change: dotted key and SI value.
-    pub set: Vec<(String, serde_json::Value)>,
-    /// Ask before every command.
-    pub step: bool,
-}
-
-/// How a replay went.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Replay {
-    /// Role that was driven.
-    pub role: String,
-    /// Program and version that was driven.
-    pub program: String,
-    /// Program and version that was recorded.
-    pub recorded_program: String,
-    /// Solves asked for.
-    pub solves: u64,
-    /// First window that was solved, if not 0.
-    pub from_window: u64,
-    /// The last that was solved.
-    pub last_window: u64,
-    /// What was compared, and how it differs.
-    pub comparison: Comparison,
-    /// Remarks, one line each.
-    pub remarks: Vec<String>,
-    /// Seconds in the model, as recorded, of the solves that were replayed.
-    pub recorded_model_s: f64,
-    /// Seconds in the model now.
-    pub model_s: f64,
-    /// Seconds of the whole replay.
-    pub wall_s: f64,
-    /// The recording is cut, and the replay with it.
-    pub cut: bool,
-    /// The recording is damaged, and the replay ends there.
-    pub damage: Option<String>,
-}
 
 /// Drives the participant.
 ///
@@ -163,7 +109,7 @@ fn participant(path: &Path, all: &[Participant], role: &str) -> Result<usize, Ru
     all.iter().position(|p| p.role == role).ok_or_else(|| {
         let roles: Vec<&str> = all.iter().map(|p| p.role.as_str()).collect();
         RunError::Usage(format!(
-            "nobody in {} plays `{role}`; give --only one of: {}",
+            "no participant in {} plays `{role}`; give --only one of: {}",
             path.display(),
             roles.join(", ")
         ))

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! A rehearsal fills every template with stand-ins before anything runs, so that a mistake in the text
-//! is told at once. Rendering needs the folder alone: `coordinator report FOLDER` does it again.
+//! is reported at once. Rendering needs the folder alone: `coordinator report FOLDER` does it
+//! again.
 
 mod check;
 mod cli;
@@ -48,7 +49,7 @@ pub struct Request<'a> {
     pub check: Option<&'a Path>,
 }
 
-/// Runs a study, and writes or compares what is asked for; `say` hears of each run.
+/// Runs a study, and writes or compares what is asked for; `say` is called for each run.
 ///
 /// # Errors
 /// [`RunError::Usage`] for a study that is wrong, before anything has run; those of its runs;

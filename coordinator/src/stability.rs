@@ -1,6 +1,6 @@
 //! `coordinator stability`: the hard cases, each with what is expected of it and why.
 //!
-//! A suite file lists cases, the bounds of their figures with the physical reason of each, and
+//! A suite file lists cases, the bounds of their quantities with the physical reason of each, and
 //! parameters that are driven to the edge where the answer ends. Every run is a run like any other,
 //! with a recording, so that the ranges of whole fields are known.
 //!
@@ -48,7 +48,7 @@ pub struct Request {
     pub out: PathBuf,
 }
 
-/// Runs the cases; `tell` hears of each as soon as it and its sweeps are done.
+/// Runs the cases; `tell` is called for each as soon as it and its sweeps are done.
 ///
 /// # Errors
 /// A case that the suite does not have, a folder that cannot be written, or the user has stopped. A
@@ -81,7 +81,7 @@ fn run_entry(request: &Request, entry: &Entry) -> Result<CaseReport, RunError> {
         number: entry.number,
         name: entry.name.clone(),
         title: entry.title.clone(),
-        bounds: entry.checks.iter().map(suite::Check::told).collect(),
+        bounds: entry.checks.iter().map(suite::Check::row).collect(),
         expected: entry.expect.to_string(),
         row,
         sweeps: sweeps?,

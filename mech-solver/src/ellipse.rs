@@ -107,7 +107,7 @@ impl Ellipse {
         }
         Err(Refusal::new(
             load_key(scene),
-            format!("gives a contact whose size or pressure is no number: {self}"),
+            format!("gives a contact whose size or pressure is not a number: {self}"),
             "check the units of load, radii and materials",
         ))
     }
@@ -163,7 +163,7 @@ impl Ellipse {
             Drive::Creepage { xi, eta, phi } => Ok(Prescribed::Creepage { xi, eta, phi }),
             Drive::Shift(_) => Err(Refusal::new(
                 "motion.shift",
-                "a wheel that rolls has creepages; a shift is for bodies that do not roll",
+                "a rolling wheel has creepages; a shift is for bodies that do not roll",
                 format!("write motion.creepage, or {SPEED} = 0"),
             )),
         }

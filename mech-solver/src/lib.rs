@@ -76,13 +76,13 @@ fn not_provided(field: &str, model: &str) -> Refusal {
     match specs.into_iter().find(provides) {
         Some(effect) => Refusal::new(
             &format!("effects.{}", effect.name),
-            format!("the field `{field}` is asked for, but the effect that provides it is off"),
+            format!("the field `{field}` is requested, but the effect that provides it is off"),
             format!("add the table [effects.{}]", effect.name),
         ),
         None => Refusal::new(
             "mech.model",
             format!("`{model}` does not provide the field `{field}`"),
-            "do not ask for this field",
+            "do not request this field",
         ),
     }
 }

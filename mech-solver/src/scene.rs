@@ -319,7 +319,7 @@ fn read_load(case: &CheckedParams<'_>) -> Result<Load, Refusal> {
         )),
         (Some(_), Some(_)) => Err(Refusal::new(
             APPROACH,
-            format!("stands beside `{NORMAL_FORCE}`, and each alone decides the other"),
+            format!("excludes `{NORMAL_FORCE}`: each determines the other"),
             format!("keep {NORMAL_FORCE} or {APPROACH}"),
         )),
     }
@@ -350,7 +350,7 @@ fn read_drive(params: &Params, case: &CheckedParams<'_>) -> Result<Drive, Refusa
         )),
         [_, second, ..] => Err(Refusal::new(
             second,
-            format!("stands beside `{}`, and each alone decides how the wheel is driven", given[0]),
+            format!("excludes `{}`: each determines how the wheel is driven", given[0]),
             format!("keep one of {}", given.join(", ")),
         )),
     }

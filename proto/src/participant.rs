@@ -7,6 +7,7 @@
 //! PROGRAM --join RUN_FOLDER --role ROLE   take part in a run
 //! ```
 
+mod error;
 mod geometry;
 mod ports;
 mod pulse;
@@ -86,7 +87,7 @@ fn act(arguments: &Arguments, solver: &dyn Solver) -> Result<(), Box<dyn Error>>
     } else if let (Some(folder), Some(role)) = (&arguments.join, &arguments.role) {
         take_part(folder, role, solver)
     } else {
-        Err("nothing to do; started by hand, a participant wants --describe, --estimate or \
+        Err("nothing to do; started by hand, a participant needs --describe, --estimate or \
              --join RUN_FOLDER --role ROLE"
             .into())
     }

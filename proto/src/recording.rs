@@ -87,7 +87,7 @@ pub struct Head {
     pub scheme: String,
     /// How the next iterate was chosen.
     pub acceleration: String,
-    /// Who took part; [`Event`]s name them by their index here.
+    /// The participants; [`Event`]s name them by their index here.
     pub participants: Vec<Participant>,
     /// Keys of the case that name a file, with the name of the attachment that holds it.
     pub files: Vec<CaseFile>,
@@ -132,7 +132,10 @@ pub enum RecordingError {
         found: u32,
     },
     /// Cut before the head was complete.
-    #[error("the recording is cut before its head is complete: nothing can be read from it")]
+    #[error(
+        "the recording is truncated before its header is complete: nothing can be read from \
+             it"
+    )]
     NoHead,
 }
 

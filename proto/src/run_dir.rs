@@ -1,21 +1,24 @@
 //! Isolation of a run on the machine, and removal of everything it leaves there.
 //!
 //! Every run has a folder of its own under the runtime folder, and a prefix of its own for its
-//! shared-memory files. Two advisory locks in the folder say who is alive; the kernel drops them
-//! when a process ends, however it ends:
+//! shared-memory files. Two advisory locks in the folder say which processes are alive; the kernel
+//! drops them when a process ends, however it ends:
 //!
 //! - `coordinator.lock` is held exclusively by the coordinator for the whole run. A participant
 //!   that can take it knows that the coordinator is dead.
 //! - `participant-ROLE.lock` is held exclusively by the participant that plays the role, so that
 //!   the coordinator knows when one is gone that it has not started itself.
-//! - `members.lock` is held shared by everybody in the run. Whoever can take it exclusively is the
+//! - `members.lock` is held shared by everybody in the run. The process that can take it
+//!   exclusively is the
 //!   last one, and removes the folder and every shared-memory file with the run's prefix.
 //!
 //! A coordinator that starts removes, by the same rule, what earlier runs left whose processes
 //! were all killed. The runtime folder itself is the matter of [`runtime`].
 
+mod locks;
 mod runtime;
 
+use locks::{COORDINATOR_LOCK, MEMBERS_LOCK, RUN_FILE};
 use runtime::{RuntimeFolder, SHARED_MEMORY, belong_together, prefix_of, remove_run, user};
 use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
@@ -25,10 +28,6 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 pub(crate) use runtime::close_to_others;
-
-const COORDINATOR_LOCK: &str = "coordinator.lock";
-const MEMBERS_LOCK: &str = "members.lock";
-const RUN_FILE: &str = "run.json";
 
 /// What a participant has to know to join: the content of `run.json` in the run's folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,7 +53,7 @@ pub struct RunDir {
 
 impl RunInfo {
     /// Reads the run of a folder: it is ours, and its prefix is that of its own shared memory, which
-    /// the last who leaves removes.
+    /// the last to leave removes.
     fn read(folder: &Path) -> io::Result<Self> {
         let no_run = |error: io::Error| {
             io::Error::new(error.kind(), format!("no run at {}: {error}", folder.display()))
@@ -188,14 +187,6 @@ impl CoordinatorWatch {
     }
 }
 
-/// Nobody holds a lock.
-fn is_free(lock: &Path) -> bool {
-    match File::open(lock) {
-        Ok(file) => flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok(),
-        Err(error) => error.kind() == io::ErrorKind::NotFound,
-    }
-}
-
 /// Free shared memory [byte]; `u64::MAX` where it cannot be known.
 #[must_use]
 pub fn free_shared_memory() -> u64 {
@@ -271,7 +262,7 @@ mod tests {
         assert!(error.to_string().contains("/nonexistent/run"));
     }
 
-    /// Whoever leaves last would remove what a foreign `run.json` names.
+    /// The last to leave would remove what a foreign `run.json` names.
     #[test]
     fn a_run_that_names_what_is_not_its_own_is_not_joined() {
         let run = RunDir::create(&["mech".to_owned()]).unwrap();
@@ -303,7 +294,7 @@ mod tests {
             let mode = file.metadata().unwrap().mode() & 0o777;
             assert_eq!(mode & 0o077, 0, "{file:?}: {mode:o}");
         }
-        // Whoever joins finds the same count of nodes, and what is there opens.
+        // A process that joins finds the same count of nodes, and what is there opens.
         let second = crate::transport::Endpoint::open(run.info()).unwrap();
         second.ringer("coordinator").unwrap().ring().unwrap();
     }

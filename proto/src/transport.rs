@@ -437,7 +437,7 @@ impl FieldLoan {
 }
 
 impl FieldWriter {
-    /// Waits until everybody who has to receive the field is there.
+    /// Waits until all that have to receive the field are there.
     pub fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
         let start = Instant::now();
         let there = || self.topic.dynamic_config().number_of_subscribers() >= self.subscribers;

@@ -37,8 +37,8 @@ impl Alone {
     pub fn not_judged_text(&self) -> String {
         let roles: Vec<&str> = self.participants.iter().map(|one| one.role.as_str()).collect();
         let mut text = format!(
-            "not judged, as no program was started: models, effects and fields, which the programs of {} \
-             describe, and the scheme that follows from them",
+            "not checked, as no program was started: models, effects and fields, which the programs of \
+         {} describe, and the scheme that follows from them",
             roles.join(", ")
         );
         if !self.not_judged.is_empty() {

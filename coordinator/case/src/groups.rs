@@ -1,6 +1,6 @@
 //! Groups of alternatives: of all keys with the same `one_of` word exactly one is given.
 //!
-//! The alternatives of a group are told apart by the first part of their keys after what all
+//! The alternatives of a group are distinguished by the first part of their keys after what all
 //! have in common: of `motion.speed`, `motion.creepage.xi` and `motion.creepage.eta` the last two
 //! are one alternative, `motion.creepage`.
 

@@ -17,7 +17,7 @@ struct Lack {
     add: String,
 }
 
-/// A required key that is not there, and who needs it.
+/// A required key that is not there, and what needs it.
 struct Wanted<'i> {
     instance: &'i Instance<'i>,
     owners: Vec<&'i str>,
@@ -52,7 +52,8 @@ impl Checker<'_> {
         alternative.members.iter().any(|key| self.given(key))
     }
 
-    /// It, or a section that holds it, is there under a wrong name or as no table: told already.
+    /// It, or a section that holds it, is there under a wrong name or as no table: reported
+    /// already.
     fn is_botched(&self, key: &str) -> bool {
         let holds = |section: &str| {
             key.strip_prefix(section).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
@@ -65,7 +66,7 @@ impl Checker<'_> {
             || key.match_indices('.').any(|(at, _)| no_table(&key[..at]))
     }
 
-    /// Required keys that are not there, in order, each with all who need it.
+    /// Required keys that are not there, in order, each with all that need it.
     fn required<'i>(&self, active: &'i [Instance<'i>], groups: &[Group]) -> Vec<Wanted<'i>> {
         let mut found: Vec<Wanted<'i>> = Vec::new();
         for instance in active {
@@ -134,14 +135,14 @@ impl Checker<'_> {
         }
     }
 
-    /// Several alternatives are given: told at the last of them, naming the others.
+    /// Several alternatives are given: reported at the last of them, naming the others.
     fn conflict(&mut self, chosen: &[&Alternative]) {
         let mut placed: Vec<(Place, &str)> =
             chosen.iter().map(|a| (self.alternative_place(a), a.label.as_str())).collect();
         placed.sort();
         let Some(((place, label), others)) = placed.split_last() else { return };
-        let told = others.iter().map(|(place, label)| format!("`{label}` at {place}"));
-        let reason = format!("excludes {}", all_of(&told.collect::<Vec<_>>()));
+        let others_given = others.iter().map(|(place, label)| format!("`{label}` at {place}"));
+        let reason = format!("excludes {}", all_of(&others_given.collect::<Vec<_>>()));
         let names: Vec<&str> = placed.iter().map(|(_, label)| *label).collect();
         let fix = format!("keep exactly one of {}", all_of(&names));
         self.problems.push(Problem::new(place.clone(), *label, reason, fix));
@@ -188,10 +189,10 @@ fn lack(wanted: &Wanted<'_>) -> Lack {
     let path = &wanted.instance.path;
     let known = wanted.instance.known;
     let name = path.rsplit('.').next().unwrap_or(path);
-    let (who, verb) = who_needs(wanted.owners.iter().copied());
+    let (owner, verb) = owners_verb(wanted.owners.iter().copied());
     Lack {
         key: path.clone(),
-        reason: format!("missing; {who} {verb} the {}", known.spec.help),
+        reason: format!("missing; {owner} {verb} the {}", known.spec.help),
         add: format!("`{name} = {}`", example(&known.spec, known.shape)),
     }
 }
@@ -203,7 +204,7 @@ fn lack_of_all(
     labels: &[&str],
 ) -> Lack {
     let owners = readable.iter().flat_map(|(_, readers)| readers).map(|i| i.known.owner.as_str());
-    let (who, verb) = who_needs(owners);
+    let (owner, verb) = owners_verb(owners);
     let short = |label: &str| match group.section.as_str() {
         "" => label.to_owned(),
         section => label[section.len() + 1..].to_owned(),
@@ -215,13 +216,13 @@ fn lack_of_all(
         })
         .collect();
     let key = if group.section.is_empty() { labels.join(" | ") } else { group.section.clone() };
-    let reason = format!("missing; {who} {verb} exactly one of {}", any_of(labels));
+    let reason = format!("missing; {owner} {verb} exactly one of {}", any_of(labels));
     let add = if examples.len() > 1 { "one of " } else { "" };
     Lack { key, reason, add: format!("{add}{}", any_of(&examples)) }
 }
 
 /// ("mech and thermal", "need").
-fn who_needs<'a>(owners: impl Iterator<Item = &'a str>) -> (String, &'static str) {
+fn owners_verb<'a>(owners: impl Iterator<Item = &'a str>) -> (String, &'static str) {
     let mut names: Vec<&str> = Vec::new();
     for owner in owners {
         if !names.contains(&owner) {

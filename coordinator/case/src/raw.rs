@@ -25,7 +25,7 @@ pub struct RawCase {
 }
 
 /// A section of the case that names a participant; what is of the wrong type counts as absent
-/// here and is told by validation.
+/// here and is reported by validation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RawParticipant {
     /// Name of the section.
@@ -278,8 +278,8 @@ fn syntax_problem(place: Place, message: &str, empty: bool) -> Problem {
         }
         ("string values must be quoted", _) => (reason, "put the text in quotes".to_owned()),
         (_, "") => (reason, "write valid TOML".to_owned()),
-        (_, "nothing") => (reason, "remove what is too much".to_owned()),
+        (_, "nothing") => (reason, "remove the surplus text".to_owned()),
         _ => (reason, format!("TOML expects {expected} here")),
     };
-    Problem::new(place, "", format!("not TOML: {reason}"), fix)
+    Problem::new(place, "", format!("invalid TOML: {reason}"), fix)
 }

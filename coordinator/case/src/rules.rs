@@ -155,8 +155,8 @@ impl Checker<'_> {
     pub(super) fn somebody_runs(&mut self) {
         let present: Vec<&str> =
             self.selection.players.iter().filter(|p| p.present).map(|p| p.role).collect();
-        let told = !self.undescribed().is_empty() || !self.meant.is_empty();
-        if told || self.selection.players.iter().any(|p| p.needed) {
+        let reported = !self.undescribed().is_empty() || !self.meant.is_empty();
+        if reported || self.selection.players.iter().any(|p| p.needed) {
             return;
         }
         match present.first() {
@@ -320,7 +320,7 @@ fn name_fault(name: &str) -> Option<String> {
     } else if name.len() > LONGEST_NAME {
         Some(format!("has {} bytes, {LONGEST_NAME} at most", name.len()))
     } else if let Some(other) = name.chars().find(|c| !plain(*c)) {
-        Some(format!("{other:?} cannot stand in the name of a result folder"))
+        Some(format!("{other:?} is not allowed in the name of a result folder"))
     } else if name.starts_with('.') {
         Some("starts with a dot".to_owned())
     } else if name.trim() != name {

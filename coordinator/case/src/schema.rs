@@ -90,35 +90,54 @@ fn coupling() -> Vec<OwnKey> {
     };
     let mut keys = vec![
         word("scheme", Scheme::WORDS, "auto", "order and iteration of the participants"),
-        word("acceleration", Acceleration::WORDS, "auto", "choice of the next iterate"),
-        word("preconditioner", Preconditioner::WORDS, "residual-sum", "weights of several fields"),
+        word(
+            "acceleration",
+            Acceleration::WORDS,
+            "auto",
+            "acceleration of the fixed-point iteration",
+        ),
+        word(
+            "preconditioner",
+            Preconditioner::WORDS,
+            "residual-sum",
+            "preconditioner: weights of the fields",
+        ),
         word("predictor", Predictor::WORDS, "last", "first iterate of a window"),
-        word("interpolation", INTERPOLATIONS, "constant", "course of inputs within a window"),
-        count("min_iterations", 1.0, 1, "fewest iterations of a window"),
-        count("max_iterations", 1.0, 100, "most iterations of a window"),
-        count("reuse_windows", 0.0, 10, "earlier windows whose iterations serve the accelerator"),
-        one(KeySpec::integer(
-            &key("max_columns"),
-            "most iterations that the accelerator remembers",
-        )
-        .at_least(1.0)
-        .at_most(1000.0)
-        .default_value(100)),
-        one(KeySpec::number(&key("relaxation"), "part of the residual that is added")
+        word(
+            "interpolation",
+            INTERPOLATIONS,
+            "constant",
+            "interpolation of inputs within a window",
+        ),
+        count("min_iterations", 1.0, 1, "minimum number of iterations per window"),
+        count("max_iterations", 1.0, 100, "maximum number of iterations per window"),
+        count("reuse_windows", 0.0, 10, "earlier windows whose secant columns are reused"),
+        one(KeySpec::integer(&key("max_columns"), "maximum number of secant columns")
+            .at_least(1.0)
+            .at_most(1000.0)
+            .default_value(100)),
+        one(KeySpec::number(&key("relaxation"), "relaxation factor of the residual")
             .above(0.0)
             .at_most(2.0)
             .default_value(0.5)),
         // Gram matrices hold the square of the new part, to sixteen digits.
-        one(KeySpec::number(&key("filter"), "part of a column that has to be new")
-            .at_least(1e-7)
-            .at_most(0.9)
-            .default_value(1e-6)),
+        one(KeySpec::number(
+            &key("filter"),
+            "filter: smallest linearly independent part of a secant column",
+        )
+        .at_least(1e-7)
+        .at_most(0.9)
+        .default_value(1e-6)),
         one(KeySpec::flag(&key("strict"), "a window that does not converge ends the run")
             .default_value(true)),
-        one(deadline("coupling.solve_deadline", "longest wait for one solve", 3600.0)),
-        one(deadline("coupling.start_deadline", "longest wait for a participant to start", 30.0)),
-        one(deadline("coupling.build_deadline", "longest wait for a model to be built", 3600.0)),
-        one(deadline("coupling.heartbeat_deadline", "longest silence of a participant", 30.0)),
+        one(deadline("coupling.solve_deadline", "deadline of one solve", 3600.0)),
+        one(deadline("coupling.start_deadline", "deadline for a participant to start", 30.0)),
+        one(deadline("coupling.build_deadline", "deadline for a model to be built", 3600.0)),
+        one(deadline(
+            "coupling.heartbeat_deadline",
+            "longest time without a heartbeat of a participant",
+            30.0,
+        )),
     ];
     keys.extend(tolerances("coupling"));
     keys.extend(tolerances("coupling.fields.*"));
@@ -139,7 +158,7 @@ fn tolerances(section: &str) -> impl Iterator<Item = OwnKey> {
 
 fn mappings() -> Vec<OwnKey> {
     let method = |path: &str, help| KeySpec::choice(path, &methods(), help);
-    let all = method("mapping.method", "how fields come to a grid that does not match");
+    let all = method("mapping.method", "mapping of fields between non-matching grids");
     let own = method("mapping.fields.*.method", "the same for one field");
     vec![one(all.default_value(AUTO)), one(own)]
 }
@@ -170,8 +189,11 @@ fn participant() -> Vec<OwnKey> {
             spec: KeySpec::text(&format!("{ROLE}.command"), "program and arguments that start it"),
             shape: Shape::List,
         },
-        one(KeySpec::flag(&format!("{ROLE}.attach"), "it is started by hand and waited for")
-            .default_value(false)),
+        one(KeySpec::flag(
+            &format!("{ROLE}.attach"),
+            "started by hand; the coordinator waits for it",
+        )
+        .default_value(false)),
     ]
 }
 

@@ -60,7 +60,7 @@ impl<'a> Selection<'a> {
         })
     }
 
-    /// Everyone who was asked which keys there are.
+    /// All participants which were asked for their keys.
     pub(super) fn asked(&self) -> Vec<&str> {
         let roles = self.players.iter().map(|player| player.role);
         std::iter::once("the coordinator").chain(roles).collect()

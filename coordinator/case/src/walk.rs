@@ -53,7 +53,7 @@ impl Checker<'_> {
         };
         let results = checked(true);
         let faults: Vec<&Fault> = results.iter().filter_map(|r| r.as_ref().err()).collect();
-        // Nobody reads it now: it must suit one of those who would.
+        // No participant reads it now: it must suit one of those which would.
         let idle = if results.is_empty() { checked(false) } else { Vec::new() };
         let value = results.iter().chain(&idle).find_map(|r| r.as_ref().ok());
         let refused =
@@ -154,8 +154,8 @@ impl Checker<'_> {
 
     /// "friction_heat (mech, thermal)".
     fn offer(&self, effect: &str) -> String {
-        let who: Vec<&str> = self.selection.claimants(effect).map(|(p, _)| p.role).collect();
-        format!("{effect} ({})", who.join(", "))
+        let roles: Vec<&str> = self.selection.claimants(effect).map(|(p, _)| p.role).collect();
+        format!("{effect} ({})", roles.join(", "))
     }
 
     /// The names that may stand in a section.

@@ -22,7 +22,7 @@ fn mapping(criterion: &mut Criterion) {
         let mut mapped = vec![0.0; target.points()];
         for method in Method::ALL {
             let kind = match method {
-                Method::Overlap => Mapping::Conservative,
+                Method::Intersection => Mapping::Conservative,
                 _ => Mapping::Consistent,
             };
             let make = || GridMapping::between(&source, &target, method, kind).expect("grids");

@@ -1,4 +1,4 @@
-//! The next iterate of the fields that are fed back.
+//! The next iterate of the coupling data.
 //!
 //! | word | x ↦ |
 //! |---|---|

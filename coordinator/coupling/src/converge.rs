@@ -1,6 +1,6 @@
 //! When a window is done.
 //!
-//! Measured are, for every field that is fed back, the two-norm of the residual ‖r‖ = ‖x̃ − x‖
+//! Measured are, for every field of the coupling data, the two-norm of the residual ‖r‖ = ‖x̃ − x‖
 //! against an absolute bound, against ‖x̃‖, and against the first residual of the window. Every
 //! measure that a field is given has to hold, for every field, in the same iteration. A norm that
 //! is no finite number never counts as converged.

@@ -38,7 +38,7 @@ pub struct NotConverged {
 pub struct WindowOutcome {
     /// Iterations made.
     pub iterations: u32,
-    /// Largest relative residual of the last one; `None` if nothing is fed back.
+    /// Largest relative residual of the last one; `None` if there are no coupling data.
     pub residual: Option<f64>,
     /// Why the window is not converged, if it is not.
     pub not_converged: Option<NotConverged>,
@@ -58,7 +58,7 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// One pass a window, one participant after the other, nothing fed back within the window.
+    /// One pass a window, one participant after the other, nothing iterated within the window.
     #[must_use]
     pub fn explicit() -> Self {
         Self::one_pass(Order::Serial)
@@ -84,7 +84,7 @@ impl Coupling {
         }
     }
 
-    /// Windows that are iterated until what is fed back through `exchange` has converged; the
+    /// Windows that are iterated until the coupling data of `exchange` have converged; the
     /// first iterate of the first window is what the participants gave before any solve.
     #[must_use]
     pub fn implicit<E: Exchange>(settings: &Implicit, parallel: bool, exchange: &E) -> Self {
@@ -193,19 +193,19 @@ impl Coupling {
         &self.sent
     }
 
-    /// The fields that are fed back.
+    /// The fields of the coupling data.
     #[must_use]
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    /// ‖r‖/‖x̃‖ of every field that is fed back, in the last iteration.
+    /// ‖r‖/‖x̃‖ of every field of the coupling data, in the last iteration.
     #[must_use]
     pub fn residuals(&self) -> &[f64] {
         self.convergence.residuals()
     }
 
-    /// The largest of the residuals; `None` if nothing is fed back.
+    /// The largest of the residuals; `None` if there are no coupling data.
     #[must_use]
     pub fn residual(&self) -> Option<f64> {
         // `f64::max` would lose a NaN.

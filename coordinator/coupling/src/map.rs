@@ -20,19 +20,19 @@
 //! | [`Method::NearestNeighbour`] | the nearest centre's value | 1 | ≥ 0 |
 //! | [`Method::NearestProjection`] | the value, bilinear between centres, at its foot on the surface through them | 2 | ≥ 0 |
 //! | [`Method::RadialBasis`] | an interpolant of compactly supported functions with a linear polynomial | 2 to 3 | any |
-//! | [`Method::Overlap`] | the mean over the part of the source that it covers | 1 | ≥ 0 |
+//! | [`Method::Intersection`] | the mean over the part of the source that it covers | 1 | ≥ 0 |
 //!
 //! Weights ≥ 0 keep a consistently mapped field within the source's extremes. A conservatively
-//! mapped density is bounded that way only by [`Method::Overlap`], and there where target elements
-//! are wholly covered: Σ_s W_ts = Σ_s |t ∩ s|/A_t = 1.
+//! mapped density is bounded that way only by [`Method::Intersection`], and there where target
+//! elements are wholly covered: Σ_s W_ts = Σ_s |t ∩ s|/A_t = 1.
 //! It is the natural mapping of what finite volumes exchange; the transposed point methods leave
 //! elements of a finer target empty. Orders measured and advice: `docs/theory/mapping.md`.
 //!
 //! Sources: A. de Boer, A. H. van Zuijlen, H. Bijl, *Comput. Methods Appl. Mech. Engrg.* 196 (2007)
 //! 1515–1525 (consistent and conservative forms); H. Wendland, *Adv. Comput. Math.* 4 (1995)
 //! 389–396 (functions); P. E. Farrell, J. R. Maddison, *Comput. Methods Appl. Mech. Engrg.* 200
-//! (2011) 89–100 (overlaps). Deviation from the first: the interpolants are local, one small system
-//! for each target, so that W is sparse and there is nothing to solve when it is applied.
+//! (2011) 89–100 (intersections). Deviation from the first: the interpolants are local, one small
+//! system for each target, so that W is sparse and there is nothing to solve when it is applied.
 
 mod current;
 mod intersection;

@@ -1,4 +1,4 @@
-//! The coupling vector: every field that is fed back, one after the other.
+//! The coupling vector: all fields of the coupling data, one after the other.
 
 use std::ops::Range;
 

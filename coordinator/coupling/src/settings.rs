@@ -35,7 +35,7 @@ words! {
         Auto = "auto",
         /// One after the other, one pass; what closes a loop is a window late.
         SerialExplicit = "serial-explicit",
-        /// One after the other, repeated until what is fed back no longer changes.
+        /// One after the other, repeated until the coupling data no longer change.
         SerialImplicit = "serial-implicit",
         /// All at once, one pass; everything is a window late.
         ParallelExplicit = "parallel-explicit",
@@ -126,11 +126,12 @@ pub struct Implicit {
     pub tolerances: Tolerances,
     /// What single fields have to meet, by name.
     pub fields: BTreeMap<String, Tolerances>,
-    /// Earlier windows whose iterations still serve the accelerator.
+    /// Earlier windows whose secant columns are reused.
     pub reuse_windows: u64,
     /// Most iterations that the accelerator remembers.
     pub max_columns: usize,
-    /// Part of a column that has to be new \[-\]; a column with less is dropped.
+    /// Smallest part of a secant column that is linearly independent of newer ones \[-\]; a column
+    /// with less is dropped.
     pub filter: f64,
     /// Weights of several fields.
     pub preconditioner: Preconditioner,

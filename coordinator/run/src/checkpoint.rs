@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! checkpoints/000120/             window 120 is the next one
-//!     coordinator.state           what only the coordinator knows, and the sums of the other files
+//!     coordinator.state           what only the coordinator knows, and the checksums of the other files
 //!     ROLE.state                  each participant's own
 //!     FIELD.values                what it sent last, as little-endian doubles
 //!     ROLE.GRID.geometry          the grid of those values, if it is one that moves
@@ -11,8 +11,8 @@
 //! A checkpoint is written under the name `000120.new`, every file flushed to the disk, and then
 //! renamed: under its own name it is whole, but for a disk that fails. The last [`KEPT`] are kept.
 //! Every file has its length and its CRC-64 in `coordinator.state`, and that has its own in its
-//! head, so that a torn checkpoint is recognised; [`Checkpoints::newest`] says what is wrong with
-//! it and takes the one before.
+//! head, so that a corrupt checkpoint is recognised; [`Checkpoints::newest`] says what is wrong
+//! with it and takes the one before.
 
 mod sum;
 
@@ -68,7 +68,7 @@ pub struct State {
     pub counts: Counts,
     /// What [`coupling::Coupling::save`] wrote.
     pub coupling: Vec<u8>,
-    /// The last iterate sent to those who close the loop.
+    /// The last iterate sent to the consumers that close the loop.
     pub iterate: Vec<f64>,
     /// Length of `iterations.csv` [byte].
     pub table_bytes: u64,
@@ -101,7 +101,7 @@ pub struct Checkpoint {
 
 /// A checkpoint that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Torn {
+pub struct Corrupt {
     /// Name of its folder.
     pub name: String,
     /// What is wrong with it.
@@ -140,7 +140,7 @@ impl Checkpoints {
             write_own(&draft.join(OWN), &(parts, state))?;
             File::open(draft)?.sync_all()?;
             let folder = draft.with_extension("");
-            // One of this name is torn, or a run that was resumed before it would have used it.
+            // One of this name is corrupt, or a run that was resumed before it would have used it.
             remove(&folder)?;
             fs::rename(draft, folder)?;
             File::open(&self.folder)?.sync_all()
@@ -158,17 +158,17 @@ impl Checkpoints {
         Ok(())
     }
 
-    /// The newest checkpoint that is whole, if there is one, and those that are newer and torn.
+    /// The newest intact checkpoint, if there is one, and those that are newer and corrupt.
     #[must_use]
-    pub fn newest(&self) -> (Option<Checkpoint>, Vec<Torn>) {
-        let mut torn = Vec::new();
+    pub fn newest(&self) -> (Option<Checkpoint>, Vec<Corrupt>) {
+        let mut corrupt = Vec::new();
         for name in self.names().into_iter().rev() {
             match read(&self.folder.join(&name)) {
-                Ok(checkpoint) => return (Some(checkpoint), torn),
-                Err(reason) => torn.push(Torn { name, reason }),
+                Ok(checkpoint) => return (Some(checkpoint), corrupt),
+                Err(reason) => corrupt.push(Corrupt { name, reason }),
             }
         }
-        (None, torn)
+        (None, corrupt)
     }
 
     /// Removes every checkpoint, drafts too.
@@ -245,10 +245,10 @@ fn decode_own(bytes: &[u8]) -> Result<(Vec<Part>, State), String> {
     let rest = bytes.strip_prefix(MAGIC.as_slice());
     let head = rest.and_then(<[u8]>::split_first_chunk);
     let Some((expected, content)) = head else {
-        return Err(format!("{OWN} is no checkpoint of this version"));
+        return Err(format!("{OWN} is not a checkpoint of this version"));
     };
     if sum(content) != u64::from_le_bytes(*expected) {
-        return Err(format!("{OWN} is torn: its {} bytes have another sum", bytes.len()));
+        return Err(format!("{OWN} is corrupt: checksum mismatch in {} bytes", bytes.len()));
     }
     binary::read(content).map_err(|error| format!("{OWN}: {error}"))
 }
@@ -261,23 +261,29 @@ fn read(folder: &Path) -> Result<Checkpoint, String> {
     };
     let own = fs::symlink_metadata(folder.join(OWN)).map_err(failed(OWN))?;
     if !own.is_file() || own.len() > binary::LONGEST as u64 {
-        return Err(format!("{OWN} is no checkpoint: {} bytes", own.len()));
+        return Err(format!("{OWN} is not a checkpoint: {} bytes", own.len()));
     }
     let bytes = fs::read(folder.join(OWN)).map_err(failed(OWN))?;
     let (parts, state) = decode_own(&bytes)?;
     for part in &parts {
         if part.name.contains('/') || part.name == ".." {
-            return Err(format!("{OWN} names {:?}, which is no file of a checkpoint", part.name));
+            return Err(format!(
+                "{OWN} names {:?}, which is not a file of a checkpoint",
+                part.name
+            ));
         }
         let path = folder.join(&part.name);
         let file = fs::symlink_metadata(&path).map_err(failed(&part.name))?;
         if !file.is_file() || file.len() != part.bytes {
             let (found, expected) = (file.len(), part.bytes);
-            return Err(format!("{} is torn: {found} bytes of {expected}", part.name));
+            return Err(format!(
+                "{} is corrupt: truncated to {found} of {expected} bytes",
+                part.name
+            ));
         }
         let content = fs::read(path).map_err(failed(&part.name))?;
         if sum(&content) != part.sum {
-            return Err(format!("{} is torn: its bytes have another sum", part.name));
+            return Err(format!("{} is corrupt: checksum mismatch", part.name));
         }
     }
     Ok(Checkpoint { state, folder: folder.to_owned() })

@@ -1,9 +1,9 @@
 //! The last words of a process that reads shared memory which is not what it was.
 //!
-//! A file that is cut short, or for which `/dev/shm` has no room, ends whoever touches it with a bus
-//! error; what iceoryx2 keeps beside the samples, once overwritten, with an invalid access. Neither can
-//! be put in order, but it can be said. Participants notice that we are gone, and leave; the next run
-//! removes what is left.
+//! A file that is cut short, or for which `/dev/shm` has no room, ends any process that touches it
+//! with a bus error; what iceoryx2 keeps beside the samples, once overwritten, with an invalid
+//! access. Neither can be put in order, but it can be said. Participants notice that we are gone,
+//! and leave; the next run removes what is left.
 
 use std::io;
 use std::mem::MaybeUninit;

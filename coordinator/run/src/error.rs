@@ -1,6 +1,6 @@
 //! How a command can end badly, and the exit code that goes with it.
 
-use crate::programs::Program;
+use crate::program::Program;
 use crate::results::dir::shown;
 use case::Problems;
 use contract::configuration::Refusal;
@@ -41,11 +41,11 @@ pub enum RunError {
     NotConverged(#[from] NotConverged),
     /// The finest grid that was tried misses the target of accuracy.
     #[error(
-        "the estimated error of {quantity} is {:.2} %, and {} % was asked for; {fix}",
+        "the estimated error of {quantity} is {:.2} %, above the requested {} %; {fix}",
         100.0 * estimated, 100.0 * target
     )]
     Inaccurate {
-        /// Key of the figure.
+        /// Key of the quantity.
         quantity: String,
         /// Its estimated relative error.
         estimated: f64,
@@ -61,19 +61,19 @@ pub enum RunError {
     #[error("stale: {0}")]
     Stale(String),
     /// Stopped by the user.
-    #[error("interrupted by {signal} {when}; every participant was ended in order")]
+    #[error("interrupted by {signal} {when}; every participant was shut down")]
     Interrupted {
         /// Name of the signal.
         signal: &'static str,
         /// What was going on.
         when: String,
     },
-    /// A participant's summary holds a figure that is no number.
-    #[error("{role} reported a figure that is not finite: {key}")]
+    /// A participant's summary holds a quantity that is not a number.
+    #[error("{role} reported a quantity that is not finite: {key}")]
     NotFinite {
         /// Role that reported it.
         role: String,
-        /// Dotted key of the figure.
+        /// Dotted key of the quantity.
         key: String,
     },
     /// One error, and a second one while the first was dealt with.
@@ -86,7 +86,7 @@ pub enum RunError {
     },
 }
 
-/// Who failed, when, how, and what to do about it.
+/// What failed, when, how, and what to do about it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{who} failed {when}: {what}; {fix}")]
 pub struct Failure {

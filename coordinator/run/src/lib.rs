@@ -13,6 +13,7 @@ pub mod perform;
 pub mod plan;
 pub mod plan_file;
 pub mod processes;
+mod program;
 pub mod programs;
 pub mod progress;
 pub mod record;

@@ -158,7 +158,7 @@ impl Peers {
                 return Ok(Some(()));
             }
             // A participant that has not joined has no heartbeat yet.
-            all[one].heard(Beat::Busy);
+            all[one].beat_received(Beat::Busy);
             watch.look(all, one, waited.waited(), patience).map_err(Waiting::Stopped)?;
             Ok(None)
         };
@@ -233,7 +233,7 @@ impl Peers {
         };
         let heard = |index: usize, what| {
             if let Some(peer) = all.borrow_mut().get_mut(index) {
-                peer.heard(what);
+                peer.beat_received(what);
                 beat();
             }
         };
@@ -306,7 +306,7 @@ impl Peers {
     /// A participant did what the contract does not allow.
     #[must_use]
     pub fn misbehaved(&self, one: usize, what: String) -> RunError {
-        let fix = "the program does not keep the participant contract (docs/ARCHITECTURE.md)";
+        let fix = "the program violates the participant contract (docs/ARCHITECTURE.md)";
         self.failure(one, what, fix.to_owned())
     }
 
@@ -345,7 +345,7 @@ impl Peers {
         None
     }
 
-    /// Gives those who have been asked to finish the time to do so.
+    /// Gives the participants that have been asked to finish the time to do so.
     pub fn wait_for_exits(&self) {
         if !self.supervisor.wait_for_exits(LEAVE) {
             tracing::warn!("a participant did not leave after Finish and is ended");
@@ -478,7 +478,8 @@ impl Watch<'_> {
         waited: Duration,
         patience: Duration,
     ) -> Result<(), Stopped> {
-        // Who has been asked to finish, and is not the one we wait for, may have left in peace.
+        // A participant that has been asked to finish, and is not the one we wait for, may have
+        // left in peace.
         let in_peace = |role: &str| self.phase == Phase::Finishing && role != all[one].role();
         interrupted_or_exited(self.supervisor, |exit| {
             in_peace(&exit.role) && exit.status.success()

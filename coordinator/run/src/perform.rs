@@ -171,7 +171,7 @@ fn finish_recording(
     }
     match ended {
         Ok(finished) => written.map(|_| finished),
-        // A run that the recording has ended has told of it already.
+        // A run that the recording has ended has reported it already.
         Err(error) if written.as_ref().is_err_and(|w| w.to_string() == error.to_string()) => {
             Err(error)
         }

@@ -3,8 +3,8 @@
 //! Each leads a process group of its own and ends with it. What has left the group (`setsid`) and
 //! outlives its parent becomes a child of the coordinator, which adopts orphans ([`adopt_orphans`]).
 //! When the last process that we have started has ended, such a child is ended too; it is known by
-//! [`MARK`], which it has inherited. One that has lost the mark is reported: it may belong to whoever
-//! has started the coordinator.
+//! [`MARK`], which it has inherited. One that has lost the mark is reported: it may belong to
+//! whatever has started the coordinator.
 
 use rustix::process::{
     Pid, Signal, WaitId, WaitIdOptions, WaitOptions, getpid, kill_process, kill_process_group,
@@ -129,7 +129,7 @@ fn report(orphan: Pid, marked: bool) {
     let (pid, name) = (orphan.as_raw_nonzero().get(), stat(orphan).map(|(name, _)| name));
     let name = name.unwrap_or_default();
     if marked {
-        tracing::info!(pid, name, "ending a process that a participant has left behind");
+        tracing::info!(pid, name, "ending an orphaned process of a participant");
     } else {
         tracing::warn!("process {pid} ({name}) has lost its parent and is left running");
     }

@@ -4,15 +4,17 @@
 //! and then on the search path. Asking (`--describe`, `--estimate`) starts the program, reads its
 //! answer and ends it; nothing of a run is started.
 
+pub use crate::program::Program;
+
 use crate::error::{Failure, RunError};
 use crate::processes::Process;
+use crate::program::our_folder;
 use crate::signals;
 use contract::configuration::{Configuration, Estimate};
 use contract::description::Description;
 use serde::de::DeserializeOwned;
 use std::io;
 use std::os::fd::AsFd;
-use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
@@ -22,40 +24,7 @@ use tokio::sync::watch;
 /// More of an answer is not read [byte].
 const LONGEST_ANSWER: usize = 16 << 20;
 
-/// An executable with its fixed arguments.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Program {
-    /// Path of the executable, or a name on the search path.
-    pub path: PathBuf,
-    /// Arguments that precede ours.
-    pub arguments: Vec<String>,
-}
-
 impl Program {
-    /// The program of a role: the case's command, or `ROLE-solver`.
-    #[must_use]
-    pub fn of_role(role: &str, command: Option<&[String]>) -> Self {
-        match command.and_then(<[String]>::split_first) {
-            Some((name, arguments)) => {
-                Self { path: beside_us(name), arguments: arguments.to_vec() }
-            }
-            None => Self { path: beside_us(&format!("{role}-solver")), arguments: Vec::new() },
-        }
-    }
-
-    /// As it would be typed.
-    #[must_use]
-    pub fn command_line(&self) -> String {
-        let words = std::iter::once(self.path.display().to_string());
-        words.chain(self.arguments.iter().cloned()).collect::<Vec<_>>().join(" ")
-    }
-
-    /// The program's file name.
-    #[must_use]
-    pub fn name(&self) -> String {
-        self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
-    }
-
     /// What the program says of itself.
     pub async fn describe(&self, role: &str, deadline: Duration) -> Result<Description, RunError> {
         self.ask(role, "--describe", Vec::new(), deadline).await
@@ -154,8 +123,7 @@ impl Program {
             who: format!("{role} ({})", self.name()),
             when: "while planning".to_owned(),
             what: fault,
-            fix: "the program does not keep the participant contract (docs/ARCHITECTURE.md)"
-                .to_owned(),
+            fix: "the program violates the participant contract (docs/ARCHITECTURE.md)".to_owned(),
         })
     }
 
@@ -164,7 +132,7 @@ impl Program {
             who: format!("{role} ({})", self.name()),
             when: format!("asked to {}", question.trim_start_matches("--")),
             what: why.to_owned(),
-            fix: format!("try `{} {question}` by hand", self.command_line()),
+            fix: format!("run `{} {question}` by hand", self.command_line()),
         })
     }
 }
@@ -176,7 +144,7 @@ fn answers(text: &[u8]) -> usize {
 }
 
 /// What a program has to say, up to [`LONGEST_ANSWER`]; beyond that it gets no reader. Its end is the
-/// end of its answer, whoever else holds the pipe open: what it has written lies there to be read.
+/// end of its answer, whatever else holds the pipe open: what it has written lies there to be read.
 async fn read_some(
     pipe: Option<impl AsyncRead + AsFd + Unpin>,
     mut ended: watch::Receiver<()>,
@@ -226,17 +194,4 @@ pub fn installed() -> Vec<(String, Program)> {
         .collect();
     found.sort_by(|a, b| a.0.cmp(&b.0));
     found
-}
-
-fn our_folder() -> Option<PathBuf> {
-    Some(std::env::current_exe().ok()?.parent()?.to_path_buf())
-}
-
-/// A bare name means the program beside the coordinator, if there is one.
-fn beside_us(name: &str) -> PathBuf {
-    let bare = Path::new(name).components().count() == 1;
-    match our_folder().map(|folder| folder.join(name)) {
-        Some(path) if bare && path.is_file() => path,
-        _ => PathBuf::from(name),
-    }
 }

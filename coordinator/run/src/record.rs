@@ -19,16 +19,14 @@ use crate::results::write::fresh;
 use crate::signals;
 use contract::message::{Command, CommandKind, Reply, Status};
 use portable::{portable_body, without_files};
-use proto::recording::{
-    CaseFile, Event, FILES, FORMAT, Head, Participant, RecordingError, RecordingWriter,
-};
+use proto::recording::{CaseFile, Event, FORMAT, Head, Participant, RecordingWriter};
 use proto::transport::{Endpoint, TransportError};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use writing::{Job, Listener, write_all};
+use writing::{Job, Listener, Progress, lock, write_all};
 
 /// Iterations that the disk may be behind: one is being written while the next one runs. With the
 /// one noted and the one under way no topic's queue ever holds more than it can.
@@ -39,17 +37,6 @@ const NAP: Duration = Duration::from_millis(20);
 
 /// Longest wait for the disk once the user wants to stop.
 const LAST_WORDS: Duration = Duration::from_secs(2);
-
-/// How far the writing thread has come.
-#[derive(Debug, Default)]
-struct Progress {
-    /// Iterations written.
-    done: u64,
-    /// Every listener has been closed.
-    closed: bool,
-    /// The thread has failed; everything after is dropped.
-    failed: Option<String>,
-}
 
 /// A recording in progress.
 #[derive(Debug)]
@@ -98,10 +85,10 @@ impl Recorder {
             .map_err(|error| failed(path, &error.to_string()))?;
         let (jobs, received) = channel();
         let progress = Arc::new((Mutex::new(Progress::default()), Condvar::new()));
-        let told = Arc::clone(&progress);
+        let shared = Arc::clone(&progress);
         let thread = std::thread::Builder::new()
             .name("record".to_owned())
-            .spawn(move || write_all(writer, &received, &told))
+            .spawn(move || write_all(writer, &received, &shared))
             .map_err(|error| failed(path, &error.to_string()))?;
         let (batch, thread) = (Vec::new(), Some(thread));
         let notes = Mutex::new(Notes { jobs, batch, begun: 0, topics: 0, thread });
@@ -244,7 +231,7 @@ impl Recorder {
         while !thread.is_finished() {
             let patience = if signals::received().is_some() { LAST_WORDS } else { self.patience };
             if start.elapsed() > patience {
-                return Err(failed(&self.path, "the disk does not take its end"));
+                return Err(failed(&self.path, "its end cannot be written"));
             }
             std::thread::sleep(Duration::from_micros(200));
         }
@@ -270,7 +257,7 @@ impl Recorder {
                 let seconds = self.patience.as_secs_f64();
                 return Err(failed(
                     &self.path,
-                    &format!("the disk took nothing for {seconds:.0} s"),
+                    &format!("the disk accepted no data for {seconds:.0} s"),
                 ));
             }
             let waited = news.wait_timeout(progress, NAP);
@@ -281,10 +268,6 @@ impl Recorder {
     fn notes(&self) -> MutexGuard<'_, Notes> {
         lock(&self.notes)
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn index(participant: usize) -> u16 {
@@ -316,14 +299,4 @@ fn failed(path: &Path, what: &str) -> RunError {
         what: what.to_owned(),
         fix: "check the free space; what was written before stays readable".to_owned(),
     })
-}
-
-/// The name of a file of the case in a recording.
-fn attachment_name(key: &str) -> String {
-    format!("{FILES}{key}")
-}
-
-/// Why writing stopped.
-fn told(error: &RecordingError) -> String {
-    error.to_string()
 }

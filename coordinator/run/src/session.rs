@@ -11,7 +11,6 @@ mod checkpoint;
 mod collect;
 mod feedback;
 mod geometry;
-mod hears;
 mod iterates;
 mod layout;
 mod mapped;
@@ -22,6 +21,7 @@ mod open_files;
 mod outlet;
 mod solved;
 mod start;
+mod subscription;
 mod tap;
 mod topics;
 mod window;
@@ -45,7 +45,7 @@ use moving::MovingGrid;
 pub enum Observed {
     /// All of them.
     Everybody,
-    /// Those of whom nobody consumes anything: they publish nothing else.
+    /// Those of which no other participant consumes anything: they publish nothing else.
     Unconsumed,
     /// None.
     Nobody,
@@ -116,7 +116,7 @@ impl Session {
 impl Drop for Session {
     fn drop(&mut self) {
         if let Some(recorder) = self.peers.recorder() {
-            // Its failure has been told by whoever noticed it, or will be by `finish`.
+            // Its failure has been reported by whatever noticed it, or will be by `finish`.
             let _ = recorder.stop_listening();
         }
     }

@@ -76,7 +76,7 @@ impl Supervisor {
         let thread = std::thread::Builder::new()
             .name("supervise".to_owned())
             .spawn(move || {
-                // The runtime drives the tasks spawned above until we are told to quit.
+                // The runtime drives the tasks spawned above until we are asked to quit.
                 let _ = runtime.block_on(quitting);
             })
             .map_err(|e| ("coordinator".to_owned(), e))?;

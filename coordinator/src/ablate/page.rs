@@ -32,7 +32,7 @@ fn of(study: &Study) -> Page {
     }
 }
 
-/// For each figure the change that every effect makes, and the time it takes.
+/// For each quantity the change that every effect makes, and the time it takes.
 fn changes(study: &Study) -> Option<Section> {
     let whole = study.whole.cost.solve_s;
     let change_of = |key: &str, unit: f64| {

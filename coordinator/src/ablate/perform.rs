@@ -35,7 +35,7 @@ pub(super) fn study(request: &Request, quiet: bool, scratch: &Path) -> Result<St
     steps.step("with all effects");
     let whole = run("", request, base, scratch)?;
     if let Some(why) = whole.failed {
-        return Err(RunError::Usage(format!("the case as it is does not run: {why}")));
+        return Err(RunError::Usage(format!("the unmodified case does not run: {why}")));
     }
     let mut without = Vec::new();
     for effect in active {
@@ -63,7 +63,7 @@ pub(super) fn study(request: &Request, quiet: bool, scratch: &Path) -> Result<St
     })
 }
 
-/// One run, as often as is asked; what is refused or fails has a reason and no figures.
+/// One run, as often as is asked; what is refused or fails has a reason and no quantities.
 fn run(effect: &str, request: &Request, off: &Variant, scratch: &Path) -> Result<Run, RunError> {
     let mut run = Run { effect: effect.to_owned(), ..Run::default() };
     let silent = off.with("output.fields", "none");

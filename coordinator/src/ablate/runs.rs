@@ -5,7 +5,7 @@ use crate::study::quantity::{Measure, Quantity};
 use crate::study::table::{Cell, Column, Failure, Table};
 use run::format::{number, of_key};
 
-/// Figures that have a column; all of them are in the file.
+/// Quantities that have a column; all of them are in the file.
 const COLUMNS: usize = 6;
 
 /// The study on the terminal.
@@ -19,7 +19,7 @@ pub(super) fn all(study: &Study) -> Vec<&Run> {
     std::iter::once(&study.whole).chain(&study.without).collect()
 }
 
-/// The figures that have a column.
+/// The quantities that have a column.
 pub(super) fn quantities(study: &Study) -> impl Iterator<Item = Quantity> {
     let compared = study.quantities.iter().map(|key| Quantity::of(key));
     compared.filter(|one| one.measure != Measure::Itself).take(COLUMNS)
@@ -51,7 +51,7 @@ fn name(run: &Run) -> String {
     }
 }
 
-/// A figure, or its change against the case as it is.
+/// A quantity, or its change against the case as it is.
 fn figure(one: &Quantity, run: &Run) -> String {
     match (run.values.get(&one.key), run.changes.get(&one.key)) {
         (None, _) => "-".to_owned(),

@@ -18,7 +18,7 @@ pub struct Study {
     pub title: Option<String>,
     /// The case file.
     pub file: String,
-    /// Keys of the figures of interest that the runs have.
+    /// Keys of the quantities of interest that the runs have.
     pub quantities: Vec<String>,
     /// The case as it is.
     pub whole: Run,
@@ -37,13 +37,13 @@ impl Kept for Study {
 pub struct Run {
     /// The effect that is off; empty for the case as it is.
     pub effect: String,
-    /// Why it has no figures.
+    /// Why it has no quantities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
-    /// Its figures by key.
+    /// Its quantities by key.
     pub values: BTreeMap<String, f64>,
-    /// Its figures' change against the case as it is, by key: relative, or the difference for a place
-    /// or a share; absent for a figure that one of the two does not have.
+    /// Its quantities' change against the case as it is, by key: relative, or the difference for a
+    /// place or a share; absent for a quantity that one of the two does not have.
     pub changes: BTreeMap<String, f64>,
     /// What it cost.
     pub cost: Spent,

@@ -25,8 +25,8 @@ pub(super) fn choose(
     let mut refused = Vec::new();
     for level in chosen(standing, base) {
         if !level.silent.is_empty() {
-            let who = level.silent.join(", ");
-            refused.push(format!("{}: {who} says nothing of its accuracy", level.name()));
+            let silent = level.silent.join(", ");
+            refused.push(format!("{}: {silent} states no accuracy", level.name()));
             continue;
         }
         let Some(step) = coarsest(&level, target) else { continue };

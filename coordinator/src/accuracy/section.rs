@@ -5,7 +5,7 @@ use serde::Serialize;
 /// The error of an answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stated {
-    /// Key of the figure.
+    /// Key of the quantity.
     pub quantity: String,
     /// Largest relative error that was asked for.
     pub target: f64,
@@ -17,9 +17,9 @@ pub struct Stated {
     pub model_error: f64,
     /// The estimated error is within the target.
     pub met: bool,
-    /// The figure.
+    /// The quantity.
     pub value: f64,
-    /// The figure on an infinitely fine grid, as far as the grids tell.
+    /// The quantity on an infinitely fine grid, as far as the grids tell.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extrapolated: Option<f64>,
     /// The models that were chosen.
@@ -33,7 +33,7 @@ pub struct Stated {
 pub struct StatedRun {
     /// What sets its resolution.
     pub settings: Vec<(String, u32)>,
-    /// The figure.
+    /// The quantity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// Seconds that it took.

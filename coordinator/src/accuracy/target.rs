@@ -1,10 +1,10 @@
-//! What is asked for: an error, of a figure.
+//! What is asked for: an error, of a quantity.
 
 use crate::study::quantity::{Measure, Quantity};
 use run::error::RunError;
 use serde_json::Value;
 
-/// What drives the figures of a section: an error there is an error here.
+/// What drives the quantities of a section: an error there is an error here.
 const DRIVERS: [(&str, &str); 1] = [("temperature.", "contact.friction_power_w")];
 
 /// A target of accuracy.
@@ -12,7 +12,7 @@ const DRIVERS: [(&str, &str); 1] = [("temperature.", "contact.friction_power_w")
 pub struct Target {
     /// Largest relative error.
     pub relative: f64,
-    /// Key of the figure in the summary; `None` for the first of interest that the summary has.
+    /// Key of the quantity in the summary; `None` for the first of interest that the summary has.
     pub quantity: Option<String>,
 }
 
@@ -29,13 +29,13 @@ impl Target {
         let error = number.trim().parse::<f64>().ok().map(|number| number * unit);
         error
             .filter(|error| *error > 0.0 && *error < 1.0)
-            .ok_or_else(|| format!("`{text}` is no error; write 1% or 0.01"))
+            .ok_or_else(|| format!("`{text}` is not a relative error; write 1% or 0.01"))
     }
 
-    /// The figure, and what drives it.
+    /// The quantity, and what drives it.
     ///
     /// # Errors
-    /// A summary that does not have the figure.
+    /// A summary that does not have the quantity.
     pub(super) fn quantities(&self, summary: &Value) -> Result<Vec<Quantity>, RunError> {
         let there = |quantity: &Quantity| quantity.value(summary).is_some();
         let known = Quantity::all(summary);
@@ -48,9 +48,12 @@ impl Target {
             let keys: Vec<&str> = known.iter().filter(suits).map(|one| one.key.as_str()).collect();
             let asked = match &self.quantity {
                 Some(key) => {
-                    format!("the run has no `{key}`, or it is a place, a share or a count")
+                    format!(
+                        "the run has no quantity `{key}` with a relative error; positions, \
+                             fractions and counts have none"
+                    )
                 }
-                None => "the run has no figure with a relative error".to_owned(),
+                None => "the run has no quantity with a relative error".to_owned(),
             };
             RunError::Usage(format!(
                 "{asked}; name one of these with --quantity: {}",

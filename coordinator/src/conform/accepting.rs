@@ -1,7 +1,8 @@
 //! What Accept does, and what it publishes.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::solving::same;
 use super::trial::difference;
 

@@ -1,8 +1,8 @@
 //! What a check is, and how it can go.
 
 use super::bench::Bench;
+use super::fault::{Fault, Seen};
 use contract::text::one_line;
-use proto::transport::TransportError;
 use serde::Serialize;
 use std::time::Duration;
 
@@ -17,67 +17,6 @@ pub(super) struct Check {
     pub(super) fix: &'static str,
     /// Puts the participant through it.
     pub(super) run: fn(&Bench) -> Result<Seen, Fault>,
-}
-
-/// What was seen of a participant that keeps the demand, or why there is nothing to keep.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Seen {
-    /// It keeps it.
-    Kept(String),
-    /// The demand does not concern it.
-    Inapplicable(String),
-}
-
-impl Seen {
-    pub(super) fn kept(what: impl Into<String>) -> Result<Self, Fault> {
-        Ok(Self::Kept(what.into()))
-    }
-
-    pub(super) fn inapplicable(why: impl Into<String>) -> Result<Self, Fault> {
-        Ok(Self::Inapplicable(why.into()))
-    }
-}
-
-/// Why a check did not go through.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Fault {
-    /// The participant does not keep the contract.
-    Broken(String),
-    /// The user wants to stop.
-    Interrupted(&'static str),
-}
-
-impl Fault {
-    /// The same, with where it happened before it.
-    pub(super) fn at(self, place: &str) -> Self {
-        match self {
-            Self::Broken(what) => Self::Broken(format!("{place}: {what}")),
-            interrupted @ Self::Interrupted(_) => interrupted,
-        }
-    }
-}
-
-/// The fault with these words.
-pub(super) fn broken<T>(what: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault::Broken(what.into()))
-}
-
-impl From<String> for Fault {
-    fn from(what: String) -> Self {
-        Self::Broken(what)
-    }
-}
-
-impl From<TransportError> for Fault {
-    fn from(error: TransportError) -> Self {
-        Self::Broken(error.to_string())
-    }
-}
-
-impl From<std::io::Error> for Fault {
-    fn from(error: std::io::Error) -> Self {
-        Self::Broken(error.to_string())
-    }
 }
 
 /// How a check went.

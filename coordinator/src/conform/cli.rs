@@ -51,7 +51,7 @@ pub struct Arguments {
 /// What is asked for cannot be, or a check failed.
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     if !(asked.deadline > 0.0 && asked.deadline <= 1e6) {
-        return Err(RunError::Usage("--deadline is a number of seconds above 0".to_owned()));
+        return Err(RunError::Usage("--deadline must be a number of seconds above 0".to_owned()));
     }
     let command = (!asked.command.is_empty()).then_some(asked.command.as_slice());
     let request = Request {
@@ -101,6 +101,6 @@ fn verdict(request: &Request, report: &Report) -> Result<(), RunError> {
         who: format!("{} ({})", request.role, request.program.name()),
         when: format!("{} of {} checks", failed.len(), report.checks.len()),
         what: failed.join(", "),
-        fix: "docs/write-a-solver.md tells what each demands".to_owned(),
+        fix: "docs/write-a-solver.md states what each requires".to_owned(),
     }))
 }

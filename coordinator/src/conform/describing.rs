@@ -1,7 +1,8 @@
 //! What a participant says of itself, and of a configuration.
 
 use super::bench::{Bench, wait_for};
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use case::parse_quantity;
 use contract::configuration::{Estimate, Layout};
 use contract::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
@@ -38,13 +39,15 @@ pub(super) const CONFIGURE: Check = Check {
 
 fn describe(bench: &Bench) -> Result<Seen, Fault> {
     let begun = Instant::now();
-    let said = wait_for(bench.program.describe(&bench.role, bench.patience)).map_err(fault)?;
+    let said =
+        wait_for(bench.subject.program.describe(&bench.subject.role, bench.subject.patience))
+            .map_err(fault)?;
     let took = begun.elapsed();
     if said.protocol != contract::PROTOCOL_VERSION {
         let ours = contract::PROTOCOL_VERSION;
         return broken(format!("it speaks protocol {}, this coordinator {ours}", said.protocol));
     }
-    if said.role != bench.role {
+    if said.role != bench.subject.role {
         return broken(format!("it plays the role `{}`", said.role));
     }
     well_formed(bench, &said)?;
@@ -107,7 +110,7 @@ fn well_formed_effect(bench: &Bench, said: &Description, effect: &EffectSpec) ->
 }
 
 fn known_fields(bench: &Bench, consumes: &[String], provides: &[String]) -> Result<(), Fault> {
-    match consumes.iter().chain(provides).find(|name| bench.kind(name).is_none()) {
+    match consumes.iter().chain(provides).find(|name| bench.subject.kind(name).is_none()) {
         Some(name) => broken(format!("the field `{name}` is in no table and not described")),
         None => Ok(()),
     }
@@ -151,12 +154,13 @@ fn in_range(key: &KeySpec, value: Option<f64>) -> bool {
 }
 
 fn estimate(bench: &Bench) -> Result<Seen, Fault> {
-    if !bench.description.estimates {
+    if !bench.subject.description.estimates {
         return Seen::inapplicable("it does not offer --estimate");
     }
     bench
         .each(|setting| {
-            let asked = bench.program.estimate(&setting.configuration, bench.patience);
+            let asked =
+                bench.subject.program.estimate(&setting.configuration, bench.subject.patience);
             let Estimate::Layout(expected) = wait_for(asked).map_err(fault)? else {
                 return broken("--estimate refuses what it accepted while the case was planned");
             };
@@ -176,7 +180,7 @@ fn estimate(bench: &Bench) -> Result<Seen, Fault> {
 fn refuses_estimate(bench: &Bench) -> Result<(), Fault> {
     let mut wrong = bench.first()?.configuration.clone();
     "no-such-model".clone_into(&mut wrong.model);
-    match wait_for(bench.program.estimate(&wrong, bench.patience)).map_err(fault)? {
+    match wait_for(bench.subject.program.estimate(&wrong, bench.subject.patience)).map_err(fault)? {
         Estimate::Refused(refusal) if !refusal.key.is_empty() && !refusal.fix.is_empty() => Ok(()),
         Estimate::Refused(refusal) => {
             broken(format!("its refusal lacks a key or a fix: {refusal:?}"))

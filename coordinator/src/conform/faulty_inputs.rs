@@ -1,7 +1,8 @@
 //! Inputs that do not come, or not as they should.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::solving::same;
 use super::trial::{Feed, Trial};
 use contract::message::{Command, CommandKind, Label};
@@ -35,12 +36,12 @@ const NO_INPUT: &str = "it has no inputs";
 
 /// A failed solve: it names the field, and nothing has been sent.
 fn fails(trial: &mut Trial, step: &Step, (because, field): (&str, &str)) -> Result<String, Fault> {
-    let told = trial.ask_solve(step)?.not_done(because)?;
+    let message = trial.ask_solve(step)?.not_done(because)?;
     trial.none_of_outputs("a solve that failed")?;
-    match told.contains(field) {
-        true => Ok(told),
+    match message.contains(field) {
+        true => Ok(message),
         false => {
-            broken(format!("{because} in `{field}` fails with: {told}; the field is not named"))
+            broken(format!("{because} in `{field}` fails with: {message}; the field is not named"))
         }
     }
 }
@@ -53,7 +54,7 @@ fn missing(bench: &Bench) -> Result<Seen, Fault> {
     let mut trial = bench.between(setting)?;
     let step = trial.next(setting);
     trial.feed(&step, 0)?;
-    let mut told = String::new();
+    let mut message = String::new();
     for slot in 0..trial.inputs.len() {
         let mut command = Command::about(CommandKind::Solve, &step);
         for (slot, feed) in trial.inputs.iter().enumerate() {
@@ -61,14 +62,14 @@ fn missing(bench: &Bench) -> Result<Seen, Fault> {
         }
         command.expected[slot] += 1;
         let field = trial.inputs[slot].given.kind.name.clone();
-        told = trial.ask(command, &[])?.not_done("a sample that never came")?;
-        if !told.contains(&field) {
-            return broken(format!("`{field}` never came, and it fails with: {told}"));
+        message = trial.ask(command, &[])?.not_done("a sample that never came")?;
+        if !message.contains(&field) {
+            return broken(format!("`{field}` never came, and it fails with: {message}"));
         }
     }
     trial.solve(&step).map_err(|fault| fault.at("after a sample that was missing"))?;
     bench.keep(setting, trial);
-    Seen::kept(told)
+    Seen::kept(message)
 }
 
 /// Changes one thing about the next sample.
@@ -98,7 +99,7 @@ fn wrong(bench: &Bench) -> Result<Seen, Fault> {
     if setting.given.is_empty() {
         return Seen::inapplicable(NO_INPUT);
     }
-    let mut told = Vec::new();
+    let mut tried = Vec::new();
     for (because, spoil) in WRONG {
         // Not kept: the samples of the spoilt input are numbered otherwise from here on.
         let mut trial = bench.between(setting)?;
@@ -112,9 +113,9 @@ fn wrong(bench: &Bench) -> Result<Seen, Fault> {
         let field = trial.inputs[0].given.kind.name.clone();
         fails(&mut trial, &step, (because, &field))?;
         trial.lives_on(because)?;
-        told.push(because);
+        tried.push(because);
     }
-    Seen::kept(told.join(", "))
+    Seen::kept(tried.join(", "))
 }
 
 fn not_finite(bench: &Bench) -> Result<Seen, Fault> {
@@ -124,7 +125,7 @@ fn not_finite(bench: &Bench) -> Result<Seen, Fault> {
         }
         let step = trial.next(setting);
         let first = trial.solve_with(&step, 0)?.outputs;
-        let mut told = String::new();
+        let mut message = String::new();
         for slot in 0..trial.inputs.len() {
             let field = trial.inputs[slot].given.kind.name.clone();
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -134,11 +135,11 @@ fn not_finite(bench: &Bench) -> Result<Seen, Fault> {
                 let middle = values.len() / 2;
                 values[middle] = value;
                 feed.send(&values, &step)?;
-                told = fails(trial, &step, (&format!("{value}"), &field))?;
+                message = fails(trial, &step, (&format!("{value}"), &field))?;
             }
             let again = trial.solve_with(&step, 0)?.outputs;
             same(&again, &first, &format!("after NaN and infinities in `{field}`"))?;
         }
-        Seen::kept(told)
+        Seen::kept(message)
     })
 }

@@ -1,7 +1,8 @@
 //! Grids of any size.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen};
+use super::check::Check;
+use super::fault::{Fault, Seen};
 use super::solving::same;
 
 pub(super) const GROWING_GRIDS: Check = Check {

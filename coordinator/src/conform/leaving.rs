@@ -1,10 +1,14 @@
 //! Signs of life, and the end.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::grids::largest;
-use super::trial::{Trial, told};
-use contract::message::{Command, CommandKind, Finished};
+use super::trial::Trial;
+use super::trial::end_of;
+use contract::message::Command;
+use contract::message::CommandKind;
+use contract::message::Finished;
 use serde_json::Value;
 use std::time::{Duration, Instant};
 
@@ -118,7 +122,7 @@ fn end(mut trial: Trial, ran: bool) -> Result<Value, Fault> {
     let answer = trial.ask(Command::new(CommandKind::Finish), &[])?.done()?;
     let finished: Finished = answer.json("a summary")?;
     if ran && !finished.summary.is_object() {
-        return broken(format!("its summary is no object: {}", finished.summary));
+        return broken(format!("its summary is not an object: {}", finished.summary));
     }
     if let Some(key) = null_in(&finished.summary, String::new()).filter(|_| ran) {
         return broken(format!("`{key}` of its summary is null: a number that is not finite"));
@@ -129,7 +133,7 @@ fn end(mut trial: Trial, ran: bool) -> Result<Value, Fault> {
     let exit = trial.leave("Finish")?;
     match exit.status.success() {
         true => Ok(finished.summary),
-        false => broken(format!("after Finish its process {}", told(&exit))),
+        false => broken(format!("after Finish its process {}", end_of(&exit))),
     }
 }
 

@@ -28,7 +28,7 @@ impl Recorded {
         let mut recording = inspect::open(path)?;
         let participants = &recording.head().participants;
         let index = participants.iter().position(|p| p.role == role).ok_or_else(|| {
-            RunError::Usage(format!("nobody in {} plays `{role}`", path.display()))
+            RunError::Usage(format!("no participant in {} plays `{role}`", path.display()))
         })?;
         let mut recorded = Self::default();
         while let Some(entry) = recording.read().map_err(|error| inspect::failed(path, &error))? {

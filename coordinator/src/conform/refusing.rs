@@ -1,12 +1,16 @@
 //! Runs and configurations that a participant cannot take.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::setting::Setting;
-use super::trial::{Trial, told};
+use super::trial::Trial;
+use super::trial::end_of;
 use contract::configuration::Configuration;
-use contract::description::{Description, KeySpec};
-use contract::message::{Command, CommandKind};
+use contract::description::Description;
+use contract::description::KeySpec;
+use contract::message::Command;
+use contract::message::CommandKind;
 use contract::params::Params;
 use run::peers::LEAVE;
 use serde_json::{Value, json};
@@ -56,19 +60,20 @@ pub(super) const UNKNOWN_FIELD: Check = Check {
 const OTHER_VERSION: u32 = 999;
 
 fn version(bench: &Bench) -> Result<Seen, Fault> {
-    let trial = Trial::of_version(bench, OTHER_VERSION)?;
-    let deadline = Instant::now() + bench.patience;
+    let trial = Trial::of_version(&bench.subject, OTHER_VERSION)?;
+    let deadline = Instant::now() + bench.subject.patience;
     while trial.ended().is_none() && Instant::now() < deadline {
         std::thread::sleep(LEAVE / 1000);
     }
     let exit = trial.leave("a run of another version")?;
     let words = exit.last_words.clone().unwrap_or_default();
     if exit.status.success() {
-        return broken(format!("it {}", told(&exit)));
+        return broken(format!("it {}", end_of(&exit)));
     }
-    let numbers = [OTHER_VERSION, bench.description.protocol].map(|number| number.to_string());
+    let numbers =
+        [OTHER_VERSION, bench.subject.description.protocol].map(|number| number.to_string());
     match numbers.iter().find(|number| !words.contains(*number)) {
-        Some(number) => broken(format!("it {}; {number} is not named", told(&exit))),
+        Some(number) => broken(format!("it {}; {number} is not named", end_of(&exit))),
         None => Seen::kept(words),
     }
 }
@@ -97,21 +102,21 @@ fn refuses(
 
 fn unknown_model(bench: &Bench) -> Result<Seen, Fault> {
     let because = ("a model that does not exist", None);
-    let told = refuses(bench, bench.first()?, because, |configuration| {
+    let message = refuses(bench, bench.first()?, because, |configuration| {
         "no-such-model".clone_into(&mut configuration.model);
     })?;
-    Seen::kept(told)
+    Seen::kept(message)
 }
 
 fn unknown_effect(bench: &Bench) -> Result<Seen, Fault> {
     let because = ("an effect that does not exist", Some("effects.no_such_effect"));
-    let told = refuses(bench, bench.first()?, because, |configuration| {
+    let message = refuses(bench, bench.first()?, because, |configuration| {
         if let Some(case) = configuration.case.0.as_object_mut() {
             let effects = case.entry("effects").or_insert_with(|| json!({}));
             effects["no_such_effect"] = json!({});
         }
     })?;
-    Seen::kept(told)
+    Seen::kept(message)
 }
 
 fn unknown_field(bench: &Bench) -> Result<Seen, Fault> {
@@ -128,7 +133,7 @@ fn unknown_field(bench: &Bench) -> Result<Seen, Fault> {
 
 fn missing_key(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
-        let keys = required(&bench.description, &setting.configuration);
+        let keys = required(&bench.subject.description, &setting.configuration);
         if keys.is_empty() {
             return Seen::inapplicable("no key is required");
         }

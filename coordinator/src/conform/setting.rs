@@ -3,9 +3,9 @@
 //! The plan is made as for a run, with the case's other participants, so that case values, inputs,
 //! outputs and the grids of the inputs are those that it would meet there. None of the others runs.
 
-use super::Request;
 use super::given::{self, Given};
 use super::recorded::Recorded;
+use super::request::Request;
 use case::RawCase;
 use contract::configuration::{Configuration, Mode};
 use contract::description::Description;
@@ -22,7 +22,7 @@ const END: &str = "1 ms";
 /// One model in one mode.
 #[derive(Clone, Debug)]
 pub(super) struct Setting {
-    /// What it is told; the grid of every input is known.
+    /// Its configuration; the grid of every input is known.
     pub(super) configuration: Configuration,
     /// What it will be given, in the order of the inputs.
     pub(super) given: Vec<Given>,
@@ -139,8 +139,8 @@ pub(super) fn all(
 fn words(error: &RunError) -> String {
     match error {
         RunError::Case(problems) => {
-            let told = problems.list().iter().map(|p| format!("{}: {}", p.key, p.reason));
-            told.take(3).collect::<Vec<_>>().join("; ")
+            let reasons = problems.list().iter().map(|p| format!("{}: {}", p.key, p.reason));
+            reasons.take(3).collect::<Vec<_>>().join("; ")
         }
         other => other.to_string(),
     }

@@ -9,7 +9,7 @@ pub(super) const NAME_WIDTH: usize = 18;
 /// Where long lines are broken.
 const LINE: usize = 96;
 
-/// Who is put through the contract, and in which settings.
+/// The participant that is checked, and in which settings.
 pub(super) fn head(report: &Report) -> String {
     let program = if report.program.is_empty() { "?" } else { &one_line(&report.program) };
     let mut text =
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     fn row(verdict: Verdict, seen: &str) -> Row {
-        let (name, demand, fix) = ("solve", "what is demanded", "where to look");
+        let (name, demand, fix) = ("solve", "the requirement", "where to look");
         Row { name, verdict, seen: seen.to_owned(), demand, fix, same_as: None, seconds: 0.0 }
     }
 
@@ -111,7 +111,7 @@ mod tests {
         }
         let text = tail(&Report { checks: rows.clone(), ..Report::default() });
         assert!(text.lines().all(|line| line.chars().count() <= LINE), "{text}");
-        assert_eq!(text.matches("what is demanded").count(), 1);
+        assert_eq!(text.matches("the requirement").count(), 1);
         assert_eq!(text.matches("word").count(), 60);
         assert!(line(&rows[3]).contains(" FAIL  as `solve`"), "{}", line(&rows[3]));
         let sum = "1 passed, 2 failed, 1 do not apply, 1 not made (it is gone)";

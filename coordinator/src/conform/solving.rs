@@ -1,7 +1,8 @@
 //! First outputs, and solves from the accepted state.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::trial::{Trial, Values, difference};
 use contract::field::Mapping;
 use contract::message::Status;
@@ -40,7 +41,8 @@ pub(super) const REPEAT: Check = Check {
 
 pub(super) const OTHER_END: Check = Check {
     name: "other-end",
-    demand: "a window may be solved again with another end, and with the first end again to the bit",
+    demand: "a window may be solved again with another end, and with the first end again \
+             bit-identically",
     fix: "what is kept for the length of a window has to follow it",
     run: other_end,
 };

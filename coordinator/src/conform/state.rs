@@ -1,7 +1,8 @@
 //! Save and Restore.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen};
+use super::check::Check;
+use super::fault::{Fault, Seen};
 use super::setting::Setting;
 use super::solving::same;
 use super::trial::{Trial, Values};
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub(super) const RESTORE: Check = Check {
     name: "restore",
     demand: "Save writes the accepted state to the file and changes nothing; a fresh process that \
-             restores it publishes the outputs that it is given and goes on bit-identically",
+             restores it publishes the outputs that it is given and resumes bit-identically",
     fix: "everything that the next solve reads belongs into the state",
     run: restore,
 };
@@ -20,13 +21,13 @@ pub(super) const RESTORE: Check = Check {
 pub(super) const DAMAGED_STATE: Check = Check {
     name: "damaged-state",
     demand: "a state file that is cut or missing is refused with a reason; one with a changed byte \
-             ends no process (the coordinator's checkpoints have sums); a whole one is taken \
+             ends no process (the coordinator's checkpoints have checksums); a whole one is taken \
              afterwards",
     fix: "check the length of the state against what the configuration needs, before using it",
     run: damaged,
 };
 
-/// A state saved between two windows, and how it goes on from there.
+/// A state saved between two windows, and how the solution continues from there.
 struct Saved {
     bytes: Vec<u8>,
     /// The accepted step, and what was sent last.
@@ -83,13 +84,13 @@ impl Saved {
         trial.ask(Command::about(CommandKind::Restore, &self.step), &body(&path, files))
     }
 
-    /// Restores the whole state and goes on.
+    /// Restores the whole state and continues.
     fn continue_in(&self, trial: &mut Trial) -> Result<(), Fault> {
         self.give(trial, Some(&self.bytes))?.done()?;
         trial.restored(&self.step);
         same(&trial.collect(&self.step)?, &self.outputs, "Restore publishes other values")?;
         let continued = trial.solve_with(&self.next, 1)?.outputs;
-        same(&continued, &self.continued, "the restored process goes on otherwise")
+        same(&continued, &self.continued, "the restored process continues differently")
     }
 }
 

@@ -7,12 +7,12 @@ mod answer;
 mod ending;
 
 pub(super) use answer::Answer;
-pub(super) use ending::told;
+pub(super) use ending::end_of;
 
-use super::bench::{Bench, kind};
-use super::check::{Fault, broken};
+use super::fault::{Fault, broken};
 use super::given::Given;
 use super::setting::Setting;
+use super::subject::{Subject, kind};
 use contract::configuration::{Configuration, Layout};
 use contract::field::FieldKind;
 use contract::grid::Grid;
@@ -82,8 +82,8 @@ impl Feed {
 
 impl Trial {
     /// Starts the participant in a run of its own; it has not joined yet.
-    pub(super) fn start(bench: &Bench) -> Result<Self, Fault> {
-        Self::of_version(bench, contract::PROTOCOL_VERSION)
+    pub(super) fn start(subject: &Subject) -> Result<Self, Fault> {
+        Self::of_version(subject, contract::PROTOCOL_VERSION)
     }
 
     /// Waits until it has joined.
@@ -94,10 +94,10 @@ impl Trial {
     }
 
     /// Starts the participant in a run of some version of the contract; it has not joined yet.
-    pub(super) fn of_version(bench: &Bench, protocol: u32) -> Result<Self, Fault> {
-        let (role, program) = (bench.role.clone(), bench.program.clone());
+    pub(super) fn of_version(subject: &Subject, protocol: u32) -> Result<Self, Fault> {
+        let (role, program) = (subject.role.clone(), subject.program.clone());
         let seat = Seat { role: role.clone(), program, attach: false };
-        let patience = bench.patience;
+        let patience = subject.patience;
         let deadlines =
             Deadlines { start: patience, build: patience, solve: patience, heartbeat: NEVER };
         let started = Peers::start_version(protocol, &[seat], deadlines, None);
@@ -115,7 +115,7 @@ impl Trial {
             inputs,
             beats,
             role,
-            fields: bench.description.fields.clone(),
+            fields: subject.description.fields.clone(),
             patience,
             accepted: None,
             peers,
@@ -137,7 +137,7 @@ impl Trial {
         let broken = |how: String| Fault::Broken(format!("{what}: {how}"));
         match stopped {
             Stopped::Interrupted(signal) => Fault::Interrupted(signal),
-            Stopped::Exited(exit) => broken(format!("its process {}", told(&exit))),
+            Stopped::Exited(exit) => broken(format!("its process {}", end_of(&exit))),
             Stopped::Gone(_) => broken("its process is gone".to_owned()),
             Stopped::ReplyLost(_) => {
                 broken("no answer, and its heartbeat says that it waits for a command".to_owned())

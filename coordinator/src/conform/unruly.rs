@@ -1,7 +1,8 @@
 //! Commands that make no sense.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use contract::message::{Command, CommandKind, OBSERVE};
 
 pub(super) const UNKNOWN_COMMAND: Check = Check {
@@ -14,8 +15,8 @@ pub(super) const UNKNOWN_COMMAND: Check = Check {
 
 pub(super) const MALFORMED: Check = Check {
     name: "malformed",
-    demand: "a body that is no JSON, or not what it should be, fails with a reason; the participant \
-             lives on and takes a good one",
+    demand: "a body that is not JSON, or not of the expected form, fails with a reason; the \
+             participant lives on and takes a good one",
     fix: "parse the bodies of commands before anything changes",
     run: malformed,
 };
@@ -30,10 +31,10 @@ pub(super) const OUT_OF_ORDER: Check = Check {
 
 fn unknown(bench: &Bench) -> Result<Seen, Fault> {
     let mut trial = bench.joined()?;
-    let mut told = String::new();
+    let mut message = String::new();
     for kind in [0, 10, u32::MAX] {
         let command = Command { kind, ..Command::new(CommandKind::Describe) };
-        told = trial.ask(command, &[])?.not_done("its number")?;
+        message = trial.ask(command, &[])?.not_done("its number")?;
         trial.lives_on("an unknown command")?;
     }
     let command = Command { protocol: 999, ..Command::new(CommandKind::Describe) };
@@ -44,7 +45,7 @@ fn unknown(bench: &Bench) -> Result<Seen, Fault> {
     }
     trial.lives_on("a command of another version")?;
     bench.keep_joined(trial);
-    Seen::kept(told)
+    Seen::kept(message)
 }
 
 /// Bodies that are no configuration, no topics and no state file.
@@ -53,13 +54,15 @@ const BODIES: [&[u8]; 6] = [b"", b"{", b"[]", b"null", b"{\"role\": 7}", b"\xff\
 fn malformed(bench: &Bench) -> Result<Seen, Fault> {
     let setting = bench.first()?;
     let mut trial = bench.joined()?;
-    let mut told = String::new();
+    let mut message = String::new();
     for body in BODIES {
         let shown = format!("the body {:?}", String::from_utf8_lossy(body));
-        told = trial.ask(Command::new(CommandKind::Configure), body)?.not_done(&shown)?;
+        message = trial.ask(Command::new(CommandKind::Configure), body)?.not_done(&shown)?;
     }
-    trial.lives_on("bodies that are no configuration")?;
-    trial.prepare(setting).map_err(|fault| fault.at("after bodies that are no configuration"))?;
+    trial.lives_on("bodies that are not a configuration")?;
+    trial
+        .prepare(setting)
+        .map_err(|fault| fault.at("after bodies that are not a configuration"))?;
     for kind in [CommandKind::Save, CommandKind::Restore] {
         for body in BODIES {
             let shown = format!("the body {:?}", String::from_utf8_lossy(body));
@@ -74,15 +77,15 @@ fn malformed(bench: &Bench) -> Result<Seen, Fault> {
         trial.configure(&setting.configuration)?;
         let shown = format!("the body {:?}", String::from_utf8_lossy(body));
         trial.ask(Command::new(CommandKind::Connect), body)?.not_done(&shown)?;
-        trial.lives_on("a body that is no list of topics")?;
+        trial.lives_on("a body that is not a list of topics")?;
     }
-    Seen::kept(told)
+    Seen::kept(message)
 }
 
 fn out_of_order(bench: &Bench) -> Result<Seen, Fault> {
     let setting = bench.first()?;
     let mut trial = bench.fresh()?;
-    let mut told = String::new();
+    let mut message = String::new();
     let topics = br#"{"inputs": [], "outputs": [], "deadline": 1}"#;
     let state = br#"{"path": "/nonexistent/state"}"#;
     for configured in [false, true] {
@@ -94,7 +97,7 @@ fn out_of_order(bench: &Bench) -> Result<Seen, Fault> {
         ];
         for (kind, body, flags) in early {
             let command = Command { flags, ..Command::about(kind, &setting.step(0)) };
-            told = trial.ask(command, body)?.not_done("its coming too early")?;
+            message = trial.ask(command, body)?.not_done("its coming too early")?;
         }
         if !configured {
             for kind in [CommandKind::Connect, CommandKind::Initialise] {
@@ -107,5 +110,5 @@ fn out_of_order(bench: &Bench) -> Result<Seen, Fault> {
     trial.prepare(setting).map_err(|fault| fault.at("after commands out of order"))?;
     trial.solve_with(&setting.step(0), 0)?;
     bench.keep(setting, trial);
-    Seen::kept(told)
+    Seen::kept(message)
 }

@@ -54,7 +54,7 @@ fn is_prescribed(key: &str, runs: &[Run]) -> bool {
     high - low <= PRESCRIBED * low.abs().max(high.abs())
 }
 
-/// The figures that the runs have, the one that ranks them first.
+/// The quantities that the runs have, the one that ranks them first.
 fn quantities(request: &Request, sweep: &Sweep) -> Result<Vec<Quantity>, RunError> {
     let Sweep { runs, closed_forms, .. } = sweep;
     let there = |key: &str| runs.iter().any(|run| run.values.contains_key(key));
@@ -68,7 +68,7 @@ fn quantities(request: &Request, sweep: &Sweep) -> Result<Vec<Quantity>, RunErro
         if !there(key) {
             let keys: Vec<&str> = all.iter().map(|one| one.key.as_str()).collect();
             let fix = format!("name one of {}", keys.join(", "));
-            return Err(RunError::Usage(format!("no run has the figure `{key}`; {fix}")));
+            return Err(RunError::Usage(format!("no run has the quantity `{key}`; {fix}")));
         }
         all.retain(|one| one.key != *key);
         all.insert(0, Quantity::of(key));
@@ -78,15 +78,16 @@ fn quantities(request: &Request, sweep: &Sweep) -> Result<Vec<Quantity>, RunErro
         true => {
             let failed = runs.iter().filter_map(|run| run.failed.clone());
             let other = sweep.refused.iter().chain(&sweep.left_out);
-            let told = failed.chain(other.map(|(what, why)| format!("{what}: {why}"))).next();
-            let told = told.unwrap_or_else(|| "the runs have no figure of interest".to_owned());
+            let cause = failed.chain(other.map(|(what, why)| format!("{what}: {why}"))).next();
+            let cause = cause
+                .unwrap_or_else(|| "the runs have none of the quantities of interest".to_owned());
             let fix = "name one of the summary with --quantity";
-            Err(RunError::Usage(format!("no run gave a figure to compare: {told}; {fix}")))
+            Err(RunError::Usage(format!("no run gave a quantity to compare: {cause}; {fix}")))
         }
     }
 }
 
-/// A reference that is given for a figure that no run has is a slip of the pen.
+/// A reference that is given for a quantity that no run has is a slip of the pen.
 fn check_references(request: &Request, quantities: &[Quantity]) -> Result<(), RunError> {
     let unknown = |(key, _): &&(String, f64)| quantities.iter().all(|one| one.key != *key);
     match request.references.iter().find(unknown) {
@@ -127,7 +128,7 @@ fn extrapolated(quantity: &Quantity, sweep: &Sweep) -> Option<Reference> {
     let least = ran().map(error).min_by(f64::total_cmp)?;
     let limits = ran().filter(|level| error(*level) <= least);
     let limits = limits.filter_map(|level| sweep.limit(level, quantity));
-    // Who has one grid alone does not know how far off it is.
+    // One grid alone gives no error estimate.
     let known = |one: &Reference| one.uncertainty.unwrap_or(f64::MAX);
     limits.min_by(|a, b| known(a).total_cmp(&known(b)))
 }
@@ -155,7 +156,7 @@ impl Sweep {
         })
     }
 
-    /// What the coarser runs say of the finest one's figure, along resolution and windows.
+    /// What the coarser runs say of the finest one's quantity, along resolution and windows.
     fn estimates(&self, level: usize, finest: &Run, key: &str) -> Vec<Estimate> {
         let order = self.levels[level].order();
         let along = order.and_then(|order| Estimate::of(&self.samples(finest, key), order));
@@ -165,7 +166,7 @@ impl Sweep {
         [along, window].into_iter().flatten().collect()
     }
 
-    /// A figure of the runs that differ from one by their resolution alone, coarsest first.
+    /// A quantity of the runs that differ from one by their resolution alone, coarsest first.
     fn samples(&self, finest: &Run, key: &str) -> Vec<Sample> {
         let Some(level) = self.levels.get(finest.level) else { return Vec::new() };
         let others = level.refinements.len();
@@ -179,7 +180,7 @@ impl Sweep {
         self.runs.iter().filter(alike).filter_map(sample).collect()
     }
 
-    /// A figure of the runs that differ from one by the length of their windows alone, longest
+    /// A quantity of the runs that differ from one by the length of their windows alone, longest
     /// first.
     fn window_samples(&self, finest: &Run, key: &str, axis: &Axis) -> Vec<Sample> {
         let alike = |run: &&Run| {
@@ -198,7 +199,7 @@ impl Sweep {
 }
 
 impl Run {
-    /// Takes the errors of its figures.
+    /// Takes the errors of its quantities.
     fn compare(&mut self, quantities: &[Compared]) {
         for one in quantities {
             let reference = one.reference.as_ref().map(|reference| reference.value);

@@ -22,10 +22,11 @@ pub struct Arguments {
     /// window, a tolerance; may be given several times.
     #[arg(long, value_name = "KEY=V1,V2")]
     vary: Vec<String>,
-    /// The figure that ranks the runs, a dotted key of summary.json [default: the rail's rise].
+    /// The quantity that ranks the runs, a dotted key of summary.json [default: the rail's rise].
     #[arg(long, value_name = "KEY")]
     quantity: Option<String>,
-    /// Compare a figure with this value [default: its closed form, or the finest runs extrapolated].
+    /// Compare a quantity with this value [default: its closed form, or the finest runs
+    /// extrapolated].
     #[arg(long, value_name = "KEY=VALUE")]
     reference: Vec<String>,
     /// Leave out runs whose solvers expect to take longer.
@@ -68,9 +69,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
 /// Runs of a study that was stopped are not made again.
 fn tell_kept(count: usize) {
     if count > 0 {
-        tracing::warn!(
-            "{count} runs are those of the study that was stopped; --replace makes all anew"
-        );
+        tracing::warn!("{count} runs of the interrupted study are reused; --replace repeats all");
     }
 }
 
@@ -79,7 +78,7 @@ fn tell_stopped(error: &RunError, places: &Places<'_>) {
     let (count, path) = (places.kept.count(), places.study.path().display());
     if error.is_interrupt() && count > 0 {
         tracing::warn!(
-            "{count} finished runs are kept in {path}; the same command goes on with them"
+            "{count} finished runs are kept in {path}; the same command resumes with them"
         );
     }
 }
@@ -99,7 +98,9 @@ fn request(asked: &Arguments) -> Result<Request, RunError> {
     let axes = asked.vary.iter().map(|option| Axis::parse(option));
     let references = asked.reference.iter().map(|option| reference(option));
     if asked.longest_run.is_nan() || asked.longest_run <= 0.0 {
-        return Err(RunError::Usage("--longest-run is a number of seconds above 0".to_owned()));
+        return Err(RunError::Usage(
+            "--longest-run must be a number of seconds above 0".to_owned(),
+        ));
     }
     Ok(Request {
         case: asked.of.case.clone(),

@@ -22,7 +22,7 @@ pub(super) struct FinishedRuns {
     /// CRC-64 of everything that decides what the runs are.
     request: u64,
     runs: Vec<Run>,
-    /// Figures that participants know in closed form.
+    /// Quantities that participants know in closed form.
     closed_forms: BTreeMap<String, f64>,
 }
 
@@ -50,12 +50,12 @@ impl FinishedRuns {
         self.runs.iter().find(|run| run.options == options)
     }
 
-    /// Figures in closed form that the runs' participants have given.
+    /// Quantities in closed form that the runs' participants have given.
     pub(super) fn closed_forms(&self) -> &BTreeMap<String, f64> {
         &self.closed_forms
     }
 
-    /// Keeps one more run; one without figures is made again the next time.
+    /// Keeps one more run; one without quantities is made again the next time.
     pub(super) fn add(
         &mut self,
         run: &Run,
@@ -76,8 +76,8 @@ impl FinishedRuns {
     }
 }
 
-/// What decides which runs there are, and what they give. The figure that ranks them, and the values that
-/// they are compared with, do not.
+/// What decides which runs there are, and what they give. The quantity that ranks them, and the
+/// values that they are compared with, do not.
 fn identity(request: &Request, standing: &Planned) -> u64 {
     let vary: Vec<_> = request.vary.iter().map(|axis| (&axis.key, &axis.values)).collect();
     let origin = origin(standing);

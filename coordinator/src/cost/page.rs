@@ -59,14 +59,15 @@ fn picks(study: &Study) -> Option<Section> {
     Section::of("What to run", vec![Block::Headlines(all)])
 }
 
-/// Error over time, for every figure that has a reference.
+/// Error over time, for every quantity that has a reference.
 fn plots(study: &Study) -> Option<Section> {
     let shown = study.quantities.iter().take(COLUMNS);
     let figures = shown.filter_map(|one| work_precision(study, one)).map(Block::Figure);
     Section::of("Work and precision", figures.collect())
 }
 
-/// Error of a figure over time, one line a choice of models; `None` if there is nothing to compare.
+/// Error of a quantity over time, one line a choice of models; `None` if there is nothing to
+/// compare.
 pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
     let reference = one.reference.as_ref()?;
     let measured = if one.measure == Measure::Relative { "relative error" } else { "error" };
@@ -84,14 +85,14 @@ pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
     let known = match reference.uncertainty {
         Some(0.0) => String::new(),
         Some(off) => format!(", itself known to {}", one.measure.show(off)),
-        None => ", of which nobody knows how far off it is".to_owned(),
+        None => ", of unknown error".to_owned(),
     };
     figure.note = format!("Against {}{known}.", reference.source);
     figure.has_points().then_some(figure)
 }
 
 fn references(study: &Study) -> Option<Section> {
-    let mut table = Table::new(["figure", "from", "reference", "known to"], 2);
+    let mut table = Table::new(["quantity", "from", "reference", "known to"], 2);
     for one in &study.quantities {
         let Some(reference) = &one.reference else { continue };
         let known = match reference.uncertainty {
@@ -110,11 +111,12 @@ fn levels(study: &Study) -> Option<Section> {
     let mut blocks = Vec::new();
     for (number, level) in study.levels.iter().enumerate() {
         blocks.push(Block::Card(level.name.clone(), runs(study, number)));
-        let mut told: Vec<String> =
+        let mut remarks: Vec<String> =
             level.left_out.iter().map(|what| format!("Leaves out: {}.", what.what)).collect();
-        told.extend(level.stops_paying.iter().map(|told| format!("Refining does not pay {told}.")));
-        if !told.is_empty() {
-            blocks.push(Block::Text(format!("{}: {}", level.name, told.join(" "))));
+        remarks
+            .extend(level.stops_paying.iter().map(|why| format!("Refining does not pay {why}.")));
+        if !remarks.is_empty() {
+            blocks.push(Block::Text(format!("{}: {}", level.name, remarks.join(" "))));
         }
     }
     Section::of("Runs", blocks)

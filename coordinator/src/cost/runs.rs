@@ -5,7 +5,7 @@ use crate::study::table::{Cell, Column, Failure, Table};
 use run::format::number;
 use std::collections::BTreeSet;
 
-/// Figures that have a column on the terminal; all of them are in the files.
+/// Quantities that have a column on the terminal; all of them are in the files.
 pub(super) const COLUMNS: usize = 7;
 
 /// The table of runs that differ in these settings.
@@ -80,7 +80,7 @@ fn cost<'a>(runs: &[Run]) -> Vec<Column<'a, Run>> {
     columns
 }
 
-/// The value of the first figure for people, of all for programs.
+/// The value of the first quantity for people, of all for programs.
 fn values(study: &Study) -> impl Iterator<Item = Column<'_, Run>> {
     study.quantities.iter().enumerate().map(|(n, one)| {
         let value = |run: &Run| Cell::optional(run.values.get(&one.key), |v| number(v, 6));

@@ -24,8 +24,8 @@ pub(super) fn text(study: &Study) -> String {
         if let Some(orders) = orders(study, number) {
             let _ = writeln!(out, "  order       {orders}");
         }
-        if let Some(told) = &level.stops_paying {
-            let _ = writeln!(out, "  refining does not pay {told}");
+        if let Some(why) = &level.stops_paying {
+            let _ = writeln!(out, "  refining does not pay {why}");
         }
     }
     for (name, why) in &study.refused {
@@ -72,7 +72,10 @@ fn orders(study: &Study, level: usize) -> Option<String> {
 
 fn picks(study: &Study) -> String {
     let Some(first) = study.quantities.first() else { return String::new() };
-    let mut out = format!("what to run for {} (* none is both cheaper and closer)\n", first.name);
+    let mut out = format!(
+        "what to run for {} (* Pareto-optimal: none is both cheaper and more accurate)\n",
+        first.name
+    );
     for pick in &study.picks {
         let target = first.measure.show(pick.target);
         let Some(run) = pick.run.map(|index| &study.runs[index]) else {
@@ -90,7 +93,7 @@ fn picks(study: &Study) -> String {
     let known = match first.reference.as_ref().map(|reference| reference.uncertainty) {
         None | Some(Some(0.0)) => return out,
         Some(Some(off)) => format!("known to {}", first.measure.show(off)),
-        Some(None) => "one grid's: how far off it is cannot be told".to_owned(),
+        Some(None) => "from a single grid: its error is not known".to_owned(),
     };
     let _ = writeln!(out, "  the reference itself is {known}");
     out

@@ -20,7 +20,8 @@ pub(super) struct Request {
     /// What is varied in place of the default plan: a `ROLE.model` chooses among the models, the key
     /// of a refinement its levels, any other key is varied besides.
     pub vary: Vec<Axis>,
-    /// The figure by which runs are ranked, a key of the summary; `None` for the first of interest.
+    /// The quantity by which runs are ranked, a key of the summary; `None` for the first of
+    /// interest.
     pub quantity: Option<String>,
     /// References given by hand: key of the summary and value.
     pub references: Vec<(String, f64)>,
@@ -43,7 +44,7 @@ pub struct Study {
     pub file: String,
     /// Options that were given for all runs.
     pub options: Vec<String>,
-    /// The figures that are compared; the first one ranks the runs.
+    /// The quantities that are compared; the first one ranks the runs.
     pub quantities: Vec<Compared>,
     /// The choices of models.
     pub levels: Vec<LevelSeen>,
@@ -63,7 +64,7 @@ impl Kept for Study {
     const SCHEMA: u32 = 1;
 }
 
-/// A figure that is compared.
+/// A quantity that is compared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compared {
     /// Key of the summary.
@@ -86,7 +87,7 @@ impl Compared {
     }
 }
 
-/// What the values of a figure are compared with.
+/// What the values of a quantity are compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// Its value, in the unit of the key.
@@ -106,14 +107,14 @@ pub struct LevelSeen {
     pub name: String,
     /// What they leave out that matters in this case.
     pub left_out: Vec<Simplification>,
-    /// What its runs show of each figure, by key.
+    /// What its runs show of each quantity, by key.
     pub shows: BTreeMap<String, Shows>,
     /// From which resolution on refining it does not pay, if there is one, in a sentence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stops_paying: Option<String>,
 }
 
-/// What the runs of a level show of one figure.
+/// What the runs of a level show of one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shows {
     /// Order of convergence with the resolution, if three resolutions show one.
@@ -138,12 +139,12 @@ pub struct Run {
     pub settings: Vec<(String, String)>,
     /// All options that make it with `coordinator run`.
     pub options: Vec<String>,
-    /// Why it has no figures.
+    /// Why it has no quantities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
     /// What it cost.
     pub cost: Spent,
-    /// Its figures by key.
+    /// Its quantities by key.
     pub values: BTreeMap<String, f64>,
     /// Their errors by key.
     pub errors: BTreeMap<String, f64>,
@@ -154,7 +155,7 @@ pub struct Run {
 /// The cheapest run that meets a target.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pick {
-    /// Largest error of the first figure, relative or absolute as it is measured.
+    /// Largest error of the first quantity, relative or absolute as it is measured.
     pub target: f64,
     /// Index of the run; absent if none meets the target.
     #[serde(default, skip_serializing_if = "Option::is_none")]

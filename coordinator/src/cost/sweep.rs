@@ -33,7 +33,7 @@ pub(super) struct Sweep {
     pub(super) axes: Vec<Axis>,
     pub(super) runs: Vec<Run>,
     pub(super) left_out: Vec<(String, String)>,
-    /// Figures that participants know in closed form.
+    /// Quantities that participants know in closed form.
     pub(super) closed_forms: BTreeMap<String, f64>,
     pub(super) name: String,
     pub(super) title: Option<String>,
@@ -114,7 +114,7 @@ fn check(levels: &[Level], refused: &[(String, String)], vary: &[Axis]) -> Resul
         } else if levels.iter().flat_map(|l| &l.refinements).any(|one| one.key == axis.key) {
             let count = |value: &&String| value.parse::<u32>().is_ok_and(|count| count > 0);
             if let Some(other) = axis.values.iter().find(|value| !count(value)) {
-                return wrong(axis, format!("`{other}` is no number of elements"));
+                return wrong(axis, format!("`{other}` is not a number of elements"));
             }
         } else if !of_role && !NUMERICAL.iter().any(|section| axis.key.starts_with(section)) {
             let fix = "make one study for each value, with --set";
@@ -196,7 +196,8 @@ impl Sweep {
         format!("{}, {}", self.levels[point.level].name(), settings.join(", "))
     }
 
-    /// Makes a run as often as is asked; one that is refused or fails has a reason and no figures.
+    /// Makes a run as often as is asked; one that is refused or fails has a reason and no
+    /// quantities.
     fn make(
         &mut self,
         request: &Request,
@@ -266,7 +267,7 @@ impl Run {
         }
     }
 
-    /// Takes the figures of a run, and its times where they are the least so far.
+    /// Takes the quantities of a run, and its times where they are the least so far.
     fn take(&mut self, summary: &Value, clock: &Clock) {
         let cost = Spent::of(summary, clock);
         if self.values.is_empty() || cost.solve_s < self.cost.solve_s {

@@ -12,8 +12,8 @@ pub fn text(survey: &Survey, path: &Path) -> String {
     let mut out = format!("{} · {}\n", survey.case, path.display());
     let state = match &survey.damage {
         _ if survey.complete => "complete",
-        Some(_) => "DAMAGED: what stands before the damage",
-        None => "CUT: it ends in the middle",
+        Some(_) => "DAMAGED: what precedes the damage",
+        None => "TRUNCATED: it has no end",
     };
     let _ = writeln!(
         out,
@@ -26,7 +26,7 @@ pub fn text(survey: &Survey, path: &Path) -> String {
         Some(error) => {
             let _ = writeln!(out, "  the run       FAILED: {}", one_line(error));
         }
-        None if survey.complete => out += "  the run       ended well\n",
+        None if survey.complete => out += "  the run       completed\n",
         None => {}
     }
     participants(&mut out, survey);
@@ -154,7 +154,7 @@ pub fn details_text(details: &Details, fields_only: bool) -> String {
         }
     }
     if details.samples.is_empty() {
-        out += "\n  no sample like that is in the recording\n";
+        out += "\n  the recording has no such sample\n";
         return out;
     }
     let wide = details.samples.iter().map(|s| s.topic.len()).max().unwrap_or(0).max(5);

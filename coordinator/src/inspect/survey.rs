@@ -56,7 +56,7 @@ pub struct Survey {
     pub duration_s: f64,
     /// What ended the run, if that was no success; absent too if the recording does not say.
     pub error: Option<String>,
-    /// Who took part.
+    /// The participants.
     pub participants: Vec<ParticipantSurvey>,
     /// Windows with an iteration.
     pub windows: u64,

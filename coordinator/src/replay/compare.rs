@@ -93,7 +93,7 @@ impl Comparison {
         if then.len() != now.len() {
             let name = header.name.as_str();
             let (a, b) = (now.len(), then.len());
-            self.other.get_or_insert(format!("`{name}` has {a} values, recorded were {b}"));
+            self.other.get_or_insert(format!("`{name}` has {a} values, the recording has {b}"));
             return;
         }
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
@@ -205,7 +205,7 @@ mod tests {
         comparison.sample((&header(0, 1), &[1.0]), &[f64::NAN], Some(1e300));
         assert!(comparison.differs());
         comparison.sample((&header(0, 1), &[1.0]), &[1.0, 2.0], Some(1.0));
-        assert!(comparison.other.unwrap().contains("has 2 values, recorded were 1"));
+        assert!(comparison.other.unwrap().contains("has 2 values, the recording has 1"));
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! From one recorded event to the next.
 
 use super::feed::Feed;
-use super::told::Told;
+use super::request::{Replay, Request};
+use super::told::Reconfiguration;
 use super::walk::{Answer, Walk};
-use super::{Replay, Request};
 use crate::inspect::FileRecording;
 use crate::output::print;
 use contract::configuration::{Layout, Refusal};
@@ -230,7 +230,7 @@ impl<'a> Driver<'a> {
         match kind {
             CommandKind::Describe => self.ask(command, &[])?,
             CommandKind::Configure => {
-                let (body, left_out) = self.told().configuration(body)?;
+                let (body, left_out) = self.reconfiguration().configuration(body)?;
                 let remark =
                     |name| format!("`{name}` is not compared: the program does not provide it");
                 self.replay.remarks.extend(left_out.iter().map(remark));
@@ -318,16 +318,16 @@ impl<'a> Driver<'a> {
         match done {
             Done::Nothing => Ok(()),
             Done::Answered(..) if failed_then => {
-                let what = format!("it succeeds; recorded was a failure: {}", words(body));
+                let what = format!("it succeeds; the recording has a failure: {}", words(body));
                 self.replay.comparison.other(&self.step, &what);
                 Ok(())
             }
             Done::Failed(now) if failed_then => {
                 let then = words(body);
-                let how = if now == then { "as recorded" } else { "otherwise than recorded" };
+                let how = if now == then { "as recorded" } else { "differently than recorded" };
                 let mut remark = format!("it fails {how}: {now}");
                 if now != then {
-                    remark += &format!("; recorded was: {then}");
+                    remark += &format!("; recorded: {then}");
                 }
                 self.replay.remarks.push(remark);
                 Ok(())
@@ -335,11 +335,11 @@ impl<'a> Driver<'a> {
             Done::Failed(now) if self.outputs.is_empty() && self.replay.solves == 0 => {
                 Err(RunError::Failed(Failure {
                     who: self.request.only.clone(),
-                    when: "when it was told what was recorded".to_owned(),
+                    when: "when it was given what was recorded".to_owned(),
                     what: now,
                     fix: format!(
-                        "change what it is told with --set KEY=VALUE, or {}",
-                        self.told().otherwise()
+                        "change its configuration with --set KEY=VALUE, or {}",
+                        self.reconfiguration().otherwise()
                     ),
                 }))
             }
@@ -393,7 +393,7 @@ impl<'a> Driver<'a> {
     fn described(&mut self, description: Description) -> Result<(), RunError> {
         let (role, plays) = (&self.request.only, &description.role);
         if plays != role {
-            let (name, otherwise) = (&description.name, self.told().otherwise());
+            let (name, otherwise) = (&description.name, self.reconfiguration().otherwise());
             return Err(RunError::Usage(format!(
                 "`{name}` plays `{plays}`, not `{role}`; give a program that does, or {otherwise}"
             )));
@@ -555,9 +555,9 @@ impl<'a> Driver<'a> {
         restored.into_iter().try_for_each(|at| self.compare(at))
     }
 
-    fn told(&self) -> Told<'_> {
+    fn reconfiguration(&self) -> Reconfiguration<'_> {
         let (request, recorded, files) = (self.request, self.recorded, &self.files);
-        Told { request, recorded, files, description: self.description.as_ref() }
+        Reconfiguration { request, recorded, files, description: self.description.as_ref() }
     }
 
     fn transport(&self, error: &TransportError) -> RunError {

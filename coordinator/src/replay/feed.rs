@@ -2,7 +2,7 @@
 //!
 //! Of the samples that come between two solves the participant needs the newest, and the newest of
 //! the window before, which holds at the window's start; what others come between is left out, and
-//! all are numbered anew.
+//! all are renumbered.
 
 use contract::message::{Command, FieldHeader, Topic, Topics};
 use proto::transport::{Endpoint, FieldWriter, TransportError};

@@ -29,13 +29,13 @@ pub fn text(replay: &Replay, request: &Request) -> String {
         counted(replay.solves, "solve"),
         counted(compared.samples, "sample"),
         counted(compared.values, "value"),
-        if replay.cut { "; the recording is cut here" } else { "" }
+        if replay.cut { "; the recording is truncated here" } else { "" }
     );
     let verdict = match (compared.differs(), request.tolerance) {
-        (false, _) if compared.samples == 0 => "  nothing was there to compare".to_owned(),
+        (false, _) if compared.samples == 0 => "  nothing to compare".to_owned(),
         (false, None) => "  bit-identical".to_owned(),
         (false, Some(tolerance)) => format!(
-            "  within {tolerance:e} of the recording but for {}, by {:.2e} at most",
+            "  within {tolerance:e} of the recording except for {}, by {:.2e} at most",
             counted(compared.unequal_samples, "sample"),
             compared.largest
         ),
@@ -53,7 +53,8 @@ pub fn text(replay: &Replay, request: &Request) -> String {
         let _ = writeln!(out, "  {word}      {}", one_line(other));
     }
     if let Some(damage) = &replay.damage {
-        let _ = writeln!(out, "  here the recording cannot be read on: {}", one_line(damage));
+        let _ =
+            writeln!(out, "  the recording cannot be read beyond this point: {}", one_line(damage));
     }
     let _ = writeln!(
         out,

@@ -2,7 +2,7 @@
 //! with an answer or an error, and write nothing but files of plain names into the folder they are
 //! given.
 
-use super::told::Told;
+use super::told::Reconfiguration;
 use super::*;
 use crate::export::{Target, export};
 use crate::inspect::{Wanted, survey, text};
@@ -108,14 +108,14 @@ impl Content {
         let out = Cursor::new(Vec::new());
         let mut to = RecordingWriter::create(out, Compression::None, &self.head(), &[])?;
         let said = serde_json::to_vec(&description()).unwrap();
-        for (kind, told, said) in [
+        for (kind, given, said) in [
             (CommandKind::Describe, Vec::new(), said),
             (CommandKind::Configure, configuration(), b"{}".to_vec()),
             (CommandKind::Connect, self.topics(), Vec::new()),
             (CommandKind::Initialise, Vec::new(), Vec::new()),
         ] {
             let command = Command::new(kind);
-            to.event(&Event::Command { participant: 0, command, body: told })?;
+            to.event(&Event::Command { participant: 0, command, body: given })?;
             to.event(&Event::Reply { participant: 0, reply: Reply::default(), body: said })?;
         }
         let (components, points) = self.label;
@@ -229,8 +229,8 @@ fn replayed(path: &Path, bytes: &[u8]) {
     while let Ok(Some(entry)) = recording.read() {
         if let Item::Event(Event::Command { body, .. }) = entry.item {
             let (request, recorded, files) = (&request, &recorded, &[]);
-            let told = Told { request, recorded, description: Some(&said), files };
-            let _ = told.configuration(&body);
+            let given = Reconfiguration { request, recorded, description: Some(&said), files };
+            let _ = given.configuration(&body);
             if let Ok(topics) = read_topics(&body) {
                 assert!(topics.outputs.iter().all(|topic| topic.grid.points() <= 1 << 27));
             }
@@ -303,7 +303,7 @@ fn a_good_recording_is_exported_whole() {
 /// A grid that cannot be, or that is not that of its values.
 #[test]
 fn a_grid_that_does_not_fit_is_an_error_that_names_it() {
-    let told = |counts: [u64; 2], label: (u32, u64)| {
+    let given = |counts: [u64; 2], label: (u32, u64)| {
         let bytes = Content { counts, label, ..Content::good() }.bytes();
         let place = tempfile::tempdir().unwrap();
         let csv = Some(place.path().join("csv"));
@@ -312,7 +312,7 @@ fn a_grid_that_does_not_fit_is_an_error_that_names_it() {
         let exported = export(Path::new("r.mcap"), &mut recording, &target);
         exported.map_err(|error| error.to_string())
     };
-    assert_eq!(told([3, 2], (1, 6)), Ok(2));
+    assert_eq!(given([3, 2], (1, 6)), Ok(2));
     for (counts, label, words) in [
         ([0, 2], (1, 6), "grid `contact` has 0 x 2 points"),
         ([7_071_068, 7_071_068], (1, 6), "grid `contact` has 7071068 x 7071068 points"),
@@ -320,12 +320,12 @@ fn a_grid_that_does_not_fit_is_an_error_that_names_it() {
         ([30, 20], (1, 6), "1 component(s) at 6 point(s); its grid `contact` has 600"),
         ([3, 2], (2, 6), "2 component(s) at 6 point(s)"),
     ] {
-        let error = told(counts, label).unwrap_err();
+        let error = given(counts, label).unwrap_err();
         assert!(error.contains(words) && error.contains("r.mcap"), "{error}");
     }
 }
 
-fn told(
+fn given(
     set: &[(&str, serde_json::Value)],
     description: Option<&Description>,
 ) -> Result<serde_json::Value, String> {
@@ -334,35 +334,36 @@ fn told(
     let request = &request(Path::new("r.mcap"), set);
     let (key, attachment) = ("/here/file-0".to_owned(), "files/rail.profile".to_owned());
     let files = &[CaseFile { key, attachment }];
-    let told = Told { request, recorded, description, files }.configuration(&configuration());
-    told.map(|(body, _)| serde_json::from_slice(&body).unwrap()).map_err(|error| error.to_string())
+    let given =
+        Reconfiguration { request, recorded, description, files }.configuration(&configuration());
+    given.map(|(body, _)| serde_json::from_slice(&body).unwrap()).map_err(|error| error.to_string())
 }
 
 #[test]
 fn a_configuration_is_told_with_files_and_changes() {
     let said = description();
     let (depth, pointer) = (serde_json::json!(2.0), "/case/thermal/depth");
-    let changed = told(&[("thermal.depth", depth.clone())], Some(&said)).unwrap();
+    let changed = given(&[("thermal.depth", depth.clone())], Some(&said)).unwrap();
     assert_eq!(changed.pointer("/case/rail/profile").unwrap(), "/here/file-0");
     assert_eq!(changed.pointer(pointer), Some(&depth), "the program reads it");
-    let unknown = told(&[("thermal.dept", depth)], Some(&said)).unwrap_err();
-    assert_eq!(unknown, "thermal was not told any `thermal.dept`");
+    let unknown = given(&[("thermal.dept", depth)], Some(&said)).unwrap_err();
+    assert_eq!(unknown, "the recorded configuration of thermal has no `thermal.dept`");
 }
 
 #[test]
 fn a_program_without_the_recorded_model_is_told_what_to_do() {
     let mut other = description();
     "strips".clone_into(&mut other.models[0].name);
-    assert!(told(&[], Some(&description())).is_ok());
-    let error = told(&[], Some(&other)).unwrap_err();
+    assert!(given(&[], Some(&description())).is_ok());
+    let error = given(&[], Some(&other)).unwrap_err();
     for words in [
-        "`strips` has no model `columns`, which thermal was told",
+        "`strips` has no model `columns`, which is in",
         "--set thermal.model=NAME (strips)",
         "replay with the program that was recorded, `thermal-solver`",
     ] {
         assert!(error.contains(words), "{error}");
     }
-    let chosen = told(&[("thermal.model", "strips".into())], Some(&other)).unwrap();
+    let chosen = given(&[("thermal.model", "strips".into())], Some(&other)).unwrap();
     assert_eq!(chosen["model"], "strips");
     assert_eq!(chosen["observed"], serde_json::json!(["rail_temperature"]), "what it provides");
 }

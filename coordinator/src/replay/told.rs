@@ -1,15 +1,15 @@
-//! What the participant is told: its recorded configuration, with the files of the case where it can
-//! read them, and changed as was asked for.
+//! What the participant is given: its recorded configuration, with the files of the case where it
+//! can read them, and changed as was asked for.
 
-use super::Request;
+use super::request::Request;
 use contract::description::{Description, KeySpec};
 use proto::recording::{CaseFile, Participant};
 use run::error::RunError;
 use run::record::fits;
 use serde_json::{Map, Value};
 
-/// Who is told, and what was recorded of it.
-pub(super) struct Told<'a> {
+/// The participant which is configured, and what was recorded of it.
+pub(super) struct Reconfiguration<'a> {
     pub(super) request: &'a Request,
     pub(super) recorded: &'a Participant,
     /// What the program says of itself.
@@ -18,7 +18,7 @@ pub(super) struct Told<'a> {
     pub(super) files: &'a [CaseFile],
 }
 
-impl Told<'_> {
+impl Reconfiguration<'_> {
     /// The configuration to send for a recorded one, and the observed fields that are not asked for
     /// as the program does not provide them.
     ///
@@ -65,7 +65,11 @@ impl Told<'_> {
         match tree.pointer_mut(&pointer) {
             Some(found) => found.clone_from(value),
             None if self.reads(key) => insert(&mut tree["case"], key, value),
-            None => return Err(RunError::Usage(format!("{role} was not told any `{key}`"))),
+            None => {
+                return Err(RunError::Usage(format!(
+                    "the recorded configuration of {role} has no `{key}`"
+                )));
+            }
         }
         Ok(())
     }
@@ -90,8 +94,8 @@ impl Told<'_> {
         let known: Vec<&str> = said.models.iter().map(|model| model.name.as_str()).collect();
         let (role, program, known) = (&self.request.only, &said.name, known.join(", "));
         Err(RunError::Usage(format!(
-            "`{program}` has no model `{model}`, which {role} was told when it was recorded; choose \
-             one of its own with --set {role}.model=NAME ({known}), or {}",
+            "`{program}` has no model `{model}`, which is in the recorded configuration of {role}; \
+             choose one of its own with --set {role}.model=NAME ({known}), or {}",
             self.otherwise()
         )))
     }

@@ -13,7 +13,7 @@ pub(super) enum Answer {
     Stop,
 }
 
-/// Asks before each command, until told to go on alone.
+/// Asks before each command, until asked to continue without.
 #[derive(Debug)]
 pub(super) struct Walk {
     asking: bool,

@@ -35,7 +35,7 @@ pub(super) fn legend(keys: &[Key<'_>]) -> String {
     format!("<ul class=\"legend\">{}</ul>\n", keys.iter().map(item).collect::<String>())
 }
 
-/// An SVG with a title and a description for who cannot see it.
+/// An SVG with a title and a description for readers who cannot see it.
 pub(super) fn view(title: &str, description: &str, height: f64, content: &str) -> String {
     format!(
         "<svg class=\"plot\" role=\"img\" viewBox=\"0 0 {WIDTH} {height:.0}\" \

@@ -1,4 +1,4 @@
-//! Who was at work when: one lane a process, bars along time.
+//! Which process worked when: one lane a process, bars along time.
 
 use super::axis::Axis;
 use super::canvas::{COLOURS, RIGHT, figure, view};
@@ -17,7 +17,7 @@ const SEEN: f64 = 0.75;
 /// One lane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lane {
-    /// Who.
+    /// The process.
     pub name: String,
     /// Beginning and end of each piece of work \[s\].
     pub bars: Vec<[f64; 2]>,

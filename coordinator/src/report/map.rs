@@ -99,7 +99,7 @@ impl Heatmap {
         svg
     }
 
-    /// The range of the values, for who cannot see the map.
+    /// The range of the values, for readers who cannot see the map.
     fn describe(&self) -> String {
         let range = self.range();
         format!(

@@ -146,7 +146,7 @@ impl Figure {
         svg
     }
 
-    /// The range of every line, for who cannot see the plot.
+    /// The range of every line, for readers who cannot see the plot.
     fn describe(&self) -> String {
         let mut text = format!("{} over {}.", self.y_label, self.x_label);
         for series in &self.series {

@@ -18,7 +18,8 @@ pub(super) fn opening(results: &Results) -> Page {
     let (status, reason, mood) = match results.summary.is_null() {
         true => (
             "no end".to_owned(),
-            "there is no summary: the run was killed, or is not over yet; this is what it has left"
+            "there is no summary: the run was killed or is still running; this is what it has \
+             written so far"
                 .to_owned(),
             Mood::Open,
         ),

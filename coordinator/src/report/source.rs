@@ -1,7 +1,7 @@
 //! What a run has written, as the report needs it.
 //!
 //! Everything is optional: a run that was killed has no summary, one that failed at its start no
-//! fields. A file that cannot be read is told among the [`Results::troubles`].
+//! fields. A file that cannot be read is reported among the [`Results::troubles`].
 
 mod image;
 mod table;
@@ -33,7 +33,7 @@ pub struct Results {
     pub case: String,
     /// Content of `plan.json`, if there is one.
     pub plan: Option<PlanFile>,
-    /// Warnings and errors of `log.jsonl`: level, who, what.
+    /// Warnings and errors of `log.jsonl`: level, source, message.
     pub log: Vec<[String; 3]>,
     /// Recordings: name and size \[byte\].
     pub recordings: Vec<(String, u64)>,
@@ -86,7 +86,7 @@ impl Results {
 
     /// A figure of the summary.
     #[must_use]
-    pub fn figure(&self, pointer: &str) -> Option<f64> {
+    pub fn quantity(&self, pointer: &str) -> Option<f64> {
         self.summary.pointer(pointer).and_then(Value::as_f64)
     }
 
@@ -137,9 +137,9 @@ impl Results {
             let image = match newest.extension().is_some_and(|ending| ending == "vti") {
                 true => Image::read(newest).map_err(|why| self.troubles.push(why)).ok(),
                 false => {
-                    let told =
+                    let trouble =
                         format!("{name}: an unstructured grid, not drawn here; see ParaView");
-                    self.troubles.push(told);
+                    self.troubles.push(trouble);
                     None
                 }
             };
@@ -165,9 +165,9 @@ fn log(text: &str) -> Vec<[String; 3]> {
         let event: Value = serde_json::from_str(line).ok()?;
         let of = |pointer: &str| event.pointer(pointer).and_then(Value::as_str).map(str::to_owned);
         let level = of("/level")?;
-        let who = of("/fields/role").or(of("/target")).unwrap_or_default();
+        let source = of("/fields/role").or(of("/target")).unwrap_or_default();
         let what = of("/fields/message").unwrap_or_default();
-        ["WARN", "ERROR"].contains(&level.as_str()).then(|| [level.to_lowercase(), who, what])
+        ["WARN", "ERROR"].contains(&level.as_str()).then(|| [level.to_lowercase(), source, what])
     };
     text.lines().filter_map(event).collect()
 }

@@ -1,7 +1,7 @@
 //! Drawings as files of their own: an SVG with style, title and legend in it.
 //!
 //! The file has a ground of its own, so that it can be read on white and on dark paper alike, and
-//! follows the reader's preference for light or dark where that is told to pictures.
+//! follows the reader's preference for light or dark where browsers pass that on to pictures.
 
 use super::canvas::{Key, WIDTH, mark};
 use super::html::{PLOT_STYLE, escape};
@@ -24,7 +24,7 @@ const SCALE: f64 = 1.35;
 pub(super) struct Standalone<'a> {
     /// What is shown.
     pub(super) title: &'a str,
-    /// For who cannot see it.
+    /// For readers who cannot see it.
     pub(super) description: &'a str,
     /// The legend; empty without one.
     pub(super) keys: &'a [Key<'a>],

@@ -33,7 +33,7 @@ pub(super) fn check(study: &Study, file: &Path) -> Result<(), RunError> {
 fn repeated<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let twice = names.filter(|name| !seen.insert(*name));
-    twice.map(|name| format!("{what} `{name}` stands there twice; rename one")).collect()
+    twice.map(|name| format!("{what} `{name}` is defined twice; rename one")).collect()
 }
 
 fn families(study: &Study, folder: &Path) -> Vec<String> {

@@ -136,7 +136,7 @@ impl Sources<'_> {
             LineSpec::Depth { grid, field, x_per, y_per, .. } => {
                 let (image, field) = self.image(&member.run, grid, field)?;
                 let column = image.through_largest(&field);
-                let (_, points) = column.ok_or_else(|| format!("{grid} is no section"))?;
+                let (_, points) = column.ok_or_else(|| format!("{grid} is not a section"))?;
                 (points, x_per, y_per)
             }
             LineSpec::Curve { .. } | LineSpec::Printed { .. } => return Ok(Vec::new()),
@@ -175,7 +175,7 @@ impl Sources<'_> {
 
     fn map(&self, spec: &MapSpec, member: &Member) -> Result<Heatmap, String> {
         let (image, field) = self.image(&member.run, &spec.grid, &spec.field)?;
-        let plane = image.plane().ok_or_else(|| format!("{} is no plane", spec.grid))?;
+        let plane = image.plane().ok_or_else(|| format!("{} is not a plane", spec.grid))?;
         let mut values = field.magnitudes();
         let per = self.divisor(&spec.per, values.iter().copied(), &member.run)?;
         for value in &mut values {
@@ -210,7 +210,7 @@ impl Sources<'_> {
 
     fn image(&self, run: &str, grid: &str, name: &str) -> Result<(Image, Field), String> {
         let image = self.series(run, grid)?.image;
-        let image = image.ok_or_else(|| format!("{grid} of `{run}` is no image"))?;
+        let image = image.ok_or_else(|| format!("{grid} of `{run}` is not an image"))?;
         let field = image.fields.iter().find(|field| field.name == name).cloned();
         let field = field.ok_or_else(|| format!("{grid} of `{run}` has no field `{name}`"))?;
         Ok((image, field))

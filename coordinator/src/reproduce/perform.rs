@@ -64,12 +64,12 @@ fn one(run: &Run, out: &Path) -> Result<Done, RunError> {
     Ok(Done { name: run.name.clone(), set, unset, folder, summary })
 }
 
-/// What is wrong with a case is told with the run that it is of; a failure keeps its own words.
+/// What is wrong with a case is reported with the run that it is of; a failure keeps its own words.
 fn of_run(run: &Run, file: &Path, error: RunError) -> RunError {
     let place = format!("{}: run `{}`", file.display(), run.name);
     match error {
         RunError::Case(problems) => RunError::Usage(format!("{place}: {problems}")),
-        error => error.and(Err(RunError::Usage(format!("{place} has not come to its end")))),
+        error => error.and(Err(RunError::Usage(format!("{place} has not finished")))),
     }
 }
 

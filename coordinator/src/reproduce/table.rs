@@ -99,6 +99,6 @@ fn filled(
     let place = format!("table `{}`, column `{}`", table.id, column.head);
     let text = cell(&place, &column.spec.cell, run, &row.spec.printed, values)?;
     // Nothing but dashes is one absence.
-    let told = text.chars().any(|c| c.is_ascii_digit());
-    Ok(if told || !text.contains(ABSENT) { text } else { ABSENT.to_owned() })
+    let has_digits = text.chars().any(|c| c.is_ascii_digit());
+    Ok(if has_digits || !text.contains(ABSENT) { text } else { ABSENT.to_owned() })
 }

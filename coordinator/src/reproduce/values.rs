@@ -49,7 +49,7 @@ impl Values {
     /// There is no such run, or it has no such figure.
     pub(super) fn get(&self, name: &str, key: &str) -> Result<f64, String> {
         self.known(name)?;
-        self.find(name, key).ok_or_else(|| format!("the run `{name}` has no figure `{key}`"))
+        self.find(name, key).ok_or_else(|| format!("the run `{name}` has no quantity `{key}`"))
     }
 
     /// A number of the case that a run was of \[SI\].

@@ -40,7 +40,7 @@ pub struct Arguments {
 /// What is asked for cannot be, or a case went otherwise than expected.
 pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let suite = Suite::read(&asked.suite)?;
-    // A case that the suite does not have is told before anything is printed.
+    // A case that the suite does not have is reported before anything is printed.
     suite.chosen(&asked.only)?;
     let folder = asked.folder.choose(Report::COMMAND, Report::COMMAND, &Report::is_unfinished)?;
     let request =
@@ -71,7 +71,7 @@ fn verdict(report: &Report) -> Result<(), RunError> {
     Err(RunError::Failed(Failure {
         who: report.suite.clone(),
         when: format!("in {} of {} cases", names.len(), report.cases.len()),
-        what: format!("{} went otherwise than expected", names.join(", ")),
+        what: format!("{} did not meet expectations", names.join(", ")),
         fix: "`coordinator stability --only NAME` runs one alone".to_owned(),
     }))
 }

@@ -1,4 +1,4 @@
-//! A figure of a run: a product of powers of what the run gives.
+//! A quantity of a run: a product of powers of what the run gives.
 //!
 //! A product of powers is the form of every dimensionless group, so that one bound can hold along a
 //! whole sweep. Its factors are dotted keys: of `summary.json`, `field.NAME.min`, `.max` and `.mean`
@@ -13,19 +13,19 @@ use std::fmt;
 /// Keys and exponents.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(transparent)]
-pub(super) struct Figure(BTreeMap<String, f64>);
+pub(super) struct PowerProduct(BTreeMap<String, f64>);
 
-impl Figure {
+impl PowerProduct {
     /// Its value, or the key that the run does not give.
-    pub(super) fn value(&self, figures: &Value) -> Result<f64, &str> {
+    pub(super) fn value(&self, quantities: &Value) -> Result<f64, &str> {
         self.0.iter().try_fold(1.0, |product, (key, exponent)| {
-            let factor = Quantity::of(key).value(figures).ok_or(key.as_str())?;
+            let factor = Quantity::of(key).value(quantities).ok_or(key.as_str())?;
             Ok(product * factor.powf(*exponent))
         })
     }
 }
 
-impl fmt::Display for Figure {
+impl fmt::Display for PowerProduct {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, (key, exponent)) in self.0.iter().enumerate() {
             let space = if index == 0 { "" } else { " · " };
@@ -45,10 +45,10 @@ mod tests {
 
     #[test]
     fn a_product_of_powers() {
-        let figure: Figure = toml::from_str("\"a.b\" = 2\n\"c\" = -0.5").unwrap();
-        assert_eq!(figure.value(&json!({"a": {"b": 3.0}, "c": 4.0})), Ok(4.5));
-        assert_eq!(figure.value(&json!({"a": {"b": 3.0}})), Err("c"));
-        assert_eq!(figure.to_string(), "a.b^2 · c^-0.5");
-        assert!(figure.value(&json!({"a": {"b": 3.0}, "c": -1.0})).unwrap().is_nan());
+        let product: PowerProduct = toml::from_str("\"a.b\" = 2\n\"c\" = -0.5").unwrap();
+        assert_eq!(product.value(&json!({"a": {"b": 3.0}, "c": 4.0})), Ok(4.5));
+        assert_eq!(product.value(&json!({"a": {"b": 3.0}})), Err("c"));
+        assert_eq!(product.to_string(), "a.b^2 · c^-0.5");
+        assert!(product.value(&json!({"a": {"b": 3.0}, "c": -1.0})).unwrap().is_nan());
     }
 }

@@ -10,7 +10,7 @@ pub(super) fn judge(trial: &Trial, expected: &Expected, limits: &Limits, checks:
     let answered = trial.error.is_none();
     let findings = if answered { findings(trial, limits, checks) } else { Vec::new() };
     let energy = energy(trial);
-    let iterations = trial.figures.pointer("/coupling/iterations").and_then(Value::as_u64);
+    let iterations = trial.quantities.pointer("/coupling/iterations").and_then(Value::as_u64);
     let mut row = Row {
         as_expected: true,
         otherwise: Vec::new(),
@@ -28,7 +28,7 @@ pub(super) fn judge(trial: &Trial, expected: &Expected, limits: &Limits, checks:
 }
 
 fn energy(trial: &Trial) -> Option<f64> {
-    trial.figures.pointer("/coupling/energy_imbalance").and_then(Value::as_f64)
+    trial.quantities.pointer("/coupling/energy_imbalance").and_then(Value::as_f64)
 }
 
 /// Undershoot and energy where there is something to hold against them, and the case's own checks.
@@ -47,7 +47,7 @@ fn findings(trial: &Trial, limits: &Limits, checks: &[Check]) -> Vec<Finding> {
     findings.extend(energy(trial).map(|imbalance| {
         finding("heat imbalance".to_owned(), imbalance, Bound::AtMost(limits.energy))
     }));
-    findings.extend(checks.iter().map(|check| match check.of.value(&trial.figures) {
+    findings.extend(checks.iter().map(|check| match check.of.value(&trial.quantities) {
         Ok(value) => finding(check.name.clone(), value, check.bound),
         Err(key) => Finding {
             name: check.name.clone(),
@@ -77,7 +77,7 @@ fn otherwise(row: &Row, expected: &Expected) -> Vec<String> {
         (Expected::Answer, None) => {
             let unbounded =
                 (row.bounded == Some(false)).then(|| "a value is not finite".to_owned());
-            let beyond = row.findings.iter().filter(|finding| !finding.holds()).map(told);
+            let beyond = row.findings.iter().filter(|finding| !finding.holds()).map(described);
             unbounded.into_iter().chain(beyond).collect()
         }
         (Expected::Breach(name), None) => {
@@ -97,7 +97,7 @@ fn otherwise(row: &Row, expected: &Expected) -> Vec<String> {
     }
 }
 
-fn told(finding: &Finding) -> String {
+fn described(finding: &Finding) -> String {
     let Finding { name, value, bound, .. } = finding;
     match value {
         Some(value) => format!("{name}: {value:e} is not {bound}"),

@@ -1,4 +1,4 @@
-//! The edges as a document: what was found, without times or any figure that another machine may
+//! The edges as a document: what was found, without times or any number that another machine may
 //! round otherwise.
 
 use super::report::{CaseReport, Report, SweepReport};

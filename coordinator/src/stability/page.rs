@@ -23,7 +23,7 @@ fn of(report: &Report) -> Page {
     Page {
         name: "stability".to_owned(),
         title: format!("the hard cases of {}", report.suite),
-        status: if good { "as expected" } else { "otherwise than expected" }.to_owned(),
+        status: if good { "as expected" } else { "did not meet expectations" }.to_owned(),
         mood: if good { Mood::Good } else { Mood::Bad },
         reason: reason(report),
         sections,
@@ -68,8 +68,8 @@ fn overview(report: &Report) -> Section {
 
 fn cases(report: &Report) -> Section {
     let table = rows::cases().page(&report.cases.iter().collect::<Vec<_>>());
-    let text = "The margin is the least of bound over figure: 2× means that the figure takes half of \
-                what its bound allows.";
+    let text = "The margin is the least ratio of bound to quantity: 2× means that the quantity is \
+                half of its bound.";
     Section {
         title: "Cases".to_owned(),
         blocks: vec![Block::Text(text.to_owned()), Block::Table(table)],
@@ -118,7 +118,7 @@ fn details(case: &CaseReport) -> Section {
 }
 
 fn findings(case: &CaseReport) -> Table {
-    let mut table = Table::new(["figure", "value", "bound", "margin", "because"], 5);
+    let mut table = Table::new(["quantity", "value", "bound", "margin", "because"], 5);
     for finding in &case.row.findings {
         let because = case.bounds.iter().find(|[name, ..]| *name == finding.name);
         table.row([

@@ -70,7 +70,7 @@ pub struct Row {
     pub bounded: Option<bool>,
     /// Largest relative difference of heat sent and received \[-\].
     pub energy_imbalance: Option<f64>,
-    /// Every figure that was held against a bound.
+    /// Every quantity that was held against a bound.
     pub findings: Vec<Finding>,
     /// Coupling iterations.
     pub iterations: u64,
@@ -78,12 +78,12 @@ pub struct Row {
     pub seconds: f64,
 }
 
-/// A figure against its bound.
+/// A quantity against its bound.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// What it is.
     pub name: String,
-    /// The figure; `None` if the run does not give it, or gives no number.
+    /// The quantity; `None` if the run does not give it, or gives none.
     pub value: Option<f64>,
     /// Where it has to be.
     pub bound: String,
@@ -123,7 +123,7 @@ impl Row {
             && self.findings.iter().all(Finding::holds)
     }
 
-    /// The figure that takes most of what its bound allows.
+    /// The quantity that takes most of what its bound allows.
     #[must_use]
     pub fn worst(&self) -> Option<&Finding> {
         let share = |finding: &&Finding| finding.share.unwrap_or(f64::INFINITY);

@@ -18,8 +18,9 @@ pub(super) fn cases<'a>() -> Table<'a, CaseReport> {
         Column::text("what is hard", |case: &CaseReport| case.title.clone()).not_on_terminal(),
     ];
     columns.extend(course_of(|case: &CaseReport| &case.row));
-    let least =
-        Column::text("margin: least of bound over figure", |case: &CaseReport| margin(&case.row));
+    let least = Column::text("margin: least ratio of bound to quantity", |case: &CaseReport| {
+        margin(&case.row)
+    });
     columns.push(least.not_on_page());
     Table::new(columns).mark(OTHERWISE, |case| !case.row.as_expected)
 }
@@ -89,7 +90,7 @@ fn margin(row: &Row) -> String {
     }
 }
 
-/// How many times the bound is as far as the figure.
+/// How many times the bound is as far as the quantity.
 pub(super) fn factor(finding: &Finding) -> String {
     match finding.share {
         Some(0.0) => "∞".to_owned(),

@@ -1,7 +1,7 @@
 //! The suite file: which cases, what is expected of each and why, and how far each hard parameter is
 //! driven.
 
-use super::figure::Figure;
+use super::figure::PowerProduct;
 use super::report::Waiting;
 use crate::study::Variant;
 use run::error::RunError;
@@ -81,7 +81,7 @@ pub(super) struct Entry {
     pub(super) expect: Expected,
     undershoot: Option<f64>,
     energy: Option<f64>,
-    /// Bounds of its figures.
+    /// Bounds of its quantities.
     pub(super) checks: Vec<Check>,
     /// Parameters that are driven to their edges from here.
     pub(super) sweeps: Vec<Sweep>,
@@ -117,14 +117,14 @@ impl fmt::Display for Expected {
     }
 }
 
-/// A bound of a figure, and why it holds.
+/// A bound of a quantity, and why it holds.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "CheckText")]
 pub(super) struct Check {
     /// What it is, in few words.
     pub(super) name: String,
-    /// The figure.
-    pub(super) of: Figure,
+    /// The quantity.
+    pub(super) of: PowerProduct,
     /// Where it has to be.
     pub(super) bound: Bound,
     because: String,
@@ -134,7 +134,7 @@ pub(super) struct Check {
 #[serde(deny_unknown_fields)]
 struct CheckText {
     name: String,
-    of: Figure,
+    of: PowerProduct,
     at_most: Option<f64>,
     at_least: Option<f64>,
     equals: Option<f64>,
@@ -142,7 +142,7 @@ struct CheckText {
     because: String,
 }
 
-/// Where a figure has to be.
+/// Where a quantity has to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Bound {
     /// Not above this positive number.
@@ -196,7 +196,7 @@ impl TryFrom<CheckText> for Check {
 
 impl Check {
     /// Name, bound and reason.
-    pub(super) fn told(&self) -> [String; 3] {
+    pub(super) fn row(&self) -> [String; 3] {
         [self.name.clone(), format!("{} {}", self.of, self.bound), self.because.clone()]
     }
 }
@@ -274,18 +274,18 @@ impl Suite {
             let fix = "name a suite file, or leave it out in the root of the repository";
             RunError::Usage(format!("{}: {error}; {fix}", path.display()))
         })?;
-        let told = |place: Option<usize>, reason: &str| {
+        let fault = |place: Option<usize>, reason: &str| {
             let line = place.map_or(1, |at| text[..at.min(text.len())].matches('\n').count() + 1);
             RunError::Usage(format!("{}:{line}: {reason}", path.display()))
         };
         let read: SuiteText = toml::from_str(&text)
-            .map_err(|error| told(error.span().map(|span| span.start), error.message()))?;
+            .map_err(|error| fault(error.span().map(|span| span.start), error.message()))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut entries: Vec<Entry> = Vec::new();
         for entry in read.hard {
             let place = entry.case.span().start;
             let entry = Entry::of(entry, folder);
-            entry.check(&entries).map_err(|reason| told(Some(place), &reason))?;
+            entry.check(&entries).map_err(|reason| fault(Some(place), &reason))?;
             entries.push(entry);
         }
         Ok(Self { path: path.to_owned(), every: read.every, entries, waiting: read.waiting })
@@ -330,11 +330,11 @@ impl Entry {
         }
     }
 
-    /// Refuses what cannot be run or told apart.
+    /// Refuses what cannot be run or distinguished.
     fn check(&self, before: &[Self]) -> Result<(), String> {
         let name = &self.name;
         if before.iter().any(|other| other.name == *name) {
-            return Err(format!("`{name}` stands twice; give each case a name of its own"));
+            return Err(format!("`{name}` is defined twice; give each case a name of its own"));
         }
         if !self.case.is_file() {
             let path = self.case.display();

@@ -1,4 +1,4 @@
-//! One run: how it ended, its figures, and what its recording holds.
+//! One run: how it ended, its quantities, and what its recording holds.
 
 use crate::inspect::{self, Survey, Wanted};
 use crate::study::{self, Variant};
@@ -21,7 +21,7 @@ pub(super) struct Trial {
     pub(super) error: Option<(u8, String)>,
     /// Its summary, with the ranges of its fields under `field`, the case's values under `case`, and
     /// the coupling time at its end under `time`.
-    pub(super) figures: Value,
+    pub(super) quantities: Value,
     /// What its recording holds; `None` if it was refused before it began.
     pub(super) recorded: Option<Survey>,
     /// Seconds from reading the case to the last process's end.
@@ -47,7 +47,7 @@ impl Trial {
     fn refused(error: &RunError, since: Instant) -> Self {
         Self {
             error: Some((error.exit_code(), message(error))),
-            figures: Value::Null,
+            quantities: Value::Null,
             recorded: None,
             seconds: since.elapsed().as_secs_f64(),
         }
@@ -64,11 +64,11 @@ impl Trial {
         };
         let mut recording = inspect::open(&folder.file("recording.mcap"))?;
         let survey = inspect::survey(&mut recording, &Wanted::default());
-        let mut figures = outcome.summary;
-        figures["field"] = ranges(&survey);
-        figures["time"] = json!({ "end_s": survey.end_s });
-        figures["case"] = values(&planned.plan);
-        Ok(Self { error, figures, recorded: Some(survey), seconds })
+        let mut quantities = outcome.summary;
+        quantities["field"] = ranges(&survey);
+        quantities["time"] = json!({ "end_s": survey.end_s });
+        quantities["case"] = values(&planned.plan);
+        Ok(Self { error, quantities, recorded: Some(survey), seconds })
     }
 
     /// Fields that the participants have sent, without iterates.

@@ -54,7 +54,7 @@ impl StudyFolder {
         let existing = Existing::option(wanted.replace || goes_on);
         let folder = Self { path, of, existing, latest, claim: OnceCell::new() };
         match fs::metadata(&folder.path) {
-            // What is there is told before anything has run.
+            // What is there is reported before anything has run.
             Ok(_) => folder.claim().map(drop)?,
             Err(_) => refuse_file(&folder.path)?,
         }
@@ -120,7 +120,7 @@ fn next(wanted: &Wanted<'_>, of: &str) -> PathBuf {
 fn refuse_file(path: &Path) -> Result<(), RunError> {
     match path.ancestors().any(Path::is_file) {
         true => {
-            let what = "is, or lies in, a file; give a folder with --out";
+            let what = "is not a directory; give one with --out";
             Err(RunError::Usage(format!("{} {what}", path.display())))
         }
         false => Ok(()),
@@ -162,7 +162,7 @@ mod tests {
         let other = refusal(choose(&out, "ablate", true));
         assert!(other.contains("holds files but no results of `coordinator ablate`"), "{other}");
         let file = refusal(choose(&out.join("study.json/below"), "cost", false));
-        assert!(file.contains("a file; give a folder"), "{file}");
+        assert!(file.contains("is not a directory; give one"), "{file}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 
 /// Plain data that a study keeps in its folder. A key `schema` holds the version of its layout; with
-/// `complete = false` it is of a study that has not come to its end.
+/// `complete = false` it is of a study that has not finished.
 pub trait Kept: Serialize + DeserializeOwned {
     /// The command that makes it.
     const COMMAND: &'static str;
@@ -32,22 +32,22 @@ pub trait Kept: Serialize + DeserializeOwned {
     /// Reads it out of its folder.
     ///
     /// # Errors
-    /// [`RunError::Usage`] if the file is of another version, of a study that has not come to its end, or
+    /// [`RunError::Usage`] if the file is of another version, of a study that has not finished, or
     /// something else; the file system.
     fn read(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(Self::FILE);
         let text = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
         let refuse = |why: &dyn std::fmt::Display| {
-            let fix = format!("make it anew with `coordinator {}`", Self::COMMAND);
-            RunError::Usage(format!("{} holds no study: {why}; {fix}", path.display()))
+            let fix = format!("run `coordinator {}` again", Self::COMMAND);
+            RunError::Usage(format!("{} contains no study: {why}; {fix}", path.display()))
         };
         let head: Head = serde_json::from_slice(&text).map_err(|fault| refuse(&fault))?;
         if head.schema != Self::SCHEMA {
             let (found, known) = (head.schema, Self::SCHEMA);
-            return Err(refuse(&format!("its layout has version {found}, known is {known}")));
+            return Err(refuse(&format!("its layout has version {found}, supported is {known}")));
         }
         if head.complete == Some(false) {
-            return Err(refuse(&"it has not come to its end"));
+            return Err(refuse(&"the study has not finished"));
         }
         serde_json::from_slice(&text).map_err(|fault| refuse(&fault))
     }
@@ -159,14 +159,14 @@ mod tests {
         };
         assert_eq!(read(r#"{"schema": 2, "value": 1.5}"#), Ok(1.5));
         for (text, why) in [
-            (r#"{"schema": 1, "value": 1.5}"#, "its layout has version 1, known is 2"),
-            (r#"{"schema": 2, "complete": false}"#, "it has not come to its end"),
+            (r#"{"schema": 1, "value": 1.5}"#, "its layout has version 1, supported is 2"),
+            (r#"{"schema": 2, "complete": false}"#, "the study has not finished"),
             (r#"{"schema": 2}"#, "missing field `value`"),
             ("[", "EOF"),
         ] {
             let told = read(text).unwrap_err();
-            assert!(told.contains("some.json holds no study: ") && told.contains(why), "{told}");
-            assert!(told.ends_with("; make it anew with `coordinator some`"), "{told}");
+            assert!(told.contains("some.json contains no study: ") && told.contains(why), "{told}");
+            assert!(told.ends_with("; run `coordinator some` again"), "{told}");
         }
     }
 }

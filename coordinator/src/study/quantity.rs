@@ -1,4 +1,4 @@
-//! The figures of a summary that studies compare.
+//! The quantities of a summary that studies compare.
 
 use run::format::number;
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ impl Measure {
     }
 }
 
-/// One figure of a summary.
+/// One quantity of a summary.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Quantity {
     /// Dotted key in `summary.json`.
@@ -67,12 +67,14 @@ const INTEREST: [(&str, &str, Measure); 11] = [
 /// Sections of a summary that are about the run and not about the contact.
 const NOT_PHYSICAL: [&str; 4] = ["schema", "coupling", "cost", "accuracy"];
 
-/// The dotted keys of all figures of a section.
-fn figures(value: &Value, path: &str, keys: &mut Vec<String>) {
+/// The dotted keys of all quantities of a section.
+fn numeric_keys(value: &Value, path: &str, keys: &mut Vec<String>) {
     match value {
         Value::Number(_) => keys.push(path.to_owned()),
         Value::Object(entries) => {
-            entries.iter().for_each(|(key, value)| figures(value, &format!("{path}.{key}"), keys));
+            entries
+                .iter()
+                .for_each(|(key, value)| numeric_keys(value, &format!("{path}.{key}"), keys));
         }
         _ => {}
     }
@@ -99,13 +101,14 @@ impl Quantity {
         known.unwrap_or_else(other)
     }
 
-    /// The quantities of interest, and every other figure of the participants' sections, of a summary.
+    /// The quantities of interest, and every other quantity of the participants' sections, of a
+    /// summary.
     #[must_use]
     pub fn all(summary: &Value) -> Vec<Self> {
         let mut keys = Vec::new();
         for section in summary.as_object().into_iter().flatten() {
             if !NOT_PHYSICAL.contains(&section.0.as_str()) {
-                figures(section.1, section.0, &mut keys);
+                numeric_keys(section.1, section.0, &mut keys);
             }
         }
         let mut all = Self::of_interest();

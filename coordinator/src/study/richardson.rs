@@ -1,4 +1,4 @@
-//! The error of a figure from the same figure on coarser grids (Richardson's extrapolation).
+//! The error of a quantity from the same quantity on coarser grids (Richardson's extrapolation).
 //!
 //! ```text
 //! v(h) = v₀ + C h^p     p = ln((v₁ − v₂)/(v₂ − v₃)) / ln r     v₀ = v₃ + (v₃ − v₂)/(r^p − 1)
@@ -10,8 +10,9 @@
 //!
 //! Three grids that show the order which the model expects of itself, within a tenth, have Roache's
 //! factor of 1.25. Deviations: p is the lower of the order that is seen, however low, and the expected
-//! one, since figures that move in steps with the elements at the edge of a contact show too high an
-//! order by chance; it is the expected one where none is seen; and the factor is 1.5 where Roache takes
+//! one, since quantities that move in steps with the elements at the edge of a contact show too
+//! high an order by chance; it is the expected one where none is seen; and the factor is 1.5 where
+//! Roache takes
 //! 3.
 
 /// Factor of safety where the expected order is seen.
@@ -21,16 +22,16 @@ const SAFETY: f64 = 1.5;
 /// How near to the expected order one that is seen has to be.
 const NEAR: f64 = 0.1;
 
-/// A figure on one grid.
+/// A quantity on one grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// How fine the grid is: elements along a length, or windows in a time.
     pub level: f64,
-    /// The figure.
+    /// The quantity.
     pub value: f64,
 }
 
-/// What grids say of a figure.
+/// What grids say of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The order that the three finest grids show, whether it is plausible or not; `None` without
@@ -38,14 +39,15 @@ pub struct Estimate {
     pub observed_order: Option<f64>,
     /// The order that is used.
     pub order: f64,
-    /// The figure on an infinitely fine grid, as far as the grids tell.
+    /// The quantity on an infinitely fine grid, as far as the grids tell.
     pub limit: f64,
-    /// Estimated error of the figure on the finest grid, in its own unit, with the factor of safety.
+    /// Estimated error of the quantity on the finest grid, in its own unit, with the factor of
+    /// safety.
     pub error: f64,
 }
 
 impl Estimate {
-    /// From the samples of one figure, coarsest grid first; `None` with fewer than two grids.
+    /// From the samples of one quantity, coarsest grid first; `None` with fewer than two grids.
     #[must_use]
     pub fn of(samples: &[Sample], expected_order: f64) -> Option<Self> {
         let [.., coarse, fine] = samples else { return None };
@@ -138,8 +140,8 @@ mod tests {
         assert!(estimate.error > 5.0 * 40f64.powi(-3));
     }
 
-    /// A figure that hardly converges has a large error, whatever order its model expects: the higher
-    /// order would state 0.79 where 3.3 remain.
+    /// A quantity that hardly converges has a large error, whatever order its model expects: the
+    /// higher order would state 0.79 where 3.3 remain.
     #[test]
     fn a_low_order_is_believed() {
         for (order, expected) in [(0.2, 1.0), (0.4, 1.0), (0.9, 2.0), (0.05, 1.0)] {

@@ -48,7 +48,7 @@ impl Spent {
                 Some((key.strip_suffix(ending)?.to_owned(), value.as_f64()?))
             })
         };
-        // Whoever has resident memory is a participant; other times are the coordinator's.
+        // Whatever has resident memory is a participant; other times are the coordinator's.
         let memory = of_role("_peak_rss_bytes").map(|(role, bytes)| (role, bytes as u64));
         let peak_rss_bytes: BTreeMap<String, u64> = memory.collect();
         let in_models =

@@ -271,9 +271,9 @@ mod tests {
         assert_eq!(map.height(0.25, 0.25), 4.0);
         assert_eq!(map.height(0.5 + 1.5, 1.0), 2.0);
         assert_eq!(map.height(-0.5, 0.0), 4.0);
-        for (text, told) in [("", "no numbers"), ("1 2\n3", "line 2"), ("1 x", "\"x\" in line 1")] {
+        for (text, part) in [("", "no numbers"), ("1 2\n3", "line 2"), ("1 x", "\"x\" in line 1")] {
             let error = HeightMap::parse(text.as_bytes(), 1.0, 1.0).unwrap_err();
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(part), "{error}");
         }
         assert!(HeightMap::parse(b"1 inf", 1.0, 1.0).is_err());
         assert!(HeightMap::parse(&[0xff], 1.0, 1.0).is_err());

@@ -289,11 +289,11 @@ mod tests {
         assert_eq!((law(false).coefficient(201.0), law(false).coefficient(-1.0)), (None, None));
         assert_eq!(law(true).coefficient(1e9), Some(0.2));
         assert_eq!(law(true).coefficient(-1.0), Some(0.5));
-        for (text, told) in
+        for (text, part) in
             [("", "no line"), ("1,2\n1,2", "line 2"), ("1", "line 1"), ("0,0", "above 0")]
         {
             let error = parse_table(text.as_bytes()).unwrap_err();
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(part), "{error}");
         }
     }
 

@@ -57,12 +57,12 @@ impl Profile {
     /// # Errors
     /// The file cannot be read, is too large, or is not a profile.
     pub fn read(path: &Path, tolerance: f64) -> Result<Self, ProfileError> {
-        let told = |error: std::io::Error| ProfileError::File(error.to_string());
-        let bytes = std::fs::metadata(path).map_err(told)?.len();
+        let file_error = |error: std::io::Error| ProfileError::File(error.to_string());
+        let bytes = std::fs::metadata(path).map_err(file_error)?.len();
         if bytes > MOST_BYTES {
             return Err(ProfileError::File(format!("it has {bytes} bytes")));
         }
-        Self::parse(&std::fs::read(path).map_err(told)?, tolerance)
+        Self::parse(&std::fs::read(path).map_err(file_error)?, tolerance)
     }
 
     /// Reads the text of a file, and smooths as [`Profile::read`] does.

@@ -188,7 +188,10 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     );
     let [a, _] = case.footprint.semi_axes;
     let too_large = (a > LARGEST_SHARE * case.scene.wheel_radius).then(|| {
-        format!("a = {a:.3e} m is no small part of the wheel's radius: half-spaces do not hold")
+        format!(
+            "a = {a:.3e} m is not small against the wheel's radius: the half-space assumption \
+                 does not hold"
+        )
     });
     let idle = (case.layer > 0.0 && !case.partial).then(|| {
         "third_body_layer changes nothing without partial_slip: all of the contact slides"

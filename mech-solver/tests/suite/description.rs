@@ -194,8 +194,9 @@ fn what_hertz_carter_cannot_take_is_refused() {
         }
     }
     // Too small for a number, for an element's area; longer than the wheel.
-    for (force, told) in [(1e-320, "no number"), (1e-300, "no number"), (1e12, "on a wheel")] {
-        assert_refused(&set("load", "normal_force", json!(force)), "load.normal_force", told);
+    for (force, part) in [(1e-320, "not a number"), (1e-300, "not a number"), (1e12, "on a wheel")]
+    {
+        assert_refused(&set("load", "normal_force", json!(force)), "load.normal_force", part);
     }
     let mut thin = paper_table_2();
     thin["contact"]["semi_axis_b"] = json!(1000.0);

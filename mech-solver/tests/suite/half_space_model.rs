@@ -307,7 +307,7 @@ fn transient_rolling_tends_to_the_steady_state() {
     assert_close(sum, expected, 1e-3);
 }
 
-/// The friction heat of a distance does not depend on the windows that it is told in. Tolerance:
+/// The friction heat of a distance does not depend on the windows that it is given in. Tolerance:
 /// rounding.
 #[test]
 fn windows_keep_the_friction_energy() {
@@ -628,8 +628,8 @@ fn refusals_of_the_geometry() {
         std::fs::write(&path, format!("y [mm], z [mm]\n{lines}")).expect("a writable folder");
         path
     };
-    for (slope, told) in [(0.0, "the end of a profile"), (-2.0, "rad to the plane")] {
-        let path = profile(told.split(' ').next().expect("words"), slope);
+    for (slope, reason) in [(0.0, "the end of a profile"), (-2.0, "rad to the plane")] {
+        let path = profile(reason.split(' ').next().expect("words"), slope);
         let mut case = half_space(10);
         case["rail"] = json!({"profile": path, "material": "steel"});
         if slope != 0.0 {
@@ -640,6 +640,6 @@ fn refusals_of_the_geometry() {
         let refusal = super::common::refusal(&configuration(&case));
         std::fs::remove_file(&path).expect("the file is there");
         assert_eq!(refusal.key, "rail.profile");
-        assert!(refusal.reason.contains(told), "{refusal}");
+        assert!(refusal.reason.contains(reason), "{refusal}");
     }
 }

@@ -297,7 +297,7 @@ static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
         field->share[body] = uptake[body] / (uptake[WHEEL] + uptake[RAIL]);
     for (size_t j = 0; j < cf->grid.nj; j++) {
         if (!fit(&cf->grid, power + j * cf->grid.ni, &field->row[j]))
-            return cosim_fail("the heat flux of a row changes its sign and is like no ellipse");
+            return cosim_fail("the heat flux of a row changes its sign and is not representable by an ellipse");
         heat += field->row[j].heat;
         report->work += field->row[j].semi_axis > 0.0 ? cf->grid.ni : 0;
     }

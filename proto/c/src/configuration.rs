@@ -1,4 +1,4 @@
-//! What a participant is told, as C asks for it.
+//! What a participant is settings, as C asks for it.
 
 use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
 use crate::grid::CosimGrid;
@@ -6,7 +6,7 @@ use proto::configuration::{Configuration, Mode, Refusal};
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
 
-/// What a program is told before a run: role, model, case values, inputs and outputs. Strings that
+/// What a program is given before a run: role, model, case values, inputs and outputs. Strings that
 /// come from it hold until configure returns.
 pub struct CosimConfiguration<'a> {
     configuration: &'a Configuration,
@@ -30,7 +30,7 @@ impl<'a> CosimConfiguration<'a> {
 }
 
 /// What every accessor begins with.
-unsafe fn told<'a>(
+unsafe fn settings<'a>(
     configuration: *const CosimConfiguration<'a>,
 ) -> Result<&'a CosimConfiguration<'a>, Fault> {
     // SAFETY: the header asks for what the library has handed out.
@@ -45,9 +45,9 @@ unsafe fn value<'a, T>(
     read: impl FnOnce(&Configuration, &str) -> Result<T, Refusal>,
 ) -> Result<c_int, Fault> {
     // SAFETY: the header asks for a configuration, a string and room for a value.
-    let (told, key, into) =
-        unsafe { (told(configuration)?, text("key", key)?, exclusive("value", into)?) };
-    *into = read(told.configuration, key).map_err(Fault::Refused)?;
+    let (settings, key, into) =
+        unsafe { (settings(configuration)?, text("key", key)?, exclusive("value", into)?) };
+    *into = read(settings.configuration, key).map_err(Fault::Refused)?;
     Ok(COSIM_OK)
 }
 
@@ -58,9 +58,9 @@ pub unsafe extern "C" fn cosim_configuration_json(
 ) -> *const c_char {
     guard("cosim_configuration_json", || {
         // SAFETY: as the header asks.
-        let told = unsafe { told(configuration)? };
-        let json = serde_json::to_string(told.configuration);
-        told.lend(&json.map_err(|error| Fault::Failed(error.to_string()))?)
+        let settings = unsafe { settings(configuration)? };
+        let json = serde_json::to_string(settings.configuration);
+        settings.lend(&json.map_err(|error| Fault::Failed(error.to_string()))?)
     })
 }
 
@@ -69,8 +69,8 @@ pub unsafe extern "C" fn cosim_configuration_json(
 pub unsafe extern "C" fn cosim_role(configuration: *const CosimConfiguration<'_>) -> *const c_char {
     guard("cosim_role", || {
         // SAFETY: as the header asks.
-        let told = unsafe { told(configuration)? };
-        told.lend(&told.configuration.role)
+        let settings = unsafe { settings(configuration)? };
+        settings.lend(&settings.configuration.role)
     })
 }
 
@@ -81,8 +81,8 @@ pub unsafe extern "C" fn cosim_model(
 ) -> *const c_char {
     guard("cosim_model", || {
         // SAFETY: as the header asks.
-        let told = unsafe { told(configuration)? };
-        told.lend(&told.configuration.model)
+        let settings = unsafe { settings(configuration)? };
+        settings.lend(&settings.configuration.model)
     })
 }
 
@@ -91,7 +91,7 @@ pub unsafe extern "C" fn cosim_model(
 pub unsafe extern "C" fn cosim_is_transient(configuration: *const CosimConfiguration<'_>) -> bool {
     guard("cosim_is_transient", || {
         // SAFETY: as the header asks.
-        Ok(unsafe { told(configuration)? }.configuration.mode == Mode::Transient)
+        Ok(unsafe { settings(configuration)? }.configuration.mode == Mode::Transient)
     })
 }
 
@@ -103,8 +103,8 @@ pub unsafe extern "C" fn cosim_has_effect(
 ) -> bool {
     guard("cosim_has_effect", || {
         // SAFETY: as the header asks.
-        let (told, effect) = unsafe { (told(configuration)?, text("effect", effect)?) };
-        Ok(told.configuration.has_effect(effect))
+        let (settings, effect) = unsafe { (settings(configuration)?, text("effect", effect)?) };
+        Ok(settings.configuration.has_effect(effect))
     })
 }
 
@@ -116,8 +116,8 @@ pub unsafe extern "C" fn cosim_is_wanted(
 ) -> bool {
     guard("cosim_is_wanted", || {
         // SAFETY: as the header asks.
-        let (told, field) = unsafe { (told(configuration)?, text("field", field)?) };
-        let Configuration { outputs, observed, .. } = told.configuration;
+        let (settings, field) = unsafe { (settings(configuration)?, text("field", field)?) };
+        let Configuration { outputs, observed, .. } = settings.configuration;
         Ok(outputs.iter().chain(observed).any(|name| name == field))
     })
 }
@@ -130,8 +130,8 @@ pub unsafe extern "C" fn cosim_case_has(
 ) -> bool {
     guard("cosim_case_has", || {
         // SAFETY: as the header asks.
-        let (told, key) = unsafe { (told(configuration)?, text("key", key)?) };
-        Ok(told.configuration.case.has(key))
+        let (settings, key) = unsafe { (settings(configuration)?, text("key", key)?) };
+        Ok(settings.configuration.case.has(key))
     })
 }
 
@@ -147,7 +147,7 @@ pub unsafe extern "C" fn cosim_case_number(
 ) -> c_int {
     guard("cosim_case_number", || {
         // SAFETY: as the header asks.
-        unsafe { self::value(configuration, key, value, |told, key| told.case.number(key)) }
+        unsafe { self::value(configuration, key, value, |settings, key| settings.case.number(key)) }
     })
 }
 
@@ -160,7 +160,9 @@ pub unsafe extern "C" fn cosim_case_integer(
 ) -> c_int {
     guard("cosim_case_integer", || {
         // SAFETY: as the header asks.
-        unsafe { self::value(configuration, key, value, |told, key| told.case.integer(key)) }
+        unsafe {
+            self::value(configuration, key, value, |settings, key| settings.case.integer(key))
+        }
     })
 }
 
@@ -172,8 +174,8 @@ pub unsafe extern "C" fn cosim_case_flag(
     value: *mut bool,
 ) -> c_int {
     guard("cosim_case_flag", || {
-        let read = |told: &Configuration, key: &str| {
-            told.case.get(key).and_then(serde_json::Value::as_bool).ok_or_else(|| {
+        let read = |settings: &Configuration, key: &str| {
+            settings.case.get(key).and_then(serde_json::Value::as_bool).ok_or_else(|| {
                 Refusal::new(key, "is not true or false", format!("write `{key} = true`"))
             })
         };
@@ -191,8 +193,8 @@ pub unsafe extern "C" fn cosim_case_text(
 ) -> *const c_char {
     guard("cosim_case_text", || {
         // SAFETY: as the header asks.
-        let (told, key) = unsafe { (told(configuration)?, text("key", key)?) };
-        told.lend(told.configuration.case.text(key).map_err(Fault::Refused)?)
+        let (settings, key) = unsafe { (settings(configuration)?, text("key", key)?) };
+        settings.lend(settings.configuration.case.text(key).map_err(Fault::Refused)?)
     })
 }
 
@@ -207,9 +209,9 @@ pub unsafe extern "C" fn cosim_input_grid(
 ) -> bool {
     guard("cosim_input_grid", || {
         // SAFETY: as the header asks.
-        let (told, field, into) =
-            unsafe { (told(configuration)?, text("field", field)?, exclusive("grid", grid)?) };
-        let Some(grid) = told.configuration.input_grid(field) else { return Ok(false) };
+        let (settings, field, into) =
+            unsafe { (settings(configuration)?, text("field", field)?, exclusive("grid", grid)?) };
+        let Some(grid) = settings.configuration.input_grid(field) else { return Ok(false) };
         *into = CosimGrid::of(grid);
         Ok(true)
     })
@@ -243,21 +245,21 @@ mod tests {
     #[test]
     fn values_by_dotted_key() {
         let given = configuration();
-        let told = CosimConfiguration::new(&given);
-        let told = &raw const told;
+        let settings = CosimConfiguration::new(&given);
+        let settings = &raw const settings;
         let (mut number, mut integer, mut flag) = (0.0, 0, false);
         unsafe {
             let key = c"materials.steel.density".as_ptr();
-            assert_eq!(cosim_case_number(told, key, &raw mut number), COSIM_OK);
+            assert_eq!(cosim_case_number(settings, key, &raw mut number), COSIM_OK);
             let key = c"thermal.n".as_ptr();
-            assert_eq!(cosim_case_integer(told, key, &raw mut integer), COSIM_OK);
-            assert_eq!(cosim_case_flag(told, c"thermal.on".as_ptr(), &raw mut flag), COSIM_OK);
+            assert_eq!(cosim_case_integer(settings, key, &raw mut integer), COSIM_OK);
+            assert_eq!(cosim_case_flag(settings, c"thermal.on".as_ptr(), &raw mut flag), COSIM_OK);
             assert_eq!((number, integer, flag), (7850.0, 3, true));
-            let partition = cosim_case_text(told, c"effects.friction_heat.partition".as_ptr());
-            let names = [cosim_role(told), cosim_model(told), partition];
+            let partition = cosim_case_text(settings, c"effects.friction_heat.partition".as_ptr());
+            let names = [cosim_role(settings), cosim_model(settings), partition];
             let names = names.map(|name| CStr::from_ptr(name).to_str().unwrap());
             assert_eq!(names, ["thermal", "closed", "equal"]);
-            let json = CStr::from_ptr(cosim_configuration_json(told)).to_str().unwrap();
+            let json = CStr::from_ptr(cosim_configuration_json(settings)).to_str().unwrap();
             assert_eq!(serde_json::from_str::<Configuration>(json).unwrap(), given);
         }
     }
@@ -265,46 +267,46 @@ mod tests {
     #[test]
     fn what_is_there() {
         let given = configuration();
-        let told = CosimConfiguration::new(&given);
-        let told = &raw const told;
+        let settings = CosimConfiguration::new(&given);
+        let settings = &raw const settings;
         unsafe {
-            assert!(!cosim_is_transient(told));
+            assert!(!cosim_is_transient(settings));
             let effects = [c"friction_heat", c"wear"];
-            assert_eq!(effects.map(|e| cosim_has_effect(told, e.as_ptr())), [true, false]);
+            assert_eq!(effects.map(|e| cosim_has_effect(settings, e.as_ptr())), [true, false]);
             let outputs = [c"rail_temperature", c"wheel_temperature", c"pressure"];
-            let wanted = outputs.map(|o| cosim_is_wanted(told, o.as_ptr()));
+            let wanted = outputs.map(|o| cosim_is_wanted(settings, o.as_ptr()));
             assert_eq!(wanted, [true, true, false]);
-            assert!(cosim_case_has(told, c"materials.steel".as_ptr()));
-            assert!(!cosim_case_has(told, c"materials.iron".as_ptr()));
+            assert!(cosim_case_has(settings, c"materials.steel".as_ptr()));
+            assert!(!cosim_case_has(settings, c"materials.iron".as_ptr()));
             let mut grid = std::mem::zeroed();
-            assert!(cosim_input_grid(told, c"friction_power".as_ptr(), &raw mut grid));
+            assert!(cosim_input_grid(settings, c"friction_power".as_ptr(), &raw mut grid));
             assert_eq!((grid.ni, grid.nj, grid.points, grid.revision), (5, 7, 35, 4));
-            assert!(!cosim_input_grid(told, c"pressure".as_ptr(), &raw mut grid));
+            assert!(!cosim_input_grid(settings, c"pressure".as_ptr(), &raw mut grid));
         }
     }
 
     #[test]
     fn refusals_name_the_key_and_null_is_told() {
         let given = configuration();
-        let told = CosimConfiguration::new(&given);
-        let told = &raw const told;
+        let settings = CosimConfiguration::new(&given);
+        let settings = &raw const settings;
         let mut number = -1.0;
         let fault = call("configure", || unsafe {
-            let status = cosim_case_number(told, c"thermal.depth".as_ptr(), &raw mut number);
+            let status = cosim_case_number(settings, c"thermal.depth".as_ptr(), &raw mut number);
             assert_eq!((status, number), (COSIM_REFUSED, -1.0));
             status
         });
         assert_eq!(fault.unwrap_err().to_string(), "thermal.depth: missing; add `thermal.depth`");
         let fault = call("configure", || unsafe {
-            assert!(cosim_case_text(told, c"thermal.n".as_ptr()).is_null());
+            assert!(cosim_case_text(settings, c"thermal.n".as_ptr()).is_null());
             COSIM_REFUSED
         });
         assert_eq!(fault.unwrap_err().to_string(), "thermal.n: 3 is not a text; write a text");
         let key = c"thermal.n".as_ptr();
         let misuses: [(&str, &dyn Fn() -> c_int); 4] = [
             ("configuration", &|| unsafe { cosim_case_number(null(), key, null_mut()) }),
-            ("key", &|| unsafe { cosim_case_number(told, null(), null_mut()) }),
-            ("value", &|| unsafe { cosim_case_number(told, key, null_mut()) }),
+            ("key", &|| unsafe { cosim_case_number(settings, null(), null_mut()) }),
+            ("value", &|| unsafe { cosim_case_number(settings, key, null_mut()) }),
             ("configuration", &|| unsafe { c_int::from(!cosim_role(null()).is_null()) }),
         ];
         for (what, misuse) in misuses {
@@ -312,7 +314,7 @@ mod tests {
             assert!(fault.ends_with(&format!("`{what}` is NULL")), "{fault}");
         }
         let mut flag = true;
-        assert_eq!(unsafe { cosim_case_flag(told, key, &raw mut flag) }, COSIM_REFUSED);
-        assert_eq!(unsafe { cosim_case_flag(told, key, null_mut()) }, COSIM_FAILED);
+        assert_eq!(unsafe { cosim_case_flag(settings, key, &raw mut flag) }, COSIM_REFUSED);
+        assert_eq!(unsafe { cosim_case_flag(settings, key, null_mut()) }, COSIM_FAILED);
     }
 }

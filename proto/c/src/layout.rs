@@ -104,7 +104,7 @@ pub unsafe extern "C" fn cosim_layout_build_seconds(
 }
 
 /// Adds what the model leaves out in this very case, its expected relative error, and where that
-/// figure comes from. Both texts are copied.
+/// number comes from. Both texts are copied.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_left_out(
     layout: *mut CosimLayout,

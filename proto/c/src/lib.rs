@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`solver`] | the table of callbacks, a step, a report |
 //! | [`fault`] | refusals and failures; no panic crosses |
-//! | [`configuration`], [`layout`] | what a program is told and what it answers |
+//! | [`configuration`], [`layout`] | what a program is given and what it answers |
 //! | [`fields`], [`grid`] | inputs, outputs and state in place; grids |
 //!
 //! The header is written from these sources by `tests/header.rs`.

@@ -65,7 +65,7 @@ impl Drop for Program {
 
 fn destroy(callbacks: Callbacks) {
     if let Some(destroy) = callbacks.table.destroy {
-        // SAFETY: who made the callbacks answers for them; nothing is called after this.
+        // SAFETY: the caller answers for the callbacks; nothing is called after this.
         unsafe { destroy(callbacks.user) };
     }
 }
@@ -108,11 +108,11 @@ impl Solver for Program {
     fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
         let Callbacks { table, user } = self.callbacks;
         let configure = table.configure.expect(CHECKED);
-        let told = CosimConfiguration::new(configuration);
+        let given = CosimConfiguration::new(configuration);
         let mut layout = CosimLayout::default();
-        // SAFETY: who made the callbacks answers for them.
+        // SAFETY: the caller answers for the callbacks.
         let configured =
-            call("configure", || unsafe { configure(user, &raw const told, &raw mut layout) });
+            call("configure", || unsafe { configure(user, &raw const given, &raw mut layout) });
         refusing(configured)?;
         if table.observe.is_none()
             && let Some(field) = configuration.observed.first()
@@ -188,7 +188,7 @@ impl Setup for Prepared {
     fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
         let Callbacks { table, user } = self.callbacks;
         if let Some(build) = table.build {
-            // SAFETY: who made the callbacks answers for them.
+            // SAFETY: the caller answers for the callbacks.
             refusing(call("build", || unsafe { build(user) }))?;
         }
         Ok(Box::new(Built { callbacks: self.callbacks, fields: self.fields }))
@@ -220,7 +220,7 @@ impl Model for Built {
         let inputs = CosimInputs { inputs, fields };
         let mut outputs = CosimOutputs { outputs, fields };
         let mut report = CosimReport::EMPTY;
-        // SAFETY: who made the callbacks answers for them; all four live until it returns.
+        // SAFETY: the caller answers for the callbacks; all four live until it returns.
         call("solve", || unsafe {
             solve(user, &raw const step, &raw const inputs, &raw mut outputs, &raw mut report)
         })
@@ -240,7 +240,7 @@ impl Model for Built {
             return;
         };
         let mut outputs = CosimOutputs { outputs, fields };
-        // SAFETY: who made the callbacks answers for them.
+        // SAFETY: the caller answers for the callbacks.
         call("first_outputs", || unsafe { first_outputs(user, &raw mut outputs) })
             .unwrap_or_else(|fault| end(&fault));
     }
@@ -248,7 +248,7 @@ impl Model for Built {
     fn accept(&mut self) {
         let Callbacks { table, user } = self.callbacks;
         if let Some(accept) = table.accept {
-            // SAFETY: who made the callbacks answers for them.
+            // SAFETY: the caller answers for the callbacks.
             call("accept", || unsafe { accept(user) }).unwrap_or_else(|fault| end(&fault));
         }
     }
@@ -257,7 +257,7 @@ impl Model for Built {
         let Callbacks { table, user } = self.callbacks;
         if let Some(observe) = table.observe {
             let mut outputs = CosimOutputs { outputs, fields: &self.fields };
-            // SAFETY: who made the callbacks answers for them.
+            // SAFETY: the caller answers for the callbacks.
             call("observe", || unsafe { observe(user, &raw mut outputs) })
                 .unwrap_or_else(|fault| end(&fault));
         }
@@ -266,7 +266,7 @@ impl Model for Built {
     fn summary(&self) -> Value {
         let Callbacks { table, user } = self.callbacks;
         let Some(summary) = table.summary else { return json!({}) };
-        // SAFETY: who made the callbacks answers for them.
+        // SAFETY: the caller answers for the callbacks.
         let text = call_text("summary", || unsafe { summary(user) });
         let text = text.unwrap_or_else(|fault| end(&fault));
         match serde_json::from_str(&text) {
@@ -281,7 +281,7 @@ impl Model for Built {
         let Callbacks { table, user } = self.callbacks;
         if let Some(save) = table.save {
             let mut blob = CosimBlob { bytes: &mut into.0 };
-            // SAFETY: who made the callbacks answers for them.
+            // SAFETY: the caller answers for the callbacks.
             call("save", || unsafe { save(user, &raw mut blob) })
                 .unwrap_or_else(|fault| end(&fault));
         }
@@ -294,7 +294,7 @@ impl Model for Built {
             let stateless = || StateError(format!("{size} bytes for a solver without a state"));
             return if size == 0 { Ok(()) } else { Err(stateless()) };
         };
-        // SAFETY: who made the callbacks answers for them.
+        // SAFETY: the caller answers for the callbacks.
         call("restore", || unsafe { restore(user, bytes, size) })
             .map_err(|fault| StateError(fault.to_string()))
     }

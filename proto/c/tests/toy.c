@@ -1,6 +1,6 @@
 /*
  * A stateful toy for the system tests: it plays `right` in cases/exchange.toml, keeps a sum that
- * depends on everything it has ever received, and misbehaves when it is told to.
+ * depends on everything it has ever received, and misbehaves when it is asked to.
  */
 #include <cosim.h>
 #include <math.h>

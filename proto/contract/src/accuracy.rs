@@ -2,10 +2,10 @@
 //! resolution removes.
 //!
 //! With it a target of accuracy can choose a model and a resolution without running all of them, and
-//! a study knows what to refine. The figures are expectations, from the studies named in `source`;
+//! a study knows what to refine. The errors are expectations, from the studies named in `source`;
 //! what a run states is estimated from its own grids.
 //!
-//! An error is relative, of the figure that a case is asked for (the largest temperature rise, if
+//! An error is relative, of the quantity that a case is asked for (the largest temperature rise, if
 //! nothing else is named):
 //!
 //! ```text
@@ -64,7 +64,7 @@ pub struct Refinement {
     pub order: f64,
     /// Expected relative error at the first of the levels.
     pub error: f64,
-    /// Where these figures come from.
+    /// Where these numbers come from.
     pub source: String,
 }
 
@@ -99,7 +99,7 @@ pub struct Simplification {
     pub with_effects: Vec<String>,
     /// Expected relative error.
     pub error: f64,
-    /// Where the figure comes from.
+    /// Where the number comes from.
     pub source: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a participant is told before a run, and what it answers. All of it travels as JSON.
+//! What a participant is given before a run, and what it answers. All of it travels as JSON.
 
 pub use crate::refusal::Refusal;
 
@@ -49,8 +49,8 @@ pub struct Input {
     pub producer: String,
     /// The grid it arrives on; absent while that is not known yet.
     pub grid: Option<Grid>,
-    /// That grid may move between windows. Who cannot follow it wants the input on a grid of its
-    /// own ([`Layout::inputs`]), or refuses.
+    /// That grid may move between windows. A participant that cannot follow it wants the input on a
+    /// grid of its own ([`Layout::inputs`]), or refuses.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub moves: bool,
     /// Where its largest value is expected, see [`Layout::peaks`] [m].
@@ -104,7 +104,7 @@ pub struct Layout {
     /// What the model leaves out in this very case, besides what its description says.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<Simplification>,
-    /// Figures of the summary that have a closed form in this case, by dotted key: what a study
+    /// Quantities of the summary that have a closed form in this case, by dotted key: what a study
     /// compares the answers of all models with.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub closed_forms: BTreeMap<String, f64>,
@@ -144,12 +144,14 @@ impl Layout {
                 return Err(format!("the input `{field}` is wanted on two grids"));
             }
             if self.input_grid(field).is_none() {
-                return Err(format!("the input `{field}` is wanted on `{grid}`, which is no grid"));
+                return Err(format!(
+                    "the input `{field}` is wanted on `{grid}`, which is not a grid"
+                ));
             }
         }
         for (index, name) in self.moving.iter().enumerate() {
             if self.moving[..index].contains(name) || self.grids.iter().all(|g| g.name != *name) {
-                return Err(format!("`{name}` moves, which is no grid or stands there twice"));
+                return Err(format!("`{name}` moves, which is not a grid or is listed twice"));
             }
         }
         Ok(())
@@ -220,7 +222,7 @@ mod tests {
         assert_eq!(layout.input_grid("friction_power"), layout.grids.first());
         assert_eq!((layout.input_grid("pressure"), layout.grid_of("friction_power")), (None, None));
         let nowhere = wanting(&[("x", "coarse")]).check();
-        assert_eq!(nowhere, Err("the input `x` is wanted on `coarse`, which is no grid".into()));
+        assert_eq!(nowhere, Err("the input `x` is wanted on `coarse`, which is not a grid".into()));
         let twice = wanting(&[("x", "fine"), ("y", "fine"), ("x", "fine")]).check();
         assert_eq!(twice, Err("the input `x` is wanted on two grids".into()));
     }
@@ -233,7 +235,7 @@ mod tests {
         assert_eq!(serde_json::from_str::<Layout>(&text).unwrap(), wanting(&[]));
     }
 
-    /// Nor does one that no moving grid concerns hear of any.
+    /// Nor is one that no moving grid concerns informed of any.
     #[test]
     fn an_input_whose_grid_stays_is_written_as_before() {
         let field = crate::field::PRESSURE.kind();
@@ -256,7 +258,7 @@ mod tests {
         assert_eq!(layout.check(), Ok(()));
         assert!(layout.moves(&layout.grids[0]) && !wanting(&[]).moves(&layout.grids[0]));
         for wrong in [["coarse"].as_slice(), &["fine", "fine"]] {
-            assert!(moving(wrong).check().unwrap_err().contains("moves, which is no grid"));
+            assert!(moving(wrong).check().unwrap_err().contains("moves, which is not a grid"));
         }
     }
 }

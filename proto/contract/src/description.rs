@@ -95,7 +95,7 @@ impl Description {
             Some(field) => Err(Refusal::new(
                 &format!("{role}.model"),
                 format!("`{}` does not provide the field `{field}`", model.name),
-                "do not ask for this field, or name a model that provides it",
+                "do not request this field, or name a model that provides it",
             )),
         }
     }

@@ -208,7 +208,7 @@ impl Reply {
         }
     }
 
-    /// What is wrong with the figures of a solve, if anything.
+    /// What is wrong with the quantities of a solve, if anything.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         let times = [("model_seconds", self.model_seconds), ("wanted_window", self.wanted_window)];
@@ -431,7 +431,7 @@ mod tests {
         assert_eq!(offsets, [0, 4, 8, 16, 24, 32, 36, 40, 48, 56, 64, 96, 112, 144]);
     }
 
-    /// Who knows of no moving grids hears of none.
+    /// A participant that knows of no moving grids is informed of none.
     #[test]
     fn without_moving_grids_the_bodies_are_as_before() {
         use crate::grid::{Grid, Structured};

@@ -42,8 +42,8 @@ pub struct StepReport {
 }
 
 impl StepReport {
-    /// What is wrong with it, if anything: a figure that is no number would pass for one that is not
-    /// given.
+    /// What is wrong with it, if anything: a quantity that is not a number would pass for one that
+    /// is not given.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         if let Some(heat) = self.heat_received.filter(|heat| !heat.is_finite()) {

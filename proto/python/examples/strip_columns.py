@@ -361,7 +361,7 @@ class StripColumns(Solver):
                 name, rise = str(saved["name"]), saved["rise"]
                 parts = [saved[key] for key in ("duration", "speeds", "shares", "flux")]
         except Exception as error:
-            raise StateError(f"{len(state)} bytes do not hold a whole state") from error
+            raise StateError(f"{len(state)} bytes are not a complete state") from error
         if name != self.name or rise.shape != (2, *self.shape):
             raise StateError(
                 f"it is of {name} on {rise.shape[1:]}, not {self.name} on {self.shape}"

@@ -245,7 +245,7 @@ def test_a_geometry_reads_back(kind):
 
 @pytest.mark.parametrize("wrong", ["prefix", "folder", "nothing"])
 def test_a_run_that_names_what_is_not_its_own_is_not_joined(tmp_path, wrong):
-    """Whoever leaves last removes what the run's file names."""
+    """The last to leave removes what the run's file names."""
     run = tmp_path / "0123abcd"
     run.mkdir()
     told = {

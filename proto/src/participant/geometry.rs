@@ -1,6 +1,6 @@
-//! Grids that move: what a participant publishes of its own, and what it hears of others'.
+//! Grids that move: what a participant publishes of its own, and what it receives of others'.
 
-use super::ports::PortError;
+use super::error::PortError;
 use crate::field;
 use crate::grid::Grid;
 use crate::message::{FieldHeader, GeometryTopic, Label, Topic};
@@ -109,7 +109,7 @@ enum Source {
     /// From the model of this very participant.
     Own,
     /// From the participant whose grid it is; with the sequence number of the newest sample.
-    Heard { reader: FieldReader, sequence: u64 },
+    Subscribed { reader: FieldReader, sequence: u64 },
 }
 
 /// A grid on which inputs arrive.
@@ -137,7 +137,7 @@ impl InputGrid {
                     None => Source::Fixed,
                     Some(service) if own.iter().any(|t| t.service == *service) => Source::Own,
                     Some(service) => {
-                        Source::Heard { reader: endpoint.field_reader(service)?, sequence: 0 }
+                        Source::Subscribed { reader: endpoint.field_reader(service)?, sequence: 0 }
                     }
                 };
                 grids.push(Self { grid: topic.grid.clone(), service, source });
@@ -156,7 +156,7 @@ impl InputGrid {
     /// Brings the grid to the revision that a sample of `field` is on.
     pub(super) fn follow(&mut self, field: &str, revision: u64) -> Result<(), PortError> {
         let Self { grid, source, .. } = self;
-        if let Source::Heard { reader, sequence } = source {
+        if let Source::Subscribed { reader, sequence } = source {
             while grid.revision < revision
                 && let Some(sample) = reader.receive()?
             {

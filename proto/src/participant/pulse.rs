@@ -79,7 +79,7 @@ fn beat(
 ) {
     while stopped.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
         if !coordinator.is_alive() {
-            let _ = writeln!(io::stderr(), "error: the coordinator is gone; this run is over");
+            let _ = writeln!(io::stderr(), "error: the coordinator has ended; this run is over");
             // The model may be deep in a solve: the process ends here, and the run's folder and
             // shared memory are left in order by dropping the membership.
             drop(run.lock().map(|mut run| run.take()));

@@ -20,7 +20,7 @@ pub(super) fn head(head: &Head) -> Result<(), String> {
     check_lines("head", head)?;
     let count = head.participants.len();
     if count > MOST_PARTICIPANTS {
-        return Err(format!("{count} participants, {MOST_PARTICIPANTS} at most"));
+        return Err(format!("{count} participants, at most {MOST_PARTICIPANTS} are allowed"));
     }
     for (index, one) in head.participants.iter().enumerate() {
         let role = &one.role;
@@ -52,7 +52,7 @@ pub(super) fn channel(name: &str) -> Result<(), String> {
     };
     if !known {
         let shown: String = one_line(name).chars().take(80).collect();
-        return Err(format!("a channel `{shown}`, which is none of a recording"));
+        return Err(format!("a channel `{shown}`, which does not belong to a recording"));
     }
     parts.iter().try_for_each(|part| check_name("channel's", part))
 }

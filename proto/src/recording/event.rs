@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum Event {
     /// The coordinator has sent a command.
     Command {
-        /// To whom.
+        /// The participant that it is sent to.
         participant: u16,
         /// The fixed part.
         command: Command,
@@ -19,7 +19,7 @@ pub enum Event {
     },
     /// A participant has answered.
     Reply {
-        /// Who.
+        /// The participant.
         participant: u16,
         /// The fixed part.
         reply: Reply,
@@ -51,7 +51,7 @@ impl Event {
         }
     }
 
-    /// The topics that a participant was told, and its index; `None` in any other event.
+    /// The topics that a participant was given, and its index; `None` in any other event.
     ///
     /// # Errors
     /// They are none, or name what no recording holds.
@@ -90,9 +90,9 @@ pub struct Iteration {
     pub start: f64,
     /// End of it [s].
     pub end: f64,
-    /// Largest relative residual of what is fed back; `None` in an explicit scheme.
+    /// Largest relative residual of the coupling data; `None` in an explicit scheme.
     pub residual: Option<f64>,
-    /// That of each field that is fed back, by name.
+    /// That of each field of the coupling data, by name.
     pub residuals: Vec<(String, f64)>,
     /// Relaxation of the next iterate, if there was one.
     pub relaxation: Option<f64>,

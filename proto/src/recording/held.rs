@@ -1,6 +1,6 @@
 //! How much a recording makes its reader hold.
 //!
-//! Whoever reads a recording keeps its attachments, the newest message of each channel and what the
+//! A reader of a recording keeps its attachments, the newest message of each channel and what the
 //! conversation says of grids. A compressed chunk of some kilobytes can claim any length for those,
 //! so that their sum is limited: to a base, and beyond it to a multiple of what has been read of the
 //! file. Uncompressed recordings never reach the limit, whatever their size.

@@ -159,7 +159,7 @@ impl<R: Read> Recording<R> {
         }
         let Source { record, held, bytes_read, .. } = source;
         let Record::Message { header, data } = mcap::parse_record(op::MESSAGE, record)? else {
-            return Err(RecordingError::Content("a message that is none".to_owned()));
+            return Err(RecordingError::Content("an invalid message".to_owned()));
         };
         let Some(channel) = channels.get(&header.channel_id) else {
             let what = format!("a message on channel {}, which is unknown", header.channel_id);
@@ -167,7 +167,7 @@ impl<R: Read> Recording<R> {
         };
         // The record lies in the source's own buffer: what is borrowed from it stays borrowed.
         let std::borrow::Cow::Borrowed(data) = data else {
-            return Err(RecordingError::Content("a message that is not whole".to_owned()));
+            return Err(RecordingError::Content("an incomplete message".to_owned()));
         };
         let item = match channel.strip_prefix(STATE) {
             Some(role) => Item::State { role, bytes: data },

@@ -168,7 +168,7 @@ fn a_flipped_bit_in_a_chunk_is_noticed() {
 fn what_is_no_recording_is_told() {
     let error = |bytes: &[u8]| Recording::open(bytes).err().unwrap().to_string();
     assert!(error(b"[case]\nname = \"x\"\n").contains("damaged"));
-    assert!(error(b"").contains("cut before its head"));
+    assert!(error(b"").contains("truncated before its header"));
     let foreign = mcap::WriteOptions::new().profile("ros2").create(Cursor::new(Vec::new()));
     let mut foreign = foreign.unwrap();
     foreign.finish().unwrap();
@@ -289,7 +289,7 @@ fn chunk_of_zeros(records: &[(u8, Vec<u8>, usize)]) -> Vec<u8> {
 /// many.
 #[test]
 fn what_a_small_file_claims_is_limited_in_sum() {
-    let told = |chunk: Vec<u8>| {
+    let read_error = |chunk: Vec<u8>| {
         let file = [beginning(), chunk].concat();
         assert!(file.len() < 100_000, "{}", file.len());
         let mut recording = match Recording::open(&file[..]) {
@@ -307,7 +307,7 @@ fn what_a_small_file_claims_is_limited_in_sum() {
         let length = 16 << 20;
         (op::ATTACHMENT, attachment(&format!("files/{n}"), length), length + 4)
     };
-    let error = told(chunk_of_zeros(&(0..40).map(attached).collect::<Vec<_>>()));
+    let error = read_error(chunk_of_zeros(&(0..40).map(attached).collect::<Vec<_>>()));
     assert!(error.contains("256 MiB at most"), "{error}");
     // States: of all messages those that need no label.
     let states = (1_u16..=40).flat_map(|id| {
@@ -315,7 +315,7 @@ fn what_a_small_file_claims_is_limited_in_sum() {
         let channel = [&id.to_le_bytes()[..], &[0; 2], &text(&topic), &[0; 8]].concat();
         [(op::CHANNEL, channel, 0), (op::MESSAGE, id.to_le_bytes().to_vec(), 20 + (16 << 20))]
     });
-    let error = told(chunk_of_zeros(&states.collect::<Vec<_>>()));
+    let error = read_error(chunk_of_zeros(&states.collect::<Vec<_>>()));
     assert!(error.contains("256 MiB at most"), "{error}");
 }
 

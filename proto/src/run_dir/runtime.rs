@@ -9,7 +9,7 @@
 //! alone and no symbolic link; a run is a folder in it with an identifier for its name and a `run.json`
 //! of that identifier; a shared-memory file of a run is a file of ours with the run's prefix.
 
-use super::{COORDINATOR_LOCK, MEMBERS_LOCK, RUN_FILE, is_free};
+use super::locks::{COORDINATOR_LOCK, MEMBERS_LOCK, RUN_FILE, is_free};
 use std::ffi::OsStr;
 use std::fs::{self, Metadata};
 use std::io;
@@ -151,7 +151,7 @@ fn folder(path: &Path) -> io::Result<Metadata> {
         false if found.is_symlink() => {
             Err(refused(path, "is a symbolic link", "name the folder itself"))
         }
-        false => Err(refused(path, "is not a folder", "remove it")),
+        false => Err(refused(path, "is not a directory", "remove it")),
     }
 }
 
@@ -278,7 +278,7 @@ mod tests {
         tempfile::Builder::new().prefix("ct-").tempdir_in(SHARED_MEMORY).unwrap()
     }
 
-    fn told(root: &Path) -> String {
+    fn message(root: &Path) -> String {
         RuntimeFolder::within(root).map(|_| ()).unwrap_err().to_string()
     }
 
@@ -359,11 +359,11 @@ mod tests {
         let link = root.path().join("root");
         symlink(other.path(), &link).unwrap();
         for root in [link.clone(), link.join("")] {
-            let text = told(&root);
+            let text = message(&root);
             assert!(text.contains("is a symbolic link; name the folder itself"), "{text}");
         }
         symlink(runtime.path(), root.path().join(format!("cosim-{}", user()))).unwrap();
-        assert!(told(root.path()).contains("is a symbolic link"), "{}", told(root.path()));
+        assert!(message(root.path()).contains("is a symbolic link"), "{}", message(root.path()));
         assert!(folder.exists() && file.exists());
         fs::remove_file(file).unwrap();
     }
@@ -373,12 +373,12 @@ mod tests {
         let root = place();
         let set = |path: &Path, mode| fs::set_permissions(path, fs::Permissions::from_mode(mode));
         set(root.path(), 0o777).unwrap();
-        assert!(told(root.path()).contains("may be changed by other users"));
+        assert!(message(root.path()).contains("may be changed by other users"));
         set(root.path(), 0o1777).unwrap();
         let runtime = RuntimeFolder::within(root.path()).unwrap();
         let (folder, file) = dead_run(runtime.path(), &id(20));
         set(runtime.path(), 0o755).unwrap();
-        assert!(told(root.path()).contains("is open to other users; `chmod 700` it"));
+        assert!(message(root.path()).contains("is open to other users; `chmod 700` it"));
         assert!(folder.exists() && file.exists());
         fs::remove_file(file).unwrap();
     }
@@ -394,9 +394,9 @@ mod tests {
         let (folder, file) = dead_run(runtime.path(), &id(30));
         let give = |path: &Path| std::os::unix::fs::chown(path, Some(4321), None).unwrap();
         give(runtime.path());
-        assert!(told(root.path()).contains("belongs to another user; remove it"));
+        assert!(message(root.path()).contains("belongs to another user; remove it"));
         give(root.path());
-        assert!(told(root.path()).contains("belongs to another user; choose one of your own"));
+        assert!(message(root.path()).contains("belongs to another user; choose one of your own"));
         assert!(folder.exists() && file.exists());
         // Nor is shared memory of another user's removed, whatever it is called.
         give(&file);
@@ -408,7 +408,7 @@ mod tests {
     #[test]
     fn a_path_that_is_too_long_is_refused() {
         let root = place();
-        let text = told(&root.path().join("a-long-name/".repeat(4)));
+        let text = message(&root.path().join("a-long-name/".repeat(4)));
         assert!(text.contains("at most 44 bytes"), "{text}");
         assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0, "nothing is made");
     }

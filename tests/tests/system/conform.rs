@@ -316,8 +316,8 @@ mod every_check_can_fail {
 #[test]
 fn what_cannot_be_asked_is_refused() {
     for (options, words) in [
-        (["--only", "no-such-check"], "there is no check `no-such-check`; there are: describe"),
-        (["--deadline", "0"], "--deadline is a number of seconds above 0"),
+        (["--only", "no-such-check"], "unknown check `no-such-check`; known checks: describe"),
+        (["--deadline", "0"], "--deadline must be a number of seconds above 0"),
         (["--recording", "no-such.mcap"], "there is no recording no-such.mcap"),
         (["--set", "nonsense"], "has no `=`"),
     ] {

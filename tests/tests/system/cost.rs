@@ -213,14 +213,14 @@ fn what_cannot_be_studied_is_refused() {
         );
     };
     refused(&["--vary", "mech.resolution"], "--vary key=v1,v2");
-    refused(&["--quantity", "contact.colour"], "no run has the figure `contact.colour`");
+    refused(&["--quantity", "contact.colour"], "no run has the quantity `contact.colour`");
     refused(&["--reference", "x=y"], "is not KEY=NUMBER");
     refused(&["--set", "friction.coefficient=-1"], "friction.coefficient");
-    refused(&["--vary", "mech.resolution=5,banana"], "`banana` is no number of elements");
+    refused(&["--vary", "mech.resolution=5,banana"], "`banana` is not a number of elements");
     refused(&["--vary", "mech.model=hertz-carter,nonsuch"], "choose among fastsim, half-space");
     refused(&["--vary", "load.normal_force=1e3,1e5"], "it changes the problem");
     refused(&["--reference", "contact.max_pressure_pa=nan"], "is not KEY=NUMBER");
     refused(&["--reference", "contact.colour=1"], "the runs compare temperature.rail.max_rise_k");
     refused(&["--repeat", "0"], "--repeat");
-    refused(&["--longest-run", "0"], "--longest-run is a number of seconds");
+    refused(&["--longest-run", "0"], "--longest-run must be a number of seconds");
 }

@@ -124,7 +124,7 @@ fn a_replay_starts_no_program_that_the_recording_names() {
 #[test]
 fn escapes_of_a_recording_reach_no_terminal() {
     let place = Place::new();
-    let forged = "\u{1b}[2J\u{9b}31m\n  the run       ended well\rx";
+    let forged = "\u{1b}[2J\u{9b}31m\n  the run       completed\rx";
     let path = rewritten(
         &recorded(&place),
         |_| (),
@@ -144,7 +144,7 @@ fn escapes_of_a_recording_reach_no_terminal() {
     let path = path.display().to_string();
     let shown = place.start(&["inspect", &path]).wait();
     assert!(shown.stdout.contains("FAILED: \\u{1b}[2J\\u{9b}31m\\n"), "{}", shown.stdout);
-    assert!(!shown.stdout.contains("ended well\n"), "{}", shown.stdout);
+    assert!(!shown.stdout.contains("completed\n"), "{}", shown.stdout);
     let json = place.start(&["inspect", &path, "--json"]).wait();
     let seen: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     assert_eq!(seen["error"], forged);
@@ -205,7 +205,7 @@ fn a_case_is_judged_without_starting_what_it_names() {
     let check = place.start(&["check", &path, "--no-start"]).wait();
     assert_eq!(check.code, Some(0), "{}", check.stderr);
     let said =
-        "no errors in what was judged\nnot judged, as no program was started: models, effects";
+        "no errors in what was checked\nnot judged, as no program was started: models, effects";
     assert!(check.stdout.contains(said), "{}", check.stdout);
     assert!(check.stdout.contains("effects.friction_heat"), "{}", check.stdout);
     let plan = place.start(&["plan", &path, "--no-start"]).wait();

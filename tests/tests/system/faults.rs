@@ -118,7 +118,7 @@ fn interrupts_end_everything_in_order() {
         let running = in_mid_window(&place, "left", &[]);
         running.signal(signal);
         let interrupted = format!("interrupted by {name}");
-        let what = ["in window 0, iteration 1", "ended in order"];
+        let what = ["in window 0, iteration 1", "every participant was shut down"];
         let parts = [&interrupted, what[0], what[1]];
         assert_ended(&place, &running.wait(), (code, "interrupted"), &parts);
     }
@@ -199,7 +199,7 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
         ("silence", "it did not send `left_value`"),
         ("old-reply", "it speaks protocol 0"),
         ("wrong-answer", "it answered command"),
-        ("lost-reply", "it has dealt with the last command, but its reply did not arrive"),
+        ("lost-reply", "it has processed the last command, but its reply did not arrive"),
         ("time-is-no-number", "model_seconds is NaN s"),
         ("negative-time", "model_seconds is -0.000000001 s"),
         ("negative-wish", "wanted_window is -1 s"),
@@ -270,7 +270,8 @@ fn a_moving_grid_that_nobody_was_told_of_is_refused() {
     let place = Place::new();
     let more = ["--set", "left.command=[\"rogue\"]", "--set", "left.fault=flat"];
     let ended = place.run(&file.display().to_string(), &more);
-    let what = "its grid `numbers` may move, which right, who hears `left_value` on it, could not";
+    let what = "its grid `numbers` may move, of which right, which subscribes to `left_value` on \
+                it, could not";
     assert_failed(&place, &ended, &["left (rogue) failed", "while being configured", what]);
 }
 
@@ -278,8 +279,8 @@ fn a_moving_grid_that_nobody_was_told_of_is_refused() {
 fn a_wish_for_a_wrong_grid_is_refused() {
     let wishes = [
         ("wish-flat", "grid `own` has elements without an area"),
-        ("wish-nowhere", "the input `right_value` is wanted on `own`, which is no grid"),
-        ("wish-unheard", "it wants a grid for `pressure`, which it does not get"),
+        ("wish-nowhere", "the input `right_value` is wanted on `own`, which is not a grid"),
+        ("wish-unheard", "it requests a grid for `pressure`, which is not an input of it"),
     ];
     for (fault, what) in wishes {
         let place = Place::new();
@@ -352,7 +353,7 @@ fn an_honest_rogue_goes_through() {
     assert_eq!(summary["right"]["solves"], 5);
     let told = |event: &serde_json::Value| {
         let text = event["fields"]["message"].as_str().unwrap_or_default();
-        text.contains("is no object") && event["fields"]["role"] == "left"
+        text.contains("is not an object") && event["fields"]["role"] == "left"
     };
     assert!(place.log().iter().any(told), "the log says what was left out");
 }

@@ -122,7 +122,7 @@ fn a_tolerance_of_a_field_that_is_not_fed_back_is_refused() {
     let set = "coupling.fields.relay_value.relative=1e-3";
     let ended = place.start(&["check", &case("linear.toml"), "--set", set]).wait();
     assert_eq!(ended.code, Some(2));
-    assert!(ended.stderr.contains("is not fed back"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("is not coupling data"), "{}", ended.stderr);
     let own = ["coupling.fields.operator_value.relative=1e-3", "linear.problem=P4"];
     let more = sets(&own);
     let loose = place.summary(&case("linear.toml"), &more);

@@ -88,7 +88,7 @@ fn heat_of_a_cold_start_arrives_in_every_window() {
 /// The relay has 137 points for 100 unknowns: M acts between two mappings. What was accepted solves
 /// that problem, whose operators are made here from the same grids: after one more pass the change
 /// is within the tolerance 1e-6 times the norms of M and of the mappings, about one each, for every
-/// field that is fed back.
+/// field of the coupling data.
 #[test]
 fn a_loop_converges_through_mappings_both_ways() {
     for (scheme, acceleration, fed_back) in [
@@ -175,15 +175,21 @@ fn work_of_loops_with_mappings() {
 fn the_plan_tells_what_is_mapped_and_how_well() {
     let settings = ["mech.resolution=20", "thermal.resolution=59"];
     let (_, plan) = shown("plan", "wheel-rail.toml", &settings);
-    for told in ["mech -> thermal          overlap, conservative", "1419 to 2714 elements; all of"]
-    {
+    for told in [
+        "mech -> thermal          intersection, conservative",
+        "1419 to 2714 elements; \
+                  all of",
+    ] {
         assert!(plan.contains(told), "{told}: {plan}");
     }
     assert!(!plan.contains("warning"), "{plan}");
     let nearest = [&settings[..], &["mapping.method=nearest-neighbour"]].concat();
     let (_, plan) = shown("plan", "wheel-rail.toml", &nearest);
     assert!(plan.contains("nearest-neighbour, conservative"), "{plan}");
-    assert!(plan.contains("warning: this keeps the integral but not the density"), "{plan}");
+    assert!(
+        plan.contains("warning: this conserves the integral but does not bound the density"),
+        "{plan}"
+    );
     let aside = ["relay.offset=20", "mapping.fields.relay_value.method=radial-basis"];
     let (_, plan) = shown("plan", "linear.toml", &aside);
     assert!(plan.contains("radial-basis, consistent"), "{plan}");
@@ -198,7 +204,7 @@ fn methods_that_make_no_sense_are_refused() {
         ("mapping.method=linear", "unknown method `linear`"),
         ("mapping.fields.heat.method=auto", "unknown field `heat`"),
         (
-            "mapping.fields.pressure.method=overlap",
+            "mapping.fields.pressure.method=intersection",
             "no participant consumes `pressure`: it is never mapped",
         ),
     ] {

@@ -166,7 +166,7 @@ fn what_is_fed_back_does_not_grow() {
     let ended = failed(&["mover.motion=grow", "coupling.scheme=parallel-implicit"]);
     for part in [
         "mover (toy-mover) failed while accepting window 0",
-        "grid `patch` has gone from 384 to 400 elements, but `moving_flux` on it is fed back",
+        "grid `patch` has gone from 384 to 400 elements, but `moving_flux` on it is coupling data",
         "keep the number of its elements",
     ] {
         assert!(ended.stderr.contains(part), "{part}: {}", ended.stderr);
@@ -237,8 +237,8 @@ fn the_plan_tells_what_may_move() {
     assert!(plan(&[]).contains(told), "{}", plan(&[]));
     assert!(!plan(&["mover.motion=none"]).contains("may move"));
     // 53 × 27 elements of the plate are fed back.
-    let history = "remembers up to 100 columns of 1431 values: 2289.6 kB";
+    let history = "keeps up to 100 secant columns of 1431 values: 2289.6 kB";
     assert!(plan(&[]).contains(history), "{}", plan(&[]));
     let constant = plan(&["coupling.acceleration=constant"]);
-    assert!(!constant.contains("remembers up to"), "{constant}");
+    assert!(!constant.contains("keeps up to"), "{constant}");
 }

@@ -159,7 +159,7 @@ fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     let (code, _, stderr) = replay(&place, &recording, "thermal", &["--command", &program]);
     assert_eq!(code, Some(2), "{stderr}");
     for words in [
-        "`closed-form` has no model `columns`, which thermal was told when it was recorded",
+        "`closed-form` has no model `columns`, which is in the recorded configuration of thermal",
         "--set thermal.model=NAME (ertz-knothe)",
         "replay with the program that was recorded, `thermal-solver`",
     ] {
@@ -432,8 +432,8 @@ fn what_cannot_be_replayed_is_told() {
     let ended = place.start(&other).wait();
     assert_ne!(ended.code, Some(0), "another program passes for the recorded one");
     let tolerance = ["replay", &path, "--only", "left", "--command", &left, "--tolerance=-1"];
-    told(&tolerance, 2, "--tolerance is a number from 0 on");
+    told(&tolerance, 2, "--tolerance must be a number of at least 0");
     let set = ["replay", &path, "--only", "left", "--command", &left, "--set", "no.key=1"];
-    told(&set, 2, "left was not told any `no.key`");
+    told(&set, 2, "the recorded configuration of left has no `no.key`");
     place.assert_nothing_left();
 }

@@ -195,7 +195,7 @@ fn a_run_without_an_end_gets_a_report_of_what_it_left() {
     assert_eq!(place.start(&["report", &out]).wait().code, Some(0));
     let page = page(&place);
     assert_good(&page);
-    assert!(page.contains("the run was killed, or is not over yet"));
+    assert!(page.contains("the run was killed or is still running"));
     assert!(page.contains("mech_contact_000050.vti: not an image as runs write it"));
     assert_titles(&page, &["rail temperature", "heat sent and received"]);
 }

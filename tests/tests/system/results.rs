@@ -138,7 +138,7 @@ fn a_run_does_not_touch_the_users_files() {
     assert_refused(&refused, "holds files but no results of a run");
     before();
     let refused = run_into(&place, &at("case.toml"), &at("other.toml"));
-    assert_refused(&refused, "a file; give a folder with --out");
+    assert_refused(&refused, "is not a directory; give one with --out");
     assert_eq!(std::fs::read_to_string(at("other.toml")).unwrap(), text);
     place.assert_nothing_left();
 }

@@ -225,9 +225,9 @@ fn torn_checkpoint(file: &str) {
     std::fs::write(&path, &bytes[..bytes.len() - 3]).unwrap();
     let ended = resume(&place);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    let told = format!("checkpoint {} is not used: {file} is torn", names[1]);
+    let told = format!("checkpoint {} is not used: {file} is corrupt", names[1]);
     assert!(ended.stderr.contains(&told), "{}", ended.stderr);
-    assert!(ended.stderr.contains("the one before is used"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("using the previous one"), "{}", ended.stderr);
     let at: u64 = names[0].parse().unwrap();
     assert_eq!(place.read_summary()["cost"]["resumed_at_window"], at);
     assert_eq!(results(&place), results(&undisturbed));
@@ -247,7 +247,7 @@ fn without_a_whole_checkpoint_nothing_is_resumed() {
     }
     let ended = resume(&place);
     assert_eq!(ended.code, Some(2));
-    assert!(ended.stderr.contains("no checkpoint that is whole"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("no intact checkpoint"), "{}", ended.stderr);
     let none = Place::new();
     let fails = ["--set", "time.end=3", "--set", "left.fault=exit"];
     assert_eq!(none.run(&case("exchange.toml"), &fails).code, Some(1));
@@ -270,7 +270,7 @@ fn another_case_is_refused_and_a_run_that_has_ended_stays() {
     let before = std::fs::read(place.out().join("summary.json")).unwrap();
     let ended = resume(&place);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert!(ended.stdout.contains("has come to its end already"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("has already finished"), "{}", ended.stdout);
     assert_eq!(std::fs::read(place.out().join("summary.json")).unwrap(), before);
     let both = ["run", "x.toml", "--resume", "y"];
     assert_eq!(place.start(&both).wait().code, Some(2), "either a case or a run");

@@ -100,7 +100,7 @@ fn a_bound_that_does_not_hold_is_named() {
         let (_folder, suite) = own_suite(&one_case(bound));
         let ended = stability(&place, suite.to_str().unwrap(), &[]);
         assert_eq!(ended.code, Some(code), "{bound}: {}", ended.stderr);
-        let named = ended.stderr.contains("pressure went otherwise than expected");
+        let named = ended.stderr.contains("pressure did not meet expectations");
         assert_eq!(named, code == 1, "{bound}: {}", ended.stderr);
         let figure = ended.stdout.contains("Hertz pressure: 1.364");
         assert_eq!(figure, code == 1, "{bound}: {}", ended.stdout);
@@ -143,7 +143,7 @@ fn a_wrong_suite_is_refused_with_its_place() {
         (good.replace("wheel-rail.toml", "no-case.toml"), ":9: there is no case file"),
         (good.replace("at_most = 1e10", ""), "check `Hertz pressure` needs one bound"),
         (good.replace("at_most = 1e10", "at_most = -1.0"), "a positive `at_most`"),
-        (good.clone() + &good[EVERY.len()..], "`pressure` stands twice"),
+        (good.clone() + &good[EVERY.len()..], "`pressure` is defined twice"),
         (good.replace("[[hard.check]]", "expect.breach = \"x\"\n[[hard.check]]"), "no check `x`"),
     ] {
         let place = Place::new();

@@ -80,7 +80,7 @@ fn adaptive_windows_with_a_late_field_are_refused() {
     let more = ["time.control=adaptive", "coupling.scheme=serial-explicit"];
     let ended = place.run(&case("lumped.toml"), &sets(&more));
     assert_eq!(ended.code, Some(2));
-    assert!(ended.stderr.contains("is a window late"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("lags by one window"), "{}", ended.stderr);
 }
 
 /// Over subcycling, what the source has sent over the run, what the body has received, and what it has

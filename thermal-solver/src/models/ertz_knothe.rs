@@ -265,8 +265,8 @@ fn fitted(frame: &Frame, row: Row<'_>, number: usize) -> Result<Ellipse, StepErr
         });
     }
     Err(StepError::NoSolution(format!(
-        "the heat flux of row {number} changes its sign and is like no ellipse: its variance is \
-         {variance:e} elements squared"
+        "the heat flux of row {number} changes its sign and is not representable by an ellipse: \
+         its variance is {variance:e} elements squared"
     )))
 }
 

@@ -92,7 +92,7 @@ fn heat_grid(given: &Configuration) -> Result<Option<Structured>, Refusal> {
     let Some(input) = given.inputs.iter().find(|input| is_heat(input)) else {
         return Err(Refusal::new(
             "effects.friction_heat",
-            format!("nobody provides `{name}`"),
+            format!("no participant provides `{name}`"),
             "name a model that does",
         ));
     };

@@ -176,7 +176,7 @@ impl<C: Conduction> Model for Shell<C> {
         };
         match self.restore_body(body) {
             Some(()) => Ok(()),
-            None => error(format!("{} bytes do not hold a whole state", from.0.len())),
+            None => error(format!("{} bytes are not a complete state", from.0.len())),
         }
     }
 }

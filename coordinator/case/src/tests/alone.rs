@@ -22,7 +22,7 @@ fn the_good_case_is_good_as_far_as_can_be_told() {
 fn own_keys_and_their_rules_are_judged() {
     let rows = [
         ("[mech]\nmodel = \"half-space\"", "[mech]", "mech.model: missing"),
-        ("name = \"wheel-rail\"", "name = \"../x\"", "case.name: '/' cannot stand"),
+        ("name = \"wheel-rail\"", "name = \"../x\"", "case.name: '/' is not allowed"),
         ("title = \"A test\"", "title = \"a\\u001b[2J\"", "case.title: the text `a"),
         ("title = \"A test\"", "title = \"a\\nb\"", "case.title: the text `a"),
         ("title = \"A test\"", "titel = \"a\"", "case.titel: unknown key"),

@@ -19,7 +19,7 @@ fn every_error_names_its_place_and_its_fix() {
     }
 }
 
-/// Errors of different kinds are told at once, as a person sees them.
+/// Errors of different kinds are reported together, as a person sees them.
 #[test]
 fn all_errors_are_told_at_once() {
     let bad = GOOD
@@ -364,9 +364,9 @@ const ROWS: &[Row] = &[
     Row {
         replace: "[load]",
         by: "[mapping]\nmethod = \"linear\"\n[mapping.fields.presure]\nmethod = \"auto\"\n\
-             [mapping.fields.pressure]\nmethod = \"overlap\"\n[load]",
+             [mapping.fields.pressure]\nmethod = \"intersection\"\n[load]",
         errors: &[
-            r#"19:10 mapping.method: unknown method `linear` | write "auto", "nearest-neighbour", "nearest-projection", "radial-basis" or "overlap""#,
+            r#"19:10 mapping.method: unknown method `linear` | write "auto", "nearest-neighbour", "nearest-projection", "radial-basis" or "intersection""#,
             "20:1 mapping.fields.presure: unknown field `presure`; did you mean `pressure`? | the participants provide friction_power and pressure",
             "22:1 mapping.fields.pressure: no participant consumes `pressure`: it is never mapped | remove it; the participants consume friction_power",
         ],
@@ -433,14 +433,14 @@ const ROWS: &[Row] = &[
         replace: r#"name = "wheel-rail""#,
         by: r#"name = "../../evil""#,
         errors: &[
-            r#"2:8 case.name: '/' cannot stand in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: '/' is not allowed in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
         ],
     },
     Row {
         replace: r#"name = "wheel-rail""#,
         by: r#"name = "/tmp/abs""#,
         errors: &[
-            r#"2:8 case.name: '/' cannot stand in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: '/' is not allowed in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
         ],
     },
     Row {

@@ -83,10 +83,10 @@ fn methods_of_mapping_suit_the_field_unless_chosen() {
         let mappings = case_with(GOOD, sets).unwrap().mappings;
         [consistent, conservative].map(|field| mappings.method_of(&field.kind()))
     };
-    assert_eq!(methods(&[]), [Method::NearestProjection, Method::Overlap]);
+    assert_eq!(methods(&[]), [Method::NearestProjection, Method::Intersection]);
     assert_eq!(methods(&["mapping.method=radial-basis"]), [Method::RadialBasis; 2]);
     let own = ["mapping.method=nearest-neighbour", "mapping.fields.friction_power.method=auto"];
-    assert_eq!(methods(&own), [Method::NearestNeighbour, Method::Overlap]);
+    assert_eq!(methods(&own), [Method::NearestNeighbour, Method::Intersection]);
 }
 
 #[test]

@@ -10,13 +10,13 @@ pub(super) const PATIENCE: u32 = 100;
 pub struct StepTaken {
     /// Relaxation ω, if it is one.
     pub relaxation: Option<f64>,
-    /// Columns that took part.
+    /// SecantColumns that took part.
     pub columns: Option<usize>,
-    /// Columns that were dropped because they held nothing new.
+    /// SecantColumns that were dropped because they held nothing new.
     pub dropped: usize,
 }
 
-/// Chooses the next iterate. Sees slices only: one vector of everything that is fed back.
+/// Chooses the next iterate. Sees slices only: one vector of all coupling data.
 pub trait Accelerator {
     /// Its word in the case file.
     fn name(&self) -> &'static str;

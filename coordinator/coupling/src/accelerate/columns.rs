@@ -1,8 +1,8 @@
-//! What earlier iterations have changed: columns ΔR and ΔX̃, and the inner products of ΔR.
-//!
-//! A column is the difference of two successive iterations of a window: Δr of the residuals, Δx̃ of
-//! what was returned. The columns stand in one piece of memory that is taken once and used as a
-//! ring: a new column takes the place of the oldest. Memory of columns never used is never touched.
+//! What earlier iterations have changed: the secant columns ΔR and ΔX̃, and the inner products of
+//! ΔR. A secant column is the difference of two successive iterations of a window: Δr of the
+//! residuals, Δx̃ of what was returned. The columns stand in one piece of memory that is taken once
+//! and used as a ring: a new column takes the place of the oldest. Memory of columns never used is
+//! never touched.
 //!
 //! The Gram matrix ΔRᵀΔR is kept for every field by itself. A new column costs one pass over ΔR,
 //! which gives its row of the matrix and ΔRᵀr of the present residual together; that a column
@@ -18,9 +18,9 @@ use std::ops::Range;
 /// second-level cache, and a column's part of one is long enough for the memory to run ahead.
 const BLOCK: usize = 16 * 1024;
 
-/// The columns, and what is known of them.
+/// The secant columns, and what is known of them.
 #[derive(Clone, Debug)]
-pub(super) struct Columns {
+pub(super) struct SecantColumns {
     parts: Vec<Part>,
     length: usize,
     capacity: usize,
@@ -48,7 +48,7 @@ pub(super) struct Columns {
     change: Vec<f64>,
 }
 
-impl Columns {
+impl SecantColumns {
     /// Room for `most` columns, and no more than a column has values.
     pub(super) fn new(parts: &[Part], most: usize) -> Self {
         let length = parts.last().map_or(0, |part| part.range.end);
@@ -73,7 +73,7 @@ impl Columns {
         }
     }
 
-    /// Most columns.
+    /// Largest number of secant columns.
     pub(super) fn capacity(&self) -> usize {
         self.capacity
     }
@@ -269,11 +269,11 @@ impl Columns {
         let mut sizes = [0.0; 3];
         from.f64s(&mut sizes)?;
         if sizes != [self.parts.len() as f64, self.length as f64, self.capacity as f64] {
-            return Err(StateMismatch("fields or columns have another size"));
+            return Err(StateMismatch("fields or secant columns have another size"));
         }
         let count = usize::try_from(from.u64()?).unwrap_or(usize::MAX);
         if count > self.capacity {
-            return Err(StateMismatch("there are more columns than fit"));
+            return Err(StateMismatch("there are more secant columns than fit"));
         }
         self.order = (0..count).collect();
         self.free = (count..self.capacity).rev().collect();

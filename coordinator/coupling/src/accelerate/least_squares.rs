@@ -1,4 +1,4 @@
-//! Least squares over the columns, from their Gram matrix.
+//! Least squares over the secant columns, from their Gram matrix.
 //!
 //! Wanted is the c that minimises ‖r + ΔRc‖. With D the diagonal of the columns' norms, LLᵀ is the
 //! Cholesky factorisation of D⁻¹ΔRᵀΔRD⁻¹, columns from the newest to the oldest, so that L is the
@@ -16,7 +16,7 @@
 //! windows that are forgotten leave no trace: J begins after them. Source: Lindner, Mehl, Scheufele
 //! & Uekermann, *A comparison of various quasi-Newton schemes for partitioned FSI* (2015).
 
-use super::columns::Columns;
+use super::columns::SecantColumns;
 use crate::part::dot;
 use std::ops::Range;
 
@@ -61,13 +61,13 @@ impl LeastSquares {
     }
 
     /// Minimises over all columns at once.
-    pub(super) fn solve(&mut self, columns: &Columns, weights: &[f64]) {
+    pub(super) fn solve(&mut self, columns: &SecantColumns, weights: &[f64]) {
         self.begin(columns.count());
         self.solve_block(columns, weights, 0..columns.count());
     }
 
     /// Minimises window by window, from the newest to the oldest.
-    pub(super) fn solve_windows(&mut self, columns: &Columns, weights: &[f64]) {
+    pub(super) fn solve_windows(&mut self, columns: &SecantColumns, weights: &[f64]) {
         let count = columns.count();
         self.begin(count);
         let mut start = 0;
@@ -87,7 +87,7 @@ impl LeastSquares {
     }
 
     /// Solves for the columns of some ages; those of newer ones have their coefficients.
-    fn solve_block(&mut self, columns: &Columns, weights: &[f64], ages: Range<usize>) {
+    fn solve_block(&mut self, columns: &SecantColumns, weights: &[f64], ages: Range<usize>) {
         let newer = ages.start;
         self.kept.clear();
         for age in ages {
@@ -113,7 +113,7 @@ impl LeastSquares {
     }
 
     /// Appends a column to the factorisation, if enough of it is new.
-    fn append(&mut self, columns: &Columns, weights: &[f64], age: usize) {
+    fn append(&mut self, columns: &SecantColumns, weights: &[f64], age: usize) {
         let norm = columns.inner(age, age, weights).sqrt();
         if !(norm > 0.0 && norm.is_finite()) {
             return;

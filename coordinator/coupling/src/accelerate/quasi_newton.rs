@@ -1,6 +1,5 @@
 //! Interface quasi-Newton methods and Anderson mixing.
-//!
-//! With the columns ΔR, ΔX̃ of earlier iterations, the next iterate is
+//! With the secant columns ΔR, ΔX̃ of earlier iterations, the next iterate is
 //!
 //! x ↦ x̃ + ΔX̃c, r + ΔRc ≈ 0.
 //!
@@ -16,8 +15,10 @@
 //! relaxation by `relaxation` if there are none. The last iteration of a window, which is not
 //! followed by another one, gives a column too.
 
-use super::accelerator::{Accelerator, PATIENCE, StepTaken};
-use super::columns::Columns;
+use super::accelerator::Accelerator;
+use super::accelerator::PATIENCE;
+use super::accelerator::StepTaken;
+use super::columns::SecantColumns;
 use super::least_squares::LeastSquares;
 use super::relaxation::relax;
 use super::weights::Weights;
@@ -43,7 +44,7 @@ pub struct QuasiNewton {
     relaxation: f64,
     mixing: f64,
     reuse_windows: u64,
-    columns: Columns,
+    columns: SecantColumns,
     least_squares: LeastSquares,
     weights: Weights,
     /// Windows accepted so far.
@@ -54,7 +55,7 @@ impl QuasiNewton {
     /// With the settings of a case, for these fields. All memory is taken here.
     #[must_use]
     pub fn new(rule: Rule, settings: &Implicit, parts: &[Part]) -> Self {
-        let columns = Columns::new(parts, settings.max_columns);
+        let columns = SecantColumns::new(parts, settings.max_columns);
         let anderson = rule == Rule::Anderson;
         Self {
             rule,

@@ -12,7 +12,7 @@
 //!   precision of the participants is what is left.
 //!
 //! Residuals that rise for a while, as those of quasi-Newton methods do until they know the
-//! problem, are neither: an accelerator with m columns has a patience of 2m.
+//! problem, are neither: an accelerator with m secant columns has a patience of 2m.
 
 use super::norms::Norms;
 
@@ -74,7 +74,7 @@ impl Progress {
         (self.first, self.best, self.best_at) = (0.0, f64::INFINITY, 0);
     }
 
-    /// Why the window will not converge, if that can be told from its iterations so far.
+    /// Why the window will not converge, if its iterations so far show it.
     pub fn hopeless(&mut self, iteration: u32, norms: &[Norms]) -> Option<Why> {
         let distance = self.distance(norms);
         if iteration == 1 {

@@ -14,7 +14,7 @@ struct Pair {
     f: Answer,
     g: Answer,
     values: [f64; 2],
-    heard: [f64; 2],
+    received: [f64; 2],
     coupling_data: Vec<Part>,
     solves: u32,
 }
@@ -23,7 +23,7 @@ impl Pair {
     /// The coupling data: b alone in a serial scheme, both in a parallel one.
     fn new(f: Answer, g: Answer, fields: &[&str]) -> Self {
         let coupling_data = parts(fields.iter().map(|name| (*name, 1)));
-        Self { f, g, values: [0.0; 2], heard: [0.0; 2], coupling_data, solves: 0 }
+        Self { f, g, values: [0.0; 2], received: [0.0; 2], coupling_data, solves: 0 }
     }
 
     fn is_serial(&self) -> bool {
@@ -40,11 +40,11 @@ impl Exchange for Pair {
 
     fn solve(&mut self, participants: &[usize], _step: &Step) -> Result<(), Infallible> {
         let [a, b] = self.values;
-        // Without feedback a hears what b has said last.
+        // Without feedback a receives what b has sent last.
         let inputs = match self.coupling_data.as_slice() {
             [] => [b, a],
-            [_] => [self.heard[0], a],
-            _ => [self.heard[1], self.heard[0]],
+            [_] => [self.received[0], a],
+            _ => [self.received[1], self.received[0]],
         };
         for &one in participants {
             self.values[one] = if one == 0 { (self.f)(inputs[0]) } else { (self.g)(inputs[1]) };
@@ -58,7 +58,7 @@ impl Exchange for Pair {
     }
 
     fn send(&mut self, iterate: &[f64], _step: &Step) -> Result<(), Infallible> {
-        self.heard[..iterate.len()].copy_from_slice(iterate);
+        self.received[..iterate.len()].copy_from_slice(iterate);
         Ok(())
     }
 
@@ -109,7 +109,7 @@ fn explicit_schemes_pass_once_with_what_they_have() {
     for index in 0..3 {
         parallel.solve_window(&mut pair, &window(index)).unwrap();
     }
-    assert_eq!(pair.values, [11.0, 10.0], "each hears what was there before: 1,0 then 1,10");
+    assert_eq!(pair.values, [11.0, 10.0], "each receives what was there before: 1,0 then 1,10");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::{Coverage, GridMapping, MapError, Method};
 use contract::field::Mapping;
 use contract::grid::Grid;
 
-/// A mapping that follows its grids: made anew only when one of them has another revision.
+/// A mapping that follows its grids: rebuilt only when one of them has another revision.
 #[derive(Clone, Debug)]
 pub struct CurrentMapping {
     method: Method,

@@ -1,11 +1,11 @@
-//! Overlap of elements: the weight of source element s in target element t is the area |t ∩ s| of
-//! their intersection, projected onto the plane of t.
+//! Intersection of elements: the weight of source element s in target element t is the area |t ∩ s|
+//! of their intersection, projected onto the plane of t.
 //!
 //! Elements are convex, so that the intersection is found by cutting t with the four sides of s in
 //! turn (I. E. Sutherland, G. W. Hodgman, *Commun. ACM* 17 (1974) 32–42). In a common plane the
 //! areas are exact; on curved surfaces they are as exact as the elements are plane, while constants
-//! and integrals are kept all the same. A target that overlaps nothing takes the nearest
-//! element, or the mean of several at the same place.
+//! and integrals are kept all the same. A target that intersects no source element takes the
+//! nearest element, or the mean of several at the same place.
 
 use super::operator::Row;
 use super::surface::Surface;
@@ -20,14 +20,14 @@ const SLIVER: f64 = 1e-10;
 type Plane = [f64; 2];
 
 /// Intersections of two surfaces.
-pub(super) struct Overlap<'a> {
+pub(super) struct Intersection<'a> {
     source: &'a Surface,
     target: &'a Surface,
     polygon: Vec<Plane>,
     cut: Vec<Plane>,
 }
 
-impl<'a> Overlap<'a> {
+impl<'a> Intersection<'a> {
     pub(super) fn new(source: &'a Surface, target: &'a Surface) -> Self {
         Self { source, target, polygon: Vec::new(), cut: Vec::new() }
     }
@@ -58,7 +58,7 @@ impl<'a> Overlap<'a> {
     }
 }
 
-impl Weigh for Overlap<'_> {
+impl Weigh for Intersection<'_> {
     const OF_POINTS: bool = false;
 
     fn weigh(&mut self, target: &Target, row: &mut Row) {

@@ -13,7 +13,7 @@ use contract::grid::{Grid, pairwise_sum};
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum MapError {
     /// A grid is not what [`Grid::check`] lets pass.
-    #[error("no mapping from or to a wrong grid: {0}")]
+    #[error("no mapping from or to an invalid grid: {0}")]
     Grid(String),
     /// Columns and vertices are counted with 32 bits.
     #[error("no mapping for grid `{grid}`: {points} points are more than 32 bits can count")]
@@ -157,7 +157,7 @@ fn consistent(from: &Surface, to: &Surface, method: Method) -> (SparseOperator, 
         Method::NearestNeighbour => rows(from, to, nearest::Nearest::new(from)),
         Method::NearestProjection => rows(from, to, projection::Projection::new(from)),
         Method::RadialBasis => rows(from, to, radial::RadialBasis::new(from)),
-        Method::Overlap => rows(from, to, intersection::Overlap::new(from, to)),
+        Method::Intersection => rows(from, to, intersection::Intersection::new(from, to)),
     }
 }
 

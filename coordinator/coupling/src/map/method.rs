@@ -13,14 +13,14 @@ pub enum Method {
     NearestProjection,
     /// Wendland's C2 function with a linear polynomial on a few rings of elements.
     RadialBasis,
-    /// Mean over the overlap of the elements, exact in a common plane.
-    Overlap,
+    /// Mean over the intersections of the elements, exact in a common plane.
+    Intersection,
 }
 
 impl Method {
     /// Every method.
     pub const ALL: [Self; 4] =
-        [Self::NearestNeighbour, Self::NearestProjection, Self::RadialBasis, Self::Overlap];
+        [Self::NearestNeighbour, Self::NearestProjection, Self::RadialBasis, Self::Intersection];
 
     /// Name in case files and reports.
     #[must_use]
@@ -29,7 +29,7 @@ impl Method {
             Self::NearestNeighbour => "nearest-neighbour",
             Self::NearestProjection => "nearest-projection",
             Self::RadialBasis => "radial-basis",
-            Self::Overlap => "overlap",
+            Self::Intersection => "intersection",
         }
     }
 
@@ -45,7 +45,7 @@ impl Method {
     pub fn suited_to(preserves: Mapping) -> Self {
         match preserves {
             Mapping::Consistent => Self::NearestProjection,
-            Mapping::Conservative => Self::Overlap,
+            Mapping::Conservative => Self::Intersection,
         }
     }
 }

@@ -121,8 +121,8 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
 fn coverage_is_poor_beyond_one_in_a_hundred() {
     let coverage = |outside| Coverage { elements: 1000, outside, farthest: 2.5e-4 };
     assert!(!coverage(10).is_poor() && coverage(11).is_poor());
-    let told = "11 of 1000 elements lie beyond the other grid's border, up to 0.250 mm";
-    assert_eq!(coverage(11).to_string(), told);
+    let text = "11 of 1000 elements lie beyond the other grid's border, up to 0.250 mm";
+    assert_eq!(coverage(11).to_string(), text);
     let all = "all of 1000 elements lie within the other grid's border";
     assert_eq!(coverage(0).to_string(), all);
     assert!(Method::ALL.iter().all(|method| Method::from_name(method.name()) == Some(*method)));

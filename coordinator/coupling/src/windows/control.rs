@@ -9,7 +9,7 @@
 //! √2 δ(e^{−t/2} − e^{−t}), at most δ/√8, which is 0.7ε for δ = 2ε. A window that is not accepted is solved again from its
 //! start, half as long if it has not converged, at most half as long if its error was too large,
 //! as long as wanted if a participant wants less. The shortest window is accepted whatever its
-//! error: something has jumped within, and the estimate begins anew.
+//! error: something has jumped within, and the estimate starts again.
 //!
 //! After a window of length Δt the next one has the length
 //!

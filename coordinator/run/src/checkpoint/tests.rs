@@ -41,9 +41,9 @@ fn written(next: &[u64]) -> (tempfile::TempDir, Checkpoints) {
 fn the_last_two_are_kept_and_read_back_to_the_bit() {
     let (_place, checkpoints) = written(&[3, 6, 9]);
     assert_eq!(checkpoints.names(), ["000006", "000009"]);
-    let (newest, torn) = checkpoints.newest();
+    let (newest, corrupt) = checkpoints.newest();
     let newest = newest.unwrap();
-    assert_eq!((newest.state, torn), (state(9), Vec::new()));
+    assert_eq!((newest.state, corrupt), (state(9), Vec::new()));
     assert_eq!(fs::read(newest.folder.join("mech.state")).unwrap(), [9; 100]);
 }
 
@@ -59,10 +59,10 @@ fn what_is_torn_is_named_and_the_one_before_used() {
             damaged[at] ^= 0x10;
             for content in [&whole[..at], &damaged] {
                 fs::write(&path, content).unwrap();
-                let (newest, torn) = checkpoints.newest();
+                let (newest, corrupt) = checkpoints.newest();
                 assert_eq!(newest.unwrap().state, state(3), "{file} at {at}");
-                assert_eq!(torn[0].name, "000006");
-                assert!(torn[0].reason.starts_with(file), "{torn:?}");
+                assert_eq!(corrupt[0].name, "000006");
+                assert!(corrupt[0].reason.starts_with(file), "{corrupt:?}");
             }
             damaged[at] = whole[at];
         }
@@ -80,9 +80,9 @@ fn a_part_that_is_no_file_of_the_checkpoint_is_refused() {
     for name in ["../000003/mech.state", "/dev/zero", "..", "endless"] {
         let part = Part { name: name.to_owned(), bytes: 100, sum: sum(&[3; 100]) };
         fs::write(folder.join(OWN), encode_own(&(vec![part], &state(6)))).unwrap();
-        let (newest, torn) = checkpoints.newest();
+        let (newest, corrupt) = checkpoints.newest();
         assert_eq!(newest.unwrap().state, state(3), "{name}");
-        assert!(torn[0].reason.contains(name), "{torn:?}");
+        assert!(corrupt[0].reason.contains(name), "{corrupt:?}");
     }
 }
 

@@ -127,7 +127,7 @@ impl Peer {
     }
 
     /// A heartbeat has come.
-    pub(super) fn heard(&mut self, beat: Beat) {
+    pub(super) fn beat_received(&mut self, beat: Beat) {
         self.silence = Patience::new();
         let now = Instant::now();
         let apart = self.last_dealt_with.is_none_or(|last| now - last >= APART);

@@ -44,7 +44,7 @@ impl Stopped {
             ),
             Self::ReplyLost(one) => failed(
                 one,
-                "it has dealt with the last command, but its reply did not arrive".to_owned(),
+                "it has processed the last command, but its reply did not arrive".to_owned(),
                 "a message was lost in shared memory: see log.jsonl, `ulimit -n` and /dev/shm",
             ),
             Self::Silent(one, silence) => failed(

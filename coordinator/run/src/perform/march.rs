@@ -7,8 +7,8 @@ use crate::progress::Progress;
 use crate::record::Recorder;
 use crate::results::iterations::{IterationTable, Row};
 use crate::results::summary::Counts;
-use crate::results::vtk::FieldWriter;
-use crate::session::{HeatBalance, Observed, Receipt, Session};
+use crate::results::vtk::{FieldWriter, Shown};
+use crate::session::{HeatBalance, Observed, Receipt, Session, Tap};
 use contract::step::Step;
 use coupling::Exchange as _;
 use coupling::converge::Verdict;
@@ -116,10 +116,11 @@ impl<'a> March<'a> {
         step: &Step,
     ) -> Result<(), RunError> {
         if let Some(not_converged) = outcome.not_converged {
+            let error = RunError::from(not_converged);
             if self.plan.implicit.strict {
-                return Err(not_converged.into());
+                return Err(error);
             }
-            tracing::warn!("{not_converged}");
+            tracing::warn!("{error}");
             self.counts.not_converged += 1;
         }
         if let Some(wanted) = wanted.filter(|wanted| *wanted < step.duration() * (1.0 - 1e-9)) {
@@ -143,7 +144,9 @@ impl<'a> March<'a> {
         };
         self.session.accept(self.coupling.step(), observed)?;
         if due {
-            self.fields.write(self.session.taps(), step.window, step.end)?;
+            let wanted = self.session.taps().iter().filter(|tap| tap.wanted());
+            let shown: Vec<Shown> = wanted.filter_map(shown).collect();
+            self.fields.write(&shown, step.window, step.end)?;
             self.table.flush()?;
         }
         self.counts.windows += 1;
@@ -241,6 +244,12 @@ impl March<'_> {
     }
 }
 
+/// What is written of a field, once it has a sample.
+fn shown(tap: &Tap) -> Option<Shown<'_>> {
+    let (producer, grid, kind) = (tap.producer_role(), tap.grid(), tap.kind());
+    Some(Shown { producer, grid, kind, values: tap.values()? })
+}
+
 /// The coupling that the plan has chosen.
 fn coupling(plan: &Plan, session: &Session) -> Coupling {
     let scheme = plan.scheme.scheme;
@@ -256,8 +265,8 @@ fn beside_the_models(wall: f64, models: f64) -> f64 {
     (wall - models).max(0.0)
 }
 
-/// Heat that is lost or made between the participants ends the run. Who reports none of what it
-/// consumes is named, once, and left out.
+/// Heat that is not conserved between the participants ends the run. A participant that reports
+/// none of what it consumes is named, once, and left out.
 fn audit(
     heat: &HeatBalance,
     roles: &[&str],
@@ -267,7 +276,9 @@ fn audit(
     let unreported = heat.unreported & !counts.heat_unreported;
     counts.heat_unreported |= unreported;
     for (_, role) in roles.iter().enumerate().filter(|(one, _)| unreported >> one & 1 == 1) {
-        tracing::warn!("{role} does not report the heat it receives and is left out of the audit");
+        tracing::warn!(
+            "{role} does not report the heat it receives and is excluded from the audit"
+        );
     }
     let Some(imbalance) = heat.imbalance() else { return Ok(()) };
     let worst = counts.energy_imbalance.get_or_insert(0.0);
@@ -275,16 +286,19 @@ fn audit(
     if imbalance <= LARGEST_IMBALANCE {
         return Ok(());
     }
-    let told = heat.worst.filter(|told| told.imbalance().is_nan() || told.imbalance() >= imbalance);
-    let (what, fix) = match told {
-        Some(told) => {
-            let Receipt { participant, sent, received } = told;
+    let receipt = heat
+        .worst
+        .filter(|receipt| receipt.imbalance().is_nan() || receipt.imbalance() >= imbalance);
+    let (what, fix) = match receipt {
+        Some(receipt) => {
+            let Receipt { participant, sent, received } = receipt;
             let role = roles[participant];
             let what = format!("{sent:e} W sent to {role}, which reports {received:e} W received");
-            (what, "a participant loses or makes heat; see iterations.csv")
+            (what, "heat is not conserved: see iterations.csv")
         }
         None => {
-            let what = format!("a mapping changes the heat by {imbalance:e} of what it carries");
+            let what =
+                format!("heat is not conserved by a mapping, by {imbalance:e} of what it carries");
             (what, "see what log.jsonl says of its coverage; choose another [mapping] method")
         }
     };
@@ -329,9 +343,9 @@ mod tests {
     #[test]
     fn heat_that_is_lost_or_no_number_ends_the_run() {
         let (judged, worst) = audited(1000.0, 999.0);
-        let told = "the energy audit failed in window 7: 1e3 W sent to thermal, which reports \
-                    9.99e2 W received; a participant loses or makes heat; see iterations.csv";
-        assert_eq!(judged, Err(told.to_owned()));
+        let message = "the energy audit failed in window 7: 1e3 W sent to thermal, which reports \
+                    9.99e2 W received; heat is not conserved: see iterations.csv";
+        assert_eq!(judged, Err(message.to_owned()));
         assert_eq!(worst, Some(0.001));
         for (sent, received) in [
             (f64::NAN, 1.0),
@@ -345,7 +359,9 @@ mod tests {
         }
         let mapped = HeatBalance { mapping: Some(0.5), ..heat(1.0, Some(1.0)) };
         let judged = audit(&mapped, &["mech", "thermal"], 7, &mut Counts::default());
-        assert!(judged.unwrap_err().to_string().contains("a mapping changes the heat by 5e-1"));
+        assert!(
+            judged.unwrap_err().to_string().contains("heat is not conserved by a mapping, by 5e-1")
+        );
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub fn origin(planned: &Planned) -> Origin {
     }
 }
 
-/// What a participant is and is told: its description, its version within, its configuration, and
+/// What a participant is and is given: its description, its version within, its configuration, and
 /// the grids that it makes of it.
 fn identity(participant: &Participant) -> u64 {
     let layout = participant
@@ -47,7 +47,9 @@ fn identity(participant: &Participant) -> u64 {
 /// [`RunError::Usage`] that says what is different.
 pub fn check_origin(expected: &Origin, found: &Origin) -> Result<(), RunError> {
     let refuse = |what: String| {
-        Err(RunError::Usage(format!("the run cannot be resumed: {what}; run the case anew")))
+        Err(RunError::Usage(format!(
+            "the run cannot be resumed: {what}; start the case from the beginning"
+        )))
     };
     let versions = |of: &Origin| format!("coordinator {}, protocol {}", of.version, of.protocol);
     if versions(expected) != versions(found) {

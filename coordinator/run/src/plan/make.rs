@@ -1,7 +1,7 @@
 //! Making a plan: describe, validate, route, estimate.
 
+use super::contents::{Field, Participant, Plan, Planned, SchemeChoice};
 use super::route::{self, Candidate};
-use super::{Field, Participant, Plan, Planned, SchemeChoice};
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::programs::Program;
@@ -77,7 +77,7 @@ async fn describe<'a>(
                         description.protocol,
                         contract::PROTOCOL_VERSION
                     ),
-                    "install versions that fit together",
+                    "install compatible versions",
                 ));
             }
             Ok(description) => {
@@ -285,8 +285,8 @@ pub(super) fn windows(timing: Timing) -> Windows {
     }
 }
 
-/// Adaptive windows in a scheme whose participants hear a field a window late: a window that is
-/// solved again would begin with what its first attempt has sent.
+/// Adaptive windows in a scheme whose participants receive a field one window late: a window that
+/// is solved again would begin with what its first attempt has sent.
 fn cannot_go_back(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem> {
     let adaptive =
         matches!(case.timing, Timing::Transient { control: Control::Adaptive { .. }, .. });
@@ -298,7 +298,7 @@ fn cannot_go_back(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem>
     let problem = late.filter(|_| adaptive && !scheme.is_implicit()).map(|field| {
         let (name, word) = (&field.kind.name, scheme.word());
         let reason =
-            format!("with {word} `{name}` is a window late, and no window can be repeated");
+            format!("with {word} `{name}` lags by one window, and no window can be repeated");
         let fix = "set coupling.scheme to \"serial-implicit\", or remove time.control";
         case.problem_at("time.control", reason, fix)
     });
@@ -311,7 +311,7 @@ fn unused_tolerances(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Probl
         |name: &str| fields.iter().any(|f| f.kind.name == name && !f.fed_back.is_empty());
     let names = case.coupling.implicit.fields.keys().filter(|_| scheme.is_implicit());
     let unused = names.filter(|name| !fed_back(name)).map(|name| {
-        let reason = format!("`{name}` is not fed back, so it has no residual");
+        let reason = format!("`{name}` is not coupling data, so it has no residual");
         case.problem_at(&format!("coupling.fields.{name}"), reason, "remove it")
     });
     unused.collect()
@@ -369,7 +369,7 @@ fn participants(
 }
 
 /// Asks every participant what it makes of the case, along the flow of data; and once more those
-/// who have an input whose grid moves, as turned out only after they had been asked.
+/// which have an input whose grid moves, as turned out only after they had been asked.
 async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
     for index in 0..plan.participants.len() {
         fill_input_grids(plan, index);

@@ -1,6 +1,6 @@
-//! Which fields are mapped for whom, and how well the grids cover each other.
+//! Which fields are mapped for which consumer, and how well the grids cover each other.
 
-use super::{Field, Plan, sample_bytes};
+use super::contents::{Field, Plan, sample_bytes};
 use contract::configuration::Layout;
 use contract::field::Mapping;
 use contract::grid::Grid;
@@ -23,7 +23,7 @@ pub fn non_matching<'a>(
 }
 
 impl Plan {
-    /// The consumers for whom a field is mapped, with its grids, as far as these are known.
+    /// The consumers for which a field is mapped, with its grids, as far as these are known.
     pub(super) fn mapped(&self, field: &Field) -> Vec<(usize, [&Grid; 2])> {
         let layout = |index: usize| self.participants[index].estimate.as_ref();
         let grids = |&one: &usize| Some((one, non_matching(field, one, layout)?));
@@ -77,8 +77,11 @@ fn show_quality(f: &mut Formatter<'_>, field: &Field, [source, wanted]: [&Grid; 
         }
         Err(error) => line(&format!("{sizes}; refused: {error}"))?,
     }
-    if field.kind.mapping == Mapping::Conservative && field.method != Method::Overlap {
-        line("warning: this keeps the integral but not the density; \"overlap\" keeps both")?;
+    if field.kind.mapping == Mapping::Conservative && field.method != Method::Intersection {
+        line(
+            "warning: this conserves the integral but does not bound the density; \
+              \"intersection\" does both",
+        )?;
     }
     Ok(())
 }

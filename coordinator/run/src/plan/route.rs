@@ -1,6 +1,7 @@
-//! Routing: who runs, which fields exist, who sends them to whom, and in which order.
+//! Routing: which participants run, which fields exist, which participant sends them to which, and
+//! in which order.
 
-use super::{Effect, Field};
+use super::contents::{Effect, Field};
 use case::{Case, OutputFields};
 use contract::description::{Description, EffectSpec, ModelSpec};
 use contract::field::{self, FieldKind};
@@ -141,13 +142,13 @@ pub(super) fn provided_twice(
     twice
 }
 
-/// The fields that close a loop: somebody who solves earlier needs them from somebody later.
+/// The fields that close a loop: a participant that solves earlier needs them from a later one.
 pub(super) fn feedback(fields: &[Field]) -> Vec<&Field> {
     fields.iter().filter(|f| f.consumers.iter().any(|&c| c <= f.producer)).collect()
 }
 
-/// Settles who hears the coordinator's iterates: with an implicit scheme those who solve before,
-/// or at the same time as, the producer; with an explicit one nobody.
+/// Settles which consumers receive the coordinator's iterates: with an implicit scheme those which
+/// solve before, or at the same time as, the producer; with an explicit one nobody.
 pub(super) fn feed_back(fields: &mut [Field], scheme: Scheme) {
     for field in fields.iter_mut().filter(|_| scheme.is_implicit()) {
         let late = |c: &&usize| scheme.is_parallel() || **c <= field.producer;
@@ -155,7 +156,7 @@ pub(super) fn feed_back(fields: &mut [Field], scheme: Scheme) {
     }
 }
 
-/// Every effect that somebody offers, with whom it concerns.
+/// Every effect that a participant offers, with the participants that it concerns.
 pub(super) fn effects(offers: &[(&str, &Description)], case: &Case) -> Vec<Effect> {
     let mut effects: Vec<Effect> = Vec::new();
     for (role, description) in offers {

@@ -1,6 +1,6 @@
 //! The plan as a person reads it.
 
-use super::Plan;
+use super::contents::Plan;
 use crate::format::bytes;
 use crate::format::seconds;
 use coupling::settings::Implicit;
@@ -32,14 +32,14 @@ impl Plan {
             let Implicit { max_iterations, reuse_windows, .. } = self.implicit;
             writeln!(
                 f,
-                "           {}, at most {max_iterations} iterations a window, {reuse_windows} \
-                 windows remembered",
+                "           {}, at most {max_iterations} iterations a window, secant columns of \
+                 {reuse_windows} windows reused",
                 self.implicit.acceleration.word()
             )?;
             if let Some(history) = self.accelerator_history() {
                 writeln!(
                     f,
-                    "           remembers up to {} columns of {} values: {}",
+                    "           keeps up to {} secant columns of {} values: {}",
                     history.columns,
                     history.length,
                     bytes(history.bytes())

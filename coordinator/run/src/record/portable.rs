@@ -1,12 +1,11 @@
 //! What a recording says is the same on every machine: files that the case names travel with it,
 //! and no path does.
 
-use super::attachment_name;
 use crate::error::{RunError, file_failure};
 use crate::plan::Plan;
 use contract::description::{Description, KeyKind};
 use contract::message::StateFile;
-use proto::recording::CaseFile;
+use proto::recording::{CaseFile, FILES};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -128,6 +127,11 @@ fn ends_in_an_option(text: &str) -> bool {
 
 fn ends_a_path(c: char) -> bool {
     c.is_whitespace() || matches!(c, '"' | '\'' | '`' | ',' | ';' | ')' | ']' | '}' | '<' | '>')
+}
+
+/// The name of a file of the case in a recording.
+fn attachment_name(key: &str) -> String {
+    format!("{FILES}{key}")
 }
 
 #[cfg(test)]

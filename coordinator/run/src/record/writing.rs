@@ -1,11 +1,21 @@
 //! The thread that writes.
 
-use super::{Progress, told};
 use proto::recording::{Event, RecordingError, RecordingWriter};
 use proto::transport::FieldReader;
 use std::fs::File;
 use std::sync::mpsc::Receiver;
-use std::sync::{Condvar, Mutex};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// How far the writing thread has come.
+#[derive(Debug, Default)]
+pub(super) struct Progress {
+    /// Iterations written.
+    pub(super) done: u64,
+    /// Every listener has been closed.
+    pub(super) closed: bool,
+    /// The thread has failed; everything after is dropped.
+    pub(super) failed: Option<String>,
+}
 
 /// What the coupling loop has noted.
 #[derive(Debug)]
@@ -85,11 +95,11 @@ pub(super) fn write_all(
                 writing.topics.clear();
                 writing.writer = None;
             }
-            let mut progress = super::lock(progress);
+            let mut progress = lock(progress);
             progress.done += u64::from(ends);
             progress.closed |= closes;
             if let Err(error) = &outcome {
-                progress.failed.get_or_insert_with(|| told(error));
+                progress.failed.get_or_insert_with(|| error.to_string());
             }
             drop(progress);
             if ends || closes || outcome.is_err() {
@@ -109,7 +119,7 @@ impl Drop for OnPanic<'_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             let why = || "the writing thread has panicked".to_owned();
-            super::lock(self.0).failed.get_or_insert_with(why);
+            lock(self.0).failed.get_or_insert_with(why);
             self.1.notify_all();
         }
     }
@@ -140,4 +150,8 @@ impl Writing {
         }
         Ok(())
     }
+}
+
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

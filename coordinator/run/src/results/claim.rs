@@ -115,7 +115,7 @@ pub(super) fn create(path: &Path) -> Result<(), RunError> {
         Ok(()) => Ok(()),
         Err(error) => match error.kind() {
             io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => Err(RunError::Usage(
-                format!("{} is, or lies in, a file; give a folder with --out", path.display()),
+                format!("{} is not a directory; give one with --out", path.display()),
             )),
             _ => Err(file_failure(path, &error)),
         },

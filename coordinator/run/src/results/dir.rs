@@ -44,7 +44,7 @@ impl Dir {
         }
         let opened = openat(&self.handle, name, FOLDER | OFlags::NOFOLLOW, Mode::empty());
         let handle = opened.map_err(|error| match error {
-            Errno::NOTDIR | Errno::LOOP => io::Error::other("is a link or a file, not a folder"),
+            Errno::NOTDIR | Errno::LOOP => io::Error::other("is not a directory"),
             other => other.into(),
         })?;
         Ok(Self { handle: Arc::new(handle), given: self.shown().join(name) })
@@ -129,7 +129,7 @@ mod tests {
         let dir = Dir::open(place.path()).unwrap();
         std::os::unix::fs::symlink("/tmp", place.path().join("fields")).unwrap();
         let error = dir.inner("fields").unwrap_err().to_string();
-        assert_eq!(error, "is a link or a file, not a folder");
+        assert_eq!(error, "is not a directory");
         assert_eq!(dir.inner("other").unwrap().shown(), place.path().join("other"));
         assert!(dir.file("fields", OFlags::RDONLY).is_err());
     }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `window`, `iteration` | from 0, from 1 |
 //! | `start_s`, `end_s` | the window |
-//! | `residual`, `residual_FIELD` | ‖r‖/‖x̃‖ of what is fed back: the largest, and each |
+//! | `residual`, `residual_FIELD` | ‖r‖/‖x̃‖ of the coupling data: the largest, and each |
 //! | `relaxation`, `columns`, `dropped` | how the next iterate was chosen; empty in the last one |
 //! | `coupling_s` | time of the iteration in which no model computed |
 //! | `heat_sent_w`, `heat_received_w` | mean power through conservative fields |
@@ -38,7 +38,7 @@ pub struct Row<'a> {
     pub step: &'a Step,
     /// The largest relative residual.
     pub residual: Option<f64>,
-    /// That of every field that is fed back.
+    /// That of every field of the coupling data.
     pub residuals: &'a [f64],
     /// How the next iterate was chosen.
     pub taken: &'a StepTaken,
@@ -64,7 +64,7 @@ pub struct IterationTable {
 
 impl IterationTable {
     /// Creates the file and writes its head, for participants of these roles and fields of these
-    /// names that are fed back.
+    /// names in the coupling data.
     pub fn create(path: &Path, roles: &[&str], fields: &[&str]) -> Result<Self, RunError> {
         let file = fresh(path).map_err(|error| file_failure(path, &error))?;
         let mut table = Self::in_file(file, path, 0);
@@ -179,7 +179,7 @@ fn cell(out: &mut impl Write, value: Option<f64>) -> io::Result<()> {
 mod tests {
     use super::*;
 
-    /// Head and one row, with these fields fed back.
+    /// Head and one row, with these fields as coupling data.
     fn table(fields: &[&str], residuals: &[f64], taken: StepTaken) -> Vec<String> {
         let mut text = Vec::new();
         head(&mut text, &["mech", "thermal"], fields).unwrap();

@@ -1,8 +1,10 @@
 //! The summary as a person reads it.
 
 mod contact;
+mod numbers;
 
-use crate::format::{Scale, bytes, counted, number, seconds};
+use crate::format::{bytes, counted, number, seconds};
+use numbers::{rise, with_unit};
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -50,25 +52,6 @@ pub fn text(summary: &Value, title: Option<&str>) -> String {
     line(&mut out, "accuracy", &accuracy(summary));
     line(&mut out, "cost", &cost(summary));
     out
-}
-
-/// A value in a unit that fits, as a terminal and its programs read numbers.
-fn with_unit(value: f64, si: &str, digits: usize) -> String {
-    plain(&Scale::of(si, value).show(value, digits))
-}
-
-/// A number to some digits, with a plain minus sign.
-fn digits(value: f64, digits: usize) -> String {
-    plain(&number(value, digits))
-}
-
-fn plain(text: &str) -> String {
-    text.replace('\u{a0}', " ").replace('−', "-")
-}
-
-fn rise(value: f64) -> String {
-    let sign = if value < 0.0 { "" } else { "+" };
-    format!("{sign}{} K", digits(value, 5))
 }
 
 fn imbalance(value: f64) -> String {

@@ -120,7 +120,7 @@ const OWN: [&str; 7] = ["schema", "case", "status", "reason", "coupling", "cost"
 pub struct Sections {
     /// The merged sections.
     pub merged: Map<String, Value>,
-    /// Role and dotted key of the first figure that is not finite; it is left out.
+    /// Role and dotted key of the first quantity that is not finite; it is left out.
     pub not_finite: Option<(String, String)>,
 }
 
@@ -132,7 +132,7 @@ impl Sections {
         for (role, summary) in said {
             match summary {
                 Value::Object(summary) => sections.take(role, summary),
-                _ => tracing::warn!(role, "its summary is no object and is left out"),
+                _ => tracing::warn!(role, "its summary is not an object and is left out"),
             }
         }
         place_over_semi_axis(&mut sections.merged);
@@ -149,7 +149,7 @@ impl Sections {
             let mut not_finite = Vec::new();
             let value = finite(value, key, &mut not_finite);
             for key in not_finite {
-                tracing::warn!(role, key, "a figure that is not finite is left out");
+                tracing::warn!(role, key, "a quantity that is not finite is left out");
                 self.not_finite.get_or_insert_with(|| (role.to_owned(), key));
             }
             if let Some(value) = value {
@@ -387,8 +387,8 @@ mod tests {
         let said = json!({"contact": {"area_m2": f64::NAN, "list": [1.0, f64::INFINITY], "n": 1}});
         let sections = Sections::gather([("mech", &said)]);
         assert_eq!(Value::Object(sections.merged), json!({"contact": {"n": 1}}));
-        let told = sections.not_finite.unwrap();
-        assert_eq!(told, ("mech".to_owned(), "contact.area_m2".to_owned()));
+        let entry = sections.not_finite.unwrap();
+        assert_eq!(entry, ("mech".to_owned(), "contact.area_m2".to_owned()));
     }
 
     #[test]

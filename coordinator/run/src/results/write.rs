@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 /// Ends the name of a file that is being written.
 pub const UNFINISHED: &str = ".new";
 
-/// Replaces a file as a whole: a reader, or who comes after a crash, sees the old or the new one.
+/// Replaces a file as a whole: a reader, or what reads it after a crash, sees the old or the new
+/// one.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
     create(path, |out| out.write_all(content))
 }

@@ -1,5 +1,5 @@
-//! The energy audit: what a consumer was told to use of the conservative fields, it has to say it
-//! received.
+//! The energy audit: what a consumer was assigned of the conservative fields, it has to report that
+//! it received.
 //!
 //! The samples are those whose sequence numbers stood in the command, so that a consumer that solves
 //! at the same time as its producer is judged by what it had, not by what is newer. A consumer that
@@ -14,8 +14,8 @@ use contract::message::Reply;
 /// Heat across the interface in one iteration, as mean power over the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HeatBalance {
-    /// Surface integral of the conservative fields that the consumers which report heat were told to
-    /// use; if none reports, that of all [W].
+    /// Surface integral of the conservative fields that the consumers which report heat were
+    /// assigned; if none reports, that of all [W].
     pub sent: Option<f64>,
     /// What they report as received [W].
     pub received: Option<f64>,
@@ -32,7 +32,7 @@ pub struct HeatBalance {
 pub struct Receipt {
     /// Index of the participant.
     pub participant: usize,
-    /// What it was told to use [W].
+    /// What it was assigned [W].
     pub sent: f64,
     /// What it reports [W].
     pub received: f64,
@@ -90,7 +90,7 @@ impl HeatBalance {
     }
 }
 
-/// The power in the conservative fields that a participant is being told to use, each on the grid
+/// The power in the conservative fields that a participant is assigned, each on the grid
 /// that it was sent on; `None` if it consumes none.
 pub(super) fn commanded(
     taps: &[Tap],
@@ -120,8 +120,8 @@ pub(super) fn commanded(
 /// reported of the one before.
 pub(super) fn report_fault(reply: &Reply, heat_before: Option<f64>) -> Option<String> {
     let stopped = heat_before.is_some() && reply.heat_received.is_nan();
-    let told = || stopped.then(|| "it has stopped reporting the heat it receives".to_owned());
-    reply.fault().or_else(told)
+    let ended = || stopped.then(|| "it has stopped reporting the heat it receives".to_owned());
+    reply.fault().or_else(ended)
 }
 
 /// The largest part of the heat that a mapping has lost or made; `None` if no heat is mapped.

@@ -1,10 +1,10 @@
 //! The state of all participants, written to a folder and read back between two windows.
 //!
 //! Each participant writes a file of its own, `ROLE.state`. What it sent last is the coordinator's
-//! to keep, `FIELD.values`: on return the participant publishes it again, so that whoever needs it a
-//! window later finds it where it would have been. Where the grid of those values moves, it is kept
-//! beside them, `ROLE.GRID.geometry`: the participant's own state has the grid of the window that
-//! follows.
+//! to keep, `FIELD.values`: on return the participant publishes it again, so that a participant
+//! that needs it a window later finds it where it would have been. Where the grid of those values
+//! moves, it is kept beside them, `ROLE.GRID.geometry`: the participant's own state has the grid of
+//! the window that follows.
 
 use super::Session;
 use super::moving::MovingGrid;
@@ -49,7 +49,7 @@ impl Session {
     }
 
     /// Returns to the state that [`Session::save`] wrote after `step`, before the first window is
-    /// solved; `iterate` is what was sent last to those who close the loop.
+    /// solved; `iterate` is what was sent last to the consumers that close the loop.
     pub fn restore(&mut self, step: &Step, folder: &Path, iterate: &[f64]) -> Result<(), RunError> {
         self.peers.phase = Phase::Restoring(*step);
         let last: Vec<Grid> =

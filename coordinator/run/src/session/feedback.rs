@@ -1,7 +1,7 @@
-//! Fields that are fed back: the coordinator takes them from their producer, and sends its own
-//! iterate of them to those who consume them.
+//! Coupling data: the coordinator takes these fields from their producer, and sends its own
+//! iterate of them to the participants that consume them.
 //!
-//! Only the consumers that close the loop hear the coordinator; everybody else hears the producer
+//! Only the consumers that close the loop subscribe to the coordinator; all others to the producer
 //! directly. The topic is `field/coordinator/NAME`; its samples have sequence numbers of their own.
 //! Consumers on a grid of their own have a topic of their own ([`super::mapped`]).
 
@@ -10,16 +10,16 @@ use super::tap::Consumer;
 use crate::peers::COORDINATOR;
 use contract::grid::Grid;
 
-/// One field that is fed back.
+/// One field of the coupling data.
 #[derive(Debug)]
 pub(super) struct Feedback {
     /// Index of its tap.
     pub(super) tap: usize,
-    /// Who hears the iterates on the producer's grid.
+    /// The consumers which receive the iterates on the producer's grid.
     pub(super) readers: Vec<Consumer>,
     /// Surface integral of the last iterate, if its mapping conserves it.
     pub(super) heat: Option<f64>,
-    /// Where they hear them; `None` if nobody does.
+    /// Where they receive them; `None` if none does.
     pub(super) outlet: Option<Outlet>,
 }
 

@@ -98,7 +98,7 @@ impl Session {
         Ok(())
     }
 
-    /// What is fed back keeps its length, and everything else must have room in shared memory.
+    /// Coupling data keep their length, and everything else must have room in shared memory.
     fn check_growth(&mut self, index: usize, moved: &Grid) -> Result<(), RunError> {
         let MovingGrid { participant, grid, capacity, .. } = &self.moving[index];
         let mut fed_back = self.feedback.iter().map(|feedback| &self.taps[feedback.tap]);
@@ -108,12 +108,11 @@ impl Session {
                 who: self.peers.all()[*participant].who(),
                 when: self.peers.phase.to_string(),
                 what: format!(
-                    "grid `{name}` has gone from {from} to {to} elements, but `{}` on it is fed \
-                     back",
+                    "grid `{name}` has gone from {from} to {to} elements, but `{}` on it is coupling data",
                     tap.kind.name
                 ),
                 fix: "keep the number of its elements, or use a scheme in which the field is not \
-                      fed back"
+                      coupling data"
                     .to_owned(),
             }));
         }

@@ -25,7 +25,7 @@ impl Session {
         waited.map_err(|error| self.not_sent(&error))
     }
 
-    /// The coupling vector: the fields that are fed back, in the order of the plan.
+    /// The coupling vector: the fields of the coupling data, in the order of the plan.
     pub(super) fn coupling_parts(&self) -> Vec<Part> {
         let fields = self.feedback.iter().map(|feedback| {
             let tap = &self.taps[feedback.tap];
@@ -55,7 +55,7 @@ impl Session {
     pub(super) fn copy_returned(&self, returned: &mut [f64]) {
         for (feedback, part) in self.feedback.iter().zip(&self.parts) {
             let values = self.taps[feedback.tap].values();
-            let values = values.expect("a field that is fed back has its first values");
+            let values = values.expect("a field of the coupling data has its first values");
             returned[part.range.clone()].copy_from_slice(values);
         }
     }

@@ -10,9 +10,9 @@ pub fn layout_fault(configuration: &Configuration, layout: &Layout) -> Option<St
     }
     let mut sent = configuration.outputs.iter().chain(&configuration.observed);
     if let Some(field) = sent.find(|field| layout.grid_of(field).is_none()) {
-        return Some(format!("it gives no grid for `{field}`"));
+        return Some(format!("its layout has no grid for `{field}`"));
     }
     let received = |field: &str| configuration.inputs.iter().any(|i| i.field.name == field);
     let wish = layout.inputs.iter().find(|wish| !received(&wish.field))?;
-    Some(format!("it wants a grid for `{}`, which it does not get", wish.field))
+    Some(format!("it requests a grid for `{}`, which is not an input of it", wish.field))
 }

@@ -2,9 +2,9 @@
 //! consumer, and sends them on.
 //!
 //! One topic for each such consumer, `field/coordinator/NAME/ROLE`, with sequence numbers of its own.
-//! What is fed back is accelerated on its producer's grid and mapped thereafter. Everything else is
+//! Coupling data are accelerated on their producer's grid and mapped thereafter. Everything else is
 //! mapped when its consumer is about to solve, from the newest sample, once. Where the grid of either
-//! side moves, the mapping is that between the grids as they are, and made anew only then.
+//! side moves, the mapping is that between the grids as they are, and rebuilt only then.
 
 use super::outlet::Outlet;
 use super::tap::Consumer;
@@ -20,7 +20,7 @@ use proto::transport::TransportError;
 pub(super) struct Mapped {
     /// Index of its tap.
     pub(super) tap: usize,
-    /// Index among what is fed back, if the consumer hears the iterates.
+    /// Index within the coupling data, if the consumer subscribes to the iterates.
     pub(super) part: Option<usize>,
     pub(super) reader: Consumer,
     /// What the last sample has of a field whose integral is kept.
@@ -29,8 +29,8 @@ pub(super) struct Mapped {
     pub(super) moving: Option<usize>,
     pub(super) grid: Grid,
     pub(super) mapping: CurrentMapping,
-    /// Its coverage has been told, when it was made so many times.
-    pub(super) told: (u64, Coverage),
+    /// Its coverage was reported when it had been built so many times.
+    pub(super) reported: (u64, Coverage),
     /// Sequence number of the producer's sample that was mapped last.
     pub(super) seen: u64,
     outlet: Outlet,
@@ -63,8 +63,8 @@ impl Mapped {
         outlet: Outlet,
     ) -> Self {
         let mapping = CurrentMapping::new(method, kind.mapping);
-        let (grid, told) = (grid.clone(), (0, Coverage::default()));
-        Self { tap, part, reader, heat: None, moving, grid, mapping, told, seen: 0, outlet }
+        let (grid, reported) = (grid.clone(), (0, Coverage::default()));
+        Self { tap, part, reader, heat: None, moving, grid, mapping, reported, seen: 0, outlet }
     }
 
     /// The consumer's grid has moved.

@@ -22,12 +22,12 @@ impl Session {
     fn tell_coverage(&mut self, index: usize) {
         let Self { mapped, taps, peers, .. } = self;
         let one = &mut mapped[index];
-        let (before, covered) = one.told;
+        let (before, covered) = one.reported;
         let Some(coverage) = one.mapping.coverage().filter(|_| one.mapping.builds() != before)
         else {
             return;
         };
-        one.told = (one.mapping.builds(), coverage);
+        one.reported = (one.mapping.builds(), coverage);
         let (field, role) =
             (&taps[one.tap].kind().name, peers.all()[one.reader.participant].role());
         match coverage.is_poor() {
@@ -35,7 +35,7 @@ impl Session {
                 tracing::warn!("`{field}` mapped for {role}: {coverage}");
             }
             _ if before == 0 => tracing::info!("`{field}` mapped for {role}: {coverage}"),
-            _ => tracing::debug!("`{field}` mapped for {role} anew: {coverage}"),
+            _ => tracing::debug!("`{field}` mapped for {role} again: {coverage}"),
         }
     }
 
@@ -48,7 +48,8 @@ impl Session {
         }
     }
 
-    /// Sends those who are about to solve the newest samples of what is mapped for them.
+    /// Sends the participants that are about to solve the newest samples of what is mapped for
+    /// them.
     pub(super) fn send_mapped(&mut self, participants: &[usize]) -> Result<(), RunError> {
         for index in 0..self.mapped.len() {
             let Self { mapped, taps, .. } = self;
@@ -73,7 +74,7 @@ impl Session {
         Ok(())
     }
 
-    /// Maps an iterate of what is fed back for those whose grid does not match.
+    /// Maps an iterate of the coupling data for consumers with a non-matching grid.
     pub(super) fn send_mapped_iterate(
         &mut self,
         part: usize,

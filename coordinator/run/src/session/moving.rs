@@ -1,5 +1,5 @@
-//! Grids that move: the coordinator hears the geometry of every one that a field of the run is on,
-//! or is mapped to, on `geometry/ROLE/GRID`.
+//! Grids that move: the coordinator subscribes to the geometry of every one that a field of the run
+//! is on, or is mapped to, on `geometry/ROLE/GRID`.
 //!
 //! Geometry is part of the accepted state. A participant publishes it when it has accepted a window
 //! (or has been restored), and replies; so it is known before anybody solves the next one, and holds

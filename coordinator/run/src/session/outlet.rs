@@ -1,4 +1,4 @@
-//! A topic on which the coordinator itself sends a field: what is fed back, or mapped.
+//! A topic on which the coordinator itself sends a field: coupling data, or what is mapped.
 
 use crate::peers::COORDINATOR;
 use crate::record::{Recorder, TopicNumber};

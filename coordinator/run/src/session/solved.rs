@@ -13,7 +13,7 @@ pub struct SolveRecord {
     pub substeps: u32,
     /// Iterations of the inner solver.
     pub inner_iterations: u32,
-    /// Power in the conservative inputs that it was told to use [W].
+    /// Power in the conservative inputs that it was assigned [W].
     pub heat_sent: Option<f64>,
     /// Mean power received through conservative inputs, as it reports [W].
     pub heat_received: Option<f64>,

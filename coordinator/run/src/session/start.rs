@@ -2,13 +2,13 @@
 
 use super::Session;
 use super::feedback::Feedback;
-use super::hears::{Hears, consumer, hears, is_told, readers};
 use super::layout::layout_fault;
 use super::mapped::Mapped;
 use super::memory::SharedMemory;
 use super::open_files;
 use super::outlet::Outlet;
 use super::solved::SolveRecord;
+use super::subscription::{Subscription, consumer, is_informed, readers, subscription};
 use super::tap::{Consumer, Tap};
 use crate::error::{Failure, RunError};
 use crate::peers::{Peers, Phase, Seat};
@@ -104,7 +104,7 @@ impl Session {
         Err(self.peers.misbehaved(one, what))
     }
 
-    /// Configures every participant along the flow of data; each hears the grids of its inputs.
+    /// Configures every participant along the flow of data; each receives the grids of its inputs.
     fn configure(&mut self, plan: &Plan) -> Result<Vec<Layout>, RunError> {
         let mut layouts: Vec<Layout> = Vec::with_capacity(self.peers.all().len());
         for (one, participant) in plan.participants.iter().enumerate() {
@@ -114,7 +114,7 @@ impl Session {
                 let layout = producer.and_then(|index| layouts.get(index));
                 input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
                 input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
-                input.moves = is_told(plan, &layouts, input);
+                input.moves = is_informed(plan, &layouts, input);
             }
             let body = serde_json::to_vec(&configuration).expect("a configuration is plain data");
             self.peers.post(one, Command::new(CommandKind::Configure), &body, true)?;
@@ -138,7 +138,7 @@ impl Session {
             .map_or(Ok(()), |what| Err(self.peers.misbehaved(one, what)))
     }
 
-    /// Nobody hears a field on a moving grid who was not told of it, or does not know it.
+    /// No participant subscribes to a field on a moving grid unannounced, or without knowing it.
     fn check_told(&self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
         for field in &plan.fields {
             let (producer, name) = (&layouts[field.producer], &field.kind.name);
@@ -146,21 +146,23 @@ impl Session {
             for &one in field.consumers.iter().filter(|_| producer.moves(grid)) {
                 let inputs = &plan.participants[one].configuration.inputs;
                 let input = inputs.iter().find(|input| input.field.name == *name);
-                let told = input.is_some_and(|input| is_told(plan, &layouts[..one], input));
-                if !told && !matches!(hears(field, one, layouts), Hears::Mapped(_)) {
+                let informed = input.is_some_and(|input| is_informed(plan, &layouts[..one], input));
+                if !informed
+                    && !matches!(subscription(field, one, layouts), Subscription::Mapped(_))
+                {
                     let (producer, role) =
                         (&self.peers.all()[field.producer], self.peers.all()[one].role());
                     return Err(RunError::Failed(Failure {
                         who: producer.who(),
                         when: self.peers.phase.to_string(),
                         what: format!(
-                            "its grid `{}` may move, which {role}, who hears `{name}` on it, could \
-                             not be told",
+                            "its grid `{}` may move, of which {role}, which subscribes to `{name}` \
+                             on it, could not be informed",
                             grid.name
                         ),
                         fix: format!(
-                            "let it say so in its estimate, or let {role} want `{name}` on a grid \
-                             of its own"
+                            "let it announce that in its estimate, or let {role} request `{name}` \
+                             on a grid of its own"
                         ),
                     }));
                 }
@@ -190,7 +192,7 @@ impl Session {
             let outputs = pairs().filter(|(f, _)| f.producer == one).map(|(_, t)| t.clone());
             let outputs = outputs.collect();
             let consumed = pairs().filter(|(f, _)| f.consumers.contains(&one));
-            let inputs = consumed.map(|(field, topic)| self.heard(one, field, topic, layouts));
+            let inputs = consumed.map(|(field, topic)| self.subscribed(one, field, topic, layouts));
             let inputs = inputs.collect();
             let geometry = self.geometry_topics(plan, one, layouts);
             let topics = Topics { inputs, outputs, deadline, interpolation, geometry };
@@ -237,7 +239,7 @@ impl Session {
         let recorded = self.peers.recorder().map(listen).transpose().map_err(|error| {
             machine("shared memory", "while connecting", &error, "check /dev/shm")
         })?;
-        let direct = readers(field, layouts, &Hears::Producer);
+        let direct = readers(field, layouts, &Subscription::Producer);
         self.taps.push(Tap {
             kind: field.kind.clone(),
             grid: topic.grid.clone(),
@@ -265,7 +267,7 @@ impl Session {
     ) -> Result<(), TransportError> {
         let (kind, tap, recorder) = (&field.kind, self.taps.len() - 1, self.peers.recorder());
         if !field.fed_back.is_empty() {
-            let iterates = readers(field, layouts, &Hears::Iterates);
+            let iterates = readers(field, layouts, &Subscription::Iterates);
             let readers: Vec<Consumer> = iterates.map(|one| consumer(plan, field, one)).collect();
             let open = |subscribers| {
                 let service = Feedback::service(&kind.name);
@@ -275,7 +277,7 @@ impl Session {
             self.feedback.push(Feedback::new(tap, readers, outlet));
         }
         for &one in &field.consumers {
-            let Hears::Mapped(grid) = hears(field, one, layouts) else { continue };
+            let Subscription::Mapped(grid) = subscription(field, one, layouts) else { continue };
             let service = Mapped::service(&kind.name, &plan.participants[one].role);
             let outlet = Outlet::open(self.peers.endpoint(), &service, (kind, grid), 1, recorder)?;
             let part = field.fed_back.contains(&one).then(|| self.feedback.len() - 1);

@@ -93,7 +93,8 @@ impl Tap {
         &self.producer_role
     }
 
-    /// Who hears it directly; those to whom it is fed back or mapped hear the coordinator.
+    /// Which consumers subscribe to it directly; those which receive iterates or mapped values of
+    /// it subscribe to the coordinator.
     #[must_use]
     pub fn readers(&self) -> &[Consumer] {
         &self.readers

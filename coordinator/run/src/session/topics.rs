@@ -2,9 +2,9 @@
 
 use super::Session;
 use super::feedback::Feedback;
-use super::hears::{Hears, hears, readers};
 use super::mapped::Mapped;
 use super::moving::MovingGrid;
+use super::subscription::{Subscription, readers, subscription};
 use crate::plan::{Field, Plan};
 use contract::configuration::Layout;
 use contract::grid::Grid;
@@ -36,8 +36,8 @@ impl Session {
         Ok(())
     }
 
-    /// The geometry that a participant has to publish: we listen, and everybody who hears a field
-    /// on the grid from its producer, or our iterates of it.
+    /// The geometry that a participant has to publish: we subscribe, and so does every participant
+    /// which receives a field on the grid from its producer, or our iterates of it.
     pub(super) fn geometry_topics(
         &self,
         plan: &Plan,
@@ -52,7 +52,9 @@ impl Session {
             };
             let listens = |consumer: &usize| {
                 plan.fields.iter().filter(on_it).any(|field| {
-                    let maps = || matches!(hears(field, *consumer, layouts), Hears::Mapped(_));
+                    let maps = || {
+                        matches!(subscription(field, *consumer, layouts), Subscription::Mapped(_))
+                    };
                     field.consumers.contains(consumer) && !maps()
                 })
             };
@@ -79,16 +81,16 @@ impl Session {
             field: field.kind.name.clone(),
             service: format!("field/{role}/{}", field.kind.name),
             grid: grid.clone(),
-            // Those of its consumers who hear it directly, our own tap, and the recorder.
-            subscribers: readers(field, layouts, &Hears::Producer).count()
+            // Those of its consumers which subscribe to it directly, our own tap, and the recorder.
+            subscribers: readers(field, layouts, &Subscription::Producer).count()
                 + 1
                 + usize::from(self.peers.recorder().is_some()),
             geometry: self.geometry_service(field.producer, grid),
         }
     }
 
-    /// The topic on which a consumer hears a field, given the producer's.
-    pub(super) fn heard(
+    /// The topic on which a consumer receives a field, given the producer's.
+    pub(super) fn subscribed(
         &self,
         one: usize,
         field: &Field,
@@ -96,14 +98,14 @@ impl Session {
         layouts: &[Layout],
     ) -> Topic {
         let name = &topic.field;
-        match hears(field, one, layouts) {
-            Hears::Producer => topic.clone(),
-            Hears::Iterates => Topic {
+        match subscription(field, one, layouts) {
+            Subscription::Producer => topic.clone(),
+            Subscription::Iterates => Topic {
                 service: Feedback::service(name),
-                subscribers: readers(field, layouts, &Hears::Iterates).count(),
+                subscribers: readers(field, layouts, &Subscription::Iterates).count(),
                 ..topic.clone()
             },
-            Hears::Mapped(grid) => Topic {
+            Subscription::Mapped(grid) => Topic {
                 field: name.clone(),
                 service: Mapped::service(name, self.peers.all()[one].role()),
                 grid: grid.clone(),

@@ -9,8 +9,9 @@ use contract::step::Step;
 use coupling::{Exchange, Part};
 
 impl Session {
-    /// Makes the last solve of every participant its accepted state. Fields of those who are observed
-    /// are published and received. Grids that move are where they have moved to thereafter.
+    /// Makes the last solve of every participant its accepted state. Fields of those which are
+    /// observed are published and received. Grids that move are where they have moved to
+    /// thereafter.
     pub fn accept(&mut self, step: &Step, observed: Observed) -> Result<(), RunError> {
         // Nothing else looks through what was sent last in an explicit scheme before it is kept.
         (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
@@ -71,7 +72,7 @@ impl Session {
             }
             finished.push(said);
         }
-        // They end by themselves now; who does not is ended when the session is dropped.
+        // They end by themselves now; one that does not is ended when the session is dropped.
         self.peers.wait_for_exits();
         Ok(finished)
     }

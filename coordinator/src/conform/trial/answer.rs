@@ -1,6 +1,6 @@
-//! Replies, and what is demanded of them.
+//! Replies, and what is required of them.
 
-use crate::conform::check::{Fault, broken};
+use crate::conform::fault::{Fault, broken};
 use contract::configuration::Refusal;
 use contract::message::{Failure, Reply, Status};
 

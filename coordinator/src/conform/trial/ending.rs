@@ -1,6 +1,6 @@
 //! How a participant's life ends, and what is left of it.
 
-use crate::conform::check::{Fault, broken};
+use crate::conform::fault::{Fault, broken};
 use proto::run_dir::{RunDir, RunInfo};
 use run::peers::LEAVE;
 use run::supervise::{Exit, Supervisor};
@@ -48,7 +48,7 @@ pub(super) fn nothing_left(info: &RunInfo) -> Result<(), Fault> {
 }
 
 /// How a process ended, in words.
-pub(in crate::conform) fn told(exit: &Exit) -> String {
+pub(in crate::conform) fn end_of(exit: &Exit) -> String {
     let how = match (exit.status.signal(), exit.status.code()) {
         (Some(signal), _) => format!("was killed by signal {signal}"),
         (_, Some(code)) => format!("ended with exit code {code}"),

@@ -29,8 +29,8 @@ fn residuals(results: &Results) -> Option<Figure> {
         figure = figure.with(words(name), points);
     }
     figure.note = match windows {
-        1 => "Of every field that is fed back.".to_owned(),
-        many => format!("Of every field that is fed back; {many} windows one after the other."),
+        1 => "Of every field of the coupling data.".to_owned(),
+        many => format!("Of every field of the coupling data; {many} windows one after the other."),
     };
     figure.has_points().then_some(figure)
 }

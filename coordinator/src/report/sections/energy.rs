@@ -38,7 +38,7 @@ impl Audit {
         let (sent, received) = (column("heat_sent_w")?, column("heat_received_w")?);
         // The last iteration of a window is what was accepted; in a run that failed the last window
         // was not.
-        let accepted = results.figure("/coupling/windows").map_or(usize::MAX, |n| n as usize);
+        let accepted = results.quantity("/coupling/windows").map_or(usize::MAX, |n| n as usize);
         let last = windows(table).into_iter().take(accepted).filter_map(|rows| rows.last());
         let window = |row: usize| Window {
             end: end[row],
@@ -46,8 +46,8 @@ impl Audit {
             sent: sent[row],
             received: received[row],
         };
-        let told = |w: &Window| w.sent.is_finite() && w.received.is_finite();
-        let windows: Vec<Window> = last.map(window).filter(told).collect();
+        let known = |w: &Window| w.sent.is_finite() && w.received.is_finite();
+        let windows: Vec<Window> = last.map(window).filter(known).collect();
         (!windows.is_empty()).then_some(Self { windows })
     }
 
@@ -69,7 +69,7 @@ impl Audit {
             false => format!("{}\u{a0}{si}", number(received - sent, 2)),
         };
         table.row(["difference".to_owned(), difference]);
-        if let Some(worst) = results.figure("/coupling/energy_imbalance") {
+        if let Some(worst) = results.quantity("/coupling/energy_imbalance") {
             table.row(["largest, relative, of a window".to_owned(), number(worst, 2)]);
         }
         table

@@ -107,11 +107,11 @@ fn lines_of<'a>(
     let columns: Vec<(&str, Vec<f64>)> = names.filter_map(column).collect();
     let size = |values: &[f64]| values.iter().fold(0.0, |l: f64, v| l.max(v.abs()));
     let largest = columns.iter().map(|(_, values)| size(values)).fold(0.0, f64::max);
-    let told = columns.iter().filter(|(_, values)| size(values) > 1e-9 * largest);
+    let shown = columns.iter().filter(|(_, values)| size(values) > 1e-9 * largest);
     let scale = Scale::of(unit, largest);
-    let names: Vec<String> = told.clone().map(|(name, _)| words(name)).collect();
+    let names: Vec<String> = shown.clone().map(|(name, _)| words(name)).collect();
     let mut figure = Figure::new(names.join(", "), x_label, label("", &scale.unit));
-    for (name, values) in told {
+    for (name, values) in shown {
         let points = places.iter().zip(values).map(|(x, v)| [*x, v / scale.factor]).collect();
         figure = figure.with(words(name), points);
         if let Some(series) = figure.series.last_mut() {

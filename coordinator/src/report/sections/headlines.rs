@@ -1,4 +1,4 @@
-//! The figures of the summary: the few that matter first, all of them last.
+//! The quantities of the summary: the few that matter first, all of them last.
 
 use crate::report::page::{Block, Headline, Section};
 use crate::report::source::Results;
@@ -46,9 +46,9 @@ fn headline(name: &str, value: String, more: String) -> Headline {
     Headline { name: name.to_owned(), value, more }
 }
 
-/// A figure of the summary with its unit.
+/// A quantity of the summary with its unit.
 fn shown(results: &Results, pointer: &str, si: &str, digits: usize) -> Option<String> {
-    results.figure(pointer).map(|value| Scale::of(si, value).show(value, digits))
+    results.quantity(pointer).map(|value| Scale::of(si, value).show(value, digits))
 }
 
 fn percent(value: f64) -> String {
@@ -71,18 +71,18 @@ fn contact(results: &Results) -> Vec<Headline> {
 }
 
 fn friction(results: &Results) -> Vec<Headline> {
-    let of = |key: &str| results.figure(&format!("/contact/{key}"));
+    let of = |key: &str| results.quantity(&format!("/contact/{key}"));
     let with_unit = |key: &str, si: &str| shown(results, &format!("/contact/{key}"), si, 4);
     let forces = ["creep_force_x_n", "creep_force_y_n"].map(|key| of(key).unwrap_or(0.0));
     let normal = of("normal_force_n").filter(|force| *force > 0.0);
     let ratio = normal.map(|normal| forces[0].hypot(forces[1]) / normal);
     let coefficient = of("traction_coefficient").map(|value| {
         let parts = [("x", "creep_force_x_n"), ("y", "creep_force_y_n")];
-        let told = |(axis, key): &(&str, &str)| {
+        let part = |(axis, key): &(&str, &str)| {
             let force = of(key).filter(|force| force.abs() > 1e-6 * normal.unwrap_or(0.0))?;
             Some(format!("{} along {axis}", of_key(key, force).show(force, 4)))
         };
-        let parts: Vec<String> = parts.iter().filter_map(told).collect();
+        let parts: Vec<String> = parts.iter().filter_map(part).collect();
         let value = number(ratio.unwrap_or(value.abs()), 4);
         headline("Traction coefficient |F|/N", value, parts.join(", "))
     });
@@ -108,8 +108,8 @@ fn friction(results: &Results) -> Vec<Headline> {
 
 fn temperature(results: &Results, body: &str) -> Option<Headline> {
     let of = |key: &str| format!("/temperature/{body}/{key}");
-    let rise = results.figure(&of("max_rise_k"))?;
-    let place = results.figure(&of("x_over_a")).map(|x| format!("at x/a {}", number(x, 3)));
+    let rise = results.quantity(&of("max_rise_k"))?;
+    let place = results.quantity(&of("x_over_a")).map(|x| format!("at x/a {}", number(x, 3)));
     let depth = shown(results, &of("penetration_depth_m"), "m", 3).map(|d| format!("1/e at {d}"));
     let more: Vec<String> = [place, depth].into_iter().flatten().collect();
     let name = format!("{} temperature rise", if body == "rail" { "Rail" } else { "Wheel" });
@@ -117,12 +117,12 @@ fn temperature(results: &Results, body: &str) -> Option<Headline> {
 }
 
 fn coupling(results: &Results) -> Vec<Headline> {
-    let balance = results.figure("/coupling/energy_imbalance").map(|value| {
+    let balance = results.quantity("/coupling/energy_imbalance").map(|value| {
         let text = if value == 0.0 { "exact".to_owned() } else { number(value, 2) };
         headline("Heat imbalance", text, "received against sent, worst window".to_owned())
     });
-    let iterations = results.figure("/coupling/iterations").map(|value| {
-        let windows = results.figure("/coupling/windows").unwrap_or(0.0);
+    let iterations = results.quantity("/coupling/iterations").map(|value| {
+        let windows = results.quantity("/coupling/windows").unwrap_or(0.0);
         let windows = counted(windows as u64, "window");
         let more = format!("in {windows}, {}", results.word("/coupling/scheme"));
         headline("Iterations", format!("{value}"), more)
@@ -135,15 +135,15 @@ fn coupling(results: &Results) -> Vec<Headline> {
     [balance, iterations, wall].into_iter().flatten().collect()
 }
 
-/// Every figure of the summary, as it stands there and with a unit.
+/// Every quantity of the summary, as it stands there and with a unit.
 pub(super) fn everything(results: &Results) -> Option<Section> {
-    let mut table = Table::new(["figure", "value", "in summary.json"], 1);
+    let mut table = Table::new(["quantity", "value", "in summary.json"], 1);
     list(&results.summary, "", &mut table);
     if table.rows.is_empty() {
         return None;
     }
-    let title = format!("All {} figures of summary.json", table.rows.len());
-    Section::of("Every figure", vec![Block::Folded(title, table)])
+    let title = format!("All {} quantities of summary.json", table.rows.len());
+    Section::of("Every quantity", vec![Block::Folded(title, table)])
 }
 
 fn list(value: &Value, path: &str, table: &mut Table) {

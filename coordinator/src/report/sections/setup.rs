@@ -54,7 +54,7 @@ pub(super) fn log(results: &Results) -> Option<Section> {
             "{name} ({size}) holds every exchange: coordinator inspect, replay and export read it."
         )));
     }
-    let mut table = Table::new(["level", "who", "message"], 9);
+    let mut table = Table::new(["level", "source", "message"], 9);
     for event in &results.log {
         table.row(event.clone());
     }

@@ -1,4 +1,4 @@
-//! Who worked when, and where the time went.
+//! Which process worked when, and where the time went.
 
 use crate::report::lanes::{Lane, Lanes};
 use crate::report::page::{Block, Section};
@@ -86,7 +86,7 @@ fn note(serial: bool, group: usize) -> String {
 /// The parts of the wall time, the resident memory, the bytes.
 fn costs(results: &Results) -> Option<Figures> {
     let section = results.summary.get("cost")?.as_object()?;
-    let wall = results.figure("/cost/wall_s")?;
+    let wall = results.quantity("/cost/wall_s")?;
     let mut table = Figures::new(["part", "time", "of the wall time"], 1);
     for (key, value) in section {
         let (Some(name), Some(seconds)) = (key.strip_suffix("_s"), value.as_f64()) else {

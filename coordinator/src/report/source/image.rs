@@ -135,7 +135,7 @@ mod tests {
     use contract::grid::{Grid, Structured};
     use run::results::vtk::{FieldWriter, Shown};
 
-    /// What the writer of results writes is read back to the bit, each value at its place.
+    /// What the writer of results writes is read back bit-identically, each value at its place.
     #[test]
     fn a_written_image_is_read_back() {
         let place = tempfile::tempdir().unwrap();
@@ -145,7 +145,7 @@ mod tests {
         let vector: Vec<f64> = (0..12).map(|k| if k < 6 { 3.0 } else { f64::from(k) }).collect();
         let shown = |kind, values| Shown { producer: "p", grid: &grid, kind, values };
         let fields = [shown(&pressure, &scalar[..]), shown(&traction, &vector[..])];
-        FieldWriter::new(place.path().to_owned()).write_fields(&fields, 7, 0.0).unwrap();
+        FieldWriter::new(place.path().to_owned()).write(&fields, 7, 0.0).unwrap();
         let path = place.path().join("p_g_000007.vti");
         let image = Image::read(&path).unwrap();
         assert_eq!((image.plane(), image.cells), (Some([0, 1]), [3, 2, 0]));
@@ -155,7 +155,7 @@ mod tests {
         assert_eq!((p.name.as_str(), p.unit.as_str(), &p.values), ("pressure", "Pa", &scalar));
         let lengths = vector[6..].iter().map(|y| (9.0 + y * y).sqrt()).collect::<Vec<_>>();
         assert_eq!(t.magnitudes(), lengths);
-        // A file that is cut off is no image, wherever it is cut.
+        // A file that is cut off is not an image, wherever it is cut.
         let whole = fs::read(&path).unwrap();
         let data = whole.windows(DATA.len()).position(|w| w == DATA).unwrap() + DATA.len();
         for end in [0, data - 1, data, data + 8 + 47, data + 56 + 8 + 143] {

@@ -224,7 +224,7 @@ impl Contact {
             return Ok(());
         }
         let reason = format!(
-            "friction takes {:.6e} W where the forces give {:.6e} W over the creepages",
+            "friction dissipates {:.6e} W where the forces give {:.6e} W over the creepages",
             self.problem.rolling_speed * self.totals.power,
             self.problem.rolling_speed * self.creep_power()
         );

@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 /// An instant whose power does not add up.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "the power of the contact does not add up: friction takes {friction:.6e} W where {given:.6e} W go \
-     in, which differ by {imbalance:.1e} of all that is exchanged; the contact is not solved: change \
-     mech.resolution"
+    "the power balance of the contact does not hold: friction dissipates {friction:.6e} W where \
+     {given:.6e} W are supplied, which differ by {imbalance:.1e} of all that is exchanged; the \
+     contact is not solved: change mech.resolution"
 )]
 pub(super) struct PowerError {
     pub(super) friction: f64,

@@ -36,8 +36,8 @@ pub(super) enum ContactError {
     #[error(transparent)]
     Tangential(#[from] TangentialError),
     #[error(
-        "normal and tangential contact did not settle in {MOST_TURNS} turns: the pressure still \
-         changes by {change:.1e} of its maximum"
+        "normal and tangential contact did not converge in {MOST_TURNS} alternations: the pressure \
+         still changes by {change:.1e} of its maximum"
     )]
     Unsettled { change: f64 },
     #[error(transparent)]

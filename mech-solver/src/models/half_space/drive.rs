@@ -155,7 +155,7 @@ fn refuse_wrong_motion(configuration: &Configuration, scene: &Scene) -> Result<(
         )),
         Drive::Shift(_) if rolls => Err(Refusal::new(
             "motion.shift",
-            "a wheel that rolls has creepages; a shift is for bodies that do not roll",
+            "a rolling wheel has creepages; a shift is for bodies that do not roll",
             format!("write motion.creepage, or {SPEED} = 0"),
         )),
         _ if !rolls && configuration.mode == Mode::Steady => Err(Refusal::new(
@@ -178,7 +178,7 @@ fn override_with(
     let (key, value) = match given {
         (None, None) => return Ok(()),
         (Some(_), Some(_)) => {
-            let reason = format!("stands beside `{creepage}`, and each alone decides the other");
+            let reason = format!("excludes `{creepage}`: each determines the other");
             return Err(Refusal::new(force, reason, "keep one of them"));
         }
         (Some(value), None) => (creepage, Component::Creepage(value)),
@@ -187,7 +187,7 @@ fn override_with(
     if *component != Component::Creepage(0.0) {
         return Err(Refusal::new(
             key,
-            "stands beside motion.creepage or motion.shift, which has this component too",
+            "excludes motion.creepage and motion.shift, which have this component too",
             "keep one of them",
         ));
     }

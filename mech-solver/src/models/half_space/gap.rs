@@ -140,7 +140,7 @@ impl Gap {
             (Some(_), Some(_)) => {
                 return Err(Refusal::new(
                     RAIL_PROFILE,
-                    format!("stands beside `{CROWN_RADIUS}`"),
+                    format!("excludes `{CROWN_RADIUS}`"),
                     "keep one of them",
                 ));
             }
@@ -149,7 +149,7 @@ impl Gap {
             Some(_) if scene.tread_curvature != 0.0 => {
                 return Err(Refusal::new(
                     WHEEL_PROFILE,
-                    "stands beside `wheel.tread_radius`",
+                    "excludes `wheel.tread_radius`",
                     "keep one of them",
                 ));
             }

@@ -119,9 +119,9 @@ mod tests {
         assert_eq!(balance.imbalance(), 0.0);
         assert_eq!(balance.check(), Ok(balance));
         let off = Balance { friction: 101.001, ..balance };
-        let told = off.check().unwrap_err().to_string();
-        for part in ["friction takes 1.010010e2 W", "where 1.010000e2 W go in", "by 7.7e-6"] {
-            assert!(told.contains(part), "{told}");
+        let message = off.check().unwrap_err().to_string();
+        for part in ["friction dissipates 1.010010e2 W", "where 1.010000e2 W go in", "by 7.7e-6"] {
+            assert!(message.contains(part), "{message}");
         }
         assert!(Balance { friction: f64::NAN, ..balance }.check().is_err());
         assert_eq!(Balance::default().imbalance(), 0.0);

@@ -246,7 +246,7 @@ impl Model for Transient {
         let (memory, read): (Memory, usize) =
             bincode::serde::decode_from_slice(&from.0, config).map_err(|e| wrong(e.to_string()))?;
         if read != from.0.len() || !memory.fits(self.power.len()) {
-            return Err(wrong("it belongs to another grid".to_owned()));
+            return Err(wrong("it is a state on another grid".to_owned()));
         }
         self.trial.clone_from(&memory);
         self.accepted = memory;

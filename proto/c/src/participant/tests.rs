@@ -7,7 +7,7 @@ use std::ffi::{c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null;
 
-/// A program in C, as far as Rust can write one: a counter that is told how to misbehave.
+/// A program in C, as far as Rust can write one: a counter that is asked to misbehave.
 #[derive(Default)]
 struct Counter {
     fault: &'static str,

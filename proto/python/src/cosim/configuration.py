@@ -1,4 +1,4 @@
-"""What a participant is told before a run, and what it answers. All of it travels as JSON."""
+"""What a participant is given before a run, and what it answers. All of it travels as JSON."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ class Simplification:
     error: float
     """Expected relative error."""
     source: str
-    """Where the figure comes from."""
+    """Where the number comes from."""
     with_effects: Sequence[str] = ()
     """It matters only with one of these effects; empty: always."""
 
@@ -221,10 +221,10 @@ class Layout:
         for placed in (self.fields, self.inputs):
             for name, grid_name in placed.items():
                 if self.grid(grid_name) is None:
-                    raise ValueError(f"`{name}` is placed on `{grid_name}`, which is no grid")
+                    raise ValueError(f"`{name}` is placed on `{grid_name}`, which is not a grid")
         for name in self.moving:
             if self.grid(name) is None:
-                raise ValueError(f"`{name}` moves, which is no grid")
+                raise ValueError(f"`{name}` moves, which is not a grid")
         for seconds in (self.solve_seconds, self.build_seconds):
             if not (math.isfinite(seconds) and seconds >= 0.0):
                 raise ValueError(f"an expected time of {seconds} s")

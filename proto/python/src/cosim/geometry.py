@@ -99,7 +99,7 @@ class GeometryPorts:
         return bool(self._ports)
 
     def wait_for_subscribers(self, deadline: float) -> None:
-        """Wait until everybody who follows them is there; `deadline` is monotonic."""
+        """Wait until all that follow them are there; `deadline` is monotonic."""
         for port in self._ports:
             port.writer.wait_for_subscribers(deadline)
 

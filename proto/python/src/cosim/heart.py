@@ -39,7 +39,7 @@ PATIENCE = 0.5
 #: Stands for work on a command.
 BUSY = 2**64 - 1
 
-COORDINATOR_GONE = "the coordinator is gone; this run is over"
+COORDINATOR_GONE = "the coordinator has ended; this run is over"
 
 PR_SET_PDEATHSIG = 1
 

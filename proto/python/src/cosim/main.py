@@ -39,7 +39,7 @@ def main(solver: type[Solver], arguments: Sequence[str] | None = None) -> None:
         _take_part(solver(), given.join, given.role)
     else:
         sys.exit(
-            "error: nothing to do; started by hand, a participant wants --describe, --estimate or "
+            "error: nothing to do; started by hand, a participant needs --describe, --estimate or "
             "--join RUN_FOLDER --role ROLE"
         )
 

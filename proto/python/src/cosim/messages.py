@@ -38,7 +38,7 @@ class CommandKind(enum.IntEnum):
 class Beat(enum.IntEnum):
     """What a heartbeat says: the participant works, or waits after a command.
 
-    Commands are told apart by their number modulo four.
+    Commands are distinguished by their number modulo four.
     """
 
     BUSY = 0

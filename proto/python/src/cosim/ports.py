@@ -106,7 +106,7 @@ class InputPort:
         start = self._start
         if not self._start_in_use and start is not None and start.size != expected:
             raise PortError(
-                f"input `{kind.name}` cannot go in a straight line from {start.size} values to "
+                f"input `{kind.name}` cannot be interpolated linearly from {start.size} values to "
                 f'{expected}: its grid has grown; set coupling.interpolation to "constant"'
             )
 

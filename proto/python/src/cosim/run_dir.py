@@ -1,10 +1,10 @@
-"""A run's folder and its locks; who lives, and who cleans up.
+"""A run's folder and its locks; which processes live, and which cleans up.
 
 The kernel drops advisory locks with their holder, however it ends (`proto/src/run_dir.rs`):
 
 - `coordinator.lock`, exclusive: a participant that can take it knows that the coordinator is dead;
 - `participant-ROLE.lock`, exclusive: the coordinator knows when a participant is gone;
-- `members.lock`, shared by all: who can take it exclusively is the last, and removes the folder and
+- `members.lock`, shared by all: the process that can take it exclusively is the last, and removes the folder and
   every shared-memory file with the run's prefix.
 """
 
@@ -59,7 +59,7 @@ class RunInfo:
     def _check_place(self, folder: Path) -> None:
         """Raise `RunError` for a run of another user, or one that names what is not its own.
 
-        Whoever leaves last removes what the run's file names.
+        The last to leave removes what the run's file names.
         """
         try:
             here, named = folder.stat(), self.folder.stat()

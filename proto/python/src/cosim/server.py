@@ -46,7 +46,7 @@ class StateFileError(Exception):
     """A state file that cannot be written or read."""
 
 
-#: Errors that say enough by themselves; of all others the kind is told too.
+#: Errors that say enough by themselves; of all others the kind is reported too.
 PLAIN = (
     StepError,
     StateError,
@@ -287,7 +287,7 @@ class Server:
         done.model_seconds = spent
 
     def _accept(self) -> None:
-        """Nobody waits for an answer: an error is told with that to the next command."""
+        """Nobody waits for an answer: an error is reported with the answer to the next command."""
         try:
             self._timed(self._solver.accept)
         except Exception as error:
@@ -348,7 +348,7 @@ def parse(body: bytes) -> dict[str, Any]:
     except ValueError as error:
         raise ProtocolError(f"malformed message: {error}") from error
     if not isinstance(value, dict):
-        raise ProtocolError(f"malformed message: {type(value).__name__} is no object")
+        raise ProtocolError(f"malformed message: {type(value).__name__} is not an object")
     return value
 
 
@@ -401,5 +401,5 @@ def _failed(command: Command, error: Exception) -> tuple[Reply, bytes]:
         return _reply(Status.REFUSED, command), to_json(error.to_json())
     with suppress(OSError):
         traceback.print_exception(error)
-    told = str(error) if isinstance(error, PLAIN) else f"{type(error).__name__}: {error}"
-    return _reply(Status.FAILED, command), to_json({"error": told})
+    message = str(error) if isinstance(error, PLAIN) else f"{type(error).__name__}: {error}"
+    return _reply(Status.FAILED, command), to_json({"error": message})

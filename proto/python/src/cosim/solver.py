@@ -243,7 +243,7 @@ def admit(solver: Solver, configuration: Configuration) -> None:
             raise Refusal(
                 f"{role}.model",
                 f"`{model.name}` does not provide the field `{field}`",
-                "do not ask for this field, or name a model that provides it",
+                "do not request this field, or name a model that provides it",
             )
 
 
@@ -267,5 +267,5 @@ def checked_layout(solver: Solver, configuration: Configuration) -> Layout:
         if grids_known and name not in layout.fields
     ]
     if unplaced:
-        raise ValueError(f"the layout places no `{unplaced[0]}`, which the run needs")
+        raise ValueError(f"the layout has no grid for `{unplaced[0]}`, which the run needs")
     return layout

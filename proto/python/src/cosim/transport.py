@@ -249,7 +249,7 @@ class FieldWriter:
         self._subscribers = subscribers
 
     def wait_for_subscribers(self, deadline: float) -> None:
-        """Wait until everybody who has to receive the field is there; `deadline` is monotonic."""
+        """Wait until all that have to receive the field are there; `deadline` is monotonic."""
         start = time.monotonic()
         while self._topic.dynamic_config.number_of_subscribers < self._subscribers:
             if time.monotonic() >= deadline:

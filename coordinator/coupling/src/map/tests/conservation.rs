@@ -96,16 +96,16 @@ fn targets_beyond_the_source_take_the_border_s_value_and_are_counted() {
     let contract::grid::Shape::Structured(shape) = &mut above.shape else { unreachable!() };
     shape.origin[2] = 0.3;
     let mapping =
-        GridMapping::between(&source, &above, Method::Overlap, Mapping::Consistent).unwrap();
+        GridMapping::between(&source, &above, Method::Intersection, Mapping::Consistent).unwrap();
     assert_eq!(mapping.coverage().outside, 0);
 }
 
 #[test]
-fn overlaps_of_rectangles_are_products_of_intervals() {
+fn intersections_of_rectangles_are_products_of_intervals() {
     let (source, target) =
         (rectangle([0.0; 2], [1.0; 2], 7, 5), rectangle([0.1, -0.2], [0.8, 0.9], 4, 9));
     let field = noisy_field(&source, 1, 8);
-    let got = mapped(&source, &target, Method::Overlap, Mapping::Consistent, &field);
+    let got = mapped(&source, &target, Method::Intersection, Mapping::Consistent, &field);
     let (s, t) = (source.as_structured().unwrap(), target.as_structured().unwrap());
     let length = |a: f64, da: f64, b: f64, db: f64| {
         let (low, high) = ((a - da / 2.0).max(b - db / 2.0), (a + da / 2.0).min(b + db / 2.0));
@@ -127,7 +127,8 @@ fn overlaps_of_rectangles_are_products_of_intervals() {
 fn a_lost_or_invalid_value_is_no_balance() {
     let (source, target) = (square(3), square(4));
     let mapping =
-        GridMapping::between(&source, &target, Method::Overlap, Mapping::Conservative).unwrap();
+        GridMapping::between(&source, &target, Method::Intersection, Mapping::Conservative)
+            .unwrap();
     assert!((mapping.imbalance(&[1.0; 9], &[0.5; 16]) - 0.5).abs() < 1e-15);
     assert_eq!(mapping.imbalance(&[0.0; 9], &[0.0; 16]), 0.0);
     assert_eq!(mapping.imbalance(&[0.0; 9], &[1.0; 16]), f64::INFINITY);

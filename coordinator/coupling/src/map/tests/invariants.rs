@@ -34,17 +34,17 @@ fn constants_stay_constant() {
 }
 
 #[test]
-fn a_projected_or_overlapped_density_stays_within_its_extremes() {
+fn a_projected_or_intersected_density_stays_within_its_extremes() {
     for [source, target] in pairs() {
         let field = noisy_field(&source, 1, 7);
-        for method in [Method::NearestNeighbour, Method::NearestProjection, Method::Overlap] {
+        for method in [Method::NearestNeighbour, Method::NearestProjection, Method::Intersection] {
             let got = mapped(&source, &target, method, Mapping::Consistent, &field);
             let peak = field.iter().fold(0.0, |peak: f64, v| peak.max(v.abs()));
             assert!(got.iter().all(|v| v.abs() <= peak * (1.0 + 1e-14)), "{method:?}");
         }
     }
     let (source, target) = (square(13), square(29));
-    let got = mapped(&source, &target, Method::Overlap, Mapping::Conservative, &[5.0; 169]);
+    let got = mapped(&source, &target, Method::Intersection, Mapping::Conservative, &[5.0; 169]);
     assert!(got.iter().all(|v| (v / 5.0 - 1.0).abs() < 1e-12), "areas are exact but for rounding");
 }
 
@@ -230,7 +230,7 @@ fn grids_of_one_element_and_of_one_row() {
 fn a_wrong_grid_is_refused() {
     let wrong = rectangle([0.0; 2], [1.0; 2], 0, 3);
     for [source, target] in [[&square(2), &wrong], [&wrong, &square(2)]] {
-        let got = GridMapping::between(source, target, Method::Overlap, Mapping::Consistent);
+        let got = GridMapping::between(source, target, Method::Intersection, Mapping::Consistent);
         assert!(matches!(got, Err(crate::map::MapError::Grid(_))), "{got:?}");
     }
 }
@@ -284,7 +284,7 @@ fn a_sharp_fold_keeps_constants_and_integrals() {
 #[test]
 fn a_mapping_is_made_once_for_a_revision() {
     let (source, mut target) = (square(4), square(5));
-    let mut current = CurrentMapping::new(Method::Overlap, Mapping::Conservative);
+    let mut current = CurrentMapping::new(Method::Intersection, Mapping::Conservative);
     for _ in 0..3 {
         current.between(&source, &target).unwrap();
     }

@@ -97,9 +97,9 @@ fn radial_basis_is_of_second_order_at_least() {
 }
 
 #[test]
-fn overlap_is_of_first_order() {
-    assert_order(Method::Overlap, INSIDE, 0.9..=1.1);
-    assert_order(Method::Overlap, 0.0, 0.9..=1.1);
+fn intersection_is_of_first_order() {
+    assert_order(Method::Intersection, INSIDE, 0.9..=1.1);
+    assert_order(Method::Intersection, 0.0, 0.9..=1.1);
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn orders_hold_on_a_cylinder_that_two_grids_cut_differently() {
         (Method::NearestProjection, 1.9..=2.1),
         // As in the plane, with the second order of the chords.
         (Method::RadialBasis, 1.85..=3.0),
-        (Method::Overlap, 0.9..=1.1),
+        (Method::Intersection, 0.9..=1.1),
     ];
     for (method, band) in orders {
         let one = |n: usize| {
@@ -162,16 +162,16 @@ fn conservative(method: Method, ratio: f64) -> Vec<f64> {
 }
 
 #[test]
-fn conservative_overlap_is_of_first_order_both_ways() {
+fn conservative_intersection_is_of_first_order_both_ways() {
     // Towards a coarser grid the mean over many elements is of second order but for its borders.
-    assert!((0.9..=1.1).contains(&order(&conservative(Method::Overlap, 2.37))));
-    assert!((1.1..=2.1).contains(&order(&conservative(Method::Overlap, 0.37))));
+    assert!((0.9..=1.1).contains(&order(&conservative(Method::Intersection, 2.37))));
+    assert!((1.1..=2.1).contains(&order(&conservative(Method::Intersection, 0.37))));
 }
 
 #[test]
 fn transposed_point_methods_converge_in_the_integral_only() {
-    // Why a heat flux is mapped by overlap: in the other methods what an element receives depends
-    // on how many centres happen to be near it, an error that no refinement takes away.
+    // Why a heat flux is mapped by intersection: in the other methods what an element receives
+    // depends on how many centres happen to be near it, an error that no refinement takes away.
     for method in [Method::NearestNeighbour, Method::NearestProjection, Method::RadialBasis] {
         let errors = conservative(method, 1.37);
         assert!(order(&errors).abs() < 0.2 && errors[3] > 0.05, "{method:?}: {errors:?}");

@@ -169,7 +169,7 @@ fn the_case_file_is_never_replaced() {
 fn a_file_is_no_folder() {
     let (_place, out, case) = results(&[("file", "mine")]);
     for path in [out.join("file"), out.join("file/below")] {
-        assert!(refusal(replace(&path, &case)).contains("a file; give a folder"));
+        assert!(refusal(replace(&path, &case)).contains("is not a directory; give one"));
     }
     assert_eq!(text(out.join("file")), "mine");
 }

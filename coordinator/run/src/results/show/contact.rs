@@ -1,6 +1,6 @@
 //! Extent, patches and friction of a contact.
 
-use super::{digits, rise, with_unit};
+use super::numbers::{digits, rise, with_unit};
 use crate::format::counted;
 use serde_json::Value;
 
@@ -12,13 +12,13 @@ const NOTHING: f64 = 1e-6;
 /// Entries of a line; what is not known is absent.
 type Entries = Vec<Option<String>>;
 
-fn figure(summary: &Value, key: &str) -> Option<f64> {
+fn quantity(summary: &Value, key: &str) -> Option<f64> {
     summary.get("contact")?.get(key)?.as_f64()
 }
 
 /// Size, pressure and load. Of several patches the size is that of each.
 pub(super) fn extent(summary: &Value) -> Entries {
-    let of = |key: &str| figure(summary, key);
+    let of = |key: &str| quantity(summary, key);
     let several = of("patches").filter(|count| *count > 1.0);
     let size = |name: &str, key: &str| {
         let value = of(key).filter(|_| several.is_none())?;
@@ -37,7 +37,7 @@ pub(super) fn extent(summary: &Value) -> Entries {
 /// A line for each patch, if there are several; of many, for those that carry most.
 pub(super) fn patches(summary: &Value) -> Vec<(String, Entries)> {
     let listed = summary.pointer("/contact/each_patch").and_then(Value::as_array);
-    let count = figure(summary, "patches").unwrap_or(0.0) as usize;
+    let count = quantity(summary, "patches").unwrap_or(0.0) as usize;
     let load = |patch: &Value| patch.get("normal_force_n").and_then(Value::as_f64).unwrap_or(0.0);
     let mut shown: Vec<(usize, &Value)> = listed.into_iter().flatten().enumerate().collect();
     shown.sort_by(|a, b| load(b.1).total_cmp(&load(a.1)));
@@ -72,7 +72,7 @@ fn one_patch(patch: &Value) -> Entries {
 
 /// Forces, creepages, slip and power; forces and creepages that are zero are left out.
 pub(super) fn friction(summary: &Value) -> Entries {
-    let of = |key: &str| figure(summary, key);
+    let of = |key: &str| quantity(summary, key);
     let normal = of("normal_force_n").filter(|force| *force > 0.0);
     let ratio = match (of("creep_force_x_n"), normal) {
         (Some(x), Some(normal)) => Some(x.hypot(of("creep_force_y_n").unwrap_or(0.0)) / normal),
@@ -117,7 +117,7 @@ fn motion(summary: &Value) -> Entries {
     ];
     let there = known
         .iter()
-        .filter_map(|(name, key, written)| Some((*name, figure(summary, key)?, *written)));
+        .filter_map(|(name, key, written)| Some((*name, quantity(summary, key)?, *written)));
     let there: Vec<(&str, f64, Written)> = there.collect();
     let entries: Entries = there
         .iter()

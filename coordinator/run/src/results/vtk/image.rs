@@ -1,6 +1,7 @@
 //! Structured grids as image data.
 
-use super::{Fields, cell_data, opening, write_values};
+use super::file::{cell_data, opening, write_values};
+use super::shown::Fields;
 use contract::grid::Structured;
 use std::io::{self, Write};
 

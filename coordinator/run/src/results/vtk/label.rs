@@ -1,7 +1,7 @@
 //! What a file says of its arrays, where programs look for it: the unit of an array in its
 //! information, and for people a table in the field data with unit, body and meaning of every array.
 
-use super::Fields;
+use super::shown::Fields;
 use contract::field::{Body, FieldKind};
 use std::fmt::Write as _;
 
@@ -21,7 +21,7 @@ pub(super) fn unit(kind: &FieldKind) -> String {
     )
 }
 
-/// The table of the arrays: one column for each thing that is told, one row for each array.
+/// The table of the arrays: one column for each thing that is stated, one row for each array.
 pub(super) fn table(fields: &Fields) -> String {
     let columns: [(&str, Column); 4] = [
         ("array", array_name),
@@ -30,8 +30,9 @@ pub(super) fn table(fields: &Fields) -> String {
         ("meaning", |kind| kind.meaning.clone()),
     ];
     let mut text = String::new();
-    for (name, told) in columns {
-        let rows = fields.iter().map(|(kind, _)| codes(&told(kind))).collect::<Vec<_>>().join(" ");
+    for (name, describe) in columns {
+        let rows =
+            fields.iter().map(|(kind, _)| codes(&describe(kind))).collect::<Vec<_>>().join(" ");
         let _ = writeln!(
             text,
             "      <Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{}\" format=\"ascii\">\

@@ -69,7 +69,7 @@ def round_up(value):
 
 
 def unit_of(size):
-    """Return the unit, and its metres, in which a length [m] is told."""
+    """Return the unit, and its metres, in which a length [m] is shown."""
     return next((unit for unit in UNITS if size >= unit[1]), UNITS[-1])
 
 

@@ -1,7 +1,7 @@
 //! `open.py`: a state for ParaView that opens every series beside it.
 
-use super::Fields;
 use super::label::array_name;
+use super::shown::Fields;
 use crate::error::{RunError, file_failure};
 use crate::results::write::replace;
 use std::collections::BTreeMap;

@@ -1,6 +1,7 @@
 //! Quadrilaterals as an unstructured grid.
 
-use super::{Fields, cell_data, opening, write_values};
+use super::file::{cell_data, opening, write_values};
+use super::shown::Fields;
 use contract::grid::Quadrilaterals;
 use std::io::{self, Write};
 

@@ -1,13 +1,13 @@
-//! Who hears what on which topic.
+//! Which participant subscribes to which topic.
 
 use super::tap::Consumer;
 use crate::plan::{Field, Plan, non_matching};
 use contract::configuration::{Input, Layout};
 use contract::grid::Grid;
 
-/// Whom a consumer hears.
+/// Where a consumer gets a field from.
 #[derive(Debug, PartialEq)]
-pub(super) enum Hears<'a> {
+pub(super) enum Subscription<'a> {
     Producer,
     /// The coordinator, on the producer's grid.
     Iterates,
@@ -15,22 +15,26 @@ pub(super) enum Hears<'a> {
     Mapped(&'a Grid),
 }
 
-/// Whom one of a field's consumers hears.
-pub(super) fn hears<'a>(field: &Field, one: usize, layouts: &'a [Layout]) -> Hears<'a> {
+/// Where one of a field's consumers gets it from.
+pub(super) fn subscription<'a>(
+    field: &Field,
+    one: usize,
+    layouts: &'a [Layout],
+) -> Subscription<'a> {
     match non_matching(field, one, |index| layouts.get(index)) {
-        Some([_, wanted]) => Hears::Mapped(wanted),
-        None if field.fed_back.contains(&one) => Hears::Iterates,
-        None => Hears::Producer,
+        Some([_, wanted]) => Subscription::Mapped(wanted),
+        None if field.fed_back.contains(&one) => Subscription::Iterates,
+        None => Subscription::Producer,
     }
 }
 
-/// The consumers of a field that hear it like this.
+/// The consumers of a field that subscribe to it like this.
 pub(super) fn readers<'a>(
     field: &'a Field,
     layouts: &'a [Layout],
-    like: &'a Hears<'a>,
+    like: &'a Subscription<'a>,
 ) -> impl Iterator<Item = usize> + 'a {
-    field.consumers.iter().copied().filter(move |&one| hears(field, one, layouts) == *like)
+    field.consumers.iter().copied().filter(move |&one| subscription(field, one, layouts) == *like)
 }
 
 /// A consumer of a field, and where that is among its inputs.
@@ -40,9 +44,9 @@ pub(super) fn consumer(plan: &Plan, field: &Field, participant: usize) -> Consum
     Consumer { participant, slot: slot.expect("a consumer has the field as an input") }
 }
 
-/// What a participant is told, when the layouts of those before it are known: whether the grid of
-/// one of its inputs may move. Of who comes later the estimate says it.
-pub(super) fn is_told(plan: &Plan, layouts: &[Layout], input: &Input) -> bool {
+/// What a participant is informed of, when the layouts of those before it are known: whether the
+/// grid of one of its inputs may move. Of later ones the estimate says it.
+pub(super) fn is_informed(plan: &Plan, layouts: &[Layout], input: &Input) -> bool {
     let producer = plan.participants.iter().position(|p| p.role == input.producer);
     let layout = producer.and_then(|index| {
         layouts.get(index).or_else(|| plan.participants[index].estimate.as_ref())
