@@ -164,9 +164,10 @@ mod tests {
             (r#"{"schema": 2}"#, "missing field `value`"),
             ("[", "EOF"),
         ] {
-            let told = read(text).unwrap_err();
-            assert!(told.contains("some.json contains no study: ") && told.contains(why), "{told}");
-            assert!(told.ends_with("; run `coordinator some` again"), "{told}");
+            let message = read(text).unwrap_err();
+            assert!(message.contains("some.json contains no study: "), "{message}");
+            assert!(message.contains(why), "{message}");
+            assert!(message.ends_with("; run `coordinator some` again"), "{message}");
         }
     }
 }
