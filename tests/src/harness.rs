@@ -7,7 +7,7 @@ pub mod browser;
 mod programs;
 
 pub use answers::{Table, field, field_files, number};
-pub use programs::{library, programs};
+pub use programs::{library, programs, root};
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -21,11 +21,6 @@ use tempfile::TempDir;
 
 /// No test may take longer; generous, because it only ends what hangs.
 const WATCHDOG: Duration = Duration::from_secs(180);
-
-/// The root of the workspace.
-pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
-}
 
 /// The path of a shipped case.
 pub fn case(name: &str) -> String {

@@ -1,4 +1,4 @@
-//! Finished runs of a study that has not come to its end: they are kept in its folder, and the same
+//! Finished runs of a study that has not finished: they are kept in its folder, and the same
 //! request goes on with them.
 
 use super::study::{Request, Run};

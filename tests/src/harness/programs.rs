@@ -5,7 +5,6 @@
 //! test: it would wait for every other cargo on the machine. What is missing, or older than a source
 //! that it is made from, is refused with the command that builds it.
 
-use super::root;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -37,8 +36,13 @@ pub fn programs() -> &'static Path {
     static FOLDER: OnceLock<Result<PathBuf, String>> = OnceLock::new();
     let checked = FOLDER.get_or_init(|| {
         let folder = deps().parent().unwrap().to_owned();
+        // What is edited while tests run is of the next build; they are linked with the libraries.
+        let linked = changed(&std::env::current_exe().unwrap());
         for (name, package, main) in PROGRAMS {
-            fresh(&folder.join(name), package, &[root().join(package).join(main)])?;
+            let libraries = sources_of(package).into_iter();
+            let mut sources: Vec<_> = libraries.filter(|path| changed(path) <= linked).collect();
+            sources.push(root().join(package).join(main));
+            fresh(&folder.join(name), &sources)?;
         }
         Ok(folder)
     });
@@ -52,10 +56,15 @@ pub fn programs() -> &'static Path {
 pub fn library() -> &'static Path {
     static FOLDER: OnceLock<Result<PathBuf, String>> = OnceLock::new();
     let checked = FOLDER.get_or_init(|| {
-        fresh(&deps().join("libcosim.so"), "proto/c", &[])?;
+        fresh(&deps().join("libcosim.so"), &sources_of("proto/c"))?;
         Ok(deps())
     });
     checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
+}
+
+/// The root of the workspace.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
 /// The folder of the test's own executable, `target/PROFILE/deps`.
@@ -63,8 +72,8 @@ fn deps() -> PathBuf {
     std::env::current_exe().unwrap().parent().unwrap().to_owned()
 }
 
-/// The file is there and no older than any source of the package and of those that it depends on.
-fn fresh(file: &Path, package: &str, own: &[PathBuf]) -> Result<(), String> {
+/// The file is there and no older than any of its sources.
+fn fresh(file: &Path, sources: &[PathBuf]) -> Result<(), String> {
     let command = match cfg!(debug_assertions) {
         true => ["cargo test --workspace", "cargo build --workspace"],
         false => ["cargo test --release --workspace", "cargo build --release --workspace"],
@@ -76,8 +85,7 @@ fn fresh(file: &Path, package: &str, own: &[PathBuf]) -> Result<(), String> {
     let Some(built) = changed(file) else {
         return Err(format!("{} is missing. {how}", file.display()));
     };
-    let sources = packages(package).into_iter().flat_map(|package| sources(&package));
-    let newer = own.iter().cloned().chain(sources).find(|source| changed(source) > Some(built));
+    let newer = sources.iter().find(|source| changed(source) > Some(built));
     newer.map_or(Ok(()), |source| {
         Err(format!("{} is older than {}. {how}", file.display(), source.display()))
     })
@@ -117,6 +125,11 @@ fn packages(package: &str) -> Vec<PathBuf> {
     found
 }
 
+/// The sources of the library of a package and of those that it depends on.
+fn sources_of(package: &str) -> Vec<PathBuf> {
+    packages(package).iter().flat_map(|package| sources(package)).collect()
+}
+
 /// What the library of a package was made from, as the compiler has told cargo.
 fn sources(package: &Path) -> Vec<PathBuf> {
     let manifest = manifest(package);
@@ -153,4 +166,41 @@ fn library_of(path: &Path) -> Option<(String, Vec<PathBuf>)> {
         sources.split(' ').map(|source| PathBuf::from(source.replace('\0', " "))).collect();
     let ours = sources.first()?.is_relative();
     ours.then(|| (name.to_owned(), sources))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{fresh, packages, sources, sources_of};
+    use crate::harness::root;
+    use std::fs::File;
+    use std::time::SystemTime;
+
+    #[test]
+    fn what_is_missing_or_stale_is_refused_with_the_command() {
+        let folder = tempfile::tempdir().unwrap();
+        let (program, sources) = (folder.path().join("coordinator"), sources_of("coordinator"));
+        let missing = fresh(&program, &sources).unwrap_err();
+        assert!(
+            missing.contains("coordinator is missing. Run all tests (`cargo test"),
+            "{missing}"
+        );
+        let file = File::create(&program).unwrap();
+        assert_eq!(fresh(&program, &sources), Ok(()));
+        file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
+        let stale = fresh(&program, &sources).unwrap_err();
+        assert!(stale.contains("coordinator is older than") && stale.contains(".rs"), "{stale}");
+        assert!(stale.contains("--workspace`"), "{stale}");
+    }
+
+    /// The coordinator depends on the contract and on no solver; neither's list of sources is empty.
+    #[test]
+    fn a_program_is_made_from_its_package_and_those_that_it_depends_on() {
+        let packages = packages("coordinator");
+        let has = |name: &str| packages.contains(&root().join(name));
+        assert!(has("coordinator") && has("proto") && !has("mech-solver") && !has("tests"));
+        for package in &packages {
+            let sources = sources(package);
+            assert!(sources.iter().any(|source| source.starts_with(package)), "{sources:?}");
+        }
+    }
 }

@@ -84,7 +84,7 @@ fn a_loop_over_many_windows_replays_to_the_bit() {
 fn adaptive_windows_and_subcycles_replay_to_the_bit() {
     let place = Place::new();
     let settings = ["time.control=adaptive", "time.tolerance=1e-3", "source.substeps=3"];
-    let settings = [&settings[..], &["coupling.interpolation=linear"]].concat();
+    let settings = [&settings[..], &["coupling.interpolation=linear", "time.end=5"]].concat();
     let recording = record(&place, "lumped.toml", "--record", &settings);
     let seen = inspect(&place, &recording, &[]);
     assert!(seen["repeated_windows"].as_u64().unwrap() > 0, "{seen:#}");
@@ -248,7 +248,7 @@ fn a_replay_begins_at_a_recorded_state() {
 fn a_killed_and_resumed_run_is_recorded_in_two_files_that_replay() {
     let place = Place::new();
     let slow = ["output.checkpoint_every=3", "time.window=1e-6", "output.every=10"];
-    let slow = [&slow[..], &["mech.resolution=16"]].concat();
+    let slow = [&slow[..], &["mech.resolution=10"]].concat();
     let more: Vec<&str> = ["--record"].into_iter().chain(sets(&slow)).collect();
     let running = place.start_run(&case("cold-start.toml"), &more);
     let first = place.out().join("recording.mcap");

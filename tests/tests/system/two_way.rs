@@ -85,7 +85,7 @@ fn partial_slip_with_a_prescribed_force() {
 /// ended with the first iterate beyond f N before, as if that had been the state.
 fn refused_where_it_would_be_accepted(model: &str) {
     let place = Place::new();
-    let settings = [model, "mech.resolution=16", "motion.traction_coefficient=0.5"];
+    let settings = [model, "mech.resolution=10", "motion.traction_coefficient=0.5"];
     let more = sets(&settings);
     let ended = place.run(&case("falling-friction.toml"), &more);
     assert_eq!(ended.code, Some(1), "{model}: {}", ended.stderr);
