@@ -7,8 +7,8 @@
 //! has an error and a cost; those that no other beats in both are the Pareto front.
 //!
 //! ```text
-//! Request ──sweep──► Run (quantities, cost) ──analysis──► Study ──► table, cost.json, cost.csv,
-//! report.html ```
+//! Request ──sweep──► Run (quantities, cost) ──analysis──► Study ──► table, cost.json, cost.csv, page
+//! ```
 //!
 //! Models, resolutions and what models leave out come from the descriptions of the programs
 //! ([`contract::accuracy`]); nothing here names one.

@@ -2,12 +2,11 @@
 //! `run --accuracy`, `stability` and `reproduce` have in common.
 //!
 //! [`Variant`] is what is changed, [`run`] performs it like any other run, processes and shared
-//! memory included, [`quantity`] names the quantities of a summary that are compared,
-//! [`richardson`] estimates their errors from grids, [`levels`] lists what the installed models
-//! offer for a case. [`arguments`], [`folder`], [`output`] and [`table`] are what the commands ask, where they write, and
+//! memory included, [`quantity`] names the quantities of a summary that are compared, [`richardson`]
+//! estimates their errors from grids, [`levels`] lists what the installed models offer for a case.
+//! [`arguments`], [`folder`], [`output`] and [`table`] are what the commands ask, where they write, and
 //! how they show what they have found.
-//! Nothing here knows a model or an effect by name: what there is to vary is in
-//! the descriptions.
+//! Nothing here knows a model or an effect by name: what there is to vary is in the descriptions.
 
 pub mod arguments;
 pub mod axis;

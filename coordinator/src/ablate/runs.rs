@@ -29,14 +29,14 @@ pub(super) fn quantities(study: &Study) -> impl Iterator<Item = Quantity> {
 pub(super) fn table(study: &Study) -> Table<'_, Run> {
     let mut columns = vec![Column::text("", name).naming().on_page("run")];
     columns.extend(quantities(study).map(|one| {
-        Column::figure(one.name.clone(), move |run: &Run| Cell::text(figure(&one, run)))
+        Column::quantity(one.name.clone(), move |run: &Run| Cell::text(figure(&one, run)))
     }));
-    columns.push(Column::figure("solve", |run: &Run| Cell::seconds(run.cost.solve_s)));
-    columns.push(Column::figure("of the whole", |run: &Run| {
+    columns.push(Column::quantity("solve", |run: &Run| Cell::seconds(run.cost.solve_s)));
+    columns.push(Column::quantity("of the whole", |run: &Run| {
         let share = 100.0 * run.cost.solve_s / study.whole.cost.solve_s;
         Cell::number(share, format!("{} %", number(share, 2)))
     }));
-    let iterations = Column::figure("iter", |run: &Run| Cell::text(run.cost.iterations));
+    let iterations = Column::quantity("iter", |run: &Run| Cell::text(run.cost.iterations));
     columns.push(iterations.on_page("iterations"));
     Table::new(columns).failure(|run| {
         let why = run.failed.as_ref()?;
@@ -51,7 +51,7 @@ fn name(run: &Run) -> String {
     }
 }
 
-/// A figure, or its change against the case as it is.
+/// A quantity, or its change against the case as it is.
 fn figure(one: &Quantity, run: &Run) -> String {
     match (run.values.get(&one.key), run.changes.get(&one.key)) {
         (None, _) => "-".to_owned(),

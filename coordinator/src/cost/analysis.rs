@@ -152,7 +152,7 @@ impl Sweep {
             value: limit,
             uncertainty: (!estimates.is_empty())
                 .then(|| quantity.error(limit + error, limit) + self.levels[level].model_error()),
-            source: format!("{name} to {}, {how}", finest.given()),
+            source: format!("{name} to {}, {how}", finest.settings_text()),
         })
     }
 

@@ -49,7 +49,7 @@ fn picks(study: &Study) -> Option<Section> {
                 more: format!(
                     "{}, {}; errs by {}",
                     study.levels[run.level].name,
-                    run.given(),
+                    run.settings_text(),
                     first.measure.show(run.errors[&first.key])
                 ),
             },
@@ -147,7 +147,7 @@ fn notes(study: &Study) -> Option<Section> {
     for run in &study.runs {
         if let Some(why) = &run.failed {
             let name = &study.levels[run.level].name;
-            table.row([format!("{name}, {}", run.given()), format!("failed: {why}")]);
+            table.row([format!("{name}, {}", run.settings_text()), format!("failed: {why}")]);
         }
     }
     let there = !table.rows.is_empty();

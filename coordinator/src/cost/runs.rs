@@ -5,7 +5,7 @@ use crate::study::table::{Cell, Column, Failure, Table};
 use run::format::number;
 use std::collections::BTreeSet;
 
-/// Figures that have a column on the terminal; all of them are in the files.
+/// Quantities that have a column on the terminal; all of them are in the files.
 pub(super) const COLUMNS: usize = 7;
 
 /// The table of runs that differ in these settings.
@@ -20,7 +20,7 @@ pub(super) fn table<'a>(study: &'a Study, settings: &[&'a str]) -> Table<'a, Run
     columns.push(Column::csv_only("failed", |run: &Run| run.failed.clone().unwrap_or_default()));
     let failure = |run: &Run| {
         let why = run.failed.as_ref()?;
-        Some(Failure { word: "failed", remark: format!("{} failed: {why}", run.given()) })
+        Some(Failure { word: "failed", remark: format!("{} failed: {why}", run.settings_text()) })
     };
     Table::new(columns).mark("*", |run: &Run| run.pareto).failure(failure)
 }
@@ -46,7 +46,7 @@ fn setting(key: &str) -> Column<'_, Run> {
         let found = run.settings.iter().find(|(own, _)| own == key);
         found.map(|(_, value)| Cell::text(value)).unwrap_or_default()
     };
-    Column::figure(key, value).naming().csv(key)
+    Column::quantity(key, value).naming().csv(key)
 }
 
 /// What the runs cost: in all for people, by process for programs.
@@ -57,9 +57,9 @@ fn cost<'a>(runs: &[Run]) -> Vec<Column<'a, Run>> {
         runs.iter().flat_map(|run| run.cost.peak_rss_bytes.keys()).collect();
     let mut columns = vec![
         Column::csv_only("wall_s", |run: &Run| run.cost.wall_s.to_string()),
-        Column::figure("solve", |run: &Run| Cell::seconds(run.cost.solve_s)).csv("solve_s"),
-        Column::figure("wall", |run: &Run| Cell::seconds(run.cost.wall_s)),
-        Column::figure("cpu", |run: &Run| Cell::seconds(run.cost.cpu_s.values().sum())),
+        Column::quantity("solve", |run: &Run| Cell::seconds(run.cost.solve_s)).csv("solve_s"),
+        Column::quantity("wall", |run: &Run| Cell::seconds(run.cost.wall_s)),
+        Column::quantity("cpu", |run: &Run| Cell::seconds(run.cost.cpu_s.values().sum())),
     ];
     columns.extend(roles.into_iter().cloned().map(|role| {
         Column::csv_only(format!("{role}_cpu_s"), move |run: &Run| {
@@ -67,7 +67,7 @@ fn cost<'a>(runs: &[Run]) -> Vec<Column<'a, Run>> {
         })
     }));
     columns.push(
-        Column::figure("memory", |run: &Run| Cell::bytes(run.cost.peak_rss_bytes.values().sum()))
+        Column::quantity("memory", |run: &Run| Cell::bytes(run.cost.peak_rss_bytes.values().sum()))
             .not_on_page(),
     );
     columns.extend(resident.into_iter().cloned().map(|role| {
@@ -75,16 +75,16 @@ fn cost<'a>(runs: &[Run]) -> Vec<Column<'a, Run>> {
             text(run.cost.peak_rss_bytes.get(&role).map(u64::to_string))
         })
     }));
-    let iterations = Column::figure("iter", |run: &Run| Cell::text(run.cost.iterations));
+    let iterations = Column::quantity("iter", |run: &Run| Cell::text(run.cost.iterations));
     columns.push(iterations.on_page("iterations").csv("iterations"));
     columns
 }
 
-/// The value of the first figure for people, of all for programs.
+/// The value of the first quantity for people, of all for programs.
 fn values(study: &Study) -> impl Iterator<Item = Column<'_, Run>> {
     study.quantities.iter().enumerate().map(|(n, one)| {
         let value = |run: &Run| Cell::optional(run.values.get(&one.key), |v| number(v, 6));
-        let column = Column::figure(&one.name, value).csv(&one.key).not_on_page();
+        let column = Column::quantity(&one.name, value).csv(&one.key).not_on_page();
         if n == 0 { column } else { column.not_on_terminal() }
     })
 }
@@ -93,7 +93,7 @@ fn errors(study: &Study) -> impl Iterator<Item = Column<'_, Run>> {
     study.quantities.iter().enumerate().map(|(n, one)| {
         let error = |run: &Run| Cell::optional(run.errors.get(&one.key), |v| one.measure.show(v));
         let head = if n == 0 { "error" } else { &one.name };
-        let column = Column::figure(head, error)
+        let column = Column::quantity(head, error)
             .on_page(format!("error of {}", one.name))
             .csv(format!("error of {}", one.key));
         if n < COLUMNS { column } else { column.not_on_terminal() }

@@ -165,7 +165,7 @@ pub struct Pick {
 impl Run {
     /// What tells it from the other runs of its level.
     #[must_use]
-    pub fn given(&self) -> String {
+    pub fn settings_text(&self) -> String {
         let all: Vec<String> =
             self.settings.iter().map(|(key, value)| format!("{key} {value}")).collect();
         all.join(", ")

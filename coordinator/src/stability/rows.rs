@@ -13,7 +13,7 @@ pub(super) const NAME_WIDTH: usize = 31;
 /// The cases of a suite.
 pub(super) fn cases<'a>() -> Table<'a, CaseReport> {
     let mut columns = vec![
-        Column::figure("no.", |case: &CaseReport| Cell::text(case.number)).width(3),
+        Column::quantity("no.", |case: &CaseReport| Cell::text(case.number)).width(3),
         Column::text("case", |case: &CaseReport| case.name.clone()).width(NAME_WIDTH),
         Column::text("what is hard", |case: &CaseReport| case.title.clone()).not_on_terminal(),
     ];
@@ -44,10 +44,10 @@ fn course_of<'a, R: 'a>(row: fn(&R) -> &Row) -> [Column<'a, R>; 6] {
         Column::text("bounded", move |of| bounded(row(of)).to_owned()).width(7),
         Column::text("energy", move |of| energy(row(of))).width(6),
         Column::text("margin", move |of| margin(row(of))).not_on_terminal(),
-        Column::figure("iter.", move |of| Cell::text(row(of).iterations))
+        Column::quantity("iter.", move |of| Cell::text(row(of).iterations))
             .on_page("iterations")
             .width(5),
-        Column::figure("time", move |of| {
+        Column::quantity("time", move |of| {
             Cell::number(row(of).seconds, format!("{:.2} s", row(of).seconds))
         })
         .width(7),

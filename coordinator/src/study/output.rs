@@ -44,10 +44,10 @@ pub trait Kept: Serialize + DeserializeOwned {
         let head: Head = serde_json::from_slice(&text).map_err(|fault| refuse(&fault))?;
         if head.schema != Self::SCHEMA {
             let (found, known) = (head.schema, Self::SCHEMA);
-            return Err(refuse(&format!("its layout has version {found}, known is {known}")));
+            return Err(refuse(&format!("its layout has version {found}, supported is {known}")));
         }
         if head.complete == Some(false) {
-            return Err(refuse(&"it has not finished"));
+            return Err(refuse(&"the study has not finished"));
         }
         serde_json::from_slice(&text).map_err(|fault| refuse(&fault))
     }
@@ -159,14 +159,15 @@ mod tests {
         };
         assert_eq!(read(r#"{"schema": 2, "value": 1.5}"#), Ok(1.5));
         for (text, why) in [
-            (r#"{"schema": 1, "value": 1.5}"#, "its layout has version 1, known is 2"),
-            (r#"{"schema": 2, "complete": false}"#, "it has not finished"),
+            (r#"{"schema": 1, "value": 1.5}"#, "its layout has version 1, supported is 2"),
+            (r#"{"schema": 2, "complete": false}"#, "the study has not finished"),
             (r#"{"schema": 2}"#, "missing field `value`"),
             ("[", "EOF"),
         ] {
-            let told = read(text).unwrap_err();
-            assert!(told.contains("some.json contains no study: ") && told.contains(why), "{told}");
-            assert!(told.ends_with("; run `coordinator some` again"), "{told}");
+            let message = read(text).unwrap_err();
+            assert!(message.contains("some.json contains no study: "), "{message}");
+            assert!(message.contains(why), "{message}");
+            assert!(message.ends_with("; run `coordinator some` again"), "{message}");
         }
     }
 }

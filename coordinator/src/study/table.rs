@@ -1,7 +1,7 @@
 //! A table of runs, described once: for the terminal, for a page, and as CSV.
 //!
-//! A study says what each column is of one row. Where a column is not told otherwise it stands on the
-//! terminal and on the page; in CSV stand those that have a name there.
+//! A study defines the cell of each column for one row. By default a column is on the terminal and on the
+//! page; CSV has the columns that have a name there.
 
 use crate::report;
 use run::format;
@@ -50,10 +50,10 @@ impl Cell {
     }
 }
 
-/// A run without figures.
+/// A run without quantities.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// What stands in the place of its first figure.
+    /// Replaces its first quantity.
     pub word: &'static str,
     /// Which run it is, and why.
     pub remark: String,
@@ -64,9 +64,9 @@ pub struct Column<'a, R> {
     on_terminal: Option<String>,
     on_page: Option<String>,
     in_csv: Option<String>,
-    /// Tells the row from the others, and stands there even if the run has failed.
+    /// Identifies the row, and is shown even if the run has failed.
     names: bool,
-    /// Set to the left.
+    /// Aligned to the left.
     left: bool,
     /// Least width on the terminal.
     width: usize,
@@ -74,8 +74,8 @@ pub struct Column<'a, R> {
 }
 
 impl<'a, R> Column<'a, R> {
-    /// A figure of each row.
-    pub fn figure(head: impl Into<String>, cell: impl Fn(&R) -> Cell + 'a) -> Self {
+    /// A quantity of each row, aligned to the right.
+    pub fn quantity(head: impl Into<String>, cell: impl Fn(&R) -> Cell + 'a) -> Self {
         let head = head.into();
         Self {
             on_terminal: Some(head.clone()),
@@ -88,19 +88,19 @@ impl<'a, R> Column<'a, R> {
         }
     }
 
-    /// Words about each row.
+    /// Text about each row, aligned to the left.
     pub fn text(head: impl Into<String>, text: impl Fn(&R) -> String + 'a) -> Self {
-        let column = Self::figure(head, move |row| Cell::text(text(row)));
+        let column = Self::quantity(head, move |row| Cell::text(text(row)));
         Self { left: true, ..column }
     }
 
     /// A column for programs alone.
     pub fn csv_only(name: impl Into<String>, cell: impl Fn(&R) -> String + 'a) -> Self {
-        let column = Self::figure("", move |row| Cell::text(cell(row)));
+        let column = Self::quantity("", move |row| Cell::text(cell(row)));
         column.not_on_terminal().not_on_page().csv(name)
     }
 
-    /// It tells the row from the others.
+    /// It identifies the row.
     #[must_use]
     pub fn naming(self) -> Self {
         Self { names: true, ..self }
@@ -124,7 +124,7 @@ impl<'a, R> Column<'a, R> {
         Self { on_terminal: None, ..self }
     }
 
-    /// It stands in CSV, too, under this name.
+    /// It is in CSV, too, under this name.
     #[must_use]
     pub fn csv(self, name: impl Into<String>) -> Self {
         Self { in_csv: Some(name.into()), ..self }
@@ -157,7 +157,7 @@ impl<'a, R> Table<'a, R> {
         Self { mark: Some((mark, Box::new(marked))), ..self }
     }
 
-    /// Rows that have no figures.
+    /// Rows that have no quantities.
     #[must_use]
     pub fn failure(self, failure: impl Fn(&R) -> Option<Failure> + 'a) -> Self {
         Self { failure: Box::new(failure), ..self }
@@ -210,7 +210,7 @@ impl<'a, R> Table<'a, R> {
         }
     }
 
-    /// The rows without figures, each with its reason.
+    /// The rows without quantities, each with its reason.
     pub fn remarks<'b>(&'b self, rows: &'b [&R]) -> impl Iterator<Item = String> + 'b {
         rows.iter().filter_map(|row| (self.failure)(row)).map(|failure| failure.remark)
     }
@@ -234,7 +234,7 @@ impl<'a, R> Table<'a, R> {
         self.mark.as_ref().map(|(mark, marked)| (*mark, marked(row)))
     }
 
-    /// What these columns show of a row; of one without figures its names and the word for it.
+    /// What these columns show of a row; of one without quantities its names and the word for it.
     fn cells(&self, row: &R, columns: &[&Column<'a, R>]) -> Vec<String> {
         let failure = (self.failure)(row);
         let mut word = failure.as_ref().map(|failure| failure.word);
@@ -291,11 +291,11 @@ mod tests {
     fn table<'a>() -> Table<'a, Run> {
         Table::new(vec![
             Column::text("", |run: &Run| run.name.to_owned()).naming().on_page("run").csv("name"),
-            Column::figure("time", |run: &Run| {
+            Column::quantity("time", |run: &Run| {
                 Cell::optional(run.seconds.as_ref(), format::seconds)
             })
             .csv("time_s"),
-            Column::figure("memory", |_| Cell::bytes(8)).not_on_page(),
+            Column::quantity("memory", |_| Cell::bytes(8)).not_on_page(),
             Column::csv_only("failed", |run: &Run| run.seconds.is_none().to_string()),
         ])
         .failure(|run| {
@@ -336,7 +336,7 @@ mod tests {
     fn rows_one_by_one_keep_their_widths() {
         let table = Table::new(vec![
             Column::text("a", |text: &&str| (*text).to_owned()).width(4),
-            Column::figure("b", |text: &&str| Cell::text(text.len())).width(3),
+            Column::quantity("b", |text: &&str| Cell::text(text.len())).width(3),
         ]);
         assert_eq!(table.head() + &table.row(&"xyz"), "  a       b\n  xyz     3\n");
     }
