@@ -215,7 +215,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_kept_goes_into_the_file_and_a_full_one_is_told() {
+    fn what_is_kept_goes_into_the_file_and_a_full_one_is_reported() {
         let log = Logging {
             file: LogFile(Arc::new(Mutex::new(Sink::default()))),
             screen: Screen::default(),

@@ -42,7 +42,7 @@ pub(super) fn start(plan: &Plan, recorder: Option<Arc<Recorder>>) -> Result<Sess
         session.check_description(index, participant)?;
     }
     let layouts = session.configure(plan)?;
-    session.check_told(plan, &layouts)?;
+    session.check_informed(plan, &layouts)?;
     session.memory = SharedMemory::check(plan, |index| layouts.get(index))?;
     session.phase = Phase::Connecting;
     session.connect(plan, &layouts)?;
@@ -234,7 +234,7 @@ impl Session {
     }
 
     /// No participant subscribes to a field on a moving grid unannounced, or without knowing it.
-    fn check_told(&self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
+    fn check_informed(&self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
         for field in &plan.fields {
             let (producer, name) = (&layouts[field.producer], &field.kind.name);
             let grid = producer.grid_of(name).expect("layout is checked");
