@@ -18,8 +18,8 @@
 use super::setup::{Cost, Frame, section_key};
 use super::shell::{Conduction, Peak, Work};
 use super::{along_the_surface, fields};
-use crate::columns::history::{Drive, State};
-use crate::columns::reconstruction::{Flux, Row};
+use crate::columns::history::{Drive, Stage};
+use crate::columns::reconstruction::{Flux, FluxRow};
 use crate::reference::polynomial;
 use crate::{RAIL, WHEEL};
 use proto::accuracy::{Accuracy, Simplification};
@@ -142,10 +142,10 @@ impl Conduction for ErtzKnothe {
         std::mem::swap(&mut self.trial, &mut self.accepted);
     }
 
-    fn level(&mut self, state: State, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
-        let field = match state {
-            State::Trial => &self.trial,
-            State::Accepted => &self.accepted,
+    fn level(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
+        let field = match stage {
+            Stage::Trial => &self.trial,
+            Stage::Accepted => &self.accepted,
         };
         field.along(&self.frame, body, row, depth, rise);
     }
@@ -241,7 +241,7 @@ impl Field {
 }
 
 /// The ellipse with the heat, the centroid and the variance of a row.
-fn fitted(frame: &Frame, row: Row<'_>, number: usize) -> Result<Ellipse, StepError> {
+fn fitted(frame: &Frame, row: FluxRow<'_>, number: usize) -> Result<Ellipse, StepError> {
     let (first, end) = row.support;
     let moments = (first..end).fold([0.0; 3], |sums, i| {
         let element = element_moments(row.edge[i], row.middle[i], row.edge[i + 1]);

@@ -2,7 +2,7 @@
 
 use super::setup::{Cost, Frame, LEVELS, SECTIONS, SURFACES};
 use super::summary;
-use crate::columns::history::{Drive, State};
+use crate::columns::history::{Drive, Stage};
 use proto::configuration::Mode;
 use proto::field::{self, FieldSpec};
 use proto::model::{
@@ -61,7 +61,7 @@ pub trait Conduction: Sized + 'static {
     fn accept(&mut self);
 
     /// Rise [K] of a body along a row at the depth c = z/(2√κ) [√s], at the element centres.
-    fn level(&mut self, state: State, body: usize, row: usize, depth: f64, rise: &mut [f64]);
+    fn level(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]);
 
     /// Rise [K] of a body in the accepted state at any x [m] of a row, at the depth c [√s].
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;
@@ -123,14 +123,14 @@ impl<C: Conduction> Shell<C> {
         Err(StepError::NoSolution(format!("a transient window lasts {duration} s")))
     }
 
-    fn write_sections(&mut self, state: State, outputs: &mut dyn Outputs) {
+    fn write_sections(&mut self, stage: Stage, outputs: &mut dyn Outputs) {
         let (row, columns) = (self.frame.section_row(), self.frame.grid.ni);
         for (body, section) in SECTIONS.iter().enumerate() {
             let Some(values) = outputs.get(section) else { continue };
             let spacing = self.frame.level_spacing(body);
             for (level, rise) in values.chunks_exact_mut(columns).take(LEVELS).enumerate() {
                 let depth = self.frame.depth(body, level as f64 * spacing);
-                self.conduction.level(state, body, row, depth, rise);
+                self.conduction.level(stage, body, row, depth, rise);
             }
         }
     }
@@ -175,7 +175,7 @@ impl<C: Conduction> Model for Shell<C> {
                 values.copy_from_slice(rise);
             }
         }
-        self.write_sections(State::Trial, outputs);
+        self.write_sections(Stage::Trial, outputs);
         let area = self.frame.grid.element_area();
         Ok(StepReport {
             substeps: 1,
@@ -208,7 +208,7 @@ impl<C: Conduction> Model for Shell<C> {
                 values.copy_from_slice(rise);
             }
         }
-        self.write_sections(State::Accepted, outputs);
+        self.write_sections(Stage::Accepted, outputs);
     }
 
     fn summary(&self) -> serde_json::Value {
