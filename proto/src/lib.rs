@@ -14,6 +14,7 @@
 //! | [`model`] | the trait that every model implements |
 //! | [`message`] | the fixed layouts of commands, replies and field headers |
 //! | [`recording`] | what was exchanged in a run, in one file |
+//! | [`logging`] | what is logged: the directives of `RUST_LOG` |
 //! | [`text`] | text from outside: what may reach a terminal or a label |
 //! | [`binary`] | the binary form of what only this project reads back |
 //! | [`run_dir`] | isolation of a run on the machine, and removal of what dead runs left |
@@ -28,6 +29,7 @@ pub mod configuration;
 pub mod description;
 pub mod field;
 pub mod grid;
+pub mod logging;
 pub mod message;
 pub mod model;
 pub mod params;
