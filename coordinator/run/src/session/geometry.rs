@@ -118,7 +118,8 @@ impl Session {
                 who: self.peers.all()[*participant].who(),
                 when: self.peers.phase.to_string(),
                 what: format!(
-                    "grid `{name}` has gone from {from} to {to} elements, but `{}` on it is coupling data",
+                    "grid `{name}` has gone from {from} to {to} elements, but `{}` on it is \
+                     coupling data",
                     tap.kind.name
                 ),
                 fix: "keep the number of its elements, or use a scheme in which the field is not \

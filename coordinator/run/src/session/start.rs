@@ -55,7 +55,7 @@ impl Session {
             session.check_description(index, participant)?;
         }
         let layouts = session.configure(plan)?;
-        session.check_told(plan, &layouts)?;
+        session.check_informed(plan, &layouts)?;
         session.memory = SharedMemory::check(plan, |index| layouts.get(index))?;
         session.peers.phase = Phase::Connecting;
         session.connect(plan, &layouts)?;
@@ -146,7 +146,7 @@ impl Session {
     }
 
     /// No participant subscribes to a field on a moving grid unannounced, or without knowing it.
-    fn check_told(
+    fn check_informed(
         &self,
         plan: &Plan,
         layouts: &TiSlice<ParticipantIndex, Layout>,
