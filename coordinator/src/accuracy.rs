@@ -334,7 +334,7 @@ mod tests {
         assert_eq!(error.exit_code(), 3);
         let text = error.to_string();
         assert!(
-            text.contains("2 % was asked for") && text.contains("extrapolated 1.000000e2"),
+            text.contains("above the requested 2 %") && text.contains("extrapolated 1.000000e2"),
             "{text}"
         );
     }

@@ -107,8 +107,8 @@ struct ReplayArguments {
     /// The program to drive, with its arguments [default: ROLE-solver].
     #[arg(long, num_args = 1.., value_name = "COMMAND", conflicts_with = "serve")]
     command: Vec<String>,
-    /// Largest difference that passes, relative to the largest value of a sample [default: none, to
-    /// the bit].
+    /// Largest difference that passes, relative to the largest value of a sample [default: none,
+    /// bit-identical].
     #[arg(long, value_name = "RELATIVE")]
     tolerance: Option<f64>,
     /// Begin with this window, from a recorded state.
@@ -566,11 +566,7 @@ fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError
     if asked.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
         return Err(RunError::Usage("--tolerance must be a number of at least 0".to_owned()));
     }
-    // One text with spaces is a command line.
-    let words: Vec<String> = match asked.command.as_slice() {
-        [line] => line.split_whitespace().map(str::to_owned).collect(),
-        words => words.to_vec(),
-    };
+    let words = words(&asked.command)?;
     let program = (!words.is_empty()).then(|| Program::of_role(&asked.only, Some(&words)));
     let request = replay::Request {
         recording: asked.recording.clone(),
@@ -599,6 +595,13 @@ fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError
         }
         (None, None) => Ok(()),
     }
+}
+
+/// A program and its arguments; one text with spaces is a command line, quoted as in a shell.
+fn words(command: &[String]) -> Result<Vec<String>, RunError> {
+    let [line] = command else { return Ok(command.to_vec()) };
+    let open = || RunError::Usage(format!("--command has a quote that is not closed: {line}"));
+    shlex::split(line).ok_or_else(open)
 }
 
 /// A key and a value: a number, true or false, or a text.

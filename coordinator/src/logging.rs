@@ -7,15 +7,16 @@
 //! `--log LEVEL` what reaches the screen.
 
 use indicatif::ProgressBar;
+use proto::logging::{ignored, wanted};
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use tracing_subscriber::filter::{FilterExt as _, LevelFilter};
+use tracing_subscriber::Layer as _;
+use tracing_subscriber::filter::{FilterExt as _, LevelFilter, Targets};
 use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::fmt::format::FmtSpan;
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
-use tracing_subscriber::{EnvFilter, Layer as _};
 
 /// How much reaches the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -33,15 +34,14 @@ pub enum Level {
 }
 
 impl Level {
-    /// The directive of a filter.
-    fn word(self) -> &'static str {
-        match self {
-            Self::Error => "error",
-            Self::Warn => "warn",
-            Self::Info => "info",
-            Self::Debug => "debug",
-            Self::Trace => "trace",
-        }
+    fn filter(self) -> Targets {
+        Targets::new().with_default(match self {
+            Self::Error => LevelFilter::ERROR,
+            Self::Warn => LevelFilter::WARN,
+            Self::Info => LevelFilter::INFO,
+            Self::Debug => LevelFilter::DEBUG,
+            Self::Trace => LevelFilter::TRACE,
+        })
     }
 }
 
@@ -58,9 +58,6 @@ impl Logging {
     pub fn install(level: Option<Level>) -> Self {
         let file = LogFile(Arc::new(Mutex::new(Sink::default())));
         let log = Self { file, screen: Screen::default() };
-        let wanted = |default: &str| {
-            EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default))
-        };
         let file = tracing_subscriber::fmt::layer()
             .json()
             .with_ansi(false)
@@ -69,18 +66,19 @@ impl Logging {
             // What cannot be written is reported at the end, and not for each event.
             .log_internal_errors(false)
             // What a run says is part of its results.
-            .with_filter(wanted("info").or(LevelFilter::INFO));
+            .with_filter(wanted(LevelFilter::INFO).or(LevelFilter::INFO));
         let screen = tracing_subscriber::fmt::layer()
             .with_ansi(io::stderr().is_terminal() && !no_color())
             .with_writer(log.screen.clone())
             .without_time()
             .log_internal_errors(false)
             .with_target(false)
-            .with_filter(
-                level.map_or_else(|| wanted("warn"), |level| EnvFilter::new(level.word())),
-            );
+            .with_filter(level.map_or_else(|| wanted(LevelFilter::WARN), Level::filter));
         // A second call in one process, as in tests, keeps the first set-up.
         let _ = tracing_subscriber::registry().with(file).with(screen).try_init();
+        if let Some(reason) = ignored() {
+            tracing::warn!("{reason}");
+        }
         log
     }
 
@@ -222,7 +220,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_kept_goes_into_the_file_and_a_full_one_is_told() {
+    fn what_is_kept_goes_into_the_file_and_a_full_one_is_reported() {
         let log = Logging {
             file: LogFile(Arc::new(Mutex::new(Sink::default()))),
             screen: Screen::default(),

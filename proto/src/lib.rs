@@ -11,6 +11,7 @@
 //! | [`transport`] | the only module that knows iceoryx2 |
 //! | [`run_dir`] | isolation of a run on the machine, and removal of what dead runs left |
 //! | [`recording`] | what was exchanged in a run, in one file |
+//! | [`logging`] | what is logged: the directives of `RUST_LOG` |
 //! | [`binary`] | the binary form of what only this project reads back |
 //!
 //! Invariants held here are listed in `docs/ARCHITECTURE.md`.
@@ -20,6 +21,7 @@ pub use contract::{
 };
 
 pub mod binary;
+pub mod logging;
 pub mod model;
 pub mod participant;
 pub mod recording;

@@ -14,6 +14,7 @@ mod pulse;
 mod server;
 
 use crate::configuration::{Configuration, Estimate};
+use crate::logging::wanted;
 use crate::model::Solver;
 use crate::run_dir::RunDir;
 use clap::Parser;
@@ -23,6 +24,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
+use tracing_subscriber::Layer as _;
+use tracing_subscriber::filter::LevelFilter;
+use tracing_subscriber::layer::SubscriberExt as _;
+use tracing_subscriber::util::SubscriberInitExt as _;
 
 /// A participant of a co-simulation; started by the coordinator, or by hand with `--join`.
 #[derive(Debug, Parser)]
@@ -49,15 +54,13 @@ pub fn main(solver: &dyn Solver) -> ExitCode {
 
 /// [`main`] for a program that is not Rust: the arguments, the program's name first; the exit code.
 pub fn main_from(arguments: impl IntoIterator<Item = OsString>, solver: &dyn Solver) -> u8 {
-    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    // A host that has a subscriber of its own keeps it.
-    let _ = tracing_subscriber::fmt()
-        .with_env_filter(filter)
+    let lines = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(false)
         .without_time()
-        .try_init();
+        .with_filter(wanted(LevelFilter::WARN));
+    // A host that has a subscriber of its own keeps it.
+    let _ = tracing_subscriber::registry().with(lines).try_init();
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {

@@ -5,9 +5,6 @@ use contract::message::Interpolation;
 use coupling::settings::{Acceleration, Implicit, Preconditioner, Predictor, Tolerances};
 use serde_json::Value as Json;
 
-/// Relative tolerance of a field for which the case gives no measure.
-const RELATIVE: f64 = 1e-6;
-
 impl Settings<'_> {
     pub(super) fn interpolation(&self) -> Interpolation {
         match self.text("coupling.interpolation").as_deref() {
@@ -53,7 +50,7 @@ impl Settings<'_> {
             residual_relative: measure("residual_relative"),
         };
         if given == Tolerances::default() {
-            return Tolerances { relative: Some(RELATIVE), ..given };
+            return Implicit::default().tolerances;
         }
         given
     }

@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_errors_are_told_once() {
+    fn equal_errors_are_reported_once() {
         let source = Arc::new(Source::new("a.toml", "ab".to_owned()));
         let problem = Problem::new(source.place(0..1), "a", "r", "f");
         let other = Problem::new(source.place(0..1), "a", "s", "f");

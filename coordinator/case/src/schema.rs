@@ -2,7 +2,7 @@
 
 use contract::description::KeySpec;
 use coupling::map::Method;
-use coupling::settings::{Acceleration, Preconditioner, Predictor, Scheme};
+use coupling::settings::{Acceleration, Implicit, Preconditioner, Predictor, Scheme};
 
 /// Roles that are participants by their section alone.
 pub const WELL_KNOWN_ROLES: &[&str] = &["mech", "thermal"];
@@ -84,7 +84,8 @@ fn coupling() -> Vec<OwnKey> {
     let word = |name, of, default: &str, help| {
         one(KeySpec::choice(&key(name), of, help).default_value(default))
     };
-    let count = |name, least: f64, default: u32, help| {
+    let given = Implicit::default();
+    let count = |name, least: f64, default: u64, help| {
         let spec = KeySpec::integer(&key(name), help).at_least(least).at_most(1e6);
         one(spec.default_value(default))
     };
@@ -102,16 +103,31 @@ fn coupling() -> Vec<OwnKey> {
             "residual-sum",
             "preconditioner: weights of the fields",
         ),
-        word("predictor", Predictor::WORDS, "last", "first iterate of a window"),
+        word("predictor", Predictor::WORDS, given.predictor.word(), "first iterate of a window"),
         word(
             "interpolation",
             INTERPOLATIONS,
             "constant",
             "interpolation of inputs within a window",
         ),
-        count("min_iterations", 1.0, 1, "minimum number of iterations per window"),
-        count("max_iterations", 1.0, 100, "maximum number of iterations per window"),
-        count("reuse_windows", 0.0, 10, "earlier windows whose secant columns are reused"),
+        count(
+            "min_iterations",
+            1.0,
+            given.min_iterations.into(),
+            "minimum number of iterations per window",
+        ),
+        count(
+            "max_iterations",
+            1.0,
+            given.max_iterations.into(),
+            "maximum number of iterations per window",
+        ),
+        count(
+            "reuse_windows",
+            0.0,
+            given.reuse_windows,
+            "earlier windows whose secant columns are reused",
+        ),
         one(KeySpec::integer(&key("max_columns"), "maximum number of secant columns")
             .at_least(1.0)
             .at_most(1000.0)
@@ -119,7 +135,7 @@ fn coupling() -> Vec<OwnKey> {
         one(KeySpec::number(&key("relaxation"), "relaxation factor of the residual")
             .above(0.0)
             .at_most(2.0)
-            .default_value(0.5)),
+            .default_value(given.relaxation)),
         // Gram matrices hold the square of the new part, to sixteen digits.
         one(KeySpec::number(
             &key("filter"),
@@ -129,7 +145,7 @@ fn coupling() -> Vec<OwnKey> {
         .at_most(0.9)
         .default_value(1e-6)),
         one(KeySpec::flag(&key("strict"), "a window that does not converge ends the run")
-            .default_value(true)),
+            .default_value(given.strict)),
         one(deadline("coupling.solve_deadline", "deadline of one solve", 3600.0)),
         one(deadline("coupling.start_deadline", "deadline for a participant to start", 30.0)),
         one(deadline("coupling.build_deadline", "deadline for a model to be built", 3600.0)),

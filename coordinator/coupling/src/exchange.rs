@@ -1,5 +1,6 @@
 //! What a coupling asks of the participants it couples.
 
+use crate::index::ParticipantIndex;
 use crate::part::Part;
 use contract::step::Step;
 
@@ -17,7 +18,7 @@ pub trait Exchange {
     ///
     /// # Errors
     /// A participant that failed.
-    fn solve(&mut self, participants: &[usize], step: &Step) -> Result<(), Self::Error>;
+    fn solve(&mut self, participants: &[ParticipantIndex], step: &Step) -> Result<(), Self::Error>;
 
     /// The coupling data: the fields that are iterated, as parts of one vector; none for an
     /// explicit scheme.

@@ -33,6 +33,36 @@
 //! 389–396 (functions); P. E. Farrell, J. R. Maddison, *Comput. Methods Appl. Mech. Engrg.* 200
 //! (2011) 89–100 (intersections). Deviation from the first: the interpolants are local, one small
 //! system for each target, so that W is sparse and there is nothing to solve when it is applied.
+//!
+//! # A field between two grids
+//!
+//! ```
+//! use contract::field::Mapping;
+//! use contract::grid::{Grid, Structured};
+//! use coupling::map::{GridMapping, Method};
+//!
+//! // The same square millimetre, in 8 x 8 and in 5 x 5 elements; the first element is centred on h/2.
+//! let square = |n: usize| {
+//!     let h = 1e-3 / n as f64;
+//!     Grid::structured("contact", Structured::contact_plane(h / 2.0, h / 2.0, h, h, n, n))
+//! };
+//! let (fine, coarse) = (square(8), square(5));
+//!
+//! // A heat flux [W/m²] keeps its power [W], whatever the grids are.
+//! let flux: Vec<f64> = (0..fine.points()).map(|n| 1e6 * (1.0 + fine.centre(n)[0] / 1e-3)).collect();
+//! let mut mapped = vec![0.0; coarse.points()];
+//! let heat = GridMapping::between(&fine, &coarse, Method::Intersection, Mapping::Conservative)?;
+//! heat.apply(&flux, &mut mapped);
+//! assert!((coarse.integrate(&mapped) / fine.integrate(&flux) - 1.0).abs() < 1e-14);
+//!
+//! // A temperature [K] that is the same everywhere stays so.
+//! let method = Method::suited_to(Mapping::Consistent);
+//! let rise = GridMapping::between(&coarse, &fine, method, Mapping::Consistent)?;
+//! let mut there = vec![0.0; fine.points()];
+//! rise.apply(&[226.0; 25], &mut there);
+//! assert!(there.iter().all(|t| (t - 226.0).abs() < 1e-11));
+//! # Ok::<(), coupling::map::MapError>(())
+//! ```
 
 mod current;
 mod intersection;

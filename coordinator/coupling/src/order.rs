@@ -1,6 +1,7 @@
 //! The order in which participants solve within one iteration.
 
 use crate::exchange::Exchange;
+use crate::index::ParticipantIndex;
 use contract::step::Step;
 
 /// Orders the participants.
@@ -9,7 +10,7 @@ pub(crate) enum Order {
     /// One after the other, each with what the earlier ones have just sent.
     Serial,
     /// All at once, each with what was there before.
-    Parallel(Vec<usize>),
+    Parallel(Vec<ParticipantIndex>),
 }
 
 impl Order {
@@ -24,15 +25,19 @@ impl Order {
         step: &Step,
     ) -> Result<(), E::Error> {
         match self {
-            Self::Serial => {
-                (0..exchange.participants()).try_for_each(|one| exchange.solve(&[one], step))
-            }
-            Self::Parallel(everybody) => {
-                if everybody.len() != exchange.participants() {
-                    *everybody = (0..exchange.participants()).collect();
+            Self::Serial => everybody(exchange).try_for_each(|one| exchange.solve(&[one], step)),
+            Self::Parallel(all) => {
+                if all.len() != exchange.participants() {
+                    *all = everybody(exchange).collect();
                 }
-                exchange.solve(everybody, step)
+                exchange.solve(all, step)
             }
         }
     }
+}
+
+fn everybody<E: Exchange + ?Sized>(
+    exchange: &E,
+) -> impl Iterator<Item = ParticipantIndex> + use<E> {
+    (0..exchange.participants()).map(ParticipantIndex::from)
 }

@@ -141,6 +141,26 @@ pub struct Implicit {
     pub strict: bool,
 }
 
+impl Default for Implicit {
+    /// What a case has that says nothing of it.
+    fn default() -> Self {
+        Self {
+            acceleration: Acceleration::IqnIls,
+            relaxation: 0.5,
+            min_iterations: 1,
+            max_iterations: 100,
+            tolerances: Tolerances { relative: Some(1e-6), ..Tolerances::default() },
+            fields: BTreeMap::new(),
+            reuse_windows: 10,
+            max_columns: 100,
+            filter: 1e-6,
+            preconditioner: Preconditioner::ResidualSum,
+            predictor: Predictor::Last,
+            strict: true,
+        }
+    }
+}
+
 impl Implicit {
     /// The tolerances of a field.
     #[must_use]

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! checkpoints/000120/             window 120 is the next one
-//!     coordinator.state           what only the coordinator knows, and the checksums of the other files
+//!     coordinator.state           what only the coordinator knows, and checksums of the other files
 //!     ROLE.state                  each participant's own
 //!     FIELD.values                what it sent last, as little-endian doubles
 //!     ROLE.GRID.geometry          the grid of those values, if it is one that moves

@@ -22,12 +22,14 @@ use crate::record::Recorder;
 use crate::signals;
 use crate::supervise::{Exit, Launch, Supervisor};
 use contract::message::{Command, Reply, Status};
+use coupling::ParticipantIndex;
 use patience::Patience;
 use proto::run_dir::{RunDir, RunInfo};
 use proto::transport::{Beat, Doorbell, Endpoint, Message, TransportError};
 use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use typed_index_collections::{TiSlice, TiVec};
 
 /// The name under which the coordinator itself sends fields; no role can have it.
 pub const COORDINATOR: &str = "coordinator";
@@ -66,7 +68,7 @@ impl Drop for EndsFirst {
 pub struct Peers {
     supervisor: Arc<Supervisor>,
     recorder: Option<Arc<Recorder>>,
-    all: Vec<Peer>,
+    all: TiVec<ParticipantIndex, Peer>,
     doorbell: Doorbell,
     endpoint: Endpoint,
     run: RunDir,
@@ -123,7 +125,8 @@ impl Peers {
             let name = (seat.role.as_str(), seat.program.name());
             Ok(Peer::new(name, seat.attach, commands, replies, ringer))
         };
-        let all: Result<Vec<Peer>, TransportError> = seats.iter().map(peer).collect();
+        let all: Result<TiVec<ParticipantIndex, Peer>, TransportError> =
+            seats.iter().map(peer).collect();
         let all = all.map_err(opened)?;
         let supervisor = Arc::new(launch(seats, &info)?);
         let phase = Phase::Starting;
@@ -135,7 +138,7 @@ impl Peers {
     /// # Errors
     /// Somebody has ended or is late; the user wants to stop.
     pub fn join(&mut self) -> Result<(), RunError> {
-        for one in 0..self.all.len() {
+        for one in self.all.keys() {
             let attached = self.all[one].is_attached();
             let patience = if attached { self.deadlines.solve } else { self.deadlines.start };
             self.joined(one, patience).map_err(|stopped| self.error(stopped))?;
@@ -147,7 +150,7 @@ impl Peers {
     ///
     /// # Errors
     /// Why the wait has ended.
-    pub fn joined(&mut self, one: usize, patience: Duration) -> Result<(), Stopped> {
+    pub fn joined(&mut self, one: ParticipantIndex, patience: Duration) -> Result<(), Stopped> {
         let mut waited = Patience::new();
         let Self { all, doorbell, supervisor, run, deadlines, phase, .. } = self;
         let watch = Watch { supervisor, run, phase: *phase, deadlines };
@@ -171,7 +174,7 @@ impl Peers {
     /// The participant has ended, or cannot be reached.
     pub fn post(
         &mut self,
-        one: usize,
+        one: ParticipantIndex,
         command: Command,
         body: &[u8],
         ring: bool,
@@ -185,7 +188,7 @@ impl Peers {
     /// It cannot be reached.
     pub fn send(
         &mut self,
-        one: usize,
+        one: ParticipantIndex,
         command: Command,
         body: &[u8],
         ring: bool,
@@ -204,10 +207,10 @@ impl Peers {
     /// Why the wait has ended.
     pub fn wait(
         &mut self,
-        one: usize,
+        one: ParticipantIndex,
         patience: Duration,
         mut beat: impl FnMut(),
-    ) -> Result<(usize, Message<Reply>), Stopped> {
+    ) -> Result<(ParticipantIndex, Message<Reply>), Stopped> {
         let Self { all, doorbell, supervisor, run, deadlines, phase, recorder, .. } = self;
         let watch = Watch { supervisor, run, phase: *phase, deadlines };
         let all = RefCell::new(all);
@@ -217,7 +220,7 @@ impl Peers {
             if let Some(message) = all[one].receive()? {
                 return Ok(Some((one, message)));
             }
-            for other in (0..all.len()).filter(|&other| other != one) {
+            for other in all.keys().filter(|&other| other != one) {
                 if all[other].has_failed()? {
                     return Ok(all[other].receive()?.map(|message| (other, message)));
                 }
@@ -232,7 +235,7 @@ impl Peers {
             }
         };
         let heard = |index: usize, what| {
-            if let Some(peer) = all.borrow_mut().get_mut(index) {
+            if let Some(peer) = all.borrow_mut().get_mut(ParticipantIndex::from(index)) {
                 peer.beat_received(what);
                 beat();
             }
@@ -255,7 +258,7 @@ impl Peers {
             interrupted_or_exited(supervisor, |_| false).map_err(Waiting::Stopped)?;
             Ok((Instant::now() >= until).then_some(()))
         };
-        doorbell.wait(poll, |_, _| beat()).map_err(|waiting| waiting.of(0))
+        doorbell.wait(poll, |_, _| beat()).map_err(|waiting| waiting.of(ParticipantIndex::FIRST))
     }
 
     /// Waits for the reply to the last command of a participant, whatever it says.
@@ -264,9 +267,9 @@ impl Peers {
     /// Why the wait has ended, as the end of a run.
     pub fn reply(
         &mut self,
-        one: usize,
+        one: ParticipantIndex,
         patience: Duration,
-    ) -> Result<(usize, Message<Reply>), RunError> {
+    ) -> Result<(ParticipantIndex, Message<Reply>), RunError> {
         self.wait(one, patience, || ()).map_err(|stopped| self.error(stopped))
     }
 
@@ -274,7 +277,11 @@ impl Peers {
     ///
     /// # Errors
     /// The participant refuses or fails, violates the contract, has ended, or is late.
-    pub fn done(&mut self, one: usize, patience: Duration) -> Result<Message<Reply>, RunError> {
+    pub fn done(
+        &mut self,
+        one: ParticipantIndex,
+        patience: Duration,
+    ) -> Result<Message<Reply>, RunError> {
         let (one, message) = self.reply(one, patience)?;
         let (reply, body) = (message.header(), message.body());
         match Status::from_number(reply.status) {
@@ -299,27 +306,27 @@ impl Peers {
 
     /// A participant failed, in these words.
     #[must_use]
-    pub fn failed(&self, one: usize, what: String) -> RunError {
+    pub fn failed(&self, one: ParticipantIndex, what: String) -> RunError {
         self.failure(one, what, "see its messages in log.jsonl".to_owned())
     }
 
     /// A participant did what the contract does not allow.
     #[must_use]
-    pub fn misbehaved(&self, one: usize, what: String) -> RunError {
+    pub fn misbehaved(&self, one: ParticipantIndex, what: String) -> RunError {
         let fix = "the program violates the participant contract (docs/ARCHITECTURE.md)";
         self.failure(one, what, fix.to_owned())
     }
 
     /// A participant failed in the phase that is going on.
     #[must_use]
-    pub fn failure(&self, one: usize, what: String, fix: String) -> RunError {
+    pub fn failure(&self, one: ParticipantIndex, what: String, fix: String) -> RunError {
         let (who, when) = (self.all[one].who(), self.phase.to_string());
         RunError::Failed(Failure { who, when, what, fix })
     }
 
     /// The exchange with a participant failed.
     #[must_use]
-    pub fn transport_failed(&self, one: usize, error: TransportError) -> RunError {
+    pub fn transport_failed(&self, one: ParticipantIndex, error: TransportError) -> RunError {
         self.error(Stopped::Transport(one, error))
     }
 
@@ -370,7 +377,7 @@ impl Peers {
 
     /// Everybody, in the order of the seats.
     #[must_use]
-    pub fn all(&self) -> &[Peer] {
+    pub fn all(&self) -> &TiSlice<ParticipantIndex, Peer> {
         &self.all
     }
 
@@ -447,7 +454,7 @@ enum Waiting {
 }
 
 impl Waiting {
-    fn of(self, one: usize) -> Stopped {
+    fn of(self, one: ParticipantIndex) -> Stopped {
         match self {
             Self::Stopped(stopped) => stopped,
             Self::Transport(error) => Stopped::Transport(one, error),
@@ -473,8 +480,8 @@ impl Watch<'_> {
     /// Is there a reason not to wait any longer?
     fn look(
         &self,
-        all: &mut [Peer],
-        one: usize,
+        all: &mut TiSlice<ParticipantIndex, Peer>,
+        one: ParticipantIndex,
         waited: Duration,
         patience: Duration,
     ) -> Result<(), Stopped> {
@@ -489,7 +496,7 @@ impl Watch<'_> {
             peer.is_attached() && !in_peace(peer.role()) && self.run.has_left(peer.role())
         };
         if self.phase != Phase::Starting
-            && let Some(gone) = all.iter().position(has_left)
+            && let Some(gone) = all.position(has_left)
         {
             return Err(Stopped::Gone(gone));
         }

@@ -5,6 +5,7 @@ use crate::plan::{Effect, Field, Participant, Plan};
 use crate::results::ResultFolder;
 use contract::configuration::Layout;
 use contract::text::json;
+use coupling::ParticipantIndex;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
@@ -188,7 +189,7 @@ impl EffectPlan {
 
 impl FieldPlan {
     fn of(field: &Field, plan: &Plan) -> Self {
-        let role = |&index: &usize| plan.participants[index].role.clone();
+        let role = |&index: &ParticipantIndex| plan.participants[index].role.clone();
         Self {
             name: field.kind.name.clone(),
             unit: field.kind.unit.clone(),

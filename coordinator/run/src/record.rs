@@ -18,6 +18,7 @@ use crate::results::dir::shown;
 use crate::results::write::fresh;
 use crate::signals;
 use contract::message::{Command, CommandKind, Reply, Status};
+use coupling::ParticipantIndex;
 use portable::{portable_body, without_files};
 use proto::recording::{CaseFile, Event, FORMAT, Head, Participant, RecordingWriter};
 use proto::transport::{Endpoint, TransportError};
@@ -132,7 +133,7 @@ impl Recorder {
     }
 
     /// A command has been sent.
-    pub fn command(&self, participant: usize, command: &Command, body: &[u8]) {
+    pub fn command(&self, participant: ParticipantIndex, command: &Command, body: &[u8]) {
         let body = match CommandKind::from_number(command.kind) {
             Some(CommandKind::Configure) => portable_body(body, &self.files),
             // They hold paths on this machine; the states themselves are recorded.
@@ -145,7 +146,7 @@ impl Recorder {
     }
 
     /// A reply has come.
-    pub fn reply(&self, participant: usize, reply: &Reply, body: &[u8]) {
+    pub fn reply(&self, participant: ParticipantIndex, reply: &Reply, body: &[u8]) {
         let (participant, reply) = (index(participant), *reply);
         let body = match Status::from_number(reply.status) {
             Some(Status::Done) => body.to_vec(),
@@ -270,8 +271,8 @@ impl Recorder {
     }
 }
 
-fn index(participant: usize) -> u16 {
-    u16::try_from(participant).expect("a run has at most sixteen participants")
+fn index(participant: ParticipantIndex) -> u16 {
+    u16::try_from(usize::from(participant)).expect("a run has at most sixteen participants")
 }
 
 fn head(plan: &Plan, files: Vec<CaseFile>) -> Head {

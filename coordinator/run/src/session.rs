@@ -11,6 +11,7 @@ mod checkpoint;
 mod collect;
 mod feedback;
 mod geometry;
+mod index;
 mod iterates;
 mod layout;
 mod mapped;
@@ -34,11 +35,13 @@ pub use solved::SolveRecord;
 pub use tap::{Consumer, Tap};
 
 use crate::peers::{EndsFirst, Peers};
-use coupling::Part;
+use coupling::{Part, ParticipantIndex};
 use feedback::Feedback;
+use index::{MappedIndex, MovingIndex, PartIndex, TapIndex};
 use mapped::Mapped;
 use memory::SharedMemory;
 use moving::MovingGrid;
+use typed_index_collections::{TiSlice, TiVec};
 
 /// Which participants publish their observed fields when a window is accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,14 +58,14 @@ pub enum Observed {
 #[derive(Debug)]
 pub struct Session {
     _guard: EndsFirst,
-    taps: Vec<Tap>,
-    feedback: Vec<Feedback>,
-    mapped: Vec<Mapped>,
-    moving: Vec<MovingGrid>,
+    taps: TiVec<TapIndex, Tap>,
+    feedback: TiVec<PartIndex, Feedback>,
+    mapped: TiVec<MappedIndex, Mapped>,
+    moving: TiVec<MovingIndex, MovingGrid>,
     memory: SharedMemory,
     /// The fields of `feedback` as parts of the coupling vector.
-    parts: Vec<Part>,
-    solved: Vec<SolveRecord>,
+    parts: TiVec<PartIndex, Part>,
+    solved: TiVec<ParticipantIndex, SolveRecord>,
     computed_seconds: f64,
     bytes_exchanged: u64,
     peers: Peers,
@@ -71,13 +74,13 @@ pub struct Session {
 impl Session {
     /// Every field of the run with its newest sample.
     #[must_use]
-    pub fn taps(&self) -> &[Tap] {
+    pub fn taps(&self) -> &TiSlice<TapIndex, Tap> {
         &self.taps
     }
 
     /// What each participant reported of its last solve, in the plan's order.
     #[must_use]
-    pub fn solved(&self) -> &[SolveRecord] {
+    pub fn solved(&self) -> &TiSlice<ParticipantIndex, SolveRecord> {
         &self.solved
     }
 

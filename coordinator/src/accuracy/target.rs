@@ -96,6 +96,8 @@ mod tests {
         assert_eq!(keys(None).unwrap(), both);
         assert_eq!(keys(Some("contact.max_pressure_pa")).unwrap(), ["contact.max_pressure_pa"]);
         let refused = keys(Some("contact.area")).unwrap_err().to_string();
-        assert!(refused.contains("no `contact.area`") && refused.contains("max_pressure_pa"));
+        assert!(
+            refused.contains("no quantity `contact.area`") && refused.contains("max_pressure_pa")
+        );
     }
 }

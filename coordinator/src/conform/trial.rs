@@ -17,6 +17,7 @@ use contract::configuration::{Configuration, Layout};
 use contract::field::FieldKind;
 use contract::grid::Grid;
 use contract::message::{Command, CommandKind, FieldHeader, OBSERVE, Reply, Status, Topic, Topics};
+use coupling::ParticipantIndex;
 use ending::{Abandoned, nothing_left};
 use proto::model::{Step, first_non_finite};
 use proto::transport::{FieldWriter, TransportError};
@@ -88,7 +89,7 @@ impl Trial {
 
     /// Waits until it has joined.
     pub(super) fn joined(mut self) -> Result<Self, Fault> {
-        let joined = self.peers.joined(0, self.patience);
+        let joined = self.peers.joined(ParticipantIndex::FIRST, self.patience);
         joined.map_err(|stopped| self.fault(stopped, "joining the run"))?;
         Ok(self)
     }
@@ -152,18 +153,18 @@ impl Trial {
     /// Sends a command; its number and the version are put in unless they are given.
     pub(super) fn post(&mut self, command: Command, body: &[u8]) -> Result<(), Fault> {
         let answered = command.kind != CommandKind::Accept as u32 || command.flags & OBSERVE != 0;
-        self.peers.send(0, command, body, answered)?;
+        self.peers.send(ParticipantIndex::FIRST, command, body, answered)?;
         Ok(())
     }
 
     /// Waits for the reply to the last command, and checks its label.
     pub(super) fn answer(&mut self, what: &str) -> Result<Answer, Fault> {
         let Self { peers, beats, patience, .. } = self;
-        let waited = peers.wait(0, *patience, || beats.push(Instant::now()));
+        let waited = peers.wait(ParticipantIndex::FIRST, *patience, || beats.push(Instant::now()));
         let (_, message) = waited.map_err(|stopped| self.fault(stopped, what))?;
         let (reply, body) = (*message.header(), message.body().to_vec());
         drop(message);
-        let expected = self.peers.all()[0].sequence();
+        let expected = self.peers.all()[ParticipantIndex::FIRST].sequence();
         if reply.protocol != contract::PROTOCOL_VERSION {
             return broken(format!("{what}: its reply has protocol {}", reply.protocol));
         }

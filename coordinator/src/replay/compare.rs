@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn growth_is_told_from_the_first_difference_on_and_stays_short() {
+    fn growth_is_reported_from_the_first_difference_on_and_stays_short() {
         let mut comparison = Comparison::default();
         comparison.sample((&header(0, 1), &[1.0]), &[1.0], None);
         for window in 1..10_000 {

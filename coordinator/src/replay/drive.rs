@@ -15,6 +15,7 @@ use contract::message::{
     Reply, StateFile, Status, Topics,
 };
 use contract::step::Step;
+use coupling::ParticipantIndex;
 use proto::recording::{CaseFile, Event, Item, Participant, read_topics};
 use proto::transport::{Endpoint, FieldReader, TransportError};
 use run::error::{Failure, RunError, file_failure};
@@ -248,7 +249,7 @@ impl<'a> Driver<'a> {
                 self.ask(command, &[])?;
             }
             CommandKind::Accept if command.flags & OBSERVE == 0 && !self.moves => {
-                self.peers.post(0, command, &[], false)?;
+                self.peers.post(ParticipantIndex::FIRST, command, &[], false)?;
             }
             CommandKind::Accept => self.ask(command, &[])?,
             CommandKind::Save => {
@@ -278,11 +279,11 @@ impl<'a> Driver<'a> {
     fn ask(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
         self.nothing_more_was_sent()?;
         self.peers.phase = Phase::of(&command);
-        self.peers.post(0, command, body, true)?;
+        self.peers.post(ParticipantIndex::FIRST, command, body, true)?;
         let deadlines = *self.peers.deadlines();
         let builds = command.kind == CommandKind::Initialise as u32;
         let patience = if builds { deadlines.build } else { deadlines.solve };
-        let (_, message) = self.peers.reply(0, patience)?;
+        let (_, message) = self.peers.reply(ParticipantIndex::FIRST, patience)?;
         let (reply, body) = (message.header(), message.body());
         self.done = match Status::from_number(reply.status) {
             Some(Status::Done) => {

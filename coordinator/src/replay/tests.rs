@@ -340,7 +340,7 @@ fn given(
 }
 
 #[test]
-fn a_configuration_is_told_with_files_and_changes() {
+fn a_configuration_is_given_with_files_and_changes() {
     let said = description();
     let (depth, pointer) = (serde_json::json!(2.0), "/case/thermal/depth");
     let changed = given(&[("thermal.depth", depth.clone())], Some(&said)).unwrap();
@@ -351,7 +351,7 @@ fn a_configuration_is_told_with_files_and_changes() {
 }
 
 #[test]
-fn a_program_without_the_recorded_model_is_told_what_to_do() {
+fn a_program_without_the_recorded_model_is_refused_with_a_fix() {
     let mut other = description();
     "strips".clone_into(&mut other.models[0].name);
     assert!(given(&[], Some(&description())).is_ok());

@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn every_end_is_told_from_every_other() {
+    fn every_end_is_distinguished_from_every_other() {
         let refusal = Expected::Refusal { exit_code: 2, saying: vec!["too hot".into()] };
         let breach = Expected::Breach("rise".into());
         let fits = |expected: &Expected, row: &Row| otherwise(row, expected).is_empty();

@@ -117,10 +117,10 @@ impl Curve {
             let mut bracket = SMOOTHING.map(|factor| (factor * spacing.powi(3)).ln());
             for step in 0..STEPS {
                 // The strongest first: it may do.
-                let trial = if step == 0 { bracket[1] } else { 0.5 * (bracket[0] + bracket[1]) };
-                let found = smoothed(y, z, trial.exp());
+                let exponent = if step == 0 { bracket[1] } else { 0.5 * (bracket[0] + bracket[1]) };
+                let found = smoothed(y, z, exponent.exp());
                 let within = found.moved <= tolerance;
-                bracket[usize::from(!within)] = trial;
+                bracket[usize::from(!within)] = exponent;
                 if within {
                     best = found;
                 }

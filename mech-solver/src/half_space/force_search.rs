@@ -7,13 +7,13 @@
 //! c ← c + t d,  J d = F − F*,  J ≈ −∂F/∂c by Broyden's updates (the secant method for one force).
 //!
 //! **Bracket.** More creepage against a force raises it: (F(c) − F(c'))·(c − c') ≤ 0 for any two, as
-//! friction dissipates. So every trial k leaves the solution on one side of a plane,
+//! friction dissipates. So every evaluation k leaves the solution on one side of a plane,
 //! (F* − F_k)·(c − c_k) ≤ 0. No step leaves the polyhedron of these planes, which for one force is the
-//! bracket of the trials below and above: one that would is turned along the walls, and at last cut
-//! to half the way, for one force the bisection. Planes hold as far as the forces are right, so that
-//! a lack of the size of their noise is looked at again, more accurately, before it becomes one.
-//! Where Broyden's updates lose pace, J is taken anew by differences. Steps are limited to a part of
-//! the creepage besides, since towards f N the creepage grows without bound.
+//! bracket of the evaluations below and above: one that would is turned along the walls, and at
+//! last cut to half the way, for one force the bisection. Planes hold as far as the forces are
+//! right, so that a lack of the size of their noise is looked at again, more accurately, before it
+//! becomes one. Where Broyden's updates lose pace, J is taken anew by differences. Steps are
+//! limited to a part of the creepage besides, since towards f N the creepage grows without bound.
 //!
 //! Spin and moment are scaled by a length of the contact, so that all components are alike.
 //!
@@ -25,8 +25,8 @@ use super::tangential::Creepage;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Trials at most.
-const MOST_TRIALS: usize = 80;
+/// Evaluations at most.
+const MOST_EVALUATIONS: usize = 80;
 /// Longest step, as a share of the creepage.
 const GROWTH: f64 = 0.6;
 /// Part of the way to the wall that a cut step goes.
@@ -43,7 +43,7 @@ const WORST_ACCURACY: f64 = 2e-3;
 const NOISE: f64 = 2.0;
 /// Steps shorter than this share of the creepage mean nothing.
 const NARROWEST: f64 = 1e-9;
-/// Trials without a halved error after which J is taken anew by differences.
+/// Evaluations without a halved error after which J is taken anew by differences.
 const PATIENCE: usize = 6;
 /// Side of the differences, as a share of the creepage, and accuracy of the tractions for them.
 const DIFFERENCE: f64 = 1e-3;
@@ -88,8 +88,8 @@ impl Prescribed {
 /// A search that did not end.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "no creepages were found that give the prescribed forces: after {MOST_TRIALS} trials the \
-     largest error is {error:.2e} of f N; together they may be beyond what friction carries"
+    "no creepages were found that give the prescribed forces: after {MOST_EVALUATIONS} evaluations \
+     the largest error is {error:.2e} of f N; together they may be beyond what friction carries"
 )]
 pub struct NotFound {
     /// Largest error of a force over f N.
@@ -151,7 +151,7 @@ impl ForceSearch {
         let mut accuracy = WORST_ACCURACY;
         let mut error = f64::INFINITY;
         let mut pace = Pace::default();
-        for _ in 0..MOST_TRIALS {
+        for _ in 0..MOST_EVALUATIONS {
             let lack = lack_at(at, accuracy)?;
             error = lack.amax() / scales.most_force;
             if let Some((at_before, lack_before)) = before.take() {
@@ -198,7 +198,7 @@ struct Pace {
 }
 
 impl Pace {
-    /// The error has not halved in the last trials.
+    /// The error has not halved in the last evaluations.
     fn is_lost(&mut self, error: f64) -> bool {
         if self.best.is_none_or(|best| error < 0.5 * best) {
             (self.best, self.stale) = (Some(error), 0);
@@ -381,14 +381,14 @@ mod tests {
         passive: true,
     };
 
-    /// The found creepage and the number of trials.
+    /// The found creepage and the number of evaluations.
     fn find(prescribed: &Prescribed) -> Result<(Creepage, usize), NotFound> {
-        let (mut found, mut trials) = ([0.0; 3], 0);
+        let (mut found, mut evaluations) = ([0.0; 3], 0);
         ForceSearch::default().find(prescribed, None, &SCALES, |creepage, _| {
-            (found, trials) = (creepage, trials + 1);
+            (found, evaluations) = (creepage, evaluations + 1);
             Ok::<_, NotFound>(saturating(creepage))
         })?;
-        Ok((found, trials))
+        Ok((found, evaluations))
     }
 
     #[test]
@@ -396,10 +396,13 @@ mod tests {
         for (share, most) in [(1e-8, 6), (0.1, 8), (0.7, 12), (0.999, 20), (0.999_999, 30)] {
             for sign in [1.0, -1.0] {
                 let force = Prescribed::longitudinal_force(sign * share);
-                let (creepage, trials) = find(&force).unwrap();
+                let (creepage, evaluations) = find(&force).unwrap();
                 let exact = -sign * share.atanh() / 4.0;
                 let error = saturating([exact, 0.0, 0.0])[0] - saturating(creepage)[0];
-                assert!(error.abs() <= 1e-9 && trials <= most, "{share}: {creepage:?} {trials}");
+                assert!(
+                    error.abs() <= 1e-9 && evaluations <= most,
+                    "{share}: {creepage:?} {evaluations}"
+                );
             }
         }
     }
@@ -408,10 +411,10 @@ mod tests {
     fn two_forces_and_a_moment_at_once() {
         for wanted in [[0.3, 0.2, 0.05], [0.6, -0.7, 0.1], [0.0, 0.0, 0.2], [-0.5, 0.0, -0.01]] {
             let prescribed = Prescribed { creepage: [0.0; 3], force: wanted.map(Some) };
-            let (creepage, trials) = find(&prescribed).unwrap();
+            let (creepage, evaluations) = find(&prescribed).unwrap();
             let found = saturating(creepage);
             assert!((0..3).all(|k| (found[k] - wanted[k]).abs() <= 1e-8), "{found:?}");
-            assert!(trials <= 40, "{wanted:?} took {trials}");
+            assert!(evaluations <= 40, "{wanted:?} took {evaluations}");
         }
     }
 

@@ -12,7 +12,9 @@
 use super::force_search::{ForceSearch, NotFound, Prescribed, Scales};
 use super::influence::{Elasticity, Influence};
 use super::slip_operator::SlipOperator;
-use super::tangential::{Creepage, ElementState, NotConverged, Problem, State, TangentialSolver};
+use super::tangential::{
+    Creepage, ElementState, NotConverged, Problem, TangentialSolver, TangentialState,
+};
 use proto::grid::Structured;
 use serde::{Deserialize, Serialize};
 
@@ -126,13 +128,13 @@ impl Level {
         target: &Target<'_>,
         search: &mut ForceSearch,
         start: Option<Creepage>,
-        state: &mut State,
+        state: &mut TangentialState,
     ) -> Result<usize, TangentialError> {
         let most_force = self.most_force();
         let Self { nx, distance, ahead, area, x, y, bound, solver, .. } = self;
         let (nx, distance, ahead, element_area) = (*nx, *distance, *ahead, *area);
-        let before = target.before;
-        let problem = Problem { nx, distance, ahead, element_area, x, y, bound, before };
+        let slip_history = target.slip_history;
+        let problem = Problem { nx, distance, ahead, element_area, x, y, bound, slip_history };
         if !target.prescribed.has_force() {
             state.creepage = target.prescribed.creepage;
             return Ok(solver.solve(&problem, state, target.scales.accuracy)?.newton_steps);
@@ -158,7 +160,7 @@ impl Level {
 /// What is asked of a grid.
 struct Target<'a> {
     prescribed: &'a Prescribed,
-    before: Option<[&'a [f64]; 2]>,
+    slip_history: Option<[&'a [f64]; 2]>,
     scales: Scales,
 }
 
@@ -183,7 +185,7 @@ fn refuse_beyond_friction(
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Solution {
     /// Tractions, slips, states and creepages.
-    pub state: State,
+    pub state: TangentialState,
     /// Products with the slip operator on the finest grid.
     pub operator_applications: usize,
     /// Newton steps on all grids.
@@ -223,7 +225,7 @@ pub enum TangentialError {
 impl Solution {
     /// A state that no work has gone into.
     #[must_use]
-    pub fn new(state: State) -> Self {
+    pub fn new(state: TangentialState) -> Self {
         Self { state, operator_applications: 0, newton_steps: 0 }
     }
 }
@@ -256,7 +258,7 @@ impl Levels {
     ) -> Result<Solution, TangentialError> {
         self.restrict(bound);
         let applied = self.levels[0].solver.work().0;
-        let mut state = State::default();
+        let mut state = TangentialState::default();
         let mut newton_steps = 0;
         self.search = ForceSearch::default();
         for index in (0..self.levels.len()).rev() {
@@ -265,7 +267,7 @@ impl Levels {
             let level = &mut fine[index];
             let start = match coarse.first() {
                 None => {
-                    state = State::at_rest(&level.bound, [0.0; 3]);
+                    state = TangentialState::at_rest(&level.bound, [0.0; 3]);
                     None
                 }
                 Some(coarse) => {
@@ -280,7 +282,7 @@ impl Levels {
     }
 
     /// Solves on the finest grid only, from a solution that is near, whose tractions are cut to the
-    /// new bound; `before` is the slip s₀ that is there without tractions [m].
+    /// new bound; `slip_history` is the slip s₀ that is there without tractions [m].
     ///
     /// # Errors
     /// As for [`Levels::solve`].
@@ -288,10 +290,10 @@ impl Levels {
         &mut self,
         bound: &[f64],
         prescribed: &Prescribed,
-        before: Option<[&[f64]; 2]>,
+        slip_history: Option<[&[f64]; 2]>,
         solution: &mut Solution,
     ) -> Result<(), TangentialError> {
-        let target = self.target(prescribed, before, true);
+        let target = self.target(prescribed, slip_history, true);
         let level = &mut self.levels[0];
         level.bound.copy_from_slice(bound);
         let applied = level.solver.work().0;
@@ -321,7 +323,7 @@ impl Levels {
     fn target<'a>(
         &self,
         prescribed: &'a Prescribed,
-        before: Option<[&'a [f64]; 2]>,
+        slip_history: Option<[&'a [f64]; 2]>,
         finest: bool,
     ) -> Target<'a> {
         let [a, b] = self.contact.semi_axes;
@@ -334,9 +336,9 @@ impl Levels {
         let accuracy = if finest { self.contact.tolerance } else { COARSE_TOLERANCE };
         let tolerance = if finest { FORCE_SHARE * accuracy } else { COARSE_FORCE };
         let length = (a * b).sqrt();
-        let passive = before.is_none();
+        let passive = slip_history.is_none();
         let scales = Scales { slope, length, most_force: 0.0, tolerance, accuracy, passive };
-        Target { prescribed, before, scales }
+        Target { prescribed, slip_history, scales }
     }
 
     fn restrict(&mut self, bound: &[f64]) {
@@ -362,8 +364,8 @@ fn full_weighting(fine: &Level, coarse: &mut Level) {
 }
 
 /// A coarse solution as the start on the next finer grid.
-fn prolong(coarse: &Level, from: &State, fine: &Level) -> State {
-    let mut state = State::at_rest(&fine.bound, from.creepage);
+fn prolong(coarse: &Level, from: &TangentialState, fine: &Level) -> TangentialState {
+    let mut state = TangentialState::at_rest(&fine.bound, from.creepage);
     for index in 0..fine.bound.len() {
         let g = fine.bound[index];
         if g == 0.0 {
@@ -385,7 +387,7 @@ fn prolong(coarse: &Level, from: &State, fine: &Level) -> State {
 }
 
 /// p/g at an element of the fine grid, bilinear over the coarse elements in contact.
-fn share(coarse: &Level, from: &State, i: usize, j: usize) -> [f64; 2] {
+fn share(coarse: &Level, from: &TangentialState, i: usize, j: usize) -> [f64; 2] {
     let mut sum = [0.0; 2];
     let mut weights = 0.0;
     for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {

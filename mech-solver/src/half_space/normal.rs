@@ -239,7 +239,7 @@ impl NormalSolver {
             return true;
         }
         progress.iterations += 1;
-        self.turn(prescribed, progress);
+        self.choose_direction(prescribed, progress);
         self.advance(prescribed, pressure, progress);
         false
     }
@@ -306,7 +306,7 @@ impl NormalSolver {
     }
 
     /// Chooses the direction d.
-    fn turn(&mut self, prescribed: Prescribed, progress: &mut Progress) {
+    fn choose_direction(&mut self, prescribed: Prescribed, progress: &mut Progress) {
         let work = &mut self.work;
         let product = dot(&work.step, &work.residual);
         let change = product - dot(&work.step, &work.last_residual);

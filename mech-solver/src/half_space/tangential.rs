@@ -71,7 +71,7 @@ pub struct Problem<'a> {
     /// Traction bound g = f p_n [Pa]; 0 outside the contact.
     pub bound: &'a [f64],
     /// Slip s₀ that is there without tractions, x and y [m].
-    pub before: Option<[&'a [f64]; 2]>,
+    pub slip_history: Option<[&'a [f64]; 2]>,
 }
 
 impl Problem<'_> {
@@ -87,7 +87,7 @@ impl Problem<'_> {
 
 /// A solution, or the start of one.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct State {
+pub struct TangentialState {
     /// Tractions on body 1, x and y [Pa].
     pub traction: [Vec<f64>; 2],
     /// Slip distance of body 1 relative to body 2 over a step, x and y [m].
@@ -120,7 +120,7 @@ pub struct Effort {
 )]
 pub struct NotConverged(pub Effort);
 
-impl State {
+impl TangentialState {
     /// Everything adheres, nothing pulls.
     #[must_use]
     pub fn at_rest(bound: &[f64], creepage: Creepage) -> Self {
@@ -228,7 +228,7 @@ impl TangentialSolver {
     pub fn solve(
         &mut self,
         problem: &Problem,
-        state: &mut State,
+        state: &mut TangentialState,
         tolerance: f64,
     ) -> Result<Effort, NotConverged> {
         let mut effort = Effort::default();
@@ -257,13 +257,13 @@ impl TangentialSolver {
     }
 
     /// S = w Δq + s₀ + B p, with the rigid slip w = (ξ − φ y, η + φ x).
-    fn update_slip(&mut self, problem: &Problem, state: &mut State) {
+    fn update_slip(&mut self, problem: &Problem, state: &mut TangentialState) {
         let [px, py] = &state.traction;
         let [sx, sy] = &mut state.slip;
         self.operator.apply([px, py], [sx, sy]);
-        if let Some([before_x, before_y]) = problem.before {
-            sx.iter_mut().zip(before_x).for_each(|(s, before)| *s += before);
-            sy.iter_mut().zip(before_y).for_each(|(s, before)| *s += before);
+        if let Some([history_x, history_y]) = problem.slip_history {
+            sx.iter_mut().zip(history_x).for_each(|(s, earlier)| *s += earlier);
+            sy.iter_mut().zip(history_y).for_each(|(s, earlier)| *s += earlier);
         }
         let [xi, eta, phi] = state.creepage.map(|value| value * problem.distance);
         for (row, y) in problem.y.iter().enumerate() {
@@ -276,7 +276,7 @@ impl TangentialSolver {
     }
 
     /// Solves the linearised problem for a step of the tractions.
-    fn linear_step(&mut self, state: &State, bound: &[f64]) -> Achieved {
+    fn linear_step(&mut self, state: &TangentialState, bound: &[f64]) -> Achieved {
         self.sticking.clear();
         self.slipping.clear();
         self.right.clear();
@@ -310,7 +310,7 @@ impl TangentialSolver {
     }
 
     /// Adds the step and cuts tractions to the bound.
-    fn advance(&self, problem: &Problem, state: &mut State) -> Change {
+    fn advance(&self, problem: &Problem, state: &mut TangentialState) -> Change {
         let mut change = Change::default();
         let count = self.sticking.len();
         let [px, py] = &mut state.traction;
@@ -326,10 +326,10 @@ impl TangentialSolver {
             }
             change.see(before, [px[i], py[i]]);
         }
-        for (turn, by) in self.slipping.iter().zip(&self.step[2 * count..]) {
-            let i = turn.index;
+        for (one, by) in self.slipping.iter().zip(&self.step[2 * count..]) {
+            let i = one.index;
             let before = [px[i], py[i]];
-            let after = [before[0] + turn.across[0] * by, before[1] + turn.across[1] * by];
+            let after = [before[0] + one.across[0] * by, before[1] + one.across[1] * by];
             let cut = problem.bound[i] / after[0].hypot(after[1]);
             [px[i], py[i]] = after.map(|value| value * cut);
             change.see(before, [px[i], py[i]]);
@@ -338,11 +338,11 @@ impl TangentialSolver {
     }
 
     /// Elements that slipped and whose traction now pushes with the slip adhere from now on.
-    fn release_or_stick(&self, state: &mut State) -> usize {
+    fn release_or_stick(&self, state: &mut TangentialState) -> usize {
         let ([px, py], [sx, sy]) = (&state.traction, &state.slip);
         let mut stuck = 0;
-        for turn in &self.slipping {
-            let i = turn.index;
+        for one in &self.slipping {
+            let i = one.index;
             if px[i] * sx[i] + py[i] * sy[i] > 0.0 {
                 state.element[i] = ElementState::Adhesion;
                 stuck += 1;
@@ -409,18 +409,18 @@ impl Preconditioned for System<'_> {
         let count = 2 * self.sticking.len();
         self.field.iter_mut().for_each(|component| component.fill(0.0));
         self.spread_sticking(&x[..count]);
-        for (turn, value) in self.slipping.iter().zip(&x[count..]) {
-            self.field[0][turn.index] = turn.across[0] * value;
-            self.field[1][turn.index] = turn.across[1] * value;
+        for (one, value) in self.slipping.iter().zip(&x[count..]) {
+            self.field[0][one.index] = one.across[0] * value;
+            self.field[1][one.index] = one.across[1] * value;
         }
         let [fx, fy] = &*self.field;
         let [ix, iy] = &mut *self.image;
         self.operator.apply([fx, fy], [ix, iy]);
         self.gather_sticking(&mut out[..count]);
-        for ((turn, out), x) in self.slipping.iter().zip(&mut out[count..]).zip(&x[count..]) {
+        for ((one, out), x) in self.slipping.iter().zip(&mut out[count..]).zip(&x[count..]) {
             let [ix, iy] = &*self.image;
-            let along = turn.across[0] * ix[turn.index] + turn.across[1] * iy[turn.index];
-            *out = along + turn.stiffness * x;
+            let along = one.across[0] * ix[one.index] + one.across[1] * iy[one.index];
+            *out = along + one.stiffness * x;
         }
     }
 
@@ -433,8 +433,8 @@ impl Preconditioned for System<'_> {
         self.operator.apply_inverse([fx, fy], [ix, iy]);
         self.gather_sticking(&mut out[..count]);
         let own = self.operator.self_influence();
-        for ((turn, out), x) in self.slipping.iter().zip(&mut out[count..]).zip(&x[count..]) {
-            *out = x / (own + turn.stiffness);
+        for ((one, out), x) in self.slipping.iter().zip(&mut out[count..]).zip(&x[count..]) {
+            *out = x / (own + one.stiffness);
         }
     }
 }

@@ -57,7 +57,7 @@
 typedef struct cosim_blob cosim_blob;
 
 /**
- * What a program is told before a run: role, model, case values, inputs and outputs. Strings that
+ * What a program is given before a run: role, model, case values, inputs and outputs. Strings that
  * come from it hold until configure returns.
  */
 typedef struct cosim_configuration cosim_configuration;
@@ -444,7 +444,7 @@ int cosim_layout_build_seconds(struct cosim_layout *layout, double build_seconds
 
 /**
  * Adds what the model leaves out in this very case, its expected relative error, and where that
- * figure comes from. Both texts are copied.
+ * number comes from. Both texts are copied.
  */
 int cosim_layout_left_out(struct cosim_layout *layout,
                           const char *what,

@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_name_the_key_and_null_is_told() {
+    fn refusals_name_the_key_and_null_is_reported() {
         let given = configuration();
         let settings = CosimConfiguration::new(&given);
         let settings = &raw const settings;

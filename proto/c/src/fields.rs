@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn null_is_told() {
+    fn null_is_reported() {
         let here = fields();
         let inputs = CosimInputs { inputs: &here, fields: KNOWN };
         let name = c"friction_power".as_ptr();

@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_told() {
+    fn what_cannot_be_is_reported() {
         let good = CosimGrid::of(&structured());
         let name = [b'x' as c_char; 32];
         let surface = CosimGrid { kind: COSIM_QUADRILATERALS, ..good };

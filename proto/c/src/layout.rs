@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn null_and_nonsense_are_told() {
+    fn null_and_nonsense_are_reported() {
         let mut layout = CosimLayout::default();
         let (to, word) = (&raw mut layout, c"x".as_ptr());
         let all = call("configure", || unsafe {

@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_told() {
+    fn nonsense_is_reported() {
         let of = |refinement| Accuracy { refinement: Some(refinement), ..Accuracy::default() };
         let levels = |levels: &[u32]| of(Refinement { levels: levels.to_vec(), ..refinement() });
         for wrong in [levels(&[]), levels(&[20, 10]), levels(&[0, 10]), levels(&[10, 10])] {

@@ -165,7 +165,7 @@ fn a_flipped_bit_in_a_chunk_is_noticed() {
 }
 
 #[test]
-fn what_is_no_recording_is_told() {
+fn what_is_no_recording_is_reported() {
     let error = |bytes: &[u8]| Recording::open(bytes).err().unwrap().to_string();
     assert!(error(b"[case]\nname = \"x\"\n").contains("damaged"));
     assert!(error(b"").contains("truncated before its header"));
@@ -340,7 +340,7 @@ fn an_uncompressed_file_of_any_length_reads() {
 }
 
 #[test]
-fn an_attachment_shorter_than_its_length_is_told() {
+fn an_attachment_shorter_than_its_length_is_reported() {
     let body = attachment("head.json", 0);
     for missing in 0..body.len() {
         let file = [mcap::MAGIC, &record(op::ATTACHMENT, &body[..body.len() - missing])].concat();

@@ -4,7 +4,7 @@
 //! registers, and each pair of weights is read once a block. Only elements with a flux are
 //! visited. A point ahead of all flux therefore gets exactly 0.
 
-use super::reconstruction::{Flux, LANES, Row};
+use super::reconstruction::{Flux, FluxRow, LANES};
 use super::spectral::Spectral;
 use super::stencil::{Part, Segment, Stencil, walk};
 
@@ -15,7 +15,7 @@ pub const CROSSOVER: usize = 64;
 
 /// Adds the contribution of one part of a stencil to a row of values, one a point; returns the
 /// number of multiply-adds.
-pub fn accumulate(part: &Part<'_>, row: Row<'_>, values: &mut [f64]) -> u64 {
+pub fn accumulate(part: &Part<'_>, row: FluxRow<'_>, values: &mut [f64]) -> u64 {
     let (support, end) = row.support;
     let (mut work, weights) = (0, part.edge.len());
     for (block, values) in values.chunks_mut(LANES).enumerate() {
@@ -65,12 +65,12 @@ pub fn at_point<'a>(
     theta: f64,
     depth: f64,
 ) -> f64 {
-    let rows: Vec<Row<'_>> = past.clone().map(|(_, flux)| flux.row(row)).collect();
+    let rows: Vec<FluxRow<'_>> = past.clone().map(|(_, flux)| flux.row(row)).collect();
     let Some((_, newest)) = past.clone().next() else { return 0.0 };
     let reach = newest.columns() - element;
     let mut sum = 0.0;
     walk(past.map(|(segment, _)| segment), theta, reach, depth, |index, k, weights| {
-        let (Row { middle, edge, .. }, i) = (rows[index], element + k);
+        let (FluxRow { middle, edge, .. }, i) = (rows[index], element + k);
         sum += weights[0] * edge[i] + weights[1] * middle[i] + weights[2] * edge[i + 1];
     });
     sum
@@ -109,7 +109,7 @@ impl Steady {
     }
 
     /// Writes the convolution of one row; returns the number of multiply-adds.
-    pub fn apply(&mut self, row: Row<'_>, values: &mut [f64]) -> u64 {
+    pub fn apply(&mut self, row: FluxRow<'_>, values: &mut [f64]) -> u64 {
         if row.support.1 == 0 {
             values.fill(0.0);
             return 0;

@@ -46,9 +46,9 @@ pub struct Window {
     pub flux: Flux,
 }
 
-/// Which state a question is about.
+/// The stage of a window that a question is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum Stage {
     /// The last solve.
     Trial,
     /// The last accepted one.
@@ -95,28 +95,28 @@ impl History {
     }
 
     /// The windows of a state, newest first.
-    pub fn windows(&self, state: State) -> impl Iterator<Item = &Window> + Clone {
-        (state == State::Trial).then_some(&self.trial).into_iter().chain(&self.accepted)
+    pub fn windows(&self, stage: Stage) -> impl Iterator<Item = &Window> + Clone {
+        (stage == Stage::Trial).then_some(&self.trial).into_iter().chain(&self.accepted)
     }
 
     /// Window number `index` of a state, counted from the newest.
     #[must_use]
-    pub fn window(&self, state: State, index: usize) -> Option<&Window> {
-        match (state, index) {
-            (State::Trial, 0) => Some(&self.trial),
-            (State::Trial, _) => self.accepted.get(index - 1),
-            (State::Accepted, _) => self.accepted.get(index),
+    pub fn window(&self, stage: Stage, index: usize) -> Option<&Window> {
+        match (stage, index) {
+            (Stage::Trial, 0) => Some(&self.trial),
+            (Stage::Trial, _) => self.accepted.get(index - 1),
+            (Stage::Accepted, _) => self.accepted.get(index),
         }
     }
 
     /// The past of a state as a body sees it, newest first; `amplitude` is 1/(β√π) of the body.
     pub fn past(
         &self,
-        state: State,
+        stage: Stage,
         body: usize,
         amplitude: f64,
     ) -> impl Iterator<Item = (Segment, &Flux)> + Clone {
-        self.windows(state).map(move |window| {
+        self.windows(stage).map(move |window| {
             let segment = Segment {
                 duration: window.drive.duration,
                 rate: window.drive.speeds[body] / self.element_length,
@@ -139,7 +139,7 @@ impl History {
     fn forget(&mut self) {
         let length = self.columns as f64 * self.element_length;
         let mut passed = [0.0; 2];
-        let needed = self.windows(State::Trial).take_while(|window| {
+        let needed = self.windows(Stage::Trial).take_while(|window| {
             let before = f64::min(passed[0], passed[1]);
             for (way, speed) in passed.iter_mut().zip(window.drive.speeds) {
                 *way += speed * window.drive.duration;
@@ -262,7 +262,7 @@ mod tests {
         // Ten factors of two between 1e-6 s and h/V.
         assert!(most <= 2 * columns + 200, "{most}");
         assert!(most <= History::expected_windows(columns), "{most}");
-        let covered: f64 = history.windows(State::Accepted).map(|w| w.drive.duration).sum();
+        let covered: f64 = history.windows(Stage::Accepted).map(|w| w.drive.duration).sum();
         assert!(covered >= columns as f64 * h / speed && covered < 1.1 * columns as f64 * h);
         assert!(history.accepted.len() + history.spare.len() <= most + 1, "windows are used again");
     }
@@ -283,7 +283,7 @@ mod tests {
         }
         assert!(history.accepted.len() < 100, "{}", history.accepted.len());
         let sum = |of: &dyn Fn(&Window) -> f64| -> f64 {
-            history.windows(State::Accepted).map(|w| of(w) * w.drive.duration).sum()
+            history.windows(Stage::Accepted).map(|w| of(w) * w.drive.duration).sum()
         };
         // Rounding of three hundred terms.
         assert!((sum(&|_| 1.0) / time - 1.0).abs() < 1e-12);

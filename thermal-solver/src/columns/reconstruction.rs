@@ -43,7 +43,7 @@ pub struct Flux {
 
 /// A row of a [`Flux`]: coefficients padded with [`LANES`] zeros.
 #[derive(Clone, Copy, Debug)]
-pub struct Row<'a> {
+pub struct FluxRow<'a> {
     /// Middle coefficients [W/m²].
     pub middle: &'a [f64],
     /// Edge values [W/m²]; edge i is the one before element i.
@@ -83,10 +83,10 @@ impl Flux {
 
     /// A row.
     #[must_use]
-    pub fn row(&self, row: usize) -> Row<'_> {
+    pub fn row(&self, row: usize) -> FluxRow<'_> {
         let span = self.span(row);
         let (first, end) = self.support[row];
-        Row {
+        FluxRow {
             middle: &self.middle[span.clone()],
             edge: &self.edge[span],
             support: (first as usize, end as usize),
@@ -133,7 +133,7 @@ impl Flux {
 
     /// Writes the means of one row's parabolas, `columns` values [W/m²].
     pub fn means_into(&self, row: usize, means: &mut [f64]) {
-        let Row { middle, edge, .. } = self.row(row);
+        let FluxRow { middle, edge, .. } = self.row(row);
         for (i, mean) in means.iter_mut().enumerate() {
             *mean = (edge[i] + middle[i] + edge[i + 1]) / 3.0;
         }
@@ -142,7 +142,7 @@ impl Flux {
     /// The flux [W/m²] at the place θ ∈ [0, 1] inside an element.
     #[must_use]
     pub fn at(&self, row: usize, element: usize, theta: f64) -> f64 {
-        let Row { middle, edge, .. } = self.row(row);
+        let FluxRow { middle, edge, .. } = self.row(row);
         let back = 1.0 - theta;
         edge[element] * back * back
             + 2.0 * middle[element] * theta * back

@@ -6,7 +6,7 @@
 //! weights are made once; a row costs two forward transforms and one back, in place, with scratch
 //! held here. The transforms' rounding error is a few ε log₂N of the row's largest value.
 
-use super::reconstruction::Row;
+use super::reconstruction::FluxRow;
 use super::stencil::Part;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -55,7 +55,7 @@ impl Spectral {
 
     /// Writes the correlation for one row; returns the number of multiply-adds, a transform of
     /// length N counted as N log₂N (rounded up).
-    pub fn apply(&mut self, row: Row<'_>, values: &mut [f64]) -> u64 {
+    pub fn apply(&mut self, row: FluxRow<'_>, values: &mut [f64]) -> u64 {
         self.transform(0, &row.middle[..=self.columns]);
         self.transform(1, &row.edge[..=self.columns]);
         let [middle, edge] = &mut self.flux;

@@ -10,7 +10,7 @@ use super::setup::{resolution, section_key};
 use crate::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
 };
-use crate::columns::history::{Drive, History, State};
+use crate::columns::history::{Drive, History, Stage};
 use crate::columns::reconstruction::Flux;
 use crate::columns::stencil::{Part, Stencil};
 use crate::search::maximum;
@@ -122,7 +122,7 @@ impl Conduction for Columns {
             Mode::Steady => self.solve_steady(drive, rise),
             Mode::Transient => self.solve_transient(drive, rise),
         };
-        let heating = self.history.windows(State::Trial).all(|window| window.flux.is_heating());
+        let heating = self.history.windows(Stage::Trial).all(|window| window.flux.is_heating());
         if heating {
             rise.iter_mut().for_each(|rise| remove_negative_rounding(rise));
         }
@@ -134,16 +134,16 @@ impl Conduction for Columns {
         self.past_key = None;
     }
 
-    fn level(&mut self, state: State, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
-        let past = self.history.past(state, body, self.frame.amplitude(body));
+    fn level(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
+        let past = self.history.past(stage, body, self.frame.amplitude(body));
         self.level.build(past.map(|(segment, _)| segment), rise.len(), depth);
         rise.fill(0.0);
         for part in self.level.parts() {
-            if let Some(window) = self.history.window(state, part.segment) {
+            if let Some(window) = self.history.window(stage, part.segment) {
                 accumulate(&part, window.flux.row(row), rise);
             }
         }
-        if self.history.windows(state).all(|window| window.flux.is_heating()) {
+        if self.history.windows(stage).all(|window| window.flux.is_heating()) {
             remove_negative_rounding(rise);
         }
     }
@@ -153,7 +153,7 @@ impl Conduction for Columns {
         let place = (x - grid.x(0)) / grid.dx();
         let element = place.round().clamp(0.0, (grid.ni - 1) as f64);
         let theta = (place - element + 0.5).clamp(0.0, 1.0);
-        let past = self.history.past(State::Accepted, body, self.frame.amplitude(body));
+        let past = self.history.past(Stage::Accepted, body, self.frame.amplitude(body));
         at_point(past, row, element as usize, theta, depth)
     }
 
@@ -223,7 +223,7 @@ impl Columns {
         let columns = self.frame.grid.ni;
         let mut work = 0;
         for (body, rise) in self.past.iter_mut().enumerate() {
-            let past = self.history.past(State::Trial, body, self.frame.amplitude(body));
+            let past = self.history.past(Stage::Trial, body, self.frame.amplitude(body));
             self.stencils[body].build(past.map(|(segment, _)| segment), columns, 0.0);
             rise.fill(0.0);
             // The first part is the window on trial: it lasts some time.
@@ -243,7 +243,7 @@ fn add_windows<'a>(
 ) -> u64 {
     let mut work = 0;
     for part in parts {
-        let Some(window) = history.window(State::Trial, part.segment) else { continue };
+        let Some(window) = history.window(Stage::Trial, part.segment) else { continue };
         for (row, rise) in rise.chunks_exact_mut(columns).enumerate() {
             work += accumulate(&part, window.flux.row(row), rise);
         }

@@ -1,7 +1,7 @@
 //! A way to conduct heat: what differs from one model to the next.
 
 use super::frame::Frame;
-use crate::columns::history::{Drive, State};
+use crate::columns::history::{Drive, Stage};
 use proto::model::StepError;
 
 /// Expected cost of a model.
@@ -62,7 +62,7 @@ pub trait Conduction: Sized + 'static {
     fn accept(&mut self);
 
     /// Rise [K] of a body along a row at the depth c = z/(2√κ) [√s], at the element centres.
-    fn level(&mut self, state: State, body: usize, row: usize, depth: f64, rise: &mut [f64]);
+    fn level(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]);
 
     /// Rise [K] of a body in the accepted state at any x [m] of a row, at the depth c [√s].
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;

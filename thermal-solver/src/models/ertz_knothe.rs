@@ -15,14 +15,19 @@
 //! The paper takes equations 13 and 14, for a uniform flux, below the surface. They do not meet
 //! equation 10 on the surface, so that here the polynomial flux itself is integrated in depth.
 
-use super::conduction::{Conduction, Cost, Peak, Work};
+use super::conduction::Conduction;
+use super::conduction::Cost;
+use super::conduction::Peak;
+use super::conduction::Work;
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
 use super::normal_only::along_the_surface;
 use super::setup::section_key;
-use crate::columns::history::{Drive, State};
-use crate::columns::reconstruction::{Flux, Row};
+use crate::columns::history::Drive;
+use crate::columns::history::Stage;
+use crate::columns::reconstruction::Flux;
+use crate::columns::reconstruction::FluxRow;
 use crate::reference::polynomial;
 use crate::{RAIL, WHEEL};
 use proto::accuracy::{Accuracy, Simplification};
@@ -142,10 +147,10 @@ impl Conduction for ErtzKnothe {
         std::mem::swap(&mut self.trial, &mut self.accepted);
     }
 
-    fn level(&mut self, state: State, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
-        let field = match state {
-            State::Trial => &self.trial,
-            State::Accepted => &self.accepted,
+    fn level(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
+        let field = match stage {
+            Stage::Trial => &self.trial,
+            Stage::Accepted => &self.accepted,
         };
         field.along(&self.frame, body, row, depth, rise);
     }
@@ -241,7 +246,7 @@ impl Field {
 }
 
 /// The ellipse with the heat, the centroid and the variance of a row.
-fn fitted(frame: &Frame, row: Row<'_>, number: usize) -> Result<Ellipse, StepError> {
+fn fitted(frame: &Frame, row: FluxRow<'_>, number: usize) -> Result<Ellipse, StepError> {
     let (first, end) = row.support;
     let moments = (first..end).fold([0.0; 3], |sums, i| {
         let element = element_moments(row.edge[i], row.middle[i], row.edge[i + 1]);

@@ -4,7 +4,7 @@ use super::conduction::Conduction;
 use super::fields::{SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
 use super::summary;
-use crate::columns::history::{Drive, State};
+use crate::columns::history::{Drive, Stage};
 use proto::configuration::Mode;
 use proto::field::{self, FieldSpec};
 use proto::model::{
@@ -59,14 +59,14 @@ impl<C: Conduction> Shell<C> {
         Err(StepError::NoSolution(format!("a transient window lasts {duration} s")))
     }
 
-    fn write_sections(&mut self, state: State, outputs: &mut dyn Outputs) {
+    fn write_sections(&mut self, stage: Stage, outputs: &mut dyn Outputs) {
         let (row, columns) = (self.frame.section_row(), self.frame.grid.ni);
         for (body, section) in SECTIONS.iter().enumerate() {
             let Some(values) = outputs.get(section) else { continue };
             let spacing = self.frame.level_spacing(body);
             for (level, rise) in values.chunks_exact_mut(columns).take(LEVELS).enumerate() {
                 let depth = self.frame.depth(body, level as f64 * spacing);
-                self.conduction.level(state, body, row, depth, rise);
+                self.conduction.level(stage, body, row, depth, rise);
             }
         }
     }
@@ -111,7 +111,7 @@ impl<C: Conduction> Model for Shell<C> {
                 values.copy_from_slice(rise);
             }
         }
-        self.write_sections(State::Trial, outputs);
+        self.write_sections(Stage::Trial, outputs);
         let area = self.frame.grid.element_area();
         Ok(StepReport {
             substeps: 1,
@@ -144,7 +144,7 @@ impl<C: Conduction> Model for Shell<C> {
                 values.copy_from_slice(rise);
             }
         }
-        self.write_sections(State::Accepted, outputs);
+        self.write_sections(Stage::Accepted, outputs);
     }
 
     fn summary(&self) -> serde_json::Value {

@@ -8,7 +8,7 @@ fn alone(text: &str) -> Result<Alone, Problems> {
 }
 
 #[test]
-fn the_good_case_is_good_as_far_as_can_be_told() {
+fn the_good_case_is_good_as_far_as_can_be_checked() {
     let judged = alone(GOOD).unwrap();
     assert_eq!((judged.name.as_str(), judged.timing), ("wheel-rail", Timing::Steady));
     let roles: Vec<&str> = judged.participants.iter().map(|p| p.role.as_str()).collect();

@@ -21,7 +21,7 @@ fn every_error_names_its_place_and_its_fix() {
 
 /// Errors of different kinds are reported together, as a person sees them.
 #[test]
-fn all_errors_are_told_at_once() {
+fn all_errors_are_reported_at_once() {
     let bad = GOOD
         .replace("speed =", "sped =")
         .replace("radius = 0.46", "radius = \"460 kN\"")

@@ -145,7 +145,7 @@ fn errors_of_options_name_the_option() {
 }
 
 #[test]
-fn all_bad_options_are_told_at_once() {
+fn all_bad_options_are_reported_at_once() {
     let mut raw = RawCase::parse("case.toml", GOOD).unwrap();
     let error = raw.apply(&["a", "b=", "wheel.radius=1"], &["motion.sped", "zzzzzzzz"]);
     let error = error.expect_err("four bad options");

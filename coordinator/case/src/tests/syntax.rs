@@ -8,15 +8,15 @@ fn errors(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn several_errors_of_syntax_are_told_at_once() {
+fn several_errors_of_syntax_are_reported_at_once() {
     assert_eq!(
         errors("[a]\nx = 1\nx = 2\ny =\nw = steel\n[a]\n[b\nz = \"1\n"),
         [
-            "3:1 : not TOML: duplicate key | keep one of the two",
-            "4:4 : not TOML: no value after the `=` | write a value",
-            "5:5 : not TOML: string values must be quoted | put the text in quotes",
-            "6:2 : not TOML: duplicate key | keep one of the two",
-            "7:3 : not TOML: unclosed table | TOML expects `]` here",
+            "3:1 : invalid TOML: duplicate key | keep one of the two",
+            "4:4 : invalid TOML: no value after the `=` | write a value",
+            "5:5 : invalid TOML: string values must be quoted | put the text in quotes",
+            "6:2 : invalid TOML: duplicate key | keep one of the two",
+            "7:3 : invalid TOML: unclosed table | TOML expects `]` here",
         ]
     );
 }

@@ -193,7 +193,7 @@ fn groups_and_products_work_within_each_entry_of_a_table() {
 }
 
 #[test]
-fn an_alternative_that_the_chosen_model_does_not_read_is_told() {
+fn an_alternative_that_the_chosen_model_does_not_read_is_reported() {
     let mut descriptions = descriptions();
     let keys = &mut descriptions[0].1.keys;
     let force = keys.iter().position(|k| k.path == "motion.tangential_force").unwrap();

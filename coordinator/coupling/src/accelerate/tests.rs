@@ -2,24 +2,11 @@
 
 use super::*;
 use crate::part::parts;
-use crate::settings::{Implicit, Preconditioner, Predictor, Tolerances};
+use crate::settings::{Implicit, Preconditioner};
 
 /// Settings with the defaults of a case.
 pub(crate) fn settings(acceleration: Acceleration) -> Implicit {
-    Implicit {
-        acceleration,
-        relaxation: 0.5,
-        min_iterations: 1,
-        max_iterations: 100,
-        tolerances: Tolerances { relative: Some(1e-6), ..Tolerances::default() },
-        fields: std::collections::BTreeMap::new(),
-        reuse_windows: 10,
-        max_columns: 100,
-        filter: 1e-6,
-        preconditioner: Preconditioner::ResidualSum,
-        predictor: Predictor::Last,
-        strict: true,
-    }
+    Implicit { acceleration, ..Implicit::default() }
 }
 
 /// Numbers in [-1, 1) without pattern.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::accelerate::tests::settings;
+use crate::index::ParticipantIndex;
 use crate::part::parts;
 use crate::settings::Acceleration;
 use std::convert::Infallible;
@@ -38,7 +39,7 @@ impl Exchange for Pair {
         2
     }
 
-    fn solve(&mut self, participants: &[usize], _step: &Step) -> Result<(), Infallible> {
+    fn solve(&mut self, participants: &[ParticipantIndex], _step: &Step) -> Result<(), Infallible> {
         let [a, b] = self.values;
         // Without feedback a receives what b has sent last.
         let inputs = match self.coupling_data.as_slice() {
@@ -46,7 +47,7 @@ impl Exchange for Pair {
             [_] => [self.received[0], a],
             _ => [self.received[1], self.received[0]],
         };
-        for &one in participants {
+        for one in participants.iter().map(|&one| usize::from(one)) {
             self.values[one] = if one == 0 { (self.f)(inputs[0]) } else { (self.g)(inputs[1]) };
             self.solves += 1;
         }

@@ -4,9 +4,11 @@ use super::peer::Peer;
 use super::phase::Phase;
 use crate::error::{Failure, RunError};
 use crate::supervise::Exit;
+use coupling::ParticipantIndex;
 use proto::transport::TransportError;
 use std::os::unix::process::ExitStatusExt;
 use std::time::Duration;
+use typed_index_collections::TiSlice;
 
 /// The reason; numbers are those of participants.
 #[derive(Debug)]
@@ -16,24 +18,25 @@ pub enum Stopped {
     /// A process has ended.
     Exited(Exit),
     /// A participant that was started by hand is gone.
-    Gone(usize),
+    Gone(ParticipantIndex),
     /// It has dealt with the command, and the reply is not there.
-    ReplyLost(usize),
+    ReplyLost(ParticipantIndex),
     /// No heartbeat for so long.
-    Silent(usize, Duration),
+    Silent(ParticipantIndex, Duration),
     /// No answer for so long, although its heartbeat is received.
-    Late(usize, Duration),
+    Late(ParticipantIndex, Duration),
     /// The exchange with it failed.
-    Transport(usize, TransportError),
+    Transport(ParticipantIndex, TransportError),
 }
 
 impl Stopped {
     /// As the end of a run.
-    pub(super) fn error(self, peers: &[Peer], phase: Phase) -> RunError {
-        let (when, failed) = (phase.to_string(), |one: usize, what: String, fix: &str| {
-            let (who, when) = (peers[one].who(), phase.to_string());
-            RunError::Failed(Failure { who, when, what, fix: fix.to_owned() })
-        });
+    pub(super) fn error(self, peers: &TiSlice<ParticipantIndex, Peer>, phase: Phase) -> RunError {
+        let (when, failed) =
+            (phase.to_string(), |one: ParticipantIndex, what: String, fix: &str| {
+                let (who, when) = (peers[one].who(), phase.to_string());
+                RunError::Failed(Failure { who, when, what, fix: fix.to_owned() })
+            });
         match self {
             Self::Interrupted(signal) => RunError::Interrupted { signal, when },
             Self::Exited(exit) => ended(peers, &exit, when),
@@ -79,7 +82,7 @@ fn late(phase: Phase, patience: Duration) -> (String, String) {
     (what, format!("raise {key} if it needs longer"))
 }
 
-fn ended(peers: &[Peer], exit: &Exit, when: String) -> RunError {
+fn ended(peers: &TiSlice<ParticipantIndex, Peer>, exit: &Exit, when: String) -> RunError {
     let peer = peers.iter().find(|peer| peer.role() == exit.role);
     let how = match (exit.status.signal(), exit.status.code()) {
         (Some(7), _) => {

@@ -204,7 +204,7 @@ impl<'a> March<'a> {
                 taken: self.coupling.taken(),
                 coupling_seconds,
                 heat: &self.session.heat_balance(),
-                solved: self.session.solved(),
+                solved: &self.session.solved().raw,
             })?;
             if let Some(recorder) = self.recorder {
                 recorder.event(Event::Iteration(self.iteration(coupling_seconds)));
@@ -292,7 +292,7 @@ fn audit(
     let (what, fix) = match receipt {
         Some(receipt) => {
             let Receipt { participant, sent, received } = receipt;
-            let role = roles[participant];
+            let role = roles[usize::from(participant)];
             let what = format!("{sent:e} W sent to {role}, which reports {received:e} W received");
             (what, "heat is not conserved: see iterations.csv")
         }
@@ -314,12 +314,13 @@ fn audit(
 mod tests {
     use super::*;
     use crate::session::SolveRecord;
+    use typed_index_collections::TiSlice;
 
     /// Of the second participant.
     fn heat(heat_sent: f64, heat_received: Option<f64>) -> HeatBalance {
         let heat_sent = Some(heat_sent);
         let consumer = SolveRecord { heat_sent, heat_received, ..SolveRecord::default() };
-        HeatBalance::of(&[SolveRecord::default(), consumer])
+        HeatBalance::of(TiSlice::from_ref(&[SolveRecord::default(), consumer]))
     }
 
     fn audited(sent: f64, received: f64) -> (Result<(), String>, Option<f64>) {

@@ -3,8 +3,13 @@
 use crate::checkpoint::{Origin, sum};
 use crate::error::RunError;
 use crate::plan::{Participant, Planned};
+use coupling::ParticipantIndex;
 use serde_json::json;
 use std::path::{Path, absolute};
+
+fn numbers(of: &[ParticipantIndex]) -> Vec<usize> {
+    of.iter().map(|&one| one.into()).collect()
+}
 
 /// What a planned run is made from.
 #[must_use]
@@ -14,7 +19,15 @@ pub fn origin(planned: &Planned) -> Origin {
     let routes: Vec<_> = plan
         .fields
         .iter()
-        .map(|f| json!([f.kind, f.producer, f.consumers, f.fed_back, f.wanted]))
+        .map(|f| {
+            json!([
+                f.kind,
+                usize::from(f.producer),
+                numbers(&f.consumers),
+                numbers(&f.fed_back),
+                f.wanted
+            ])
+        })
         .collect();
     let routes = sum(json!([plan.scheme.scheme.word(), routes]).to_string().as_bytes());
     let routes = ("the routing of the fields".to_owned(), routes);

@@ -7,10 +7,12 @@ use contract::configuration::{Configuration, Layout, Mode};
 use contract::description::Description;
 use contract::field::FieldKind;
 use contract::message::Interpolation;
+use coupling::ParticipantIndex;
 use coupling::map::Method;
 use coupling::settings::{Acceleration, Implicit, Scheme};
 use coupling::windows::Windows;
 use proto::transport::FIELD_SLOTS;
+use typed_index_collections::TiVec;
 
 /// What will run.
 #[derive(Clone, Debug)]
@@ -30,7 +32,7 @@ pub struct Plan {
     /// How inputs vary within a window.
     pub interpolation: Interpolation,
     /// Participants that run, in the order in which data flows.
-    pub participants: Vec<Participant>,
+    pub participants: TiVec<ParticipantIndex, Participant>,
     /// Participants that the case has but that do not run, and why.
     pub idle: Vec<(String, String)>,
     /// Fields that exist at run time.
@@ -79,12 +81,12 @@ pub struct Field {
     /// Kind of the field.
     pub kind: FieldKind,
     /// Index of the participant that sends it.
-    pub producer: usize,
+    pub producer: ParticipantIndex,
     /// Indices of the participants that consume it; empty for a field that is only observed.
-    pub consumers: Vec<usize>,
+    pub consumers: Vec<ParticipantIndex>,
     /// Those of the consumers that subscribe to the coordinator's iterate of it, not to the
     /// producer.
-    pub fed_back: Vec<usize>,
+    pub fed_back: Vec<ParticipantIndex>,
     /// How it is mapped for those of the consumers whose grid does not match the producer's.
     pub method: Method,
     /// The case wants it written out.

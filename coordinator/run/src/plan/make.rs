@@ -11,9 +11,11 @@ use contract::configuration::{Configuration, Estimate, Input, Layout};
 use contract::description::Description;
 use contract::grid::check_name;
 use contract::message::MAX_INPUTS;
+use coupling::ParticipantIndex;
 use coupling::settings::Scheme;
 use coupling::windows::Windows;
 use std::time::Duration;
+use typed_index_collections::{TiSlice, TiVec};
 
 /// Words that stand beside `ROLE_s` in the summary's cost, and the coordinator's own name.
 const RESERVED_ROLES: &[&str] =
@@ -190,7 +192,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         let model = description.models.iter().find(|m| m.name == p.model)?;
         Some(Candidate { role: &p.role, model, description })
     });
-    let running = route::order(candidates.collect(), case);
+    let running = TiVec::from(route::order(candidates.collect(), case));
     check_roles(case, described)?;
     let twice = route::provided_twice(&running, case).into_iter().map(|(field, first, second)| {
         let reason = format!("`{first}` and `{second}` both provide the field `{field}`");
@@ -246,7 +248,11 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
     })
 }
 
-fn scheme(case: &Case, fields: &[Field], running: &[Candidate]) -> SchemeChoice {
+fn scheme(
+    case: &Case,
+    fields: &[Field],
+    running: &TiSlice<ParticipantIndex, Candidate>,
+) -> SchemeChoice {
     let feedback = route::feedback(fields);
     let (scheme, reason) = match (case.coupling.scheme, feedback.first()) {
         (Scheme::Auto, None) if running.len() == 1 => {
@@ -291,7 +297,7 @@ fn cannot_go_back(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem>
     let adaptive =
         matches!(case.timing, Timing::Transient { control: Control::Adaptive { .. }, .. });
     let late = |field: &&Field| {
-        let before = |consumer: &usize| *consumer <= field.producer;
+        let before = |consumer: &ParticipantIndex| *consumer <= field.producer;
         scheme.is_parallel() || field.consumers.iter().any(before)
     };
     let late = fields.iter().filter(|f| !f.observed_only()).find(late);
@@ -319,11 +325,11 @@ fn unused_tolerances(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Probl
 
 fn participants(
     case: &Case,
-    running: &[Candidate],
+    running: &TiSlice<ParticipantIndex, Candidate>,
     fields: &[Field],
-) -> Result<Vec<Participant>, RunError> {
-    let mut participants = Vec::new();
-    for (index, one) in running.iter().enumerate() {
+) -> Result<TiVec<ParticipantIndex, Participant>, RunError> {
+    let mut participants = TiVec::new();
+    for (index, one) in running.iter_enumerated() {
         let settings = case.participants.iter().find(|p| p.role == one.role);
         let command = settings.and_then(|p| p.command.as_deref());
         let inputs: Vec<Input> = fields
@@ -371,12 +377,12 @@ fn participants(
 /// Asks every participant what it makes of the case, along the flow of data; and once more those
 /// which have an input whose grid moves, as turned out only after they had been asked.
 async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
-    for index in 0..plan.participants.len() {
+    for index in plan.participants.keys() {
         fill_input_grids(plan, index);
         fill_input_moves(plan, index);
         estimate_one(case, plan, index).await?;
     }
-    for index in 0..plan.participants.len() {
+    for index in plan.participants.keys() {
         if fill_input_moves(plan, index) {
             estimate_one(case, plan, index).await?;
         }
@@ -384,7 +390,11 @@ async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
     Ok(())
 }
 
-async fn estimate_one(case: &Case, plan: &mut Plan, index: usize) -> Result<(), RunError> {
+async fn estimate_one(
+    case: &Case,
+    plan: &mut Plan,
+    index: ParticipantIndex,
+) -> Result<(), RunError> {
     let participant = &plan.participants[index];
     if !participant.description.estimates {
         return Ok(());
@@ -404,7 +414,7 @@ async fn estimate_one(case: &Case, plan: &mut Plan, index: usize) -> Result<(), 
 
 /// Which grids of a participant's inputs may move, as far as their estimates say; whether that is
 /// news.
-fn fill_input_moves(plan: &mut Plan, index: usize) -> bool {
+fn fill_input_moves(plan: &mut Plan, index: ParticipantIndex) -> bool {
     let moves = |plan: &Plan, input: &Input| {
         let producer = plan.participants.iter().find(|p| p.role == input.producer);
         let layout = producer.and_then(|p| p.estimate.as_ref());
@@ -420,7 +430,7 @@ fn fill_input_moves(plan: &mut Plan, index: usize) -> bool {
     news
 }
 
-fn fill_input_grids(plan: &mut Plan, index: usize) {
+fn fill_input_grids(plan: &mut Plan, index: ParticipantIndex) {
     let layouts: Vec<(String, Option<Layout>)> =
         plan.participants.iter().map(|p| (p.role.clone(), p.estimate.clone())).collect();
     for input in &mut plan.participants[index].configuration.inputs {

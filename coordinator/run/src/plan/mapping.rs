@@ -4,6 +4,7 @@ use super::contents::{Field, Plan, sample_bytes};
 use contract::configuration::Layout;
 use contract::field::Mapping;
 use contract::grid::Grid;
+use coupling::ParticipantIndex;
 use coupling::map::{GridMapping, Method};
 use std::fmt::{Formatter, Result};
 
@@ -12,8 +13,8 @@ use std::fmt::{Formatter, Result};
 /// as they would not for long.
 pub fn non_matching<'a>(
     field: &Field,
-    consumer: usize,
-    layout: impl Fn(usize) -> Option<&'a Layout>,
+    consumer: ParticipantIndex,
+    layout: impl Fn(ParticipantIndex) -> Option<&'a Layout>,
 ) -> Option<[&'a Grid; 2]> {
     let (theirs, own) = (layout(field.producer)?, layout(consumer)?);
     let source = theirs.grid_of(&field.kind.name)?;
@@ -24,15 +25,15 @@ pub fn non_matching<'a>(
 
 impl Plan {
     /// The consumers for which a field is mapped, with its grids, as far as these are known.
-    pub(super) fn mapped(&self, field: &Field) -> Vec<(usize, [&Grid; 2])> {
-        let layout = |index: usize| self.participants[index].estimate.as_ref();
-        let grids = |&one: &usize| Some((one, non_matching(field, one, layout)?));
+    pub(super) fn mapped(&self, field: &Field) -> Vec<(ParticipantIndex, [&Grid; 2])> {
+        let layout = |index: ParticipantIndex| self.participants[index].estimate.as_ref();
+        let grids = |&one: &ParticipantIndex| Some((one, non_matching(field, one, layout)?));
         field.consumers.iter().filter_map(grids).collect()
     }
 
     /// Bytes of one mapped sample for each consumer that needs one.
     pub(super) fn mapped_bytes(&self, field: &Field) -> u64 {
-        let bytes = |(_, [_, wanted]): &(usize, [&Grid; 2])| {
+        let bytes = |(_, [_, wanted]): &(ParticipantIndex, [&Grid; 2])| {
             sample_bytes(wanted.points(), field.kind.components)
         };
         self.mapped(field).iter().map(bytes).sum()
@@ -42,7 +43,7 @@ impl Plan {
         let mut head = "mapping";
         for field in &self.fields {
             for (one, grids) in self.mapped(field) {
-                let role = |index: usize| self.participants[index].role.as_str();
+                let role = |index: ParticipantIndex| self.participants[index].role.as_str();
                 let route = format!("{} -> {}", role(field.producer), role(one));
                 let (form, method) = (form(field.kind.mapping), field.method.name());
                 let name = &field.kind.name;

@@ -5,7 +5,9 @@ use super::contents::{Effect, Field};
 use case::{Case, OutputFields};
 use contract::description::{Description, EffectSpec, ModelSpec};
 use contract::field::{self, FieldKind};
+use coupling::ParticipantIndex;
 use coupling::settings::Scheme;
+use typed_index_collections::TiSlice;
 
 /// A participant while routing: what it could exchange.
 #[derive(Clone, Debug)]
@@ -75,11 +77,11 @@ pub(super) fn order<'a>(mut waiting: Vec<Candidate<'a>>, case: &Case) -> Vec<Can
 
 /// The fields that exist at run time: everything that is consumed, and what is to be written out.
 pub(super) fn fields(
-    participants: &[Candidate],
+    participants: &TiSlice<ParticipantIndex, Candidate>,
     case: &Case,
 ) -> Result<Vec<Field>, Vec<Unprovided>> {
     let mut fields: Vec<Field> = Vec::new();
-    for (producer, one) in participants.iter().enumerate() {
+    for (producer, one) in participants.iter_enumerated() {
         for name in one.provides(case) {
             if let Some(kind) = one.kind(name)
                 && fields.iter().all(|f| f.kind.name != name)
@@ -98,7 +100,7 @@ pub(super) fn fields(
         }
     }
     let mut unprovided = Vec::new();
-    for (consumer, one) in participants.iter().enumerate() {
+    for (consumer, one) in participants.iter_enumerated() {
         for (name, because, key) in one.consumes(case) {
             let from_other = |f: &&mut Field| f.kind.name == name && f.producer != consumer;
             match fields.iter_mut().find(from_other) {
@@ -127,11 +129,11 @@ fn wanted(selection: &OutputFields, name: &str) -> bool {
 
 /// Fields that two participants provide, with both roles.
 pub(super) fn provided_twice(
-    participants: &[Candidate],
+    participants: &TiSlice<ParticipantIndex, Candidate>,
     case: &Case,
 ) -> Vec<(String, String, String)> {
     let mut twice = Vec::new();
-    for (index, one) in participants.iter().enumerate() {
+    for (index, one) in participants.iter_enumerated() {
         for other in &participants[..index] {
             let theirs = other.provides(case);
             for name in one.provides(case).into_iter().filter(|name| theirs.contains(name)) {
@@ -151,7 +153,7 @@ pub(super) fn feedback(fields: &[Field]) -> Vec<&Field> {
 /// solve before, or at the same time as, the producer; with an explicit one nobody.
 pub(super) fn feed_back(fields: &mut [Field], scheme: Scheme) {
     for field in fields.iter_mut().filter(|_| scheme.is_implicit()) {
-        let late = |c: &&usize| scheme.is_parallel() || **c <= field.producer;
+        let late = |c: &&ParticipantIndex| scheme.is_parallel() || **c <= field.producer;
         field.fed_back = field.consumers.iter().filter(late).copied().collect();
     }
 }

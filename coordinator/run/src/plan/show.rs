@@ -3,6 +3,7 @@
 use super::contents::Plan;
 use crate::format::bytes;
 use crate::format::seconds;
+use coupling::ParticipantIndex;
 use coupling::settings::Implicit;
 use coupling::windows::Windows;
 use std::fmt::{Display, Formatter, Result};
@@ -81,7 +82,7 @@ impl Plan {
     }
 
     fn show_fields(&self, f: &mut Formatter<'_>) -> Result {
-        let role = |index: usize| self.participants[index].role.as_str();
+        let role = |index: ParticipantIndex| self.participants[index].role.as_str();
         let mut head = "fields";
         writeln!(f)?;
         for field in &self.fields {

@@ -383,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_that_is_not_finite_is_absent_and_told() {
+    fn a_figure_that_is_not_finite_is_absent_and_reported() {
         let said = json!({"contact": {"area_m2": f64::NAN, "list": [1.0, f64::INFINITY], "n": 1}});
         let sections = Sections::gather([("mech", &said)]);
         assert_eq!(Value::Object(sections.merged), json!({"contact": {"n": 1}}));

@@ -6,10 +6,13 @@
 //! reports no heat is left out, by name.
 
 use super::feedback::Feedback;
+use super::index::{MappedIndex, PartIndex, TapIndex};
 use super::mapped::Mapped;
 use super::solved::SolveRecord;
 use super::tap::Tap;
 use contract::message::Reply;
+use coupling::ParticipantIndex;
+use typed_index_collections::TiSlice;
 
 /// Heat across the interface in one iteration, as mean power over the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,7 +34,7 @@ pub struct HeatBalance {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Receipt {
     /// Index of the participant.
-    pub participant: usize,
+    pub participant: ParticipantIndex,
     /// What it was assigned [W].
     pub sent: f64,
     /// What it reports [W].
@@ -51,15 +54,15 @@ impl Receipt {
 impl HeatBalance {
     /// The balance of the last solves.
     #[must_use]
-    pub fn of(solved: &[SolveRecord]) -> Self {
+    pub fn of(solved: &TiSlice<ParticipantIndex, SolveRecord>) -> Self {
         let mut balance = Self::default();
         let mut unreported = None;
-        for (participant, record) in solved.iter().enumerate() {
+        for (participant, record) in solved.iter_enumerated() {
             let Some(sent) = record.heat_sent else { continue };
             match record.heat_received {
                 Some(received) => balance.add(Receipt { participant, sent, received }),
                 None => {
-                    balance.unreported |= 1 << participant;
+                    balance.unreported |= 1 << usize::from(participant);
                     *unreported.get_or_insert(0.0) += sent;
                 }
             }
@@ -93,10 +96,10 @@ impl HeatBalance {
 /// The power in the conservative fields that a participant is assigned, each on the grid
 /// that it was sent on; `None` if it consumes none.
 pub(super) fn commanded(
-    taps: &[Tap],
-    feedback: &[Feedback],
-    mapped: &[Mapped],
-    participant: usize,
+    taps: &TiSlice<TapIndex, Tap>,
+    feedback: &TiSlice<PartIndex, Feedback>,
+    mapped: &TiSlice<MappedIndex, Mapped>,
+    participant: ParticipantIndex,
 ) -> Option<f64> {
     let mut power = None;
     let mut add = |heat: f64| *power.get_or_insert(0.0) += heat;
@@ -125,7 +128,7 @@ pub(super) fn report_fault(reply: &Reply, heat_before: Option<f64>) -> Option<St
 }
 
 /// The largest part of the heat that a mapping has lost or made; `None` if no heat is mapped.
-pub(super) fn of_mappings(mapped: &[Mapped]) -> Option<f64> {
+pub(super) fn of_mappings(mapped: &TiSlice<MappedIndex, Mapped>) -> Option<f64> {
     mapped.iter().filter_map(|mapped| Some(mapped.heat?.imbalance)).reduce(f64::max)
 }
 
@@ -137,8 +140,12 @@ mod tests {
         SolveRecord { heat_sent, heat_received, ..SolveRecord::default() }
     }
 
+    fn balance(solved: &[SolveRecord]) -> HeatBalance {
+        HeatBalance::of(TiSlice::from_ref(solved))
+    }
+
     fn of(sent: f64, received: Option<f64>) -> HeatBalance {
-        HeatBalance::of(&[SolveRecord::default(), record(Some(sent), received)])
+        balance(&[SolveRecord::default(), record(Some(sent), received)])
     }
 
     #[test]
@@ -148,19 +155,19 @@ mod tests {
         let silent = of(100.0, None);
         assert_eq!((silent.imbalance(), silent.unreported), (None, 0b10));
         assert_eq!((silent.sent, silent.received), (Some(100.0), None));
-        assert_eq!(HeatBalance::of(&[record(None, Some(1.0))]), HeatBalance::default());
+        assert_eq!(balance(&[record(None, Some(1.0))]), HeatBalance::default());
     }
 
     #[test]
     fn each_consumer_is_judged_by_itself_and_a_silent_one_is_left_out() {
-        let balance = HeatBalance::of(&[
+        let balance = balance(&[
             record(Some(100.0), Some(101.0)),
             record(Some(100.0), Some(99.0)),
             record(Some(50.0), None),
             record(Some(2.0), Some(2.0)),
         ]);
         assert_eq!((balance.sent, balance.received), (Some(202.0), Some(202.0)));
-        let worst = Receipt { participant: 1, sent: 100.0, received: 99.0 };
+        let worst = Receipt { participant: 1.into(), sent: 100.0, received: 99.0 };
         assert_eq!((balance.worst, balance.unreported), (Some(worst), 0b100));
         assert_eq!(balance.imbalance(), Some(0.01));
     }

@@ -7,13 +7,16 @@
 //! the window that follows.
 
 use super::Session;
+use super::index::MovingIndex;
 use super::moving::MovingGrid;
 use crate::error::{RunError, file_failure};
 use crate::peers::Phase;
 use contract::grid::Grid;
 use contract::message::{Command, CommandKind, OutputFile, StateFile};
 use contract::step::Step;
+use coupling::ParticipantIndex;
 use std::path::Path;
+use typed_index_collections::TiVec;
 
 impl Session {
     /// Writes the state after the accepted step into a folder, given by a path that leads
@@ -21,7 +24,7 @@ impl Session {
     pub fn save(&mut self, step: &Step, folder: &Path) -> Result<Vec<String>, RunError> {
         self.peers.phase = Phase::Saving(*step);
         let mut names = Vec::new();
-        for one in 0..self.peers.all().len() {
+        for one in self.peers.all().keys() {
             let name = state_file(self.peers.all()[one].role());
             let file =
                 StateFile { path: folder.join(&name), outputs: Vec::new(), geometry: Vec::new() };
@@ -41,7 +44,7 @@ impl Session {
             std::fs::write(&path, text).map_err(|error| file_failure(&path, &error))?;
             names.push(name);
         }
-        for one in 0..self.peers.all().len() {
+        for one in self.peers.all().keys() {
             self.peers.done(one, self.peers.deadlines().solve)?;
             self.record_state(one, folder)?;
         }
@@ -52,9 +55,9 @@ impl Session {
     /// solved; `iterate` is what was sent last to the consumers that close the loop.
     pub fn restore(&mut self, step: &Step, folder: &Path, iterate: &[f64]) -> Result<(), RunError> {
         self.peers.phase = Phase::Restoring(*step);
-        let last: Vec<Grid> =
+        let last: TiVec<MovingIndex, Grid> =
             self.moving.iter().map(|m| read(m, folder)).collect::<Result<_, _>>()?;
-        for one in 0..self.peers.all().len() {
+        for one in self.peers.all().keys() {
             let sent = self.taps.iter().filter(|t| t.producer == one && !t.observed_only);
             let output = |name: &String| OutputFile {
                 field: name.clone(),
@@ -68,9 +71,9 @@ impl Session {
             let file = StateFile { path, outputs, geometry };
             self.command_about(one, CommandKind::Restore, step, &file)?;
         }
-        for one in 0..self.peers.all().len() {
+        for one in self.peers.all().keys() {
             self.peers.done(one, self.peers.deadlines().solve)?;
-            for (index, grid) in last.iter().enumerate() {
+            for (index, grid) in last.iter_enumerated() {
                 if self.moving[index].participant == one {
                     self.receive_last(index, grid.revision, step)?;
                 }
@@ -78,10 +81,10 @@ impl Session {
             self.collect(one, step, false)?;
         }
         self.send_iterate(iterate, step)?;
-        (0..self.peers.all().len()).try_for_each(|one| self.receive_geometry(one, step))
+        self.peers.all().keys().try_for_each(|one| self.receive_geometry(one, step))
     }
 
-    fn record_state(&self, one: usize, folder: &Path) -> Result<(), RunError> {
+    fn record_state(&self, one: ParticipantIndex, folder: &Path) -> Result<(), RunError> {
         let Some(recorder) = self.peers.recorder() else { return Ok(()) };
         let role = self.peers.all()[one].role();
         recorder.state(role, &folder.join(state_file(role)))
@@ -89,7 +92,7 @@ impl Session {
 
     fn command_about(
         &mut self,
-        one: usize,
+        one: ParticipantIndex,
         kind: CommandKind,
         step: &Step,
         file: &StateFile,

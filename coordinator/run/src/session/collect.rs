@@ -1,9 +1,11 @@
 //! What the participants have published: received, checked, and looked through once.
 
 use super::Session;
+use super::index::TapIndex;
 use crate::error::{Failure, RunError};
 use crate::peers::Phase;
 use contract::step::Step;
+use coupling::ParticipantIndex;
 use proto::model::first_non_finite;
 
 impl Session {
@@ -11,11 +13,11 @@ impl Session {
     /// observed. Exactly one sample of each, on the grids as they are known.
     pub(super) fn collect(
         &mut self,
-        one: usize,
+        one: ParticipantIndex,
         step: &Step,
         observed_only: bool,
     ) -> Result<(), RunError> {
-        for index in 0..self.taps.len() {
+        for index in self.taps.keys() {
             let tap = &self.taps[index];
             if tap.producer != one || tap.observed_only != observed_only {
                 continue;
@@ -40,7 +42,7 @@ impl Session {
     }
 
     /// Puts a tap whose sample is about to be replaced on its grid as it is now.
-    fn follow(&mut self, index: usize) {
+    fn follow(&mut self, index: TapIndex) {
         let Self { taps, moving, .. } = self;
         let tap = &mut taps[index];
         if let Some(grid) = tap.moving.map(|at| &moving[at].grid)
@@ -51,7 +53,7 @@ impl Session {
     }
 
     /// Every value of the newest sample is finite; looked at once per sample.
-    pub(super) fn check_finite(&mut self, index: usize) -> Result<(), RunError> {
+    pub(super) fn check_finite(&mut self, index: TapIndex) -> Result<(), RunError> {
         let tap = &mut self.taps[index];
         let Some(sample) = &tap.sample else { return Ok(()) };
         let header = sample.header();

@@ -5,6 +5,7 @@
 //! directly. The topic is `field/coordinator/NAME`; its samples have sequence numbers of their own.
 //! Consumers on a grid of their own have a topic of their own ([`super::mapped`]).
 
+use super::index::TapIndex;
 use super::outlet::Outlet;
 use super::tap::Consumer;
 use crate::peers::COORDINATOR;
@@ -14,7 +15,7 @@ use contract::grid::Grid;
 #[derive(Debug)]
 pub(super) struct Feedback {
     /// Index of its tap.
-    pub(super) tap: usize,
+    pub(super) tap: TapIndex,
     /// The consumers which receive the iterates on the producer's grid.
     pub(super) readers: Vec<Consumer>,
     /// Surface integral of the last iterate, if its mapping conserves it.
@@ -24,7 +25,7 @@ pub(super) struct Feedback {
 }
 
 impl Feedback {
-    pub(super) fn new(tap: usize, readers: Vec<Consumer>, outlet: Option<Outlet>) -> Self {
+    pub(super) fn new(tap: TapIndex, readers: Vec<Consumer>, outlet: Option<Outlet>) -> Self {
         Self { tap, readers, heat: None, outlet }
     }
 

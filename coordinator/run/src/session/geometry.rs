@@ -1,25 +1,31 @@
 //! The geometry of the grids that move, as it is received.
 
 use super::Session;
+use super::index::{MovingIndex, TapIndex};
 use super::moving::MovingGrid;
 use crate::error::{Failure, RunError};
 use contract::grid::Grid;
 use contract::step::Step;
+use coupling::ParticipantIndex;
 
 impl Session {
     /// The moving grid of this name of a participant, if it is one.
-    pub(super) fn moving_grid(&self, participant: usize, grid: &str) -> Option<usize> {
+    pub(super) fn moving_grid(
+        &self,
+        participant: ParticipantIndex,
+        grid: &str,
+    ) -> Option<MovingIndex> {
         let is = |m: &MovingGrid| m.participant == participant && m.grid.name == grid;
-        self.moving.iter().position(is)
+        self.moving.position(is)
     }
 
     /// A participant has grids that move, and therefore answers `Accept`.
-    pub(super) fn has_moving_grids(&self, participant: usize) -> bool {
+    pub(super) fn has_moving_grids(&self, participant: ParticipantIndex) -> bool {
         self.moving.iter().any(|moving| moving.participant == participant)
     }
 
     /// The grid on which a tap's field is in the next window.
-    pub(super) fn current_grid(&self, tap: usize) -> &Grid {
+    pub(super) fn current_grid(&self, tap: TapIndex) -> &Grid {
         let tap = &self.taps[tap];
         tap.moving.map_or(&tap.grid, |index| &self.moving[index].grid)
     }
@@ -34,8 +40,12 @@ impl Session {
     }
 
     /// Receives what a participant has published of its grids, all of it.
-    pub(super) fn receive_geometry(&mut self, one: usize, step: &Step) -> Result<(), RunError> {
-        for index in 0..self.moving.len() {
+    pub(super) fn receive_geometry(
+        &mut self,
+        one: ParticipantIndex,
+        step: &Step,
+    ) -> Result<(), RunError> {
+        for index in self.moving.keys() {
             if self.moving[index].participant == one {
                 while self.receive_one(index, step)? {}
             }
@@ -46,7 +56,7 @@ impl Session {
     /// Receives the geometry of a grid up to this revision, which was that of the last window.
     pub(super) fn receive_last(
         &mut self,
-        index: usize,
+        index: MovingIndex,
         revision: u64,
         step: &Step,
     ) -> Result<(), RunError> {
@@ -61,7 +71,7 @@ impl Session {
         Ok(())
     }
 
-    fn receive_one(&mut self, index: usize, step: &Step) -> Result<bool, RunError> {
+    fn receive_one(&mut self, index: MovingIndex, step: &Step) -> Result<bool, RunError> {
         let moving = &mut self.moving[index];
         let one = moving.participant;
         let received = moving.reader.receive();
@@ -81,7 +91,7 @@ impl Session {
     }
 
     /// The grid is this one from here on, also for what the coordinator itself sends on it.
-    fn move_grid(&mut self, index: usize, moved: Grid) -> Result<(), RunError> {
+    fn move_grid(&mut self, index: MovingIndex, moved: Grid) -> Result<(), RunError> {
         if moved.points() != self.moving[index].grid.points() {
             self.check_growth(index, &moved)?;
         }
@@ -99,7 +109,7 @@ impl Session {
     }
 
     /// Coupling data keep their length, and everything else must have room in shared memory.
-    fn check_growth(&mut self, index: usize, moved: &Grid) -> Result<(), RunError> {
+    fn check_growth(&mut self, index: MovingIndex, moved: &Grid) -> Result<(), RunError> {
         let MovingGrid { participant, grid, capacity, .. } = &self.moving[index];
         let mut fed_back = self.feedback.iter().map(|feedback| &self.taps[feedback.tap]);
         if let Some(tap) = fed_back.find(|tap| tap.moving == Some(index)) {
@@ -108,7 +118,8 @@ impl Session {
                 who: self.peers.all()[*participant].who(),
                 when: self.peers.phase.to_string(),
                 what: format!(
-                    "grid `{name}` has gone from {from} to {to} elements, but `{}` on it is coupling data",
+                    "grid `{name}` has gone from {from} to {to} elements, but `{}` on it is \
+                     coupling data",
                     tap.kind.name
                 ),
                 fix: "keep the number of its elements, or use a scheme in which the field is not \

@@ -1,11 +1,13 @@
 //! The iterates of the coupling data: taken from their producers, sent to who closes the loop.
 
 use super::Session;
+use super::index::PartIndex;
 use super::outlet::Outlet;
 use crate::error::{Failure, RunError};
 use contract::step::Step;
 use coupling::Part;
 use proto::transport::TransportError;
+use typed_index_collections::TiVec;
 
 /// Sends an iterate on its producer's grid; how many bytes that were.
 fn publish(outlet: &mut Outlet, values: &[f64], step: &Step) -> Result<u64, TransportError> {
@@ -26,16 +28,16 @@ impl Session {
     }
 
     /// The coupling vector: the fields of the coupling data, in the order of the plan.
-    pub(super) fn coupling_parts(&self) -> Vec<Part> {
+    pub(super) fn coupling_parts(&self) -> TiVec<PartIndex, Part> {
         let fields = self.feedback.iter().map(|feedback| {
             let tap = &self.taps[feedback.tap];
             (tap.kind.name.as_str(), tap.values().map_or(0, <[f64]>::len))
         });
-        coupling::parts(fields)
+        coupling::parts(fields).into()
     }
 
     pub(super) fn send_iterate(&mut self, iterate: &[f64], step: &Step) -> Result<(), RunError> {
-        for index in 0..self.feedback.len() {
+        for index in self.feedback.keys() {
             let tap = self.feedback[index].tap;
             let values = &iterate[self.parts[index].range.clone()];
             if self.feedback[index].outlet.is_some() {

@@ -6,6 +6,7 @@
 //! mapped when its consumer is about to solve, from the newest sample, once. Where the grid of either
 //! side moves, the mapping is that between the grids as they are, and rebuilt only then.
 
+use super::index::{MovingIndex, PartIndex, TapIndex};
 use super::outlet::Outlet;
 use super::tap::Consumer;
 use crate::peers::COORDINATOR;
@@ -19,14 +20,14 @@ use proto::transport::TransportError;
 #[derive(Debug)]
 pub(super) struct Mapped {
     /// Index of its tap.
-    pub(super) tap: usize,
+    pub(super) tap: TapIndex,
     /// Index within the coupling data, if the consumer subscribes to the iterates.
-    pub(super) part: Option<usize>,
+    pub(super) part: Option<PartIndex>,
     pub(super) reader: Consumer,
     /// What the last sample has of a field whose integral is kept.
     pub(super) heat: Option<Heat>,
     /// Index of the consumer's grid among those that move, if it does.
-    pub(super) moving: Option<usize>,
+    pub(super) moving: Option<MovingIndex>,
     pub(super) grid: Grid,
     pub(super) mapping: CurrentMapping,
     /// Its coverage was reported when it had been built so many times.
@@ -56,8 +57,8 @@ pub(super) enum MappingError {
 
 impl Mapped {
     pub(super) fn new(
-        (tap, part): (usize, Option<usize>),
-        (kind, grid, moving): (&FieldKind, &Grid, Option<usize>),
+        (tap, part): (TapIndex, Option<PartIndex>),
+        (kind, grid, moving): (&FieldKind, &Grid, Option<MovingIndex>),
         method: Method,
         reader: Consumer,
         outlet: Outlet,

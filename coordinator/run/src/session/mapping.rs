@@ -1,14 +1,16 @@
 //! The mappings of a run: made, applied when their consumers are about to solve, and what they cover.
 
 use super::Session;
+use super::index::{MappedIndex, PartIndex};
 use super::mapped::MappingError;
 use crate::error::{Failure, RunError};
 use contract::step::Step;
+use coupling::ParticipantIndex;
 
 impl Session {
     /// Makes the mappings, and says what they cover.
     pub(super) fn make_mappings(&mut self) -> Result<(), RunError> {
-        for index in 0..self.mapped.len() {
+        for index in self.mapped.keys() {
             let Self { mapped, taps, .. } = self;
             let one = &mut mapped[index];
             let made = one.mapping.between(taps[one.tap].grid(), &one.grid).map(|_| ());
@@ -19,7 +21,7 @@ impl Session {
     }
 
     /// Says what a mapping covers: when it is made, and when it has become poor.
-    fn tell_coverage(&mut self, index: usize) {
+    fn tell_coverage(&mut self, index: MappedIndex) {
         let Self { mapped, taps, peers, .. } = self;
         let one = &mut mapped[index];
         let (before, covered) = one.reported;
@@ -50,8 +52,11 @@ impl Session {
 
     /// Sends the participants that are about to solve the newest samples of what is mapped for
     /// them.
-    pub(super) fn send_mapped(&mut self, participants: &[usize]) -> Result<(), RunError> {
-        for index in 0..self.mapped.len() {
+    pub(super) fn send_mapped(
+        &mut self,
+        participants: &[ParticipantIndex],
+    ) -> Result<(), RunError> {
+        for index in self.mapped.keys() {
             let Self { mapped, taps, .. } = self;
             let one = &mut mapped[index];
             let tap = &taps[one.tap];
@@ -77,11 +82,11 @@ impl Session {
     /// Maps an iterate of the coupling data for consumers with a non-matching grid.
     pub(super) fn send_mapped_iterate(
         &mut self,
-        part: usize,
+        part: PartIndex,
         values: &[f64],
         step: &Step,
     ) -> Result<(), RunError> {
-        for index in 0..self.mapped.len() {
+        for index in self.mapped.keys() {
             if self.mapped[index].part != Some(part) {
                 continue;
             }
@@ -96,7 +101,7 @@ impl Session {
         Ok(())
     }
 
-    fn not_mapped(&self, index: usize, error: &MappingError) -> RunError {
+    fn not_mapped(&self, index: MappedIndex, error: &MappingError) -> RunError {
         let one = &self.mapped[index];
         let (field, role) =
             (&self.taps[one.tap].kind.name, self.peers.all()[one.reader.participant].role());

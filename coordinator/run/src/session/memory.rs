@@ -8,6 +8,7 @@ use crate::plan::{Plan, non_matching, sample_bytes, topic_bytes};
 use contract::configuration::Layout;
 use contract::field::GEOMETRY;
 use contract::grid::Grid;
+use coupling::ParticipantIndex;
 use proto::run_dir::free_shared_memory;
 
 /// Shared memory that a run takes besides its fields [byte].
@@ -28,7 +29,7 @@ impl SharedMemory {
     /// There is less than that, or the case allows less.
     pub(super) fn check<'a>(
         plan: &'a Plan,
-        layout: impl Fn(usize) -> Option<&'a Layout>,
+        layout: impl Fn(ParticipantIndex) -> Option<&'a Layout>,
     ) -> Result<Self, RunError> {
         let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);
         let taken = OVERHEAD + fields(plan, &layout) + geometry(plan, &layout);
@@ -63,11 +64,12 @@ pub fn room_for(samples: Vec<u64>, when: &str) -> Result<(), RunError> {
     check(topics.fold(OVERHEAD, u64::saturating_add), u64::MAX, when)
 }
 
-fn fields<'a>(plan: &'a Plan, layout: &impl Fn(usize) -> Option<&'a Layout>) -> u64 {
+fn fields<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a Layout>) -> u64 {
     let of = |field: &crate::plan::Field| {
         let grid = layout(field.producer)?.grid_of(&field.kind.name)?;
         let bytes = |on: &Grid| topic_bytes(sample_bytes(on.points(), field.kind.components));
-        let wanted = |&one: &usize| non_matching(field, one, layout).map(|[_, wanted]| wanted);
+        let wanted =
+            |&one: &ParticipantIndex| non_matching(field, one, layout).map(|[_, wanted]| wanted);
         let mapped = field.consumers.iter().filter_map(wanted).map(bytes).sum::<u64>();
         let iterates = field.fed_back.iter().any(|one| wanted(one).is_none());
         Some((1 + u64::from(iterates)) * bytes(grid) + mapped)
@@ -75,8 +77,8 @@ fn fields<'a>(plan: &'a Plan, layout: &impl Fn(usize) -> Option<&'a Layout>) -> 
     plan.fields.iter().filter_map(of).sum()
 }
 
-fn geometry<'a>(plan: &'a Plan, layout: &impl Fn(usize) -> Option<&'a Layout>) -> u64 {
-    let layouts = (0..plan.participants.len()).filter_map(layout);
+fn geometry<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a Layout>) -> u64 {
+    let layouts = plan.participants.keys().filter_map(layout);
     let moving = layouts.flat_map(|l| l.grids.iter().filter(move |grid| l.moves(grid)));
     let bytes =
         |grid: &Grid| topic_bytes(sample_bytes(grid.geometry_points(), GEOMETRY.components));

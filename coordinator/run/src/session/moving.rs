@@ -9,6 +9,7 @@ use crate::record::{Recorder, TopicNumber};
 use contract::field::GEOMETRY;
 use contract::grid::Grid;
 use contract::step::Step;
+use coupling::ParticipantIndex;
 use proto::transport::{Endpoint, FieldReader, FieldSample, TransportError};
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(super) struct MovingGrid {
     /// Index of the participant whose grid it is.
-    pub(super) participant: usize,
+    pub(super) participant: ParticipantIndex,
     /// As it is accepted, for the next window.
     pub(super) grid: Grid,
     /// As it was in the last window: its samples are on it.
@@ -32,7 +33,7 @@ pub(super) struct MovingGrid {
 impl MovingGrid {
     pub(super) fn open(
         endpoint: &Endpoint,
-        (participant, role): (usize, &str),
+        (participant, role): (ParticipantIndex, &str),
         grid: &Grid,
         recorder: Option<&Arc<Recorder>>,
     ) -> Result<Self, TransportError> {

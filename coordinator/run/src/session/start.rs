@@ -19,8 +19,10 @@ use contract::description::Description;
 use contract::grid::Grid;
 use contract::message::{Command, CommandKind, Topic, Topics};
 use contract::step::Step;
+use coupling::ParticipantIndex;
 use proto::transport::TransportError;
 use std::sync::Arc;
+use typed_index_collections::{TiSlice, TiVec};
 
 /// The most topics that a plan can lead to: every field, once more what the coordinator sends of it,
 /// and the geometry of every grid.
@@ -49,11 +51,11 @@ impl Session {
         let mut session = Self::of(Peers::start(&seats, plan.deadlines, recorder)?, memory);
         session.peers.join()?;
         session.peers.phase = Phase::Configuring;
-        for (index, participant) in plan.participants.iter().enumerate() {
+        for (index, participant) in plan.participants.iter_enumerated() {
             session.check_description(index, participant)?;
         }
         let layouts = session.configure(plan)?;
-        session.check_told(plan, &layouts)?;
+        session.check_informed(plan, &layouts)?;
         session.memory = SharedMemory::check(plan, |index| layouts.get(index))?;
         session.peers.phase = Phase::Connecting;
         session.connect(plan, &layouts)?;
@@ -66,13 +68,13 @@ impl Session {
     fn of(peers: Peers, memory: SharedMemory) -> Self {
         Self {
             _guard: peers.end_first(),
-            taps: Vec::new(),
-            feedback: Vec::new(),
-            mapped: Vec::new(),
-            moving: Vec::new(),
+            taps: TiVec::new(),
+            feedback: TiVec::new(),
+            mapped: TiVec::new(),
+            moving: TiVec::new(),
             memory,
-            parts: Vec::new(),
-            solved: vec![SolveRecord::default(); peers.all().len()],
+            parts: TiVec::new(),
+            solved: peers.all().iter().map(|_| SolveRecord::default()).collect(),
             computed_seconds: 0.0,
             bytes_exchanged: 0,
             peers,
@@ -80,7 +82,11 @@ impl Session {
     }
 
     /// What joined is what was planned with.
-    fn check_description(&mut self, one: usize, participant: &Participant) -> Result<(), RunError> {
+    fn check_description(
+        &mut self,
+        one: ParticipantIndex,
+        participant: &Participant,
+    ) -> Result<(), RunError> {
         self.peers.post(one, Command::new(CommandKind::Describe), &[], true)?;
         let message = self.peers.done(one, self.peers.deadlines().solve)?;
         let found: Description = serde_json::from_slice(message.body()).map_err(|e| {
@@ -105,12 +111,13 @@ impl Session {
     }
 
     /// Configures every participant along the flow of data; each receives the grids of its inputs.
-    fn configure(&mut self, plan: &Plan) -> Result<Vec<Layout>, RunError> {
-        let mut layouts: Vec<Layout> = Vec::with_capacity(self.peers.all().len());
-        for (one, participant) in plan.participants.iter().enumerate() {
+    fn configure(&mut self, plan: &Plan) -> Result<TiVec<ParticipantIndex, Layout>, RunError> {
+        let mut layouts: TiVec<ParticipantIndex, Layout> =
+            TiVec::with_capacity(self.peers.all().len());
+        for (one, participant) in plan.participants.iter_enumerated() {
             let mut configuration = participant.configuration.clone();
             for input in &mut configuration.inputs {
-                let producer = self.peers.all().iter().position(|l| l.role() == input.producer);
+                let producer = self.peers.all().position(|l| l.role() == input.producer);
                 let layout = producer.and_then(|index| layouts.get(index));
                 input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
                 input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
@@ -130,7 +137,7 @@ impl Session {
 
     fn check_layout(
         &self,
-        one: usize,
+        one: ParticipantIndex,
         configuration: &Configuration,
         layout: &Layout,
     ) -> Result<(), RunError> {
@@ -139,7 +146,11 @@ impl Session {
     }
 
     /// No participant subscribes to a field on a moving grid unannounced, or without knowing it.
-    fn check_told(&self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
+    fn check_informed(
+        &self,
+        plan: &Plan,
+        layouts: &TiSlice<ParticipantIndex, Layout>,
+    ) -> Result<(), RunError> {
         for field in &plan.fields {
             let (producer, name) = (&layouts[field.producer], &field.kind.name);
             let grid = producer.grid_of(name).expect("layout is checked");
@@ -172,7 +183,11 @@ impl Session {
     }
 
     /// Lets everybody open its ports; nothing is sent yet.
-    fn connect(&mut self, plan: &Plan, layouts: &[Layout]) -> Result<(), RunError> {
+    fn connect(
+        &mut self,
+        plan: &Plan,
+        layouts: &TiSlice<ParticipantIndex, Layout>,
+    ) -> Result<(), RunError> {
         self.open_geometry(plan, layouts).map_err(|error| {
             machine("shared memory", "while connecting", &error, "check /dev/shm")
         })?;
@@ -187,7 +202,7 @@ impl Session {
         }
         let (deadline, interpolation) =
             (self.peers.deadlines().start.as_secs_f64(), plan.interpolation);
-        for one in 0..self.peers.all().len() {
+        for one in self.peers.all().keys() {
             let pairs = || plan.fields.iter().zip(&topics);
             let outputs = pairs().filter(|(f, _)| f.producer == one).map(|(_, t)| t.clone());
             let outputs = outputs.collect();
@@ -199,7 +214,7 @@ impl Session {
             let body = serde_json::to_vec(&topics).expect("topics are plain data");
             self.peers.post(one, Command::new(CommandKind::Connect), &body, true)?;
         }
-        for one in 0..self.peers.all().len() {
+        for one in self.peers.all().keys() {
             self.peers.done(one, self.peers.deadlines().start)?;
         }
         self.wait_for_readers()?;
@@ -210,18 +225,18 @@ impl Session {
     }
 
     /// Lets everybody build its model and publish its first outputs.
-    fn initialise(&mut self, layouts: &[Layout]) -> Result<(), RunError> {
-        for one in 0..self.peers.all().len() {
+    fn initialise(&mut self, layouts: &TiSlice<ParticipantIndex, Layout>) -> Result<(), RunError> {
+        for one in self.peers.all().keys() {
             self.peers.post(one, Command::new(CommandKind::Initialise), &[], true)?;
         }
         let before = Step { iteration: 0, ..Step::STEADY };
-        for (one, layout) in layouts.iter().enumerate() {
+        for (one, layout) in layouts.iter_enumerated() {
             self.peers.done(one, self.peers.deadlines().build_of(layout))?;
             self.collect(one, &before, false)?;
         }
         self.make_mappings()?;
         self.parts = self.coupling_parts();
-        (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))
+        self.taps.keys().try_for_each(|tap| self.check_finite(tap))
     }
 
     fn open_tap(
@@ -229,7 +244,7 @@ impl Session {
         plan: &Plan,
         field: &Field,
         topic: &Topic,
-        layouts: &[Layout],
+        layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Result<(), RunError> {
         let reader = self.peers.endpoint().field_reader(&topic.service).map_err(|error| {
             machine("shared memory", "while connecting", &error, "check /dev/shm")
@@ -263,9 +278,10 @@ impl Session {
         plan: &Plan,
         field: &Field,
         source: &Grid,
-        layouts: &[Layout],
+        layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Result<(), TransportError> {
-        let (kind, tap, recorder) = (&field.kind, self.taps.len() - 1, self.peers.recorder());
+        let tap = self.taps.last_key().expect("the tap was opened before");
+        let (kind, recorder) = (&field.kind, self.peers.recorder());
         if !field.fed_back.is_empty() {
             let iterates = readers(field, layouts, &Subscription::Iterates);
             let readers: Vec<Consumer> = iterates.map(|one| consumer(plan, field, one)).collect();
@@ -280,7 +296,7 @@ impl Session {
             let Subscription::Mapped(grid) = subscription(field, one, layouts) else { continue };
             let service = Mapped::service(&kind.name, &plan.participants[one].role);
             let outlet = Outlet::open(self.peers.endpoint(), &service, (kind, grid), 1, recorder)?;
-            let part = field.fed_back.contains(&one).then(|| self.feedback.len() - 1);
+            let part = self.feedback.last_key().filter(|_| field.fed_back.contains(&one));
             let moving = self.moving_grid(one, &grid.name);
             let (of, reader) = ((kind, grid, moving), consumer(plan, field, one));
             self.mapped.push(Mapped::new((tap, part), of, field.method, reader, outlet));

@@ -1,18 +1,20 @@
 //! The coordinator's own view of every field: it receives each sample, checks label and values,
 //! and holds the newest.
 
+use super::index::MovingIndex;
 use crate::record::TopicNumber;
 use contract::field::{FieldKind, Mapping};
 use contract::grid::Grid;
 use contract::message::FieldHeader;
 use contract::step::Step;
+use coupling::ParticipantIndex;
 use proto::transport::{FieldReader, FieldSample};
 
 /// A participant that consumes a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Consumer {
     /// Index of the participant.
-    pub participant: usize,
+    pub participant: ParticipantIndex,
     /// Index among its inputs.
     pub slot: usize,
 }
@@ -23,8 +25,8 @@ pub struct Tap {
     pub(super) kind: FieldKind,
     pub(super) grid: Grid,
     /// Index of the grid among those that move, if it does.
-    pub(super) moving: Option<usize>,
-    pub(super) producer: usize,
+    pub(super) moving: Option<MovingIndex>,
+    pub(super) producer: ParticipantIndex,
     pub(super) producer_role: String,
     pub(super) readers: Vec<Consumer>,
     pub(super) observed_only: bool,
@@ -42,7 +44,7 @@ impl Tap {
             kind,
             grid,
             moving: None,
-            producer: 0,
+            producer: ParticipantIndex::FIRST,
             producer_role: role.to_owned(),
             readers: Vec::new(),
             observed_only: false,
@@ -83,7 +85,7 @@ impl Tap {
 
     /// Index of the participant that sends it.
     #[must_use]
-    pub fn producer(&self) -> usize {
+    pub fn producer(&self) -> ParticipantIndex {
         self.producer
     }
 

@@ -9,16 +9,18 @@ use crate::plan::{Field, Plan};
 use contract::configuration::Layout;
 use contract::grid::Grid;
 use contract::message::{GeometryTopic, Topic};
+use coupling::ParticipantIndex;
 use proto::transport::TransportError;
+use typed_index_collections::TiSlice;
 
 impl Session {
     /// Listens to the grids that move and that a field of the run is on, or is wanted on.
     pub(super) fn open_geometry(
         &mut self,
         plan: &Plan,
-        layouts: &[Layout],
+        layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Result<(), TransportError> {
-        for (one, layout) in layouts.iter().enumerate() {
+        for (one, layout) in layouts.iter_enumerated() {
             let is_used = |grid: &Grid| {
                 plan.fields.iter().any(|field| {
                     let name = &field.kind.name;
@@ -41,8 +43,8 @@ impl Session {
     pub(super) fn geometry_topics(
         &self,
         plan: &Plan,
-        one: usize,
-        layouts: &[Layout],
+        one: ParticipantIndex,
+        layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Vec<GeometryTopic> {
         let topic = |moving: &MovingGrid| {
             let name = &moving.grid.name;
@@ -50,7 +52,7 @@ impl Session {
                 let grid = layouts[one].grid_of(&field.kind.name);
                 field.producer == one && grid.is_some_and(|grid| grid.name == *name)
             };
-            let listens = |consumer: &usize| {
+            let listens = |consumer: &ParticipantIndex| {
                 plan.fields.iter().filter(on_it).any(|field| {
                     let maps = || {
                         matches!(subscription(field, *consumer, layouts), Subscription::Mapped(_))
@@ -58,7 +60,7 @@ impl Session {
                     field.consumers.contains(consumer) && !maps()
                 })
             };
-            let listeners = (0..self.peers.all().len()).filter(listens).count();
+            let listeners = self.peers.all().keys().filter(listens).count();
             let service = MovingGrid::service(self.peers.all()[one].role(), name);
             let subscribers = listeners + 1 + usize::from(self.peers.recorder().is_some());
             GeometryTopic { grid: name.clone(), service, subscribers }
@@ -67,13 +69,18 @@ impl Session {
     }
 
     /// The service of a grid's geometry, if it may move.
-    fn geometry_service(&self, one: usize, grid: &Grid) -> Option<String> {
+    fn geometry_service(&self, one: ParticipantIndex, grid: &Grid) -> Option<String> {
         let moves = self.moving_grid(one, &grid.name);
         moves.map(|_| MovingGrid::service(self.peers.all()[one].role(), &grid.name))
     }
 
     /// The topic on which the producer sends a field.
-    pub(super) fn topic(&self, plan: &Plan, field: &Field, layouts: &[Layout]) -> Topic {
+    pub(super) fn topic(
+        &self,
+        plan: &Plan,
+        field: &Field,
+        layouts: &TiSlice<ParticipantIndex, Layout>,
+    ) -> Topic {
         let role = &plan.participants[field.producer].role;
         let grid: &Grid =
             layouts[field.producer].grid_of(&field.kind.name).expect("layout is checked");
@@ -92,10 +99,10 @@ impl Session {
     /// The topic on which a consumer receives a field, given the producer's.
     pub(super) fn subscribed(
         &self,
-        one: usize,
+        one: ParticipantIndex,
         field: &Field,
         topic: &Topic,
-        layouts: &[Layout],
+        layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Topic {
         let name = &topic.field;
         match subscription(field, one, layouts) {

@@ -6,6 +6,7 @@ use crate::error::RunError;
 use crate::peers::Phase;
 use contract::message::{Command, CommandKind, Finished, OBSERVE};
 use contract::step::Step;
+use coupling::ParticipantIndex;
 use coupling::{Exchange, Part};
 
 impl Session {
@@ -14,33 +15,33 @@ impl Session {
     /// thereafter.
     pub fn accept(&mut self, step: &Step, observed: Observed) -> Result<(), RunError> {
         // Nothing else looks through what was sent last in an explicit scheme before it is kept.
-        (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
+        self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         self.peers.phase = Phase::Accepting(*step);
         let (mut observing, mut answers) = (0_u64, 0_u64);
-        for one in 0..self.peers.all().len() {
+        for one in self.peers.all().keys() {
             let observe = self.is_observed(one, observed);
             let answer = observe || self.has_moving_grids(one);
-            observing |= u64::from(observe) << one;
-            answers |= u64::from(answer) << one;
+            observing |= u64::from(observe) << usize::from(one);
+            answers |= u64::from(answer) << usize::from(one);
             let mut command = Command::about(CommandKind::Accept, step);
             command.flags = if observe { OBSERVE } else { 0 };
             self.peers.post(one, command, &[], answer)?;
         }
         self.keep_geometry();
-        for one in (0..self.peers.all().len()).filter(|one| answers >> one & 1 == 1) {
+        for one in self.peers.all().keys().filter(|&one| answers >> usize::from(one) & 1 == 1) {
             self.peers.done(one, self.peers.deadlines().solve)?;
-            if observing >> one & 1 == 1 {
+            if observing >> usize::from(one) & 1 == 1 {
                 self.collect(one, step, true)?;
             }
             self.receive_geometry(one, step)?;
         }
         if observing != 0 {
-            (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
+            self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         }
         Ok(())
     }
 
-    fn is_observed(&self, one: usize, observed: Observed) -> bool {
+    fn is_observed(&self, one: ParticipantIndex, observed: Observed) -> bool {
         let mut own = self.taps.iter().filter(|tap| tap.producer == one).peekable();
         match observed {
             Observed::Everybody => true,
@@ -56,11 +57,11 @@ impl Session {
             recorder.stop_listening()?;
         }
         self.tell_mappings();
-        for one in 0..self.peers.all().len() {
+        for one in self.peers.all().keys() {
             self.peers.post(one, Command::new(CommandKind::Finish), &[], true)?;
         }
         let mut finished = Vec::with_capacity(self.peers.all().len());
-        for one in 0..self.peers.all().len() {
+        for one in self.peers.all().keys() {
             let message = self.peers.done(one, self.peers.deadlines().solve)?;
             let said: Finished = serde_json::from_slice(message.body()).map_err(|e| {
                 self.peers.misbehaved(one, format!("its summary is not valid: {e}"))
@@ -85,7 +86,7 @@ impl Exchange for Session {
         self.peers.all().len()
     }
 
-    fn solve(&mut self, participants: &[usize], step: &Step) -> Result<(), RunError> {
+    fn solve(&mut self, participants: &[ParticipantIndex], step: &Step) -> Result<(), RunError> {
         self.peers.phase = Phase::Solving(*step);
         if let Some(recorder) = self.peers.recorder() {
             recorder.wait_for_room()?;
@@ -116,7 +117,7 @@ impl Exchange for Session {
         if let Some(recorder) = self.peers.recorder() {
             recorder.hand_over();
         }
-        (0..self.taps.len()).try_for_each(|tap| self.check_finite(tap))?;
+        self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         let mut longest = 0.0_f64;
         for &one in participants {
             let message = self.peers.done(one, self.peers.deadlines().solve)?;
@@ -134,7 +135,7 @@ impl Exchange for Session {
     }
 
     fn coupling_data(&self) -> &[Part] {
-        &self.parts
+        &self.parts.raw
     }
 
     fn send(&mut self, iterate: &[f64], step: &Step) -> Result<(), RunError> {

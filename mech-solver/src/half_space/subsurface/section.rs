@@ -34,7 +34,7 @@ const PAIRS: [(usize, Option<usize>); 4] = [(0, Some(5)), (1, Some(4)), (2, None
 const ODD_IN_Y: [bool; 6] = [false, false, false, true, false, true];
 
 /// Rows of elements whose distance |y − y_j| is the same.
-struct Rows {
+struct EquidistantRows {
     /// Twice the distance in elements, counted from `Section::base`.
     key: i64,
     /// Rows j and the sign of y − y_j against the distance of the kernel.
@@ -55,7 +55,7 @@ pub struct Section {
     grid: Structured,
     element: Element,
     depths: Vec<f64>,
-    rows: Vec<Rows>,
+    rows: Vec<EquidistantRows>,
     /// Distance of key 0 [m].
     base: f64,
     forward: Arc<dyn RealToComplex<f64>>,
@@ -305,7 +305,7 @@ impl Section {
 }
 
 /// Rows by their distance from `y`, nearest or lowest first, and the distance of key 0.
-fn distances(grid: &Structured, y: f64) -> (Vec<Rows>, f64) {
+fn distances(grid: &Structured, y: f64) -> (Vec<EquidistantRows>, f64) {
     let from_first = y - grid.y(0);
     let halves = 2.0 * from_first / grid.dy();
     let symmetric = (halves - halves.round()).abs() < 2.0 * SYMMETRIC;
@@ -317,6 +317,6 @@ fn distances(grid: &Structured, y: f64) -> (Vec<Rows>, f64) {
         let (key, sign) = if symmetric && key < 0 { (-key, -1.0) } else { (key, 1.0) };
         by_key.entry(key).or_default().push((j, sign));
     }
-    let rows = by_key.into_iter().map(|(key, members)| Rows { key, members }).collect();
+    let rows = by_key.into_iter().map(|(key, members)| EquidistantRows { key, members }).collect();
     (rows, if symmetric { 0.0 } else { from_first })
 }

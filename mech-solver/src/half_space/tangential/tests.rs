@@ -28,7 +28,7 @@ impl Disc {
             x: &self.x,
             y: &self.x,
             bound: &self.bound,
-            before: None,
+            slip_history: None,
         }
     }
 
@@ -80,7 +80,7 @@ fn newton_steps_of_a_solve_from_rest() {
     for (n, newton, linear) in [(10, 12, 45), (20, 15, 65), (40, 22, 90)] {
         let disc = Disc::new(n);
         let problem = disc.problem();
-        let mut state = State::at_rest(problem.bound, [-0.7, 0.0, 0.0]);
+        let mut state = TangentialState::at_rest(problem.bound, [-0.7, 0.0, 0.0]);
         let effort = disc.solver().solve(&problem, &mut state, 1e-4).unwrap();
         assert!(effort.newton_steps <= newton && effort.linear_steps <= linear, "{n}: {effort:?}");
         assert_solved(&problem, &state);
@@ -89,7 +89,7 @@ fn newton_steps_of_a_solve_from_rest() {
 
 /// Coulomb's law in every element: within the bound and no slip, or on it and against the slip. The
 /// tolerances are those of the Newton iteration, 1e-4 of the largest bound in the traction.
-fn assert_solved(problem: &Problem, state: &State) {
+fn assert_solved(problem: &Problem, state: &TangentialState) {
     let rigid = state.creepage[0].hypot(state.creepage[1]) * problem.distance;
     for (index, element) in state.element.iter().enumerate() {
         let p = [state.traction[0][index], state.traction[1][index]];
@@ -118,7 +118,7 @@ fn kalkers_coefficients_of_the_circle() {
     // G of the test material; creepages so small that hardly anything slips.
     let (shear, small) = (2.0 / (2.0 * 1.25), 1e-4);
     let force = |creepage: Creepage, component: usize| {
-        let mut state = State::at_rest(problem.bound, creepage);
+        let mut state = TangentialState::at_rest(problem.bound, creepage);
         disc.solver().solve(&problem, &mut state, 1e-6).unwrap();
         -state.forces(&problem)[component] / (shear * small)
     };
@@ -138,7 +138,7 @@ fn mirror_and_reversal() {
     let disc = Disc::new(12);
     let problem = disc.problem();
     let solve = |creepage: Creepage| {
-        let mut state = State::at_rest(problem.bound, creepage);
+        let mut state = TangentialState::at_rest(problem.bound, creepage);
         disc.solver().solve(&problem, &mut state, 1e-8).unwrap();
         state.forces(&problem)
     };

@@ -77,8 +77,9 @@ impl Problem {
         -ratio.signum() * increasing_root(excess, most, [-target, 1.0 - target]) + 0.0
     }
 
-    /// Least creep at which every cell slips [-]: the trial traction of the first cell, Δ w/L,
-    /// reaches the bound at its rear on the longest strip, and the bound rises less behind it.
+    /// Least creep at which every cell slips [-]: the predictor of the traction of the first cell,
+    /// Δ w/L, reaches the bound at its rear on the longest strip, and the bound rises less behind
+    /// it.
     fn full_slip_creepage(&self) -> f64 {
         let (cells, march) = (self.lattice.cells as f64, self.march([0.0; 3]));
         let steepest = 2.0 * march.largest_bound * cells / (cells + 1.0);

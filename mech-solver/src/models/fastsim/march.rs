@@ -7,8 +7,8 @@
 //! sin(h/2)/(h/2) common to all.
 //!
 //! **Cells.** A strip has m cells of equal length Δ. With the traction p at a cell's front, the
-//! rigid slip w at its middle and the springs L, the trial p* = p − Δ w/L is the traction at its
-//! rear if |p*| ≤ g there; otherwise the rear traction is g p*/|p*|, and the slip over V is
+//! rigid slip w at its middle and the springs L, the predictor p* = p − Δ w/L is the traction at
+//! its rear if |p*| ≤ g there; otherwise the rear traction is g p*/|p*|, and the slip over V is
 //! s = L (p_rear − p*)/Δ. In adhesion p is exact, since w is linear in x. The bound g is the
 //! parabola at the nodes and linear between, with the factor m²/(m² − 1) that makes the trapezoidal
 //! sum of every strip exact, so that full slip carries f N. A cell in which slip begins is cut there,
@@ -152,7 +152,7 @@ impl March {
     }
 
     /// Traction at the rear of a cell in adhesion [Pa].
-    fn trial(&self, y: f64, front_traction: [f64; 2], [rear, front]: [Node; 2]) -> [f64; 2] {
+    fn predictor(&self, y: f64, front_traction: [f64; 2], [rear, front]: [Node; 2]) -> [f64; 2] {
         let rigid = self.springs.rigid_slip(self.creepage, 0.5 * (rear.x + front.x), y);
         let change = |i: usize| (front.x - rear.x) * rigid[i] / self.springs.flexibility[i];
         std::array::from_fn(|i| front_traction[i] - change(i))
@@ -162,13 +162,13 @@ impl March {
     /// of the traction and e of the bound over the cell, has one root t in (0, 1), since the left
     /// side is smaller at t = 0 and larger at t = 1.
     fn onset(&self, y: f64, traction: [f64; 2], [rear, front]: [Node; 2]) -> Option<Node> {
-        let trial = self.trial(y, traction, [rear, front]);
-        let size = norm(trial);
+        let predictor = self.predictor(y, traction, [rear, front]);
+        let size = norm(predictor);
         if size <= rear.bound || norm(traction) >= front.bound * (1.0 - AT_THE_BOUND) {
             return None;
         }
         let scale = size.max(front.bound);
-        let (start, end) = (traction.map(|p| p / scale), trial.map(|p| p / scale));
+        let (start, end) = (traction.map(|p| p / scale), predictor.map(|p| p / scale));
         let (bound, change) = (front.bound / scale, (rear.bound - front.bound) / scale);
         let difference = [end[0] - start[0], end[1] - start[1]];
         let square = dot(difference, difference) - change * change;
@@ -193,14 +193,14 @@ impl March {
         visit: &mut impl FnMut(&Cell),
     ) -> [f64; 2] {
         let length = front.x - rear.x;
-        let trial = self.trial(y, front_traction, [rear, front]);
-        let (size, before) = (norm(trial), norm(front_traction));
+        let predictor = self.predictor(y, front_traction, [rear, front]);
+        let (size, before) = (norm(predictor), norm(front_traction));
         let mut cell = Cell { ends: [rear.x, front.x], ..Cell::default() };
-        let mut rear_traction = trial;
+        let mut rear_traction = predictor;
         if size > rear.bound {
-            rear_traction = trial.map(|component| component * (rear.bound / size));
+            rear_traction = predictor.map(|component| component * (rear.bound / size));
             let spring = |i: usize| self.springs.flexibility[i] / length;
-            cell.slip = std::array::from_fn(|i| spring(i) * (rear_traction[i] - trial[i]));
+            cell.slip = std::array::from_fn(|i| spring(i) * (rear_traction[i] - predictor[i]));
             cell.slips = true;
         }
         cell.traction = std::array::from_fn(|i| 0.5 * (front_traction[i] + rear_traction[i]));

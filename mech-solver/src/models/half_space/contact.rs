@@ -13,7 +13,7 @@ use crate::half_space::force_search::{self, ForceSearch};
 use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
-use crate::half_space::tangential::State;
+use crate::half_space::tangential::TangentialState;
 use proto::model::{Inputs, StepError};
 
 /// Change of the pressure, over the largest, at which it rests: far below the error of any grid.
@@ -26,7 +26,7 @@ const LOOP_TOLERANCE: f64 = 1e-10;
 /// creepage is finite.
 const ALMOST_ALL: f64 = 0.999;
 /// Turns of normal and tangential contact after which they are given up.
-const MOST_TURNS: usize = 30;
+const MOST_ALTERNATIONS: usize = 30;
 
 /// Why an instant has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -36,8 +36,8 @@ pub(super) enum ContactError {
     #[error(transparent)]
     Tangential(#[from] TangentialError),
     #[error(
-        "normal and tangential contact did not converge in {MOST_TURNS} alternations: the pressure \
-         still changes by {change:.1e} of its maximum"
+        "normal and tangential contact did not converge in {MOST_ALTERNATIONS} alternations: the \
+         pressure still changes by {change:.1e} of its maximum"
     )]
     Unsettled { change: f64 },
     #[error(transparent)]
@@ -63,7 +63,7 @@ pub(super) struct ContactSolver {
     /// Iterations of the normal solver, in all.
     pub(super) normal_iterations: usize,
     /// Slip s₀ without tractions.
-    before: [Vec<f64>; 2],
+    slip_history: [Vec<f64>; 2],
     bound: Vec<f64>,
     /// Friction follows the temperature.
     heated: bool,
@@ -117,12 +117,12 @@ impl ContactSolver {
             pressure: case.given_pressure(),
             approach: None,
             normal_iterations: 0,
-            before: [zeros.clone(), zeros.clone()],
+            slip_history: [zeros.clone(), zeros.clone()],
             bound: zeros,
             heated: case.friction_law.is_some(),
             shortfall: None,
         };
-        solver.press()?;
+        solver.normal_step()?;
         solver.set_bound();
         solver.frictionless = (solver.pressure.clone(), solver.approach);
         Ok(solver)
@@ -140,7 +140,7 @@ impl ContactSolver {
     }
 
     /// Takes the friction coefficients of a law at the temperatures that come in.
-    pub(super) fn heat(
+    pub(super) fn set_friction(
         &mut self,
         case: &Case,
         law: &FrictionLaw,
@@ -169,7 +169,7 @@ impl ContactSolver {
     }
 
     /// Solves the normal contact from the latest pressure; the largest change over the largest.
-    fn press(&mut self) -> Result<f64, ContactError> {
+    fn normal_step(&mut self) -> Result<f64, ContactError> {
         let Some(normal) = &mut self.normal else { return Ok(0.0) };
         let before = self.pressure.clone();
         let Normal { solver, prescribed, distance, .. } = normal;
@@ -200,7 +200,7 @@ impl ContactSolver {
         let levels = self.levels.as_mut().expect("partial slip has its operators");
         let mut solution = match (near, history) {
             (Some(near), _) => near,
-            (None, Some(_)) => Solution::new(State::at_rest(&self.bound, [0.0; 3])),
+            (None, Some(_)) => Solution::new(TangentialState::at_rest(&self.bound, [0.0; 3])),
             (None, None) => levels.solve(&self.bound, &prescribed)?,
         };
         if self.coupling.is_none() {
@@ -210,8 +210,8 @@ impl ContactSolver {
             return Ok(solution);
         }
         let mut change = f64::INFINITY;
-        for _ in 0..MOST_TURNS {
-            self.turn(driven, history, &mut solution)?;
+        for _ in 0..MOST_ALTERNATIONS {
+            self.rolling_step(driven, history, &mut solution)?;
             if change <= REST {
                 return Ok(solution);
             }
@@ -237,7 +237,7 @@ impl ContactSolver {
     }
 
     /// The tractions under the latest pressure, with the slip that it makes.
-    fn turn(
+    fn rolling_step(
         &mut self,
         driven: &Driven,
         history: Option<[&[f64]; 2]>,
@@ -245,23 +245,23 @@ impl ContactSolver {
     ) -> Result<(), ContactError> {
         self.set_bound();
         let prescribed = self.prescribed(driven);
-        let [before_x, before_y] = &mut self.before;
+        let [history_x, history_y] = &mut self.slip_history;
         if let Some(coupling) = &mut self.coupling {
-            coupling.slip_by_pressure(&self.pressure, [before_x, before_y]);
+            coupling.slip_by_pressure(&self.pressure, [history_x, history_y]);
         }
         if let Some(history) = history {
-            for (sum, more) in self.before.iter_mut().zip(history) {
+            for (sum, more) in self.slip_history.iter_mut().zip(history) {
                 sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             }
         }
         let levels = self.levels.as_mut().expect("partial slip has its operators");
-        let [before_x, before_y] = &self.before;
-        levels.improve(&self.bound, &prescribed, Some([before_x, before_y]), solution)?;
+        let [history_x, history_y] = &self.slip_history;
+        levels.improve(&self.bound, &prescribed, Some([history_x, history_y]), solution)?;
         Ok(())
     }
 
     /// The pressure under the tractions; its change.
-    fn yield_to(&mut self, state: &State) -> Result<f64, ContactError> {
+    fn yield_to(&mut self, state: &TangentialState) -> Result<f64, ContactError> {
         let (Some(coupling), Some(normal)) = (&mut self.coupling, &mut self.normal) else {
             return Ok(0.0);
         };
@@ -270,12 +270,16 @@ impl ContactSolver {
         for (sum, undeformed) in normal.distance.iter_mut().zip(&normal.undeformed) {
             *sum += undeformed;
         }
-        self.press()
+        self.normal_step()
     }
 
     /// Power of the pressure on the normal displacement by these tractions, in steady rolling of bodies
     /// of different constants; `None` where pressure and tractions do not know of each other.
-    pub(super) fn pressure_power(&mut self, case: &Case, state: &State) -> Option<PressurePower> {
+    pub(super) fn pressure_power(
+        &mut self,
+        case: &Case,
+        state: &TangentialState,
+    ) -> Option<PressurePower> {
         let (coupling, normal) = (self.coupling.as_mut()?, self.normal.as_mut()?);
         let approach = self.approach?;
         let [along_x, along_y] = &state.traction;
@@ -294,15 +298,19 @@ impl ContactSolver {
 
     /// The tangential displacement difference of an instant, by tractions and pressure [m]; for
     /// motions in time.
-    pub(super) fn displacement(&mut self, state: &State, displacement: &mut [Vec<f64>; 2]) {
+    pub(super) fn displacement(
+        &mut self,
+        state: &TangentialState,
+        displacement: &mut [Vec<f64>; 2],
+    ) {
         let [along_x, along_y] = displacement;
         let [px, py] = &state.traction;
         let levels = self.levels.as_mut().expect("partial slip has its operators");
         levels.displacement([px, py], [along_x, along_y]);
         if let Some(coupling) = &mut self.coupling {
-            let [before_x, before_y] = &mut self.before;
-            coupling.slip_by_pressure(&self.pressure, [before_x, before_y]);
-            for (sum, more) in displacement.iter_mut().zip(&self.before) {
+            let [history_x, history_y] = &mut self.slip_history;
+            coupling.slip_by_pressure(&self.pressure, [history_x, history_y]);
+            for (sum, more) in displacement.iter_mut().zip(&self.slip_history) {
                 sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             }
         }

@@ -72,7 +72,7 @@ impl Model for Steady {
                 let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
                 let mut contact = self.contact().map_err(no_solution)?;
                 if let Some(law) = &self.case.friction_law {
-                    contact.heat(&self.case, law, inputs)?;
+                    contact.set_friction(&self.case, law, inputs)?;
                 }
                 let found = self.compute(&mut contact).map_err(no_solution)?;
                 self.contact = Some(contact);

@@ -22,7 +22,7 @@ use super::contact::{ContactError, ContactSolver};
 use crate::effects::temperature_friction::Shortfall;
 use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
-use crate::half_space::tangential::State;
+use crate::half_space::tangential::TangentialState;
 use crate::models::names::HALF_SPACE;
 use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
 use serde::{Deserialize, Serialize};
@@ -69,7 +69,7 @@ struct Memory {
 impl Memory {
     fn at_rest(case: &Case, contact: &mut ContactSolver) -> Self {
         let zeros = vec![0.0; contact.pressure.len()];
-        let state = State::at_rest(&contact.pressure, [0.0; 3]);
+        let state = TangentialState::at_rest(&contact.pressure, [0.0; 3]);
         let mut displacement = [zeros.clone(), zeros];
         contact.displacement(&state, &mut displacement);
         Self {
@@ -207,7 +207,7 @@ impl Model for Transient {
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
         if let Some(law) = &self.case.friction_law {
-            self.contact.heat(&self.case, law, inputs)?;
+            self.contact.set_friction(&self.case, law, inputs)?;
         }
         let report = self.advance(step.duration());
         let report = report.map_err(|error| StepError::NoSolution(error.to_string()))?;

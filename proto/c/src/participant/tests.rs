@@ -177,7 +177,7 @@ fn a_description_is_completed() {
 }
 
 #[test]
-fn a_description_that_cannot_be_is_told_and_the_program_destroyed() {
+fn a_description_that_cannot_be_is_reported_and_the_program_destroyed() {
     for (fault, why) in [("describe", "without a reason"), ("description", "the text of `desc")] {
         let mut counter = Counter { fault, ..Counter::default() };
         let error = unsafe { Program::new(table(), (&raw mut counter).cast()) };

@@ -4,8 +4,8 @@ The kernel drops advisory locks with their holder, however it ends (`proto/src/r
 
 - `coordinator.lock`, exclusive: a participant that can take it knows that the coordinator is dead;
 - `participant-ROLE.lock`, exclusive: the coordinator knows when a participant is gone;
-- `members.lock`, shared by all: the process that can take it exclusively is the last, and removes the folder and
-  every shared-memory file with the run's prefix.
+- `members.lock`, shared by all: the process that can take it exclusively is the last, and removes
+  the folder and every shared-memory file with the run's prefix.
 """
 
 from __future__ import annotations

@@ -107,12 +107,18 @@ fn cusps_limit_every_method_to_first_order() {
     // At a cusp √|s| the error is of order 1/2, in a strip whose area is of first order: 1 in the
     // root mean square, give or take how the cusps lie among the elements (a factor of two in four
     // halvings is 1/4).
-    for method in Method::ALL {
+    let hold = |method: Method| {
         let errors = errors(square, &[16, 32, 64, 128, 256], 0.0, method, whole_eggholder);
         let order = (errors[0] / errors[4]).log2() / 4.0;
         println!("  order {order:.2}");
         assert!((0.75..=1.25).contains(&order), "{method:?}: {order}");
-    }
+    };
+    // Side by side: they take longer than all other tests of mappings together.
+    std::thread::scope(|scope| {
+        Method::ALL.into_iter().for_each(|method| {
+            scope.spawn(move || hold(method));
+        });
+    });
 }
 
 /// n × n elements whose corners lie on a quarter of the cylinder of radius 1 round the y axis, or

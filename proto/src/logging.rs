@@ -1,0 +1,45 @@
+//! What is logged: the directives of `RUST_LOG`.
+
+use tracing_subscriber::filter::{LevelFilter, ParseError, Targets};
+
+/// The events that `RUST_LOG` asks for by its directives `LEVEL`, `TARGET` and `TARGET=LEVEL`, with
+/// commas between them; those of the level `default` if it has none, or one that is neither.
+#[must_use]
+pub fn wanted(default: LevelFilter) -> Targets {
+    let directives = directives().and_then(Result::ok);
+    directives.unwrap_or_else(|| Targets::new().with_default(default))
+}
+
+/// Why `RUST_LOG` is not followed, if it is not.
+#[must_use]
+pub fn ignored() -> Option<String> {
+    let error = directives()?.err()?;
+    Some(format!("RUST_LOG is ignored: {error}; write LEVEL or TARGET=LEVEL, with commas between"))
+}
+
+fn directives() -> Option<Result<Targets, ParseError>> {
+    let text = std::env::var("RUST_LOG").ok()?;
+    (!text.trim().is_empty()).then(|| text.parse())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directives_are_levels_targets_and_both() {
+        let level = |text: &str, target: &str| {
+            let targets: Targets = text.parse().unwrap();
+            let levels = [LevelFilter::TRACE, LevelFilter::DEBUG, LevelFilter::INFO];
+            let rank = |level: &LevelFilter| {
+                level.into_level().is_some_and(|level| targets.would_enable(target, &level))
+            };
+            levels.into_iter().find(rank).unwrap_or(LevelFilter::OFF)
+        };
+        assert_eq!(level("debug", "proto::transport"), LevelFilter::DEBUG);
+        assert_eq!(level("error,proto=debug", "proto::transport"), LevelFilter::DEBUG);
+        assert_eq!(level("proto=debug", "coordinator"), LevelFilter::OFF);
+        assert_eq!(level("proto", "proto::transport"), LevelFilter::TRACE);
+        assert!("proto[span]=debug".parse::<Targets>().is_err());
+    }
+}
