@@ -549,7 +549,7 @@ impl Context<'_> {
         let link = links.iter().find(|link| link.role() == exit.role);
         let how = match (exit.status.signal(), exit.status.code()) {
             (Some(7), _) => {
-                "killed by signal 7 (/dev/shm is full, or the run's files there were cut)"
+                "killed by signal 7 (/dev/shm is full, or the run's files there were truncated)"
                     .to_owned()
             }
             (Some(signal), _) => format!("killed by signal {signal}"),

@@ -275,7 +275,7 @@ fn every_check_can_fail() {
         ("accept", "after an iteration that was not the last"),
         ("observe", "observing changes the next solve"),
         ("restore", "the restored process continues differently"),
-        ("damaged-state", "in spite of a state cut to 0 of"),
+        ("damaged-state", "in spite of a state truncated to 0 of"),
         ("growing-grids", "too many elements"),
         ("missing-sample", "never came, and it fails with: input `surface_speed` is missing"),
         ("wrong-sample", "in spite of a gap in the sequence numbers"),
