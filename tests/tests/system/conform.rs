@@ -305,7 +305,7 @@ mod every_check_can_fail {
         accept: "after an iteration that was not the last",
         observe: "observing changes the next solve",
         restore: "the restored process goes on otherwise",
-        damaged_state: "in spite of a state cut to 0 of",
+        damaged_state: "in spite of a state truncated to 0 of",
         growing_grids: "too many elements",
         missing_sample: "never came, and it fails with: input `surface_speed` is missing",
         wrong_sample: "in spite of a gap in the sequence numbers",
