@@ -59,6 +59,9 @@ pub struct Failure {
     pub remark: String,
 }
 
+/// What is said of a row.
+type Of<'a, R, T> = Box<dyn Fn(&R) -> T + 'a>;
+
 /// One column of a table.
 pub struct Column<'a, R> {
     on_terminal: Option<String>,
@@ -70,7 +73,7 @@ pub struct Column<'a, R> {
     left: bool,
     /// Least width on the terminal.
     width: usize,
-    cell: Box<dyn Fn(&R) -> Cell + 'a>,
+    cell: Of<'a, R, Cell>,
 }
 
 impl<'a, R> Column<'a, R> {
@@ -140,8 +143,8 @@ impl<'a, R> Column<'a, R> {
 /// The columns of a table, and what is remarkable about its rows.
 pub struct Table<'a, R> {
     columns: Vec<Column<'a, R>>,
-    mark: Option<(&'static str, Box<dyn Fn(&R) -> bool + 'a>)>,
-    failure: Box<dyn Fn(&R) -> Option<Failure> + 'a>,
+    mark: Option<(&'static str, Of<'a, R, bool>)>,
+    failure: Of<'a, R, Option<Failure>>,
 }
 
 impl<'a, R> Table<'a, R> {
