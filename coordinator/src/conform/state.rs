@@ -21,8 +21,8 @@ pub(super) const RESTORE: Check = Check {
 pub(super) const DAMAGED_STATE: Check = Check {
     name: "damaged-state",
     demand: "a state file that is truncated or missing is refused with a reason; one with a \
-             changed byte ends no process (the coordinator's checkpoints have checksums); a whole one is taken \
-             afterwards",
+             changed byte ends no process (the coordinator's checkpoints have checksums); a whole \
+             one is taken afterwards",
     fix: "check the length of the state against what the configuration needs, before using it",
     run: damaged,
 };
