@@ -1,7 +1,7 @@
 //! The command line.
 
 use crate::ablate;
-use crate::accuracy::{self, Search, Verdict};
+use crate::accuracy::{self, Decision, Search};
 use crate::conform;
 use crate::cost;
 use crate::export::{self, Target};
@@ -24,7 +24,7 @@ use proto::recording::End;
 use run::checkpoint::{Checkpoint, Checkpoints, Corrupt};
 use run::error::{RunError, file_failure};
 use run::format::counted;
-use run::perform::{self, Clock, Outcome};
+use run::perform::{self, Outcome, RunStart};
 use run::plan::{Planned, Shown, plan};
 use run::programs::{self, Program};
 use run::record::Compression;
@@ -455,21 +455,21 @@ fn run_to(relative: f64, asked: &RunArguments, screen: &Screen) -> Result<(), En
         if outcome.error.is_some() {
             return conclude(&begun, outcome, &chosen, screen);
         }
-        let verdict = search.judge(&mut outcome.summary, begin_at.elapsed().as_secs_f64())?;
+        let decision = search.judge(&mut outcome.summary, begin_at.elapsed().as_secs_f64())?;
         begun.folder.write_summary(&perform::json(&outcome.summary))?;
         begun.folder = match answer.take() {
             None => begun.folder,
             Some(answer) => answer.take_over(begun.folder)?,
         };
-        match verdict {
-            Verdict::Refine => {
+        match decision {
+            Decision::Refine => {
                 search.refine()?;
                 screen.log.release();
                 answer = Some(begun.folder);
                 continue;
             }
-            Verdict::Missed => outcome.error = Some(search.missed()),
-            Verdict::Met => {}
+            Decision::Missed => outcome.error = Some(search.missed()),
+            Decision::Met => {}
         }
         return conclude(&begun, outcome, &chosen, screen);
     }
@@ -487,11 +487,11 @@ fn refine(run: &RunArguments, answer: &ResultFolder, log: &Logging) -> Result<Be
 
 fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Outcome {
     let Begun { planned, folder, plan_seconds, from } = begun;
-    let clock = Clock { since: screen.since, plan_seconds: *plan_seconds };
+    let start = RunStart { since: screen.since, plan_seconds: *plan_seconds };
     let mut progress = Progress::new(screen.quiet, planned.plan.windows.count());
     screen.log.share_screen(progress.bar());
     let mut outcome =
-        perform::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
+        perform::run(planned, folder, &mut progress, start, from.as_ref(), asked.record);
     if let Some(error) = screen.log.failure() {
         outcome = outcome.fail(file_failure(&folder.shown_log(), &error), folder);
     }

@@ -1,13 +1,13 @@
 //! `coordinator conform`: any executable, put through the whole participant contract.
 //!
 //! [`CHECKS`] is the list: what the contract demands, one entry a demand. The participant runs as a
-//! process of its own over real shared memory ([`trial`]); what a check leaves in order the next one
+//! process of its own over real shared memory ([`life`]); what a check leaves in order the next one
 //! goes on with, everything else has a fresh process ([`lives`]). Nothing is waited for without a
 //! deadline; a process that hangs or dies spoils no other check. What a participant is
 //! configured with comes from a case ([`setting`]), for every model and mode that it offers.
 //!
 //! ```text
-//! Request ──Bench::prepare──► Bench ──each of CHECKS──► Row ──► Report
+//! Request ──Bench::prepare──► Bench ──each of CHECKS──► CheckResult ──► Report
 //! ```
 
 mod accepting;
@@ -20,6 +20,7 @@ mod faulty_inputs;
 mod given;
 mod grids;
 mod leaving;
+mod life;
 mod lives;
 mod recorded;
 mod refusing;
@@ -30,10 +31,9 @@ mod show;
 mod solving;
 mod state;
 mod subject;
-mod trial;
 mod unruly;
 
-pub use check::{Row, Verdict};
+pub use check::{CheckOutcome, CheckResult};
 pub use cli::{Arguments, main};
 pub use request::Request;
 
@@ -89,15 +89,15 @@ pub struct Report {
     /// Settings that the case does not give, and why.
     pub left_out: Vec<String>,
     /// One row a check.
-    pub checks: Vec<Row>,
+    pub checks: Vec<CheckResult>,
     /// Seconds of all checks.
     pub wall_s: f64,
 }
 
 impl Report {
     /// The checks that failed.
-    pub fn failed(&self) -> impl Iterator<Item = &Row> {
-        self.checks.iter().filter(|row| row.verdict == Verdict::Failed)
+    pub fn failed(&self) -> impl Iterator<Item = &CheckResult> {
+        self.checks.iter().filter(|row| row.verdict == CheckOutcome::Failed)
     }
 }
 
@@ -109,7 +109,7 @@ pub enum News<'a> {
     /// The check of this name begins.
     Begins(&'static str),
     /// A check was made.
-    Made(&'a Row),
+    Made(&'a CheckResult),
 }
 
 /// Makes the checks; `tell` is called for each as it begins and as soon as it is made.
@@ -133,7 +133,7 @@ pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Repo
     for check in checks {
         tell(News::Begins(check.name));
         let mut row = made(check, &bench, described.as_ref())?;
-        if row.verdict == Verdict::Failed {
+        if row.verdict == CheckOutcome::Failed {
             // One cause is reported once.
             row.same_as = causes.get(&row.seen).copied();
             causes.entry(row.seen.clone()).or_insert(check.name);
@@ -146,14 +146,18 @@ pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Repo
 }
 
 /// Makes a check, if it can be made.
-fn made(check: &Check, bench: &Bench, undescribed: Option<&Fault>) -> Result<Row, RunError> {
+fn made(
+    check: &Check,
+    bench: &Bench,
+    undescribed: Option<&Fault>,
+) -> Result<CheckResult, RunError> {
     let since = Instant::now();
     let outcome = match undescribed {
         // Nothing can be asked of what does not say what it is.
         Some(fault) if check.name == describing::DESCRIBE.name => Err(fault.clone()),
-        Some(_) => return Ok(Row::not_made(check, "it does not describe itself")),
+        Some(_) => return Ok(CheckResult::not_made(check, "it does not describe itself")),
         None if bench.never_joined() => {
-            return Ok(Row::not_made(check, "it never joined a run"));
+            return Ok(CheckResult::not_made(check, "it never joined a run"));
         }
         None => (check.run)(bench),
     };
@@ -161,7 +165,7 @@ fn made(check: &Check, bench: &Bench, undescribed: Option<&Fault>) -> Result<Row
         let when = format!("while `{}` was checked", check.name);
         return Err(RunError::Interrupted { signal, when });
     }
-    Ok(Row::new(check, outcome, since.elapsed()))
+    Ok(CheckResult::new(check, outcome, since.elapsed()))
 }
 
 fn chosen(names: &[String]) -> Result<Vec<&'static Check>, RunError> {

@@ -5,12 +5,13 @@
 //! with a recording, so that the ranges of whole fields are known.
 //!
 //! ```text
-//! suite.toml ──Suite::read──► Suite ──each case and sweep──► Trial ──judge──► Row ──► Report
+//! suite.toml ──Suite::read──► Suite ──each case and sweep──► CaseRun ──judge──► RunResult ──► Report
 //! ```
 //!
 //! Nothing here knows a model or an effect by name: one that comes later joins by an entry in the
 //! file.
 
+mod case_run;
 mod cli;
 mod figure;
 mod judge;
@@ -20,20 +21,19 @@ mod report;
 mod rows;
 mod show;
 mod suite;
-mod trial;
 
 pub use cli::{Arguments, main};
-pub use report::{CaseReport, Finding, Report, Row, SweepReport, Waiting};
+pub use report::{CaseReport, Finding, Report, RunResult, SweepReport, Waiting};
 pub use suite::Suite;
 
 use crate::study::Variant;
 use crate::study::output::Kept;
+use case_run::CaseRun;
 use judge::judge;
 use run::error::RunError;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use suite::{Entry, Expected, Sweep};
-use trial::Trial;
 
 /// What is to be run.
 #[derive(Clone, Debug)]
@@ -111,9 +111,9 @@ fn run_one(
     variant: &Variant,
     name: &str,
     expected: &Expected,
-) -> Result<Row, RunError> {
-    let trial = Trial::run(&entry.case, variant, &folder(&request.out, name))?;
-    Ok(judge(&trial, expected, &entry.limits(&request.suite.every), &entry.checks))
+) -> Result<RunResult, RunError> {
+    let run = CaseRun::run(&entry.case, variant, &folder(&request.out, name))?;
+    Ok(judge(&run, expected, &entry.limits(&request.suite.every), &entry.checks))
 }
 
 fn folder(out: &Path, name: &str) -> PathBuf {

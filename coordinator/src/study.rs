@@ -21,7 +21,7 @@ pub mod table;
 
 use case::RawCase;
 use run::error::RunError;
-use run::perform::{self, Clock};
+use run::perform::{self, RunStart};
 use run::plan::{Plan, Planned, plan};
 use run::results::{Existing, ResultFolder};
 use serde_json::Value;
@@ -85,9 +85,9 @@ pub fn perform(
     since: Instant,
     folder: &Path,
 ) -> Result<Value, RunError> {
-    let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
+    let start = RunStart { since, plan_seconds: since.elapsed().as_secs_f64() };
     let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-    let outcome = perform::run(planned, &folder, &mut (), clock, None, None);
+    let outcome = perform::run(planned, &folder, &mut (), start, None, None);
     outcome.error.map_or(Ok(outcome.summary), Err)
 }
 

@@ -6,7 +6,7 @@
 mod control;
 mod local_error;
 
-pub use control::{Cause, Controller, State, Verdict};
+pub use control::{Acceptance, Cause, Controller, WindowState};
 pub use local_error::LocalError;
 
 /// A part of a time below this is rounding.

@@ -20,7 +20,7 @@ pub use sum::sum;
 
 use crate::error::{RunError, file_failure};
 use crate::results::summary::Counts;
-use crate::results::vtk::Series;
+use crate::results::vtk::FileSeries;
 use coupling::windows;
 use proto::binary;
 use serde::{Deserialize, Serialize};
@@ -57,13 +57,13 @@ pub struct Origin {
 
 /// The coordinator's part of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
+pub struct CoordinatorState {
     /// What the run was made from.
     pub origin: Origin,
     /// The last accepted step: window, iteration, start and end [s].
     pub step: (u64, u32, f64, f64),
     /// Where the run is in time.
-    pub time: windows::State,
+    pub time: windows::WindowState,
     /// What has been counted.
     pub counts: Counts,
     /// What [`coupling::Coupling::save`] wrote.
@@ -73,7 +73,7 @@ pub struct State {
     /// Length of `iterations.csv` [byte].
     pub table_bytes: u64,
     /// The series of field files so far.
-    pub series: Vec<Series>,
+    pub series: Vec<FileSeries>,
 }
 
 /// Name, length and CRC-64 of a file.
@@ -94,7 +94,7 @@ pub struct Checkpoints {
 #[derive(Debug)]
 pub struct Checkpoint {
     /// The coordinator's part.
-    pub state: State,
+    pub state: CoordinatorState,
     /// The folder with the other parts.
     pub folder: PathBuf,
 }
@@ -134,7 +134,12 @@ impl Checkpoints {
     ///
     /// # Errors
     /// The file system.
-    pub fn complete(&self, draft: &Path, parts: &[String], state: &State) -> Result<(), RunError> {
+    pub fn complete(
+        &self,
+        draft: &Path,
+        parts: &[String],
+        state: &CoordinatorState,
+    ) -> Result<(), RunError> {
         let complete = || {
             let parts = parts.iter().map(|name| seal(draft, name)).collect::<io::Result<_>>()?;
             write_own(&draft.join(OWN), &(parts, state))?;
@@ -226,12 +231,12 @@ fn seal(folder: &Path, name: &str) -> io::Result<Part> {
     Ok(Part { name: name.to_owned(), bytes: content.len() as u64, sum: sum(&content) })
 }
 
-fn write_own(path: &Path, content: &(Vec<Part>, &State)) -> io::Result<()> {
+fn write_own(path: &Path, content: &(Vec<Part>, &CoordinatorState)) -> io::Result<()> {
     fs::write(path, encode_own(content))?;
     File::open(path)?.sync_all()
 }
 
-fn encode_own(content: &(Vec<Part>, &State)) -> Vec<u8> {
+fn encode_own(content: &(Vec<Part>, &CoordinatorState)) -> Vec<u8> {
     let mut encoded = Vec::new();
     binary::append(&mut encoded, content).expect("a state is plain data");
     let mut bytes = MAGIC.to_vec();
@@ -241,7 +246,7 @@ fn encode_own(content: &(Vec<Part>, &State)) -> Vec<u8> {
 }
 
 /// The inverse of [`encode_own`], or what is wrong with the bytes.
-fn decode_own(bytes: &[u8]) -> Result<(Vec<Part>, State), String> {
+fn decode_own(bytes: &[u8]) -> Result<(Vec<Part>, CoordinatorState), String> {
     let rest = bytes.strip_prefix(MAGIC.as_slice());
     let head = rest.and_then(<[u8]>::split_first_chunk);
     let Some((expected, content)) = head else {

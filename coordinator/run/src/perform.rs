@@ -51,7 +51,7 @@ impl Outcome {
 
 /// What a run is measured by before it begins.
 #[derive(Clone, Copy, Debug)]
-pub struct Clock {
+pub struct RunStart {
     /// When the program started.
     pub since: Instant,
     /// Seconds of planning.
@@ -64,14 +64,14 @@ pub fn run(
     planned: &Planned,
     folder: &ResultFolder,
     progress: &mut dyn Progress,
-    clock: Clock,
+    start: RunStart,
     from: Option<&Checkpoint>,
     record: Option<Compression>,
 ) -> Outcome {
     let Planned { case, plan } = planned;
     let mut counts = match from {
-        Some(checkpoint) => checkpoint.state.counts.resumed(clock.plan_seconds),
-        None => Counts { plan_seconds: clock.plan_seconds, ..Counts::default() },
+        Some(checkpoint) => checkpoint.state.counts.resumed(start.plan_seconds),
+        None => Counts { plan_seconds: start.plan_seconds, ..Counts::default() },
     };
     let (ended, recorder) = match set_out(planned, folder, from, record) {
         Ok(recorder) => {
@@ -94,7 +94,7 @@ pub fn run(
         Some(error) if error.is_interrupt() => (Status::Interrupted, error.to_string()),
         Some(error) => (Status::Failed, error.to_string()),
     };
-    let wall_seconds = clock.since.elapsed().as_secs_f64();
+    let wall_seconds = start.since.elapsed().as_secs_f64();
     let (finished, sections) = (&finished, &sections);
     let summary =
         build(&Ingredients { plan, status, reason, counts, finished, sections, wall_seconds });

@@ -5,7 +5,7 @@ use crate::study::levels::reason;
 use crate::study::output::Kept;
 use crate::study::progress::Steps;
 use crate::study::quantity::Quantity;
-use crate::study::spent::Clock;
+use crate::study::spent::Stopwatch;
 use crate::study::{Variant, ends_study, perform, planned};
 use run::error::RunError;
 use std::path::{Path, PathBuf};
@@ -68,10 +68,10 @@ fn run(effect: &str, request: &Request, off: &Variant, scratch: &Path) -> Result
     let mut run = Run { effect: effect.to_owned(), ..Run::default() };
     let silent = off.with("output.fields", "none");
     for _ in 0..request.repeat {
-        let clock = Clock::start();
+        let stopwatch = Stopwatch::start();
         let made = planned(&request.case, &silent);
-        match made.and_then(|planned| perform(&request.case, &planned, clock.since, scratch)) {
-            Ok(summary) => run.take(&summary, &clock),
+        match made.and_then(|planned| perform(&request.case, &planned, stopwatch.since, scratch)) {
+            Ok(summary) => run.take(&summary, &stopwatch),
             Err(error) if ends_study(&error) => return Err(error),
             Err(error) => {
                 run.failed = Some(reason(&error));

@@ -2,7 +2,7 @@
 
 use crate::study::output::Kept;
 use crate::study::quantity::{Measure, Quantity};
-use crate::study::spent::{Clock, Spent};
+use crate::study::spent::{Spent, Stopwatch};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -51,8 +51,8 @@ pub struct Run {
 
 impl Run {
     /// Takes the figures of a run, and its cost if it is the least so far.
-    pub(super) fn take(&mut self, summary: &Value, clock: &Clock) {
-        let cost = Spent::of(summary, clock);
+    pub(super) fn take(&mut self, summary: &Value, stopwatch: &Stopwatch) {
+        let cost = Spent::of(summary, stopwatch);
         if self.values.is_empty() || cost.solve_s < self.cost.solve_s {
             self.cost = cost;
         }

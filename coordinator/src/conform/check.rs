@@ -22,7 +22,7 @@ pub(super) struct Check {
 /// How a check went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum CheckOutcome {
     /// The demand is kept.
     Passed,
     /// It is not.
@@ -35,11 +35,11 @@ pub enum Verdict {
 
 /// A check that was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct CheckResult {
     /// Its name.
     pub name: &'static str,
     /// How it went.
-    pub verdict: Verdict,
+    pub verdict: CheckOutcome,
     /// What was seen, or why there was nothing to see.
     pub seen: String,
     /// What the contract demands.
@@ -53,13 +53,15 @@ pub struct Row {
     pub seconds: f64,
 }
 
-impl Row {
+impl CheckResult {
     pub(super) fn new(check: &Check, outcome: Result<Seen, Fault>, took: Duration) -> Self {
         let (verdict, seen) = match outcome {
-            Ok(Seen::Kept(seen)) => (Verdict::Passed, seen),
-            Ok(Seen::Inapplicable(why)) => (Verdict::Inapplicable, why),
-            Err(Fault::Broken(what)) => (Verdict::Failed, what),
-            Err(Fault::Interrupted(signal)) => (Verdict::Failed, format!("stopped by {signal}")),
+            Ok(Seen::Kept(seen)) => (CheckOutcome::Passed, seen),
+            Ok(Seen::Inapplicable(why)) => (CheckOutcome::Inapplicable, why),
+            Err(Fault::Broken(what)) => (CheckOutcome::Failed, what),
+            Err(Fault::Interrupted(signal)) => {
+                (CheckOutcome::Failed, format!("stopped by {signal}"))
+            }
         };
         let Check { name, demand, fix, .. } = *check;
         let seen = one_line(&seen).into_owned();
@@ -70,7 +72,7 @@ impl Row {
     /// A check that cannot be made.
     pub(super) fn not_made(check: &Check, because: &str) -> Self {
         let Check { name, demand, fix, .. } = *check;
-        let (verdict, seen) = (Verdict::NotMade, because.to_owned());
+        let (verdict, seen) = (CheckOutcome::NotMade, because.to_owned());
         Self { name, verdict, seen, demand, fix, same_as: None, seconds: 0.0 }
     }
 }

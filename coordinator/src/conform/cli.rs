@@ -1,6 +1,6 @@
 //! The subcommand.
 
-use super::{News, Report, Request, Verdict, conform, show};
+use super::{CheckOutcome, News, Report, Request, conform, show};
 use crate::output::{Speaker, print};
 use crate::study::progress::Steps;
 use clap::Args;
@@ -74,7 +74,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
             speaker.say(&show::head(report));
         }
         News::Begins(check) => progress.iter_mut().for_each(|steps| steps.step(check)),
-        News::Made(row) if row.verdict == Verdict::NotMade => {}
+        News::Made(row) if row.verdict == CheckOutcome::NotMade => {}
         News::Made(row) => {
             let mut say = || speaker.say(&show::line(row));
             match &progress {

@@ -51,12 +51,12 @@ fn describe(bench: &Bench) -> Result<Seen, Fault> {
         return broken(format!("it plays the role `{}`", said.role));
     }
     well_formed(bench, &said)?;
-    let mut trial = bench.joined()?;
-    let answer = trial.ask(Command::new(CommandKind::Describe), &[])?.done()?;
+    let mut life = bench.joined()?;
+    let answer = life.ask(Command::new(CommandKind::Describe), &[])?.done()?;
     if answer.json::<Description>("a description")? != said {
         return broken("Describe over the run differs from --describe");
     }
-    bench.keep_joined(trial);
+    bench.keep_joined(life);
     Seen::kept(format!(
         "{}, {}, in {:.0} ms",
         counted(said.models.len() as u64, "model"),
@@ -164,9 +164,9 @@ fn estimate(bench: &Bench) -> Result<Seen, Fault> {
             let Estimate::Layout(expected) = wait_for(asked).map_err(fault)? else {
                 return broken("--estimate refuses what it accepted while the case was planned");
             };
-            let mut trial = bench.joined()?;
-            let layout = trial.configure(&setting.configuration)?;
-            bench.keep_joined(trial);
+            let mut life = bench.joined()?;
+            let layout = life.configure(&setting.configuration)?;
+            bench.keep_joined(life);
             if placed(&layout) != placed(&expected) {
                 return broken(
                     "--estimate and Configure answer with other grids or places of fields",
@@ -194,12 +194,12 @@ fn configure(bench: &Bench) -> Result<Seen, Fault> {
         return broken(left_out.clone());
     }
     bench.each(|setting| {
-        let mut trial = bench.joined()?;
-        let first = trial.configure(&setting.configuration)?;
-        if trial.configure(&setting.configuration)? != first {
+        let mut life = bench.joined()?;
+        let first = life.configure(&setting.configuration)?;
+        if life.configure(&setting.configuration)? != first {
             return broken("a second Configure answers with another layout");
         }
-        bench.keep_joined(trial);
+        bench.keep_joined(life);
         let names: Vec<&str> = first.grids.iter().map(|grid| grid.name.as_str()).collect();
         Seen::kept(match names.is_empty() {
             true => "no grid".to_owned(),

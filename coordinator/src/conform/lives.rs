@@ -5,7 +5,7 @@
 //! which a check failed, or that a check has spoilt, is not. While one process is put through a check
 //! the next ones start.
 
-use super::trial::{Trial, Values};
+use super::life::{Life, Values};
 use contract::configuration::Configuration;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -15,13 +15,13 @@ use std::rc::Rc;
 #[derive(Default)]
 pub(super) struct Lives {
     /// Joined, and not initialised.
-    pub(super) joined: RefCell<Option<Trial>>,
+    pub(super) joined: RefCell<Option<Life>>,
     /// Between two windows, each as it was configured.
-    pub(super) ready: RefCell<Vec<(Configuration, Trial)>>,
+    pub(super) ready: RefCell<Vec<(Configuration, Life)>>,
     /// How settings went on after their first window, see [`Bench::unobserved`].
     pub(super) unobserved: RefCell<Vec<(Configuration, Rc<Values>)>>,
     /// On its way.
-    pub(super) coming: RefCell<VecDeque<Trial>>,
+    pub(super) coming: RefCell<VecDeque<Life>>,
     /// Some process has joined.
     pub(super) once: Cell<bool>,
     /// A process was started, and none has.

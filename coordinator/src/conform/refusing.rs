@@ -3,9 +3,9 @@
 use super::bench::Bench;
 use super::check::Check;
 use super::fault::{Fault, Seen, broken};
+use super::life::Life;
+use super::life::end_of;
 use super::setting::Setting;
-use super::trial::Trial;
-use super::trial::end_of;
 use contract::configuration::Configuration;
 use contract::description::Description;
 use contract::description::KeySpec;
@@ -60,12 +60,12 @@ pub(super) const UNKNOWN_FIELD: Check = Check {
 const OTHER_VERSION: u32 = 999;
 
 fn version(bench: &Bench) -> Result<Seen, Fault> {
-    let trial = Trial::of_version(&bench.subject, OTHER_VERSION)?;
+    let life = Life::of_version(&bench.subject, OTHER_VERSION)?;
     let deadline = Instant::now() + bench.subject.patience;
-    while trial.ended().is_none() && Instant::now() < deadline {
+    while life.ended().is_none() && Instant::now() < deadline {
         std::thread::sleep(LEAVE / 1000);
     }
-    let exit = trial.leave("a run of another version")?;
+    let exit = life.leave("a run of another version")?;
     let words = exit.last_words.clone().unwrap_or_default();
     if exit.status.success() {
         return broken(format!("it {}", end_of(&exit)));
@@ -87,16 +87,16 @@ fn refuses(
 ) -> Result<String, Fault> {
     let mut wrong = setting.configuration.clone();
     spoil(&mut wrong);
-    let mut trial = bench.joined()?;
+    let mut life = bench.joined()?;
     let body = serde_json::to_vec(&wrong).expect("a configuration is plain data");
-    let answer = trial.ask(Command::new(CommandKind::Configure), &body)?;
+    let answer = life.ask(Command::new(CommandKind::Configure), &body)?;
     let refusal = answer.refused(because)?;
     if let Some(key) = key.filter(|key| refusal.key != *key) {
         return broken(format!("{because} is refused with the key `{}`, not `{key}`", refusal.key));
     }
-    let good = trial.configure(&setting.configuration);
+    let good = life.configure(&setting.configuration);
     good.map_err(|fault| fault.at("after a refusal"))?;
-    bench.keep_joined(trial);
+    bench.keep_joined(life);
     Ok(refusal.to_string())
 }
 

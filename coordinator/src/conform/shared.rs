@@ -2,9 +2,9 @@
 
 use super::bench::Bench;
 use super::fault::{Fault, Seen};
+use super::life::{Life, Values};
 use super::lives::Lives;
 use super::setting::Setting;
-use super::trial::{Trial, Values};
 use contract::configuration::Configuration;
 use std::num::NonZero;
 use std::rc::Rc;
@@ -19,21 +19,21 @@ impl Bench {
     }
 
     /// A process that has joined a run of its own and is not initialised.
-    pub(super) fn joined(&self) -> Result<Trial, Fault> {
+    pub(super) fn joined(&self) -> Result<Life, Fault> {
         let kept = self.lives.joined.borrow_mut().take();
-        kept.filter(|trial| trial.ended().is_none()).map_or_else(|| self.fresh(), Ok)
+        kept.filter(|life| life.ended().is_none()).map_or_else(|| self.fresh(), Ok)
     }
 
     /// A check has left it as [`Bench::joined`] found it.
-    pub(super) fn keep_joined(&self, trial: Trial) {
-        self.lives.joined.borrow_mut().get_or_insert(trial);
+    pub(super) fn keep_joined(&self, life: Life) {
+        self.lives.joined.borrow_mut().get_or_insert(life);
     }
 
     /// A process that has joined and received nothing yet.
-    pub(super) fn fresh(&self) -> Result<Trial, Fault> {
+    pub(super) fn fresh(&self) -> Result<Life, Fault> {
         let Lives { coming, once, never, .. } = &self.lives;
         let next = coming.borrow_mut().pop_front();
-        let joined = next.map_or_else(|| Trial::start(&self.subject), Ok).and_then(Trial::joined);
+        let joined = next.map_or_else(|| Life::start(&self.subject), Ok).and_then(Life::joined);
         match &joined {
             Ok(_) => {
                 once.set(true);
@@ -49,24 +49,24 @@ impl Bench {
         let at_once = std::thread::available_parallelism().map_or(1, NonZero::get).min(MOST_AHEAD);
         let mut coming = self.lives.coming.borrow_mut();
         while coming.len() < at_once
-            && let Ok(trial) = Trial::start(&self.subject)
+            && let Ok(life) = Life::start(&self.subject)
         {
-            coming.push_back(trial);
+            coming.push_back(life);
         }
     }
 
     /// A process that is ready for its very first window.
-    pub(super) fn ready(&self, setting: &Setting) -> Result<Trial, Fault> {
-        let mut trial = self.joined()?;
-        trial.prepare(setting)?;
-        Ok(trial)
+    pub(super) fn ready(&self, setting: &Setting) -> Result<Life, Fault> {
+        let mut life = self.joined()?;
+        life.prepare(setting)?;
+        Ok(life)
     }
 
     /// A process that is ready for some window.
-    pub(super) fn between(&self, setting: &Setting) -> Result<Trial, Fault> {
+    pub(super) fn between(&self, setting: &Setting) -> Result<Life, Fault> {
         let mut ready = self.lives.ready.borrow_mut();
-        let of = |(of, trial): &(Configuration, Trial)| {
-            *of == setting.configuration && trial.ended().is_none()
+        let of = |(of, life): &(Configuration, Life)| {
+            *of == setting.configuration && life.ended().is_none()
         };
         match ready.iter().position(of) {
             Some(index) => Ok(ready.swap_remove(index).1),
@@ -79,10 +79,10 @@ impl Bench {
 
     /// A check has left it between two windows. One of each configuration is kept: a process may take
     /// much memory.
-    pub(super) fn keep(&self, setting: &Setting, trial: Trial) {
+    pub(super) fn keep(&self, setting: &Setting, life: Life) {
         let mut ready = self.lives.ready.borrow_mut();
         if ready.iter().all(|(of, _)| *of != setting.configuration) {
-            ready.push((setting.configuration.clone(), trial));
+            ready.push((setting.configuration.clone(), life));
         }
     }
 
@@ -94,12 +94,12 @@ impl Bench {
             return Ok(Rc::clone(outputs));
         }
         drop(known);
-        let mut trial = self.ready(setting)?;
+        let mut life = self.ready(setting)?;
         let step = setting.step(0);
-        trial.solve_with(&step, 0)?;
-        trial.accept(&step, false)?;
-        let outputs = Rc::new(trial.solve_with(&trial.next(setting), 1)?.outputs);
-        self.keep(setting, trial);
+        life.solve_with(&step, 0)?;
+        life.accept(&step, false)?;
+        let outputs = Rc::new(life.solve_with(&life.next(setting), 1)?.outputs);
+        self.keep(setting, life);
         let known = (setting.configuration.clone(), Rc::clone(&outputs));
         self.lives.unobserved.borrow_mut().push(known);
         Ok(outputs)
@@ -108,12 +108,12 @@ impl Bench {
     /// Goes through all settings, with a process of each that is between two windows and is left so.
     pub(super) fn each_between(
         &self,
-        mut look: impl FnMut(&Setting, &mut Trial) -> Result<Seen, Fault>,
+        mut look: impl FnMut(&Setting, &mut Life) -> Result<Seen, Fault>,
     ) -> Result<Seen, Fault> {
         self.each(|setting| {
-            let mut trial = self.between(setting)?;
-            let seen = look(setting, &mut trial)?;
-            self.keep(setting, trial);
+            let mut life = self.between(setting)?;
+            let seen = look(setting, &mut life)?;
+            self.keep(setting, life);
             Ok(seen)
         })
     }

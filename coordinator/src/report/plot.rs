@@ -16,7 +16,7 @@ const POINTS: usize = 720;
 
 /// One line of a figure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Series {
+pub struct Line {
     /// What it is.
     pub name: String,
     /// Its points, in the order in which they are joined; a gap where one is not finite.
@@ -45,7 +45,7 @@ pub struct Figure {
     /// Nought belongs to the axis upward; without effect by decades.
     pub from_zero: bool,
     /// The lines.
-    pub series: Vec<Series>,
+    pub lines: Vec<Line>,
     /// A sentence below it.
     pub note: String,
 }
@@ -66,7 +66,7 @@ impl Figure {
             decades_x: false,
             decades: false,
             from_zero: true,
-            series: Vec::new(),
+            lines: Vec::new(),
             note: String::new(),
         }
     }
@@ -75,14 +75,14 @@ impl Figure {
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         let dots = points.len() <= 40;
-        self.series.push(Series { name: name.into(), points, dots, marks: false });
+        self.lines.push(Line { name: name.into(), points, dots, marks: false });
         self
     }
 
     /// Adds marks that are not joined.
     #[must_use]
     pub fn with_marks(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
-        self.series.push(Series { name: name.into(), points, dots: false, marks: true });
+        self.lines.push(Line { name: name.into(), points, dots: false, marks: true });
         self
     }
 
@@ -91,7 +91,7 @@ impl Figure {
     pub fn has_points(&self) -> bool {
         let places = |value: f64, decades: bool| value.is_finite() && (!decades || value > 0.0);
         let drawn = |p: &[f64; 2]| places(p[0], self.decades_x) && places(p[1], self.decades);
-        self.series.iter().any(|series| series.points.iter().any(drawn))
+        self.lines.iter().any(|line| line.points.iter().any(drawn))
     }
 
     /// The plot as HTML.
@@ -118,16 +118,16 @@ impl Figure {
 
     /// What tells the lines apart; nothing for one alone.
     fn keys(&self) -> Vec<Key<'_>> {
-        if self.series.len() < 2 {
+        if self.lines.len() < 2 {
             return Vec::new();
         }
-        let key = |(n, series)| Key { class: Series::class(series, n), name: &series.name };
-        self.series.iter().enumerate().map(key).collect()
+        let key = |(n, line)| Key { class: Line::class(line, n), name: &line.name };
+        self.lines.iter().enumerate().map(key).collect()
     }
 
     /// Axes and lines.
     fn content(&self) -> String {
-        let all = || self.series.iter().flat_map(|series| &series.points);
+        let all = || self.lines.iter().flat_map(|line| &line.points);
         let x = match self.decades_x {
             true => Axis::decades(all().map(|p| p[0]), [LEFT, RIGHT]),
             false => Axis::linear(all().map(|p| p[0]), false, [LEFT, RIGHT]),
@@ -140,8 +140,8 @@ impl Figure {
         };
         let (x_label, y_label) = (self.x_label.as_str(), self.y_label.as_str());
         let mut svg = Frame { x: &x, y: &y, x_label, y_label, grid: true }.svg();
-        for (n, series) in self.series.iter().enumerate() {
-            series.draw(&mut svg, n, &x, &y);
+        for (n, line) in self.lines.iter().enumerate() {
+            line.draw(&mut svg, n, &x, &y);
         }
         svg
     }
@@ -149,17 +149,17 @@ impl Figure {
     /// The range of every line, for readers who cannot see the plot.
     fn describe(&self) -> String {
         let mut text = format!("{} over {}.", self.y_label, self.x_label);
-        for series in &self.series {
-            let Some([low, high]) = super::axis::extent(series.points.iter().map(|p| p[1])) else {
+        for line in &self.lines {
+            let Some([low, high]) = super::axis::extent(line.points.iter().map(|p| p[1])) else {
                 continue;
             };
-            let _ = write!(text, " {}: {} to {}.", series.name, number(low, 4), number(high, 4));
+            let _ = write!(text, " {}: {} to {}.", line.name, number(low, 4), number(high, 4));
         }
         text
     }
 }
 
-impl Series {
+impl Line {
     /// How it is drawn, as the style sheet has it.
     fn class(&self, n: usize) -> String {
         if self.marks { "mark".to_owned() } else { format!("s{}", n % COLOURS) }

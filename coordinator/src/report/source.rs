@@ -28,7 +28,7 @@ pub struct Results {
     /// Content of `iterations.csv`; empty without one.
     pub iterations: Table,
     /// One for each grid that has been written out.
-    pub series: Vec<Series>,
+    pub series: Vec<GridSeries>,
     /// The case as run.
     pub case: String,
     /// Content of `plan.json`, if there is one.
@@ -43,7 +43,7 @@ pub struct Results {
 
 /// One grid of one participant through time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Series {
+pub struct GridSeries {
     /// Participant and grid.
     pub name: String,
     /// Time \[s\] and file of every instant.
@@ -54,7 +54,7 @@ pub struct Series {
     pub line: Option<Table>,
 }
 
-impl Series {
+impl GridSeries {
     /// That line at an instant.
     #[must_use]
     pub fn line_at(&self, instant: usize) -> Option<Table> {
@@ -143,7 +143,7 @@ impl Results {
                     None
                 }
             };
-            let mut series = Series { name, instants, image, line: None };
+            let mut series = GridSeries { name, instants, image, line: None };
             series.line = series.line_at(series.instants.len() - 1);
             self.series.push(series);
         }

@@ -8,7 +8,7 @@ use run::error::RunError;
 use std::sync::Arc;
 
 /// A row with its name and the family that it shows.
-struct Row<'a> {
+struct TableRow<'a> {
     name: String,
     family: Option<&'a str>,
     spec: &'a RowSpec,
@@ -55,7 +55,7 @@ pub(super) fn table(
     Ok(table)
 }
 
-fn rows<'a>(study: &'a Study, spec: &'a RowSpec) -> Vec<Row<'a>> {
+fn rows<'a>(study: &'a Study, spec: &'a RowSpec) -> Vec<TableRow<'a>> {
     let titles = match (&spec.group, &spec.run) {
         (Some(group), _) => study.titles(Some(group)).collect(),
         (None, Some(run)) => study.titles(None).filter(|(name, _)| name == run).collect(),
@@ -64,9 +64,9 @@ fn rows<'a>(study: &'a Study, spec: &'a RowSpec) -> Vec<Row<'a>> {
     if titles.is_empty() {
         // One run of a family, or a row without any.
         let name = spec.name.clone().unwrap_or_default();
-        return vec![Row { name, family: spec.run.as_deref(), spec }];
+        return vec![TableRow { name, family: spec.run.as_deref(), spec }];
     }
-    let row = |(name, title): (&'a str, &'a str)| Row {
+    let row = |(name, title): (&'a str, &'a str)| TableRow {
         name: spec.name.clone().unwrap_or_else(|| title.to_owned()),
         family: Some(name),
         spec,
@@ -88,7 +88,7 @@ fn columns<'a>(study: &Study, spec: &'a Column) -> Vec<Place<'a>> {
 
 fn filled(
     table: &TableSpec,
-    row: &Row<'_>,
+    row: &TableRow<'_>,
     column: &Place<'_>,
     values: &Arc<Values>,
 ) -> Result<String, RunError> {

@@ -52,14 +52,14 @@ pub struct CaseReport {
     /// What is expected, in words.
     pub expected: String,
     /// How the run went.
-    pub row: Row,
+    pub row: RunResult,
     /// How the sweeps went.
     pub sweeps: Vec<SweepReport>,
 }
 
 /// How one run went.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct RunResult {
     /// It went as expected.
     pub as_expected: bool,
     /// What went otherwise than expected.
@@ -111,10 +111,10 @@ pub struct SweepReport {
     /// Why it is there.
     pub why: String,
     /// Its values, and how each went.
-    pub rows: Vec<(String, Row)>,
+    pub rows: Vec<(String, RunResult)>,
 }
 
-impl Row {
+impl RunResult {
     /// It came to an answer that keeps every bound.
     #[must_use]
     pub fn answers(&self) -> bool {
@@ -141,7 +141,7 @@ impl SweepReport {
     /// Index of the first value that ends otherwise than the first one does.
     #[must_use]
     pub fn edge(&self) -> Option<usize> {
-        let ending = |row: &Row| (row.answers(), row.error.as_ref().map(|(code, _)| *code));
+        let ending = |row: &RunResult| (row.answers(), row.error.as_ref().map(|(code, _)| *code));
         let first = self.rows.first().map(|(_, row)| ending(row))?;
         self.rows.iter().position(|(_, row)| ending(row) != first)
     }
@@ -155,7 +155,7 @@ impl CaseReport {
     }
 
     /// All runs, with the parameter and value of those of a sweep.
-    pub fn runs(&self) -> impl Iterator<Item = (Option<(&str, &str)>, &Row)> {
+    pub fn runs(&self) -> impl Iterator<Item = (Option<(&str, &str)>, &RunResult)> {
         let swept = self.sweeps.iter().flat_map(|sweep| {
             let at = |(value, row)| (Some((sweep.parameter.as_str(), value)), row);
             sweep.rows.iter().map(|(value, row)| (value.as_str(), row)).map(at)

@@ -1,6 +1,6 @@
 //! How runs went, in columns and words: for the terminal and for pages.
 
-use super::report::{CaseReport, Finding, Row, SweepReport};
+use super::report::{CaseReport, Finding, RunResult, SweepReport};
 use crate::study::table::{Cell, Column, Table};
 use run::format::number;
 
@@ -26,8 +26,8 @@ pub(super) fn cases<'a>() -> Table<'a, CaseReport> {
 }
 
 /// The runs of a sweep.
-pub(super) fn values(sweep: &SweepReport) -> Table<'_, (String, Row)> {
-    type Run = (String, Row);
+pub(super) fn values(sweep: &SweepReport) -> Table<'_, (String, RunResult)> {
+    type Run = (String, RunResult);
     let mut columns = vec![Column::text(&sweep.parameter, |(value, _): &Run| value.clone())];
     columns.extend(course_of(|(_, row): &Run| row));
     columns.push(Column::text("message", |(_, row): &Run| {
@@ -38,7 +38,7 @@ pub(super) fn values(sweep: &SweepReport) -> Table<'_, (String, Row)> {
 }
 
 /// How a run went.
-fn course_of<'a, R: 'a>(row: fn(&R) -> &Row) -> [Column<'a, R>; 6] {
+fn course_of<'a, R: 'a>(row: fn(&R) -> &RunResult) -> [Column<'a, R>; 6] {
     [
         Column::text("end", move |of| end(row(of))).width(13),
         Column::text("bounded", move |of| bounded(row(of)).to_owned()).width(7),
@@ -55,7 +55,7 @@ fn course_of<'a, R: 'a>(row: fn(&R) -> &Row) -> [Column<'a, R>; 6] {
 }
 
 /// How a run ended, in a word or two.
-fn end(row: &Row) -> String {
+fn end(row: &RunResult) -> String {
     match &row.error {
         None => "answer".to_owned(),
         Some((2, _)) => "refused".to_owned(),
@@ -65,7 +65,7 @@ fn end(row: &Row) -> String {
 }
 
 /// Whether every value is finite, in a word.
-fn bounded(row: &Row) -> &'static str {
+fn bounded(row: &RunResult) -> &'static str {
     match row.bounded {
         Some(true) => "yes",
         Some(false) => "NO",
@@ -74,7 +74,7 @@ fn bounded(row: &Row) -> &'static str {
 }
 
 /// The energy imbalance.
-fn energy(row: &Row) -> String {
+fn energy(row: &RunResult) -> String {
     match row.energy_imbalance {
         None => "–".to_owned(),
         Some(0.0) => "exact".to_owned(),
@@ -83,7 +83,7 @@ fn energy(row: &Row) -> String {
 }
 
 /// The least margin, and whose it is.
-fn margin(row: &Row) -> String {
+fn margin(row: &RunResult) -> String {
     match row.worst() {
         Some(finding) => format!("{} {}", factor(finding), finding.name),
         None => "–".to_owned(),

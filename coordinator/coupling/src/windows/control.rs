@@ -35,7 +35,7 @@ const REPEAT: (f64, f64) = (0.1, 0.5);
 
 /// Whether a window that has been solved is accepted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Verdict {
+pub enum Acceptance {
     /// It is.
     Accept,
     /// It is solved again, with the length that [`Controller::window`] now gives.
@@ -65,7 +65,7 @@ impl std::fmt::Display for Cause {
 
 /// Where a run is in time, and what the next window depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
+pub struct WindowState {
     /// Number of the next window, from 0.
     pub index: u64,
     /// Its start [s].
@@ -86,7 +86,7 @@ pub struct State {
 #[derive(Clone, Debug)]
 pub struct Controller {
     windows: Windows,
-    state: State,
+    state: WindowState,
 }
 
 impl Controller {
@@ -98,7 +98,7 @@ impl Controller {
             Windows::Fixed { window, .. } => window,
             Windows::Adaptive { first, .. } => first,
         };
-        let state = State {
+        let state = WindowState {
             index: 0,
             start: 0.0,
             repeated: 0,
@@ -113,13 +113,13 @@ impl Controller {
 
     /// Goes on from a state that [`Controller::state`] gave, of the same windows.
     #[must_use]
-    pub fn resume(windows: Windows, state: State) -> Self {
+    pub fn resume(windows: Windows, state: WindowState) -> Self {
         Self { windows, state }
     }
 
     /// What the next window depends on.
     #[must_use]
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &WindowState {
         &self.state
     }
 
@@ -132,7 +132,7 @@ impl Controller {
     /// The next window; `None` when the end is reached.
     #[must_use]
     pub fn window(&self) -> Option<Step> {
-        let State { index, start, length, .. } = self.state;
+        let WindowState { index, start, length, .. } = self.state;
         let over = match self.windows {
             Windows::Adaptive { end, .. } => start >= end,
             Windows::Steady | Windows::Fixed { .. } => Some(index) == self.windows.count(),
@@ -150,7 +150,7 @@ impl Controller {
         converged: bool,
         wanted: Option<f64>,
         fields: impl IntoIterator<Item = &'a [f64]> + Clone,
-    ) -> Verdict {
+    ) -> Acceptance {
         let duration = step.duration();
         if let Windows::Adaptive { tolerance, shortest, longest, .. } = self.windows {
             let bound = 4.0 * tolerance * tolerance;
@@ -166,7 +166,7 @@ impl Controller {
                 self.state.length = length.clamp(shortest, longest);
                 self.state.again = true;
                 self.state.repeated += 1;
-                return Verdict::Repeat(cause);
+                return Acceptance::Repeat(cause);
             }
             self.plan_next(duration, wanted, error);
             self.state.length = self.state.length.clamp(shortest, longest);
@@ -177,7 +177,7 @@ impl Controller {
         self.state.index += 1;
         self.state.start = step.end;
         self.state.again = false;
-        Verdict::Accept
+        Acceptance::Accept
     }
 
     /// The length after a window of this duration with this error over its bound.
@@ -242,7 +242,7 @@ mod tests {
             assert!(h > 0.0 && solves < 1_000_000);
             let next = (y + h * f(step.end)) / (1.0 + h);
             solves += 1;
-            if controller.judge(&step, true, None, [[next].as_slice()]) == Verdict::Accept {
+            if controller.judge(&step, true, None, [[next].as_slice()]) == Acceptance::Accept {
                 y = next;
                 ends.push((step.end, y));
             }
@@ -305,8 +305,8 @@ mod tests {
             let verdict = controller.judge(&step, false, None, [[0.0].as_slice()]);
             assert_eq!((step.window, step.start), (0, 0.0));
             match verdict {
-                Verdict::Repeat(cause) => assert_eq!(cause, Cause::NotConverged),
-                Verdict::Accept => break,
+                Acceptance::Repeat(cause) => assert_eq!(cause, Cause::NotConverged),
+                Acceptance::Accept => break,
             }
         }
         assert_eq!(lengths[..3], [0.01, 0.005, 0.0025]);
@@ -319,14 +319,14 @@ mod tests {
         let mut controller = Controller::new(SETTINGS);
         let step = controller.window().unwrap();
         let verdict = controller.judge(&step, true, Some(0.004), [[0.0].as_slice()]);
-        assert_eq!(verdict, Verdict::Repeat(Cause::Wanted(0.004)));
+        assert_eq!(verdict, Acceptance::Repeat(Cause::Wanted(0.004)));
         let step = controller.window().unwrap();
         assert_eq!(step.end, 0.004);
         for _ in 0..5 {
             let step = controller.window().unwrap();
             assert!(step.duration() <= 0.004 * (1.0 + ROUNDING));
             let verdict = controller.judge(&step, true, Some(0.004), [[0.0].as_slice()]);
-            assert_eq!(verdict, Verdict::Accept);
+            assert_eq!(verdict, Acceptance::Accept);
         }
         // Without a wish, and without an error, they grow, by no more than four a window.
         let step = controller.window().unwrap();
@@ -342,7 +342,7 @@ mod tests {
         while let Some(step) = controller.window() {
             ends.push(step.end);
             let none: [&[f64]; 0] = [];
-            assert_eq!(controller.judge(&step, false, Some(0.1), none), Verdict::Accept);
+            assert_eq!(controller.judge(&step, false, Some(0.1), none), Acceptance::Accept);
         }
         assert_eq!(ends, [0.4, 0.8, 1.0]);
         assert_eq!(controller.state().repeated, 0);

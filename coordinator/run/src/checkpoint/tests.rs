@@ -1,6 +1,6 @@
 use super::*;
 
-fn state(next: u64) -> State {
+fn state(next: u64) -> CoordinatorState {
     let mut controller =
         windows::Controller::new(windows::Windows::Fixed { window: 1.0, end: 9.0 });
     for _ in 0..next {
@@ -8,7 +8,7 @@ fn state(next: u64) -> State {
         let none: [&[f64]; 0] = [];
         controller.judge(&step, true, None, none);
     }
-    State {
+    CoordinatorState {
         origin: Origin {
             version: "1".to_owned(),
             protocol: 2,

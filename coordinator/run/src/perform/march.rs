@@ -1,11 +1,11 @@
 //! The windows of a run, one after the other: solved, judged, accepted, written, checkpointed.
 
-use crate::checkpoint::{Checkpoint, Checkpoints, Origin, State};
+use crate::checkpoint::{Checkpoint, Checkpoints, CoordinatorState, Origin};
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
 use crate::progress::Progress;
 use crate::record::Recorder;
-use crate::results::iterations::{IterationTable, Row};
+use crate::results::iterations::{IterationRecord, IterationTable};
 use crate::results::summary::Counts;
 use crate::results::vtk::{FieldWriter, Shown};
 use crate::session::{HeatBalance, Observed, Receipt, Session, Tap};
@@ -65,7 +65,8 @@ impl<'a> March<'a> {
 
     /// Returns everything to where it was at a checkpoint.
     pub(super) fn resume(&mut self, checkpoint: &Checkpoint) -> Result<(), RunError> {
-        let State { step, time, counts, coupling, iterate, series, .. } = &checkpoint.state;
+        let CoordinatorState { step, time, counts, coupling, iterate, series, .. } =
+            &checkpoint.state;
         let (window, iteration, start, end) = *step;
         let step = Step { window, iteration, start, end };
         self.session.restore(&step, &checkpoint.folder, iterate)?;
@@ -88,14 +89,14 @@ impl<'a> March<'a> {
             let converged = outcome.not_converged.is_none();
             let wanted = self.session.wanted_window();
             match self.time.judge(&step, converged, wanted, self.session.exchanged()) {
-                windows::Verdict::Repeat(cause) => {
+                windows::Acceptance::Repeat(cause) => {
                     tracing::debug!(step.window, end = step.end, %cause, "solved again");
                     if let Some(recorder) = self.recorder {
                         let (window, cause) = (step.window, cause.to_string());
                         recorder.event(Event::Repeated { window, cause });
                     }
                 }
-                windows::Verdict::Accept => {
+                windows::Acceptance::Accept => {
                     self.tell(outcome, wanted, &step)?;
                     self.accept(&step)?;
                     self.checkpoint()?;
@@ -171,7 +172,7 @@ impl<'a> March<'a> {
         let mut coupling = Vec::new();
         self.coupling.save(&mut coupling);
         let bytes_exchanged = self.session.bytes_exchanged();
-        let state = State {
+        let state = CoordinatorState {
             origin: writing.origin.clone(),
             step: (step.window, step.iteration, step.start, step.end),
             time: self.time.state().clone(),
@@ -197,7 +198,7 @@ impl<'a> March<'a> {
             self.counts.coupling_seconds += coupling_seconds;
             self.counts.iterations += 1;
             let writing = Instant::now();
-            self.table.row(&Row {
+            self.table.row(&IterationRecord {
                 step: self.coupling.step(),
                 residual: self.coupling.residual(),
                 residuals: self.coupling.residuals(),

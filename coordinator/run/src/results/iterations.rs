@@ -33,7 +33,7 @@ const UNWRITTEN: Duration = Duration::from_secs(1);
 
 /// What there is to tell of an iteration.
 #[derive(Clone, Copy, Debug)]
-pub struct Row<'a> {
+pub struct IterationRecord<'a> {
     /// Window and iteration.
     pub step: &'a Step,
     /// The largest relative residual.
@@ -108,7 +108,7 @@ impl IterationTable {
     }
 
     /// Writes the row of an iteration; it is on disk a second later, if the run goes on.
-    pub fn row(&mut self, row: &Row<'_>) -> Result<(), RunError> {
+    pub fn row(&mut self, row: &IterationRecord<'_>) -> Result<(), RunError> {
         write_row(&mut self.rows, row).map_err(|error| file_failure(&self.path, &error))?;
         if self.flushed.elapsed() >= UNWRITTEN { self.flush() } else { Ok(()) }
     }
@@ -144,7 +144,7 @@ fn head(out: &mut impl Write, roles: &[&str], fields: &[&str]) -> io::Result<()>
     writeln!(out)
 }
 
-fn write_row(out: &mut impl Write, row: &Row<'_>) -> io::Result<()> {
+fn write_row(out: &mut impl Write, row: &IterationRecord<'_>) -> io::Result<()> {
     let step = row.step;
     write!(out, "{},{},{},{}", step.window, step.iteration, step.start, step.end)?;
     cell(out, row.residual)?;
@@ -183,7 +183,7 @@ mod tests {
     fn table(fields: &[&str], residuals: &[f64], taken: StepTaken) -> Vec<String> {
         let mut text = Vec::new();
         head(&mut text, &["mech", "thermal"], fields).unwrap();
-        let row = Row {
+        let row = IterationRecord {
             step: &Step::STEADY,
             residual: residuals.first().copied(),
             residuals,

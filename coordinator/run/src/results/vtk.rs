@@ -17,4 +17,4 @@ mod writer;
 
 pub(super) use scene::{FILE as SCENE, is_scene};
 pub use shown::Shown;
-pub use writer::{FieldWriter, Series};
+pub use writer::{FieldWriter, FileSeries};

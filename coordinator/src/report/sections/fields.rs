@@ -114,11 +114,11 @@ fn lines_of<'a>(
     for (name, values) in shown {
         let points = places.iter().zip(values).map(|(x, v)| [*x, v / scale.factor]).collect();
         figure = figure.with(words(name), points);
-        if let Some(series) = figure.series.last_mut() {
-            series.dots = false;
+        if let Some(line) = figure.lines.last_mut() {
+            line.dots = false;
         }
     }
-    (!figure.series.is_empty()).then_some(figure)
+    (!figure.lines.is_empty()).then_some(figure)
 }
 
 /// Name and unit of a column.

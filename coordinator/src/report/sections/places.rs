@@ -1,14 +1,14 @@
 //! Axes, and places along them.
 
 use crate::report::axis::extent;
-use crate::report::source::{Image, Series, Table};
+use crate::report::source::{GridSeries, Image, Table};
 use run::format::Scale;
 
 /// Names of the axes.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The grid is a surface, and no section below one.
-pub(super) fn is_surface(series: &Series) -> bool {
+pub(super) fn is_surface(series: &GridSeries) -> bool {
     series.image.as_ref().and_then(Image::plane) == Some([0, 1])
 }
 

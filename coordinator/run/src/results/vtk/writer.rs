@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct FieldWriter {
     home: Home,
-    series: Vec<Series>,
+    series: Vec<FileSeries>,
     scene: Scene,
 }
 
@@ -54,7 +54,7 @@ impl Home {
 
 /// One grid of one participant through time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Series {
+pub struct FileSeries {
     name: String,
     /// Time [s] and name of each file.
     files: Vec<(f64, String)>,
@@ -79,12 +79,12 @@ impl FieldWriter {
 
     /// What has been written so far.
     #[must_use]
-    pub fn series(&self) -> &[Series] {
+    pub fn series(&self) -> &[FileSeries] {
         &self.series
     }
 
     /// Goes on after what was written before.
-    pub fn resume(&mut self, series: Vec<Series>) {
+    pub fn resume(&mut self, series: Vec<FileSeries>) {
         self.series = series;
     }
 
@@ -138,7 +138,7 @@ impl FieldWriter {
     fn list(&mut self, folder: &Path, name: &str, time: f64, file: String) -> Result<(), RunError> {
         let index = self.series.iter().position(|series| series.name == name);
         let index = index.unwrap_or_else(|| {
-            self.series.push(Series { name: name.to_owned(), files: Vec::new() });
+            self.series.push(FileSeries { name: name.to_owned(), files: Vec::new() });
             self.series.len() - 1
         });
         let files = &mut self.series[index].files;

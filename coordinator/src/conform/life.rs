@@ -1,6 +1,6 @@
 //! One life of the participant under test: a run of its own, with the other side in our hands.
 //!
-//! A [`run::session::Session`] hides what a participant must not do; a trial does it: it sends any
+//! A [`run::session::Session`] hides what a participant must not do; a life does it: it sends any
 //! command, any sample, and looks at everything that comes back.
 
 mod answer;
@@ -33,7 +33,7 @@ use std::time::{Duration, Instant};
 const NEVER: Duration = Duration::MAX;
 
 /// The only participant of a run, and what it is connected to.
-pub(super) struct Trial {
+pub(super) struct Life {
     guard: EndsFirst,
     outputs: Vec<Tap>,
     observed: Vec<Tap>,
@@ -81,7 +81,7 @@ impl Feed {
     }
 }
 
-impl Trial {
+impl Life {
     /// Starts the participant in a run of its own; it has not joined yet.
     pub(super) fn start(subject: &Subject) -> Result<Self, Fault> {
         Self::of_version(subject, contract::PROTOCOL_VERSION)

@@ -3,7 +3,7 @@
 use crate::inspect::{self, Survey, Wanted};
 use crate::study::{self, Variant};
 use run::error::RunError;
-use run::perform::{self, Clock};
+use run::perform::{self, RunStart};
 use run::plan::{Plan, Planned};
 use run::record::Compression;
 use run::results::{Existing, ResultFolder};
@@ -16,7 +16,7 @@ const ITERATES: &str = "field/coordinator/";
 
 /// A run that has come to its end.
 #[derive(Debug)]
-pub(super) struct Trial {
+pub(super) struct CaseRun {
     /// Exit code and message, if it ended with an error.
     pub(super) error: Option<(u8, String)>,
     /// Its summary, with the ranges of its fields under `field`, the case's values under `case`, and
@@ -28,7 +28,7 @@ pub(super) struct Trial {
     pub(super) seconds: f64,
 }
 
-impl Trial {
+impl CaseRun {
     /// Runs a case with a variant's changes into a folder.
     ///
     /// # Errors
@@ -54,9 +54,9 @@ impl Trial {
     }
 
     fn perform(planned: &Planned, folder: &ResultFolder, since: Instant) -> Result<Self, RunError> {
-        let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
+        let start = RunStart { since, plan_seconds: since.elapsed().as_secs_f64() };
         let record = Some(Compression::None);
-        let outcome = perform::run(planned, folder, &mut (), clock, None, record);
+        let outcome = perform::run(planned, folder, &mut (), start, None, record);
         let seconds = since.elapsed().as_secs_f64();
         let error = match outcome.error {
             Some(error) if study::ends_study(&error) => return Err(error),
