@@ -304,7 +304,7 @@ mod every_check_can_fail {
         no_duration: "ended with exit code 3",
         accept: "after an iteration that was not the last",
         observe: "observing changes the next solve",
-        restore: "the restored process goes on otherwise",
+        restore: "the restored process continues differently",
         damaged_state: "in spite of a state truncated to 0 of",
         growing_grids: "too many elements",
         missing_sample: "never came, and it fails with: input `surface_speed` is missing",
