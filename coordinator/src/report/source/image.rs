@@ -9,7 +9,7 @@ const DATA: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
 
 /// Cells of a box with fields on them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Image {
+pub(crate) struct Image {
     /// The corner of the box with the smallest coordinates \[m\].
     pub corner: [f64; 3],
     /// Lengths of a cell \[m\].
@@ -22,7 +22,7 @@ pub struct Image {
 
 /// A field on the cells of an image.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Field {
+pub(crate) struct Field {
     /// Name of the field.
     pub name: String,
     /// Its SI unit.
@@ -38,7 +38,7 @@ impl Image {
     ///
     /// # Errors
     /// What is wrong, for a person.
-    pub fn read(path: &Path) -> Result<Self, String> {
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let shown = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let bytes = fs::read(path).map_err(|error| format!("{shown}: {error}"))?;
         Self::parse(&bytes).ok_or_else(|| format!("{shown}: not an image as runs write it"))
@@ -61,28 +61,28 @@ impl Image {
 
     /// The two axes of the plane in which the cells lie, in the order of x, y, z.
     #[must_use]
-    pub fn plane(&self) -> Option<[usize; 2]> {
+    pub(crate) fn plane(&self) -> Option<[usize; 2]> {
         let axes: Vec<usize> = (0..3).filter(|&axis| self.cells[axis] > 0).collect();
         axes.try_into().ok()
     }
 
     /// Lower and upper border along an axis \[m\].
     #[must_use]
-    pub fn borders(&self, axis: usize) -> [f64; 2] {
+    pub(crate) fn borders(&self, axis: usize) -> [f64; 2] {
         let low = self.corner[axis];
         [low, low + self.cells[axis] as f64 * self.spacing[axis]]
     }
 
     /// Middle of the n-th cell along an axis \[m\].
     #[must_use]
-    pub fn middle(&self, axis: usize, n: usize) -> f64 {
+    pub(crate) fn middle(&self, axis: usize, n: usize) -> f64 {
         self.corner[axis] + (n as f64 + 0.5) * self.spacing[axis]
     }
 
     /// The column of cells that holds the largest value of a field: its place along the plane's
     /// first axis \[m\], and distance from the other axis' origin \[m\] and value of each cell.
     #[must_use]
-    pub fn through_largest(&self, field: &Field) -> Option<(f64, Vec<[f64; 2]>)> {
+    pub(crate) fn through_largest(&self, field: &Field) -> Option<(f64, Vec<[f64; 2]>)> {
         let [along, upright] = self.plane()?;
         let columns = self.cells[along];
         let (largest, _) = field.values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
@@ -100,7 +100,7 @@ impl Image {
 impl Field {
     /// One number a cell: the value, or the length of the vector.
     #[must_use]
-    pub fn magnitudes(&self) -> Vec<f64> {
+    pub(crate) fn magnitudes(&self) -> Vec<f64> {
         let length = |cell: &[f64]| match cell {
             [value] => *value,
             vector => vector.iter().map(|v| v * v).sum::<f64>().sqrt(),
