@@ -21,6 +21,7 @@ pub use sum::sum;
 use crate::error::{RunError, file_failure};
 use crate::results::summary::Counts;
 use crate::results::vtk::FileSeries;
+use crate::sealed::{self, Broken, Magic};
 use coupling::windows;
 use proto::binary;
 use serde::{Deserialize, Serialize};
@@ -37,7 +38,7 @@ pub const FOLDER: &str = "checkpoints";
 /// The coordinator's own part; its file is complete only when all others are.
 const OWN: &str = "coordinator.state";
 /// Begins every [`OWN`] file; the digit is the version of its layout.
-const MAGIC: &[u8; 8] = b"COSIMCK1";
+const MAGIC: &Magic = b"COSIMCK1";
 
 /// What a run was made from; a resumed run has to be made from the same.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -237,25 +238,16 @@ fn write_own(path: &Path, content: &(Vec<Part>, &CoordinatorState)) -> io::Resul
 }
 
 fn encode_own(content: &(Vec<Part>, &CoordinatorState)) -> Vec<u8> {
-    let mut encoded = Vec::new();
-    binary::append(&mut encoded, content).expect("a state is plain data");
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend(sum(&encoded).to_le_bytes());
-    bytes.extend(encoded);
-    bytes
+    sealed::seal(MAGIC, content).expect("a state is plain data")
 }
 
 /// The inverse of [`encode_own`], or what is wrong with the bytes.
 fn decode_own(bytes: &[u8]) -> Result<(Vec<Part>, CoordinatorState), String> {
-    let rest = bytes.strip_prefix(MAGIC.as_slice());
-    let head = rest.and_then(<[u8]>::split_first_chunk);
-    let Some((expected, content)) = head else {
-        return Err(format!("{OWN} is not a checkpoint of this version"));
-    };
-    if sum(content) != u64::from_le_bytes(*expected) {
-        return Err(format!("{OWN} is corrupt: checksum mismatch in {} bytes", bytes.len()));
-    }
-    binary::read(content).map_err(|error| format!("{OWN}: {error}"))
+    sealed::open(MAGIC, bytes).map_err(|broken| match broken {
+        Broken::Foreign => format!("{OWN} is not a checkpoint of this version"),
+        Broken::Sum(_) => format!("{OWN} is {broken}"),
+        Broken::Content(_) => format!("{OWN}: {broken}"),
+    })
 }
 
 /// Reads a checkpoint, or says what is wrong with it.

@@ -18,6 +18,7 @@ pub mod programs;
 pub mod progress;
 pub mod record;
 pub mod results;
+pub mod sealed;
 pub mod session;
 pub mod signals;
 pub mod supervise;

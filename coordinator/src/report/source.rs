@@ -5,20 +5,20 @@
 
 mod image;
 mod table;
-mod xml;
 
 pub use image::{Field, Image};
 pub use table::Table;
 
 use run::error::{RunError, file_failure};
 use run::plan_file::{self, PlanFile};
+use run::results::last::{self, LastFields};
 use run::results::summary::Status;
+use run::results::vtk::FileSeries;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use xml::attribute;
 
 /// A result directory.
 #[derive(Clone, Debug, Default)]
@@ -80,7 +80,7 @@ impl Results {
         results.plan = results.json(folder, plan_file::FILE)?;
         results.log = log(&results.text(&folder.join("log.jsonl"))?);
         results.recordings = recordings(folder).map_err(|error| file_failure(folder, &error))?;
-        results.read_series(&folder.join("fields"))?;
+        results.read_fields(&folder.join("fields"));
         Ok(results)
     }
 
@@ -125,39 +125,40 @@ impl Results {
         Ok(read.map_err(|error| self.troubles.push(format!("{name}: {error}"))).ok())
     }
 
-    fn read_series(&mut self, folder: &Path) -> Result<(), RunError> {
-        let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
-        let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-        paths.retain(|path| path.extension().is_some_and(|ending| ending == "pvd"));
-        paths.sort();
-        for path in paths {
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let instants = instants(&self.text(&path)?, folder);
-            let Some((_, newest)) = instants.last() else { continue };
-            let image = match newest.extension().is_some_and(|ending| ending == "vti") {
-                true => Image::read(newest).map_err(|why| self.troubles.push(why)).ok(),
-                false => {
-                    let trouble =
-                        format!("{name}: an unstructured grid, not drawn here; see ParaView");
-                    self.troubles.push(trouble);
-                    None
-                }
-            };
+    /// The files of all grids, and the newest fields on them.
+    fn read_fields(&mut self, folder: &Path) {
+        let last = match LastFields::read(folder) {
+            Ok(Some(last)) => last,
+            Ok(None) => return self.troubles.extend(unkept(folder)),
+            Err(why) => return self.troubles.push(why),
+        };
+        let mut all = last.series.into_owned();
+        all.sort_by(|a, b| a.name.cmp(&b.name));
+        for FileSeries { name, files } in all {
+            let path = |(time, file): (f64, String)| (time, folder.join(file));
+            let instants: Vec<_> = files.into_iter().map(path).collect();
+            let image = Image::of(last.fields.iter().filter(|field| field.series == name));
+            if image.is_none() {
+                let trouble = format!("{name}: an unstructured grid, not drawn here; see ParaView");
+                self.troubles.push(trouble);
+            }
             let mut series = GridSeries { name, instants, image, line: None };
-            series.line = series.line_at(series.instants.len() - 1);
+            series.line = series.line_at(series.instants.len().saturating_sub(1));
             self.series.push(series);
         }
-        Ok(())
     }
 }
 
-/// Time and file of every data set of a ParaView collection.
-fn instants(text: &str, folder: &Path) -> Vec<(f64, PathBuf)> {
-    let one = |line: &str| {
-        let time = attribute(line, "timestep")?.parse().ok()?;
-        Some((time, folder.join(attribute(line, "file")?)))
-    };
-    text.lines().filter(|line| line.contains("<DataSet")).filter_map(one).collect()
+/// What there is to say of fields that an earlier version has written.
+fn unkept(folder: &Path) -> Option<String> {
+    let mut entries = fs::read_dir(folder).ok()?.flatten();
+    let series = |entry: fs::DirEntry| entry.path().extension().is_some_and(|end| end == "pvd");
+    entries.any(series).then(|| {
+        let file = last::FILE;
+        format!(
+            "{file}: not written by the version that ran this case; run it again to draw fields"
+        )
+    })
 }
 
 fn log(text: &str) -> Vec<[String; 3]> {

@@ -190,14 +190,30 @@ fn a_run_without_an_end_gets_a_report_of_what_it_left() {
     let table = place.out().join("iterations.csv");
     let text = std::fs::read_to_string(&table).unwrap();
     std::fs::write(&table, &text[..text.len() - 20]).unwrap();
-    std::fs::write(place.out().join("fields/mech_contact_000050.vti"), "<?xml").unwrap();
+    let fields = place.out().join("fields/last.bin");
+    let whole = std::fs::read(&fields).unwrap();
+    std::fs::write(&fields, &whole[..whole.len() / 2]).unwrap();
     let out = place.out().display().to_string();
     assert_eq!(place.start(&["report", &out]).wait().code, Some(0));
     let page = page(&place);
     assert_good(&page);
     assert!(page.contains("the run was killed or is still running"));
-    assert!(page.contains("mech_contact_000050.vti: not an image as runs write it"));
-    assert_titles(&page, &["rail temperature", "heat sent and received"]);
+    assert!(page.contains("last.bin: corrupt: checksum mismatch in"));
+    assert_titles(&page, &["heat sent and received"]);
+}
+
+/// An earlier version has written fields for ParaView alone.
+#[test]
+fn a_folder_of_an_earlier_version_gets_a_report_without_fields() {
+    let place = Place::new();
+    place.summary(&case("wheel-rail.toml"), &[]);
+    std::fs::remove_file(place.out().join("fields/last.bin")).unwrap();
+    let out = place.out().display().to_string();
+    assert_eq!(place.start(&["report", &out]).wait().code, Some(0));
+    let page = page(&place);
+    assert_good(&page);
+    assert!(page.contains("last.bin: not written by the version that ran this case"));
+    assert_titles(&page, &["work of the processes"]);
 }
 
 #[test]

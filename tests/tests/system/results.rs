@@ -29,7 +29,7 @@ fn the_files_of_a_steady_run() {
     ];
     let files = |grid| [".pvd", "_000000.csv", "_000000.vti"].map(|end| format!("{grid}{end}"));
     let mut expected = grids.map(files).concat();
-    expected.push("open.py".to_owned());
+    expected.extend(["last.bin", "open.py"].map(str::to_owned));
     expected.sort();
     assert_eq!(fields, expected);
 }

@@ -2,6 +2,7 @@
 
 use super::claim::{A_RUN, MARKER, holds_results};
 use super::dir::{Dir, shown};
+use super::last;
 use super::vtk::{SCENE, is_scene};
 use super::write::{UNFINISHED, remove};
 use crate::checkpoint::{self, Checkpoints};
@@ -116,8 +117,8 @@ fn is_recording(name: &str) -> bool {
     number.is_some_and(is_number)
 }
 
-/// Removes the numbered images, their series and the state that opens them, and the folder if nothing
-/// else is in it.
+/// Removes the numbered images, their series, what is kept of the last and the state that opens them,
+/// and the folder if nothing else is in it.
 fn clear_fields(folder: &Path) -> Result<(), RunError> {
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -133,7 +134,8 @@ fn clear_fields(folder: &Path) -> Result<(), RunError> {
         let is_series = ended.strip_suffix(".pvd").is_some_and(|name| series.contains(name));
         let is_line = numbered(&ended, ".csv").is_some_and(|name| series.contains(name));
         let is_state = || ended == SCENE && is_scene(&folder.join(name));
-        series_of_image(&ended).is_some() || is_series || is_line || is_state()
+        let is_last = ended == last::FILE;
+        series_of_image(&ended).is_some() || is_series || is_line || is_last || is_state()
     };
     for name in names.iter().filter(|name| is_ours(name)) {
         remove(&folder.join(name))?;

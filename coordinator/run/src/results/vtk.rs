@@ -11,10 +11,12 @@ mod file;
 mod image;
 mod label;
 mod scene;
+mod series;
 mod shown;
 mod unstructured;
 mod writer;
 
 pub(super) use scene::{FILE as SCENE, is_scene};
+pub use series::FileSeries;
 pub use shown::Shown;
-pub use writer::{FieldWriter, FileSeries};
+pub use writer::FieldWriter;

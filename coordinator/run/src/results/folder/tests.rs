@@ -46,6 +46,8 @@ fn old_results_go_and_foreign_files_stay() {
         "fields/c_000000.vtu",
         "fields/c_000001.vtu.new",
         "fields/a_b.pvd",
+        "fields/last.bin",
+        "fields/last.bin.new",
         "summary.json",
         "case.toml",
         "recording.mcap",

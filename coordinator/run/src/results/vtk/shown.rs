@@ -21,7 +21,7 @@ pub struct Shown<'a> {
 
 impl Shown<'_> {
     /// Fields of the same producer and grid share their files.
-    pub(super) fn series_name(&self) -> String {
+    pub(in crate::results) fn series_name(&self) -> String {
         format!("{}_{}", self.producer, self.grid.name)
     }
 }

@@ -1,17 +1,18 @@
 //! The files of all grids, instant by instant, and the series that name them.
 
-use super::image::Image;
+use super::image;
 use super::scene::Scene;
+use super::series::{FileSeries, collection};
 use super::shown::{Fields, Shown};
 use super::unstructured;
 use crate::error::{RunError, file_failure};
+use crate::results::cells::Cells;
 use crate::results::dir::Dir;
+use crate::results::last::LastFields;
 use crate::results::line;
 use crate::results::write::{create, replace};
 use contract::field::FieldKind;
 use contract::grid::{Grid, Quadrilaterals, Shape};
-use serde::{Deserialize, Serialize};
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,8 @@ pub struct FieldWriter {
     home: Home,
     series: Vec<FileSeries>,
     scene: Scene,
+    /// The newest fields are kept for the report.
+    keeps_last: bool,
 }
 
 /// Where the files go; the folder is made when the first field is written.
@@ -52,29 +55,22 @@ impl Home {
     }
 }
 
-/// One grid of one participant through time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FileSeries {
-    name: String,
-    /// Time [s] and name of each file.
-    files: Vec<(f64, String)>,
-}
-
 impl FieldWriter {
     /// A writer into this folder, which is made when the first field is written.
     #[must_use]
     pub fn new(folder: PathBuf) -> Self {
-        Self::at(Home::Named(folder))
+        Self::at(Home::Named(folder), false)
     }
 
-    /// A writer into the folder of this name within a result directory.
+    /// A writer into the folder of this name within a result directory, which also keeps the newest
+    /// fields for the report ([`crate::results::last`]).
     #[must_use]
     pub fn within(results: Dir, name: &'static str) -> Self {
-        Self::at(Home::Within(results, name))
+        Self::at(Home::Within(results, name), true)
     }
 
-    fn at(home: Home) -> Self {
-        Self { home, series: Vec::new(), scene: Scene::default() }
+    fn at(home: Home, keeps_last: bool) -> Self {
+        Self { home, series: Vec::new(), scene: Scene::default(), keeps_last }
     }
 
     /// What has been written so far.
@@ -105,7 +101,15 @@ impl FieldWriter {
             self.scene.add(&name, &together);
             written.push(name);
         }
-        if written.is_empty() { Ok(()) } else { self.scene.write(&self.home.path()?) }
+        if written.is_empty() {
+            return Ok(());
+        }
+        let folder = self.home.path()?;
+        self.scene.write(&folder)?;
+        match self.keeps_last {
+            true => LastFields::of(shown, &self.series, window, time).write(&folder),
+            false => Ok(()),
+        }
     }
 
     fn write_grid(
@@ -117,11 +121,11 @@ impl FieldWriter {
         time: f64,
     ) -> Result<(), RunError> {
         let folder = self.home.path()?;
-        let image = grid.as_structured().and_then(Image::of);
-        let kind = if image.is_some() { "vti" } else { "vtu" };
+        let cells = grid.as_structured().and_then(Cells::of);
+        let kind = if cells.is_some() { "vti" } else { "vtu" };
         let file = format!("{name}_{window:06}.{kind}");
-        create(&folder.join(&file), |out| match (&image, &grid.shape) {
-            (Some(image), _) => image.write(out, fields, time),
+        create(&folder.join(&file), |out| match (&cells, &grid.shape) {
+            (Some(cells), _) => image::write(cells, out, fields, time),
             (None, Shape::Structured(s)) => {
                 unstructured::write(&Quadrilaterals::from(s), out, fields, time)
             }
@@ -145,14 +149,4 @@ impl FieldWriter {
         files.push((time, file));
         replace(&folder.join(format!("{name}.pvd")), collection(files).as_bytes())
     }
-}
-
-fn collection(files: &[(f64, String)]) -> String {
-    let mut text = "<?xml version=\"1.0\"?>\n\
-                    <VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n"
-        .to_owned();
-    for (time, file) in files {
-        let _ = writeln!(text, "    <DataSet timestep=\"{time:e}\" file=\"{file}\"/>");
-    }
-    text + "  </Collection>\n</VTKFile>\n"
 }
