@@ -321,11 +321,11 @@ fn a_state_that_does_not_fit_is_refused() {
     };
     assert!(refused(&mut Run::transient(large), &state.0).contains("grid"));
     assert!(refused(&mut Run::steady("ertz-knothe", small), &state.0).contains("model"));
-    assert!(refused(&mut run, &state.0[..state.0.len() - 3]).contains("whole"));
+    assert!(refused(&mut run, &state.0[..state.0.len() - 3]).contains("complete"));
     assert!(refused(&mut run, &[]).contains("empty"));
     let mut other = state.0.clone();
     other.push(0);
-    assert!(refused(&mut run, &other).contains("whole"));
+    assert!(refused(&mut run, &other).contains("complete"));
     other[0] = 9;
     assert!(refused(&mut run, &other).contains("version is 9"));
     let mut after = proto::model::StateBlob::default();

@@ -216,7 +216,7 @@ mod tests {
         assert_eq!(balance.check(), Ok(balance));
         let off = Balance { friction: 101.001, ..balance };
         let message = off.check().unwrap_err().to_string();
-        for part in ["friction dissipates 1.010010e2 W", "where 1.010000e2 W go in", "by 7.7e-6"] {
+        for part in ["friction dissipates 1.010010e2 W", "where 1.010000e2 W are supplied", "by 7.7e-6"] {
             assert!(message.contains(part), "{message}");
         }
         assert!(Balance { friction: f64::NAN, ..balance }.check().is_err());
