@@ -2,7 +2,7 @@
 //! that their grids show.
 //!
 //! 1. **Models.** Of all choices of models that can run the case those count whose expected errors
-//!    ([`proto::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
+//!    ([`contract::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
 //! 2. **Pilot.** It runs on its two coarsest grids, and the two tell the error
 //!    ([`crate::study::richardson`]). If it is within the target, the second is the answer.
 //! 3. **Climb.** If not, they tell how fine the grid has to be. It runs on that one, or on one four
@@ -18,15 +18,15 @@ mod choice;
 mod section;
 mod target;
 
-pub use section::Stated;
-pub use target::Target;
+pub(crate) use section::{Stated, StatedRun};
+pub(crate) use target::Target;
 
-use crate::error::RunError;
 use crate::study::levels::Level;
 use crate::study::quantity::Quantity;
 use crate::study::richardson::{Estimate, Sample};
 use crate::study::{Variant, planned, run, scratch};
 use choice::Choice;
+use run::error::RunError;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -42,7 +42,7 @@ const STRIDE: usize = 2;
 
 /// One run of a search.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trial {
+pub(crate) struct GridRun {
     /// The resolution: the place among those of the level, coarsest first.
     pub step: usize,
     /// Values of the quantity and of what drives it.
@@ -53,7 +53,7 @@ pub struct Trial {
 
 /// What to do after a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub(crate) enum Decision {
     /// The estimated error is within the target.
     Met,
     /// It is not; a finer run is next.
@@ -64,7 +64,7 @@ pub enum Verdict {
 
 /// The search for the cheapest run that meets a target.
 #[derive(Debug)]
-pub struct Search {
+pub(crate) struct Search {
     case: PathBuf,
     target: Target,
     /// The quantity of the target, and what drives it.
@@ -74,7 +74,7 @@ pub struct Search {
     /// case.
     window: Option<([f64; 2], usize)>,
     step: usize,
-    trials: Vec<Trial>,
+    runs: Vec<GridRun>,
 }
 
 impl Search {
@@ -82,7 +82,7 @@ impl Search {
     ///
     /// # Errors
     /// A case that cannot run, a quantity that no run has, a pilot that fails.
-    pub fn begin(case: &Path, base: &Variant, target: Target) -> Result<Self, RunError> {
+    pub(crate) fn begin(case: &Path, base: &Variant, target: Target) -> Result<Self, RunError> {
         let standing = planned(case, base)?;
         let Choice { level, step } = choice::choose(case, base, &standing, &target)?;
         choice::refuse_resolution(&level, base)?;
@@ -94,7 +94,7 @@ impl Search {
             level,
             window,
             step,
-            trials: Vec::new(),
+            runs: Vec::new(),
         };
         if search.level.steps() > 1 {
             search.try_out(0)?;
@@ -105,7 +105,7 @@ impl Search {
 
     /// The case of the next run.
     #[must_use]
-    pub fn variant(&self) -> Variant {
+    pub(crate) fn variant(&self) -> Variant {
         self.at(self.step)
     }
 
@@ -134,9 +134,9 @@ impl Search {
             self.quantities = self.target.quantities(summary)?;
         }
         let values = self.quantities.iter().map(|one| one.value(summary)).collect();
-        self.trials.retain(|trial| trial.step != step);
-        self.trials.push(Trial { step, values, wall_s });
-        self.trials.sort_by_key(|trial| trial.step);
+        self.runs.retain(|run| run.step != step);
+        self.runs.push(GridRun { step, values, wall_s });
+        self.runs.sort_by_key(|run| run.step);
         Ok(())
     }
 
@@ -166,7 +166,7 @@ impl Search {
     fn grid_error(&self) -> Option<f64> {
         let errors = (0..self.quantities.len()).filter_map(|index| {
             let estimate = self.estimate(index)?;
-            let value = self.trials.last()?.values[index]?;
+            let value = self.runs.last()?.values[index]?;
             Some(if estimate.error == 0.0 { 0.0 } else { (estimate.error / value).abs() })
         });
         errors.max_by(f64::total_cmp)
@@ -174,10 +174,10 @@ impl Search {
 
     /// What the grids say of a quantity.
     fn estimate(&self, index: usize) -> Option<Estimate> {
-        let sample = |trial: &Trial| {
-            Some(Sample { level: self.fineness(trial.step), value: trial.values[index]? })
+        let sample = |run: &GridRun| {
+            Some(Sample { level: self.fineness(run.step), value: run.values[index]? })
         };
-        let samples: Vec<Sample> = self.trials.iter().filter_map(sample).collect();
+        let samples: Vec<Sample> = self.runs.iter().filter_map(sample).collect();
         Estimate::of(&samples, self.order()?)
     }
 
@@ -186,16 +186,16 @@ impl Search {
     ///
     /// # Errors
     /// A summary without the quantity.
-    pub fn judge(&mut self, summary: &mut Value, wall_s: f64) -> Result<Verdict, RunError> {
+    pub(crate) fn judge(&mut self, summary: &mut Value, wall_s: f64) -> Result<Decision, RunError> {
         self.note(self.step, summary, wall_s)?;
         let stated = self.stated();
         summary["accuracy"] = serde_json::to_value(&stated).expect("what is stated is plain data");
         if stated.met {
-            return Ok(Verdict::Met);
+            return Ok(Decision::Met);
         }
         match self.step + 1 < self.level.steps() {
-            true => Ok(Verdict::Refine),
-            false => Ok(Verdict::Missed),
+            true => Ok(Decision::Refine),
+            false => Ok(Decision::Missed),
         }
     }
 
@@ -203,7 +203,7 @@ impl Search {
     ///
     /// # Errors
     /// A run on the way fails.
-    pub fn refine(&mut self) -> Result<(), RunError> {
+    pub(crate) fn refine(&mut self) -> Result<(), RunError> {
         let before = self.step;
         let grid_error = self.grid_error().unwrap_or(f64::INFINITY);
         let needed = self.needed(grid_error, before).clamp(before + 1, before + STRIDE);
@@ -214,9 +214,36 @@ impl Search {
         Ok(())
     }
 
+    /// What the runs so far say of the last one's error.
+    fn stated(&self) -> Stated {
+        let value = self.runs.last().and_then(|run| run.values[0]).unwrap_or(f64::NAN);
+        let estimate = self.estimate(0);
+        // Models without a resolution have no error of a grid.
+        let grid_error = self.grid_error().unwrap_or(0.0);
+        let model_error = self.level.model_error();
+        let estimated_error = grid_error + model_error;
+        let run = |run: &GridRun| StatedRun {
+            settings: self.level.keys_at(run.step).map(|(r, n)| (r.key.clone(), n)).collect(),
+            value: run.values[0],
+            wall_s: run.wall_s,
+        };
+        Stated {
+            quantity: self.quantities[0].key.clone(),
+            target: self.target.relative,
+            estimated_error,
+            grid_error,
+            model_error,
+            met: estimated_error <= self.target.relative,
+            value,
+            extrapolated: estimate.map(|estimate| estimate.limit),
+            models: self.level.name(),
+            runs: self.runs.iter().map(run).collect(),
+        }
+    }
+
     /// The error of an answer that misses the target.
     #[must_use]
-    pub fn missed(&self) -> RunError {
+    pub(crate) fn missed(&self) -> RunError {
         let Stated { quantity, estimated_error, target, extrapolated, .. } = self.stated();
         let near = extrapolated.map(|value| format!(", or take the extrapolated {value:.6e}"));
         RunError::Inaccurate {
@@ -234,7 +261,7 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proto::accuracy::{Refinement, Simplification};
+    use contract::accuracy::{Refinement, Simplification};
     use serde_json::json;
 
     const RISE: &str = "temperature.rail.max_rise_k";
@@ -264,7 +291,7 @@ mod tests {
             level,
             window: None,
             step: 1,
-            trials: vec![Trial { step: 0, values, wall_s: 0.1 }],
+            runs: vec![GridRun { step: 0, values, wall_s: 0.1 }],
         }
     }
 
@@ -276,7 +303,7 @@ mod tests {
     fn an_answer_within_the_target_ends_the_search() {
         let mut search = search(0.05, 1.0, 102.0, 102.0);
         let mut summary = summary(100.0, 100.0);
-        assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Verdict::Met);
+        assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Met);
         // The limit is 98; one and a half times 2 %, and what the models leave out.
         let stated = summary["accuracy"]["estimated_error"].as_f64().unwrap();
         assert!((stated - 0.031).abs() < 1e-12, "{stated}");
@@ -288,21 +315,21 @@ mod tests {
     fn a_temperature_is_no_better_known_than_its_heat() {
         let mut search = search(0.05, 1.0, 100.0, 110.0);
         let mut summary = summary(100.0, 100.0);
-        assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Verdict::Refine);
+        assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Refine);
         assert!((summary["accuracy"]["grid_error"].as_f64().unwrap() - 0.15).abs() < 1e-12);
     }
 
     #[test]
     fn the_last_grid_meets_the_target_or_misses_it() {
         let mut met = search(0.02, 1.0, 104.0, 104.0);
-        assert_eq!(met.judge(&mut summary(102.0, 102.0), 0.2).unwrap(), Verdict::Refine);
+        assert_eq!(met.judge(&mut summary(102.0, 102.0), 0.2).unwrap(), Decision::Refine);
         met.refine().unwrap();
         assert_eq!(met.variant().set, ["mech.resolution=20"]);
-        assert_eq!(met.judge(&mut summary(101.0, 101.0), 0.4).unwrap(), Verdict::Met);
+        assert_eq!(met.judge(&mut summary(101.0, 101.0), 0.4).unwrap(), Decision::Met);
         let mut missed = search(0.02, 1.0, 120.0, 120.0);
-        assert_eq!(missed.judge(&mut summary(110.0, 110.0), 0.2).unwrap(), Verdict::Refine);
+        assert_eq!(missed.judge(&mut summary(110.0, 110.0), 0.2).unwrap(), Decision::Refine);
         missed.refine().unwrap();
-        assert_eq!(missed.judge(&mut summary(105.0, 105.0), 0.4).unwrap(), Verdict::Missed);
+        assert_eq!(missed.judge(&mut summary(105.0, 105.0), 0.4).unwrap(), Decision::Missed);
         let error = missed.missed();
         assert_eq!(error.exit_code(), 3);
         let text = error.to_string();

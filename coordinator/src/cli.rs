@@ -1,34 +1,36 @@
 //! The command line.
 
 use crate::ablate;
-use crate::accuracy::{self, Search, Verdict};
-use crate::case::{Alone, RawCase, judge_alone};
-use crate::checkpoint::{Checkpoint, Checkpoints, Corrupt};
+use crate::accuracy::{self, Decision, Search};
 use crate::conform;
 use crate::cost;
-use crate::error::{RunError, file_failure};
 use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
 use crate::logging::{Level, Logging};
 use crate::output;
-use crate::plan::{Planned, not_judged, plan};
-use crate::programs::{self, Program};
 use crate::progress::Progress;
-use crate::record::Compression;
 use crate::replay;
 use crate::report;
-use crate::report::unit::counted;
+use crate::report::page::Page;
 use crate::reproduce;
-use crate::results::place::RESULTS;
-use crate::results::{Existing, ResultFolder, show};
-use crate::run::{self, Clock, Outcome};
-use crate::signals;
 use crate::stability;
 use crate::study::Variant;
+use crate::study::output::{Kind, kind};
+use case::{Alone, RawCase, judge_alone};
 use clap::{Args, Parser, Subcommand};
-use proto::description::Description;
+use contract::description::Description;
+use contract::text::{json, one_line};
 use proto::recording::End;
-use proto::text::{json, one_line};
+use run::checkpoint::{Checkpoint, Checkpoints, Corrupt};
+use run::error::{RunError, file_failure};
+use run::format::counted;
+use run::perform::{self, Outcome, RunStart};
+use run::plan::{Planned, Shown, plan};
+use run::programs::{self, Program};
+use run::record::Compression;
+use run::results::place::RESULTS;
+use run::results::{Existing, ResultFolder, show};
+use run::signals;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -219,7 +221,7 @@ impl CaseArguments {
 
     fn plan(&self) -> Result<Planned, RunError> {
         let planned = self.plan_again()?;
-        planned.case.tell_replaced();
+        crate::logging::warn_of_replaced(&planned.case);
         Ok(planned)
     }
 
@@ -304,7 +306,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                 true => {
                     format!(
                         "{shown}: no errors in what was checked\n{}",
-                        not_judged(&case.alone()?)
+                        case.alone()?.not_judged_text()
                     )
                 }
                 false => case.plan().map(|_| format!("{shown}: no errors\n"))?,
@@ -314,7 +316,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Plan { case, no_start } => {
             let _asking = signals::end_at_once();
             let text = match no_start {
-                true => case.alone()?.to_string(),
+                true => Shown(&case.alone()?).to_string(),
                 false => case.plan()?.plan.to_string(),
             };
             Ok(print(false, &text)?)
@@ -329,7 +331,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
         Command::Report { folder } => {
             let _reading = signals::end_at_once();
-            let path = report::write(folder)?;
+            let path = report::write(&page_about(folder)?, folder)?;
             Ok(print(arguments.quiet, &format!("{}\n", path.display()))?)
         }
         Command::Reproduce(asked) => Ok(reproduce::main(asked, arguments.quiet)?),
@@ -403,7 +405,7 @@ fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
     })?;
     let raw = folder.read_case()?.with_folder(checkpoint.state.origin.folder.clone());
     let planned = tracing::info_span!("plan").in_scope(|| plan(raw))?;
-    run::check_origin(&checkpoint.state.origin, &run::origin(&planned))?;
+    perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned))?;
     log_into(&folder, log)?;
     folder.reopen()?;
     let plan_seconds = planning.elapsed().as_secs_f64();
@@ -453,21 +455,21 @@ fn run_to(relative: f64, asked: &RunArguments, screen: &Screen) -> Result<(), En
         if outcome.error.is_some() {
             return conclude(&begun, outcome, &chosen, screen);
         }
-        let verdict = search.judge(&mut outcome.summary, begin_at.elapsed().as_secs_f64())?;
-        begun.folder.write_summary(&run::json(&outcome.summary))?;
+        let decision = search.judge(&mut outcome.summary, begin_at.elapsed().as_secs_f64())?;
+        begun.folder.write_summary(&perform::json(&outcome.summary))?;
         begun.folder = match answer.take() {
             None => begun.folder,
             Some(answer) => answer.take_over(begun.folder)?,
         };
-        match verdict {
-            Verdict::Refine => {
+        match decision {
+            Decision::Refine => {
                 search.refine()?;
                 screen.log.release();
                 answer = Some(begun.folder);
                 continue;
             }
-            Verdict::Missed => outcome.error = Some(search.missed()),
-            Verdict::Met => {}
+            Decision::Missed => outcome.error = Some(search.missed()),
+            Decision::Met => {}
         }
         return conclude(&begun, outcome, &chosen, screen);
     }
@@ -485,10 +487,11 @@ fn refine(run: &RunArguments, answer: &ResultFolder, log: &Logging) -> Result<Be
 
 fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Outcome {
     let Begun { planned, folder, plan_seconds, from } = begun;
-    let clock = Clock { since: screen.since, plan_seconds: *plan_seconds };
+    let start = RunStart { since: screen.since, plan_seconds: *plan_seconds };
     let mut progress = Progress::new(screen.quiet, planned.plan.windows.count());
     screen.log.share_screen(progress.bar());
-    let mut outcome = run::run(planned, folder, &mut progress, clock, from.as_ref(), asked.record);
+    let mut outcome =
+        perform::run(planned, folder, &mut progress, start, from.as_ref(), asked.record);
     if let Some(error) = screen.log.failure() {
         outcome = outcome.fail(file_failure(&folder.shown_log(), &error), folder);
     }
@@ -503,8 +506,8 @@ fn conclude(
     screen: &Screen,
 ) -> Result<(), Ended> {
     let folder = &begun.folder;
-    let written = if asked.report { report::write(&folder.path()).map(drop) } else { Ok(()) };
-    let text = || run::report(&outcome, &begun.planned.plan, folder);
+    let written = if asked.report { report_on(&folder.path()) } else { Ok(()) };
+    let text = || perform::report(&outcome, &begun.planned.plan, folder);
     match outcome.error {
         // It has an answer, if not as accurate as was asked for.
         Some(error @ RunError::Inaccurate { .. }) => {
@@ -518,6 +521,27 @@ fn conclude(
             printed.map_err(|error| begun.report(error))
         }
     }
+}
+
+/// Every kind of study that leaves a page.
+const STUDIES: [Kind; 4] = [
+    kind::<cost::Study>(),
+    kind::<ablate::Study>(),
+    kind::<stability::Report>(),
+    kind::<reproduce::Record>(),
+];
+
+/// The page about what is in a folder, a study or a run.
+fn page_about(folder: &Path) -> Result<Page, RunError> {
+    match STUDIES.iter().find(|study| folder.join(study.file).is_file()) {
+        Some(study) => (study.page)(folder),
+        None => report::of_run(folder),
+    }
+}
+
+/// Writes the report about the run in a folder.
+fn report_on(folder: &Path) -> Result<(), RunError> {
+    report::write(&report::of_run(folder)?, folder).map(drop)
 }
 
 fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {

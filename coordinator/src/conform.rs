@@ -1,13 +1,13 @@
 //! `coordinator conform`: any executable, put through the whole participant contract.
 //!
 //! [`CHECKS`] is the list: what the contract demands, one entry a demand. The participant runs as a
-//! process of its own over real shared memory ([`trial`]); what a check leaves in order the next one
+//! process of its own over real shared memory ([`life`]); what a check leaves in order the next one
 //! goes on with, everything else has a fresh process ([`lives`]). Nothing is waited for without a
 //! deadline; a process that hangs or dies spoils no other check. What a participant is
 //! configured with comes from a case ([`setting`]), for every model and mode that it offers.
 //!
 //! ```text
-//! Request ──Bench::prepare──► Bench ──each of CHECKS──► Row ──► Report
+//! Request ──Bench::prepare──► Bench ──each of CHECKS──► CheckResult ──► Report
 //! ```
 
 mod accepting;
@@ -15,31 +15,35 @@ mod bench;
 mod check;
 mod cli;
 mod describing;
+mod fault;
 mod faulty_inputs;
 mod given;
 mod grids;
 mod leaving;
+mod life;
 mod lives;
 mod recorded;
 mod refusing;
+mod request;
 mod setting;
+mod shared;
 mod show;
 mod solving;
 mod state;
-mod trial;
+mod subject;
 mod unruly;
 
-pub use check::{Row, Verdict};
-pub use cli::{Arguments, main};
+pub(crate) use check::{CheckOutcome, CheckResult};
+pub(crate) use cli::{Arguments, main};
+pub(crate) use request::Request;
 
-use crate::error::RunError;
-use crate::programs::Program;
 use bench::Bench;
-use check::{Check, Fault};
+use check::Check;
+use fault::Fault;
+use run::error::RunError;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Everything that is checked, in the order in which a participant is best written.
 const CHECKS: &[&Check] = &[
@@ -73,32 +77,9 @@ const CHECKS: &[&Check] = &[
     &leaving::FINISH,
 ];
 
-/// What is to be put through the contract, and with what.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// The role that it plays.
-    pub role: String,
-    /// The executable.
-    pub program: Program,
-    /// The case that it is configured with.
-    pub case: PathBuf,
-    /// Keys of the case to change.
-    pub set: Vec<String>,
-    /// Keys of the case to remove.
-    pub unset: Vec<String>,
-    /// A recording whose inputs are used in place of made-up ones.
-    pub recording: Option<PathBuf>,
-    /// Names of the checks to make; all if empty.
-    pub only: Vec<String>,
-    /// Only the cheapest model and mode, and small grids.
-    pub quick: bool,
-    /// Longest wait for an answer.
-    pub patience: Duration,
-}
-
 /// How a participant went through the contract.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     /// Role that was asked for.
     pub role: String,
     /// Name and version of the program, as it describes itself; empty if it does not.
@@ -108,37 +89,41 @@ pub struct Report {
     /// Settings that the case does not give, and why.
     pub left_out: Vec<String>,
     /// One row a check.
-    pub checks: Vec<Row>,
+    pub checks: Vec<CheckResult>,
     /// Seconds of all checks.
     pub wall_s: f64,
 }
 
 impl Report {
     /// The checks that failed.
-    pub fn failed(&self) -> impl Iterator<Item = &Row> {
-        self.checks.iter().filter(|row| row.verdict == Verdict::Failed)
+    pub(crate) fn failed(&self) -> impl Iterator<Item = &CheckResult> {
+        self.checks.iter().filter(|row| row.verdict == CheckOutcome::Failed)
     }
 }
 
 /// What there is to tell while checks are made.
 #[derive(Clone, Copy, Debug)]
-pub enum News<'a> {
+pub(crate) enum News<'a> {
     /// Everything is prepared for so many checks.
     Prepared(&'a Report, usize),
     /// The check of this name begins.
     Begins(&'static str),
     /// A check was made.
-    Made(&'a Row),
+    Made(&'a CheckResult),
 }
 
 /// Makes the checks; `tell` is called for each as it begins and as soon as it is made.
 ///
 /// # Errors
 /// The request cannot be, or the user has stopped it. A check that fails is no error here.
-pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Report, RunError> {
+pub(crate) fn conform(
+    request: &Request,
+    tell: &mut dyn FnMut(News<'_>),
+) -> Result<Report, RunError> {
     let begun = Instant::now();
     let checks = chosen(&request.only)?;
-    let (bench, described) = Bench::prepare(request)?;
+    let configures = checks.iter().any(|check| check.name != describing::DESCRIBE.name);
+    let (bench, described) = Bench::prepare(request, configures)?;
     let mut report = Report {
         role: request.role.clone(),
         program: bench.program_name(),
@@ -151,7 +136,7 @@ pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Repo
     for check in checks {
         tell(News::Begins(check.name));
         let mut row = made(check, &bench, described.as_ref())?;
-        if row.verdict == Verdict::Failed {
+        if row.verdict == CheckOutcome::Failed {
             // One cause is reported once.
             row.same_as = causes.get(&row.seen).copied();
             causes.entry(row.seen.clone()).or_insert(check.name);
@@ -164,14 +149,18 @@ pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Repo
 }
 
 /// Makes a check, if it can be made.
-fn made(check: &Check, bench: &Bench, undescribed: Option<&Fault>) -> Result<Row, RunError> {
+fn made(
+    check: &Check,
+    bench: &Bench,
+    undescribed: Option<&Fault>,
+) -> Result<CheckResult, RunError> {
     let since = Instant::now();
     let outcome = match undescribed {
         // Nothing can be asked of what does not say what it is.
         Some(fault) if check.name == describing::DESCRIBE.name => Err(fault.clone()),
-        Some(_) => return Ok(Row::not_made(check, "it does not describe itself")),
+        Some(_) => return Ok(CheckResult::not_made(check, "it does not describe itself")),
         None if bench.never_joined() => {
-            return Ok(Row::not_made(check, "it never joined a run"));
+            return Ok(CheckResult::not_made(check, "it never joined a run"));
         }
         None => (check.run)(bench),
     };
@@ -179,7 +168,7 @@ fn made(check: &Check, bench: &Bench, undescribed: Option<&Fault>) -> Result<Row
         let when = format!("while `{}` was checked", check.name);
         return Err(RunError::Interrupted { signal, when });
     }
-    Ok(Row::new(check, outcome, since.elapsed()))
+    Ok(CheckResult::new(check, outcome, since.elapsed()))
 }
 
 fn chosen(names: &[String]) -> Result<Vec<&'static Check>, RunError> {

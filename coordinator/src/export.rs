@@ -4,24 +4,24 @@
 //! each value. By default one instant a window, the accepted one; with every iteration, the instants
 //! are numbered in the order of the recording.
 
-use crate::error::{RunError, file_failure};
 use crate::inspect::failed;
-use crate::results::vtk::{FieldWriter, Shown};
-use crate::results::write::create;
-use crate::signals;
-use proto::description::Description;
-use proto::field::{Body, FieldKind, GEOMETRY, Mapping};
-use proto::grid::Grid;
-use proto::message::{Command, CommandKind, FieldHeader};
-use proto::model::Step;
+use contract::description::Description;
+use contract::field::{Body, FieldKind, GEOMETRY, Mapping};
+use contract::grid::Grid;
+use contract::message::{Command, CommandKind, FieldHeader};
+use contract::step::Step;
 use proto::recording::{Event, Item, Recording, RecordingError};
+use run::error::{RunError, file_failure};
+use run::results::vtk::{FieldWriter, Shown};
+use run::results::write::create;
+use run::signals;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// What is written, and where.
 #[derive(Clone, Debug, Default)]
-pub struct Target {
+pub(crate) struct Target {
     /// Folder for VTK series.
     pub vtk: Option<PathBuf>,
     /// Folder for CSV.
@@ -44,7 +44,7 @@ struct Newest {
 ///
 /// # Errors
 /// The recording is damaged, or a file cannot be written.
-pub fn export<R: Read>(
+pub(crate) fn export<R: Read>(
     path: &Path,
     recording: &mut Recording<R>,
     target: &Target,
@@ -214,7 +214,7 @@ impl Export<'_> {
         }
         if let Some(vtk) = &mut self.vtk {
             let fields: Vec<Shown> = shown.iter().map(|(_, shown)| *shown).collect();
-            vtk.write_fields(&fields, number, time)?;
+            vtk.write(&fields, number, time)?;
         }
         if let Some(folder) = &self.target.csv {
             for (service, shown) in &shown {
@@ -244,7 +244,7 @@ fn fits(components: u32, grid: &Grid, header: &FieldHeader) -> Result<(), String
 /// descriptions there is its label alone, and what that does not say is taken for the interface's.
 fn kind(header: &FieldHeader, described: &BTreeMap<String, FieldKind>) -> FieldKind {
     let name = header.name.as_str();
-    let known = proto::field::find(name).map(proto::field::FieldSpec::kind);
+    let known = contract::field::find(name).map(contract::field::FieldSpec::kind);
     known.or_else(|| described.get(name).cloned()).unwrap_or_else(|| FieldKind {
         name: name.to_owned(),
         unit: header.unit.as_str().to_owned(),

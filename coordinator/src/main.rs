@@ -5,13 +5,13 @@ use std::time::Instant;
 
 fn main() -> ExitCode {
     let since = Instant::now();
-    if let Err(error) = coordinator::signals::listen() {
+    if let Err(error) = run::signals::listen() {
         tracing::warn!(%error, "signals will not shut a run down in order");
     }
-    if let Err(error) = coordinator::processes::adopt_orphans() {
+    if let Err(error) = run::processes::adopt_orphans() {
         tracing::warn!(%error, "orphaned processes of participants will not be ended");
     }
-    if let Err(error) = coordinator::damage::report() {
+    if let Err(error) = run::damage::report() {
         tracing::warn!(%error, "damaged shared memory will not be reported");
     }
     ExitCode::from(coordinator::cli::main(since))

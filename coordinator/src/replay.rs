@@ -12,87 +12,34 @@
 mod compare;
 mod drive;
 mod feed;
+mod request;
 mod show;
 #[cfg(test)]
 mod tests;
 mod told;
 mod walk;
 
-pub use compare::{Comparison, Difference, Growth, StepDifference};
-pub use show::{difference, text};
+pub(crate) use compare::Difference;
+pub(crate) use request::{Replay, Request};
+pub(crate) use show::{difference, text};
 
-use crate::error::RunError;
 use crate::inspect;
-use crate::programs::Program;
-use crate::session::{Deadlines, Seat, Session};
-use crate::signals;
 use drive::Driver;
 use proto::recording::{Item, Participant};
-use serde::Serialize;
-use std::path::{Path, PathBuf};
+use run::deadlines::Deadlines;
+use run::error::RunError;
+use run::peers::{Peers, Seat};
+use run::programs::Program;
+use run::signals;
+use std::path::Path;
 use std::time::{Duration, Instant};
-
-/// What is to be replayed.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// The recording.
-    pub recording: PathBuf,
-    /// Role of the participant that is driven.
-    pub only: String,
-    /// The program to drive; by default our own solver of the role.
-    pub program: Option<Program>,
-    /// It is started by hand, and nothing has a deadline.
-    pub serve: bool,
-    /// Largest difference that passes, relative to the largest value of the sample; `None` for
-    /// none, bit-identical.
-    pub tolerance: Option<f64>,
-    /// The first window to be solved; earlier ones are skipped as far as a state allows.
-    pub from: Option<u64>,
-    /// The last window to be solved.
-    pub until: Option<u64>,
-    /// Values of the recorded configuration to change: dotted key and SI value.
-    pub set: Vec<(String, serde_json::Value)>,
-    /// Ask before every command.
-    pub step: bool,
-}
-
-/// How a replay went.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Replay {
-    /// Role that was driven.
-    pub role: String,
-    /// Program and version that was driven.
-    pub program: String,
-    /// Program and version that was recorded.
-    pub recorded_program: String,
-    /// Solves asked for.
-    pub solves: u64,
-    /// First window that was solved, if not 0.
-    pub from_window: u64,
-    /// The last that was solved.
-    pub last_window: u64,
-    /// What was compared, and how it differs.
-    pub comparison: Comparison,
-    /// Remarks, one line each.
-    pub remarks: Vec<String>,
-    /// Seconds in the model, as recorded, of the solves that were replayed.
-    pub recorded_model_s: f64,
-    /// Seconds in the model now.
-    pub model_s: f64,
-    /// Seconds of the whole replay.
-    pub wall_s: f64,
-    /// The recording is cut, and the replay with it.
-    pub cut: bool,
-    /// The recording is damaged, and the replay ends there.
-    pub damage: Option<String>,
-}
 
 /// Drives the participant.
 ///
 /// # Errors
 /// The recording cannot be read, has no such role, or the participant fails otherwise than it did
 /// then. A difference is no error here: see [`Replay::comparison`].
-pub fn replay(request: &Request) -> Result<Replay, RunError> {
+pub(crate) fn replay(request: &Request) -> Result<Replay, RunError> {
     let begun = Instant::now();
     let path = &request.recording;
     if let (Some(from), Some(until)) = (request.from, request.until)
@@ -116,9 +63,9 @@ pub fn replay(request: &Request) -> Result<Replay, RunError> {
     };
     let seat = Seat { role: request.only.clone(), program, attach: request.serve };
     let deadlines = if request.serve { NO_DEADLINES } else { DEADLINES };
-    let mut session = Session::open(&[seat], deadlines, None)?;
-    session.wait_for_joining()?;
-    let mut driver = Driver::new(request, index, &recorded, &mut session, from)?;
+    let mut peers = Peers::start(&[seat], deadlines, None)?;
+    peers.join()?;
+    let mut driver = Driver::new(request, index, &recorded, &mut peers, from)?;
     driver.attach_files(&recording)?;
     let mut damage = None;
     loop {
@@ -200,7 +147,7 @@ fn last_state_before(path: &Path, role: &str, window: u64) -> Result<Option<u64>
                 if usize::from(participant) == index =>
             {
                 end = end.max(command.window);
-                let saves = command.kind == proto::message::CommandKind::Save as u32;
+                let saves = command.kind == contract::message::CommandKind::Save as u32;
                 saving = saves.then_some(command.window);
             }
             _ => {}

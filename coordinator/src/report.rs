@@ -8,63 +8,51 @@
 //! A further section is one function that returns [`page::Section`]s, made of the blocks
 //! [`plot::Figure`], [`map::Heatmap`], [`lanes::Lanes`] and [`table::Table`].
 
-pub mod axis;
-pub mod bars;
-pub mod image;
-pub mod lanes;
-pub mod map;
-pub mod page;
-pub mod palette;
-pub mod plan_file;
-pub mod plot;
+pub(crate) mod axis;
+pub(crate) mod bars;
+mod canvas;
+mod html;
+pub(crate) mod image;
+pub(crate) mod lanes;
+pub(crate) mod map;
+pub(crate) mod page;
+pub(crate) mod palette;
+pub(crate) mod plot;
 mod sections;
-pub mod source;
+pub(crate) mod source;
 mod standalone;
-pub mod table;
-pub mod unit;
+pub(crate) mod table;
 
-use crate::ablate;
-use crate::cost;
-use crate::error::RunError;
-use crate::reproduce;
-use crate::results::write::replace;
-use crate::stability;
 use page::Page;
+use run::error::RunError;
+use run::results::write::replace;
 use source::Results;
 use std::path::{Path, PathBuf};
 
 /// Name of the page in a result directory.
-pub const FILE: &str = "report.html";
+pub(crate) const FILE: &str = "report.html";
 
-/// Makes the page about what is in a folder.
-type PageOf = fn(&Path) -> Result<Page, RunError>;
-
-/// Every kind of study: the file that it leaves in its folder, and the page about it.
-const STUDIES: [(&str, PageOf); 4] = [
-    (cost::FILE, cost::page),
-    (ablate::FILE, ablate::page),
-    (stability::FILE, stability::page),
-    (reproduce::FILE, reproduce::page),
-];
-
-/// Writes the report about what is in this folder, a study or a run; its path.
+/// Writes a page into a folder; its path.
 ///
 /// # Errors
-/// [`RunError::Usage`] if neither has been written into the folder; the file system.
-pub fn write(folder: &Path) -> Result<PathBuf, RunError> {
-    let study = STUDIES.iter().find(|(file, _)| folder.join(file).is_file());
-    let page = match study {
-        Some((_, page)) => page(folder)?,
-        None => page(&Results::read(folder)?),
-    };
+/// The file system.
+pub(crate) fn write(page: &Page, folder: &Path) -> Result<PathBuf, RunError> {
     let path = folder.join(FILE);
     replace(&path, page.to_string().as_bytes())?;
     Ok(path)
 }
 
+/// The page about the run in a folder.
+///
+/// # Errors
+/// [`RunError::Usage`] if no run has written into it; the file system.
+pub(crate) fn of_run(folder: &Path) -> Result<Page, RunError> {
+    Ok(page(&Results::read(folder)?))
+}
+
 /// The page about these results.
 #[must_use]
-pub fn page(results: &Results) -> Page {
+pub(crate) fn page(results: &Results) -> Page {
     let mut page = sections::opening(results);
     page.sections.extend(sections::all(results));
     page

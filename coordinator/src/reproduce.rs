@@ -17,38 +17,36 @@ mod check;
 mod cli;
 mod drawing;
 mod perform;
+mod record;
 mod render;
-pub mod stale;
-pub mod study;
+pub(crate) mod stale;
+pub(crate) mod study;
 mod table;
 mod text;
 mod values;
 
-pub use cli::{Arguments, main};
-pub use perform::FILE;
-pub use render::page;
+pub(crate) use cli::{Arguments, main};
+pub(crate) use record::Record;
 
-use crate::error::{RunError, file_failure};
-use crate::results::write::replace;
-use crate::study::folder::{StudyFolder, Wanted, says_incomplete};
+use crate::study::arguments::FolderArguments;
+use crate::study::output::{Kept, Shown};
 use render::Rendered;
+use run::error::{RunError, file_failure};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use study::Study;
 
 /// What the command is asked for.
-#[derive(Clone, Debug)]
-pub struct Request {
+#[derive(Debug)]
+pub(crate) struct Request<'a> {
     /// The study's file.
-    pub study: PathBuf,
-    /// Where runs, text and plots go, if the user names it.
-    pub out: Option<PathBuf>,
-    /// An earlier reproduction that is there is replaced.
-    pub replace: bool,
+    pub study: &'a Path,
+    /// Where runs, text and plots go.
+    pub folder: &'a FolderArguments,
     /// A further place for the text; its plots go into `img/NAME` beside it.
-    pub write: Option<PathBuf>,
+    pub write: Option<&'a Path>,
     /// A text that is kept, with its plots, to be compared.
-    pub check: Option<PathBuf>,
+    pub check: Option<&'a Path>,
 }
 
 /// Runs a study, and writes or compares what is asked for; `say` is called for each run.
@@ -56,28 +54,22 @@ pub struct Request {
 /// # Errors
 /// [`RunError::Usage`] for a study that is wrong, before anything has run; those of its runs;
 /// [`RunError::Stale`] if a text that is kept says something else.
-pub fn reproduce(request: &Request, say: &mut dyn FnMut(&str)) -> Result<(), RunError> {
-    let file = &request.study;
+pub(crate) fn reproduce(request: &Request, say: &mut dyn FnMut(&str)) -> Result<(), RunError> {
+    let file = request.study;
     let study = Study::read(file)?;
     check::check(&study, file)?;
     render::rehearse(&study, file)?;
     let runs = perform::rehearse(&study, file)?;
-    let folder = StudyFolder::choose(&Wanted {
-        command: "reproduce",
-        name: &study.name,
-        out: request.out.as_deref(),
-        replace: request.replace,
-        goes_on: &|folder| says_incomplete(&folder.join(FILE)),
-    })?;
+    let folder = request.folder.choose(Record::COMMAND, &study.name, &Record::is_unfinished)?;
+    let record = perform::perform(&study, file, &runs, &folder, say)?;
     let out = folder.open()?;
-    perform::perform(&study, file, &runs, &out, say)?;
-    let rendered = Rendered::of(&out)?;
+    let rendered = Rendered::of(&record, &out)?;
     rendered.write(&out.join(render::TEXT), "img")?;
-    crate::report::write(&out)?;
-    if let Some(path) = &request.write {
+    record.publish(&folder)?;
+    if let Some(path) = request.write {
         rendered.write(path, &images_beside(path))?;
     }
-    request.check.as_ref().map_or(Ok(()), |kept| compare(&rendered, kept))?;
+    request.check.map_or(Ok(()), |kept| compare(&rendered, kept))?;
     say(&format!("{}\n", folder.path().display()));
     Ok(())
 }
@@ -107,12 +99,4 @@ fn same(kept: &Path, new: &str) -> Result<(), RunError> {
             kept.display()
         ))),
     }
-}
-
-/// Writes a file and the folder that it lies in.
-fn write(path: &Path, content: &str) -> Result<(), RunError> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
-    }
-    replace(path, content.as_bytes())
 }

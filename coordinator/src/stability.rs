@@ -5,38 +5,39 @@
 //! with a recording, so that the ranges of whole fields are known.
 //!
 //! ```text
-//! suite.toml ──Suite::read──► Suite ──each case and sweep──► Trial ──judge──► Row ──► Report
+//! suite.toml ──Suite::read──► Suite ──each case and sweep──► CaseRun ──judge──► RunResult ──► Report
 //! ```
 //!
 //! Nothing here knows a model or an effect by name: one that comes later joins by an entry in the
 //! file.
 
+mod case_run;
 mod cli;
 mod figure;
 mod judge;
 mod limits;
 mod page;
 mod report;
+mod rows;
 mod show;
 mod suite;
-mod trial;
 
-pub use cli::{Arguments, main};
-pub use page::page;
-pub use report::{CaseReport, FILE, Finding, Report, Row, SweepReport, Waiting};
-pub use suite::Suite;
+pub(crate) use cli::{Arguments, main};
+pub(crate) use report::{CaseReport, Report, RunResult, SweepReport};
+pub(crate) use suite::Suite;
 
-use crate::error::RunError;
 use crate::study::Variant;
+use crate::study::output::Kept;
+use case_run::CaseRun;
 use judge::judge;
+use run::error::RunError;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use suite::{Entry, Expected, Sweep};
-use trial::Trial;
 
 /// What is to be run.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub(crate) struct Request {
     /// The suite.
     pub suite: Suite,
     /// Names of the cases to run; all if empty.
@@ -52,10 +53,13 @@ pub struct Request {
 /// # Errors
 /// A case that the suite does not have, a folder that cannot be written, or the user has stopped. A
 /// case that goes otherwise than expected is no error here.
-pub fn stability(request: &Request, tell: &mut dyn FnMut(&CaseReport)) -> Result<Report, RunError> {
+pub(crate) fn stability(
+    request: &Request,
+    tell: &mut dyn FnMut(&CaseReport),
+) -> Result<Report, RunError> {
     let begun = Instant::now();
     let mut report = Report {
-        schema: report::SCHEMA,
+        schema: Report::SCHEMA,
         suite: request.suite.name(),
         waiting: request.suite.waiting.clone(),
         ..Report::default()
@@ -110,9 +114,9 @@ fn run_one(
     variant: &Variant,
     name: &str,
     expected: &Expected,
-) -> Result<Row, RunError> {
-    let trial = Trial::run(&entry.case, variant, &folder(&request.out, name))?;
-    Ok(judge(&trial, expected, &entry.limits(&request.suite.every), &entry.checks))
+) -> Result<RunResult, RunError> {
+    let run = CaseRun::run(&entry.case, variant, &folder(&request.out, name))?;
+    Ok(judge(&run, expected, &entry.limits(&request.suite.every), &entry.checks))
 }
 
 fn folder(out: &Path, name: &str) -> PathBuf {

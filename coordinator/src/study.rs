@@ -2,32 +2,35 @@
 //! `run --accuracy`, `stability` and `reproduce` have in common.
 //!
 //! [`Variant`] is what is changed, [`run`] performs it like any other run, processes and shared
-//! memory included, [`quantity`] names the quantities of a summary that are compared,
-//! [`richardson`] estimates their errors from grids, [`levels`] lists what the installed models
-//! offer for a case. Nothing here knows a model or an effect by name: what there is to vary is in
-//! the descriptions.
+//! memory included, [`quantity`] names the quantities of a summary that are compared, [`richardson`]
+//! estimates their errors from grids, [`levels`] lists what the installed models offer for a case.
+//! [`arguments`], [`folder`], [`output`] and [`table`] are what the commands ask, where they write, and
+//! how they show what they have found.
+//! Nothing here knows a model or an effect by name: what there is to vary is in the descriptions.
 
-pub mod axis;
-pub mod folder;
-pub mod levels;
-pub mod progress;
-pub mod quantity;
-pub mod richardson;
-pub mod spent;
+pub(crate) mod arguments;
+pub(crate) mod axis;
+pub(crate) mod folder;
+pub(crate) mod levels;
+pub(crate) mod output;
+pub(crate) mod progress;
+pub(crate) mod quantity;
+pub(crate) mod richardson;
+pub(crate) mod spent;
+pub(crate) mod table;
 
-use crate::case::RawCase;
-use crate::error::RunError;
-use crate::plan::{Plan, Planned, plan};
-use crate::progress::Progress;
-use crate::results::{Existing, ResultFolder};
-use crate::run::{self, Clock};
+use case::RawCase;
+use run::error::RunError;
+use run::perform::{self, RunStart};
+use run::plan::{Plan, Planned, plan};
+use run::results::{Existing, ResultFolder};
 use serde_json::Value;
 use std::path::Path;
 use std::time::Instant;
 
 /// What is changed in a case.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Variant {
+pub(crate) struct Variant {
     /// Keys that are set, `key=value` as for `--set`.
     pub set: Vec<String>,
     /// Keys that are removed.
@@ -37,7 +40,7 @@ pub struct Variant {
 impl Variant {
     /// The same with one more key set.
     #[must_use]
-    pub fn with(&self, key: &str, value: impl std::fmt::Display) -> Self {
+    pub(crate) fn with(&self, key: &str, value: impl std::fmt::Display) -> Self {
         let mut more = self.clone();
         more.set.push(format!("{key}={value}"));
         more
@@ -45,7 +48,7 @@ impl Variant {
 
     /// The options that make a `run` of it.
     #[must_use]
-    pub fn options(&self) -> Vec<String> {
+    pub(crate) fn options(&self) -> Vec<String> {
         let set = self.set.iter().flat_map(|option| ["--set".to_owned(), option.clone()]);
         let unset = self.unset.iter().flat_map(|key| ["--unset".to_owned(), key.clone()]);
         set.chain(unset).collect()
@@ -56,7 +59,7 @@ impl Variant {
 ///
 /// # Errors
 /// Whatever is wrong with the case, or with the programs it names.
-pub fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
+pub(crate) fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
     let mut raw = RawCase::read(case)?;
     raw.apply(&variant.set, &variant.unset)?;
     plan(raw)
@@ -66,7 +69,7 @@ pub fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
 ///
 /// # Errors
 /// Those of the command `run`.
-pub fn run(case: &Path, variant: &Variant, folder: &Path) -> Result<Value, RunError> {
+pub(crate) fn run(case: &Path, variant: &Variant, folder: &Path) -> Result<Value, RunError> {
     let since = Instant::now();
     perform(case, &planned(case, variant)?, since, folder)
 }
@@ -76,15 +79,15 @@ pub fn run(case: &Path, variant: &Variant, folder: &Path) -> Result<Value, RunEr
 ///
 /// # Errors
 /// Those of the command `run`.
-pub fn perform(
+pub(crate) fn perform(
     case: &Path,
     planned: &Planned,
     since: Instant,
     folder: &Path,
 ) -> Result<Value, RunError> {
-    let clock = Clock { since, plan_seconds: since.elapsed().as_secs_f64() };
+    let start = RunStart { since, plan_seconds: since.elapsed().as_secs_f64() };
     let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-    let outcome = run::run(planned, &folder, &mut Progress::Silent, clock, None, None);
+    let outcome = perform::run(planned, &folder, &mut (), start, None, None);
     outcome.error.map_or(Ok(outcome.summary), Err)
 }
 
@@ -93,7 +96,7 @@ const EXPECTED_ITERATIONS: f64 = 10.0;
 
 /// What the participants of a plan expect it to take in all \[s\].
 #[must_use]
-pub fn expected_seconds(plan: &Plan) -> f64 {
+pub(crate) fn expected_seconds(plan: &Plan) -> f64 {
     let windows = plan.windows.count().unwrap_or(1) as f64;
     let implicit = plan.scheme.scheme.is_implicit();
     let solves = windows * if implicit { EXPECTED_ITERATIONS } else { 1.0 };
@@ -105,13 +108,13 @@ pub fn expected_seconds(plan: &Plan) -> f64 {
 ///
 /// # Errors
 /// The file system.
-pub fn scratch() -> Result<tempfile::TempDir, RunError> {
-    let failed = |error| crate::error::file_failure(&std::env::temp_dir(), &error);
+pub(crate) fn scratch() -> Result<tempfile::TempDir, RunError> {
+    let failed = |error| run::error::file_failure(&std::env::temp_dir(), &error);
     tempfile::Builder::new().prefix("cosim-study-").tempdir().map_err(failed)
 }
 
 /// Whether an error ends the whole study, and not only the run that it ended.
 #[must_use]
-pub fn ends_study(error: &RunError) -> bool {
+pub(crate) fn ends_study(error: &RunError) -> bool {
     error.is_interrupt()
 }

@@ -15,7 +15,7 @@
 //! negative.
 //!
 //! Adding an effect takes its file under `effects/` and one line in [`effects::EFFECTS`]; adding a
-//! model likewise under `models/` and in [`models::MODELS`].
+//! model likewise under `models/` and in [`models::MODELS`], with its name in [`models::names`].
 
 pub mod effects;
 mod ellipse;

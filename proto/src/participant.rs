@@ -7,6 +7,7 @@
 //! PROGRAM --join RUN_FOLDER --role ROLE   take part in a run
 //! ```
 
+mod error;
 mod geometry;
 mod ports;
 mod pulse;

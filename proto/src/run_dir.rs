@@ -15,8 +15,10 @@
 //! A coordinator that starts removes, by the same rule, what earlier runs left whose processes
 //! were all killed. The runtime folder itself is the matter of [`runtime`].
 
+mod locks;
 mod runtime;
 
+use locks::{COORDINATOR_LOCK, MEMBERS_LOCK, RUN_FILE};
 use runtime::{RuntimeFolder, SHARED_MEMORY, belong_together, prefix_of, remove_run, user};
 use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
@@ -26,10 +28,6 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 pub(crate) use runtime::close_to_others;
-
-const COORDINATOR_LOCK: &str = "coordinator.lock";
-const MEMBERS_LOCK: &str = "members.lock";
-const RUN_FILE: &str = "run.json";
 
 /// What a participant has to know to join: the content of `run.json` in the run's folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -186,14 +184,6 @@ impl CoordinatorWatch {
             }
             Err(_) => true,
         }
-    }
-}
-
-/// Nobody holds a lock.
-fn is_free(lock: &Path) -> bool {
-    match File::open(lock) {
-        Ok(file) => flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok(),
-        Err(error) => error.kind() == io::ErrorKind::NotFound,
     }
 }
 

@@ -58,23 +58,38 @@ const BEATS: usize = 1 + ANSWERS as usize;
 /// most are on their way to a participant.
 const ANSWERS: u64 = 4;
 
-// SAFETY: `#[repr(C)]`, self-contained, no pointers, every bit pattern is valid; the layout is
-// pinned by the golden tests of `message`.
-unsafe impl ZeroCopySend for Command {
-    unsafe fn type_name() -> &'static str {
-        "cosim.Command.v1"
-    }
+/// A fixed header of the contract.
+///
+/// # Safety
+/// The type is `#[repr(C)]`, self-contained, without pointers, and valid with every bit pattern; the
+/// tests of [`crate::message`] pin its layout.
+pub unsafe trait Header: std::fmt::Debug + Copy + Default + 'static {
+    /// Name of the layout, which both sides compare.
+    const LAYOUT: &'static str;
+}
+
+// SAFETY: what the trait asks for, see `message`.
+unsafe impl Header for Command {
+    const LAYOUT: &'static str = "cosim.Command.v1";
 }
 // SAFETY: as above.
-unsafe impl ZeroCopySend for Reply {
-    unsafe fn type_name() -> &'static str {
-        "cosim.Reply.v2"
-    }
+unsafe impl Header for Reply {
+    const LAYOUT: &'static str = "cosim.Reply.v2";
 }
 // SAFETY: as above.
-unsafe impl ZeroCopySend for FieldHeader {
+unsafe impl Header for FieldHeader {
+    const LAYOUT: &'static str = "cosim.FieldHeader.v1";
+}
+
+/// A header in a sample: iceoryx2 asks for a trait of its own.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(transparent)]
+struct Wire<H>(H);
+
+// SAFETY: a transparent wrapper of what `Header` promises.
+unsafe impl<H: Header> ZeroCopySend for Wire<H> {
     unsafe fn type_name() -> &'static str {
-        "cosim.FieldHeader.v1"
+        H::LAYOUT
     }
 }
 
@@ -147,10 +162,10 @@ impl Endpoint {
         Ok(Self { node, protocol: run.protocol })
     }
 
-    fn topic<P, H>(&self, name: &str) -> Result<TopicFactory<Ipc, [P], H>, TransportError>
+    fn topic<P, H>(&self, name: &str) -> Result<TopicFactory<Ipc, [P], Wire<H>>, TransportError>
     where
         P: std::fmt::Debug + ZeroCopySend + 'static,
-        H: std::fmt::Debug + ZeroCopySend,
+        H: Header,
     {
         let service = ServiceName::new(name).map_err(|e| open_error(name, e))?;
         let (key, value) = protocol_attribute(self.protocol).map_err(|e| open_error(name, e))?;
@@ -159,7 +174,7 @@ impl Endpoint {
         self.node
             .service_builder(&service)
             .publish_subscribe::<[P]>()
-            .user_header::<H>()
+            .user_header::<Wire<H>>()
             .payload_alignment(Alignment::ALIGN_64)
             .enable_safe_overflow(false)
             .history_size(0)
@@ -172,10 +187,7 @@ impl Endpoint {
             .map_err(|e| open_error(name, e))
     }
 
-    fn sender<H: std::fmt::Debug + ZeroCopySend>(
-        &self,
-        name: String,
-    ) -> Result<Sender<H>, TransportError> {
+    fn sender<H: Header>(&self, name: String) -> Result<Sender<H>, TransportError> {
         let topic = self.topic::<u8, H>(&name)?;
         let publisher = topic
             .publisher_builder()
@@ -187,10 +199,7 @@ impl Endpoint {
         Ok(Sender { publisher, topic, name, connected: Cell::new(false) })
     }
 
-    fn receiver<H: std::fmt::Debug + ZeroCopySend>(
-        &self,
-        name: String,
-    ) -> Result<Receiver<H>, TransportError> {
+    fn receiver<H: Header>(&self, name: String) -> Result<Receiver<H>, TransportError> {
         let topic = self.topic::<u8, H>(&name)?;
         let subscriber = topic.subscriber_builder().create().map_err(|e| open_error(&name, e))?;
         Ok(Receiver { subscriber, topic, name })
@@ -323,15 +332,15 @@ fn until(deadline: Instant, mut ready: impl FnMut() -> bool) -> bool {
 
 /// Sends messages: a fixed header and bytes. One sender and one receiver a topic.
 #[derive(Debug)]
-pub struct Sender<H: std::fmt::Debug + ZeroCopySend + 'static> {
-    publisher: Publisher<Ipc, [u8], H>,
-    topic: TopicFactory<Ipc, [u8], H>,
+pub struct Sender<H: Header> {
+    publisher: Publisher<Ipc, [u8], Wire<H>>,
+    topic: TopicFactory<Ipc, [u8], Wire<H>>,
     name: String,
     /// A message has been delivered.
     connected: Cell<bool>,
 }
 
-impl<H: std::fmt::Debug + ZeroCopySend + Copy + Default> Sender<H> {
+impl<H: Header> Sender<H> {
     /// The receiver has joined.
     #[must_use]
     pub fn is_heard(&self) -> bool {
@@ -361,28 +370,28 @@ impl<H: std::fmt::Debug + ZeroCopySend + Copy + Default> Sender<H> {
             .publisher
             .loan_slice_uninit(body.len())
             .map_err(|e| exchange_error(&self.name, e))?;
-        *sample.user_header_mut() = *header;
+        *sample.user_header_mut() = Wire(*header);
         sample.write_from_slice(body).send().map_err(|e| exchange_error(&self.name, e))
     }
 }
 
 /// Receives messages in the order they were sent.
 #[derive(Debug)]
-pub struct Receiver<H: std::fmt::Debug + ZeroCopySend + 'static> {
-    subscriber: Subscriber<Ipc, [u8], H>,
-    topic: TopicFactory<Ipc, [u8], H>,
+pub struct Receiver<H: Header> {
+    subscriber: Subscriber<Ipc, [u8], Wire<H>>,
+    topic: TopicFactory<Ipc, [u8], Wire<H>>,
     name: String,
 }
 
 /// A received message; the bytes are read in place.
 #[derive(Debug)]
-pub struct Message<H: std::fmt::Debug + ZeroCopySend + 'static>(Sample<Ipc, [u8], H>);
+pub struct Message<H: Header>(Sample<Ipc, [u8], Wire<H>>);
 
-impl<H: std::fmt::Debug + ZeroCopySend + 'static> Message<H> {
+impl<H: Header> Message<H> {
     /// The fixed header.
     #[must_use]
     pub fn header(&self) -> &H {
-        self.0.user_header()
+        &self.0.user_header().0
     }
 
     /// The bytes behind it.
@@ -392,7 +401,7 @@ impl<H: std::fmt::Debug + ZeroCopySend + 'static> Message<H> {
     }
 }
 
-impl<H: std::fmt::Debug + ZeroCopySend> Receiver<H> {
+impl<H: Header> Receiver<H> {
     /// The sender has joined.
     #[must_use]
     pub fn is_served(&self) -> bool {
@@ -409,15 +418,15 @@ impl<H: std::fmt::Debug + ZeroCopySend> Receiver<H> {
 /// Publishes one field.
 #[derive(Debug)]
 pub struct FieldWriter {
-    publisher: Publisher<Ipc, [f64], FieldHeader>,
-    topic: TopicFactory<Ipc, [f64], FieldHeader>,
+    publisher: Publisher<Ipc, [f64], Wire<FieldHeader>>,
+    topic: TopicFactory<Ipc, [f64], Wire<FieldHeader>>,
     name: String,
     subscribers: usize,
 }
 
 /// A place in shared memory to write a field's values into.
 #[derive(Debug)]
-pub struct FieldLoan(SampleMut<Ipc, [f64], FieldHeader>);
+pub struct FieldLoan(SampleMut<Ipc, [f64], Wire<FieldHeader>>);
 
 impl FieldLoan {
     /// The values; they hold old data until written.
@@ -452,7 +461,7 @@ impl FieldWriter {
 
     /// Publishes a written loan.
     pub fn publish(&self, mut loan: FieldLoan, header: &FieldHeader) -> Result<(), TransportError> {
-        *loan.0.user_header_mut() = *header;
+        *loan.0.user_header_mut() = Wire(*header);
         let reached = loan.0.send().map_err(|e| exchange_error(&self.name, e))?;
         if reached == self.subscribers {
             return Ok(());
@@ -468,20 +477,20 @@ impl FieldWriter {
 /// Receives one field.
 #[derive(Debug)]
 pub struct FieldReader {
-    subscriber: Subscriber<Ipc, [f64], FieldHeader>,
-    _topic: TopicFactory<Ipc, [f64], FieldHeader>,
+    subscriber: Subscriber<Ipc, [f64], Wire<FieldHeader>>,
+    _topic: TopicFactory<Ipc, [f64], Wire<FieldHeader>>,
     name: String,
 }
 
 /// A received sample of a field, read in place.
 #[derive(Debug)]
-pub struct FieldSample(Sample<Ipc, [f64], FieldHeader>);
+pub struct FieldSample(Sample<Ipc, [f64], Wire<FieldHeader>>);
 
 impl FieldSample {
     /// The label.
     #[must_use]
     pub fn header(&self) -> &FieldHeader {
-        self.0.user_header()
+        &self.0.user_header().0
     }
 
     /// The values, component-major.

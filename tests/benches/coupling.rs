@@ -7,14 +7,15 @@
 //! `reuse` remembers ten, that is a hundred columns. The time of the participants, which copy the
 //! field once and multiply it once, is included. `accelerator` is the choice of the iterate alone.
 
-use coordinator::case::{Acceleration, Implicit, RawCase};
-use coordinator::couple::{Coupling, accelerate, parts};
-use coordinator::plan::{Planned, plan};
-use coordinator::record::{Compression, Recorder};
-use coordinator::session::{Observed, Session};
+use case::RawCase;
+use coupling::settings::{Acceleration, Implicit};
+use coupling::{Coupling, accelerate, parts};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use faer::linalg::solvers::SolveLstsq;
 use proto::model::Step;
+use run::plan::{Planned, plan};
+use run::record::{Compression, Recorder};
+use run::session::{Observed, Session};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 

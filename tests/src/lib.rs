@@ -1,6 +1,7 @@
-//! Small participants for system tests and benches. They compute almost nothing, and can be told
-//! to misbehave.
+//! Small participants for system tests and benches, which compute almost nothing and can be told to
+//! misbehave, and the harness of the tests that run them.
 
+pub mod harness;
 pub mod linear;
 pub mod lumped;
 pub mod moving;

@@ -14,6 +14,7 @@
 //! and moves towards −x at the surface speed. Temperatures are rises over the initial one [K]; a
 //! heat flux into a body is positive. Pairs of values are ordered wheel, rail.
 
+mod bodies;
 pub mod columns;
 pub mod effects;
 pub mod models;
@@ -22,15 +23,12 @@ pub mod reference;
 pub mod scene;
 pub mod search;
 
+pub use bodies::{RAIL, WHEEL};
+
 use proto::PROTOCOL_VERSION;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::Description;
 use proto::model::{Setup, Solver};
-
-/// Index of the wheel (body 1) in a pair.
-pub const WHEEL: usize = 0;
-/// Index of the rail (body 2) in a pair.
-pub const RAIL: usize = 1;
 
 /// The thermal participant's program: models and effects of the registry lists.
 #[derive(Clone, Copy, Debug, Default)]

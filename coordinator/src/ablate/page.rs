@@ -1,35 +1,26 @@
 //! The study as a page.
 
-use super::show::{quantities, row};
-use super::{FILE, Study};
-use crate::error::{RunError, file_failure};
+use super::runs::{all, quantities, table};
+use super::study::{Run, Study};
 use crate::report::bars::Bars;
 use crate::report::page::{Block, Mood, Page, Section};
-use crate::report::table::Table;
+use crate::study::output::Shown;
 use crate::study::quantity::Measure;
+use run::error::RunError;
+use run::format::sentence;
 use std::path::Path;
 
-/// The page about the study in a folder.
-///
-/// # Errors
-/// A file that cannot be read, or holds no study of this version.
-pub fn page(folder: &Path) -> Result<Page, RunError> {
-    let path = folder.join(FILE);
-    let text = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
-    let study: Study = serde_json::from_slice(&text).map_err(|fault| {
-        let fix = "run `coordinator ablate` again";
-        RunError::Usage(format!("{} contains no study: {fault}; {fix}", path.display()))
-    })?;
-    Ok(of(&study))
+impl Shown for Study {
+    fn page(&self, _: &Path) -> Result<Page, RunError> {
+        Ok(of(self))
+    }
 }
 
 fn of(study: &Study) -> Page {
     let failed = study.without.iter().any(|run| run.failed.is_some());
-    let mut blocks = vec![Block::Table(runs(study))];
-    let why = |run: &super::Run| {
-        Some(Block::Text(format!("Without {}: {}", run.effect, run.failed.as_ref()?)))
-    };
-    blocks.extend(study.without.iter().filter_map(why));
+    let (table, runs) = (table(study), all(study));
+    let remarks = table.remarks(&runs).map(|why| Block::Text(sentence(&why)));
+    let blocks = std::iter::once(Block::Table(table.page(&runs))).chain(remarks).collect();
     let sections = [changes(study), Section::of("Runs", blocks)];
     Page {
         name: format!("Effects of {}", study.case),
@@ -45,7 +36,7 @@ fn of(study: &Study) -> Page {
 fn changes(study: &Study) -> Option<Section> {
     let whole = study.whole.cost.solve_s;
     let change_of = |key: &str, unit: f64| {
-        let change = |run: &super::Run| Some((run.effect.clone(), run.changes.get(key)? / unit));
+        let change = |run: &Run| Some((run.effect.clone(), run.changes.get(key)? / unit));
         study.without.iter().filter_map(change).collect::<Vec<_>>()
     };
     let figures = quantities(study).map(|one| {
@@ -60,7 +51,7 @@ fn changes(study: &Study) -> Option<Section> {
         }
     });
     let made = study.without.iter().filter(|run| run.failed.is_none());
-    let time = |run: &super::Run| (run.effect.clone(), 100.0 * (run.cost.solve_s - whole) / whole);
+    let time = |run: &Run| (run.effect.clone(), 100.0 * (run.cost.solve_s - whole) / whole);
     let times = Bars {
         title: "time without an effect".to_owned(),
         label: "change of the solving time [%]".to_owned(),
@@ -68,18 +59,4 @@ fn changes(study: &Study) -> Option<Section> {
     };
     let all = figures.chain([times]).filter(|bars| !bars.bars.is_empty());
     Section::of("What each effect changes", all.map(Block::Bars).collect())
-}
-
-fn runs(study: &Study) -> Table {
-    let mut head = vec!["run".to_owned()];
-    head.extend(quantities(study).map(|one| one.name));
-    head.extend(["solve", "of the whole", "iterations"].map(str::to_owned));
-    let width = head.len();
-    let all = std::iter::once(&study.whole).chain(&study.without);
-    let padded = |run| {
-        let mut cells = row(study, run);
-        cells.resize(width, String::new());
-        cells
-    };
-    Table { rows: all.map(padded).collect(), head, figures_from: 1 }
 }

@@ -1,11 +1,11 @@
 //! Which models are cheapest, of those that can meet a target.
 
 use super::Target;
-use crate::error::RunError;
-use crate::plan::{Plan, Planned};
 use crate::study::levels::{Level, all, reason};
 use crate::study::{Variant, ends_study, expected_seconds, planned};
-use crate::windows::Windows;
+use coupling::windows::Windows;
+use run::error::RunError;
+use run::plan::{Plan, Planned};
 use std::path::Path;
 
 /// The models, and the coarsest resolution at which they expect to meet the target.

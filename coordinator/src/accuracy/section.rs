@@ -1,11 +1,10 @@
 //! What is stated of the error of an answer: the section `accuracy` of the summary.
 
-use super::{Search, Trial};
 use serde::Serialize;
 
 /// The error of an answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Stated {
+pub(crate) struct Stated {
     /// Key of the quantity.
     pub quantity: String,
     /// Largest relative error that was asked for.
@@ -31,7 +30,7 @@ pub struct Stated {
 
 /// One run on the way to the answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct StatedRun {
+pub(crate) struct StatedRun {
     /// What sets its resolution.
     pub settings: Vec<(String, u32)>,
     /// The quantity.
@@ -39,33 +38,4 @@ pub struct StatedRun {
     pub value: Option<f64>,
     /// Seconds that it took.
     pub wall_s: f64,
-}
-
-impl Search {
-    /// What the runs so far say of the last one's error.
-    pub(super) fn stated(&self) -> Stated {
-        let value = self.trials.last().and_then(|trial| trial.values[0]).unwrap_or(f64::NAN);
-        let estimate = self.estimate(0);
-        // Models without a resolution have no error of a grid.
-        let grid_error = self.grid_error().unwrap_or(0.0);
-        let model_error = self.level.model_error();
-        let estimated_error = grid_error + model_error;
-        let run = |trial: &Trial| StatedRun {
-            settings: self.level.keys_at(trial.step).map(|(r, n)| (r.key.clone(), n)).collect(),
-            value: trial.values[0],
-            wall_s: trial.wall_s,
-        };
-        Stated {
-            quantity: self.quantities[0].key.clone(),
-            target: self.target.relative,
-            estimated_error,
-            grid_error,
-            model_error,
-            met: estimated_error <= self.target.relative,
-            value,
-            extrapolated: estimate.map(|estimate| estimate.limit),
-            models: self.level.name(),
-            runs: self.trials.iter().map(run).collect(),
-        }
-    }
 }

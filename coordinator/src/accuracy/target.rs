@@ -1,7 +1,7 @@
 //! What is asked for: an error, of a quantity.
 
-use crate::error::RunError;
 use crate::study::quantity::{Measure, Quantity};
+use run::error::RunError;
 use serde_json::Value;
 
 /// What drives the quantities of a section: an error there is an error here.
@@ -9,7 +9,7 @@ const DRIVERS: [(&str, &str); 1] = [("temperature.", "contact.friction_power_w")
 
 /// A target of accuracy.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Target {
+pub(crate) struct Target {
     /// Largest relative error.
     pub relative: f64,
     /// Key of the quantity in the summary; `None` for the first of interest that the summary has.
@@ -21,7 +21,7 @@ impl Target {
     ///
     /// # Errors
     /// Says what is wrong with the text.
-    pub fn read_error(text: &str) -> Result<f64, String> {
+    pub(crate) fn read_error(text: &str) -> Result<f64, String> {
         let (number, unit) = match text.trim().strip_suffix('%') {
             Some(number) => (number, 0.01),
             None => (text, 1.0),

@@ -1,9 +1,10 @@
 //! What Accept does, and what it publishes.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
+use super::life::difference;
 use super::solving::same;
-use super::trial::difference;
 
 pub(super) const ACCEPT: Check = Check {
     name: "accept",
@@ -24,13 +25,13 @@ pub(super) const OBSERVE: Check = Check {
 fn accept(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
         let expected = bench.unobserved(setting)?;
-        let mut trial = bench.ready(setting)?;
+        let mut life = bench.ready(setting)?;
         let step = setting.step(0);
         // It has solved the window with other inputs before.
-        trial.solve_with(&step, 2)?;
-        trial.solve_with(&step, 0)?;
-        trial.accept(&step, false)?;
-        let outputs = trial.solve_with(&trial.next(setting), 1)?.outputs;
+        life.solve_with(&step, 2)?;
+        life.solve_with(&step, 0)?;
+        life.accept(&step, false)?;
+        let outputs = life.solve_with(&life.next(setting), 1)?.outputs;
         same(&outputs, &expected, "after an iteration that was not the last")?;
         Seen::kept("no reply, nothing published; the next solve starts from it")
     })
@@ -39,13 +40,13 @@ fn accept(bench: &Bench) -> Result<Seen, Fault> {
 fn observe(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
         let names = &setting.configuration.observed;
-        let mut trial = bench.ready(setting)?;
+        let mut life = bench.ready(setting)?;
         let step = setting.step(0);
-        trial.solve_with(&step, 0)?;
-        let seen = trial.accept(&step, true)?;
+        life.solve_with(&step, 0)?;
+        let seen = life.accept(&step, true)?;
         let next = setting.after(&step);
-        let plain = trial.solve_with(&next, 1)?.outputs;
-        trial.accept(&next, true)?;
+        let plain = life.solve_with(&next, 1)?.outputs;
+        life.accept(&next, true)?;
         // To observe must not change what is solved.
         let unobserved = bench.unobserved(setting)?;
         if let Some(difference) = difference(&unobserved, &plain) {

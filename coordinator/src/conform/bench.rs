@@ -1,30 +1,24 @@
 //! What all checks of one participant share: what it says of itself, and its settings.
 
-use super::Request;
-use super::check::{Fault, Seen, broken};
+use super::fault::{Fault, Seen, broken};
 use super::lives::Lives;
 use super::recorded::Recorded;
+use super::request::Request;
 use super::setting::{self, Setting};
-use crate::error::RunError;
-use crate::programs::Program;
-use proto::description::Description;
-use proto::field::{self, FieldKind};
+use super::subject::Subject;
+use contract::description::Description;
+use run::error::RunError;
 use std::future::Future;
-use std::time::Duration;
 
 /// The participant under test, and everything it is tested with.
 pub(super) struct Bench {
-    pub(super) role: String,
-    pub(super) program: Program,
-    /// What it said when it was asked first; empty if it did not.
-    pub(super) description: Description,
+    pub(super) subject: Subject,
     /// Every model in every mode, as the case configures it.
     pub(super) settings: Vec<Setting>,
     /// Models and modes that the case does not fit, and why.
     pub(super) left_out: Vec<String>,
     /// Models and modes that it could not even be planned with, and how it failed.
     pub(super) misled: Vec<String>,
-    pub(super) patience: Duration,
     /// Only the cheapest setting, and small grids.
     pub(super) quick: bool,
     /// The processes that checks share.
@@ -37,30 +31,35 @@ impl Bench {
     ///
     /// # Errors
     /// There is no such program, case or recording, or the user wants to stop.
-    pub(super) fn prepare(request: &Request) -> Result<(Self, Option<Fault>), RunError> {
+    pub(super) fn prepare(
+        request: &Request,
+        configures: bool,
+    ) -> Result<(Self, Option<Fault>), RunError> {
         let recorded = request.recording.as_deref();
         let recorded = recorded.map(|path| Recorded::read(path, &request.role)).transpose()?;
         let mut bench = Self {
-            role: request.role.clone(),
-            program: request.program.clone(),
-            description: nobody(&request.role),
+            subject: Subject {
+                role: request.role.clone(),
+                program: request.program.clone(),
+                description: nobody(&request.role),
+                patience: request.patience,
+            },
             settings: Vec::new(),
             left_out: Vec::new(),
             misled: Vec::new(),
-            patience: request.patience,
             quick: request.quick,
             lives: Lives::default(),
         };
-        match wait_for(bench.program.describe(&bench.role, bench.patience)) {
-            Ok(description) => bench.description = description,
+        match wait_for(bench.subject.program.describe(&bench.subject.role, bench.subject.patience))
+        {
+            Ok(description) => bench.subject.description = description,
             Err(RunError::Failed(failure)) => {
                 return Ok((bench, Some(Fault::Broken(failure.what))));
             }
             Err(other) => return Err(other),
         }
-        let describes = super::describing::DESCRIBE.name;
-        if request.only.is_empty() || request.only.iter().any(|name| name != describes) {
-            let found = setting::all(request, &bench.description, recorded.as_ref())?;
+        if configures {
+            let found = setting::all(request, &bench.subject.description, recorded.as_ref())?;
             (bench.settings, bench.left_out, bench.misled) =
                 (found.settings, found.left_out, found.misled);
         }
@@ -69,13 +68,8 @@ impl Bench {
 
     /// Name and version, as the program describes itself.
     pub(super) fn program_name(&self) -> String {
-        let Description { name, version, .. } = &self.description;
+        let Description { name, version, .. } = &self.subject.description;
         format!("{name} {version}").trim().to_owned()
-    }
-
-    /// The kind of a field that it speaks of.
-    pub(super) fn kind(&self, name: &str) -> Option<FieldKind> {
-        kind(&self.description.fields, name)
     }
 
     /// The cheapest setting, for what does not depend on the model.
@@ -113,25 +107,19 @@ impl Bench {
     }
 }
 
-/// The kind of a field: of the table, or of those that a participant describes.
-pub(super) fn kind(described: &[FieldKind], name: &str) -> Option<FieldKind> {
-    let own = || described.iter().find(|kind| kind.name == name).cloned();
-    field::find(name).map(field::FieldSpec::kind).or_else(own)
-}
-
 /// Waits for what a program answers outside of a run.
 pub(super) fn wait_for<T>(
     answer: impl Future<Output = Result<T, RunError>>,
 ) -> Result<T, RunError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
-    let failed = |error| crate::error::file_failure(std::path::Path::new("tokio"), &error);
+    let failed = |error| run::error::file_failure(std::path::Path::new("tokio"), &error);
     runtime.map_err(failed)?.block_on(answer)
 }
 
 /// What is known of a program before it has said anything.
 fn nobody(role: &str) -> Description {
     Description {
-        protocol: proto::PROTOCOL_VERSION,
+        protocol: contract::PROTOCOL_VERSION,
         name: String::new(),
         version: String::new(),
         role: role.to_owned(),

@@ -1,8 +1,8 @@
 //! What a check is, and how it can go.
 
 use super::bench::Bench;
-use proto::text::one_line;
-use proto::transport::TransportError;
+use super::fault::{Fault, Seen};
+use contract::text::one_line;
 use serde::Serialize;
 use std::time::Duration;
 
@@ -19,71 +19,10 @@ pub(super) struct Check {
     pub(super) run: fn(&Bench) -> Result<Seen, Fault>,
 }
 
-/// What was seen of a participant that keeps the demand, or why there is nothing to keep.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Seen {
-    /// It keeps it.
-    Kept(String),
-    /// The demand does not concern it.
-    Inapplicable(String),
-}
-
-impl Seen {
-    pub(super) fn kept(what: impl Into<String>) -> Result<Self, Fault> {
-        Ok(Self::Kept(what.into()))
-    }
-
-    pub(super) fn inapplicable(why: impl Into<String>) -> Result<Self, Fault> {
-        Ok(Self::Inapplicable(why.into()))
-    }
-}
-
-/// Why a check did not go through.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Fault {
-    /// The participant violates the contract.
-    Broken(String),
-    /// The user wants to stop.
-    Interrupted(&'static str),
-}
-
-impl Fault {
-    /// The same, with where it happened before it.
-    pub(super) fn at(self, place: &str) -> Self {
-        match self {
-            Self::Broken(what) => Self::Broken(format!("{place}: {what}")),
-            interrupted @ Self::Interrupted(_) => interrupted,
-        }
-    }
-}
-
-/// The fault with these words.
-pub(super) fn broken<T>(what: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault::Broken(what.into()))
-}
-
-impl From<String> for Fault {
-    fn from(what: String) -> Self {
-        Self::Broken(what)
-    }
-}
-
-impl From<TransportError> for Fault {
-    fn from(error: TransportError) -> Self {
-        Self::Broken(error.to_string())
-    }
-}
-
-impl From<std::io::Error> for Fault {
-    fn from(error: std::io::Error) -> Self {
-        Self::Broken(error.to_string())
-    }
-}
-
 /// How a check went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub(crate) enum CheckOutcome {
     /// The demand is kept.
     Passed,
     /// It is not.
@@ -96,11 +35,11 @@ pub enum Verdict {
 
 /// A check that was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub(crate) struct CheckResult {
     /// Its name.
     pub name: &'static str,
     /// How it went.
-    pub verdict: Verdict,
+    pub verdict: CheckOutcome,
     /// What was seen, or why there was nothing to see.
     pub seen: String,
     /// What the contract demands.
@@ -114,13 +53,15 @@ pub struct Row {
     pub seconds: f64,
 }
 
-impl Row {
+impl CheckResult {
     pub(super) fn new(check: &Check, outcome: Result<Seen, Fault>, took: Duration) -> Self {
         let (verdict, seen) = match outcome {
-            Ok(Seen::Kept(seen)) => (Verdict::Passed, seen),
-            Ok(Seen::Inapplicable(why)) => (Verdict::Inapplicable, why),
-            Err(Fault::Broken(what)) => (Verdict::Failed, what),
-            Err(Fault::Interrupted(signal)) => (Verdict::Failed, format!("stopped by {signal}")),
+            Ok(Seen::Kept(seen)) => (CheckOutcome::Passed, seen),
+            Ok(Seen::Inapplicable(why)) => (CheckOutcome::Inapplicable, why),
+            Err(Fault::Broken(what)) => (CheckOutcome::Failed, what),
+            Err(Fault::Interrupted(signal)) => {
+                (CheckOutcome::Failed, format!("stopped by {signal}"))
+            }
         };
         let Check { name, demand, fix, .. } = *check;
         let seen = one_line(&seen).into_owned();
@@ -131,7 +72,7 @@ impl Row {
     /// A check that cannot be made.
     pub(super) fn not_made(check: &Check, because: &str) -> Self {
         let Check { name, demand, fix, .. } = *check;
-        let (verdict, seen) = (Verdict::NotMade, because.to_owned());
+        let (verdict, seen) = (CheckOutcome::NotMade, because.to_owned());
         Self { name, verdict, seen, demand, fix, same_as: None, seconds: 0.0 }
     }
 }

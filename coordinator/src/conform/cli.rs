@@ -1,18 +1,18 @@
 //! The subcommand.
 
-use super::{News, Report, Request, Verdict, conform, show};
-use crate::error::{Failure, RunError};
+use super::{CheckOutcome, News, Report, Request, conform, show};
 use crate::output::{Speaker, print};
-use crate::programs::Program;
 use crate::study::progress::Steps;
 use clap::Args;
-use proto::text::json;
+use contract::text::json;
+use run::error::{Failure, RunError};
+use run::programs::Program;
 use std::path::PathBuf;
 use std::time::Duration;
 
 /// What `coordinator conform` is asked.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The role that it plays.
     #[arg(long, value_name = "ROLE")]
     role: String,
@@ -49,7 +49,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// What is asked for cannot be, or a check failed.
-pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     if !(asked.deadline > 0.0 && asked.deadline <= 1e6) {
         return Err(RunError::Usage("--deadline must be a number of seconds above 0".to_owned()));
     }
@@ -74,7 +74,7 @@ pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
             speaker.say(&show::head(report));
         }
         News::Begins(check) => progress.iter_mut().for_each(|steps| steps.step(check)),
-        News::Made(row) if row.verdict == Verdict::NotMade => {}
+        News::Made(row) if row.verdict == CheckOutcome::NotMade => {}
         News::Made(row) => {
             let mut say = || speaker.say(&show::line(row));
             match &progress {

@@ -1,14 +1,15 @@
 //! What a participant says of itself, and of a configuration.
 
 use super::bench::{Bench, wait_for};
-use super::check::{Check, Fault, Seen, broken};
-use crate::case::parse_quantity;
-use crate::error::RunError;
-use crate::report::unit::counted;
-use proto::configuration::{Estimate, Layout};
-use proto::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
-use proto::grid::check_name;
-use proto::message::{Command, CommandKind};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
+use case::parse_quantity;
+use contract::configuration::{Estimate, Layout};
+use contract::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
+use contract::grid::check_name;
+use contract::message::{Command, CommandKind};
+use run::error::RunError;
+use run::format::counted;
 use std::time::Instant;
 
 pub(super) const DESCRIBE: Check = Check {
@@ -38,22 +39,24 @@ pub(super) const CONFIGURE: Check = Check {
 
 fn describe(bench: &Bench) -> Result<Seen, Fault> {
     let begun = Instant::now();
-    let said = wait_for(bench.program.describe(&bench.role, bench.patience)).map_err(fault)?;
+    let said =
+        wait_for(bench.subject.program.describe(&bench.subject.role, bench.subject.patience))
+            .map_err(fault)?;
     let took = begun.elapsed();
-    if said.protocol != proto::PROTOCOL_VERSION {
-        let ours = proto::PROTOCOL_VERSION;
+    if said.protocol != contract::PROTOCOL_VERSION {
+        let ours = contract::PROTOCOL_VERSION;
         return broken(format!("it speaks protocol {}, this coordinator {ours}", said.protocol));
     }
-    if said.role != bench.role {
+    if said.role != bench.subject.role {
         return broken(format!("it plays the role `{}`", said.role));
     }
     well_formed(bench, &said)?;
-    let mut trial = bench.joined()?;
-    let answer = trial.ask(Command::new(CommandKind::Describe), &[])?.done()?;
+    let mut life = bench.joined()?;
+    let answer = life.ask(Command::new(CommandKind::Describe), &[])?.done()?;
     if answer.json::<Description>("a description")? != said {
         return broken("Describe over the run differs from --describe");
     }
-    bench.keep_joined(trial);
+    bench.keep_joined(life);
     Seen::kept(format!(
         "{}, {}, in {:.0} ms",
         counted(said.models.len() as u64, "model"),
@@ -107,7 +110,7 @@ fn well_formed_effect(bench: &Bench, said: &Description, effect: &EffectSpec) ->
 }
 
 fn known_fields(bench: &Bench, consumes: &[String], provides: &[String]) -> Result<(), Fault> {
-    match consumes.iter().chain(provides).find(|name| bench.kind(name).is_none()) {
+    match consumes.iter().chain(provides).find(|name| bench.subject.kind(name).is_none()) {
         Some(name) => broken(format!("the field `{name}` is in no table and not described")),
         None => Ok(()),
     }
@@ -151,18 +154,19 @@ fn in_range(key: &KeySpec, value: Option<f64>) -> bool {
 }
 
 fn estimate(bench: &Bench) -> Result<Seen, Fault> {
-    if !bench.description.estimates {
+    if !bench.subject.description.estimates {
         return Seen::inapplicable("it does not offer --estimate");
     }
     bench
         .each(|setting| {
-            let asked = bench.program.estimate(&setting.configuration, bench.patience);
+            let asked =
+                bench.subject.program.estimate(&setting.configuration, bench.subject.patience);
             let Estimate::Layout(expected) = wait_for(asked).map_err(fault)? else {
                 return broken("--estimate refuses what it accepted while the case was planned");
             };
-            let mut trial = bench.joined()?;
-            let layout = trial.configure(&setting.configuration)?;
-            bench.keep_joined(trial);
+            let mut life = bench.joined()?;
+            let layout = life.configure(&setting.configuration)?;
+            bench.keep_joined(life);
             if placed(&layout) != placed(&expected) {
                 return broken(
                     "--estimate and Configure answer with other grids or places of fields",
@@ -176,7 +180,7 @@ fn estimate(bench: &Bench) -> Result<Seen, Fault> {
 fn refuses_estimate(bench: &Bench) -> Result<(), Fault> {
     let mut wrong = bench.first()?.configuration.clone();
     "no-such-model".clone_into(&mut wrong.model);
-    match wait_for(bench.program.estimate(&wrong, bench.patience)).map_err(fault)? {
+    match wait_for(bench.subject.program.estimate(&wrong, bench.subject.patience)).map_err(fault)? {
         Estimate::Refused(refusal) if !refusal.key.is_empty() && !refusal.fix.is_empty() => Ok(()),
         Estimate::Refused(refusal) => {
             broken(format!("its refusal lacks a key or a fix: {refusal:?}"))
@@ -190,12 +194,12 @@ fn configure(bench: &Bench) -> Result<Seen, Fault> {
         return broken(left_out.clone());
     }
     bench.each(|setting| {
-        let mut trial = bench.joined()?;
-        let first = trial.configure(&setting.configuration)?;
-        if trial.configure(&setting.configuration)? != first {
+        let mut life = bench.joined()?;
+        let first = life.configure(&setting.configuration)?;
+        if life.configure(&setting.configuration)? != first {
             return broken("a second Configure answers with another layout");
         }
-        bench.keep_joined(trial);
+        bench.keep_joined(life);
         let names: Vec<&str> = first.grids.iter().map(|grid| grid.name.as_str()).collect();
         Seen::kept(match names.is_empty() {
             true => "no grid".to_owned(),

@@ -1,11 +1,12 @@
 //! Inputs that do not come, or not as they should.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
+use super::life::{Feed, Life};
 use super::solving::same;
-use super::trial::{Feed, Trial};
-use proto::message::{Command, CommandKind, Label};
-use proto::model::Step;
+use contract::message::{Command, CommandKind, Label};
+use contract::step::Step;
 
 pub(super) const MISSING_SAMPLE: Check = Check {
     name: "missing-sample",
@@ -34,9 +35,9 @@ pub(super) const NOT_FINITE: Check = Check {
 const NO_INPUT: &str = "it has no inputs";
 
 /// A failed solve: it names the field, and nothing has been sent.
-fn fails(trial: &mut Trial, step: &Step, (because, field): (&str, &str)) -> Result<String, Fault> {
-    let message = trial.ask_solve(step)?.not_done(because)?;
-    trial.none_of_outputs("a solve that failed")?;
+fn fails(life: &mut Life, step: &Step, (because, field): (&str, &str)) -> Result<String, Fault> {
+    let message = life.ask_solve(step)?.not_done(because)?;
+    life.none_of_outputs("a solve that failed")?;
     match message.contains(field) {
         true => Ok(message),
         false => {
@@ -50,24 +51,24 @@ fn missing(bench: &Bench) -> Result<Seen, Fault> {
     if setting.given.is_empty() {
         return Seen::inapplicable(NO_INPUT);
     }
-    let mut trial = bench.between(setting)?;
-    let step = trial.next(setting);
-    trial.feed(&step, 0)?;
+    let mut life = bench.between(setting)?;
+    let step = life.next(setting);
+    life.feed(&step, 0)?;
     let mut message = String::new();
-    for slot in 0..trial.inputs.len() {
+    for slot in 0..life.inputs.len() {
         let mut command = Command::about(CommandKind::Solve, &step);
-        for (slot, feed) in trial.inputs.iter().enumerate() {
+        for (slot, feed) in life.inputs.iter().enumerate() {
             command.expected[slot] = feed.header.sequence;
         }
         command.expected[slot] += 1;
-        let field = trial.inputs[slot].given.kind.name.clone();
-        message = trial.ask(command, &[])?.not_done("a sample that never came")?;
+        let field = life.inputs[slot].given.kind.name.clone();
+        message = life.ask(command, &[])?.not_done("a sample that never came")?;
         if !message.contains(&field) {
             return broken(format!("`{field}` never came, and it fails with: {message}"));
         }
     }
-    trial.solve(&step).map_err(|fault| fault.at("after a sample that was missing"))?;
-    bench.keep(setting, trial);
+    life.solve(&step).map_err(|fault| fault.at("after a sample that was missing"))?;
+    bench.keep(setting, life);
     Seen::kept(message)
 }
 
@@ -101,42 +102,42 @@ fn wrong(bench: &Bench) -> Result<Seen, Fault> {
     let mut tried = Vec::new();
     for (because, spoil) in WRONG {
         // Not kept: the samples of the spoilt input are numbered otherwise from here on.
-        let mut trial = bench.between(setting)?;
-        let step = trial.next(setting);
-        trial.solve_with(&step, 0)?;
-        for feed in trial.inputs.iter_mut().skip(1) {
+        let mut life = bench.between(setting)?;
+        let step = life.next(setting);
+        life.solve_with(&step, 0)?;
+        for feed in life.inputs.iter_mut().skip(1) {
             let values = feed.given.values(&feed.grid, 0);
             feed.send(&values, &step)?;
         }
-        spoil(&mut trial.inputs[0], &step)?;
-        let field = trial.inputs[0].given.kind.name.clone();
-        fails(&mut trial, &step, (because, &field))?;
-        trial.lives_on(because)?;
+        spoil(&mut life.inputs[0], &step)?;
+        let field = life.inputs[0].given.kind.name.clone();
+        fails(&mut life, &step, (because, &field))?;
+        life.lives_on(because)?;
         tried.push(because);
     }
     Seen::kept(tried.join(", "))
 }
 
 fn not_finite(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_between(|setting, trial| {
+    bench.each_between(|setting, life| {
         if setting.given.is_empty() {
             return Seen::inapplicable(NO_INPUT);
         }
-        let step = trial.next(setting);
-        let first = trial.solve_with(&step, 0)?.outputs;
+        let step = life.next(setting);
+        let first = life.solve_with(&step, 0)?.outputs;
         let mut message = String::new();
-        for slot in 0..trial.inputs.len() {
-            let field = trial.inputs[slot].given.kind.name.clone();
+        for slot in 0..life.inputs.len() {
+            let field = life.inputs[slot].given.kind.name.clone();
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-                trial.feed(&step, 0)?;
-                let feed = &mut trial.inputs[slot];
+                life.feed(&step, 0)?;
+                let feed = &mut life.inputs[slot];
                 let mut values = feed.values.clone();
                 let middle = values.len() / 2;
                 values[middle] = value;
                 feed.send(&values, &step)?;
-                message = fails(trial, &step, (&format!("{value}"), &field))?;
+                message = fails(life, &step, (&format!("{value}"), &field))?;
             }
-            let again = trial.solve_with(&step, 0)?.outputs;
+            let again = life.solve_with(&step, 0)?.outputs;
             same(&again, &first, &format!("after NaN and infinities in `{field}`"))?;
         }
         Seen::kept(message)

@@ -1,9 +1,9 @@
 //! What a participant under test is given to read: smooth positive fields of a likely magnitude, or
 //! recorded ones.
 
-use proto::configuration::Configuration;
-use proto::field::{FieldKind, SURFACE_SPEED};
-use proto::grid::{Grid, Structured};
+use contract::configuration::Configuration;
+use contract::field::{FieldKind, SURFACE_SPEED};
+use contract::grid::{Grid, Structured};
 
 /// Half the patch of an input whose producer says nothing of its grid [m].
 const HALF_PATCH: f64 = 8e-3;
@@ -100,7 +100,7 @@ fn patch(low: [f64; 2], high: [f64; 2], [ni, nj]: [usize; 2]) -> Structured {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proto::field::{FRICTION_POWER, TRACTION};
+    use contract::field::{FRICTION_POWER, TRACTION};
 
     fn given(kind: FieldKind) -> Given {
         Given { kind, magnitude: 2.0, recorded: None }

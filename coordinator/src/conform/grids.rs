@@ -1,7 +1,8 @@
 //! Grids of any size.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen};
+use super::check::Check;
+use super::fault::{Fault, Seen};
 use super::solving::same;
 
 pub(super) const GROWING_GRIDS: Check = Check {
@@ -36,16 +37,16 @@ fn growing(bench: &Bench) -> Result<Seen, Fault> {
                 return Seen::inapplicable("no input has a grid that can be refined");
             };
             let place = format!("{} x {} elements", size[0], size[1]);
-            let mut trial = bench.joined()?;
+            let mut life = bench.joined()?;
             // That outputs have the sizes of the layout is part of what every sample is checked for.
-            let (layout, _) = trial.prepare(&setting).map_err(|fault| fault.at(&place))?;
+            let (layout, _) = life.prepare(&setting).map_err(|fault| fault.at(&place))?;
             let step = setting.step(0);
-            let mut solve = || trial.solve_with(&step, 0).map_err(|fault| fault.at(&place));
+            let mut solve = || life.solve_with(&step, 0).map_err(|fault| fault.at(&place));
             let first = solve()?.outputs;
             if size == largest(bench) {
                 same(&solve()?.outputs, &first, &place)?;
             }
-            points.push(layout.grids.iter().map(proto::grid::Grid::points).sum::<usize>());
+            points.push(layout.grids.iter().map(contract::grid::Grid::points).sum::<usize>());
         }
         let points: Vec<String> = points.iter().map(usize::to_string).collect();
         Seen::kept(format!("own grids of {} points", points.join(", ")))

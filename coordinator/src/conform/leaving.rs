@@ -1,10 +1,14 @@
 //! Signs of life, and the end.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
 use super::grids::largest;
-use super::trial::{Trial, end_of};
-use proto::message::{Command, CommandKind, Finished};
+use super::life::Life;
+use super::life::end_of;
+use contract::message::Command;
+use contract::message::CommandKind;
+use contract::message::Finished;
 use serde_json::Value;
 use std::time::{Duration, Instant};
 
@@ -38,8 +42,8 @@ const IDLE: Duration = Duration::from_millis(1500);
 const SILENCE: Duration = Duration::from_secs(1);
 
 /// The longest time between two beats from `since` on.
-fn silence(trial: &mut Trial, since: Instant) -> Duration {
-    let beats = std::mem::take(&mut trial.beats);
+fn silence(life: &mut Life, since: Instant) -> Duration {
+    let beats = std::mem::take(&mut life.beats);
     let (mut last, mut longest) = (since, Duration::ZERO);
     for beat in beats.into_iter().chain([Instant::now()]).filter(|beat| *beat >= since) {
         longest = longest.max(beat - last);
@@ -56,21 +60,21 @@ fn quick_enough(silence: Duration, place: &str) -> Result<(), Fault> {
 }
 
 fn heart(bench: &Bench) -> Result<Seen, Fault> {
-    let mut trial = bench.joined()?;
+    let mut life = bench.joined()?;
     let since = Instant::now();
-    trial.listen(IDLE)?;
-    let idle = silence(&mut trial, since);
-    bench.keep_joined(trial);
+    life.listen(IDLE)?;
+    let idle = silence(&mut life, since);
+    bench.keep_joined(life);
     quick_enough(idle, "while idle")?;
     let mut longest = (Duration::ZERO, Duration::ZERO);
     for setting in &bench.settings {
         let setting = setting.resized(largest(bench)).unwrap_or_else(|| setting.clone());
-        let mut trial = bench.ready(&setting)?;
+        let mut life = bench.ready(&setting)?;
         let step = setting.step(0);
-        trial.feed(&step, 0)?;
+        life.feed(&step, 0)?;
         let since = Instant::now();
-        trial.solve(&step)?;
-        let (took, silent) = (since.elapsed(), silence(&mut trial, since));
+        life.solve(&step)?;
+        let (took, silent) = (since.elapsed(), silence(&mut life, since));
         quick_enough(silent, &format!("in a solve of {}", setting.label()))?;
         longest = longest.max((took, silent));
     }
@@ -87,10 +91,10 @@ fn coordinator_dies(bench: &Bench) -> Result<Seen, Fault> {
     let idle = bench.joined()?.abandon().ends().map_err(|fault| fault.at("while idle"))?;
     let setting = bench.first()?;
     let setting = setting.resized(largest(bench)).unwrap_or_else(|| setting.clone());
-    let mut trial = bench.ready(&setting)?;
-    trial.feed(&setting.step(0), 0)?;
-    trial.post_solve(&setting.step(0))?;
-    let solving = trial.abandon().ends().map_err(|fault| fault.at("in a solve"))?;
+    let mut life = bench.ready(&setting)?;
+    life.feed(&setting.step(0), 0)?;
+    life.post_solve(&setting.step(0))?;
+    let solving = life.abandon().ends().map_err(|fault| fault.at("in a solve"))?;
     let ms = |time: Duration| 1e3 * time.as_secs_f64();
     Seen::kept(format!("it ends in {:.0} ms, {:.0} ms in a solve", ms(idle), ms(solving)))
 }
@@ -100,11 +104,11 @@ fn finish(bench: &Bench) -> Result<Seen, Fault> {
     before.lives_on("joining")?;
     end(before, false).map_err(|fault| fault.at("before it is configured"))?;
     bench.each(|setting| {
-        let mut trial = bench.between(setting)?;
-        let step = trial.next(setting);
-        trial.solve_with(&step, 0)?;
-        trial.accept(&step, false)?;
-        let summary = end(trial, true)?;
+        let mut life = bench.between(setting)?;
+        let step = life.next(setting);
+        life.solve_with(&step, 0)?;
+        life.accept(&step, false)?;
+        let summary = end(life, true)?;
         let sections = summary.as_object().into_iter().flatten().map(|(key, _)| key.as_str());
         Seen::kept(match sections.collect::<Vec<_>>().join(", ") {
             none if none.is_empty() => "an empty summary, exit code 0".to_owned(),
@@ -114,8 +118,8 @@ fn finish(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 /// Lets it go; its summary.
-fn end(mut trial: Trial, ran: bool) -> Result<Value, Fault> {
-    let answer = trial.ask(Command::new(CommandKind::Finish), &[])?.done()?;
+fn end(mut life: Life, ran: bool) -> Result<Value, Fault> {
+    let answer = life.ask(Command::new(CommandKind::Finish), &[])?.done()?;
     let finished: Finished = answer.json("a summary")?;
     if ran && !finished.summary.is_object() {
         return broken(format!("its summary is not an object: {}", finished.summary));
@@ -126,7 +130,7 @@ fn end(mut trial: Trial, ran: bool) -> Result<Value, Fault> {
     if !(finished.model_seconds.is_finite() && finished.model_seconds >= 0.0) {
         return broken(format!("model_seconds is {}", finished.model_seconds));
     }
-    let exit = trial.leave("Finish")?;
+    let exit = life.leave("Finish")?;
     match exit.status.success() {
         true => Ok(finished.summary),
         false => broken(format!("after Finish its process {}", end_of(&exit))),

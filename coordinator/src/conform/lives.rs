@@ -5,139 +5,25 @@
 //! which a check failed, or that a check has spoilt, is not. While one process is put through a check
 //! the next ones start.
 
-use super::bench::Bench;
-use super::check::{Fault, Seen};
-use super::setting::Setting;
-use super::trial::{Trial, Values};
-use proto::configuration::Configuration;
+use super::life::{Life, Values};
+use contract::configuration::Configuration;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
-use std::num::NonZero;
 use std::rc::Rc;
-
-/// Most processes that are started ahead.
-const MOST_AHEAD: usize = 4;
 
 /// What is running and not in use.
 #[derive(Default)]
 pub(super) struct Lives {
     /// Joined, and not initialised.
-    joined: RefCell<Option<Trial>>,
+    pub(super) joined: RefCell<Option<Life>>,
     /// Between two windows, each as it was configured.
-    ready: RefCell<Vec<(Configuration, Trial)>>,
+    pub(super) ready: RefCell<Vec<(Configuration, Life)>>,
     /// How settings went on after their first window, see [`Bench::unobserved`].
-    unobserved: RefCell<Vec<(Configuration, Rc<Values>)>>,
+    pub(super) unobserved: RefCell<Vec<(Configuration, Rc<Values>)>>,
     /// On its way.
-    coming: RefCell<VecDeque<Trial>>,
+    pub(super) coming: RefCell<VecDeque<Life>>,
     /// Some process has joined.
-    once: Cell<bool>,
+    pub(super) once: Cell<bool>,
     /// A process was started, and none has.
-    never: Cell<bool>,
-}
-
-impl Bench {
-    /// A process was started, and none has ever joined.
-    pub(super) fn never_joined(&self) -> bool {
-        self.lives.never.get()
-    }
-
-    /// A process that has joined a run of its own and is not initialised.
-    pub(super) fn joined(&self) -> Result<Trial, Fault> {
-        let kept = self.lives.joined.borrow_mut().take();
-        kept.filter(|trial| trial.ended().is_none()).map_or_else(|| self.fresh(), Ok)
-    }
-
-    /// A check has left it as [`Bench::joined`] found it.
-    pub(super) fn keep_joined(&self, trial: Trial) {
-        self.lives.joined.borrow_mut().get_or_insert(trial);
-    }
-
-    /// A process that has joined and received nothing yet.
-    pub(super) fn fresh(&self) -> Result<Trial, Fault> {
-        let Lives { coming, once, never, .. } = &self.lives;
-        let next = coming.borrow_mut().pop_front();
-        let joined = next.map_or_else(|| Trial::start(self), Ok).and_then(Trial::joined);
-        match &joined {
-            Ok(_) => {
-                once.set(true);
-                self.start_ahead();
-            }
-            Err(_) => never.set(!once.get()),
-        }
-        joined
-    }
-
-    /// Starts as many processes as can start at the same time.
-    fn start_ahead(&self) {
-        let at_once = std::thread::available_parallelism().map_or(1, NonZero::get).min(MOST_AHEAD);
-        let mut coming = self.lives.coming.borrow_mut();
-        while coming.len() < at_once
-            && let Ok(trial) = Trial::start(self)
-        {
-            coming.push_back(trial);
-        }
-    }
-
-    /// A process that is ready for its very first window.
-    pub(super) fn ready(&self, setting: &Setting) -> Result<Trial, Fault> {
-        let mut trial = self.joined()?;
-        trial.prepare(setting)?;
-        Ok(trial)
-    }
-
-    /// A process that is ready for some window.
-    pub(super) fn between(&self, setting: &Setting) -> Result<Trial, Fault> {
-        let mut ready = self.lives.ready.borrow_mut();
-        let of = |(of, trial): &(Configuration, Trial)| {
-            *of == setting.configuration && trial.ended().is_none()
-        };
-        match ready.iter().position(of) {
-            Some(index) => Ok(ready.swap_remove(index).1),
-            None => {
-                drop(ready);
-                self.ready(setting)
-            }
-        }
-    }
-
-    /// A check has left it between two windows. One of each configuration is kept: a process may take
-    /// much memory.
-    pub(super) fn keep(&self, setting: &Setting, trial: Trial) {
-        let mut ready = self.lives.ready.borrow_mut();
-        if ready.iter().all(|(of, _)| *of != setting.configuration) {
-            ready.push((setting.configuration.clone(), trial));
-        }
-    }
-
-    /// What a fresh process sends for the second window (inputs of variation 1) after the first one
-    /// (variation 0) was accepted and not observed.
-    pub(super) fn unobserved(&self, setting: &Setting) -> Result<Rc<Values>, Fault> {
-        let known = self.lives.unobserved.borrow();
-        if let Some((_, outputs)) = known.iter().find(|(of, _)| *of == setting.configuration) {
-            return Ok(Rc::clone(outputs));
-        }
-        drop(known);
-        let mut trial = self.ready(setting)?;
-        let step = setting.step(0);
-        trial.solve_with(&step, 0)?;
-        trial.accept(&step, false)?;
-        let outputs = Rc::new(trial.solve_with(&trial.next(setting), 1)?.outputs);
-        self.keep(setting, trial);
-        let known = (setting.configuration.clone(), Rc::clone(&outputs));
-        self.lives.unobserved.borrow_mut().push(known);
-        Ok(outputs)
-    }
-
-    /// Goes through all settings, with a process of each that is between two windows and is left so.
-    pub(super) fn each_between(
-        &self,
-        mut look: impl FnMut(&Setting, &mut Trial) -> Result<Seen, Fault>,
-    ) -> Result<Seen, Fault> {
-        self.each(|setting| {
-            let mut trial = self.between(setting)?;
-            let seen = look(setting, &mut trial)?;
-            self.keep(setting, trial);
-            Ok(seen)
-        })
-    }
+    pub(super) never: Cell<bool>,
 }

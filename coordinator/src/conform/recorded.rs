@@ -1,10 +1,10 @@
 //! The inputs of a participant as a recording holds them.
 
-use crate::error::RunError;
 use crate::inspect;
-use proto::grid::Grid;
-use proto::message::{CommandKind, Topics};
+use contract::grid::Grid;
+use contract::message::{CommandKind, Topics};
 use proto::recording::{Event, Item};
+use run::error::RunError;
 use std::path::Path;
 
 /// The newest sample of each input, with its grid.
@@ -48,7 +48,7 @@ impl Recorded {
     }
 
     fn of(topics: Topics) -> Self {
-        let input = |topic: proto::message::Topic| Input {
+        let input = |topic: contract::message::Topic| Input {
             field: topic.field,
             service: topic.service,
             grid: topic.grid,

@@ -1,13 +1,18 @@
 //! Runs and configurations that a participant cannot take.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
+use super::life::Life;
+use super::life::end_of;
 use super::setting::Setting;
-use super::trial::{LEAVE, Trial, end_of};
-use proto::configuration::Configuration;
-use proto::description::{Description, KeySpec};
-use proto::message::{Command, CommandKind};
-use proto::params::Params;
+use contract::configuration::Configuration;
+use contract::description::Description;
+use contract::description::KeySpec;
+use contract::message::Command;
+use contract::message::CommandKind;
+use contract::params::Params;
+use run::peers::LEAVE;
 use serde_json::{Value, json};
 use std::time::Instant;
 
@@ -55,17 +60,18 @@ pub(super) const UNKNOWN_FIELD: Check = Check {
 const OTHER_VERSION: u32 = 999;
 
 fn version(bench: &Bench) -> Result<Seen, Fault> {
-    let trial = Trial::of_version(bench, OTHER_VERSION)?;
-    let deadline = Instant::now() + bench.patience;
-    while trial.ended().is_none() && Instant::now() < deadline {
+    let life = Life::of_version(&bench.subject, OTHER_VERSION)?;
+    let deadline = Instant::now() + bench.subject.patience;
+    while life.ended().is_none() && Instant::now() < deadline {
         std::thread::sleep(LEAVE / 1000);
     }
-    let exit = trial.leave("a run of another version")?;
+    let exit = life.leave("a run of another version")?;
     let words = exit.last_words.clone().unwrap_or_default();
     if exit.status.success() {
         return broken(format!("it {}", end_of(&exit)));
     }
-    let numbers = [OTHER_VERSION, bench.description.protocol].map(|number| number.to_string());
+    let numbers =
+        [OTHER_VERSION, bench.subject.description.protocol].map(|number| number.to_string());
     match numbers.iter().find(|number| !words.contains(*number)) {
         Some(number) => broken(format!("it {}; {number} is not named", end_of(&exit))),
         None => Seen::kept(words),
@@ -81,16 +87,16 @@ fn refuses(
 ) -> Result<String, Fault> {
     let mut wrong = setting.configuration.clone();
     spoil(&mut wrong);
-    let mut trial = bench.joined()?;
+    let mut life = bench.joined()?;
     let body = serde_json::to_vec(&wrong).expect("a configuration is plain data");
-    let answer = trial.ask(Command::new(CommandKind::Configure), &body)?;
+    let answer = life.ask(Command::new(CommandKind::Configure), &body)?;
     let refusal = answer.refused(because)?;
     if let Some(key) = key.filter(|key| refusal.key != *key) {
         return broken(format!("{because} is refused with the key `{}`, not `{key}`", refusal.key));
     }
-    let good = trial.configure(&setting.configuration);
+    let good = life.configure(&setting.configuration);
     good.map_err(|fault| fault.at("after a refusal"))?;
-    bench.keep_joined(trial);
+    bench.keep_joined(life);
     Ok(refusal.to_string())
 }
 
@@ -127,7 +133,7 @@ fn unknown_field(bench: &Bench) -> Result<Seen, Fault> {
 
 fn missing_key(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
-        let keys = required(&bench.description, &setting.configuration);
+        let keys = required(&bench.subject.description, &setting.configuration);
         if keys.is_empty() {
             return Seen::inapplicable("no key is required");
         }

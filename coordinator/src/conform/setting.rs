@@ -3,16 +3,16 @@
 //! The plan is made as for a run, with the case's other participants, so that case values, inputs,
 //! outputs and the grids of the inputs are those that it would meet there. None of the others runs.
 
-use super::Request;
 use super::given::{self, Given};
 use super::recorded::Recorded;
-use crate::case::RawCase;
-use crate::error::RunError;
-use crate::plan::{Plan, plan};
-use proto::configuration::{Configuration, Mode};
-use proto::description::Description;
-use proto::message::Interpolation;
-use proto::model::Step;
+use super::request::Request;
+use case::RawCase;
+use contract::configuration::{Configuration, Mode};
+use contract::description::Description;
+use contract::message::Interpolation;
+use contract::step::Step;
+use run::error::RunError;
+use run::plan::{Plan, plan};
 
 /// Window of a transient setting whose case has none [s]: rolling over a fraction of the contact.
 const WINDOW: &str = "20 us";
@@ -208,9 +208,9 @@ fn with_inputs(
         all_given.push(given);
     }
     let window = match plan.windows {
-        crate::windows::Windows::Steady => 0.0,
-        crate::windows::Windows::Fixed { window, .. } => window,
-        crate::windows::Windows::Adaptive { first, .. } => first,
+        coupling::windows::Windows::Steady => 0.0,
+        coupling::windows::Windows::Fixed { window, .. } => window,
+        coupling::windows::Windows::Adaptive { first, .. } => first,
     };
     Setting { configuration, given: all_given, interpolation: plan.interpolation, window }
 }

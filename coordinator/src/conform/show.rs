@@ -1,7 +1,7 @@
 //! The table on the terminal.
 
-use super::{Report, Row, Verdict};
-use proto::text::one_line;
+use super::{CheckOutcome, CheckResult, Report};
+use contract::text::one_line;
 use std::fmt::Write as _;
 
 /// Column of the names of the checks.
@@ -13,7 +13,7 @@ const LINE: usize = 96;
 pub(super) fn head(report: &Report) -> String {
     let program = if report.program.is_empty() { "?" } else { &one_line(&report.program) };
     let mut text =
-        format!("{} as `{}`, protocol {}\n", program, report.role, proto::PROTOCOL_VERSION);
+        format!("{} as `{}`, protocol {}\n", program, report.role, contract::PROTOCOL_VERSION);
     let mut listed = |word: &str, list: &[String]| {
         for (index, one) in list.iter().enumerate() {
             let word = if index == 0 { word } else { "" };
@@ -26,11 +26,11 @@ pub(super) fn head(report: &Report) -> String {
 }
 
 /// One check in one line.
-pub(super) fn line(row: &Row) -> String {
+pub(super) fn line(row: &CheckResult) -> String {
     let word = match row.verdict {
-        Verdict::Passed => "ok",
-        Verdict::Failed => "FAIL",
-        Verdict::Inapplicable | Verdict::NotMade => "-",
+        CheckOutcome::Passed => "ok",
+        CheckOutcome::Failed => "FAIL",
+        CheckOutcome::Inapplicable | CheckOutcome::NotMade => "-",
     };
     let same = row.same_as.map(|earlier| format!("as `{earlier}`"));
     let seen = same.as_deref().unwrap_or(&row.seen).lines().next().unwrap_or_default();
@@ -52,16 +52,16 @@ pub(super) fn tail(report: &Report) -> String {
         }
     }
     let count = |verdict| report.checks.iter().filter(|row| row.verdict == verdict).count();
-    let not_made = match report.checks.iter().find(|row| row.verdict == Verdict::NotMade) {
-        Some(row) => format!(", {} not made ({})", count(Verdict::NotMade), row.seen),
+    let not_made = match report.checks.iter().find(|row| row.verdict == CheckOutcome::NotMade) {
+        Some(row) => format!(", {} not made ({})", count(CheckOutcome::NotMade), row.seen),
         None => String::new(),
     };
     let _ = writeln!(
         text,
         "\n{} passed, {} failed, {} do not apply{not_made}; {:.1} s",
-        count(Verdict::Passed),
-        count(Verdict::Failed),
-        count(Verdict::Inapplicable),
+        count(CheckOutcome::Passed),
+        count(CheckOutcome::Failed),
+        count(CheckOutcome::Inapplicable),
         report.wall_s
     );
     text
@@ -89,20 +89,28 @@ fn wrapped(text: &str, indent: usize) -> String {
 mod tests {
     use super::*;
 
-    fn row(verdict: Verdict, seen: &str) -> Row {
+    fn row(verdict: CheckOutcome, seen: &str) -> CheckResult {
         let (name, demand, fix) = ("solve", "the requirement", "where to look");
-        Row { name, verdict, seen: seen.to_owned(), demand, fix, same_as: None, seconds: 0.0 }
+        CheckResult {
+            name,
+            verdict,
+            seen: seen.to_owned(),
+            demand,
+            fix,
+            same_as: None,
+            seconds: 0.0,
+        }
     }
 
     #[test]
     fn a_check_is_one_line_and_only_a_failure_has_details() {
         let long = "word ".repeat(60);
         let rows = vec![
-            row(Verdict::Passed, "2 outputs"),
-            row(Verdict::Failed, &long),
-            row(Verdict::Inapplicable, "no input"),
-            Row { same_as: Some("solve"), ..row(Verdict::Failed, &long) },
-            row(Verdict::NotMade, "it is gone"),
+            row(CheckOutcome::Passed, "2 outputs"),
+            row(CheckOutcome::Failed, &long),
+            row(CheckOutcome::Inapplicable, "no input"),
+            CheckResult { same_as: Some("solve"), ..row(CheckOutcome::Failed, &long) },
+            row(CheckOutcome::NotMade, "it is gone"),
         ];
         for row in &rows {
             let text = line(row);

@@ -1,11 +1,12 @@
 //! First outputs, and solves from the accepted state.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
-use super::trial::{Trial, Values, difference};
-use proto::field::Mapping;
-use proto::message::Status;
-use proto::model::Step;
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
+use super::life::{Life, Values, difference};
+use contract::field::Mapping;
+use contract::message::Status;
+use contract::step::Step;
 
 pub(super) const INITIALISE: Check = Check {
     name: "initialise",
@@ -60,9 +61,9 @@ const HEAT_TOLERANCE: f64 = 1e-10;
 
 fn initialise(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
-        let mut trial = bench.joined()?;
-        let (_, first) = trial.prepare(setting)?;
-        bench.keep(setting, trial);
+        let mut life = bench.joined()?;
+        let (_, first) = life.prepare(setting)?;
+        bench.keep(setting, life);
         Seen::kept(listed(&first))
     })
 }
@@ -77,18 +78,18 @@ fn listed(fields: &Values) -> String {
 }
 
 fn solve(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_between(|setting, trial| {
+    bench.each_between(|setting, life| {
         for variation in [0, 1, 2] {
-            let step = trial.next(setting);
+            let step = life.next(setting);
             let step = Step { iteration: step.iteration + variation, ..step };
-            let solved = trial.solve_with(&step, variation)?;
+            let solved = life.solve_with(&step, variation)?;
             if let Some(fault) = solved.reply.fault() {
                 return broken(fault);
             }
             if !setting.is_transient() {
                 break;
             }
-            trial.accept(&step, false)?;
+            life.accept(&step, false)?;
         }
         Seen::kept(match setting.is_transient() {
             true => "three windows",
@@ -98,23 +99,23 @@ fn solve(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn heat(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_between(|setting, trial| {
-        let conservative = |trial: &Trial| {
+    bench.each_between(|setting, life| {
+        let conservative = |life: &Life| {
             let fields =
-                trial.inputs.iter().filter(|f| f.given.kind.mapping == Mapping::Conservative);
+                life.inputs.iter().filter(|f| f.given.kind.mapping == Mapping::Conservative);
             fields.map(|f| (f.grid.integrate(&f.values), f.values.clone())).collect::<Vec<_>>()
         };
-        let step = trial.next(setting);
-        trial.feed(&step, 0)?;
-        if conservative(trial).is_empty() {
+        let step = life.next(setting);
+        life.feed(&step, 0)?;
+        if conservative(life).is_empty() {
             return Seen::inapplicable("it has no conservative input");
         }
-        let solved = trial.solve(&step)?;
+        let solved = life.solve(&step)?;
         let received = solved.reply.heat_received;
         if received.is_nan() {
             return Seen::inapplicable("it reports no heat_received");
         }
-        let sent: f64 = conservative(trial).iter().map(|(heat, _)| heat).sum();
+        let sent: f64 = conservative(life).iter().map(|(heat, _)| heat).sum();
         let off = (received - sent).abs();
         if off > HEAT_TOLERANCE * sent.abs() {
             return broken(format!("heat_received is {received:e} W, the integral {sent:e} W"));
@@ -124,29 +125,29 @@ fn heat(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn repeat(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_between(|setting, trial| {
-        let mut step = trial.next(setting);
+    bench.each_between(|setting, life| {
+        let mut step = life.next(setting);
         if setting.is_transient() {
-            trial.solve_with(&step, 1)?;
-            trial.accept(&step, false)?;
-            step = trial.next(setting);
+            life.solve_with(&step, 1)?;
+            life.accept(&step, false)?;
+            step = life.next(setting);
         }
         let next = step;
-        let first = trial.solve_with(&step, 0)?.outputs;
-        let mut again = |trial: &mut Trial, why: &str| -> Result<(), Fault> {
+        let first = life.solve_with(&step, 0)?.outputs;
+        let mut again = |life: &mut Life, why: &str| -> Result<(), Fault> {
             step.iteration += 1;
-            same(&trial.solve(&step)?.outputs, &first, why)
+            same(&life.solve(&step)?.outputs, &first, why)
         };
         // The same sample once more, a new one of the same values, and one after others.
-        again(trial, "solved again with the same samples")?;
-        trial.feed(&next, 0)?;
-        again(trial, "solved again with the same values")?;
-        if trial.inputs.is_empty() {
+        again(life, "solved again with the same samples")?;
+        life.feed(&next, 0)?;
+        again(life, "solved again with the same values")?;
+        if life.inputs.is_empty() {
             return Seen::kept("the same bits (it has no inputs to vary)");
         }
-        trial.solve_with(&Step { iteration: 9, ..next }, 2)?;
-        trial.feed(&next, 0)?;
-        again(trial, "solved again after a solve with other inputs")?;
+        life.solve_with(&Step { iteration: 9, ..next }, 2)?;
+        life.feed(&next, 0)?;
+        again(life, "solved again after a solve with other inputs")?;
         Seen::kept("the same bits, also after a solve with other inputs")
     })
 }
@@ -160,42 +161,42 @@ pub(super) fn same(found: &Values, expected: &Values, why: &str) -> Result<(), F
 }
 
 fn other_end(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_between(|setting, trial| {
+    bench.each_between(|setting, life| {
         if !setting.is_transient() {
             return Seen::inapplicable("no transient setting");
         }
-        let whole = trial.next(setting);
+        let whole = life.next(setting);
         let half = Step { end: 0.5 * (whole.start + whole.end), ..whole };
-        let first = trial.solve_with(&whole, 0)?.outputs;
-        let shorter = trial.solve_with(&half, 0)?.outputs;
-        let again = trial.solve_with(&whole, 0)?.outputs;
+        let first = life.solve_with(&whole, 0)?.outputs;
+        let shorter = life.solve_with(&half, 0)?.outputs;
+        let again = life.solve_with(&whole, 0)?.outputs;
         same(&again, &first, "solved with its first end after another one")?;
-        let again = trial.solve_with(&half, 0)?.outputs;
+        let again = life.solve_with(&half, 0)?.outputs;
         same(&again, &shorter, "solved with its second end again")?;
-        trial.accept(&half, false)?;
-        trial.solve_with(&setting.after(&half), 0)?;
+        life.accept(&half, false)?;
+        life.solve_with(&setting.after(&half), 0)?;
         Seen::kept("half as long and back to the same bits; the next window begins at the new end")
     })
 }
 
 fn no_duration(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_between(|setting, trial| {
+    bench.each_between(|setting, life| {
         if !setting.is_transient() {
             return Seen::inapplicable("no transient setting");
         }
-        let step = trial.next(setting);
-        let first = trial.solve_with(&step, 0)?.outputs;
+        let step = life.next(setting);
+        let first = life.solve_with(&step, 0)?.outputs;
         let empty = Step { end: step.start, ..step };
-        trial.feed(&empty, 0)?;
-        let answer = trial.ask_solve(&empty)?;
+        life.feed(&empty, 0)?;
+        let answer = life.ask_solve(&empty)?;
         let seen = if answer.status == Status::Done {
-            trial.collect(&empty)?;
+            life.collect(&empty)?;
             "it is solved".to_owned()
         } else {
-            trial.none_of_outputs("a solve that failed")?;
+            life.none_of_outputs("a solve that failed")?;
             answer.not_done("a window without duration")?
         };
-        same(&trial.solve_with(&step, 0)?.outputs, &first, "the next window")?;
+        same(&life.solve_with(&step, 0)?.outputs, &first, "the next window")?;
         Seen::kept(seen)
     })
 }

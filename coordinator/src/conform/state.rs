@@ -1,12 +1,13 @@
 //! Save and Restore.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen};
+use super::check::Check;
+use super::fault::{Fault, Seen};
+use super::life::{Life, Values};
 use super::setting::Setting;
 use super::solving::same;
-use super::trial::{Trial, Values};
-use proto::message::{Command, CommandKind, OutputFile, StateFile, Status};
-use proto::model::Step;
+use contract::message::{Command, CommandKind, OutputFile, StateFile, Status};
+use contract::step::Step;
 use std::path::{Path, PathBuf};
 
 pub(super) const RESTORE: Check = Check {
@@ -37,21 +38,21 @@ struct Saved {
 }
 
 fn save(bench: &Bench, setting: &Setting) -> Result<Saved, Fault> {
-    let mut trial = bench.between(setting)?;
+    let mut life = bench.between(setting)?;
     let (mut step, mut outputs) = (setting.step(0), Values::new());
     let windows = if setting.is_transient() { 3 } else { 1 };
     for window in 0..windows {
-        step = trial.next(setting);
-        outputs = trial.solve_with(&step, window)?.outputs;
-        trial.accept(&step, false)?;
+        step = life.next(setting);
+        outputs = life.solve_with(&step, window)?.outputs;
+        life.accept(&step, false)?;
     }
-    let path = trial.folder().join("saved.state");
-    trial.ask(Command::about(CommandKind::Save, &step), &body(&path, Vec::new()))?.done()?;
+    let path = life.folder().join("saved.state");
+    life.ask(Command::about(CommandKind::Save, &step), &body(&path, Vec::new()))?.done()?;
     let bytes = std::fs::read(&path)
         .map_err(|error| Fault::Broken(format!("Save is done, but the file: {error}")))?;
     let next = setting.after(&step);
-    let continued = trial.solve_with(&next, 1)?.outputs;
-    bench.keep(setting, trial);
+    let continued = life.solve_with(&next, 1)?.outputs;
+    bench.keep(setting, life);
     Ok(Saved { bytes, step, outputs, next, continued })
 }
 
@@ -63,8 +64,8 @@ fn body(path: &Path, outputs: Vec<OutputFile>) -> Vec<u8> {
 
 impl Saved {
     /// Asks to restore these bytes, with what was sent last.
-    fn give(&self, trial: &mut Trial, bytes: Option<&[u8]>) -> Result<super::trial::Answer, Fault> {
-        let folder = trial.folder().to_owned();
+    fn give(&self, life: &mut Life, bytes: Option<&[u8]>) -> Result<super::life::Answer, Fault> {
+        let folder = life.folder().to_owned();
         let path = folder.join("given.state");
         match bytes {
             Some(bytes) => std::fs::write(&path, bytes)?,
@@ -80,15 +81,15 @@ impl Saved {
             std::fs::write(&path, bytes)?;
             files.push(OutputFile { field: name.clone(), path });
         }
-        trial.ask(Command::about(CommandKind::Restore, &self.step), &body(&path, files))
+        life.ask(Command::about(CommandKind::Restore, &self.step), &body(&path, files))
     }
 
     /// Restores the whole state and continues.
-    fn continue_in(&self, trial: &mut Trial) -> Result<(), Fault> {
-        self.give(trial, Some(&self.bytes))?.done()?;
-        trial.restored(&self.step);
-        same(&trial.collect(&self.step)?, &self.outputs, "Restore publishes other values")?;
-        let continued = trial.solve_with(&self.next, 1)?.outputs;
+    fn continue_in(&self, life: &mut Life) -> Result<(), Fault> {
+        self.give(life, Some(&self.bytes))?.done()?;
+        life.restored(&self.step);
+        same(&life.collect(&self.step)?, &self.outputs, "Restore publishes other values")?;
+        let continued = life.solve_with(&self.next, 1)?.outputs;
         same(&continued, &self.continued, "the restored process continues differently")
     }
 }
@@ -96,8 +97,8 @@ impl Saved {
 fn restore(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
         let saved = save(bench, setting)?;
-        let mut trial = bench.ready(setting)?;
-        saved.continue_in(&mut trial)?;
+        let mut life = bench.ready(setting)?;
+        saved.continue_in(&mut life)?;
         Seen::kept(format!("{} bytes, the same bits", saved.bytes.len()))
     })
 }
@@ -105,32 +106,32 @@ fn restore(bench: &Bench) -> Result<Seen, Fault> {
 fn damaged(bench: &Bench) -> Result<Seen, Fault> {
     bench.each(|setting| {
         let saved = save(bench, setting)?;
-        let mut trial = bench.between(setting)?;
-        let missing = saved.give(&mut trial, None)?.not_done("a state file that is not there")?;
-        trial.none_of_outputs("a Restore that failed")?;
+        let mut life = bench.between(setting)?;
+        let missing = saved.give(&mut life, None)?.not_done("a state file that is not there")?;
+        life.none_of_outputs("a Restore that failed")?;
         let length = saved.bytes.len();
         if length == 0 {
-            saved.continue_in(&mut trial)?;
+            saved.continue_in(&mut life)?;
             return Seen::kept(format!("no state to truncate; a missing file: {missing}"));
         }
         for cut in [0, 1, length / 2, length - 1] {
             let what = format!("a state truncated to {cut} of {length} bytes");
-            saved.give(&mut trial, Some(&saved.bytes[..cut]))?.not_done(&what)?;
-            trial.none_of_outputs("a Restore that failed")?;
+            saved.give(&mut life, Some(&saved.bytes[..cut]))?.not_done(&what)?;
+            life.none_of_outputs("a Restore that failed")?;
         }
         for at in [0, length / 2, length - 1] {
             let mut bytes = saved.bytes.clone();
             bytes[at] ^= 0x55;
-            let answer = saved.give(&mut trial, Some(&bytes))?;
+            let answer = saved.give(&mut life, Some(&bytes))?;
             if answer.status == Status::Done {
-                trial.collect(&saved.step)?;
+                life.collect(&saved.step)?;
             } else {
                 answer.not_done("a changed byte")?;
-                trial.none_of_outputs("a Restore that failed")?;
+                life.none_of_outputs("a Restore that failed")?;
             }
         }
-        saved.continue_in(&mut trial)?;
-        bench.keep(setting, trial);
+        saved.continue_in(&mut life)?;
+        bench.keep(setting, life);
         Seen::kept(format!(
             "truncations of {length} bytes refused; the whole state is taken afterwards"
         ))

@@ -1,8 +1,9 @@
 //! Commands that make no sense.
 
 use super::bench::Bench;
-use super::check::{Check, Fault, Seen, broken};
-use proto::message::{Command, CommandKind, OBSERVE};
+use super::check::Check;
+use super::fault::{Fault, Seen, broken};
+use contract::message::{Command, CommandKind, OBSERVE};
 
 pub(super) const UNKNOWN_COMMAND: Check = Check {
     name: "unknown-command",
@@ -29,21 +30,21 @@ pub(super) const OUT_OF_ORDER: Check = Check {
 };
 
 fn unknown(bench: &Bench) -> Result<Seen, Fault> {
-    let mut trial = bench.joined()?;
+    let mut life = bench.joined()?;
     let mut message = String::new();
     for kind in [0, 10, u32::MAX] {
         let command = Command { kind, ..Command::new(CommandKind::Describe) };
-        message = trial.ask(command, &[])?.not_done("its number")?;
-        trial.lives_on("an unknown command")?;
+        message = life.ask(command, &[])?.not_done("its number")?;
+        life.lives_on("an unknown command")?;
     }
     let command = Command { protocol: 999, ..Command::new(CommandKind::Describe) };
-    let other = trial.ask(command, &[])?.not_done("its version")?;
-    let ours = proto::PROTOCOL_VERSION.to_string();
+    let other = life.ask(command, &[])?.not_done("its version")?;
+    let ours = contract::PROTOCOL_VERSION.to_string();
     if !other.contains("999") || !other.contains(&ours) {
         return broken(format!("version 999 is answered with `{other}`, not naming both"));
     }
-    trial.lives_on("a command of another version")?;
-    bench.keep_joined(trial);
+    life.lives_on("a command of another version")?;
+    bench.keep_joined(life);
     Seen::kept(message)
 }
 
@@ -52,38 +53,36 @@ const BODIES: [&[u8]; 6] = [b"", b"{", b"[]", b"null", b"{\"role\": 7}", b"\xff\
 
 fn malformed(bench: &Bench) -> Result<Seen, Fault> {
     let setting = bench.first()?;
-    let mut trial = bench.joined()?;
+    let mut life = bench.joined()?;
     let mut message = String::new();
     for body in BODIES {
         let shown = format!("the body {:?}", String::from_utf8_lossy(body));
-        message = trial.ask(Command::new(CommandKind::Configure), body)?.not_done(&shown)?;
+        message = life.ask(Command::new(CommandKind::Configure), body)?.not_done(&shown)?;
     }
-    trial.lives_on("bodies that are not a configuration")?;
-    trial
-        .prepare(setting)
-        .map_err(|fault| fault.at("after bodies that are not a configuration"))?;
+    life.lives_on("bodies that are not a configuration")?;
+    life.prepare(setting).map_err(|fault| fault.at("after bodies that are not a configuration"))?;
     for kind in [CommandKind::Save, CommandKind::Restore] {
         for body in BODIES {
             let shown = format!("the body {:?}", String::from_utf8_lossy(body));
-            trial.ask(Command::about(kind, &setting.step(0)), body)?.not_done(&shown)?;
+            life.ask(Command::about(kind, &setting.step(0)), body)?.not_done(&shown)?;
         }
     }
-    trial.solve_with(&setting.step(0), 0).map_err(|fault| fault.at("after bodies of no sense"))?;
-    bench.keep(setting, trial);
+    life.solve_with(&setting.step(0), 0).map_err(|fault| fault.at("after bodies of no sense"))?;
+    bench.keep(setting, life);
     // Connect takes what was configured with it, so that a fresh process is asked.
     for body in if bench.quick { &BODIES[..2] } else { &BODIES[..] } {
-        let mut trial = bench.joined()?;
-        trial.configure(&setting.configuration)?;
+        let mut life = bench.joined()?;
+        life.configure(&setting.configuration)?;
         let shown = format!("the body {:?}", String::from_utf8_lossy(body));
-        trial.ask(Command::new(CommandKind::Connect), body)?.not_done(&shown)?;
-        trial.lives_on("a body that is not a list of topics")?;
+        life.ask(Command::new(CommandKind::Connect), body)?.not_done(&shown)?;
+        life.lives_on("a body that is not a list of topics")?;
     }
     Seen::kept(message)
 }
 
 fn out_of_order(bench: &Bench) -> Result<Seen, Fault> {
     let setting = bench.first()?;
-    let mut trial = bench.fresh()?;
+    let mut life = bench.fresh()?;
     let mut message = String::new();
     let topics = br#"{"inputs": [], "outputs": [], "deadline": 1}"#;
     let state = br#"{"path": "/nonexistent/state"}"#;
@@ -96,18 +95,18 @@ fn out_of_order(bench: &Bench) -> Result<Seen, Fault> {
         ];
         for (kind, body, flags) in early {
             let command = Command { flags, ..Command::about(kind, &setting.step(0)) };
-            message = trial.ask(command, body)?.not_done("its coming too early")?;
+            message = life.ask(command, body)?.not_done("its coming too early")?;
         }
         if !configured {
             for kind in [CommandKind::Connect, CommandKind::Initialise] {
-                let early = trial.ask(Command::new(kind), topics)?;
+                let early = life.ask(Command::new(kind), topics)?;
                 early.not_done("its coming before Configure")?;
             }
-            trial.configure(&setting.configuration)?;
+            life.configure(&setting.configuration)?;
         }
     }
-    trial.prepare(setting).map_err(|fault| fault.at("after commands out of order"))?;
-    trial.solve_with(&setting.step(0), 0)?;
-    bench.keep(setting, trial);
+    life.prepare(setting).map_err(|fault| fault.at("after commands out of order"))?;
+    life.solve_with(&setting.step(0), 0)?;
+    bench.keep(setting, life);
     Seen::kept(message)
 }

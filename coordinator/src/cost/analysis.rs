@@ -1,12 +1,13 @@
 //! From runs to errors: references, orders of convergence, the Pareto front and what to pick.
 
+use super::study::{Compared, LevelSeen, Pick, Reference, Request, Run, Shows, Study};
 use super::sweep::{Sweep, WINDOW};
-use super::{Compared, LevelSeen, Pick, Reference, Request, Run, Shows, Study};
-use crate::error::RunError;
 use crate::study::axis::Axis;
 use crate::study::levels::Level;
+use crate::study::output::Kept;
 use crate::study::quantity::{Measure, Quantity};
 use crate::study::richardson::{Estimate, Sample};
+use run::error::RunError;
 use std::collections::BTreeMap;
 
 /// The targets for which a study names a run.
@@ -21,7 +22,7 @@ pub(super) fn study(request: &Request, sweep: Sweep) -> Result<Study, RunError> 
     let compared: Vec<Compared> =
         quantities.iter().map(|one| compared(one, request, &sweep)).collect();
     let mut study = Study {
-        schema: super::SCHEMA,
+        schema: Study::SCHEMA,
         case: sweep.name.clone(),
         title: sweep.title.clone(),
         file: request.case.display().to_string(),
@@ -145,15 +146,13 @@ impl Sweep {
         let estimates = self.estimates(level, finest, &quantity.key);
         let limit = estimates.iter().fold(value, |limit, one| limit + (one.limit - value));
         let error: f64 = estimates.iter().map(|one| one.error).sum();
-        let settings: Vec<String> =
-            finest.settings.iter().map(|(key, value)| format!("{key} {value}")).collect();
         let name = self.levels[level].name();
         let how = if estimates.is_empty() { "the finest run" } else { "extrapolated" };
         Some(Reference {
             value: limit,
             uncertainty: (!estimates.is_empty())
                 .then(|| quantity.error(limit + error, limit) + self.levels[level].model_error()),
-            source: format!("{name} to {}, {how}", settings.join(", ")),
+            source: format!("{name} to {}, {how}", finest.settings_text()),
         })
     }
 
@@ -215,14 +214,6 @@ impl Run {
     }
 }
 
-impl Compared {
-    /// The quantity itself.
-    pub(super) fn quantity(&self) -> Quantity {
-        let Self { key, name, measure, .. } = self.clone();
-        Quantity { key, name, measure }
-    }
-}
-
 /// What the runs of a level show.
 fn seen(number: usize, sweep: &Sweep, study: &Study) -> LevelSeen {
     let level = &sweep.levels[number];
@@ -270,8 +261,8 @@ fn stops_paying(
     Some(format!(
         "from {key} {} on: there the grid errs by {}, the models by {}",
         enough.level,
-        super::show::error(first.measure, grid_error(enough)),
-        super::show::error(first.measure, model_error),
+        first.measure.show(grid_error(enough)),
+        first.measure.show(model_error),
     ))
 }
 

@@ -1,29 +1,23 @@
 //! The subcommand.
 
-use super::kept::Kept;
+use super::finished::FinishedRuns;
+use super::study::{Request, Study};
 use super::sweep::Places;
-use super::{FILE, Request, Study, analysis, csv, page, show, sweep};
-use crate::error::RunError;
-use crate::output::print;
-use crate::report;
+use super::{analysis, page, runs, show, sweep};
+use crate::study::arguments::{CaseArguments, FolderArguments};
 use crate::study::axis::Axis;
-use crate::study::folder::{StudyFolder, Wanted};
-use crate::study::{Variant, planned, scratch};
+use crate::study::folder::StudyFolder;
+use crate::study::output::{Kept, Printing, Shown};
+use crate::study::{planned, scratch};
 use clap::Args;
-use proto::text::json;
-use std::path::{Path, PathBuf};
+use run::error::RunError;
+use std::path::Path;
 
 /// What `coordinator cost` is asked.
 #[derive(Debug, Args)]
-pub struct Arguments {
-    /// The case file.
-    case: PathBuf,
-    /// Change a key for all runs: dotted name and TOML value (a bare word is a text).
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// Remove a key for all runs.
-    #[arg(long, value_name = "KEY")]
-    unset: Vec<String>,
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    of: CaseArguments,
     /// Vary a key, coarsest value first, in place of the default plan: a model, a resolution, a
     /// window, a tolerance; may be given several times.
     #[arg(long, value_name = "KEY=V1,V2")]
@@ -35,20 +29,11 @@ pub struct Arguments {
     /// extrapolated].
     #[arg(long, value_name = "KEY=VALUE")]
     reference: Vec<String>,
-    /// Make each run so often; its times are the least.
-    #[arg(long, value_name = "TIMES", default_value_t = 2,
-          value_parser = clap::value_parser!(u32).range(1..))]
-    repeat: u32,
     /// Leave out runs whose solvers expect to take longer.
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
     longest_run: f64,
-    /// Folder of the study; one that was stopped is resumed [default: results/NAME-cost, or
-    /// NAME-cost-2 and so on].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace an earlier study in that folder.
-    #[arg(long)]
-    replace: bool,
+    #[command(flatten)]
+    folder: FolderArguments,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -58,28 +43,27 @@ pub struct Arguments {
 ///
 /// # Errors
 /// A case that cannot run, options that cannot be, the file system.
-pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let request = request(asked)?;
     let standing = planned(&request.case, &request.base)?;
-    standing.case.tell_replaced();
-    let kept = |folder: &Path| Kept::read(folder, &request, &standing);
-    let study = StudyFolder::choose(&Wanted {
-        command: "cost",
-        name: &format!("{}-cost", standing.plan.name),
-        out: asked.out.as_deref(),
-        replace: asked.replace,
-        goes_on: &|folder| kept(folder).count() > 0,
-    })?;
-    let kept = match asked.replace {
-        true => Kept::none(&request, &standing),
-        false => kept(study.path()),
+    crate::logging::warn_of_replaced(&standing.case);
+    let kept = |folder: &Path| FinishedRuns::read(folder, &request, &standing);
+    let name = format!("{}-cost", standing.plan.name);
+    let goes_on = |folder: &Path| kept(folder).count() > 0;
+    let folder = asked.folder.choose(Study::COMMAND, &name, &goes_on)?;
+    let kept = match asked.folder.replace {
+        true => FinishedRuns::none(&request, &standing),
+        false => kept(folder.path()),
     };
     tell_kept(kept.count());
     let scratch = scratch()?;
-    let mut places = Places { scratch: scratch.path(), study: &study, kept };
-    let swept = sweep::sweep(&request, &standing, quiet || asked.json, &mut places);
+    let printing = Printing { json: asked.json, quiet };
+    let mut places = Places { scratch: scratch.path(), study: &folder, kept };
+    let swept = sweep::sweep(&request, &standing, printing.is_silent(), &mut places);
     let swept = swept.inspect_err(|error| tell_stopped(error, &places))?;
-    finish(asked, quiet, &study, &analysis::study(&request, swept)?)
+    let study = analysis::study(&request, swept)?;
+    write(&study, &folder)?;
+    printing.print(&study, || show::text(&study), &folder)
 }
 
 /// Runs of a study that was stopped are not made again.
@@ -99,23 +83,15 @@ fn tell_stopped(error: &RunError, places: &Places<'_>) {
     }
 }
 
-/// Writes the files of a study and prints it.
-fn finish(
-    asked: &Arguments,
-    quiet: bool,
-    folder: &StudyFolder,
-    study: &Study,
-) -> Result<(), RunError> {
-    let json = json(study);
-    write(folder, study, &json)?;
-    Kept::remove(folder)?;
-    print(&match (asked.json, quiet) {
-        (true, _) => json,
-        (false, true) => String::new(),
-        (false, false) => {
-            format!("{}  results   {}\n", show::text(study), folder.path().display())
-        }
-    })
+/// Writes the files of a study in the place of its finished runs.
+fn write(study: &Study, folder: &StudyFolder) -> Result<(), RunError> {
+    folder.write("cost.csv", runs::csv(study).as_bytes())?;
+    let first = study.quantities.first();
+    if let Some(figure) = first.and_then(|one| page::work_precision(study, one)) {
+        folder.write("work-precision.svg", figure.standalone().as_bytes())?;
+    }
+    study.publish(folder)?;
+    FinishedRuns::remove(folder)
 }
 
 fn request(asked: &Arguments) -> Result<Request, RunError> {
@@ -127,12 +103,12 @@ fn request(asked: &Arguments) -> Result<Request, RunError> {
         ));
     }
     Ok(Request {
-        case: asked.case.clone(),
-        base: Variant { set: asked.set.clone(), unset: asked.unset.clone() },
+        case: asked.of.case.clone(),
+        base: asked.of.base(),
         vary: axes.collect::<Result<_, _>>()?,
         quantity: asked.quantity.clone(),
         references: references.collect::<Result<_, _>>()?,
-        repeat: asked.repeat,
+        repeat: asked.of.repeat,
         longest_run: asked.longest_run,
     })
 }
@@ -145,14 +121,4 @@ fn reference(option: &str) -> Result<(String, f64), RunError> {
     option.split_once('=').and_then(read).ok_or_else(|| {
         RunError::Usage(format!("`--reference {option}` is not KEY=NUMBER, other than 0"))
     })
-}
-
-fn write(folder: &StudyFolder, study: &Study, json: &str) -> Result<(), RunError> {
-    folder.write(FILE, json.as_bytes())?;
-    folder.write("cost.csv", csv::text(study).as_bytes())?;
-    let first = study.quantities.first();
-    if let Some(figure) = first.and_then(|one| page::work_precision(study, one)) {
-        folder.write("work-precision.svg", figure.standalone().as_bytes())?;
-    }
-    report::write(&folder.open()?).map(drop)
 }

@@ -1,27 +1,20 @@
 //! The study as a page: the work-precision plot, tables, what to pick.
 
-use super::show::error;
-use super::{Compared, FILE, Run, Study};
-use crate::error::{RunError, file_failure};
+use super::runs::{COLUMNS, of_level, table};
+use super::study::{Compared, Pick, Run, Study};
 use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::plot::Figure;
 use crate::report::table::Table;
-use crate::report::unit::{Scale, of_key};
+use crate::study::output::Shown;
 use crate::study::quantity::Measure;
+use run::error::RunError;
+use run::format::{of_key, seconds};
 use std::path::Path;
 
-/// The page about the study in a folder.
-///
-/// # Errors
-/// A file that cannot be read, or holds no study of this version.
-pub fn page(folder: &Path) -> Result<Page, RunError> {
-    let path = folder.join(FILE);
-    let text = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
-    let study: Study = serde_json::from_slice(&text).map_err(|fault| {
-        let fix = "run `coordinator cost` again";
-        RunError::Usage(format!("{} contains no study: {fault}; {fix}", path.display()))
-    })?;
-    Ok(of(&study))
+impl Shown for Study {
+    fn page(&self, _: &Path) -> Result<Page, RunError> {
+        Ok(of(self))
+    }
 }
 
 fn of(study: &Study) -> Page {
@@ -40,20 +33,10 @@ fn of(study: &Study) -> Page {
     }
 }
 
-fn time(seconds: f64) -> String {
-    Scale::of("s", seconds).show(seconds, 3)
-}
-
-fn settings(run: &Run) -> String {
-    let all: Vec<String> =
-        run.settings.iter().map(|(key, value)| format!("{key} {value}")).collect();
-    all.join(", ")
-}
-
 fn picks(study: &Study) -> Option<Section> {
     let first = study.quantities.first()?;
-    let headline = |pick: &super::Pick| {
-        let name = format!("{} to {}", first.name, error(first.measure, pick.target));
+    let headline = |pick: &Pick| {
+        let name = format!("{} to {}", first.name, first.measure.show(pick.target));
         match pick.run.map(|index| &study.runs[index]) {
             None => Headline {
                 name,
@@ -62,12 +45,12 @@ fn picks(study: &Study) -> Option<Section> {
             },
             Some(run) => Headline {
                 name,
-                value: time(run.cost.solve_s),
+                value: seconds(run.cost.solve_s),
                 more: format!(
                     "{}, {}; errs by {}",
                     study.levels[run.level].name,
-                    settings(run),
-                    error(first.measure, run.errors[&first.key])
+                    run.settings_text(),
+                    first.measure.show(run.errors[&first.key])
                 ),
             },
         }
@@ -78,7 +61,7 @@ fn picks(study: &Study) -> Option<Section> {
 
 /// Error over time, for every quantity that has a reference.
 fn plots(study: &Study) -> Option<Section> {
-    let shown = study.quantities.iter().take(super::show::COLUMNS);
+    let shown = study.quantities.iter().take(COLUMNS);
     let figures = shown.filter_map(|one| work_precision(study, one)).map(Block::Figure);
     Section::of("Work and precision", figures.collect())
 }
@@ -101,7 +84,7 @@ pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
     }
     let known = match reference.uncertainty {
         Some(0.0) => String::new(),
-        Some(off) => format!(", itself known to {}", error(one.measure, off)),
+        Some(off) => format!(", itself known to {}", one.measure.show(off)),
         None => ", of unknown error".to_owned(),
     };
     figure.note = format!("Against {}{known}.", reference.source);
@@ -114,7 +97,7 @@ fn references(study: &Study) -> Option<Section> {
         let Some(reference) = &one.reference else { continue };
         let known = match reference.uncertainty {
             Some(0.0) => "exact".to_owned(),
-            Some(off) => error(one.measure, off),
+            Some(off) => one.measure.show(off),
             None => "unknown".to_owned(),
         };
         let from = reference.source.clone();
@@ -139,43 +122,20 @@ fn levels(study: &Study) -> Option<Section> {
     Section::of("Runs", blocks)
 }
 
+/// The runs of a level, and the orders that they show.
 fn runs(study: &Study, level: usize) -> Table {
-    let own = || study.runs.iter().filter(move |run| run.level == level);
-    let keys = own().next().map(|run| run.settings.clone()).unwrap_or_default();
-    let mut head: Vec<String> = keys.into_iter().map(|(key, _)| key).collect();
-    head.extend(["solve", "wall", "cpu", "iterations"].map(str::to_owned));
-    head.extend(study.quantities.iter().map(|one| format!("error of {}", one.name)));
+    let (runs, settings) = of_level(study, level);
+    let mut table = table(study, &settings).page(&runs);
     let orders = study.quantities.iter().map(|one| {
         let shows = study.levels[level].shows.get(&one.key);
         shows.and_then(|shows| shows.order).map(|order| format!("{order:.2}")).unwrap_or_default()
     });
-    let mut rows: Vec<Vec<String>> = own().map(|run| row(study, run)).collect();
-    let blanks = head.len() - study.quantities.len() - 1;
+    let blanks = table.head.len() - study.quantities.len() - 1;
     let mut last = vec!["order".to_owned()];
     last.extend(std::iter::repeat_n(String::new(), blanks));
     last.extend(orders);
-    rows.push(last);
-    Table { head, rows, figures_from: 1 }
-}
-
-fn row(study: &Study, run: &Run) -> Vec<String> {
-    let mark = if run.pareto { " *" } else { "" };
-    let mut cells: Vec<String> = run.settings.iter().map(|(_, value)| value.clone()).collect();
-    if let Some(first) = cells.first_mut() {
-        *first += mark;
-    }
-    if run.failed.is_some() {
-        cells.push("failed".to_owned());
-        let missing = 3 + study.quantities.len();
-        cells.extend(std::iter::repeat_n(String::new(), missing));
-        return cells;
-    }
-    cells.extend([run.cost.solve_s, run.cost.wall_s, run.cost.cpu_s.values().sum()].map(time));
-    cells.push(run.cost.iterations.to_string());
-    cells.extend(study.quantities.iter().map(|one| {
-        run.errors.get(&one.key).map(|value| error(one.measure, *value)).unwrap_or_default()
-    }));
-    cells
+    table.rows.push(last);
+    table
 }
 
 /// What was not run, and why.
@@ -187,7 +147,7 @@ fn notes(study: &Study) -> Option<Section> {
     for run in &study.runs {
         if let Some(why) = &run.failed {
             let name = &study.levels[run.level].name;
-            table.row([format!("{name}, {}", settings(run)), format!("failed: {why}")]);
+            table.row([format!("{name}, {}", run.settings_text()), format!("failed: {why}")]);
         }
     }
     let there = !table.rows.is_empty();

@@ -1,17 +1,17 @@
 //! The runs of a study: which ones, and what each of them gives.
 
-use super::kept::Kept;
-use super::{Request, Run};
-use crate::error::RunError;
-use crate::plan::{Plan, Planned};
+use super::finished::FinishedRuns;
+use super::study::{Request, Run};
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::levels::{Level, Offer, offered, reason};
 use crate::study::progress::Steps;
 use crate::study::quantity::Quantity;
-use crate::study::spent::{Clock, Spent};
+use crate::study::spent::{Spent, Stopwatch};
 use crate::study::{Variant, ends_study, expected_seconds, perform, planned};
-use crate::windows::Windows;
+use coupling::windows::Windows;
+use run::error::RunError;
+use run::plan::{Plan, Planned};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -52,7 +52,7 @@ struct Point {
 pub(super) struct Places<'a> {
     pub(super) scratch: &'a Path,
     pub(super) study: &'a StudyFolder,
-    pub(super) kept: Kept,
+    pub(super) kept: FinishedRuns,
 }
 
 /// Makes the runs that a request asks for, but those that are kept.
@@ -207,17 +207,17 @@ impl Sweep {
         let mut run = Run::of(point);
         let silent = point.variant.with("output.fields", "none");
         for _ in 0..request.repeat {
-            let clock = Clock::start();
+            let stopwatch = Stopwatch::start();
             let made = planned(&request.case, &silent).and_then(|planned| {
                 let seconds = expected_seconds(&planned.plan);
                 if seconds > request.longest_run {
                     return Ok(Err(seconds));
                 }
                 self.note_closed_forms(&planned);
-                perform(&request.case, &planned, clock.since, places.scratch).map(Ok)
+                perform(&request.case, &planned, stopwatch.since, places.scratch).map(Ok)
             });
             match made {
-                Ok(Ok(summary)) => run.take(&summary, &clock),
+                Ok(Ok(summary)) => run.take(&summary, &stopwatch),
                 Ok(Err(seconds)) => {
                     let limit = request.longest_run;
                     let why = format!("{seconds:.0} s expected, above --longest-run {limit} s");
@@ -268,8 +268,8 @@ impl Run {
     }
 
     /// Takes the quantities of a run, and its times where they are the least so far.
-    fn take(&mut self, summary: &Value, clock: &Clock) {
-        let cost = Spent::of(summary, clock);
+    fn take(&mut self, summary: &Value, stopwatch: &Stopwatch) {
+        let cost = Spent::of(summary, stopwatch);
         if self.values.is_empty() || cost.solve_s < self.cost.solve_s {
             let wall_s = match self.values.is_empty() {
                 true => cost.wall_s,

@@ -1,25 +1,27 @@
 //! From one recorded event to the next.
 
 use super::feed::Feed;
+use super::request::{Replay, Request};
 use super::told::Reconfiguration;
 use super::walk::{Answer, Walk};
-use super::{Replay, Request};
-use crate::error::{Failure, RunError, file_failure};
 use crate::inspect::FileRecording;
 use crate::output::print;
-use crate::plan::sample_bytes;
-use crate::session::{Session, room_for};
-use proto::configuration::{Layout, Refusal};
-use proto::description::Description;
-use proto::field::GEOMETRY;
-use proto::grid::Grid;
-use proto::message::{
+use contract::configuration::{Layout, Refusal};
+use contract::description::Description;
+use contract::field::GEOMETRY;
+use contract::grid::Grid;
+use contract::message::{
     Command, CommandKind, Failure as Unsuccessful, FieldHeader, Finished, OBSERVE, OutputFile,
     Reply, StateFile, Status, Topics,
 };
-use proto::model::Step;
+use contract::step::Step;
+use coupling::ParticipantIndex;
 use proto::recording::{CaseFile, Event, Item, Participant, read_topics};
 use proto::transport::{Endpoint, FieldReader, TransportError};
+use run::error::{Failure, RunError, file_failure};
+use run::peers::{Peers, Phase};
+use run::plan::sample_bytes;
+use run::session::room_for;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -78,7 +80,7 @@ pub(super) struct Driver<'a> {
     request: &'a Request,
     index: usize,
     recorded: &'a Participant,
-    session: &'a mut Session,
+    peers: &'a mut Peers,
     replay: Replay,
     /// What the program says of itself, once it was asked.
     description: Option<Description>,
@@ -110,10 +112,10 @@ impl<'a> Driver<'a> {
         request: &'a Request,
         index: usize,
         recorded: &'a Participant,
-        session: &'a mut Session,
+        peers: &'a mut Peers,
         from: Option<u64>,
     ) -> Result<Self, RunError> {
-        let folder = session.folder().join("replay");
+        let folder = peers.info().folder.join("replay");
         std::fs::create_dir(&folder).map_err(|error| file_failure(&folder, &error))?;
         let mut replay = Replay {
             role: request.only.clone(),
@@ -131,7 +133,7 @@ impl<'a> Driver<'a> {
             request,
             index,
             recorded,
-            session,
+            peers,
             replay,
             description: None,
             left_out: Vec::new(),
@@ -201,7 +203,7 @@ impl<'a> Driver<'a> {
             let finish = Command::new(CommandKind::Finish);
             self.ask(finish, &[])?;
         }
-        self.session.wait_for_exits();
+        self.peers.wait_for_exits();
         Ok(self.replay)
     }
 
@@ -247,7 +249,7 @@ impl<'a> Driver<'a> {
                 self.ask(command, &[])?;
             }
             CommandKind::Accept if command.flags & OBSERVE == 0 && !self.moves => {
-                self.session.post(0, command, &[], false)?;
+                self.peers.post(ParticipantIndex::FIRST, command, &[], false)?;
             }
             CommandKind::Accept => self.ask(command, &[])?,
             CommandKind::Save => {
@@ -276,12 +278,12 @@ impl<'a> Driver<'a> {
     /// Sends a command and keeps what comes back until the recording says what came then.
     fn ask(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
         self.nothing_more_was_sent()?;
-        self.session.about(&command);
-        self.session.post(0, command, body, true)?;
-        let deadlines = *self.session.deadlines();
+        self.peers.phase = Phase::of(&command);
+        self.peers.post(ParticipantIndex::FIRST, command, body, true)?;
+        let deadlines = *self.peers.deadlines();
         let builds = command.kind == CommandKind::Initialise as u32;
         let patience = if builds { deadlines.build } else { deadlines.solve };
-        let message = self.session.await_reply(0, patience)?;
+        let (_, message) = self.peers.reply(ParticipantIndex::FIRST, patience)?;
         let (reply, body) = (message.header(), message.body());
         self.done = match Status::from_number(reply.status) {
             Some(Status::Done) => {
@@ -410,7 +412,7 @@ impl<'a> Driver<'a> {
         let mut topics = read_topics(body).map_err(|error| self.damaged(&error.to_string()))?;
         topics.outputs.retain(|topic| !self.left_out.contains(&topic.field));
         room_for(self.samples(&topics), "before the fields of the replay were created")?;
-        let endpoint = self.session.endpoint();
+        let endpoint = self.peers.endpoint();
         self.feed = Feed::open(endpoint, &topics).map_err(|e| self.transport(&e))?;
         let mut outputs = Vec::new();
         for topic in &mut topics.outputs {
@@ -428,14 +430,14 @@ impl<'a> Driver<'a> {
         (self.outputs, self.moves) = (outputs, !topics.geometry.is_empty());
         let body = serde_json::to_vec(&topics).expect("topics are plain data");
         self.ask(command, &body)?;
-        let deadline = Instant::now() + self.session.deadlines().start;
+        let deadline = Instant::now() + self.peers.deadlines().start;
         self.feed.wait_for_subscriber(deadline).map_err(|e| self.transport(&e))
     }
 
     /// Bytes of a sample of each topic.
     fn samples(&self, topics: &Topics) -> Vec<u64> {
         let own = |name: &str| self.recorded.description.fields.iter().find(|f| f.name == name);
-        let components = |name: &str| match proto::field::find(name) {
+        let components = |name: &str| match contract::field::find(name) {
             Some(spec) => spec.components,
             None => own(name).map_or(1, |kind| kind.components),
         };

@@ -4,7 +4,7 @@
 //! the window before, which holds at the window's start; what others come between is left out, and
 //! all are renumbered.
 
-use proto::message::{Command, FieldHeader, Topic, Topics};
+use contract::message::{Command, FieldHeader, Topic, Topics};
 use proto::transport::{Endpoint, FieldWriter, TransportError};
 use std::time::Instant;
 

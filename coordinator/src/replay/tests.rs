@@ -6,12 +6,12 @@ use super::told::Reconfiguration;
 use super::*;
 use crate::export::{Target, export};
 use crate::inspect::{Wanted, survey, text};
+use contract::configuration::{Configuration, Mode};
+use contract::description::{Description, KeySpec, ModelSpec};
+use contract::grid::{Grid, Structured};
+use contract::message::{Command, CommandKind, FieldHeader, Label, Reply, Topic, Topics};
+use contract::params::Params;
 use proptest::prelude::*;
-use proto::configuration::{Configuration, Mode};
-use proto::description::{Description, KeySpec, ModelSpec};
-use proto::grid::{Grid, Structured};
-use proto::message::{Command, CommandKind, FieldHeader, Label, Reply, Topic, Topics};
-use proto::params::Params;
 use proto::recording::{
     CaseFile, Compression, Event, FORMAT, Head, Iteration, Recording, RecordingError,
     RecordingWriter, read_topics,
@@ -28,10 +28,10 @@ fn description() -> Description {
         consumes: Vec::new(),
         provides: vec!["rail_temperature".to_owned()],
         keys: vec![KeySpec::number("thermal.depth", "a depth")],
-        accuracy: proto::accuracy::Accuracy::default(),
+        accuracy: contract::accuracy::Accuracy::default(),
     };
     Description {
-        protocol: proto::PROTOCOL_VERSION,
+        protocol: contract::PROTOCOL_VERSION,
         name: "strips".to_owned(),
         version: "1".to_owned(),
         role: "thermal".to_owned(),
@@ -78,7 +78,7 @@ impl Content {
         };
         Head {
             format: FORMAT,
-            protocol: proto::PROTOCOL_VERSION,
+            protocol: contract::PROTOCOL_VERSION,
             writer: "test".to_owned(),
             case: self.case.clone(),
             scheme: "serial-explicit".to_owned(),

@@ -1,11 +1,11 @@
 //! What the participant is given: its recorded configuration, with the files of the case where it
 //! can read them, and changed as was asked for.
 
-use super::Request;
-use crate::error::RunError;
-use crate::record::fits;
-use proto::description::{Description, KeySpec};
+use super::request::Request;
+use contract::description::{Description, KeySpec};
 use proto::recording::{CaseFile, Participant};
+use run::error::RunError;
+use run::record::fits;
 use serde_json::{Map, Value};
 
 /// The participant which is configured, and what was recorded of it.

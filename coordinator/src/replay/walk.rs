@@ -1,8 +1,8 @@
 //! Walking through a replay by hand.
 
-use crate::error::{RunError, file_failure};
 use crate::output::print;
-use proto::message::{Command, CommandKind};
+use contract::message::{Command, CommandKind};
+use run::error::{RunError, file_failure};
 use std::io::{self, BufRead};
 use std::path::Path;
 

@@ -1,11 +1,11 @@
 //! Values over a plane, as colours.
 
 use super::axis::{Axis, Frame, extent};
+use super::canvas::{LEFT, figure, view};
 use super::image::address;
 use super::palette::{COLOURS, entry};
-use super::plot::{LEFT, figure, view};
 use super::standalone::Standalone;
-use super::unit::number;
+use run::format::number;
 use std::fmt::Write as _;
 
 /// Where a map ends at most on the paper, and where its colour bar is.
@@ -21,7 +21,7 @@ const ELEMENTS: usize = 400;
 
 /// A field over a rectangle of elements.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Heatmap {
+pub(crate) struct Heatmap {
     /// What is shown.
     pub title: String,
     /// What is to the right, with its unit.
@@ -49,14 +49,14 @@ pub struct Heatmap {
 impl Heatmap {
     /// The map as HTML.
     #[must_use]
-    pub fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let svg = view(&self.title, &self.describe(), self.height(), &self.content());
         figure(&self.title, &svg, &self.note)
     }
 
     /// The map as an SVG file that needs nothing else, with its title.
     #[must_use]
-    pub fn standalone(&self) -> String {
+    pub(crate) fn standalone(&self) -> String {
         Standalone {
             title: &self.title,
             description: &self.describe(),
@@ -174,7 +174,7 @@ impl Heatmap {
             svg,
             "<text class=\"label\" x=\"{left}\" y=\"{:.2}\">{}</text>",
             bottom + 19.0,
-            super::page::escape(&self.value_label)
+            super::html::escape(&self.value_label)
         );
         svg
     }

@@ -1,20 +1,20 @@
 //! The page: head, style and sections, as HTML that is also well-formed XML.
 
 use super::bars::Bars;
+use super::canvas::figure;
+use super::html::{PLOT_STYLE, escape};
 use super::lanes::Lanes;
 use super::map::Heatmap;
-use super::plot::{Figure, figure};
+use super::plot::Figure;
 use super::table::Table;
 use std::fmt::{Display, Formatter, Result};
 
-/// Colours of the page and its plots, and what plots need.
-pub(super) const PLOT_STYLE: &str = include_str!("plot.css");
 /// Fonts, grid and everything else of the page.
 const STYLE: &str = include_str!("style.css");
 
 /// One figure of the head of the page.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Headline {
+pub(crate) struct Headline {
     /// What it is.
     pub name: String,
     /// Number and unit.
@@ -25,7 +25,7 @@ pub struct Headline {
 
 /// A part of a section.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Block {
+pub(crate) enum Block {
     /// A paragraph.
     Text(String),
     /// Figures side by side, large.
@@ -108,7 +108,7 @@ fn switches(all: &[(String, bool, String)]) -> String {
 
 /// A heading and what belongs under it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Section {
+pub(crate) struct Section {
     /// The heading.
     pub title: String,
     /// What is under it.
@@ -118,7 +118,7 @@ pub struct Section {
 impl Section {
     /// A section; `None` if there is nothing in it.
     #[must_use]
-    pub fn of(title: &str, blocks: Vec<Block>) -> Option<Self> {
+    pub(crate) fn of(title: &str, blocks: Vec<Block>) -> Option<Self> {
         (!blocks.is_empty()).then(|| Self { title: title.to_owned(), blocks })
     }
 
@@ -138,7 +138,7 @@ impl Section {
 
 /// How a run has gone, as the page shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mood {
+pub(crate) enum Mood {
     /// It has come to its end.
     Good,
     /// It has failed.
@@ -149,7 +149,7 @@ pub enum Mood {
 
 /// The whole page.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Page {
+pub(crate) struct Page {
     /// Name of the case.
     pub name: String,
     /// What the case is about.
@@ -205,24 +205,6 @@ fn quoted(escaped: &str) -> String {
     out
 }
 
-/// Text as it may stand in HTML and its attributes; control characters are shown, not sent.
-#[must_use]
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out += "&amp;",
-            '<' => out += "&lt;",
-            '>' => out += "&gt;",
-            '"' => out += "&quot;",
-            '\n' | '\t' => out.push(c),
-            c if c.is_control() => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -231,10 +213,5 @@ mod tests {
     fn code_is_marked_and_a_lone_backtick_stays() {
         assert_eq!(quoted("`a` and `b` or `c"), "<code>a</code> and <code>b</code> or `c");
         assert_eq!(quoted("none"), "none");
-    }
-
-    #[test]
-    fn what_would_break_the_page_is_escaped() {
-        assert_eq!(escape("<a & \"b\">\u{1b}\n"), "&lt;a &amp; &quot;b&quot;&gt;\u{fffd}\n");
     }
 }

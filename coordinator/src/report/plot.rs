@@ -1,18 +1,14 @@
 //! Lines over an axis.
 
 use super::axis::{Axis, Frame};
-use super::page::escape;
+use super::canvas::{COLOURS, Key, LEFT, RIGHT, figure, legend, mark, view};
 use super::standalone::Standalone;
-use super::unit::number;
+use run::format::number;
 use std::fmt::Write as _;
 
-/// Width of every plot's view box; the page scales it.
-pub const WIDTH: f64 = 440.0;
 /// Height of a line plot's view box.
 const HEIGHT: f64 = 282.0;
-/// Where the plot's own area begins and ends on the paper.
-pub(super) const LEFT: f64 = 76.0;
-pub(super) const RIGHT: f64 = 426.0;
+/// Where the plot's own area begins and ends upward.
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 234.0;
 /// Most points drawn of one line; more would be finer than the paper.
@@ -20,7 +16,7 @@ const POINTS: usize = 720;
 
 /// One line of a figure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Series {
+pub(crate) struct Line {
     /// What it is.
     pub name: String,
     /// Its points, in the order in which they are joined; a gap where one is not finite.
@@ -33,7 +29,7 @@ pub struct Series {
 
 /// A plot of lines with two axes and a legend.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
+pub(crate) struct Figure {
     /// What is shown.
     pub title: String,
     /// What is to the right, with its unit.
@@ -49,7 +45,7 @@ pub struct Figure {
     /// Nought belongs to the axis upward; without effect by decades.
     pub from_zero: bool,
     /// The lines.
-    pub series: Vec<Series>,
+    pub lines: Vec<Line>,
     /// A sentence below it.
     pub note: String,
 }
@@ -57,7 +53,7 @@ pub struct Figure {
 impl Figure {
     /// A figure without lines.
     #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         title: impl Into<String>,
         x_label: impl Into<String>,
         y_label: impl Into<String>,
@@ -70,37 +66,37 @@ impl Figure {
             decades_x: false,
             decades: false,
             from_zero: true,
-            series: Vec::new(),
+            lines: Vec::new(),
             note: String::new(),
         }
     }
 
     /// Adds a line.
     #[must_use]
-    pub fn with(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+    pub(crate) fn with(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         let dots = points.len() <= 40;
-        self.series.push(Series { name: name.into(), points, dots, marks: false });
+        self.lines.push(Line { name: name.into(), points, dots, marks: false });
         self
     }
 
     /// Adds marks that are not joined.
     #[must_use]
-    pub fn with_marks(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
-        self.series.push(Series { name: name.into(), points, dots: false, marks: true });
+    pub(crate) fn with_marks(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        self.lines.push(Line { name: name.into(), points, dots: false, marks: true });
         self
     }
 
     /// There is a point to draw.
     #[must_use]
-    pub fn has_points(&self) -> bool {
+    pub(crate) fn has_points(&self) -> bool {
         let places = |value: f64, decades: bool| value.is_finite() && (!decades || value > 0.0);
         let drawn = |p: &[f64; 2]| places(p[0], self.decades_x) && places(p[1], self.decades);
-        self.series.iter().any(|series| series.points.iter().any(drawn))
+        self.lines.iter().any(|line| line.points.iter().any(drawn))
     }
 
     /// The plot as HTML.
     #[must_use]
-    pub fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let keys = self.keys();
         let legend = if keys.is_empty() { String::new() } else { legend(&keys) };
         let svg = view(&self.title, &self.describe(), HEIGHT, &self.content());
@@ -109,7 +105,7 @@ impl Figure {
 
     /// The plot as an SVG file that needs nothing else, with its title and legend.
     #[must_use]
-    pub fn standalone(&self) -> String {
+    pub(crate) fn standalone(&self) -> String {
         Standalone {
             title: &self.title,
             description: &self.describe(),
@@ -122,16 +118,16 @@ impl Figure {
 
     /// What tells the lines apart; nothing for one alone.
     fn keys(&self) -> Vec<Key<'_>> {
-        if self.series.len() < 2 {
+        if self.lines.len() < 2 {
             return Vec::new();
         }
-        let key = |(n, series)| Key { class: Series::class(series, n), name: &series.name };
-        self.series.iter().enumerate().map(key).collect()
+        let key = |(n, line)| Key { class: Line::class(line, n), name: &line.name };
+        self.lines.iter().enumerate().map(key).collect()
     }
 
     /// Axes and lines.
     fn content(&self) -> String {
-        let all = || self.series.iter().flat_map(|series| &series.points);
+        let all = || self.lines.iter().flat_map(|line| &line.points);
         let x = match self.decades_x {
             true => Axis::decades(all().map(|p| p[0]), [LEFT, RIGHT]),
             false => Axis::linear(all().map(|p| p[0]), false, [LEFT, RIGHT]),
@@ -144,8 +140,8 @@ impl Figure {
         };
         let (x_label, y_label) = (self.x_label.as_str(), self.y_label.as_str());
         let mut svg = Frame { x: &x, y: &y, x_label, y_label, grid: true }.svg();
-        for (n, series) in self.series.iter().enumerate() {
-            series.draw(&mut svg, n, &x, &y);
+        for (n, line) in self.lines.iter().enumerate() {
+            line.draw(&mut svg, n, &x, &y);
         }
         svg
     }
@@ -153,17 +149,17 @@ impl Figure {
     /// The range of every line, for readers who cannot see the plot.
     fn describe(&self) -> String {
         let mut text = format!("{} over {}.", self.y_label, self.x_label);
-        for series in &self.series {
-            let Some([low, high]) = super::axis::extent(series.points.iter().map(|p| p[1])) else {
+        for line in &self.lines {
+            let Some([low, high]) = super::axis::extent(line.points.iter().map(|p| p[1])) else {
                 continue;
             };
-            let _ = write!(text, " {}: {} to {}.", series.name, number(low, 4), number(high, 4));
+            let _ = write!(text, " {}: {} to {}.", line.name, number(low, 4), number(high, 4));
         }
         text
     }
 }
 
-impl Series {
+impl Line {
     /// How it is drawn, as the style sheet has it.
     fn class(&self, n: usize) -> String {
         if self.marks { "mark".to_owned() } else { format!("s{}", n % COLOURS) }
@@ -199,9 +195,6 @@ impl Series {
     }
 }
 
-/// Number of line colours of the page.
-pub(super) const COLOURS: usize = 6;
-
 /// At most [`POINTS`] of the points: of each group the lowest and the highest, in their order, so
 /// that no peak is lost.
 fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
@@ -218,50 +211,6 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         kept.extend(ends.into_iter().map(|k| group[k]));
     }
     kept
-}
-
-/// A hollow square on its corner round a place.
-pub(super) fn mark([x, y]: [f64; 2]) -> String {
-    let [left, right, top, bottom] = [x - 5.0, x + 5.0, y - 5.0, y + 5.0];
-    format!(
-        "<path class=\"mark\" d=\"M{left:.2} {y:.2}L{x:.2} {top:.2}L{right:.2} {y:.2}L{x:.2} \
-         {bottom:.2}Z\"/>\n"
-    )
-}
-
-/// One entry of a legend.
-#[derive(Clone, Debug)]
-pub(super) struct Key<'a> {
-    /// Class of the style sheet.
-    pub(super) class: String,
-    /// What it is.
-    pub(super) name: &'a str,
-}
-
-/// The names of lines, with their colours.
-pub(super) fn legend(keys: &[Key<'_>]) -> String {
-    let item =
-        |key: &Key<'_>| format!("<li><i class=\"key {}\"></i>{}</li>", key.class, escape(key.name));
-    format!("<ul class=\"legend\">{}</ul>\n", keys.iter().map(item).collect::<String>())
-}
-
-/// An SVG with a title and a description for readers who cannot see it.
-pub(super) fn view(title: &str, description: &str, height: f64, content: &str) -> String {
-    format!(
-        "<svg class=\"plot\" role=\"img\" viewBox=\"0 0 {WIDTH} {height:.0}\" \
-         xmlns=\"http://www.w3.org/2000/svg\">\n<title>{}</title>\n<desc>{}</desc>\n{content}</svg>\n",
-        escape(title),
-        escape(description)
-    )
-}
-
-/// A drawing with its title above and its note below.
-pub(super) fn figure(title: &str, drawing: &str, note: &str) -> String {
-    let note = match note {
-        "" => String::new(),
-        note => format!("<p class=\"note\">{}</p>\n", escape(note)),
-    };
-    format!("<figure>\n<figcaption>{}</figcaption>\n{drawing}{note}</figure>\n", escape(title))
 }
 
 #[cfg(test)]

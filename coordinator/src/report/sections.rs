@@ -4,6 +4,7 @@ mod convergence;
 mod energy;
 mod fields;
 mod headlines;
+mod places;
 mod setup;
 mod temperature;
 mod work;

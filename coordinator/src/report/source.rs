@@ -6,12 +6,15 @@
 mod image;
 mod table;
 
-pub use image::{Field, Image};
-pub use table::Table;
+pub(crate) use image::{Field, Image};
+pub(crate) use table::Table;
 
-use super::plan_file;
-use crate::error::{RunError, file_failure};
-use crate::results::summary::Status;
+use run::error::{RunError, file_failure};
+use run::plan_file::{self, PlanFile};
+use run::results::last::{self, LastFields};
+use run::results::summary::Status;
+use run::results::vtk::FileSeries;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::fs;
 use std::io::ErrorKind;
@@ -19,17 +22,17 @@ use std::path::{Path, PathBuf};
 
 /// A result directory.
 #[derive(Clone, Debug, Default)]
-pub struct Results {
+pub(crate) struct Results {
     /// Content of `summary.json`; null without one.
     pub summary: Value,
     /// Content of `iterations.csv`; empty without one.
     pub iterations: Table,
     /// One for each grid that has been written out.
-    pub series: Vec<Series>,
+    pub series: Vec<GridSeries>,
     /// The case as run.
     pub case: String,
-    /// Content of `plan.txt`.
-    pub plan: String,
+    /// Content of `plan.json`, if there is one.
+    pub plan: Option<PlanFile>,
     /// Warnings and errors of `log.jsonl`: level, source, message.
     pub log: Vec<[String; 3]>,
     /// Recordings: name and size \[byte\].
@@ -40,7 +43,7 @@ pub struct Results {
 
 /// One grid of one participant through time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Series {
+pub(crate) struct GridSeries {
     /// Participant and grid.
     pub name: String,
     /// Time \[s\] and file of every instant.
@@ -51,10 +54,10 @@ pub struct Series {
     pub line: Option<Table>,
 }
 
-impl Series {
+impl GridSeries {
     /// That line at an instant.
     #[must_use]
-    pub fn line_at(&self, instant: usize) -> Option<Table> {
+    pub(crate) fn line_at(&self, instant: usize) -> Option<Table> {
         let (_, path) = self.instants.get(instant)?;
         fs::read_to_string(path.with_extension("csv")).ok().map(|text| Table::parse(&text))
     }
@@ -65,43 +68,37 @@ impl Results {
     ///
     /// # Errors
     /// [`RunError::Usage`] if no run has written into it.
-    pub fn read(folder: &Path) -> Result<Self, RunError> {
+    pub(crate) fn read(folder: &Path) -> Result<Self, RunError> {
         if !["summary.json", "log.jsonl"].iter().any(|name| folder.join(name).is_file()) {
             let shown = folder.display();
             return Err(RunError::Usage(format!("{shown} holds no results of a run")));
         }
         let mut results = Self::default();
-        let summary = results.text(&folder.join("summary.json"))?;
-        results.summary = serde_json::from_str(&summary).unwrap_or_else(|error| {
-            if !summary.is_empty() {
-                results.troubles.push(format!("summary.json: {error}"));
-            }
-            Value::Null
-        });
+        results.summary = results.json(folder, "summary.json")?.unwrap_or_default();
         results.iterations = Table::parse(&results.text(&folder.join("iterations.csv"))?);
         results.case = results.text(&folder.join("case.toml"))?;
-        results.plan = results.text(&folder.join(plan_file::FILE))?;
+        results.plan = results.json(folder, plan_file::FILE)?;
         results.log = log(&results.text(&folder.join("log.jsonl"))?);
         results.recordings = recordings(folder).map_err(|error| file_failure(folder, &error))?;
-        results.read_series(&folder.join("fields"))?;
+        results.read_fields(&folder.join("fields"));
         Ok(results)
     }
 
     /// A figure of the summary.
     #[must_use]
-    pub fn quantity(&self, pointer: &str) -> Option<f64> {
+    pub(crate) fn quantity(&self, pointer: &str) -> Option<f64> {
         self.summary.pointer(pointer).and_then(Value::as_f64)
     }
 
     /// A word of the summary, empty without one.
     #[must_use]
-    pub fn word(&self, pointer: &str) -> &str {
+    pub(crate) fn word(&self, pointer: &str) -> &str {
         self.summary.pointer(pointer).and_then(Value::as_str).unwrap_or_default()
     }
 
     /// The run has failed, or was stopped.
     #[must_use]
-    pub fn failed(&self) -> bool {
+    pub(crate) fn failed(&self) -> bool {
         Status::ENDED_EARLY.map(Status::word).contains(&self.word("/status"))
     }
 
@@ -114,45 +111,54 @@ impl Results {
         }
     }
 
-    fn read_series(&mut self, folder: &Path) -> Result<(), RunError> {
-        let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
-        let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-        paths.retain(|path| path.extension().is_some_and(|ending| ending == "pvd"));
-        paths.sort();
-        for path in paths {
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let instants = instants(&self.text(&path)?, folder);
-            let Some((_, newest)) = instants.last() else { continue };
-            let image = match newest.extension().is_some_and(|ending| ending == "vti") {
-                true => Image::read(newest).map_err(|why| self.troubles.push(why)).ok(),
-                false => {
-                    let trouble =
-                        format!("{name}: an unstructured grid, not drawn here; see ParaView");
-                    self.troubles.push(trouble);
-                    None
-                }
-            };
-            let mut series = Series { name, instants, image, line: None };
-            series.line = series.line_at(series.instants.len() - 1);
+    /// The content of a JSON file, if there is one that can be read.
+    fn json<T: DeserializeOwned>(
+        &mut self,
+        folder: &Path,
+        name: &str,
+    ) -> Result<Option<T>, RunError> {
+        let text = self.text(&folder.join(name))?;
+        if text.is_empty() {
+            return Ok(None);
+        }
+        let read = serde_json::from_str(&text);
+        Ok(read.map_err(|error| self.troubles.push(format!("{name}: {error}"))).ok())
+    }
+
+    /// The files of all grids, and the newest fields on them.
+    fn read_fields(&mut self, folder: &Path) {
+        let last = match LastFields::read(folder) {
+            Ok(Some(last)) => last,
+            Ok(None) => return self.troubles.extend(unkept(folder)),
+            Err(why) => return self.troubles.push(why),
+        };
+        let mut all = last.series.into_owned();
+        all.sort_by(|a, b| a.name.cmp(&b.name));
+        for FileSeries { name, files } in all {
+            let path = |(time, file): (f64, String)| (time, folder.join(file));
+            let instants: Vec<_> = files.into_iter().map(path).collect();
+            let image = Image::of(last.fields.iter().filter(|field| field.series == name));
+            if image.is_none() {
+                let trouble = format!("{name}: an unstructured grid, not drawn here; see ParaView");
+                self.troubles.push(trouble);
+            }
+            let mut series = GridSeries { name, instants, image, line: None };
+            series.line = series.line_at(series.instants.len().saturating_sub(1));
             self.series.push(series);
         }
-        Ok(())
     }
 }
 
-/// Time and file of every data set of a ParaView collection.
-fn instants(text: &str, folder: &Path) -> Vec<(f64, PathBuf)> {
-    let one = |line: &str| {
-        let time = attribute(line, "timestep")?.parse().ok()?;
-        Some((time, folder.join(attribute(line, "file")?)))
-    };
-    text.lines().filter(|line| line.contains("<DataSet")).filter_map(one).collect()
-}
-
-/// The value of an attribute of a tag.
-fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
-    let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
-    rest.split_once('"').map(|(value, _)| value)
+/// What there is to say of fields that an earlier version has written.
+fn unkept(folder: &Path) -> Option<String> {
+    let mut entries = fs::read_dir(folder).ok()?.flatten();
+    let series = |entry: fs::DirEntry| entry.path().extension().is_some_and(|end| end == "pvd");
+    entries.any(series).then(|| {
+        let file = last::FILE;
+        format!(
+            "{file}: not written by the version that ran this case; run it again to draw fields"
+        )
+    })
 }
 
 fn log(text: &str) -> Vec<[String; 3]> {

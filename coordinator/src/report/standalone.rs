@@ -3,8 +3,8 @@
 //! The file has a ground of its own, so that it can be read on white and on dark paper alike, and
 //! follows the reader's preference for light or dark where browsers pass that on to pictures.
 
-use super::page::{PLOT_STYLE, escape};
-use super::plot::{Key, WIDTH, mark};
+use super::canvas::{Key, WIDTH, mark};
+use super::html::{PLOT_STYLE, escape};
 use std::fmt::Write as _;
 
 /// Margin round the drawing.

@@ -1,7 +1,7 @@
 //! Whether a study refers only to what it has, before anything of it runs.
 
 use super::study::{FigureSpec, Study, TableSpec};
-use crate::error::RunError;
+use run::error::RunError;
 use std::collections::BTreeSet;
 use std::path::Path;
 

@@ -1,23 +1,20 @@
 //! The subcommand.
 
 use super::{Request, reproduce};
-use crate::error::RunError;
 use crate::output::Speaker;
+use crate::study::arguments::FolderArguments;
 use clap::Args;
+use run::error::RunError;
 use std::path::PathBuf;
 
 /// What `coordinator reproduce` is asked.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The study: its cases, tables, figures and text.
     #[arg(default_value = "cases/paper/study.toml")]
     study: PathBuf,
-    /// Folder for runs, text and plots [default: results/NAME, or NAME-2 and so on].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace an earlier reproduction in that folder.
-    #[arg(long)]
-    replace: bool,
+    #[command(flatten)]
+    folder: FolderArguments,
     /// Write the text here too, and its plots into img/NAME beside it.
     #[arg(long, value_name = "FILE")]
     write: Option<PathBuf>,
@@ -30,13 +27,12 @@ pub struct Arguments {
 ///
 /// # Errors
 /// A study that is wrong, those of its runs, a text that is stale.
-pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let request = Request {
-        study: asked.study.clone(),
-        out: asked.out.clone(),
-        replace: asked.replace,
-        write: asked.write.clone(),
-        check: asked.check.clone(),
+        study: &asked.study,
+        folder: &asked.folder,
+        write: asked.write.as_deref(),
+        check: asked.check.as_deref(),
     };
     let mut speaker = Speaker::new(quiet);
     let outcome = reproduce(&request, &mut |line| speaker.say(line));

@@ -2,11 +2,11 @@
 
 use super::study::{Divisor, FigureSpec, LineSpec, MapSpec, Member, PlotSpec, Study};
 use super::values::Values;
-use crate::error::RunError;
 use crate::report::map::Heatmap;
 use crate::report::page::Block;
 use crate::report::plot::Figure;
-use crate::report::source::{Field, Image, Results, Series};
+use crate::report::source::{Field, GridSeries, Image, Results};
+use run::error::RunError;
 use std::path::{Path, PathBuf};
 
 /// Lines or colours.
@@ -91,8 +91,8 @@ impl Sources<'_> {
                     Style::Marks => figure.with_marks(name, points),
                     Style::Line | Style::Dots => figure.with(name, points),
                 };
-                if let Some(series) = figure.series.last_mut() {
-                    series.dots = style == Style::Dots;
+                if let Some(line) = figure.lines.last_mut() {
+                    line.dots = style == Style::Dots;
                 }
             }
         }
@@ -200,7 +200,7 @@ impl Sources<'_> {
         })
     }
 
-    fn series(&self, run: &str, grid: &str) -> Result<Series, String> {
+    fn series(&self, run: &str, grid: &str) -> Result<GridSeries, String> {
         let folder = (self.folder)(run);
         let results = Results::read(&folder).map_err(|error| error.to_string())?;
         let all: Vec<&str> = results.series.iter().map(|series| series.name.as_str()).collect();

@@ -1,14 +1,16 @@
 //! Text, plots and page of a study that has been run.
 
 use super::drawing::{Drawing, Sources, file_name};
-use super::perform::{FILE, STUDY, TEMPLATE, found};
+use super::record::{Record, STUDY, TEMPLATE};
 use super::study::{FigureSpec, Study};
+use super::table;
 use super::text::{self, Parts};
 use super::values::Values;
-use super::{table, write};
-use crate::error::{RunError, file_failure};
 use crate::report::page::{Block, Mood, Page, Section};
 use crate::report::table::Table;
+use crate::study::output::{Kept, Shown};
+use run::error::{RunError, file_failure};
+use run::results::write::replace;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -45,16 +47,16 @@ pub(super) fn rehearse(study: &Study, file: &Path) -> Result<(), RunError> {
 }
 
 impl Rendered {
-    /// From the folder of a reproduction.
+    /// From the record and the folder of a reproduction.
     ///
     /// # Errors
     /// [`RunError::Usage`] with what a table, a figure or the text lacks.
-    pub(super) fn of(folder: &Path) -> Result<Self, RunError> {
+    pub(super) fn of(record: &Record, folder: &Path) -> Result<Self, RunError> {
         let study = Study::read(&folder.join(STUDY))?;
         let template = read(&folder.join(TEMPLATE))?;
-        let found = found(folder)?;
-        let values = Arc::new(Values::new(&study, Some(found.outcomes)));
-        let of_run = |run: &str| found.folders.get(run).cloned().unwrap_or_default();
+        let values = Arc::new(Values::new(&study, Some(record.outcomes(folder))));
+        let folders = record.folders(folder);
+        let of_run = |run: &str| folders.get(run).cloned().unwrap_or_default();
         let sources = Sources { study: &study, values: &values, folder: &of_run };
         let tables = study.tables.iter().map(|spec| table::table(&study, spec, &values));
         let tables = tables.collect::<Result<Vec<Table>, RunError>>()?;
@@ -76,7 +78,7 @@ impl Rendered {
     pub(super) fn text(&self, images: &str) -> Result<String, RunError> {
         let tables = self.study.tables.iter().zip(&self.tables);
         let tables = tables.map(|(spec, filled)| {
-            (spec.id.clone(), format!("**{}**\n\n{}", spec.title, table::markdown(filled)))
+            (spec.id.clone(), format!("**{}**\n\n{}", spec.title, filled.markdown()))
         });
         let figures = self.study.figures.iter().zip(&self.figures);
         let figures = figures.map(|(spec, all)| (spec.id.clone(), markdown(spec, all, images)));
@@ -118,18 +120,19 @@ impl Rendered {
             title: self.study.title.clone(),
             status: "reproduced".to_owned(),
             mood: Mood::Good,
-            reason: format!("the text with its reasons is `{TEXT}`; all summaries are in `{FILE}`"),
+            reason: format!(
+                "the text with its reasons is `{TEXT}`; all summaries are in `{}`",
+                Record::FILE
+            ),
             sections,
         })
     }
 }
 
-/// The page about the reproduction in a folder.
-///
-/// # Errors
-/// [`RunError::Usage`] if the folder holds no reproduction that has come to its end.
-pub fn page(folder: &Path) -> Result<Page, RunError> {
-    Rendered::of(folder)?.page()
+impl Shown for Record {
+    fn page(&self, folder: &Path) -> Result<Page, RunError> {
+        Rendered::of(self, folder)?.page()
+    }
 }
 
 /// A figure in Markdown: its title and its plots.
@@ -143,4 +146,12 @@ fn markdown(spec: &FigureSpec, drawings: &[Drawing], images: &str) -> String {
 
 fn read(path: &Path) -> Result<String, RunError> {
     fs::read_to_string(path).map_err(|error| file_failure(path, &error))
+}
+
+/// Writes a file and the folder that it lies in.
+fn write(path: &Path, content: &str) -> Result<(), RunError> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
+    }
+    replace(path, content.as_bytes())
 }

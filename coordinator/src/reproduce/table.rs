@@ -3,12 +3,12 @@
 use super::study::{Column, RowSpec, Study, TableSpec};
 use super::text::{ABSENT, cell};
 use super::values::Values;
-use crate::error::RunError;
 use crate::report::table::Table;
+use run::error::RunError;
 use std::sync::Arc;
 
 /// A row with its name and the family that it shows.
-struct Row<'a> {
+struct TableRow<'a> {
     name: String,
     family: Option<&'a str>,
     spec: &'a RowSpec,
@@ -55,7 +55,7 @@ pub(super) fn table(
     Ok(table)
 }
 
-fn rows<'a>(study: &'a Study, spec: &'a RowSpec) -> Vec<Row<'a>> {
+fn rows<'a>(study: &'a Study, spec: &'a RowSpec) -> Vec<TableRow<'a>> {
     let titles = match (&spec.group, &spec.run) {
         (Some(group), _) => study.titles(Some(group)).collect(),
         (None, Some(run)) => study.titles(None).filter(|(name, _)| name == run).collect(),
@@ -64,9 +64,9 @@ fn rows<'a>(study: &'a Study, spec: &'a RowSpec) -> Vec<Row<'a>> {
     if titles.is_empty() {
         // One run of a family, or a row without any.
         let name = spec.name.clone().unwrap_or_default();
-        return vec![Row { name, family: spec.run.as_deref(), spec }];
+        return vec![TableRow { name, family: spec.run.as_deref(), spec }];
     }
-    let row = |(name, title): (&'a str, &'a str)| Row {
+    let row = |(name, title): (&'a str, &'a str)| TableRow {
         name: spec.name.clone().unwrap_or_else(|| title.to_owned()),
         family: Some(name),
         spec,
@@ -88,7 +88,7 @@ fn columns<'a>(study: &Study, spec: &'a Column) -> Vec<Place<'a>> {
 
 fn filled(
     table: &TableSpec,
-    row: &Row<'_>,
+    row: &TableRow<'_>,
     column: &Place<'_>,
     values: &Arc<Values>,
 ) -> Result<String, RunError> {
@@ -101,18 +101,4 @@ fn filled(
     // Nothing but dashes is one absence.
     let has_digits = text.chars().any(|c| c.is_ascii_digit());
     Ok(if has_digits || !text.contains(ABSENT) { text } else { ABSENT.to_owned() })
-}
-
-/// A table in Markdown.
-#[must_use]
-pub(super) fn markdown(table: &Table) -> String {
-    let line = |cells: &[String]| {
-        let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
-        format!("| {} |\n", cells.join(" | "))
-    };
-    let rule: Vec<String> = (0..table.head.len())
-        .map(|n| if n < table.figures_from { "---" } else { "---:" }.to_owned())
-        .collect();
-    let rows: String = table.rows.iter().map(|row| line(row)).collect();
-    line(&table.head) + &line(&rule) + rows.trim_end()
 }

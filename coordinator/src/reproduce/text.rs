@@ -13,9 +13,9 @@
 //! absent, a filter writes a dash for it.
 
 use super::values::Values;
-use crate::error::RunError;
-use crate::report::unit::number;
 use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value};
+use run::error::RunError;
+use run::format::number;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -1,19 +1,10 @@
 //! The figures of runs and limits, by name and key.
 
+use super::record::Outcome;
 use super::study::{Limit, Study};
 use crate::study::quantity::Quantity;
 use crate::study::richardson::{Estimate, Sample};
-use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// What has been run.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Outcome {
-    /// `summary.json`.
-    pub(super) summary: Value,
-    /// The case as run.
-    pub(super) case: toml::Table,
-}
 
 /// The figures of a study.
 #[derive(Clone, Debug)]

@@ -1,20 +1,20 @@
 //! The subcommand.
 
-use super::report::{FILE, Report, SCHEMA};
+use super::report::Report;
 use super::suite::Suite;
 use super::{Request, limits, show, stability};
-use crate::error::{Failure, RunError};
 use crate::output::{Speaker, print};
-use crate::report;
-use crate::results::write::replace;
-use crate::study::folder::{StudyFolder, Wanted, says_incomplete};
+use crate::study::arguments::FolderArguments;
+use crate::study::output::{Kept, Shown};
 use clap::Args;
-use proto::text::json;
+use contract::text::json;
+use run::error::{Failure, RunError};
+use run::results::write::replace;
 use std::path::PathBuf;
 
 /// What `coordinator stability` is asked.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The suite.
     #[arg(default_value = "cases/hard/suite.toml")]
     suite: PathBuf,
@@ -27,13 +27,8 @@ pub struct Arguments {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Output folder: stability.json, report.html and the runs [default: results/stability, or
-    /// stability-2 and so on].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace an earlier suite's output in that folder.
-    #[arg(long)]
-    replace: bool,
+    #[command(flatten)]
+    folder: FolderArguments,
     /// Write the edges that were found, as Markdown.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["only", "no_sweep"])]
     write_limits: Option<PathBuf>,
@@ -43,27 +38,19 @@ pub struct Arguments {
 ///
 /// # Errors
 /// What is asked for cannot be, or a case went otherwise than expected.
-pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let suite = Suite::read(&asked.suite)?;
     // A case that the suite does not have is reported before anything is printed.
     suite.chosen(&asked.only)?;
-    let folder = StudyFolder::choose(&Wanted {
-        command: "stability",
-        name: "stability",
-        out: asked.out.as_deref(),
-        replace: asked.replace,
-        goes_on: &|folder| says_incomplete(&folder.join(FILE)),
-    })?;
+    let folder = asked.folder.choose(Report::COMMAND, Report::COMMAND, &Report::is_unfinished)?;
     let request =
         Request { suite, only: asked.only.clone(), sweeps: !asked.no_sweep, out: folder.open()? };
     let mut speaker = Speaker::new(quiet || asked.json);
     // What is interrupted can be begun again in the same folder.
-    let begun = Report { schema: SCHEMA, ..Report::default() };
-    folder.write(FILE, json(&begun).as_bytes())?;
+    Report { schema: Report::SCHEMA, ..Report::default() }.write(&folder)?;
     speaker.say(&show::head());
     let report = stability(&request, &mut |case| speaker.say(&show::case(case)))?;
-    folder.write(FILE, json(&report).as_bytes())?;
-    report::write(&request.out)?;
+    report.publish(&folder)?;
     if asked.json {
         print(&json(&report))?;
     }

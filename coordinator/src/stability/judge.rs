@@ -1,40 +1,45 @@
 //! A run against what is expected of it.
 
-use super::report::{Finding, Row};
+use super::case_run::CaseRun;
+use super::report::{Finding, RunResult};
 use super::suite::{Bound, Check, Expected, Limits};
-use super::trial::Trial;
 use serde_json::Value;
 
 /// Holds a run against its bounds, and its end against the expected one.
-pub(super) fn judge(trial: &Trial, expected: &Expected, limits: &Limits, checks: &[Check]) -> Row {
-    let answered = trial.error.is_none();
-    let findings = if answered { findings(trial, limits, checks) } else { Vec::new() };
-    let energy = energy(trial);
-    let iterations = trial.quantities.pointer("/coupling/iterations").and_then(Value::as_u64);
-    let mut row = Row {
+pub(super) fn judge(
+    run: &CaseRun,
+    expected: &Expected,
+    limits: &Limits,
+    checks: &[Check],
+) -> RunResult {
+    let answered = run.error.is_none();
+    let findings = if answered { findings(run, limits, checks) } else { Vec::new() };
+    let energy = energy(run);
+    let iterations = run.quantities.pointer("/coupling/iterations").and_then(Value::as_u64);
+    let mut row = RunResult {
         as_expected: true,
         otherwise: Vec::new(),
-        error: trial.error.clone(),
-        bounded: answered.then(|| trial.fields().all(|field| field.non_finite_at.is_none())),
+        error: run.error.clone(),
+        bounded: answered.then(|| run.fields().all(|field| field.non_finite_at.is_none())),
         energy_imbalance: energy,
         findings,
         iterations: iterations.unwrap_or(0),
-        seconds: trial.seconds,
+        seconds: run.seconds,
     };
     row.otherwise = otherwise(&row, expected);
-    row.otherwise.extend(unreadable(trial));
+    row.otherwise.extend(unreadable(run));
     row.as_expected = row.otherwise.is_empty();
     row
 }
 
-fn energy(trial: &Trial) -> Option<f64> {
-    trial.quantities.pointer("/coupling/energy_imbalance").and_then(Value::as_f64)
+fn energy(run: &CaseRun) -> Option<f64> {
+    run.quantities.pointer("/coupling/energy_imbalance").and_then(Value::as_f64)
 }
 
 /// Undershoot and energy where there is something to hold against them, and the case's own checks.
-fn findings(trial: &Trial, limits: &Limits, checks: &[Check]) -> Vec<Finding> {
+fn findings(run: &CaseRun, limits: &Limits, checks: &[Check]) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let below = trial.fields().filter_map(|field| {
+    let below = run.fields().filter_map(|field| {
         let name = field.topic.rsplit('/').next().unwrap_or_default();
         let (min, max) = (field.range.min?, field.range.max?);
         let counts = limits.not_negative.iter().any(|other| other == name);
@@ -44,10 +49,10 @@ fn findings(trial: &Trial, limits: &Limits, checks: &[Check]) -> Vec<Finding> {
     findings.extend(worst.map(|(name, undershoot)| {
         finding(format!("undershoot of {name}"), undershoot, Bound::AtMost(limits.undershoot))
     }));
-    findings.extend(energy(trial).map(|imbalance| {
+    findings.extend(energy(run).map(|imbalance| {
         finding("heat imbalance".to_owned(), imbalance, Bound::AtMost(limits.energy))
     }));
-    findings.extend(checks.iter().map(|check| match check.of.value(&trial.quantities) {
+    findings.extend(checks.iter().map(|check| match check.of.value(&run.quantities) {
         Ok(value) => finding(check.name.clone(), value, check.bound),
         Err(key) => Finding {
             name: check.name.clone(),
@@ -72,7 +77,7 @@ fn finding(name: String, value: f64, bound: Bound) -> Finding {
 }
 
 /// What is otherwise than expected.
-fn otherwise(row: &Row, expected: &Expected) -> Vec<String> {
+fn otherwise(row: &RunResult, expected: &Expected) -> Vec<String> {
     match (expected, &row.error) {
         (Expected::Answer, None) => {
             let unbounded =
@@ -106,8 +111,8 @@ fn described(finding: &Finding) -> String {
 }
 
 /// A recording has to be whole, however the run ended.
-fn unreadable(trial: &Trial) -> Option<String> {
-    let survey = trial.recorded.as_ref()?;
+fn unreadable(run: &CaseRun) -> Option<String> {
+    let survey = run.recorded.as_ref()?;
     match &survey.damage {
         Some(damage) => Some(format!("its recording is damaged: {damage}")),
         None => (!survey.complete).then(|| "its recording has no end".to_owned()),
@@ -130,14 +135,14 @@ mod tests {
         assert_eq!(share(f64::NAN, Bound::AtMost(1.0)), None);
     }
 
-    fn row(error: Option<(u8, &str)>, share: f64) -> Row {
+    fn row(error: Option<(u8, &str)>, share: f64) -> RunResult {
         let finding = Finding {
             name: "rise".into(),
             value: Some(1.0),
             bound: "≤ 1".into(),
             share: Some(share),
         };
-        Row {
+        RunResult {
             as_expected: true,
             otherwise: Vec::new(),
             bounded: error.is_none().then_some(true),
@@ -153,7 +158,7 @@ mod tests {
     fn every_end_is_distinguished_from_every_other() {
         let refusal = Expected::Refusal { exit_code: 2, saying: vec!["too hot".into()] };
         let breach = Expected::Breach("rise".into());
-        let fits = |expected: &Expected, row: &Row| otherwise(row, expected).is_empty();
+        let fits = |expected: &Expected, row: &RunResult| otherwise(row, expected).is_empty();
         let (good, bad) = (row(None, 0.5), row(None, 1.5));
         let (refused, failed) =
             (row(Some((2, "it is too hot")), 0.0), row(Some((1, "too hot")), 0.0));

@@ -2,13 +2,14 @@
 //! round otherwise.
 
 use super::report::{CaseReport, Report, SweepReport};
+use crate::report::table::Table;
 use std::fmt::Write as _;
 
 const OPENING: &str = "\
 # Limits
 
 Where the answers of this program end, and what happens there. Every line is the outcome of a run of
-`coordinator stability`, which wrote this file (`--write-limits docs/limits.md`); the system tests run
+`coordinator stability`, which wrote this file (`--write-limits docs/limits.md`); the nightly tests run
 it again and compare. The cases and the reasons of their bounds stand in
 [cases/hard/suite.toml](../cases/hard/suite.toml); a case or a sweep joins by an entry there. Numbers in
 headings are those of the list of hard cases.
@@ -26,47 +27,43 @@ pub(super) fn text(report: &Report) -> String {
     for case in &report.cases {
         section(&mut text, case);
     }
-    if !report.waiting.is_empty() {
-        text += "\n## Not yet met\n\n| | hard case | waits for |\n|---|---|---|\n";
-        for one in &report.waiting {
-            let _ = writeln!(text, "| {} | {} | {} |", one.number, one.title, one.waits_for);
-        }
-    }
-    text
+    let waiting = report.waiting.iter();
+    let rows =
+        waiting.map(|one| [one.number.to_string(), one.title.clone(), one.waits_for.clone()]);
+    text + &table("\n## Not yet met\n", ["", "hard case", "waits for"], rows)
 }
 
 fn section(text: &mut String, case: &CaseReport) {
     let _ = writeln!(text, "\n## {}. {}: {}\n", case.number, case.name, case.title);
-    let _ = writeln!(text, "Ends with {}.", cell(&case.expected));
-    if !case.bounds.is_empty() {
-        *text += "\n| holds | bound | because |\n|---|---|---|\n";
-        for [name, bound, because] in &case.bounds {
-            let _ = writeln!(text, "| {} | {} | {} |", cell(name), cell(bound), cell(because));
-        }
-    }
-    if !case.sweeps.is_empty() {
-        *text += "\n| parameter | before | edge | beyond | why |\n|---|---|---|---|---|\n";
-        for sweep in &case.sweeps {
-            edge(text, sweep);
-        }
+    let _ = writeln!(text, "Ends with {}.", case.expected.replace('\n', " "));
+    *text += &table("", ["holds", "bound", "because"], case.bounds.iter().cloned());
+    let head = ["parameter", "before", "edge", "beyond", "why"];
+    *text += &table("", head, case.sweeps.iter().map(edge));
+}
+
+/// A table under a heading; nothing without rows.
+fn table<const N: usize>(
+    heading: &str,
+    head: [&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+) -> String {
+    let mut table = Table::new(head, N);
+    rows.for_each(|row| table.row(row));
+    match table.rows.is_empty() {
+        true => String::new(),
+        false => format!("{heading}\n{}\n", table.markdown()),
     }
 }
 
-fn edge(text: &mut String, sweep: &SweepReport) {
+fn edge(sweep: &SweepReport) -> [String; 5] {
     let SweepReport { parameter, before, beyond, why, rows } = sweep;
     let first = rows.first().map_or("", |(value, _)| value);
     let last = rows.last().map_or("", |(value, _)| value);
     let (place, beyond) = match (sweep.edge(), beyond) {
         (Some(at), Some(beyond)) => {
-            (format!("{} \\| {}, from {first}", rows[at - 1].0, rows[at].0), beyond.as_str())
+            (format!("{} | {}, from {first}", rows[at - 1].0, rows[at].0), beyond.as_str())
         }
         _ => (format!("none from {first} to {last}"), "–"),
     };
-    let (parameter, before, why) = (cell(parameter), cell(before), cell(why));
-    let _ = writeln!(text, "| {parameter} | {before} | {place} | {} | {why} |", cell(beyond));
-}
-
-/// Text as it may stand in a cell of a table.
-fn cell(text: &str) -> String {
-    text.replace('|', "\\|").replace('\n', " ")
+    [parameter.clone(), before.clone(), place, beyond.to_owned(), why.clone()]
 }

@@ -1,19 +1,18 @@
 //! The page about a suite.
 
 use super::report::{CaseReport, Report, SweepReport};
-use super::show::{bounded, course, end, energy, factor, margin};
-use crate::error::RunError;
+use super::rows::{self, OTHERWISE, course, factor};
 use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::table::Table;
-use crate::report::unit::number;
+use crate::study::output::Shown;
+use run::error::RunError;
+use run::format::number;
 use std::path::Path;
 
-/// The page about the report of a suite in its folder.
-///
-/// # Errors
-/// A file that cannot be read, or is no such report.
-pub fn page(folder: &Path) -> Result<Page, RunError> {
-    Ok(of(&Report::read(folder)?))
+impl Shown for Report {
+    fn page(&self, _: &Path) -> Result<Page, RunError> {
+        Ok(of(self))
+    }
 }
 
 fn of(report: &Report) -> Page {
@@ -68,23 +67,7 @@ fn overview(report: &Report) -> Section {
 }
 
 fn cases(report: &Report) -> Section {
-    let head =
-        ["no.", "case", "what is hard", "end", "bounded", "energy", "margin", "iterations", "time"];
-    let mut table = Table::new(head, 7);
-    for case in &report.cases {
-        let row = &case.row;
-        table.row([
-            case.number.to_string(),
-            case.name.clone(),
-            case.title.clone(),
-            unless(row.as_expected, end(row)),
-            bounded(row).to_owned(),
-            energy(row),
-            margin(row),
-            row.iterations.to_string(),
-            format!("{:.2} s", row.seconds),
-        ]);
-    }
+    let table = rows::cases().page(&report.cases.iter().collect::<Vec<_>>());
     let text = "The margin is the least ratio of bound to quantity: 2× means that the quantity is \
                 half of its bound.";
     Section {
@@ -126,7 +109,10 @@ fn details(case: &CaseReport) -> Section {
         blocks.push(Block::Verbatim("It ended with".to_owned(), message.trim_end().to_owned()));
     }
     blocks.extend(case.sweeps.iter().map(|sweep| {
-        Block::Folded(format!("{}: {} runs", sweep.parameter, sweep.rows.len()), runs(sweep))
+        Block::Folded(
+            format!("{}: {} runs", sweep.parameter, sweep.rows.len()),
+            rows::values(sweep).page(&sweep.rows.iter().collect::<Vec<_>>()),
+        )
     }));
     Section { title: format!("{}. {}", case.number, case.name), blocks }
 }
@@ -146,28 +132,7 @@ fn findings(case: &CaseReport) -> Table {
     table
 }
 
-fn runs(sweep: &SweepReport) -> Table {
-    let mut table = Table::new(
-        [&sweep.parameter, "end", "bounded", "energy", "margin", "iterations", "time", "message"],
-        8,
-    );
-    for (value, row) in &sweep.rows {
-        let message = row.error.as_ref().map_or("", |(_, message)| message);
-        table.row([
-            value.clone(),
-            unless(row.as_expected, end(row)),
-            bounded(row).to_owned(),
-            energy(row),
-            margin(row),
-            row.iterations.to_string(),
-            format!("{:.2} s", row.seconds),
-            message.lines().next().unwrap_or_default().to_owned(),
-        ]);
-    }
-    table
-}
-
 /// The words, marked where something is otherwise than expected.
 fn unless(as_expected: bool, words: String) -> String {
-    if as_expected { words } else { format!("✗ {words}") }
+    if as_expected { words } else { format!("{OTHERWISE} {words}") }
 }

@@ -8,23 +8,23 @@ use std::time::Instant;
 
 /// When a run began, in time and in this process's own work.
 #[derive(Clone, Copy, Debug)]
-pub struct Clock {
+pub(crate) struct Stopwatch {
     /// The instant.
     pub since: Instant,
     processor: f64,
 }
 
-impl Clock {
+impl Stopwatch {
     /// A run begins now.
     #[must_use]
-    pub fn start() -> Self {
+    pub(crate) fn start() -> Self {
         Self { since: Instant::now(), processor: processor_seconds() }
     }
 }
 
 /// What a run cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Spent {
+pub(crate) struct Spent {
     /// Seconds from its beginning to its end, planning and starting of processes included.
     pub wall_s: f64,
     /// Seconds in the models and in the coupling: what is left where processes are long started.
@@ -40,7 +40,7 @@ pub struct Spent {
 impl Spent {
     /// What the run with this summary, begun then and ending now, has cost.
     #[must_use]
-    pub fn of(summary: &Value, clock: &Clock) -> Self {
+    pub(crate) fn of(summary: &Value, stopwatch: &Stopwatch) -> Self {
         let section = summary["cost"].as_object();
         let of_role = |ending: &'static str| {
             let entries = section.into_iter().flatten();
@@ -55,9 +55,9 @@ impl Spent {
             of_role("_s").filter(|(role, _)| peak_rss_bytes.contains_key(role)).map(|(_, s)| s);
         let coupling = summary["cost"]["coupling_s"].as_f64().unwrap_or(0.0);
         let mut cpu_s: BTreeMap<String, f64> = of_role("_cpu_s").collect();
-        cpu_s.insert("coordinator".to_owned(), processor_seconds() - clock.processor);
+        cpu_s.insert("coordinator".to_owned(), processor_seconds() - stopwatch.processor);
         Self {
-            wall_s: clock.since.elapsed().as_secs_f64(),
+            wall_s: stopwatch.since.elapsed().as_secs_f64(),
             solve_s: in_models.sum::<f64>() + coupling,
             cpu_s,
             peak_rss_bytes,
@@ -81,7 +81,7 @@ mod tests {
                 "bytes_exchanged": 64,
             },
         });
-        let spent = Spent::of(&summary, &Clock::start());
+        let spent = Spent::of(&summary, &Stopwatch::start());
         assert_eq!((spent.solve_s, spent.iterations), (2.75, 3));
         assert_eq!(spent.cpu_s["mech"], 2.5);
         assert!(spent.cpu_s.contains_key("coordinator") && !spent.cpu_s.contains_key("thermal"));

@@ -14,7 +14,7 @@
 //!
 //! Source: Naeimi et al., eq. 1, and [`crate::reference::carter`].
 
-use crate::models::{fastsim, half_space, hertz_carter};
+use crate::models::names::{FASTSIM, HALF_SPACE, HERTZ_CARTER};
 use crate::slip::Slip;
 use crate::strips::semi_ellipse::segment_area;
 use crate::strips::{Lateral, StripDensity, StripField, Strips};
@@ -34,7 +34,7 @@ pub fn spec() -> EffectSpec {
             "Naeimi et al., flash temperature at the wheel-rail contact, eq. 1; Ertz & Knothe, \
                  Wear 253 (2002) 498-508"
                 .to_owned(),
-        models: [hertz_carter::NAME, fastsim::NAME, half_space::NAME].map(str::to_owned).to_vec(),
+        models: [HERTZ_CARTER, FASTSIM, HALF_SPACE].map(str::to_owned).to_vec(),
         consumes: Vec::new(),
         provides: names(&[&FRICTION_POWER, &SURFACE_SPEED]),
         keys: Vec::new(),

@@ -11,7 +11,7 @@
 //!   of two half ellipses, whose leading terms are subtracted analytically, so that it keeps its
 //!   relative accuracy however small the slip zone is.
 
-use crate::models::{fastsim, half_space, hertz_carter};
+use crate::models::names::{FASTSIM, HALF_SPACE, HERTZ_CARTER};
 use crate::reference::carter;
 use crate::slip::Slip;
 use crate::strips::StripDensity;
@@ -33,7 +33,7 @@ pub fn spec() -> EffectSpec {
         source: "Carter, Proc. R. Soc. Lond. A 112 (1926) 151-157; Kalker, Three-Dimensional \
                  Elastic Bodies in Rolling Contact (1990)"
             .to_owned(),
-        models: [hertz_carter::NAME, fastsim::NAME, half_space::NAME].map(str::to_owned).to_vec(),
+        models: [HERTZ_CARTER, FASTSIM, HALF_SPACE].map(str::to_owned).to_vec(),
         consumes: Vec::new(),
         provides: Vec::new(),
         keys: Vec::new(),

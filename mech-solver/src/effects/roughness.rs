@@ -14,6 +14,7 @@
 //! Longuet-Higgins, Phil. Trans. R. Soc. A 250 (1957) 157–174, for the sum of waves.
 
 use crate::keys::CheckedParams;
+use crate::models::names::HALF_SPACE;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, KeySpec};
 use std::f64::consts::TAU;
@@ -64,7 +65,7 @@ pub fn spec() -> EffectSpec {
         source: "Persson et al., J. Phys.: Condens. Matter 17 (2005) R1-R62; Longuet-Higgins, \
                  Phil. Trans. R. Soc. A 250 (1957) 157-174"
             .to_owned(),
-        models: vec![crate::models::half_space::NAME.to_owned()],
+        models: vec![HALF_SPACE.to_owned()],
         consumes: Vec::new(),
         provides: Vec::new(),
         keys: keys(),

@@ -8,6 +8,7 @@
 
 use crate::half_space::subsurface::{Section, SurfaceLoad};
 use crate::keys::CheckedParams;
+use crate::models::names::HALF_SPACE;
 use crate::scene::Scene;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, KeySpec, names};
@@ -66,7 +67,7 @@ pub fn spec() -> EffectSpec {
             "Johnson, Contact Mechanics (1985) par. 3.2, 3.6; Love, Phil. Trans. R. Soc. A 228 \
                  (1929)"
                 .to_owned(),
-        models: vec![crate::models::half_space::NAME.to_owned()],
+        models: vec![HALF_SPACE.to_owned()],
         consumes: Vec::new(),
         provides: names(&fields),
         keys: keys(),

@@ -18,7 +18,7 @@
 //! slip velocity.
 
 use crate::keys::CheckedParams;
-use crate::models::{half_space, hertz_carter};
+use crate::models::names::{HALF_SPACE, HERTZ_CARTER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, KeySpec, names};
 use proto::field::{self, FieldSpec};
@@ -67,7 +67,7 @@ pub fn spec() -> EffectSpec {
             "Ertz & Bucher, Vehicle System Dynamics 37 suppl. (2002) 675-684; Polach, Wear 258 \
                  (2005) 992-1000"
                 .to_owned(),
-        models: [hertz_carter::NAME, half_space::NAME].map(str::to_owned).to_vec(),
+        models: [HERTZ_CARTER, HALF_SPACE].map(str::to_owned).to_vec(),
         consumes: names(&[&SURFACES[0], &SURFACES[1]]),
         provides: Vec::new(),
         keys: keys(),

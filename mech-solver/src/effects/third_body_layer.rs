@@ -7,6 +7,7 @@
 //! Wear 314 (2014) 87–95; Kalker (1990) §4.
 
 use crate::keys::CheckedParams;
+use crate::models::names::HALF_SPACE;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, KeySpec};
 
@@ -30,7 +31,7 @@ pub fn spec() -> EffectSpec {
         source: "Vollebregt, Wear 314 (2014) 87-95; Kalker, Three-Dimensional Elastic Bodies in \
                  Rolling Contact (1990)"
             .to_owned(),
-        models: vec![crate::models::half_space::NAME.to_owned()],
+        models: vec![HALF_SPACE.to_owned()],
         consumes: Vec::new(),
         provides: Vec::new(),
         keys: vec![flexibility_key()],

@@ -6,7 +6,7 @@
 //! §3.4, E* the sum of compliances), a the radius of the contact. Other shapes get the same with
 //! the radius of a circle of equal area.
 
-use super::normal::Prescribed;
+use super::prescribed::Prescribed;
 use std::f64::consts::PI;
 
 /// Halvings of the interval of the level; a guess needs no more.

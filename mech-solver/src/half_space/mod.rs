@@ -32,6 +32,7 @@ mod initial_pressure;
 pub mod levels;
 pub mod normal;
 pub mod patches;
+mod prescribed;
 pub mod profile;
 pub mod slip_operator;
 pub mod subsurface;

@@ -37,20 +37,12 @@
 
 mod error;
 
+pub use super::prescribed::Prescribed;
 pub use error::NormalError;
 
 use super::convolution::{Complex64, Convolution, Spectrum};
 use super::influence::Influence;
 use super::initial_pressure;
-
-/// What is prescribed in a normal contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Prescribed {
-    /// Normal force N [N].
-    Load(f64),
-    /// Approach δ of the bodies [m].
-    Approach(f64),
-}
 
 /// A solved normal contact; the pressure is in the caller's field.
 #[derive(Clone, Copy, Debug, PartialEq)]

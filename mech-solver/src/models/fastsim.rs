@@ -36,8 +36,9 @@ mod sliding;
 use crate::effects::partial_slip;
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::keys::CheckedParams;
+use crate::models::expected::{STUDY, refinement};
+use crate::models::names::FASTSIM;
 use crate::models::precomputed::{self, Precomputed};
-use crate::models::{STUDY, refinement};
 use crate::reference::kalker::{self, CreepCoefficients};
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
 use contact::Problem;
@@ -50,9 +51,6 @@ use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use std::f64::consts::PI;
-
-/// Name in the case file.
-pub const NAME: &str = "fastsim";
 
 const FLEXIBILITY: &str = "mech.flexibility";
 /// Fewest strips: the force of a contact that sticks is then exact to 1e-4.
@@ -68,7 +66,7 @@ pub fn spec() -> ModelSpec {
     let mut keys = given_patch_keys();
     keys.push(flexibility_key());
     ModelSpec {
-        name: NAME.to_owned(),
+        name: FASTSIM.to_owned(),
         summary: "Hertz ellipse and Kalker's simplified theory (FASTSIM), all three creepages"
             .to_owned(),
         source:
@@ -218,7 +216,7 @@ impl Setup for Prepared {
         contact.check_power()?;
         let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
         Ok(Box::new(Precomputed {
-            name: NAME,
+            name: FASTSIM,
             summary: contact.summary(),
             work: cells(&problem) as u64,
             fields: wanted.iter().map(values).collect(),

@@ -13,6 +13,8 @@
 //! at every resolution ([`crate::half_space::tangential`]).
 
 mod answer;
+mod balance;
+mod case;
 mod contact;
 mod drive;
 mod gap;
@@ -23,27 +25,25 @@ mod transient;
 
 use crate::effects::subsurface_stress::Sections;
 use crate::effects::temperature_friction::FrictionLaw;
-use crate::effects::{friction_heat, partial_slip, third_body_layer};
+use crate::effects::{partial_slip, third_body_layer};
 use crate::ellipse::Ellipse;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
-use crate::models::{CONTACT_GRID, RIGID_GRID, refinement};
+use crate::models::expected::refinement;
+use crate::models::grids::{CONTACT_GRID, RIGID_GRID};
+use crate::models::names::HALF_SPACE;
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
-use answer::{Answer, Passage};
+use case::Case;
 use drive::Driven;
-use geometry::Footprint;
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Mode, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
-use proto::model::{Model, Outputs, Setup};
-use serde_json::{Value, json};
+use proto::model::{Model, Setup};
 use steady::Steady;
 use transient::Transient;
 
-/// Name in the case file.
-pub const NAME: &str = "half-space";
 /// Grid of what happens from one element's centre to the next one's.
 pub const PASSAGE_GRID: &str = "passage";
 
@@ -75,7 +75,7 @@ pub fn spec() -> ModelSpec {
     keys.extend(drive::keys());
     keys.push(rolling_key());
     ModelSpec {
-        name: NAME.to_owned(),
+        name: HALF_SPACE.to_owned(),
         summary: "elastic half-spaces by boundary elements: exact partial slip, all creepages"
             .to_owned(),
         source: "Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990) ch. 4; \
@@ -223,100 +223,6 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
             .chain(idle)
             .collect(),
         ..Layout::default()
-    }
-}
-
-/// A checked case.
-#[derive(Clone, Debug)]
-struct Case {
-    scene: Scene,
-    bodies: Elasticity,
-    driven: Driven,
-    partial: bool,
-    layer: f64,
-    /// How friction depends on temperature, if it does.
-    friction_law: Option<FrictionLaw>,
-    footprint: Footprint,
-    /// The tractions of one step matter to the next.
-    memory: bool,
-    /// Vertical sections in which stresses are wanted.
-    sections: Option<Sections>,
-    /// Duration of a shift, known when the window is [s].
-    shift_duration: f64,
-}
-
-impl Case {
-    /// Hertz's solution holds: smooth second-order surfaces, and tractions that leave the pressure alone.
-    fn is_hertzian(&self) -> bool {
-        let rough = self.footprint.gap.as_ref().is_some_and(gap::Gap::is_rough);
-        !rough && !self.bodies.is_coupled()
-    }
-
-    /// What a particle goes through in a step.
-    fn passage(&self) -> Passage {
-        let (dx, speed) = (self.footprint.grid.dx(), self.scene.rolling_speed);
-        match speed > 0.0 {
-            true => Passage { distance: dx, ahead: 0.5 * dx, duration: dx / speed, rolls: true },
-            false => {
-                let duration = self.shift_duration;
-                Passage { distance: 1.0, ahead: 0.0, duration, rolls: false }
-            }
-        }
-    }
-
-    /// The contact grid, shifted upstream by half an element if the bodies roll.
-    fn passage_grid(&self) -> Structured {
-        let mut passage = self.footprint.grid;
-        passage.origin[0] += self.passage().ahead;
-        passage
-    }
-
-    /// The pressure of the ellipse that the case gives, at the elements' centres, scaled so that it
-    /// carries the ellipse's load; zero if it is to be solved for.
-    fn given_pressure(&self) -> Vec<f64> {
-        let grid = &self.footprint.grid;
-        let (None, Some(ellipse)) = (&self.footprint.gap, &self.footprint.ellipse) else {
-            return vec![0.0; grid.points()];
-        };
-        let [a, b] = self.footprint.semi_axes;
-        let at = |x: f64, y: f64| {
-            ellipse.max_pressure * (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt()
-        };
-        let mut pressure = crate::half_space::extent::sample(grid, &at);
-        let sum = pressure.iter().sum::<f64>() * grid.element_area();
-        pressure.iter_mut().for_each(|value| *value *= ellipse.normal_force / sum);
-        pressure
-    }
-
-    /// Writes what is observed of an accepted window.
-    fn observe(&mut self, answer: &Answer, power: &[f64], outputs: &mut dyn Outputs) {
-        answer.write(power, outputs);
-        if let Some(sections) = &mut self.sections {
-            sections.compute(&answer.pressure, &answer.traction);
-            sections.write(outputs);
-        }
-    }
-
-    /// The sections of `summary.json`.
-    fn summary(&self, answer: &Answer) -> Value {
-        let mut summary = json!({ "contact": answer.figures(self) });
-        if let Some(stress) = self.sections.as_ref().and_then(Sections::summary) {
-            summary["stress"] = stress;
-        }
-        summary
-    }
-
-    /// What holds before the first solve: nothing slips.
-    fn first_outputs(&self, outputs: &mut dyn Outputs) {
-        let speeds = friction_heat::surface_speeds(self.scene.rolling_speed, 0.0);
-        for spec in field::TABLE {
-            if let Some(place) = outputs.get(spec) {
-                match *spec {
-                    field::SURFACE_SPEED => place.copy_from_slice(&speeds),
-                    _ => place.fill(0.0),
-                }
-            }
-        }
     }
 }
 

@@ -15,6 +15,7 @@
 //! Deviations from the sources: the strips of an elliptic patch share one prefactor A and take ξ
 //! from their own half length, so that the friction power is V s F in every strip.
 
+mod case;
 mod contact;
 mod fields;
 mod heated;
@@ -23,20 +24,19 @@ use crate::effects::partial_slip;
 use crate::effects::temperature_friction::FrictionLaw;
 use crate::ellipse::Ellipse;
 use crate::keys::CheckedParams;
+use crate::models::expected::{STUDY, refinement};
+use crate::models::names::HERTZ_CARTER;
 use crate::models::precomputed::{self, Precomputed};
-use crate::models::{STUDY, refinement};
 use crate::scene::{Drive, GivenPatch, Scene, given_patch_keys};
+use case::Case;
 use contact::{Contact, CreepLaw};
 use heated::Heated;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
-use proto::grid::Structured;
 use proto::model::{Model, Setup};
 
-/// Name in the case file.
-pub const NAME: &str = "hertz-carter";
 const CREEP_LAW: &str = "motion.creep_law";
 /// Time to compute one value, measured [s].
 const SECONDS_PER_VALUE: f64 = 7e-8;
@@ -47,7 +47,7 @@ pub fn spec() -> ModelSpec {
     let mut keys = given_patch_keys();
     keys.push(creep_law_key());
     ModelSpec {
-        name: NAME.to_owned(),
+        name: HERTZ_CARTER.to_owned(),
         summary: "Hertz ellipse and Carter strips in closed form, longitudinal creepage only"
             .to_owned(),
         source:
@@ -106,7 +106,8 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     }
     layout.remarks.extend(remarks(&scene, &contact, given, partial));
     layout.closed_forms = contact.ellipse.closed_forms();
-    Ok(Box::new(Prepared { scene, contact, law, partial, friction, grid, wanted, layout }))
+    let case = Case { scene, contact, law, partial, grid, wanted };
+    Ok(Box::new(Prepared { case, friction, layout }))
 }
 
 fn remarks(
@@ -127,16 +128,11 @@ fn remarks(
     remarks
 }
 
-/// A checked case.
+/// A checked case and its grids.
 struct Prepared {
-    scene: Scene,
-    contact: Contact,
-    law: CreepLaw,
-    partial: bool,
+    case: Case,
     /// How friction depends on temperature, if it does.
     friction: Option<FrictionLaw>,
-    grid: Structured,
-    wanted: Vec<&'static FieldSpec>,
     layout: Layout,
 }
 
@@ -145,15 +141,16 @@ impl Setup for Prepared {
         &self.layout
     }
 
-    fn build(mut self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
-        if let Some(law) = self.friction.take() {
-            return Ok(Box::new(Heated::new(*self, law)));
+    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+        let Self { case, friction, .. } = *self;
+        if let Some(law) = friction {
+            return Ok(Box::new(Heated::new(case, law)));
         }
-        let Self { contact, grid, wanted, .. } = *self;
+        let Case { contact, grid, wanted, .. } = case;
         let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
         let fields = wanted.iter().map(values).collect();
         Ok(Box::new(Precomputed {
-            name: NAME,
+            name: HERTZ_CARTER,
             summary: contact.summary(),
             work: grid.points() as u64,
             fields,

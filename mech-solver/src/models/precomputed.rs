@@ -1,7 +1,8 @@
 //! Models without memory: their fields are computed once, when the model is built, and a solve
 //! copies them to the outputs that are asked for.
 
-use super::{CONTACT_GRID, RIGID_GRID};
+use super::grids::{CONTACT_GRID, RIGID_GRID};
+use super::stateless::restore_nothing;
 use proto::configuration::{Configuration, FieldOnGrid, Layout};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
@@ -109,6 +110,6 @@ impl Model for Precomputed {
     }
 
     fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        super::restore_nothing(self.name, from)
+        restore_nothing(self.name, from)
     }
 }

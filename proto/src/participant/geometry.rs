@@ -1,6 +1,6 @@
 //! Grids that move: what a participant publishes of its own, and what it receives of others'.
 
-use super::ports::PortError;
+use super::error::PortError;
 use crate::field;
 use crate::grid::Grid;
 use crate::message::{FieldHeader, GeometryTopic, Label, Topic};

@@ -1,7 +1,8 @@
 //! The state machine that serves a model: one command, one answer.
 
+use super::error::PortError;
 use super::geometry::GeometryPorts;
-use super::ports::{InputPorts, OutputPorts, PortError};
+use super::ports::{InputPorts, OutputPorts};
 use super::pulse::Activity;
 use crate::configuration::{Configuration, Refusal};
 use crate::field::{self, FieldKind};

@@ -9,7 +9,7 @@
 //! alone and no symbolic link; a run is a folder in it with an identifier for its name and a `run.json`
 //! of that identifier; a shared-memory file of a run is a file of ours with the run's prefix.
 
-use super::{COORDINATOR_LOCK, MEMBERS_LOCK, RUN_FILE, is_free};
+use super::locks::{COORDINATOR_LOCK, MEMBERS_LOCK, RUN_FILE, is_free};
 use std::ffi::OsStr;
 use std::fs::{self, Metadata};
 use std::io;

@@ -1,13 +1,13 @@
 //! The energy audit: every consumer is judged by the heat that it was assigned.
 
-use crate::harness::{Place, case};
+use crate::harness::{Ended, Place, case};
 use serde_json::Value;
 
 const SCHEMES: [&str; 4] =
     ["serial-explicit", "parallel-explicit", "serial-implicit", "parallel-implicit"];
 
 /// Runs twenty windows of the lumped pair, the load step among them; the place and how it ended.
-fn lumped(settings: &[String]) -> (Place, crate::harness::Ended) {
+fn lumped(settings: &[String]) -> (Place, Ended) {
     let place = Place::new();
     let short = ["time.end=0.2", "lumped.step_at=0.105"].map(str::to_owned);
     let more: Vec<&str> =
@@ -16,50 +16,42 @@ fn lumped(settings: &[String]) -> (Place, crate::harness::Ended) {
     (place, ended)
 }
 
-/// `heat_sent_w` and `heat_received_w` of every iteration.
-fn heat(place: &Place) -> Vec<[f64; 2]> {
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let at = ["heat_sent_w", "heat_received_w"]
-        .map(|name| head.iter().position(|h| *h == name).unwrap());
-    let row = |line: &str| {
-        let cells: Vec<&str> = line.split(',').collect();
-        at.map(|at| cells[at].parse().unwrap())
-    };
-    table.lines().skip(1).map(row).collect()
-}
-
 /// One conservative field or two, on the producer's grid or mapped, as one solve a window or
 /// subcycled, fed back or not: under every scheme what was commanded is what is reported. Before,
 /// the newest sample was taken for it: under parallel-explicit "1e0 W sent, 0e0 W received".
-#[test]
-fn every_scheme_is_audited_by_what_it_commands() {
-    for scheme in SCHEMES {
-        for model in ["lumped", "split"] {
-            for points in [None, Some(7)] {
-                for substeps in [1, 3] {
-                    let mut settings = vec![
-                        format!("coupling.scheme={scheme}"),
-                        format!("source.model={model}"),
-                        format!("body.model={model}"),
-                        format!("body.substeps={substeps}"),
-                    ];
-                    settings.extend(points.map(|n| format!("body.points={n}")));
-                    let (place, ended) = lumped(&settings);
-                    assert_eq!(ended.code, Some(0), "{settings:?}: {}", ended.stderr);
-                    let rows = heat(&place);
-                    let off = |[sent, received]: &[f64; 2]| (sent - received).abs() / sent.abs();
-                    assert!(rows.iter().all(|row| off(row) <= 1e-12), "{settings:?}: {rows:?}");
-                    // Who solves at the same time as the source has its first flux.
-                    let fields = if model == "split" { 2.0 } else { 1.0 };
-                    let first = scheme.starts_with("parallel").then_some(0.5 * fields);
-                    let told = |first: f64| (rows[0][0] - first).abs() <= 1e-12;
-                    assert!(first.is_none_or(told), "{settings:?}: {rows:?}");
-                    assert!(rows.iter().any(|[sent, _]| (sent - 0.5 * fields).abs() > 0.1));
-                }
+fn is_audited_by_what_it_commands(scheme: &str) {
+    for model in ["lumped", "split"] {
+        for points in [None, Some(7)] {
+            for substeps in [1, 3] {
+                let mut settings = vec![
+                    format!("coupling.scheme={scheme}"),
+                    format!("source.model={model}"),
+                    format!("body.model={model}"),
+                    format!("body.substeps={substeps}"),
+                ];
+                settings.extend(points.map(|n| format!("body.points={n}")));
+                let (place, ended) = lumped(&settings);
+                assert_eq!(ended.code, Some(0), "{settings:?}: {}", ended.stderr);
+                let table = place.table("iterations.csv");
+                let rows = table.columns(["heat_sent_w", "heat_received_w"]);
+                let off = |[sent, received]: &[f64; 2]| (sent - received).abs() / sent.abs();
+                assert!(rows.iter().all(|row| off(row) <= 1e-12), "{settings:?}: {rows:?}");
+                // Who solves at the same time as the source has its first flux.
+                let fields = if model == "split" { 2.0 } else { 1.0 };
+                let first = scheme.starts_with("parallel").then_some(0.5 * fields);
+                let told = |first: f64| (rows[0][0] - first).abs() <= 1e-12;
+                assert!(first.is_none_or(told), "{settings:?}: {rows:?}");
+                assert!(rows.iter().any(|[sent, _]| (sent - 0.5 * fields).abs() > 0.1));
             }
         }
     }
+}
+
+table_of_tests! { is_audited_by_what_it_commands:
+    a_serial_explicit_scheme_is_audited_by_what_it_commands(SCHEMES[0]);
+    a_parallel_explicit_scheme_is_audited_by_what_it_commands(SCHEMES[1]);
+    a_serial_implicit_scheme_is_audited_by_what_it_commands(SCHEMES[2]);
+    a_parallel_implicit_scheme_is_audited_by_what_it_commands(SCHEMES[3]);
 }
 
 /// What a consumer loses is found under every scheme, and the consumer is named.

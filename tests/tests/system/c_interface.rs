@@ -1,26 +1,8 @@
 //! Participants in C: the header and the library of `proto/c`, compiled and run as a user would.
 
-use crate::harness::{Place, case, programs, root};
+use crate::harness::{Place, case, field_files, library, number, root};
 use rustix::process::Signal;
-use serde_json::Value;
-use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::OnceLock;
-
-/// The folder of `libcosim.so`, built once per test process in the profile of the tests.
-fn library() -> &'static Path {
-    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| {
-        let mut build = Command::new(env!("CARGO"));
-        // The whole workspace, so that nothing is built again with other features.
-        build.args(["build", "--workspace", "--lib", "--bins", "--quiet"]).current_dir(root());
-        if !cfg!(debug_assertions) {
-            build.arg("--release");
-        }
-        assert!(build.status().unwrap().success(), "the library does not build");
-        programs().to_owned()
-    })
-}
 
 /// A program in C, compiled into a folder of its own.
 pub(crate) struct Compiled {
@@ -59,29 +41,8 @@ fn with<'a>(settings: &[&'a str], command: &'a [String; 2]) -> Vec<&'a str> {
     settings.chain(command.iter().map(String::as_str)).collect()
 }
 
-/// The values of a field in the appended data of an image, by the offset its element names.
-fn field(place: &Place, name: &str) -> Vec<f64> {
-    let path = place.out().join("fields/thermal_contact_000000.vti");
-    let bytes = std::fs::read(path).unwrap();
-    let marker = b"<AppendedData encoding=\"raw\">\n_";
-    let start = bytes.windows(marker.len()).position(|w| w == marker).unwrap() + marker.len();
-    let head = String::from_utf8_lossy(&bytes[..start]).into_owned();
-    let element = head.split("<DataArray").find(|e| e.contains(&format!("\"{name}"))).unwrap();
-    let offset = element.split("offset=\"").nth(1).unwrap().split('"').next().unwrap();
-    let data = &bytes[start + offset.parse::<usize>().unwrap()..];
-    let length = u64::from_le_bytes(*data.first_chunk().unwrap()) as usize;
-    data[8..8 + length].as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect()
-}
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer}"))
-}
-
-fn largest_work(place: &Place) -> u64 {
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let column = table.lines().next().unwrap().split(',').position(|h| h == "thermal_work");
-    let of = |line: &str| line.split(',').nth(column.unwrap()).unwrap().parse().unwrap();
-    table.lines().skip(1).map(of).max().unwrap()
+fn largest_work(place: &Place) -> f64 {
+    place.table("iterations.csv").numbers("thermal_work").into_iter().fold(0.0, f64::max)
 }
 
 /// The two runs of a case, one with ours and one with the closed form in C, agree.
@@ -102,7 +63,7 @@ fn assert_same_answer(program: &Compiled, settings: &[&str]) {
         assert!(off.abs() < 1e-7 * number(&expected, "/contact/semi_axis_a_m"), "{off:e}");
         assert_eq!(number(&found, &pointer("y_m")), number(&expected, &pointer("y_m")));
         let name = format!("{body}_temperature");
-        let (a, b) = (field(&ours, &name), field(&theirs, &name));
+        let [a, b] = [&ours, &theirs].map(|place| place.field("thermal_contact_000000.vti", &name));
         assert_eq!(a.len(), b.len());
         let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak;
         // Ours integrates the tail behind a short row, to 1e-12 of F; the rest is rounding.
@@ -182,16 +143,6 @@ fn a_table_that_cannot_be_is_told() {
     }
 }
 
-/// Every field file, byte by byte, and what the toy adds to the summary.
-fn results(place: &Place) -> (Vec<(String, Vec<u8>)>, Value) {
-    let files = std::fs::read_dir(place.out().join("fields")).unwrap().flatten();
-    let mut files: Vec<_> = files
-        .map(|e| (e.file_name().into_string().unwrap(), std::fs::read(e.path()).unwrap()))
-        .collect();
-    files.sort();
-    (files, place.read_summary()["right"].clone())
-}
-
 #[test]
 fn a_killed_run_continues_bit_identically() {
     let program = Compiled::from(TOY);
@@ -218,10 +169,11 @@ fn a_killed_run_continues_bit_identically() {
     let resumed = place.start(&["run", "--resume", &place.out().display().to_string()]).wait();
     assert_eq!(resumed.code, Some(0), "{}", resumed.stderr);
     assert!(place.read_summary()["cost"]["resumed_at_window"].as_u64() >= Some(10));
-    let (expected, found) = (results(&undisturbed), results(&place));
-    assert_eq!(found.1, expected.1);
-    assert!(found.0 == expected.0, "a field file differs");
-    assert!(number(&found.1, "/sum").is_finite() && number(&found.1, "/sum") != 0.0);
+    let [expected, found] =
+        [&undisturbed, &place].map(|place| place.read_summary()["right"].clone());
+    assert_eq!(found, expected);
+    assert!(field_files(&place.out()) == field_files(&undisturbed.out()), "a field file differs");
+    assert!(number(&found, "/sum").is_finite() && number(&found, "/sum") != 0.0);
 }
 
 /// C++ programs include the same header; where there is no compiler for them, nobody will.

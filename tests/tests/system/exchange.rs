@@ -1,6 +1,6 @@
 //! The exchange itself: three processes, two fields, many windows.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, sets};
 
 #[test]
 fn every_window_passes_through_both_participants() {
@@ -41,8 +41,7 @@ fn a_participant_started_by_hand_is_waited_for() {
     let attach = ["--set", "left.attach=true", "--set", "time.end=5", "--log", "warn"];
     let running = place.start_run(&case("exchange.toml"), &attach);
     place.wait_for_log("participant started");
-    let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
-    let folder = created.unwrap()["fields"]["folder"].as_str().unwrap().to_owned();
+    let folder = place.created("folder");
     let by_hand = std::process::Command::new(crate::harness::programs().join("toy-left"))
         .args(["--join", &folder, "--role", "left"])
         .status();
@@ -72,7 +71,7 @@ fn a_loop_is_iterated_unless_the_user_wants_one_pass() {
 fn a_parallel_pass_uses_what_was_there_before() {
     let place = Place::new();
     let more = ["coupling.scheme=parallel-explicit", "time.end=250", "output.fields=all"];
-    let summary = place.summary(&case("exchange.toml"), &more.map(|set| ["--set", set]).concat());
+    let summary = place.summary(&case("exchange.toml"), &sets(&more));
     assert_eq!(summary["coupling"]["scheme"], "parallel-explicit");
     assert_eq!(last_value(&place, "left_numbers_000249.vti"), 250.0);
     assert_eq!(last_value(&place, "right_numbers_000249.vti"), 250.0);

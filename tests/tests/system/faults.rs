@@ -1,7 +1,7 @@
 //! Whoever dies, and however: the right exit code, one line that says who, when and what to do,
 //! and nothing left on the machine.
 
-use crate::harness::{Ended, Place, Running, case, programs, wait_until};
+use crate::harness::{Ended, Place, Running, case, programs, sets, wait_until};
 use rustix::process::{Signal, kill_process};
 
 /// A run whose participant `role` takes long over the first window, and is in it.
@@ -99,11 +99,9 @@ fn what_a_run_left_whose_processes_were_all_killed_is_removed_by_the_next() {
         stat.map_or(true, |stat| stat.contains(") Z "))
     };
     wait_until("the end of the participants", || pids.iter().all(|pid| gone(*pid)));
-    let logs = place.log();
+    let prefix = place.created("prefix");
     let next = place.run(&case("exchange.toml"), &["--set", "time.end=2"]);
     assert_eq!(next.code, Some(0), "{}", next.stderr);
-    let first = logs.iter().find(|e| e["fields"]["message"] == "run created").unwrap();
-    let prefix = first["fields"]["prefix"].as_str().unwrap().to_owned();
     let left: Vec<_> = std::fs::read_dir("/dev/shm")
         .unwrap()
         .flatten()
@@ -182,7 +180,7 @@ fn what_a_model_leaves_out_is_noticed_in_every_build() {
 fn what_is_not_finite_enters_no_checkpoint() {
     let place = Place::new();
     let settings = ["right.fault=not-finite", "right.fault_window=3", "output.checkpoint_every=1"];
-    let more = settings.map(|set| ["--set", set]).concat();
+    let more = sets(&settings);
     let ended = place.run(&case("exchange.toml"), &more);
     let what = "field `right_value` holds NaN at index 500";
     assert_failed(&place, &ended, &["right (toy-right) failed", "window 3, iteration 1", what]);
@@ -222,7 +220,7 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
 fn a_participant_cannot_stop_reporting_heat() {
     let place = Place::new();
     let settings = ["left.command=[\"rogue\"]", "left.fault=heat-once", "left.fault_window=3"];
-    let ended = place.run(&case("exchange.toml"), &settings.map(|set| ["--set", set]).concat());
+    let ended = place.run(&case("exchange.toml"), &sets(&settings));
     let what = "it has stopped reporting the heat it receives";
     assert_failed(&place, &ended, &["left (rogue) failed", "in window 4, iteration 1", what]);
 }
@@ -331,8 +329,7 @@ fn a_participant_started_by_hand_that_dies_is_noticed_by_its_lock() {
     let attach = ["--set", "left.attach=true", "--set", "left.delay=600"];
     let running = place.start_run(&case("exchange.toml"), &attach);
     place.wait_for_log("participant started");
-    let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
-    let folder = created.unwrap()["fields"]["folder"].as_str().unwrap().to_owned();
+    let folder = place.created("folder");
     let mut by_hand = std::process::Command::new(programs().join("toy-left"))
         .args(["--join", &folder, "--role", "left"])
         .spawn()

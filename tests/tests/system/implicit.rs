@@ -1,12 +1,12 @@
 //! Implicit coupling on the linear pair: how many iterations, how exact, and what is told when it
 //! does not converge.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, sets};
 use serde_json::Value;
 
 /// Runs the pair with these settings, and demands convergence; the summary.
 fn linear(place: &Place, settings: &[&str]) -> Value {
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+    let more = sets(settings);
     let summary = place.summary(&case("linear.toml"), &more);
     assert_eq!(summary["status"], "converged", "{settings:?}");
     assert_eq!(summary["coupling"]["windows"], 10);
@@ -101,10 +101,8 @@ fn a_parallel_scheme_finds_the_same_solution() {
 fn every_iteration_has_a_row_that_tells_its_residual_and_its_columns() {
     let place = Place::new();
     let summary = linear(&place, &["linear.problem=P4", "linear.seed=7"]);
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let at = |name: &str| head.iter().position(|h| *h == name).unwrap();
-    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|l| l.split(',').collect()).collect();
+    let table = place.table("iterations.csv");
+    let (at, rows) = (|name: &str| table.find(name).unwrap(), &table.rows);
     assert_eq!(rows.len() as u64, summary["coupling"]["iterations"].as_u64().unwrap());
     for pair in rows.windows(2) {
         let (row, next) = (&pair[0], &pair[1]);
@@ -126,7 +124,7 @@ fn a_tolerance_of_a_field_that_is_not_fed_back_is_refused() {
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("is not coupling data"), "{}", ended.stderr);
     let own = ["coupling.fields.operator_value.relative=1e-3", "linear.problem=P4"];
-    let more = own.map(|set| ["--set", set]).concat();
+    let more = sets(&own);
     let loose = place.summary(&case("linear.toml"), &more);
     let iterations = loose["coupling"]["iterations"].as_u64().unwrap();
     assert!(iterations < 34, "{iterations}: 34 are needed for 1e-6");

@@ -198,8 +198,7 @@ fn damaged_shared_memory_is_reported_and_removed_by_the_next_run() {
     let place = Place::new();
     let running = place.start_run(&case("exchange.toml"), &["--set", "left.delay=600"]);
     place.wait_for_log("every participant is ready");
-    let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
-    let prefix = created.unwrap()["fields"]["prefix"].as_str().unwrap().to_owned();
+    let prefix = place.created("prefix");
     let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
     let files: Vec<_> = entries
         .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))

@@ -5,6 +5,19 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
 
+/// A test for each row of a table, so that rows run side by side: a function, applied to what stands
+/// behind the test's name.
+macro_rules! table_of_tests {
+    ($function:ident: $($name:ident($($value:expr),* $(,)?);)+) => {
+        $(
+            #[test]
+            fn $name() {
+                $function($($value),*);
+            }
+        )+
+    };
+}
+
 mod ablate;
 mod accuracy;
 mod audit;
@@ -18,12 +31,13 @@ mod exchange;
 mod faults;
 mod figures;
 mod folders;
-mod harness;
 mod implicit;
 mod machine;
 mod mapping;
 mod moving;
 mod off_means_off;
+#[path = "../shared/paper.rs"]
+mod paper;
 mod paraview;
 mod patches;
 mod python;
@@ -36,3 +50,5 @@ mod stability;
 mod start;
 mod time;
 mod two_way;
+
+use tests::harness;

@@ -1,23 +1,15 @@
 //! Grids that do not match: what is mapped arrives whole, loops converge through it, and matching
 //! grids know nothing of it.
 
-use crate::harness::{Place, case};
-use coordinator::map::{GridMapping, Method};
+use crate::harness::Place;
+use crate::harness::case;
+use crate::harness::completed as run;
+use crate::harness::number;
+use coupling::map::GridMapping;
+use coupling::map::Method;
 use proto::field::Mapping;
 use serde_json::Value;
 use tests::linear::{Problem, grid};
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    let value = summary.pointer(pointer).and_then(Value::as_f64);
-    value.unwrap_or_else(|| panic!("{pointer} is missing in {summary}"))
-}
-
-fn run(name: &str, settings: &[&str]) -> (Place, Value) {
-    let place = Place::new();
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
-    let summary = place.summary(&case(name), &more);
-    (place, summary)
-}
 
 fn shown(command: &str, name: &str, settings: &[&str]) -> (Option<i32>, String) {
     let name = case(name);
@@ -27,23 +19,11 @@ fn shown(command: &str, name: &str, settings: &[&str]) -> (Option<i32>, String) 
     (ended.code, ended.stdout + &ended.stderr)
 }
 
-/// The columns of a table whose heads are these, row by row.
-fn columns<const N: usize>(place: &Place, file: &str, heads: [&str; N]) -> Vec<[f64; N]> {
-    let table = std::fs::read_to_string(place.out().join(file)).unwrap();
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let at = heads.map(|wanted| head.iter().position(|head| *head == wanted).unwrap());
-    let row = |line: &str| {
-        let cells: Vec<&str> = line.split(',').collect();
-        at.map(|column| cells[column].parse().unwrap())
-    };
-    table.lines().skip(1).map(row).collect()
-}
-
 /// In every iteration, not only at the end; the bound is that of the contract, rounding is smaller.
 fn assert_heat_arrives(place: &Place, summary: &Value) {
     let imbalance = number(summary, "/coupling/energy_imbalance");
     assert!(imbalance <= 1e-10, "{imbalance:e}");
-    let rows = columns(place, "iterations.csv", ["heat_sent_w", "heat_received_w"]);
+    let rows = place.table("iterations.csv").columns(["heat_sent_w", "heat_received_w"]);
     assert!(!rows.is_empty());
     for [sent, received] in rows {
         assert!(sent > 0.0 && (sent - received).abs() <= 1e-10 * sent, "{sent} {received}");
@@ -123,7 +103,7 @@ fn a_loop_converges_through_mappings_both_ways() {
         let (place, summary) = run("linear.toml", &settings);
         assert_eq!(summary["status"], "converged");
         let file = "fields/operator_unknowns_000009.csv";
-        let found = columns(&place, file, ["operator_value [1]"]).concat();
+        let found = place.table(file).numbers("operator_value [1]");
         let change = distance(&passed(&found, 137), &found);
         assert!(change <= 2.0 * fed_back * 1e-6, "{settings:?}: {change:e}");
         let unmapped = number(&summary, "/linear/true_error");
@@ -164,7 +144,7 @@ fn heat_that_is_fed_back_arrives_through_a_mapping() {
     let (place, mapped) = run("lumped.toml", &[&settings[..], &["body.points=7"]].concat());
     assert!(number(&mapped, "/coupling/energy_imbalance") <= 1e-10);
     let heads = ["iteration", "heat_sent_w", "heat_received_w"];
-    let rows = columns(&place, "iterations.csv", heads);
+    let rows = place.table("iterations.csv").columns(heads);
     // The first iterate is what the source says before it has solved.
     assert_eq!(rows[0], [1.0, 0.5, 0.5]);
     for [_, sent, received] in &rows[1..] {
@@ -276,7 +256,7 @@ fn seven_steps_a_window_between_grids_keep_the_heat() {
         ],
     );
     assert_heat_arrives(&place, &summary);
-    let steps = columns(&place, "iterations.csv", ["mech_substeps"]).concat();
+    let steps = place.table("iterations.csv").columns(["mech_substeps"]).concat();
     // Rounding of the window's length may move a step to the next one.
     assert!(steps.iter().all(|steps| (6.0..=8.0).contains(steps)), "{steps:?}");
     assert!((steps.iter().sum::<f64>() - 70.0).abs() <= 1.0, "{steps:?}");

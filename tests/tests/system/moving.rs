@@ -1,41 +1,26 @@
 //! A grid that moves in mid-run: what crosses arrives whole, and where it belongs.
 
-use crate::harness::{Ended, Place, case};
-use coordinator::plan::{sample_bytes, topic_bytes};
+use crate::harness::Ended;
+use crate::harness::Place;
+use crate::harness::case;
+use crate::harness::completed;
+use crate::harness::number;
+use crate::harness::sets;
 use proto::grid::{Grid, Quadrilaterals, Shape};
+use run::plan::{sample_bytes, topic_bytes};
 use serde_json::Value;
 use tests::moving::{flux, patch, plate};
 
 fn run(settings: &[&str]) -> (Place, Value) {
-    let place = Place::new();
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
-    let summary = place.summary(&case("moving.toml"), &more);
-    (place, summary)
+    completed("moving.toml", settings)
 }
 
 fn failed(settings: &[&str]) -> Ended {
     let place = Place::new();
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
-    let ended = place.run(&case("moving.toml"), &more);
+    let ended = place.run(&case("moving.toml"), &sets(settings));
     place.assert_nothing_left();
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     ended
-}
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
-}
-
-/// Columns of a table, row by row.
-fn columns<const N: usize>(place: &Place, file: &str, heads: [&str; N]) -> Vec<[f64; N]> {
-    let table = std::fs::read_to_string(place.out().join(file)).unwrap();
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let at = heads.map(|wanted| head.iter().position(|head| *head == wanted).unwrap());
-    let row = |line: &str| {
-        let cells: Vec<&str> = line.split(',').collect();
-        at.map(|column| cells[column].parse().unwrap())
-    };
-    table.lines().skip(1).map(row).collect()
 }
 
 /// Heat of the flux law on a grid by the shoelace formula, element by element, in the plane \[W\].
@@ -80,7 +65,7 @@ fn heat_arrives_whole_in_every_window() {
             let (place, summary) = run(&[set[0], set[1], &scheme]);
             assert!(number(&summary, "/coupling/energy_imbalance") <= 1e-10, "{set:?}");
             let heads = ["window", "heat_sent_w", "heat_received_w"];
-            let rows = columns(&place, "iterations.csv", heads);
+            let rows = place.table("iterations.csv").columns(heads);
             for (row, next) in rows.iter().zip(rows.iter().skip(1).chain([&[f64::NAN; 3]])) {
                 let [window, sent, received] = *row;
                 assert!((sent - received).abs() <= 1e-10 * sent, "{set:?}: {row:?}");
@@ -166,7 +151,7 @@ fn files_are_on_the_grid_of_their_window() {
             let grid = patch(motion, window);
             let Some(shape) = grid.as_structured() else { continue };
             let heads = ["x [m]", "moving_place_x [m]", "moving_flux [W/m2]", "y [m]"];
-            let rows = columns(&place, &format!("{file}.csv"), heads);
+            let rows = place.table(&format!("{file}.csv")).columns(heads);
             assert_eq!(rows.len(), shape.ni, "{file}");
             for (i, [x, place, q, y]) in rows.into_iter().enumerate() {
                 assert_eq!((x, place), (shape.x(i), shape.x(i)), "{file}");
@@ -220,7 +205,7 @@ fn a_grid_may_grow_far() {
     let (place, summary) = run(&["mover.motion=grow", "time.end=200", "plate.direct=true"]);
     assert_eq!(number(&summary, "/plate/largest_error"), 0.0);
     assert_eq!(patch("grow", 199).points(), 3568);
-    let rows = columns(&place, "iterations.csv", ["window", "heat_sent_w"]);
+    let rows = place.table("iterations.csv").columns(["window", "heat_sent_w"]);
     let [window, sent] = rows[rows.len() - 1];
     assert_eq!(window, 199.0);
     assert!((sent / heat(&patch("grow", 199)) - 1.0).abs() < 1e-12, "rounding");

@@ -1,7 +1,7 @@
 //! What a case does not name does not exist at run time. The tests iterate the registries, so that
 //! a new effect is tested by being registered.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, Table, case, field_files, root};
 use proto::description::Description;
 use proto::model::Solver;
 use std::collections::BTreeSet;
@@ -15,36 +15,10 @@ fn effects() -> BTreeSet<String> {
 }
 
 /// Every field file of a run, byte by byte, and the participants' work.
-fn answer(place: &Place) -> (Vec<(String, Vec<u8>)>, Vec<String>) {
-    let folder = place.out().join("fields");
-    let mut fields: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .flatten()
-        .map(|e| (e.file_name().into_string().unwrap(), std::fs::read(e.path()).unwrap()))
-        .collect();
-    fields.sort();
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let work = columns(&table, |head| head.ends_with("_work") || head.ends_with("_iterations"));
-    (fields, work)
+fn answer(place: &Place) -> (Vec<(String, Vec<u8>)>, Table) {
+    let work = |head: &str| head.ends_with("_work") || head.ends_with("_iterations");
+    (field_files(&place.out()), place.table("iterations.csv").of(work))
 }
-
-fn columns(table: &str, wanted: impl Fn(&str) -> bool) -> Vec<String> {
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let picked = |line: &str| {
-        let cells = line.split(',').zip(&head).filter(|(_, head)| wanted(head));
-        cells.map(|(cell, _)| cell.to_owned()).collect::<Vec<_>>().join(",")
-    };
-    table.lines().map(picked).collect()
-}
-
-/// The shipped cases whose answers are compared, and the effects that others of the case cannot do
-/// without.
-const CASES: [(&str, &[&str]); 4] = [
-    ("wheel-rail.toml", &[]),
-    ("third-body.toml", &[]),
-    ("rough.toml", &[]),
-    ("falling-friction.toml", &["friction_heat"]),
-];
 
 /// Elements of the shipped case: 83 × 63, the ellipse and a free element all round.
 const POINTS: u64 = 5229;
@@ -61,32 +35,54 @@ fn without(text: &str, effect: &str) -> String {
     text.lines().filter(keep).map(|line| format!("{line}\n")).collect()
 }
 
+/// The effects that the text of a case names, but for those that others of the case cannot do without.
+fn switchable(text: &str, needed: &[&str]) -> BTreeSet<String> {
+    let named = |e: &String| text.contains(&format!("[effects.{e}]"));
+    effects().into_iter().filter(|e| named(e) && !needed.contains(&e.as_str())).collect()
+}
+
 /// Taking an effect out of a case gives what a case gives that has never heard of it.
-#[test]
-fn an_effect_that_is_off_leaves_no_trace() {
+fn leaves_no_trace(name: &str, needed: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
-    let mut tested = BTreeSet::new();
-    for (name, needed) in CASES {
-        let text = std::fs::read_to_string(case(name)).unwrap();
-        let named = |e: &String| text.contains(&format!("[effects.{e}]"));
-        let can_go = |e: &String| named(e) && !needed.contains(&e.as_str());
-        for off in effects().into_iter().filter(can_go) {
-            let never_named = folder.path().join(format!("{off}-{name}"));
-            std::fs::write(&never_named, without(&text, &off)).unwrap();
-            let (removed, never) = (Place::new(), Place::new());
-            let summary = removed.summary(&case(name), &["--unset", &format!("effects.{off}")]);
-            let reference = never.summary(&never_named.display().to_string(), &[]);
-            assert_eq!(answer(&removed), answer(&never), "{name} without {off}");
-            for part in ["contact", "temperature", "effects"] {
-                assert_eq!(summary[part], reference[part], "{name} without {off}: {part}");
-            }
-            let inactive = summary["effects"]["inactive"].as_array().unwrap();
-            assert!(inactive.iter().any(|name| name == off.as_str()));
-            assert_fields_of_effect_are_absent(&removed, name, &off);
-            tested.insert(off);
+    let text = std::fs::read_to_string(case(name)).unwrap();
+    for off in switchable(&text, needed) {
+        let never_named = folder.path().join(format!("{off}-{name}"));
+        std::fs::write(&never_named, without(&text, &off)).unwrap();
+        let (removed, never) = (Place::new(), Place::new());
+        let summary = removed.summary(&case(name), &["--unset", &format!("effects.{off}")]);
+        let reference = never.summary(&never_named.display().to_string(), &[]);
+        assert_eq!(answer(&removed), answer(&never), "{name} without {off}");
+        for part in ["contact", "temperature", "effects"] {
+            assert_eq!(summary[part], reference[part], "{name} without {off}: {part}");
         }
+        let inactive = summary["effects"]["inactive"].as_array().unwrap();
+        assert!(inactive.iter().any(|name| name == off.as_str()));
+        assert_fields_of_effect_are_absent(&removed, name, &off);
     }
-    assert_eq!(tested, effects(), "every registered effect is switched off in some case");
+}
+
+/// A test for each shipped case whose answers are compared, with the effects that others of the case
+/// cannot do without.
+macro_rules! an_effect_that_is_off_leaves_no_trace {
+    ($($test:ident($name:expr, $needed:expr);)+) => {
+        table_of_tests! { leaves_no_trace: $($test($name, $needed);)+ }
+
+        #[test]
+        fn every_registered_effect_is_switched_off_in_some_case() {
+            let of = |name: &str, needed: &[&str]| {
+                switchable(&std::fs::read_to_string(case(name)).unwrap(), needed)
+            };
+            let tested: BTreeSet<String> = [$(of($name, $needed)),+].into_iter().flatten().collect();
+            assert_eq!(tested, effects());
+        }
+    };
+}
+
+an_effect_that_is_off_leaves_no_trace! {
+    an_effect_that_is_off_leaves_no_trace_in_rolling("wheel-rail.toml", &[]);
+    an_effect_that_is_off_leaves_no_trace_in_a_third_body("third-body.toml", &[]);
+    an_effect_that_is_off_leaves_no_trace_on_rough_surfaces("rough.toml", &[]);
+    an_effect_that_is_off_leaves_no_trace_in_a_loop("falling-friction.toml", &["friction_heat"]);
 }
 
 /// No field that only this effect provides is written or planned.
@@ -141,7 +137,7 @@ fn only_the_fields_asked_for_are_written() {
     let (files, _) = answer(&place);
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     let contact = ["mech_contact.pvd", "mech_contact_000000.csv", "mech_contact_000000.vti"];
-    assert_eq!(names, [&contact[..], &["open.py"]].concat());
+    assert_eq!(names, [&["last.bin"], &contact[..], &["open.py"]].concat());
     let image = String::from_utf8_lossy(&files[2].1);
     let arrays: Vec<&str> = image.lines().filter(|line| line.contains("offset=")).collect();
     assert!(arrays.len() == 1 && arrays[0].contains("\"pressure [Pa]\""), "{arrays:?}");
@@ -151,7 +147,7 @@ fn only_the_fields_asked_for_are_written() {
 /// shipped case exercises every effect.
 #[test]
 fn registries_are_complete() {
-    let shipped: String = std::fs::read_dir(crate::harness::root().join("cases"))
+    let shipped: String = std::fs::read_dir(root().join("cases"))
         .unwrap()
         .flatten()
         .filter_map(|entry| std::fs::read_to_string(entry.path()).ok())

@@ -1,6 +1,6 @@
 //! The fields on disk as VTK's own readers see them, and the state that opens them in ParaView.
 
-use crate::harness::{Place, case, programs, root};
+use crate::harness::{Place, Table, case, programs, root, sets};
 use crate::python::interpreter;
 use proto::description::Description;
 use proto::field::{self, Body, FieldKind, FieldSpec};
@@ -52,42 +52,19 @@ fn look(folder: &Path) -> Seen {
     serde_json::from_slice(&read.stdout).unwrap()
 }
 
-fn settings<'a>(settings: &[&'a str]) -> Vec<&'a str> {
-    settings.iter().flat_map(|set| ["--set", set]).collect()
+/// Where the points of a table are.
+fn places(table: &Table) -> Vec<[f64; 3]> {
+    table.columns(["x [m]", "y [m]", "z [m]"])
 }
 
-/// A table with a head of names.
-struct Table {
-    head: Vec<String>,
-    rows: Vec<Vec<f64>>,
-}
-
-impl Table {
-    fn read(path: &Path) -> Self {
-        let text = std::fs::read_to_string(path).unwrap();
-        let mut lines = text.lines();
-        let head = lines.next().unwrap().split(',').map(str::to_owned).collect();
-        let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        Self { head, rows: lines.map(row).collect() }
-    }
-
-    fn place(&self, row: &[f64]) -> [f64; 3] {
-        ["x [m]", "y [m]", "z [m]"].map(|axis| row[self.column(axis).unwrap()])
-    }
-
-    fn column(&self, name: &str) -> Option<usize> {
-        self.head.iter().position(|head| head == name)
-    }
-
-    /// The columns of an array, one a component: named `NAME [UNIT]`, or `NAME_C [UNIT]` with one of
-    /// these words for each.
-    fn columns(&self, array: &str, words: [&str; 2]) -> Vec<usize> {
-        let (name, unit) = array.split_once(' ').unwrap();
-        let of = |word| self.column(&format!("{name}_{word} {unit}"));
-        match self.column(array) {
-            Some(column) => vec![column],
-            None => words.map(|word| of(word).unwrap_or_else(|| panic!("{array}"))).to_vec(),
-        }
+/// The columns of an array in a table, one a component: named `NAME [UNIT]`, or `NAME_C [UNIT]` with
+/// one of these words for each.
+fn columns_of(table: &Table, array: &str, words: [&str; 2]) -> Vec<usize> {
+    let (name, unit) = array.split_once(' ').unwrap();
+    let of = |word| table.find(&format!("{name}_{word} {unit}"));
+    match table.find(array) {
+        Some(column) => vec![column],
+        None => words.map(|word| of(word).unwrap_or_else(|| panic!("{array}"))).to_vec(),
     }
 }
 
@@ -130,13 +107,13 @@ impl Data {
     /// The values are those of a table, whose numbers are printed so that they read back exactly.
     fn assert_values(&self, table: &Table, words: [&str; 2]) {
         for array in &self.arrays {
-            self.assert_array(array, table, &table.columns(&array.name, words));
+            self.assert_array(array, table, &columns_of(table, &array.name, words));
         }
     }
 
     fn assert_array(&self, array: &Array, table: &Table, columns: &[usize]) {
-        for row in &table.rows {
-            let values = &array.values[self.cell(table.place(row))];
+        for (index, place) in places(table).into_iter().enumerate() {
+            let (values, row) = (&array.values[self.cell(place)], table.row(index));
             let mut expected: Vec<f64> = columns.iter().map(|&column| row[column]).collect();
             expected.resize(array.components, 0.0);
             assert_eq!(values, &expected, "{} of {} at {row:?}", array.name, self.file);
@@ -145,8 +122,9 @@ impl Data {
 
     /// As many cells along every axis as a table of all points has places; none across the plane.
     fn assert_extent(&self, table: &Table) {
+        let points = places(table);
         let cells = [0, 1, 2].map(|axis| {
-            let places = table.rows.iter().map(|row| table.place(row)[axis].to_bits());
+            let places = points.iter().map(|point| point[axis].to_bits());
             match places.collect::<BTreeSet<u64>>().len() {
                 1 => 0,
                 several => several,
@@ -202,7 +180,7 @@ fn export(place: &Place) -> (Seen, std::path::PathBuf) {
 #[test]
 fn images_and_their_export_read_as_they_were_sent() {
     let place = Place::new();
-    let mut more = settings(&["mech.resolution=6"]);
+    let mut more = sets(&["mech.resolution=6"]);
     more.push("--record");
     place.summary(&case("wheel-rail.toml"), &more);
     let fields = place.out().join("fields");
@@ -223,7 +201,7 @@ fn images_and_their_export_read_as_they_were_sent() {
             for (array, kind) in data.arrays.iter().zip(&kinds) {
                 let all = Table::read(&csv.join(format!("{role}_{}_000000.csv", kind.name)));
                 data.assert_extent(&all);
-                data.assert_array(array, &all, &all.columns(&array.name, ["0", "1"]));
+                data.assert_array(array, &all, &columns_of(&all, &array.name, ["0", "1"]));
             }
         }
     }
@@ -232,7 +210,7 @@ fn images_and_their_export_read_as_they_were_sent() {
 #[test]
 fn surfaces_and_their_export_read_as_they_were_sent() {
     let place = Place::new();
-    let mut more = settings(&["mover.motion=stretch", "output.fields=all"]);
+    let mut more = sets(&["mover.motion=stretch", "output.fields=all"]);
     more.push("--record");
     place.summary(&case("moving.toml"), &more);
     let described = Command::new(programs().join("toy-mover")).arg("--describe").output().unwrap();
@@ -262,7 +240,7 @@ fn surfaces_and_their_export_read_as_they_were_sent() {
 #[test]
 fn a_series_has_its_times() {
     let place = Place::new();
-    let more = settings(&["mech.resolution=6", "time.end=0.44 ms", "output.every=5"]);
+    let more = sets(&["mech.resolution=6", "time.end=0.44 ms", "output.every=5"]);
     place.summary(&case("cold-start.toml"), &more);
     let seen = look(&place.out().join("fields"));
     assert_opened(&seen);
@@ -287,7 +265,7 @@ fn a_series_has_its_times() {
 fn the_state_follows_what_is_there() {
     let place = Place::new();
     let wheel_rail = |more: &[&str]| {
-        let more = [&settings(&["mech.resolution=6"])[..], more].concat();
+        let more = [&sets(&["mech.resolution=6"])[..], more].concat();
         place.summary(&case("wheel-rail.toml"), &more);
     };
     let fields = place.out().join("fields");

@@ -1,8 +1,7 @@
 //! Several patches, lateral creepage and spin, through the whole of three processes: on the screen, in
 //! the summary, in tables and sections.
 
-use crate::harness::{Place, case};
-use serde_json::Value;
+use crate::harness::{Place, case, number};
 use std::path::{Path, PathBuf};
 
 /// A rail with two equal crowns of 300 mm at ±20 mm, and a case of a straight wheel on it.
@@ -18,18 +17,9 @@ fn two_crowns(folder: &Path) -> PathBuf {
     file
 }
 
-fn number(value: &Value, key: &str) -> f64 {
-    value[key].as_f64().unwrap_or_else(|| panic!("{key}: {value}"))
-}
-
 /// Places of a table of the fields [m].
 fn places(place: &Place, file: &str) -> Vec<[f64; 3]> {
-    let text = std::fs::read_to_string(place.out().join("fields").join(file)).unwrap();
-    let row = |line: &str| {
-        let mut cells = line.split(',').map(|cell| cell.parse::<f64>().unwrap());
-        std::array::from_fn(|_| cells.next().unwrap())
-    };
-    text.lines().skip(1).map(row).collect()
+    place.table(&format!("fields/{file}")).columns(["x [m]", "y [m]", "z [m]"])
 }
 
 /// Under 50 N too both crowns carry half; each has a row on the screen, in the summary and on the page,
@@ -56,17 +46,17 @@ fn two_patches_have_a_row_each_and_the_sections() {
     assert_eq!(patches.len(), 2);
     let peak = summary["temperature"]["rail"]["max_rise_k"].as_f64().unwrap();
     for patch in patches {
-        assert!((number(patch, "normal_force_n") - 25.0).abs() < 1e-3, "{patch}");
+        assert!((number(patch, "/normal_force_n") - 25.0).abs() < 1e-3, "{patch}");
         // Hertz under 25 N, as the tests of the model have it; the grid of a/10.
-        assert!((number(patch, "max_pressure_pa") / 77.96e6 - 1.0).abs() < 0.01, "{patch}");
-        assert!((number(patch, "rail_max_rise_k") / peak - 1.0).abs() < 1e-3, "{patch}");
+        assert!((number(patch, "/max_pressure_pa") / 77.96e6 - 1.0).abs() < 0.01, "{patch}");
+        assert!((number(patch, "/rail_max_rise_k") / peak - 1.0).abs() < 1e-3, "{patch}");
     }
     for told in ["contact   2 patches", "patch 1   y -20.0", "patch 2   y 20.0", "1 window   "] {
         assert!(ended.stdout.contains(told), "{told}: {}", ended.stdout);
     }
     let page = std::fs::read_to_string(place.out().join("report.html")).unwrap();
     assert!(page.contains("Patches") && page.contains("−20.00"));
-    let b = number(&patches[0], "semi_axis_b_m");
+    let b = number(&patches[0], "/semi_axis_b_m");
     let through_a_patch = |[_, y, _]: &[f64; 3]| (y.abs() - 20e-3).abs() < b;
     for (file, count) in
         [("mech_rail_stress_section_000000.csv", 60), ("thermal_rail_section_000000.csv", 33)]

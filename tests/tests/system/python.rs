@@ -1,7 +1,7 @@
 //! A participant in Python takes the place of ours: the same answer within its method's error, the
 //! same manners when something goes wrong.
 
-use crate::harness::{Place, case, programs, root};
+use crate::harness::{Place, case, completed as run, number, programs, root, sets};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -47,34 +47,8 @@ fn faulty(fault: &str) -> String {
     format!("thermal.command=[\"sh\", \"-c\", {script:?}, \"sh\"]")
 }
 
-fn run(name: &str, settings: &[&str]) -> (Place, Value) {
-    let place = Place::new();
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
-    let summary = place.summary(&case(name), &more);
-    (place, summary)
-}
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    let value = summary.pointer(pointer).and_then(Value::as_f64);
-    value.unwrap_or_else(|| panic!("{pointer} is missing in {summary}"))
-}
-
 const PEAK: &str = "/temperature/rail/max_rise_k";
 const IMBALANCE: &str = "/coupling/energy_imbalance";
-
-/// A one-component field of a .vti file: raw doubles behind their number of bytes.
-fn field(place: &Place, file: &str, name: &str) -> Vec<f64> {
-    let bytes = std::fs::read(place.out().join("fields").join(file)).unwrap();
-    let mark = b"<AppendedData encoding=\"raw\">\n_";
-    let data = bytes.windows(mark.len()).position(|window| window == mark).unwrap();
-    let head = String::from_utf8(bytes[..data].to_vec()).unwrap();
-    let line = head.lines().find(|line| line.contains(&format!("Name=\"{name} ["))).unwrap();
-    let offset = line.split("offset=\"").nth(1).unwrap().split('"').next().unwrap();
-    let start = data + mark.len() + offset.parse::<usize>().unwrap();
-    let size = u64::from_le_bytes(bytes[start..start + 8].try_into().unwrap()) as usize;
-    let values = bytes[start + 8..start + 8 + size].as_chunks().0.iter();
-    values.map(|value| f64::from_le_bytes(*value)).collect()
-}
 
 /// Largest difference of two fields, relative to the largest value of the second.
 fn difference(found: &[f64], expected: &[f64]) -> f64 {
@@ -106,7 +80,7 @@ fn strip_columns_give_what_ours_give() {
             assert!((ratio("penetration_depth_m") - 1.0).abs() < 5.0 * of_peak);
             let read = |place: &Place| {
                 let name = format!("{body}_temperature");
-                field(place, "thermal_contact_000000.vti", &name)
+                place.field("thermal_contact_000000.vti", &name)
             };
             let error = difference(&read(&theirs), &read(&ours));
             assert!(error < of_field, "{body}: {error:e}");
@@ -114,7 +88,7 @@ fn strip_columns_give_what_ours_give() {
             let read = |place: &Place| {
                 let name = format!("{body}_section");
                 let file = format!("thermal_{name}_000000.vti");
-                field(place, &file, &format!("{name}_temperature"))
+                place.field(&file, &format!("{name}_temperature"))
             };
             assert!(difference(&read(&theirs), &read(&ours)) < of_field);
         }
@@ -136,7 +110,7 @@ fn the_short_solver_agrees_with_the_long_one() {
     let (short, summary) =
         run("wheel-rail.toml", &[&settings[..], &[&short, "thermal.model=short"]].concat());
     assert!(number(&summary, IMBALANCE) <= 1e-12);
-    let read = |place| field(place, "thermal_contact_000000.vti", "rail_temperature");
+    let read = |place: &Place| place.field("thermal_contact_000000.vti", "rail_temperature");
     assert!(difference(&read(&short), &read(&long)) < 1e-14);
 }
 
@@ -147,7 +121,7 @@ fn keys_that_only_ours_reads_are_a_warning() {
     let short = format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string());
     let run = |key: &str| {
         let settings = ["mech.model=hertz-carter", "thermal.model=short", &short, key];
-        let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+        let more = sets(&settings);
         Place::new().run(&case("wheel-rail.toml"), &more)
     };
     let ended = run("thermal.resolution=59");
@@ -170,8 +144,7 @@ fn a_solver_started_by_hand_is_asked_by_its_command() {
             attach.into_iter().chain(command.iter().map(String::as_str)).collect();
         let running = place.start_run(&case("wheel-rail.toml"), &more);
         place.wait_for_log("run created");
-        let created = place.log().into_iter().find(|e| e["fields"]["message"] == "run created");
-        let folder = created.unwrap()["fields"]["folder"].as_str().unwrap().to_owned();
+        let folder = place.created("folder");
         let mut by_hand = python();
         by_hand.arg(&script).args(["--join", &folder, "--role", "thermal"]);
         by_hand.stderr(std::process::Stdio::null()).status().unwrap();
@@ -219,12 +192,10 @@ fn several_ranks_are_one_participant() {
     let spread = ranks("proto/python/examples/ranks.py");
     let (together, summary) = run("wheel-rail.toml", &[&settings[..], &[&spread]].concat());
     assert!(number(&summary, IMBALANCE) <= 1e-12);
-    let read = |place| field(place, "thermal_contact_000000.vti", "rail_temperature");
+    let read = |place: &Place| place.field("thermal_contact_000000.vti", "rail_temperature");
     assert!(difference(&read(&together), &read(&alone)) < 1e-14);
-    let table = std::fs::read_to_string(together.out().join("iterations.csv")).unwrap();
-    let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let column = rows.next().unwrap().iter().position(|name| *name == "thermal_work").unwrap();
-    assert_eq!(rows.next().unwrap()[column], "3", "all ranks have computed");
+    let work = together.table("iterations.csv").numbers("thermal_work");
+    assert_eq!(work[0], 3.0, "all ranks have computed");
 }
 
 /// Ranks that know nothing of each other all answer, and all join.
@@ -234,7 +205,7 @@ fn ranks_that_all_take_part_are_told_what_to_do() {
     let settings = ["mech.model=hertz-carter", "thermal.model=short"];
     let command = ranks("proto/python/examples/short_columns.py");
     let more = [&settings[..], &[&command]].concat();
-    let more: Vec<&str> = more.iter().flat_map(|set| ["--set", set]).collect();
+    let more = sets(&more);
     let ended = place.run(&case("wheel-rail.toml"), &more);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     for part in ["asked to describe", "it answers more than once", "MPI ranks", "only one answers"]
@@ -323,28 +294,33 @@ fn a_loop_through_python_converges_to_the_same_state() {
 }
 
 /// After five passages the transient field is the steady one, to rounding: no heat of a window is
-/// lost or counted twice. Windows that are a fiftieth of an element's passage are merged, which
-/// moves no heat once the flux no longer changes.
+/// lost or counted twice. So many windows.
+fn windows_add_up(settings: &[&str], windows: std::ops::Range<u64>) {
+    let python = strip_columns();
+    let (_, transient) = run("cold-start.toml", &[settings, &[&python]].concat());
+    let count = transient["coupling"]["windows"].as_u64().unwrap();
+    assert!(windows.contains(&count), "{count}");
+    let of_space: Vec<&str> =
+        settings.iter().copied().filter(|set| set.starts_with("mech.")).collect();
+    let given = [&of_space[..], &["time.mode=steady", &python]].concat();
+    let unset = ["--unset", "time.window", "--unset", "time.end", "--unset", "output.every"];
+    let more = [&sets(&given)[..], &unset].concat();
+    let steady = Place::new().summary(&case("cold-start.toml"), &more);
+    let ratio = number(&transient, PEAK) / number(&steady, PEAK);
+    assert!((ratio - 1.0).abs() < 1e-10, "{ratio}");
+    assert!(number(&transient, IMBALANCE) <= 1e-12);
+}
+
 #[test]
 fn windows_add_up_to_the_steady_field() {
-    let python = strip_columns();
-    let steady = |settings: &[&str]| {
-        let given = [settings, &["time.mode=steady", &python]].concat();
-        let sets = given.iter().flat_map(|set| ["--set", set]);
-        let unset = ["--unset", "time.window", "--unset", "time.end", "--unset", "output.every"];
-        Place::new().summary(&case("cold-start.toml"), &sets.chain(unset).collect::<Vec<_>>())
-    };
-    let (_, transient) = run("cold-start.toml", &[&python]);
-    assert_eq!(transient["coupling"]["windows"], 51);
-    let short = ["mech.resolution=8", "time.window=0.5 us", "output.every=1000", &python];
-    let (_, merged) = run("cold-start.toml", &short);
-    assert!(merged["coupling"]["windows"].as_u64().unwrap() > 2000);
-    let (steady, coarse) = (steady(&[]), steady(&["mech.resolution=8"]));
-    for (found, expected) in [(&transient, &steady), (&merged, &coarse)] {
-        let ratio = number(found, PEAK) / number(expected, PEAK);
-        assert!((ratio - 1.0).abs() < 1e-10, "{ratio}");
-        assert!(number(found, IMBALANCE) <= 1e-12);
-    }
+    windows_add_up(&[], 51..52);
+}
+
+/// Windows that are a fiftieth of an element's passage are merged, which moves no heat once the flux no
+/// longer changes.
+#[test]
+fn merged_windows_add_up_to_the_steady_field() {
+    windows_add_up(&["mech.resolution=4", "time.window=1 us", "output.every=1000"], 1000..1100);
 }
 
 /// A grid of its own, on which the coordinator maps the heat.
@@ -353,7 +329,7 @@ fn a_wished_grid_gets_all_the_heat() {
     let settings = ["mech.resolution=20", "thermal.resolution=59", &strip_columns()];
     let (place, mapped) = run("wheel-rail.toml", &settings);
     assert!(number(&mapped, IMBALANCE) <= 1e-10);
-    let values = field(&place, "thermal_contact_000000.vti", "rail_temperature");
+    let values = place.field("thermal_contact_000000.vti", "rail_temperature");
     assert_eq!(values.len(), 59 * 46);
 }
 
@@ -362,7 +338,7 @@ fn a_wished_grid_gets_all_the_heat() {
 fn a_killed_run_is_resumed() {
     let python = strip_columns();
     let settings = [python.as_str(), "time.end=2.5 ms", "output.checkpoint_every=7"];
-    let more = settings.map(|set| ["--set", set]).concat();
+    let more = sets(&settings);
     let (undisturbed, expected) = run("cold-start.toml", &settings);
     let place = Place::new();
     let running = place.start_run(&case("cold-start.toml"), &more);
@@ -375,22 +351,25 @@ fn a_killed_run_is_resumed() {
     place.assert_nothing_left();
     assert_eq!(place.read_summary()["temperature"], expected["temperature"]);
     let last = format!("thermal_contact_{:06}.vti", 124);
-    let read = |place: &Place| field(place, &last, "wheel_temperature");
+    let read = |place: &Place| place.field(&last, "wheel_temperature");
     assert_eq!(read(&place), read(&undisturbed));
 }
 
 /// A thread of Python's own watches the coordinator, also while the solver never rests.
-#[test]
-fn a_killed_coordinator_leaves_nothing_in_mid_solve() {
-    for fault in ["sleep", "spin", "hold"] {
-        let place = Place::new();
-        let running = place.start_run(&case("cold-start.toml"), &["--set", &faulty(fault)]);
-        place.wait_for_log("every participant is ready");
-        std::thread::sleep(std::time::Duration::from_millis(300));
-        running.signal(Signal::KILL);
-        assert_eq!(running.wait().code, None, "killed by a signal");
-        place.assert_nothing_left();
-    }
+fn leaves_nothing_in_mid_solve(fault: &str) {
+    let place = Place::new();
+    let running = place.start_run(&case("cold-start.toml"), &["--set", &faulty(fault)]);
+    place.wait_for_log("every participant is ready");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    running.signal(Signal::KILL);
+    assert_eq!(running.wait().code, None, "killed by a signal");
+    place.assert_nothing_left();
+}
+
+table_of_tests! { leaves_nothing_in_mid_solve:
+    a_killed_coordinator_leaves_nothing_that_sleeps("sleep");
+    a_killed_coordinator_leaves_nothing_that_spins("spin");
+    a_killed_coordinator_leaves_nothing_that_holds_the_lock("hold");
 }
 
 /// A heart beats beside a loop that never lets go of the interpreter for long: it is the solve's
@@ -400,7 +379,7 @@ fn a_busy_solve_keeps_its_heart() {
     let place = Place::new();
     let settings =
         [&faulty("spin"), "coupling.heartbeat_deadline=1.5", "coupling.solve_deadline=4"];
-    let ended = place.run(&case("cold-start.toml"), &settings.map(|set| ["--set", set]).concat());
+    let ended = place.run(&case("cold-start.toml"), &sets(&settings));
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     assert!(ended.stderr.contains("its heartbeat is still received"), "{}", ended.stderr);
     place.assert_nothing_left();
@@ -411,7 +390,7 @@ fn a_busy_solve_keeps_its_heart() {
 fn a_solve_that_holds_the_interpreters_lock_keeps_its_heart() {
     let place = Place::new();
     let settings = [&faulty("hold"), "coupling.heartbeat_deadline=3", "time.end=2e-5"];
-    let ended = place.run(&case("cold-start.toml"), &settings.map(|set| ["--set", set]).concat());
+    let ended = place.run(&case("cold-start.toml"), &sets(&settings));
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     place.assert_nothing_left();
 }
@@ -424,68 +403,60 @@ fn moving_part(role: &str) -> String {
 
 /// A mover and a plate in Python, with the flux mapped or on the moving grid itself, in place of
 /// those in Rust: each receives what the other sends where it is, to rounding.
-#[test]
-fn grids_that_move_in_python_are_as_in_rust() {
+fn moves_as_in_rust(motion: &str, direct: bool) {
     let parts = ["mover", "plate"].map(moving_part);
-    for (motion, direct) in [("translate", true), ("grow", false), ("stretch", true)] {
-        let settings = [
-            format!("mover.motion={motion}"),
-            format!("plate.direct={direct}"),
-            "time.end=4".to_owned(),
-            "mover.every=2".to_owned(),
-            "output.fields=all".to_owned(),
-        ];
-        let sets = |all: &[String]| -> Vec<String> {
-            all.iter().flat_map(|set| ["--set".to_owned(), set.clone()]).collect()
-        };
-        let run = |all: &[String]| {
-            let more = sets(all);
-            let more: Vec<&str> = more.iter().map(String::as_str).collect();
-            Place::new().summary(&case("moving.toml"), &more)
-        };
-        let ours = run(&settings);
-        let theirs = run(&[settings.as_slice(), &parts].concat());
-        for role in ["mover", "plate"] {
-            let [a, b] = [&ours, &theirs].map(|summary| &summary[role]);
-            assert_eq!(
-                [&a["windows"], &a["grid_revision"]],
-                [&b["windows"], &b["grid_revision"]],
-                "{motion}"
-            );
-            let [a, b] = [a, b].map(|part| part["largest_error"].as_f64().unwrap());
-            assert!((a - b).abs() <= 1e-12, "{motion}, {role}: {a} in Rust, {b} in Python");
-        }
+    let motion = format!("mover.motion={motion}");
+    let direct = format!("plate.direct={direct}");
+    let settings = [&motion, &direct, "time.end=4", "mover.every=2", "output.fields=all"];
+    let (_, ours) = run("moving.toml", &settings);
+    let (_, theirs) = run("moving.toml", &[&settings[..], &[&parts[0], &parts[1]]].concat());
+    for role in ["mover", "plate"] {
+        let [a, b] = [&ours, &theirs].map(|summary| &summary[role]);
+        assert_eq!(
+            [&a["windows"], &a["grid_revision"]],
+            [&b["windows"], &b["grid_revision"]],
+            "{motion}"
+        );
+        let [a, b] = [a, b].map(|part| number(part, "/largest_error"));
+        assert!((a - b).abs() <= 1e-12, "{motion}, {role}: {a} in Rust, {b} in Python");
     }
 }
 
-#[test]
-fn faults_in_python_are_told_in_its_words() {
-    let cases = [
-        ("raise", "in window 0, iteration 1", "ValueError: told to fail"),
-        ("keep-input", "in window 0, iteration 1", "an array of `friction_power` was kept"),
-        ("keep-output", "in window 0, iteration 1", "an array of `rail_temperature` was kept"),
-        ("write-input", "in window 0, iteration 1", "read-only"),
-        ("unwritten", "in window 0, iteration 1", "`rail_temperature` is not finite at index 7"),
-        ("heat", "in window 0, iteration 1", "the model reports nan W of heat received"),
-        ("unknown", "in window 0, iteration 1", "the description provides no `rail_temperatur`"),
-        ("exit", "in window 0, iteration 1", "ended with exit code 9"),
-        // Nobody waits for an answer to Accept: the next command is answered with the error.
-        ("accept", "in window 1, iteration 1", "ValueError: told to fail"),
-    ];
-    for (fault, when, what) in cases {
-        let place = Place::new();
-        let name = if fault == "accept" { "cold-start.toml" } else { "falling-friction.toml" };
-        let ended = place.run(&case(name), &["--set", &faulty(fault)]);
-        assert_eq!(ended.code, Some(1), "{fault}: {}", ended.stderr);
-        for part in ["thermal (sh) failed", when, what] {
-            assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
-        }
-        if fault == "raise" {
-            let traced = |event: &Value| event.to_string().contains("faulty.py");
-            assert!(place.log().iter().any(traced), "the traceback is in the log");
-        }
-        place.assert_nothing_left();
+table_of_tests! { moves_as_in_rust:
+    a_grid_that_moves_in_python_is_as_in_rust("translate", true);
+    a_grid_that_grows_in_python_is_as_in_rust("grow", false);
+    a_grid_that_stretches_in_python_is_as_in_rust("stretch", true);
+}
+
+/// A fault in the first window, unless it is told later; when it is told, and in which words.
+fn fault_is_told(fault: &str, when: &str, what: &str) {
+    let place = Place::new();
+    let name = if fault == "accept" { "cold-start.toml" } else { "falling-friction.toml" };
+    let ended = place.run(&case(name), &["--set", &faulty(fault)]);
+    assert_eq!(ended.code, Some(1), "{fault}: {}", ended.stderr);
+    for part in ["thermal (sh) failed", when, what] {
+        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
     }
+    if fault == "raise" {
+        let traced = |event: &Value| event.to_string().contains("faulty.py");
+        assert!(place.log().iter().any(traced), "the traceback is in the log");
+    }
+    place.assert_nothing_left();
+}
+
+const FIRST: &str = "in window 0, iteration 1";
+
+// Nobody waits for an answer to Accept: the next command is answered with the error.
+table_of_tests! { fault_is_told:
+    an_exception_is_told("raise", FIRST, "ValueError: told to fail");
+    an_input_that_is_kept_is_told("keep-input", FIRST, "an array of `friction_power` was kept");
+    an_output_that_is_kept_is_told("keep-output", FIRST, "an array of `rail_temperature` was kept");
+    writing_to_an_input_is_told("write-input", FIRST, "read-only");
+    what_is_not_written_is_told("unwritten", FIRST, "`rail_temperature` is not finite at index 7");
+    a_heat_that_is_no_number_is_told("heat", FIRST, "the model reports nan W of heat received");
+    an_unknown_field_is_told("unknown", FIRST, "the description provides no `rail_temperatur`");
+    an_exit_is_told("exit", FIRST, "ended with exit code 9");
+    an_exception_in_accept_is_told("accept", "in window 1, iteration 1", "ValueError: told to fail");
 }
 
 #[test]
@@ -498,7 +469,8 @@ fn what_python_refuses_is_an_error_of_the_case() {
     ];
     for (settings, code, what) in refused {
         let place = Place::new();
-        let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+        let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
+        let more = sets(&settings);
         let ended = place.run(&case("falling-friction.toml"), &more);
         assert_eq!(ended.code, Some(code), "{settings:?}: {}", ended.stderr);
         assert!(ended.stderr.contains(what), "`{what}` is missing in: {}", ended.stderr);

@@ -1,12 +1,10 @@
 //! The report of a run: what is in its file, and what a browser makes of it.
 
-mod browser;
 mod markup;
 
+use crate::harness::browser::{DESK, PHONE, Scheme, View, assert_shown, look};
 use crate::harness::{Place, case};
-use browser::{Scheme, View, look, requests};
 use markup::{Element, elements};
-use std::path::Path;
 
 /// Runs a shipped case and writes its report with the command; the page.
 fn report(place: &Place, name: &str, more: &[&str]) -> String {
@@ -192,14 +190,30 @@ fn a_run_without_an_end_gets_a_report_of_what_it_left() {
     let table = place.out().join("iterations.csv");
     let text = std::fs::read_to_string(&table).unwrap();
     std::fs::write(&table, &text[..text.len() - 20]).unwrap();
-    std::fs::write(place.out().join("fields/mech_contact_000050.vti"), "<?xml").unwrap();
+    let fields = place.out().join("fields/last.bin");
+    let whole = std::fs::read(&fields).unwrap();
+    std::fs::write(&fields, &whole[..whole.len() / 2]).unwrap();
     let out = place.out().display().to_string();
     assert_eq!(place.start(&["report", &out]).wait().code, Some(0));
     let page = page(&place);
     assert_good(&page);
     assert!(page.contains("the run was killed or is still running"));
-    assert!(page.contains("mech_contact_000050.vti: not an image as runs write it"));
-    assert_titles(&page, &["rail temperature", "heat sent and received"]);
+    assert!(page.contains("last.bin: corrupt: checksum mismatch in"));
+    assert_titles(&page, &["heat sent and received"]);
+}
+
+/// An earlier version has written fields for ParaView alone.
+#[test]
+fn a_folder_of_an_earlier_version_gets_a_report_without_fields() {
+    let place = Place::new();
+    place.summary(&case("wheel-rail.toml"), &[]);
+    std::fs::remove_file(place.out().join("fields/last.bin")).unwrap();
+    let out = place.out().display().to_string();
+    assert_eq!(place.start(&["report", &out]).wait().code, Some(0));
+    let page = page(&place);
+    assert_good(&page);
+    assert!(page.contains("last.bin: not written by the version that ran this case"));
+    assert_titles(&page, &["work of the processes"]);
 }
 
 #[test]
@@ -212,60 +226,53 @@ fn a_folder_without_results_has_no_report() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// Shows the page in a browser and demands that it fits, that each of its plots is drawn, so many at
-/// least, and that nothing was fetched.
-fn assert_shown(page: &Path, view: View, plots: usize) {
-    let look = look(page, view);
-    assert!(look.plots.len() >= plots, "{view:?}: {} plots", look.plots.len());
-    assert!(look.scroll_width <= view.width, "{view:?}: the page is {} wide", look.scroll_width);
-    assert_eq!(look.fetched, Vec::<String>::new(), "{view:?}");
-    let light = look.paper().iter().map(|c| u32::from(*c)).sum::<u32>() > 3 * 128;
-    assert_eq!(light, view.scheme == Scheme::Light, "{view:?}: {:?}", look.paper());
-    for plot in 0..look.plots.len() {
-        assert!(look.is_drawn(plot), "{view:?}: plot {plot} is blank");
-    }
+fn assert_run_is_shown(name: &str, views: &[View]) {
+    let place = Place::new();
+    place.summary(&case(name), &["--report"]);
+    assert_shown(&place.out().join("report.html"), views, 6);
 }
 
 #[test]
 fn a_browser_shows_every_plot_in_light_in_dark_and_on_a_phone() {
-    let place = Place::new();
-    for name in ["wheel-rail.toml", "falling-friction.toml", "cold-start.toml"] {
-        place.summary(&case(name), &["--report"]);
-        let page = place.out().join("report.html");
-        assert_shown(&page, View { width: 1280, scheme: Scheme::Light }, 6);
-        assert_shown(&page, View { width: 375, scheme: Scheme::Dark }, 6);
-        assert_eq!(requests(&page), Vec::<String>::new(), "{name}");
-        if name == "wheel-rail.toml" {
-            assert_shown(&page, View { width: 1280, scheme: Scheme::Dark }, 6);
-            assert_shown(&page, View { width: 375, scheme: Scheme::Light }, 6);
-        }
-    }
+    let other = [View { scheme: Scheme::Dark, ..DESK }, View { scheme: Scheme::Light, ..PHONE }];
+    assert_run_is_shown("wheel-rail.toml", &[DESK, PHONE, other[0], other[1]]);
 }
 
-/// The page of a study, on a desk in light and on a phone in the dark.
-pub(crate) fn assert_study_is_shown(page: &Path, plots: usize) {
-    assert_shown(page, View { width: 1280, scheme: Scheme::Light }, plots);
-    assert_shown(page, View { width: 375, scheme: Scheme::Dark }, plots);
-    assert_eq!(requests(page), Vec::<String>::new(), "{}", page.display());
-}
-
-/// Each kind of study has a page of its own; that of the paper is looked at where it is made.
 #[test]
-fn a_browser_shows_the_pages_of_studies() {
-    let (wheel_rail, full_slip) = (case("wheel-rail.toml"), case("full-slip.toml"));
-    let coarse = ["--set", "mech.resolution=10"];
-    let studies: [(&[&str], usize); 3] = [
-        (&["cost", &full_slip, "--repeat", "1", "--vary", "mech.resolution=5,10"], 4),
-        (&["ablate", &wheel_rail, coarse[0], coarse[1]], 4),
-        (&["stability", "--only", "coarse-columns", "--no-sweep"], 0),
-    ];
-    for (command, plots) in studies {
-        let place = Place::new();
-        let out = place.out().display().to_string();
-        let ended = place.start(&[command, &["--out", &out]].concat()).wait();
-        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-        assert_study_is_shown(&place.out().join("report.html"), plots);
-    }
+fn a_browser_shows_every_plot_of_an_implicit_run() {
+    assert_run_is_shown("falling-friction.toml", &[DESK, PHONE]);
+}
+
+#[test]
+fn a_browser_shows_every_plot_of_a_transient_run() {
+    assert_run_is_shown("cold-start.toml", &[DESK, PHONE]);
+}
+
+/// Makes a study and looks at its page.
+fn assert_study_is_drawn(command: &[&str], plots: usize) {
+    let place = Place::new();
+    let out = place.out().display().to_string();
+    let ended = place.start(&[command, &["--out", &out]].concat()).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_shown(&place.out().join("report.html"), &[DESK, PHONE], plots);
+}
+
+// Each kind of study has a page of its own; that of the paper is looked at where it is made.
+
+#[test]
+fn a_browser_shows_the_page_of_costs() {
+    let vary = "mech.resolution=5,10";
+    assert_study_is_drawn(&["cost", &case("full-slip.toml"), "--repeat", "1", "--vary", vary], 4);
+}
+
+#[test]
+fn a_browser_shows_the_page_of_effects() {
+    assert_study_is_drawn(&["ablate", &case("wheel-rail.toml"), "--set", "mech.resolution=10"], 4);
+}
+
+#[test]
+fn a_browser_shows_the_page_of_hard_cases() {
+    assert_study_is_drawn(&["stability", "--only", "coarse-columns", "--no-sweep"], 0);
 }
 
 /// The checks see what they are for: plots that are not drawn, a page that is too wide, a request.
@@ -279,13 +286,13 @@ fn the_browser_checks_find_what_is_wrong() {
         std::fs::write(&path, page.replace("</body>", &format!("{what}</body>"))).unwrap();
         path
     };
-    let view = View { width: 375, scheme: Scheme::Light };
-    let hidden = look(&spoilt("<style>.plot * { visibility: hidden }</style>"), view);
+    let (looks, _) = look(&spoilt("<style>.plot * { visibility: hidden }</style>"), &[PHONE]);
+    let hidden = &looks[0];
     assert!((0..hidden.plots.len()).all(|plot| !hidden.is_drawn(plot)));
-    let wide = look(&spoilt("<div style=\"width: 900px\">x</div>"), view);
-    assert!(wide.scroll_width >= 900, "{}", wide.scroll_width);
     let image = "http://report.invalid/x.png";
-    let path = spoilt(&format!("<img src=\"{image}\"/>"));
-    assert_eq!(requests(&path), [image]);
-    assert_eq!(look(&path, view).fetched, [image]);
+    let what = format!("<div style=\"width: 900px\">x</div><img src=\"{image}\"/>");
+    let (looks, requests) = look(&spoilt(&what), &[PHONE]);
+    assert!(looks[0].scroll_width >= 900, "{}", looks[0].scroll_width);
+    assert_eq!(requests, [image]);
+    assert_eq!(looks[0].fetched, [image]);
 }

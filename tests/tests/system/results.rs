@@ -1,6 +1,6 @@
 //! The result directory, as other programs read it.
 
-use crate::harness::{Ended, Place, case, wait_until};
+use crate::harness::{Ended, Place, case, sets, wait_until};
 use rustix::process::Signal;
 use std::path::Path;
 
@@ -29,7 +29,7 @@ fn the_files_of_a_steady_run() {
     ];
     let files = |grid| [".pvd", "_000000.csv", "_000000.vti"].map(|end| format!("{grid}{end}"));
     let mut expected = grids.map(files).concat();
-    expected.push("open.py".to_owned());
+    expected.extend(["last.bin", "open.py"].map(str::to_owned));
     expected.sort();
     assert_eq!(fields, expected);
 }
@@ -40,21 +40,9 @@ fn the_files_of_a_steady_run() {
 fn the_centre_line_shows_traction_and_slip() {
     let place = Place::new();
     place.summary(&case("wheel-rail.toml"), &["--set", "motion.traction_coefficient=0.4"]);
-    let table = |name: &str| {
-        let text = std::fs::read_to_string(place.out().join("fields").join(name)).unwrap();
-        let mut lines = text.lines();
-        let head: Vec<String> = lines.next().unwrap().split(',').map(str::to_owned).collect();
-        let numbers = |line: &str| line.split(',').map(|v| v.parse().unwrap()).collect();
-        let rows: Vec<Vec<f64>> = lines.map(numbers).collect();
-        move |column: &str| -> Vec<f64> {
-            let at = head.iter().position(|name| name == column).unwrap();
-            rows.iter().map(|row| row[at]).collect()
-        }
-    };
-    let contact = table("mech_contact_000000.csv");
-    let passage = table("mech_passage_000000.csv");
-    let (x, p, t) = (contact("x [m]"), contact("pressure [Pa]"), contact("traction_x [Pa]"));
-    let slip = passage("slip_velocity_x [m/s]");
+    let contact = place.table("fields/mech_contact_000000.csv");
+    let [x, p, t] = ["x [m]", "pressure [Pa]", "traction_x [Pa]"].map(|name| contact.numbers(name));
+    let slip = place.table("fields/mech_passage_000000.csv").numbers("slip_velocity_x [m/s]");
     assert_eq!(x.len(), 83);
     let touching: Vec<usize> = (0..x.len()).filter(|&i| p[i] > 0.0).collect();
     let slips = |i: usize| t[i] > 0.6 * p[i] * (1.0 - 1e-9);
@@ -182,7 +170,7 @@ fn two_runs_do_not_share_a_folder() {
 fn a_killed_run_can_be_read() {
     let place = Place::new();
     let more = ["output.fields=all", "output.every=2", "left.delay=0.02"];
-    let more = more.map(|set| ["--set", set]).concat();
+    let more = sets(&more);
     let running = place.start_run(&case("exchange.toml"), &more);
     let series = place.out().join("fields/left_numbers.pvd");
     let entries = || -> Vec<String> {

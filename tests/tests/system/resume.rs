@@ -1,6 +1,6 @@
 //! Restart: a run that is killed and resumed ends to the bit as if nothing had happened.
 
-use crate::harness::{Ended, Place, case, wait_until};
+use crate::harness::{Ended, Place, Table, case, field_files, sets, wait_until};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::ffi::OsStr;
@@ -13,28 +13,18 @@ struct Results {
     /// Every field file, byte by byte.
     fields: Vec<(String, Vec<u8>)>,
     /// The table of iterations without its times.
-    table: Vec<Vec<String>>,
+    table: Table,
     /// The summary with the bytes exchanged alone for its cost.
     summary: Value,
 }
 
 fn results(place: &Place) -> Results {
-    let files = std::fs::read_dir(place.out().join("fields")).into_iter().flatten().flatten();
-    let mut fields: Vec<_> = files
-        .map(|e| (e.file_name().into_string().unwrap(), std::fs::read(e.path()).unwrap()))
-        .collect();
-    fields.sort();
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let timeless = |head: &str| !head.ends_with("_s") || head == "start_s" || head == "end_s";
-    let row = |line: &str| {
-        let cells = line.split(',').zip(&head).filter(|(_, head)| timeless(head));
-        cells.map(|(cell, _)| cell.to_owned()).collect()
-    };
     let mut summary = place.read_summary();
     let cost = summary.as_object_mut().unwrap().remove("cost").unwrap();
     summary["bytes_exchanged"] = cost["bytes_exchanged"].clone();
-    Results { fields, table: table.lines().map(row).collect(), summary }
+    let table = place.table("iterations.csv").of(timeless);
+    Results { fields: field_files(&place.out()), table, summary }
 }
 
 fn resume(place: &Place) -> Ended {
@@ -76,14 +66,10 @@ fn random(state: &mut u64) -> u64 {
     z ^ (z >> 31)
 }
 
-fn pairs<'a>(settings: &[&'a str]) -> Vec<&'a str> {
-    settings.iter().flat_map(|set| ["--set", set]).collect()
-}
-
 /// Runs undisturbed, and killed after a random number of checkpoints and resumed; both have to end
 /// alike.
 fn killed_and_resumed(case: &str, settings: &[&str], most: u64, seed: &mut u64) {
-    let more = pairs(settings);
+    let more = sets(settings);
     let undisturbed = Place::new();
     undisturbed.summary(case, &more);
     let expected = results(&undisturbed);
@@ -104,47 +90,47 @@ fn killed_and_resumed(case: &str, settings: &[&str], most: u64, seed: &mut u64) 
     );
 }
 
-#[test]
-fn the_accelerators_history_survives() {
-    let seed = &mut 4;
-    for (acceleration, scheme) in [
-        ("iqn-ils", "serial-implicit"),
-        ("iqn-imvj", "serial-implicit"),
-        ("iqn-ils", "parallel-implicit"),
-        ("aitken", "parallel-implicit"),
-    ] {
-        let acceleration = format!("coupling.acceleration={acceleration}");
-        let scheme = format!("coupling.scheme={scheme}");
-        let settings = [
-            acceleration.as_str(),
-            &scheme,
-            "coupling.predictor=linear",
-            "linear.problem=P4",
-            "linear.size=500",
-            "coupling.relative=1e-9",
-            "time.end=60",
-            "output.fields=all",
-            "output.every=7",
-            "output.checkpoint_every=5",
-        ];
-        killed_and_resumed(&case("linear.toml"), &settings, 10, seed);
-    }
+fn history_survives(acceleration: &str, scheme: &str, mut seed: u64) {
+    let acceleration = format!("coupling.acceleration={acceleration}");
+    let scheme = format!("coupling.scheme={scheme}");
+    let settings = [
+        acceleration.as_str(),
+        &scheme,
+        "coupling.predictor=linear",
+        "linear.problem=P4",
+        "linear.size=500",
+        "coupling.relative=1e-9",
+        "time.end=60",
+        "output.fields=all",
+        "output.every=7",
+        "output.checkpoint_every=5",
+    ];
+    killed_and_resumed(&case("linear.toml"), &settings, 10, &mut seed);
+}
+
+table_of_tests! { history_survives:
+    the_history_of_iqn_ils_survives("iqn-ils", "serial-implicit", 4);
+    the_history_of_iqn_imvj_survives("iqn-imvj", "serial-implicit", 5);
+    the_history_of_iqn_ils_in_parallel_survives("iqn-ils", "parallel-implicit", 6);
+    the_history_of_aitken_in_parallel_survives("aitken", "parallel-implicit", 7);
 }
 
 /// What an explicit scheme hears a window late has to be there again.
-#[test]
-fn what_is_a_window_late_survives() {
-    for scheme in ["serial-explicit", "parallel-explicit"] {
-        let scheme = format!("coupling.scheme={scheme}");
-        let settings = [
-            scheme.as_str(),
-            "time.end=400",
-            "left.delay=1 ms",
-            "output.fields=all",
-            "output.checkpoint_every=10",
-        ];
-        killed_and_resumed(&case("exchange.toml"), &settings, 20, &mut 7);
-    }
+fn a_late_window_survives(scheme: &str) {
+    let scheme = format!("coupling.scheme={scheme}");
+    let settings = [
+        scheme.as_str(),
+        "time.end=400",
+        "left.delay=1 ms",
+        "output.fields=all",
+        "output.checkpoint_every=10",
+    ];
+    killed_and_resumed(&case("exchange.toml"), &settings, 20, &mut 7);
+}
+
+table_of_tests! { a_late_window_survives:
+    what_is_a_window_late_in_series_survives("serial-explicit");
+    what_is_a_window_late_in_parallel_survives("parallel-explicit");
 }
 
 #[test]
@@ -185,34 +171,37 @@ fn mapping_and_transient_rolling_survive() {
 }
 
 /// Grids that move are where they were, and what was sent last is on the grids on which it was.
-#[test]
-fn grids_that_move_survive() {
-    let seed = &mut 13;
-    for (motion, scheme, direct, interpolation) in [
-        ("translate", "serial-implicit", false, "linear"),
-        ("grow", "serial-explicit", false, "constant"),
-        ("grow", "serial-implicit", true, "constant"),
-        ("stretch", "parallel-implicit", false, "linear"),
-        ("stretch", "parallel-implicit", true, "constant"),
-    ] {
-        let motion = format!("mover.motion={motion}");
-        let scheme = format!("coupling.scheme={scheme}");
-        let direct = format!("plate.direct={direct}");
-        let interpolation = format!("coupling.interpolation={interpolation}");
-        let settings = [
-            motion.as_str(),
-            &scheme,
-            &direct,
-            &interpolation,
-            "moving.gain=0.1",
-            "time.end=24",
-            "plate.resolution=160",
-            "output.fields=all",
-            "output.every=3",
-            "output.checkpoint_every=2",
-        ];
-        killed_and_resumed(&case("moving.toml"), &settings, 8, seed);
-    }
+fn a_moving_grid_survives(
+    motion: &str,
+    scheme: &str,
+    (direct, interpolation): (bool, &str),
+    mut seed: u64,
+) {
+    let motion = format!("mover.motion={motion}");
+    let scheme = format!("coupling.scheme={scheme}");
+    let direct = format!("plate.direct={direct}");
+    let interpolation = format!("coupling.interpolation={interpolation}");
+    let settings = [
+        motion.as_str(),
+        &scheme,
+        &direct,
+        &interpolation,
+        "moving.gain=0.1",
+        "time.end=24",
+        "plate.resolution=160",
+        "output.fields=all",
+        "output.every=3",
+        "output.checkpoint_every=2",
+    ];
+    killed_and_resumed(&case("moving.toml"), &settings, 8, &mut seed);
+}
+
+table_of_tests! { a_moving_grid_survives:
+    a_patch_that_moves_survives("translate", "serial-implicit", (false, "linear"), 13);
+    a_patch_that_grows_survives("grow", "serial-explicit", (false, "constant"), 14);
+    a_patch_that_grows_and_is_heard_on_survives("grow", "serial-implicit", (true, "constant"), 15);
+    a_patch_that_stretches_survives("stretch", "parallel-implicit", (false, "linear"), 16);
+    a_patch_that_stretches_and_is_heard_on_survives("stretch", "parallel-implicit", (true, "constant"), 17);
 }
 
 /// A run of many windows that has been killed after at least two checkpoints.
@@ -220,31 +209,34 @@ fn killed(settings: &[&str]) -> Place {
     let place = Place::new();
     let all =
         [&["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"], settings].concat();
-    assert!(kill_at(&place, &case("exchange.toml"), &pairs(&all), 4));
+    assert!(kill_at(&place, &case("exchange.toml"), &sets(&all), 4));
     assert_eq!(checkpoints(&place.out()).len(), 2, "the last two are kept");
     place
 }
 
-#[test]
-fn a_torn_checkpoint_is_named_and_the_one_before_used() {
+fn torn_checkpoint(file: &str) {
     let undisturbed = Place::new();
     let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
-    undisturbed.summary(&case("exchange.toml"), &pairs(&settings));
-    for file in ["left.state", "right_value.values", "coordinator.state"] {
-        let place = killed(&[]);
-        let names = checkpoints(&place.out());
-        let path = place.out().join("checkpoints").join(&names[1]).join(file);
-        let bytes = std::fs::read(&path).unwrap();
-        std::fs::write(&path, &bytes[..bytes.len() - 3]).unwrap();
-        let ended = resume(&place);
-        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-        let told = format!("checkpoint {} is not used: {file} is corrupt", names[1]);
-        assert!(ended.stderr.contains(&told), "{}", ended.stderr);
-        assert!(ended.stderr.contains("using the previous one"), "{}", ended.stderr);
-        let at: u64 = names[0].parse().unwrap();
-        assert_eq!(place.read_summary()["cost"]["resumed_at_window"], at);
-        assert_eq!(results(&place), results(&undisturbed));
-    }
+    undisturbed.summary(&case("exchange.toml"), &sets(&settings));
+    let place = killed(&[]);
+    let names = checkpoints(&place.out());
+    let path = place.out().join("checkpoints").join(&names[1]).join(file);
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() - 3]).unwrap();
+    let ended = resume(&place);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let told = format!("checkpoint {} is not used: {file} is corrupt", names[1]);
+    assert!(ended.stderr.contains(&told), "{}", ended.stderr);
+    assert!(ended.stderr.contains("using the previous one"), "{}", ended.stderr);
+    let at: u64 = names[0].parse().unwrap();
+    assert_eq!(place.read_summary()["cost"]["resumed_at_window"], at);
+    assert_eq!(results(&place), results(&undisturbed));
+}
+
+table_of_tests! { torn_checkpoint:
+    a_torn_checkpoint_of_a_participant_is_named_and_the_one_before_used("left.state");
+    a_torn_checkpoint_of_a_field_is_named_and_the_one_before_used("right_value.values");
+    a_torn_checkpoint_of_the_coordinator_is_named_and_the_one_before_used("coordinator.state");
 }
 
 #[test]
@@ -289,7 +281,7 @@ fn another_case_is_refused_and_a_run_that_has_ended_stays() {
 fn a_run_that_failed_can_be_resumed_and_ends_alike() {
     let place = Place::new();
     let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
-    let running = place.start_run(&case("exchange.toml"), &pairs(&settings));
+    let running = place.start_run(&case("exchange.toml"), &sets(&settings));
     wait_until("a checkpoint", || !checkpoints(&place.out()).is_empty());
     rustix::process::kill_process(place.pid_of("right"), Signal::KILL).unwrap();
     assert_eq!(running.wait().code, Some(1));
@@ -305,7 +297,7 @@ fn an_interrupted_run_is_resumed() {
     for (signal, code) in [(Signal::INT, 130), (Signal::TERM, 143)] {
         let place = Place::new();
         let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
-        let running = place.start_run(&case("exchange.toml"), &pairs(&settings));
+        let running = place.start_run(&case("exchange.toml"), &sets(&settings));
         wait_until("a checkpoint", || !checkpoints(&place.out()).is_empty());
         running.signal(signal);
         let ended = running.wait();
@@ -327,7 +319,7 @@ fn a_folder_whose_name_is_no_text_holds_checkpoints() {
     std::fs::copy(case("exchange.toml"), odd.join("exchange.toml")).unwrap();
     let settings = ["time.end=400", "left.delay=1 ms", "output.checkpoint_every=10"];
     let mut run = place.command(&["run", "exchange.toml"]);
-    run.args(pairs(&settings)).arg("--out").arg(odd.join("out")).current_dir(&odd);
+    run.args(sets(&settings)).arg("--out").arg(odd.join("out")).current_dir(&odd);
     let running = place.launch(run);
     wait_until("a checkpoint", || !checkpoints(&odd.join("out")).is_empty());
     running.signal(Signal::KILL);
@@ -354,7 +346,7 @@ fn files_of_the_case_are_found_again() {
         "time.end=1 ms",
         "output.checkpoint_every=1",
     ];
-    assert!(kill_at(&place, &case("measured-profile.toml"), &pairs(&settings), 2));
+    assert!(kill_at(&place, &case("measured-profile.toml"), &sets(&settings), 2));
     let ended = resume(&place);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert_eq!(place.read_summary()["coupling"]["windows"], 50);

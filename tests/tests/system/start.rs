@@ -1,12 +1,12 @@
 //! Starting: connections, building, limits of the machine, and clocks that stand still.
 
-use crate::harness::{Place, case, programs};
+use crate::harness::{Place, case, programs, sets};
 use rustix::process::{Pid, Signal, kill_process};
 use std::time::{Duration, Instant};
 
 fn exchange(settings: &[&str]) -> (Place, crate::harness::Ended) {
     let place = Place::new();
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+    let more = sets(settings);
     let ended = place.run(&case("exchange.toml"), &more);
     place.assert_nothing_left();
     (place, ended)
@@ -102,7 +102,7 @@ fn a_run_that_was_frozen_as_a_whole_goes_on() {
     let place = Place::new();
     let more = ["time.end=2", "left.delay=1.5", "coupling.heartbeat_deadline=3"];
     let more = [more.as_slice(), &["coupling.solve_deadline=5"]].concat();
-    let more: Vec<&str> = more.iter().flat_map(|set| ["--set", set]).collect();
+    let more = sets(&more);
     let running = place.start_run(&case("exchange.toml"), &more);
     place.wait_for_log("every participant is ready");
     let all = [running.pid(), place.pid_of("left"), place.pid_of("right")];

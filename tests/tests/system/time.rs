@@ -1,16 +1,11 @@
 //! Time: adaptive windows, subcycling, and what is conserved over it.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, completed, number, sets};
 use serde_json::Value;
 
 /// Runs the lumped pair with these settings; the summary.
 fn lumped(settings: &[&str]) -> Value {
-    let more: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
-    Place::new().summary(&case("lumped.toml"), &more)
-}
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
+    completed("lumped.toml", settings).1
 }
 
 fn error(summary: &Value) -> f64 {
@@ -56,10 +51,8 @@ fn a_load_step_is_met_with_fewer_windows_than_a_fixed_grid_needs() {
 fn windows_end_where_a_participant_wants_and_at_the_end() {
     let place = Place::new();
     let more = ["time.control=adaptive", "time.tolerance=1e-2", "source.announce=true"];
-    place.summary(&case("lumped.toml"), &more.map(|set| ["--set", set]).concat());
-    let table = std::fs::read_to_string(place.out().join("iterations.csv")).unwrap();
-    let ends: Vec<f64> =
-        table.lines().skip(1).map(|l| l.split(',').nth(3).unwrap().parse().unwrap()).collect();
+    place.summary(&case("lumped.toml"), &sets(&more));
+    let ends = place.table("iterations.csv").numbers("end_s");
     assert_eq!(*ends.last().unwrap(), 40.0);
     // start + (step − start) rounds once.
     let step = 3.1234;
@@ -72,7 +65,7 @@ fn windows_end_where_a_participant_wants_and_at_the_end() {
 fn a_window_that_does_not_converge_is_repeated_with_a_shorter_one() {
     let stiff = ["lumped.gain=20", "coupling.acceleration=none", "time.window=0.5", "time.end=4"];
     let place = Place::new();
-    let more: Vec<&str> = stiff.iter().flat_map(|set| ["--set", set]).collect();
+    let more = sets(&stiff);
     let ended = place.run(&case("lumped.toml"), &more);
     assert_eq!(ended.code, Some(3), "fixed windows end the run: {}", ended.stderr);
     let adaptive = lumped(&[&stiff[..], &["time.control=adaptive", "time.tolerance=0.1"]].concat());
@@ -85,35 +78,36 @@ fn a_window_that_does_not_converge_is_repeated_with_a_shorter_one() {
 fn adaptive_windows_with_a_late_field_are_refused() {
     let place = Place::new();
     let more = ["time.control=adaptive", "coupling.scheme=serial-explicit"];
-    let ended = place.run(&case("lumped.toml"), &more.map(|set| ["--set", set]).concat());
+    let ended = place.run(&case("lumped.toml"), &sets(&more));
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("lags by one window"), "{}", ended.stderr);
 }
 
-/// One substep of the source against seven of the body, and the other way round: what the source
-/// has sent over the run, what the body has received, and what it has stored and lost are the same
-/// heat. 1e-10 is far above the rounding of some thousand windows, far below any step's error.
-#[test]
-fn heat_is_conserved_over_subcycling() {
-    for settings in [
-        ["source.substeps=1", "body.substeps=7"],
-        ["source.substeps=7", "body.substeps=1"],
-        ["source.substeps=3", "body.substeps=7"],
-    ] {
-        for course in ["coupling.interpolation=constant", "coupling.interpolation=linear"] {
-            for control in ["time.control=fixed", "time.control=adaptive"] {
-                let more = [&settings[..], &[course, control, "time.end=10"]].concat();
-                let summary = lumped(&more);
-                let books =
-                    ["/source/sent_j", "/body/received_j", "/body/stored_j", "/body/lost_j"];
-                let [sent, received, stored, lost] = books.map(|at| number(&summary, at));
-                assert!(sent > 5.0, "{sent} J");
-                assert!((sent - received).abs() <= 1e-10 * sent, "{more:?}: {sent} {received}");
-                assert!((received - stored - lost).abs() <= 1e-10 * sent, "{more:?}");
-                assert!(number(&summary, "/coupling/energy_imbalance") <= 1e-10);
-            }
-        }
+/// Over subcycling, what the source has sent over the run, what the body has received, and what it has
+/// stored and lost are the same heat. 1e-10 is far above the rounding of some thousand windows, far
+/// below any step's error.
+fn heat_is_conserved(source: u32, body: u32, course: &str) {
+    let substeps = [format!("source.substeps={source}"), format!("body.substeps={body}")];
+    let course = format!("coupling.interpolation={course}");
+    for control in ["time.control=fixed", "time.control=adaptive"] {
+        let more = [&substeps[0], &substeps[1], &course, control, "time.end=10"];
+        let summary = lumped(&more);
+        let books = ["/source/sent_j", "/body/received_j", "/body/stored_j", "/body/lost_j"];
+        let [sent, received, stored, lost] = books.map(|at| number(&summary, at));
+        assert!(sent > 5.0, "{sent} J");
+        assert!((sent - received).abs() <= 1e-10 * sent, "{more:?}: {sent} {received}");
+        assert!((received - stored - lost).abs() <= 1e-10 * sent, "{more:?}");
+        assert!(number(&summary, "/coupling/energy_imbalance") <= 1e-10);
     }
+}
+
+table_of_tests! { heat_is_conserved:
+    heat_is_conserved_by_one_substep_against_seven(1, 7, "constant");
+    heat_is_conserved_by_seven_substeps_against_one(7, 1, "constant");
+    heat_is_conserved_by_three_substeps_against_seven(3, 7, "constant");
+    heat_is_conserved_by_one_substep_against_seven_on_a_line(1, 7, "linear");
+    heat_is_conserved_by_seven_substeps_against_one_on_a_line(7, 1, "linear");
+    heat_is_conserved_by_three_substeps_against_seven_on_a_line(3, 7, "linear");
 }
 
 /// With the temperature constant within a window the coupling is of first order, with a straight

@@ -1,15 +1,10 @@
 //! Physics that closes a loop: friction that falls with temperature.
 
-use crate::harness::{Place, case};
+use crate::harness::{Place, case, completed, number, sets};
 use serde_json::Value;
 
-fn run(more: &[&str]) -> Value {
-    let set = more.iter().flat_map(|more| ["--set", more]).collect::<Vec<_>>();
-    Place::new().summary(&case("falling-friction.toml"), &set)
-}
-
-fn number(summary: &Value, pointer: &str) -> f64 {
-    summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer}"))
+fn run(settings: &[&str]) -> Value {
+    completed("falling-friction.toml", settings).1
 }
 
 /// The loop's gain is above one: what goes in comes back larger, and turned. Plain iteration ends in a
@@ -88,23 +83,25 @@ fn partial_slip_with_a_prescribed_force() {
 /// A contact that cannot carry its force at the temperatures that it has: the iteration settles with
 /// all of it slipping, which is no solution, and the run says so with the window and both forces. It
 /// ended with the first iterate beyond f N before, as if that had been the state.
-#[test]
-fn a_contact_too_hot_for_its_force_is_refused_where_it_would_be_accepted() {
-    for model in ["mech.model=hertz-carter", "mech.model=half-space"] {
-        let place = Place::new();
-        let settings = [model, "mech.resolution=16", "motion.traction_coefficient=0.5"];
-        let more = settings.map(|set| ["--set", set]).concat();
-        let ended = place.run(&case("falling-friction.toml"), &more);
-        assert_eq!(ended.code, Some(1), "{model}: {}", ended.stderr);
-        for part in [
-            "mech (mech-solver) failed while accepting window 0",
-            "the answer of window 0 cannot be accepted: the contact is too hot for the force",
-            "6.700000e4 N are prescribed, and at these temperatures friction carries",
-        ] {
-            assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
-        }
-        place.assert_nothing_left();
+fn refused_where_it_would_be_accepted(model: &str) {
+    let place = Place::new();
+    let settings = [model, "mech.resolution=10", "motion.traction_coefficient=0.5"];
+    let more = sets(&settings);
+    let ended = place.run(&case("falling-friction.toml"), &more);
+    assert_eq!(ended.code, Some(1), "{model}: {}", ended.stderr);
+    for part in [
+        "mech (mech-solver) failed while accepting window 0",
+        "the answer of window 0 cannot be accepted: the contact is too hot for the force",
+        "6.700000e4 N are prescribed, and at these temperatures friction carries",
+    ] {
+        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
     }
+    place.assert_nothing_left();
+}
+
+table_of_tests! { refused_where_it_would_be_accepted:
+    strips_too_hot_for_their_force_are_refused("mech.model=hertz-carter");
+    half_spaces_too_hot_for_their_force_are_refused("mech.model=half-space");
 }
 
 /// A table that ends below the temperature is refused, unless the case says what holds beyond.

@@ -70,7 +70,7 @@ pub fn spec() -> EffectSpec {
               of speed"
             .to_owned(),
         source: "Naeimi et al., eqs. 7-10; Ertz & Knothe, Wear 253 (2002) 498-508".to_owned(),
-        models: models::REGISTRY.iter().map(|model| model.name.to_owned()).collect(),
+        models: models::names::ALL.map(str::to_owned).to_vec(),
         consumes: names(&[&field::FRICTION_POWER, &field::SURFACE_SPEED]),
         provides: names(&[
             &field::RAIL_TEMPERATURE,

@@ -1,9 +1,12 @@
 //! Model `columns`: one-dimensional conduction with the exact kernel, for any heat flux in space
 //! and time. Equations and discretisation: [`crate::columns`].
 
-use super::setup::{Cost, Frame, resolution, section_key};
-use super::shell::{Conduction, Peak, Work};
-use super::{along_the_surface, fields};
+use super::conduction::{Conduction, Cost, Peak, Work};
+use super::fields::fields;
+use super::frame::Frame;
+use super::names;
+use super::normal_only::along_the_surface;
+use super::setup::{resolution, section_key};
 use crate::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
 };
@@ -17,15 +20,12 @@ use proto::description::ModelSpec;
 use proto::grid::blocked_sum;
 use proto::model::StepError;
 
-/// Name in the case file.
-pub const NAME: &str = "columns";
-
 /// Its description.
 #[must_use]
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
     ModelSpec {
-        name: NAME.to_owned(),
+        name: names::COLUMNS.to_owned(),
         summary: "heat conduction normal to the surface with the exact kernel, any flux in space \
                   and time"
             .to_owned(),

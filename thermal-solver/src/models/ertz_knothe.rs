@@ -15,20 +15,25 @@
 //! The paper takes equations 13 and 14, for a uniform flux, below the surface. They do not meet
 //! equation 10 on the surface, so that here the polynomial flux itself is integrated in depth.
 
-use super::setup::{Cost, Frame, section_key};
-use super::shell::{Conduction, Peak, Work};
-use super::{along_the_surface, fields};
-use crate::columns::history::{Drive, Stage};
-use crate::columns::reconstruction::{Flux, FluxRow};
+use super::conduction::Conduction;
+use super::conduction::Cost;
+use super::conduction::Peak;
+use super::conduction::Work;
+use super::fields::fields;
+use super::frame::Frame;
+use super::names;
+use super::normal_only::along_the_surface;
+use super::setup::section_key;
+use crate::columns::history::Drive;
+use crate::columns::history::Stage;
+use crate::columns::reconstruction::Flux;
+use crate::columns::reconstruction::FluxRow;
 use crate::reference::polynomial;
 use crate::{RAIL, WHEEL};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::description::ModelSpec;
 use proto::model::StepError;
 use std::f64::consts::PI;
-
-/// Name in the case file.
-pub const NAME: &str = "ertz-knothe";
 
 const SECONDS_PER_POINT: f64 = 30e-9;
 
@@ -37,7 +42,7 @@ const SECONDS_PER_POINT: f64 = 30e-9;
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
     ModelSpec {
-        name: NAME.to_owned(),
+        name: names::ERTZ_KNOTHE.to_owned(),
         summary: "closed form for the elliptic flux with the moments of each row".to_owned(),
         source: "Naeimi et al., eqs. 9-12, corrected; Ertz & Knothe, Wear 253 (2002) 498-508"
             .to_owned(),

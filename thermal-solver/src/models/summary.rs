@@ -1,7 +1,7 @@
 //! The thermal part of `summary.json`.
 
-use super::setup::Frame;
-use super::shell::{Conduction, Peak};
+use super::conduction::{Conduction, Peak};
+use super::frame::Frame;
 use crate::search::root_of_decreasing;
 use crate::{RAIL, WHEEL};
 use serde_json::{Map, Value, json};

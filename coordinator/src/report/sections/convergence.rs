@@ -3,7 +3,7 @@
 use super::work::windows;
 use crate::report::plot::Figure;
 use crate::report::source::Results;
-use crate::report::unit::words;
+use run::format::words;
 
 /// Residuals over all iterations, and iterations a window; nothing for an explicit scheme.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {

@@ -1,12 +1,12 @@
 //! The audit of the heat that crosses.
 
-use super::fields::label;
+use super::places::label;
 use super::work::windows;
 use crate::report::page::Block;
 use crate::report::plot::Figure;
 use crate::report::source::Results;
 use crate::report::table::Table;
-use crate::report::unit::{Scale, number};
+use run::format::{Scale, number};
 
 /// Heat sent against heat received: in sums, and window by window.
 pub(super) fn blocks(results: &Results) -> Vec<Block> {

@@ -1,15 +1,12 @@
 //! The surface fields of the newest instant: maps, and lines through their largest values.
 
+use super::places::{AXES, is_surface, label, places};
 use super::temperature;
-use crate::report::axis::extent;
 use crate::report::map::Heatmap;
 use crate::report::page::{Block, Section};
 use crate::report::plot::Figure;
-use crate::report::source::{Field, Image, Results, Series, Table};
-use crate::report::unit::{Scale, words};
-
-/// Names of the axes.
-pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
+use crate::report::source::{Field, Image, Results, Table};
+use run::format::{Scale, sentence, words};
 
 /// Every field of every grid, the mechanical ones first as the files are named.
 pub(super) fn maps(results: &Results) -> Option<Section> {
@@ -58,7 +55,7 @@ fn map(image: &Image, field: &Field) -> Option<Heatmap> {
         (borders.map(|border| border / scale.factor), label)
     };
     let ((x, x_label), (y, y_label)) = (axis(horizontal), axis(upright));
-    let meaning = proto::field::find(&field.name).map(|spec| spec.meaning);
+    let meaning = contract::field::find(&field.name).map(|spec| spec.meaning);
     let length = if field.components > 1 { "Length of the vector: " } else { "" };
     let note = meaning.map(|meaning| format!("{length}{meaning}.")).unwrap_or_default();
     Some(Heatmap {
@@ -76,12 +73,6 @@ fn map(image: &Image, field: &Field) -> Option<Heatmap> {
     })
 }
 
-/// Begins with a capital.
-fn sentence(text: &str) -> String {
-    let mut rest = text.chars();
-    rest.next().map(|first| first.to_uppercase().chain(rest).collect()).unwrap_or_default()
-}
-
 /// Lines in the rolling direction, one figure for each grid and unit; then depth and time.
 pub(super) fn lines(results: &Results) -> Option<Section> {
     let surfaces = results.series.iter().filter(|series| is_surface(series));
@@ -89,11 +80,6 @@ pub(super) fn lines(results: &Results) -> Option<Section> {
     let mut blocks: Vec<Block> = figures.map(Block::Figure).collect();
     blocks.extend(temperature::figures(results).into_iter().map(Block::Figure));
     Section::of("Through the largest value, over depth, through time", blocks)
-}
-
-/// The grid is a surface, and no section below one.
-pub(super) fn is_surface(series: &Series) -> bool {
-    series.image.as_ref().and_then(Image::plane) == Some([0, 1])
 }
 
 fn figures(line: &Table) -> Vec<Figure> {
@@ -128,34 +114,14 @@ fn lines_of<'a>(
     for (name, values) in shown {
         let points = places.iter().zip(values).map(|(x, v)| [*x, v / scale.factor]).collect();
         figure = figure.with(words(name), points);
-        if let Some(series) = figure.series.last_mut() {
-            series.dots = false;
+        if let Some(line) = figure.lines.last_mut() {
+            line.dots = false;
         }
     }
-    (!figure.series.is_empty()).then_some(figure)
-}
-
-/// The coordinate along a line, with its label.
-pub(super) fn places(line: &Table) -> Option<(String, Vec<f64>)> {
-    let columns = AXES.iter().filter_map(|axis| Some((axis, line.column(&format!("{axis} [m]"))?)));
-    let length =
-        |values: &[f64]| extent(values.iter().copied()).map_or(0.0, |[low, high]| high - low);
-    let (axis, values) = columns.max_by(|a, b| length(&a.1).total_cmp(&length(&b.1)))?;
-    let scale = Scale::of("m", values.iter().fold(0.0, |l: f64, v| l.max(v.abs())));
-    let places = values.iter().map(|v| v / scale.factor).collect();
-    Some((label(axis, &scale.unit), places))
+    (!figure.lines.is_empty()).then_some(figure)
 }
 
 /// Name and unit of a column.
 fn quantity(column: &str) -> Option<(&str, &str)> {
     column.strip_suffix(']')?.rsplit_once(" [")
-}
-
-/// What an axis is labelled with.
-pub(super) fn label(name: &str, unit: &str) -> String {
-    match (name, unit) {
-        (name, "") => name.to_owned(),
-        ("", unit) => unit.to_owned(),
-        (name, unit) => format!("{name} [{unit}]"),
-    }
 }

@@ -3,7 +3,7 @@
 use crate::report::page::{Block, Headline, Section};
 use crate::report::source::Results;
 use crate::report::table::Table;
-use crate::report::unit::{Scale, counted, number, of_key, stem_and_unit, words};
+use run::format::{Scale, counted, number, of_key, stem_and_unit, words};
 use serde_json::Value;
 
 /// Contact, friction, temperature and energy at a glance.

@@ -1,46 +1,39 @@
 //! What ran: effects, plan, versions, the case, and what the processes complained of.
 
 use crate::report::page::{Block, Section};
-use crate::report::plan_file::{law, parts};
 use crate::report::source::Results;
 use crate::report::table::Table;
-use crate::report::unit::Scale;
-use serde_json::Value;
+use run::format::Scale;
+use run::plan_file::{EffectPlan, PlanFile};
 
 /// Effects on and off, and the plan as it was printed.
 pub(super) fn plan(results: &Results) -> Option<Section> {
-    let (text, _) = parts(&results.plan);
+    let PlanFile { effects, text, .. } = results.plan.as_ref()?;
+    let (on, off): (Vec<&EffectPlan>, Vec<&EffectPlan>) =
+        effects.iter().partition(|effect| effect.active);
+    let what = |effect: &EffectPlan| format!("{}; {}", effect.reason, effect.law);
+    let switch = |effect: &EffectPlan| (effect.name.clone(), effect.active, what(effect));
+    let switches: Vec<_> = on.into_iter().chain(off).map(switch).collect();
     let mut blocks = Vec::new();
-    let effects = effects(results, text);
-    if !effects.is_empty() {
-        blocks.push(Block::Switches(effects));
+    if !switches.is_empty() {
+        blocks.push(Block::Switches(switches));
     }
-    if !text.is_empty() {
-        let title = "Scheme, processes, fields and bytes as planned".to_owned();
-        blocks.push(Block::Verbatim(title, text.trim_end().to_owned()));
-    }
+    let title = "Scheme, processes, fields and bytes as planned".to_owned();
+    blocks.push(Block::Verbatim(title, text.trim_end().to_owned()));
     Section::of("Plan", blocks)
-}
-
-fn effects(results: &Results, plan: &str) -> Vec<(String, bool, String)> {
-    let mut all = Vec::new();
-    for (list, on) in [("active", true), ("inactive", false)] {
-        let names = results.summary.pointer(&format!("/effects/{list}")).and_then(Value::as_array);
-        for name in names.into_iter().flatten().filter_map(Value::as_str) {
-            let why = if on { "named in the case" } else { "not named in the case" };
-            let what = law(plan, name).map_or(why.to_owned(), |law| format!("{why}; {law}"));
-            all.push((name.to_owned(), on, what));
-        }
-    }
-    all
 }
 
 /// Programs and versions.
 pub(super) fn versions(results: &Results) -> Option<Section> {
-    let (_, rows) = parts(&results.plan);
+    let plan = results.plan.as_ref()?;
     let mut table = Table::new(["role", "program", "version", "remark"], 9);
-    rows.iter().for_each(|row| table.row(row.map(str::to_owned)));
-    (!table.rows.is_empty()).then(|| Section::of("Versions", vec![Block::Table(table)]))?
+    let (own, protocol) = ("coordinator".to_owned(), format!("protocol {}", plan.protocol));
+    table.row([own.clone(), own, plan.coordinator.clone(), protocol]);
+    for one in &plan.participants {
+        let model = format!("model {}", one.model);
+        table.row([one.role.clone(), one.program.clone(), one.version.clone(), model]);
+    }
+    Section::of("Versions", vec![Block::Table(table)])
 }
 
 /// The case as it was run.

@@ -1,9 +1,9 @@
 //! Temperature over the depth, and how it has built up.
 
-use super::fields::{is_surface, places};
+use super::places::{AXES, is_surface, places};
 use crate::report::plot::Figure;
-use crate::report::source::{Field, Image, Results, Series};
-use crate::report::unit::{Scale, words};
+use crate::report::source::{Field, GridSeries, Image, Results};
+use run::format::{Scale, words};
 
 /// Most instants shown in one figure.
 const INSTANTS: usize = 6;
@@ -43,11 +43,11 @@ fn profile(image: &Image, field: &Field) -> Option<(String, Vec<[f64; 2]>)> {
     let [along, _] = image.plane()?;
     let (x, points) = image.through_largest(field)?;
     let place = Scale::of("m", x).show(x, 3);
-    Some((format!("{}, at {} {place}", words(&field.name), super::fields::AXES[along]), points))
+    Some((format!("{}, at {} {place}", words(&field.name), AXES[along]), points))
 }
 
 /// The line through the largest first temperature of a surface at several instants.
-fn build_up(series: &Series) -> Option<Figure> {
+fn build_up(series: &GridSeries) -> Option<Figure> {
     let count = series.instants.len();
     let name = series.line.as_ref()?.names().find_map(|name| name.strip_suffix(" [K]"))?.to_owned();
     if count < 2 {
@@ -67,8 +67,8 @@ fn build_up(series: &Series) -> Option<Figure> {
         let time = series.instants[instant].0;
         let points = places.iter().zip(&values).map(|(x, v)| [*x, *v]).collect();
         figure = figure.with(Scale::of("s", time).show(time, 4), points);
-        if let Some(series) = figure.series.last_mut() {
-            series.dots = false;
+        if let Some(line) = figure.lines.last_mut() {
+            line.dots = false;
         }
     }
     figure.has_points().then_some(figure)

@@ -4,7 +4,7 @@ use crate::report::lanes::{Lane, Lanes};
 use crate::report::page::{Block, Section};
 use crate::report::source::{Results, Table};
 use crate::report::table::Table as Figures;
-use crate::report::unit::{Scale, words};
+use run::format::{Scale, words};
 use std::ops::Range;
 
 /// Most pieces of a lane; more are put together.

@@ -1,15 +1,11 @@
-//! VTK images as `results::vtk` writes them: cell data, appended raw, little-endian doubles.
+//! Fields on the cells of a plane, as the report draws them.
 
-use super::attribute;
-use std::fs;
-use std::path::Path;
-
-/// What stands between head and data.
-const DATA: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
+use run::results::cells::Cells;
+use run::results::last::LastField;
 
 /// Cells of a box with fields on them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Image {
+pub(crate) struct Image {
     /// The corner of the box with the smallest coordinates \[m\].
     pub corner: [f64; 3],
     /// Lengths of a cell \[m\].
@@ -22,7 +18,7 @@ pub struct Image {
 
 /// A field on the cells of an image.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Field {
+pub(crate) struct Field {
     /// Name of the field.
     pub name: String,
     /// Its SI unit.
@@ -34,55 +30,39 @@ pub struct Field {
 }
 
 impl Image {
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// What is wrong, for a person.
-    pub fn read(path: &Path) -> Result<Self, String> {
-        let shown = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let bytes = fs::read(path).map_err(|error| format!("{shown}: {error}"))?;
-        Self::parse(&bytes).ok_or_else(|| format!("{shown}: not an image as runs write it"))
-    }
-
-    fn parse(bytes: &[u8]) -> Option<Self> {
-        let end = bytes.windows(DATA.len()).position(|window| window == DATA)?;
-        let head = std::str::from_utf8(&bytes[..end]).ok()?;
-        let data = &bytes[end + DATA.len()..];
-        let tag = head.lines().find(|line| line.contains("<ImageData"))?;
-        let extent: Vec<usize> = numbers(attribute(tag, "WholeExtent")?)?;
-        let &[0, nx, 0, ny, 0, nz] = extent.as_slice() else { return None };
-        let three = |name| -> Option<[f64; 3]> { numbers(attribute(tag, name)?)?.try_into().ok() };
-        let cells = [nx, ny, nz];
-        let points = cells.iter().map(|n| n.max(&1)).product();
-        let arrays = head.lines().filter(|line| line.contains("format=\"appended\""));
-        let fields = arrays.map(|line| field(line, data, points)).collect::<Option<Vec<_>>>()?;
-        Some(Self { corner: three("Origin")?, spacing: three("Spacing")?, cells, fields })
+    /// Fields of one grid; `None` without a field, and on a grid whose steps are not along axes.
+    #[must_use]
+    pub(crate) fn of<'a>(fields: impl Iterator<Item = &'a LastField<'a>>) -> Option<Self> {
+        let mut fields = fields.peekable();
+        let Cells { corner, spacing, counts, order } = Cells::of(&fields.peek()?.grid)?;
+        let fields = fields.map(|field| Field::of(field, &order)).collect();
+        Some(Self { corner, spacing, cells: counts, fields })
     }
 
     /// The two axes of the plane in which the cells lie, in the order of x, y, z.
     #[must_use]
-    pub fn plane(&self) -> Option<[usize; 2]> {
+    pub(crate) fn plane(&self) -> Option<[usize; 2]> {
         let axes: Vec<usize> = (0..3).filter(|&axis| self.cells[axis] > 0).collect();
         axes.try_into().ok()
     }
 
     /// Lower and upper border along an axis \[m\].
     #[must_use]
-    pub fn borders(&self, axis: usize) -> [f64; 2] {
+    pub(crate) fn borders(&self, axis: usize) -> [f64; 2] {
         let low = self.corner[axis];
         [low, low + self.cells[axis] as f64 * self.spacing[axis]]
     }
 
     /// Middle of the n-th cell along an axis \[m\].
     #[must_use]
-    pub fn middle(&self, axis: usize, n: usize) -> f64 {
+    pub(crate) fn middle(&self, axis: usize, n: usize) -> f64 {
         self.corner[axis] + (n as f64 + 0.5) * self.spacing[axis]
     }
 
     /// The column of cells that holds the largest value of a field: its place along the plane's
     /// first axis \[m\], and distance from the other axis' origin \[m\] and value of each cell.
     #[must_use]
-    pub fn through_largest(&self, field: &Field) -> Option<(f64, Vec<[f64; 2]>)> {
+    pub(crate) fn through_largest(&self, field: &Field) -> Option<(f64, Vec<[f64; 2]>)> {
         let [along, upright] = self.plane()?;
         let columns = self.cells[along];
         let (largest, _) = field.values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
@@ -98,9 +78,21 @@ impl Image {
 }
 
 impl Field {
+    /// A field with its cells in this order.
+    fn of(field: &LastField<'_>, order: &[usize]) -> Self {
+        let components = field.kind.components as usize;
+        let of = |&at: &usize| (0..components).map(move |component| component * order.len() + at);
+        Self {
+            name: field.kind.name.clone(),
+            unit: field.kind.unit.clone(),
+            components,
+            values: order.iter().flat_map(of).map(|at| field.values[at]).collect(),
+        }
+    }
+
     /// One number a cell: the value, or the length of the vector.
     #[must_use]
-    pub fn magnitudes(&self) -> Vec<f64> {
+    pub(crate) fn magnitudes(&self) -> Vec<f64> {
         let length = |cell: &[f64]| match cell {
             [value] => *value,
             vector => vector.iter().map(|v| v * v).sum::<f64>().sqrt(),
@@ -109,57 +101,38 @@ impl Field {
     }
 }
 
-fn field(tag: &str, data: &[u8], points: usize) -> Option<Field> {
-    let (name, unit) = attribute(tag, "Name")?.strip_suffix(']')?.rsplit_once(" [")?;
-    let components: usize = attribute(tag, "NumberOfComponents")?.parse().ok()?;
-    let offset: usize = attribute(tag, "offset")?.parse().ok()?;
-    let (length, rest) = data.get(offset..)?.split_first_chunk()?;
-    let bytes = rest.get(..usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
-    let values: Vec<f64> = bytes.as_chunks().0.iter().map(|c| f64::from_le_bytes(*c)).collect();
-    (components > 0 && values.len() == points * components).then(|| Field {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        components,
-        values,
-    })
-}
-
-fn numbers<T: std::str::FromStr>(text: &str) -> Option<Vec<T>> {
-    text.split_whitespace().map(|word| word.parse().ok()).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::vtk::{FieldWriter, Shown};
-    use proto::field::{PRESSURE, TRACTION};
-    use proto::grid::{Grid, Structured};
+    use contract::field::{PRESSURE, TRACTION};
+    use contract::grid::Structured;
+    use std::borrow::Cow;
 
-    /// What the writer of results writes is read back bit-identically, each value at its place.
     #[test]
-    fn a_written_image_is_read_back() {
-        let place = tempfile::tempdir().unwrap();
-        let grid = Grid::structured("g", Structured::contact_plane(-0.25, 0.5, 0.5, 1.0, 3, 2));
-        let (pressure, traction) = (PRESSURE.kind(), TRACTION.kind());
-        let scalar: Vec<f64> = (0..6).map(|k| f64::from(k) / 3.0).collect();
-        let vector: Vec<f64> = (0..12).map(|k| if k < 6 { 3.0 } else { f64::from(k) }).collect();
-        let shown = |kind, values| Shown { producer: "p", grid: &grid, kind, values };
-        let fields = [shown(&pressure, &scalar[..]), shown(&traction, &vector[..])];
-        FieldWriter::new(place.path().to_owned()).write_fields(&fields, 7, 0.0).unwrap();
-        let path = place.path().join("p_g_000007.vti");
-        let image = Image::read(&path).unwrap();
-        assert_eq!((image.plane(), image.cells), (Some([0, 1]), [3, 2, 0]));
-        assert_eq!((image.borders(0), image.borders(1)), ([-0.5, 1.0], [0.0, 2.0]));
+    fn values_stand_in_their_cells() {
+        let grid = Structured {
+            origin: [-0.25, 0.0, -1.5],
+            step_i: [0.5, 0.0, 0.0],
+            step_j: [0.0, 0.0, -1.0],
+            ni: 3,
+            nj: 2,
+        };
+        let field = |kind, values: Vec<f64>| {
+            let (kind, values) = (Cow::Owned(kind), Cow::Owned(values));
+            LastField { series: String::new(), grid, kind, values }
+        };
+        let scalar = field(PRESSURE.kind(), vec![1.0, 2.0, 3.0, 4.0, 9.0, 6.0]);
+        let vector = field(TRACTION.kind(), (0..12).map(f64::from).collect());
+        let image = Image::of([&scalar, &vector].into_iter()).unwrap();
+        assert_eq!((image.plane(), image.cells), (Some([0, 2]), [3, 0, 2]));
+        assert_eq!((image.borders(0), image.borders(2)), ([-0.5, 1.0], [-3.0, -1.0]));
         assert_eq!(image.middle(0, 2), 0.75);
         let [p, t] = &image.fields[..] else { panic!("{image:?}") };
-        assert_eq!((p.name.as_str(), p.unit.as_str(), &p.values), ("pressure", "Pa", &scalar));
-        let lengths = vector[6..].iter().map(|y| (9.0 + y * y).sqrt()).collect::<Vec<_>>();
-        assert_eq!(t.magnitudes(), lengths);
-        // A file that is cut off is not an image, wherever it is cut.
-        let whole = fs::read(&path).unwrap();
-        let data = whole.windows(DATA.len()).position(|w| w == DATA).unwrap() + DATA.len();
-        for end in [0, data - 1, data, data + 8 + 47, data + 56 + 8 + 143] {
-            assert_eq!(Image::parse(&whole[..end]), None, "cut after {end} bytes");
-        }
+        assert_eq!((p.name.as_str(), p.unit.as_str()), ("pressure", "Pa"));
+        assert_eq!(p.values, [4.0, 9.0, 6.0, 1.0, 2.0, 3.0], "the lower row first");
+        assert_eq!(t.values[..4], [3.0, 9.0, 4.0, 10.0]);
+        assert_eq!(t.magnitudes()[3], 6.0);
+        let (place, points) = image.through_largest(p).unwrap();
+        assert_eq!((place, points), (0.25, vec![[1.5, 2.0], [2.5, 9.0]]));
     }
 }

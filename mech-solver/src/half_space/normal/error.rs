@@ -1,6 +1,6 @@
 //! What can go wrong in a normal contact.
 
-use super::Prescribed;
+use crate::half_space::prescribed::Prescribed;
 use thiserror::Error;
 
 /// Why a normal contact has no solution, or none was found.

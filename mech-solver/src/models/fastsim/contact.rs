@@ -5,7 +5,8 @@ use super::march::{Cell, Lattice, March, Strip, norm};
 use super::sliding::Sliding;
 use crate::effects::friction_heat;
 use crate::ellipse::{Ellipse, Prescribed};
-use crate::models::{LARGEST_POWER_IMBALANCE, power_imbalance};
+use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_imbalance};
+use crate::models::summary::extend;
 use proto::configuration::Refusal;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -252,7 +253,7 @@ impl Contact {
             "creep_power_w": speed * self.creep_power(),
             "power_imbalance": self.power_imbalance(),
         });
-        crate::models::extend(&mut contact, creep);
+        extend(&mut contact, creep);
         json!({ "contact": contact })
     }
 }

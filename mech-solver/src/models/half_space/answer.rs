@@ -1,9 +1,10 @@
 //! What an instant looks like: fields and figures.
 
-use super::Case;
+use super::balance::Balance;
+use super::case::Case;
 use super::contact::ContactSolver;
-use super::power::Balance;
 use crate::effects::friction_heat;
+use crate::effects::subsurface_stress::Sections;
 use crate::half_space::area::contact_area;
 use crate::half_space::extent::Moments;
 use crate::half_space::levels::Solution;
@@ -202,6 +203,26 @@ impl Answer {
     }
 }
 
+impl Case {
+    /// Writes what is observed of an accepted window.
+    pub(super) fn observe(&mut self, answer: &Answer, power: &[f64], outputs: &mut dyn Outputs) {
+        answer.write(power, outputs);
+        if let Some(sections) = &mut self.sections {
+            sections.compute(&answer.pressure, &answer.traction);
+            sections.write(outputs);
+        }
+    }
+
+    /// The sections of `summary.json`.
+    pub(super) fn summary(&self, answer: &Answer) -> Value {
+        let mut summary = json!({ "contact": answer.figures(self) });
+        if let Some(stress) = self.sections.as_ref().and_then(Sections::summary) {
+            summary["stress"] = stress;
+        }
+        summary
+    }
+}
+
 /// The patches that carry most, in their order.
 fn heaviest(mut patches: Vec<Patch>, most: usize) -> Vec<Patch> {
     patches.sort_by(|a, b| b.sum.total_cmp(&a.sum));
@@ -232,38 +253,4 @@ fn patch_figures(patch: &Patch, grid: &Structured) -> Value {
 fn largest(vectors: &[f64]) -> f64 {
     let (x, y) = vectors.split_at(vectors.len() / 2);
     x.iter().zip(y).map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max)
-}
-
-/// A step of the particles of the surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Passage {
-    /// Distance to which creepages refer: Δx rolled, or 1 in a shift [m].
-    pub(super) distance: f64,
-    /// Where the rigid slip is taken, ahead of an element's centre [m].
-    pub(super) ahead: f64,
-    /// How long it takes [s].
-    pub(super) duration: f64,
-    /// Particles come from the upstream element.
-    pub(super) rolls: bool,
-}
-
-impl Passage {
-    /// −½(p'_J + p_I)·S_I/Δt [W/m²], J the element from which the particle comes and p' the traction
-    /// there at the start of the step; adding zero turns −0 into 0.
-    fn power(&self, grid: &Structured, start: &[f64], end: &[f64], slip: &[f64]) -> Vec<f64> {
-        let (nx, count) = (grid.ni, grid.points());
-        let from = |index: usize, component: usize| match self.rolls {
-            true if (index + 1).is_multiple_of(nx) => 0.0,
-            true => start[component * count + index + 1],
-            false => start[component * count + index],
-        };
-        let power = |index: usize| {
-            let of = |component: usize| {
-                let at = component * count + index;
-                (end[at] + from(index, component)) * slip[at]
-            };
-            -0.5 / self.duration * (of(0) + of(1)) + 0.0
-        };
-        (0..count).map(power).collect()
-    }
 }

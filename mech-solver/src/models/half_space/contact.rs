@@ -3,9 +3,9 @@
 //! Bodies of the same elastic constants: the pressure is solved once, then the tractions. Different
 //! ones: pressure and tractions in turn until the pressure rests ([`crate::half_space::coupling`]).
 
-use super::Case;
+use super::balance::{PowerError, PressurePower};
+use super::case::Case;
 use super::drive::Driven;
-use super::power::{PowerError, PressurePower};
 use crate::effects::temperature_friction::{FrictionLaw, Shortfall};
 use crate::half_space::coupling::Coupling;
 use crate::half_space::extent::sample;

@@ -5,11 +5,13 @@
 //! the temperatures that come in and on nothing else.
 
 use super::answer::Answer;
+use super::balance::Balance;
+use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
-use super::power::Balance;
-use super::{Case, NAME};
 use crate::effects::temperature_friction::Shortfall;
 use crate::half_space::levels::Motion;
+use crate::models::names::HALF_SPACE;
+use crate::models::stateless::restore_nothing;
 use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
 
@@ -110,6 +112,6 @@ impl Model for Steady {
     }
 
     fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        super::super::restore_nothing(NAME, from)
+        restore_nothing(HALF_SPACE, from)
     }
 }

@@ -16,13 +16,14 @@
 //! In the beginning the bodies are pressed together without friction.
 
 use super::answer::Answer;
+use super::balance::Balance;
+use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
-use super::power::Balance;
-use super::{Case, NAME};
 use crate::effects::temperature_friction::Shortfall;
 use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
 use crate::half_space::tangential::TangentialState;
+use crate::models::names::HALF_SPACE;
 use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -241,7 +242,7 @@ impl Model for Transient {
 
     fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
-        let wrong = |reason: String| StateError(format!("{NAME}: {reason}"));
+        let wrong = |reason: String| StateError(format!("{HALF_SPACE}: {reason}"));
         let (memory, read): (Memory, usize) =
             bincode::serde::decode_from_slice(&from.0, config).map_err(|e| wrong(e.to_string()))?;
         if read != from.0.len() || !memory.fits(self.power.len()) {

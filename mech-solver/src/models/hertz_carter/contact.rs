@@ -2,6 +2,8 @@
 
 use crate::effects::partial_slip;
 use crate::ellipse::{Ellipse, Prescribed};
+use crate::models::names::HERTZ_CARTER;
+use crate::models::summary::extend;
 use crate::reference::carter;
 use crate::scene::Scene;
 use crate::slip::Slip;
@@ -110,7 +112,7 @@ impl Contact {
             "max_traction_pa": self.largest_bound() * self.slip.largest_traction(),
             "friction_power_w": self.friction_power(),
         });
-        crate::models::extend(&mut contact, creep);
+        extend(&mut contact, creep);
         json!({ "contact": contact })
     }
 }
@@ -142,7 +144,7 @@ impl Amount {
             if value == 0.0 {
                 return Ok(());
             }
-            let reason = format!("{} takes longitudinal creepage only", super::NAME);
+            let reason = format!("{} takes longitudinal creepage only", HERTZ_CARTER);
             Err(Refusal::new(key, reason, "write 0, or remove the key"))
         };
         match ellipse.prescribed(scene)? {

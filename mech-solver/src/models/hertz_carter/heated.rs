@@ -4,10 +4,12 @@
 //! the pressure, which keeps the force f N of a contact that slides. It is solved anew in every
 //! iteration.
 
-use super::Prepared;
+use super::case::Case;
 use super::contact::Contact;
 use super::fields;
 use crate::effects::temperature_friction::{FrictionLaw, Shortfall};
+use crate::models::names::HERTZ_CARTER;
+use crate::models::stateless::restore_nothing;
 use crate::scene::{Drive, Scene};
 use proto::configuration::Refusal;
 use proto::field;
@@ -16,7 +18,7 @@ use serde_json::Value;
 
 /// The model that runs.
 pub(super) struct Heated {
-    case: Prepared,
+    case: Case,
     law: FrictionLaw,
     pressure: Vec<f64>,
     friction: Vec<f64>,
@@ -25,7 +27,7 @@ pub(super) struct Heated {
 }
 
 impl Heated {
-    pub(super) fn new(case: Prepared, law: FrictionLaw) -> Self {
+    pub(super) fn new(case: Case, law: FrictionLaw) -> Self {
         let pressure = fields::values(&field::PRESSURE, &case.contact, case.grid);
         Self { law, pressure, friction: Vec::new(), shortfall: None, case }
     }
@@ -72,7 +74,7 @@ impl Model for Heated {
         let (drive, shortfall) = carried(self.case.scene.drive, friction, normal_force);
         self.shortfall = shortfall;
         let scene = Scene { friction_coefficient: friction, drive, ..self.case.scene };
-        let Prepared { contact, law, partial, .. } = &mut self.case;
+        let Case { contact, law, partial, .. } = &mut self.case;
         *contact = Contact::solve(&scene, contact.ellipse, *law, *partial).map_err(
             |Refusal { reason, fix, .. }| StepError::NoSolution(format!("{reason}; {fix}")),
         )?;
@@ -104,6 +106,6 @@ impl Model for Heated {
     }
 
     fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        super::super::restore_nothing(super::NAME, from)
+        restore_nothing(HERTZ_CARTER, from)
     }
 }

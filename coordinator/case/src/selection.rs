@@ -1,0 +1,68 @@
+//! What the case selects: roles, models, effects and the mode.
+
+use super::tree::Table;
+use contract::configuration::Mode;
+use contract::description::{Description, EffectSpec, ModelSpec};
+
+/// A participant that has described itself, and what the case makes of it.
+#[derive(Clone, Debug)]
+pub(super) struct Player<'a> {
+    pub(super) role: &'a str,
+    pub(super) description: &'a Description,
+    /// Its section is in the case.
+    pub(super) present: bool,
+    /// It is present, and stands alone or claims an active effect.
+    pub(super) needed: bool,
+    /// The chosen model, if it has that model.
+    pub(super) model: Option<&'a ModelSpec>,
+}
+
+/// What the case selects.
+#[derive(Clone, Debug)]
+pub(super) struct Selection<'a> {
+    pub(super) players: Vec<Player<'a>>,
+    /// Names under `effects`, known or not, in the order of the case.
+    pub(super) effects: Vec<String>,
+    pub(super) mode: Mode,
+}
+
+impl<'a> Selection<'a> {
+    /// Reads the selection from a case that may be wrong in any way.
+    pub(super) fn new(tree: &Table, descriptions: &'a [(String, Description)]) -> Self {
+        let effects = tree.names("effects");
+        let player = |(role, description): &'a (String, Description)| {
+            let present = tree.table(role).is_some();
+            let claims = description.effects.iter().any(|e| effects.contains(&e.name));
+            let chosen = tree.text(&format!("{role}.model"));
+            Player {
+                role,
+                description,
+                present,
+                needed: present && (description.standalone || claims),
+                model: description.models.iter().find(|m| Some(m.name.as_str()) == chosen),
+            }
+        };
+        let players = descriptions.iter().map(player).collect();
+        let transient = tree.text("time.mode") == Some("transient");
+        let mode = if transient { Mode::Transient } else { Mode::Steady };
+        Self { players, effects, mode }
+    }
+
+    /// The participants that claim an effect, with their part in it.
+    pub(super) fn claimants(
+        &self,
+        effect: &str,
+    ) -> impl Iterator<Item = (&Player<'a>, &'a EffectSpec)> {
+        let effect = effect.to_owned();
+        self.players.iter().flat_map(move |player| {
+            let claimed = player.description.effects.iter().find(|e| e.name == effect);
+            claimed.map(|spec| (player, spec))
+        })
+    }
+
+    /// All participants which were asked for their keys.
+    pub(super) fn asked(&self) -> Vec<&str> {
+        let roles = self.players.iter().map(|player| player.role);
+        std::iter::once("the coordinator").chain(roles).collect()
+    }
+}

@@ -1,0 +1,41 @@
+//! The next iterate of the coupling data.
+//!
+//! | word | x ↦ |
+//! |---|---|
+//! | `none` | x̃ |
+//! | `constant`, `aitken` | x + ωr |
+//! | `anderson`, `iqn-ils`, `iqn-imvj` | x̃ + a combination of what earlier iterations have changed |
+
+mod accelerator;
+mod aitken;
+mod columns;
+mod least_squares;
+mod quasi_newton;
+mod relaxation;
+mod weights;
+
+pub use accelerator::{Accelerator, StepTaken};
+pub use aitken::Aitken;
+pub use quasi_newton::{QuasiNewton, Rule};
+pub use relaxation::{Constant, Unaccelerated};
+
+use crate::part::Part;
+use crate::settings::{Acceleration, Implicit};
+
+/// The accelerator that a case asks for.
+#[must_use]
+pub fn build(settings: &Implicit, parts: &[Part]) -> Box<dyn Accelerator> {
+    match settings.acceleration {
+        Acceleration::None => Box::new(Unaccelerated),
+        Acceleration::Constant => Box::new(Constant::new(settings.relaxation)),
+        Acceleration::Aitken => Box::new(Aitken::new(settings, parts)),
+        Acceleration::Anderson => Box::new(QuasiNewton::new(Rule::Anderson, settings, parts)),
+        Acceleration::IqnImvj => Box::new(QuasiNewton::new(Rule::MultiVector, settings, parts)),
+        Acceleration::Auto | Acceleration::IqnIls => {
+            Box::new(QuasiNewton::new(Rule::LeastSquares, settings, parts))
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

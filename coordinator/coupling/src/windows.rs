@@ -1,0 +1,115 @@
+//! Time: the windows of a run, fixed or adaptive.
+//!
+//! [`Windows`] is what the case asks for; a [`Controller`] decides, window by window, how long the
+//! next one is, and whether the one that has been solved is accepted.
+
+mod control;
+mod local_error;
+
+pub use control::{Acceptance, Cause, Controller, WindowState};
+pub use local_error::LocalError;
+
+/// A part of a time below this is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Windows in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Windows {
+    /// One window without duration.
+    Steady,
+    /// Equal windows, the last one cut at the end.
+    Fixed {
+        /// Length of a window [s].
+        window: f64,
+        /// End of the run [s].
+        end: f64,
+    },
+    /// Windows as long as the error allows.
+    Adaptive {
+        /// Length of the first window [s].
+        first: f64,
+        /// Relative error of what is exchanged that is aimed at [-].
+        tolerance: f64,
+        /// Shortest window [s].
+        shortest: f64,
+        /// Longest window [s].
+        longest: f64,
+        /// End of the run [s].
+        end: f64,
+    },
+}
+
+impl Windows {
+    /// Number of windows, if it is known before the run. A remainder below a billionth of the
+    /// whole is rounding, not a window.
+    #[must_use]
+    pub fn count(&self) -> Option<u64> {
+        match self {
+            Self::Steady => Some(1),
+            Self::Fixed { window, end } => {
+                let ratio = end / window;
+                let whole = ratio.round();
+                let count =
+                    if (ratio - whole).abs() <= ROUNDING * ratio { whole } else { ratio.ceil() };
+                Some((count as u64).max(1))
+            }
+            Self::Adaptive { .. } => None,
+        }
+    }
+
+    /// Start and end [s] of a window that begins at `start`, has the number `index` and should have
+    /// this length [s]; fixed windows have the length of the case, counted from 0.
+    fn interval(&self, index: u64, start: f64, length: f64) -> (f64, f64) {
+        match self {
+            Self::Steady => (0.0, 0.0),
+            Self::Fixed { window, end } => {
+                let last = Some(index + 1) == self.count();
+                let stop = if last { *end } else { (index + 1) as f64 * window };
+                (index as f64 * window, stop)
+            }
+            Self::Adaptive { end, .. } => (start, adaptive_end(start, length, *end)),
+        }
+    }
+}
+
+/// The end of a window of about this length: the end of the run is met exactly, and the window
+/// before the last takes half of what is left rather than leave a crumb.
+fn adaptive_end(start: f64, length: f64, end: f64) -> f64 {
+    let left = end - start;
+    if left <= length * (1.0 + ROUNDING) {
+        end
+    } else if left < 2.0 * length {
+        start + 0.5 * left
+    } else {
+        start + length
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_cover_the_time_exactly() {
+        let windows = Windows::Fixed { window: 0.1, end: 0.3 };
+        assert_eq!(windows.count(), Some(3), "0.3 / 0.1 is a rounding error above 2");
+        assert_eq!(windows.interval(2, 0.0, 0.0).1, 0.3);
+        let cut = Windows::Fixed { window: 0.4, end: 1.0 };
+        assert_eq!(cut.count(), Some(3));
+        assert_eq!(cut.interval(2, 0.0, 0.0), (0.8, 1.0));
+        assert_eq!(Windows::Fixed { window: 2.0, end: 1.0 }.count(), Some(1));
+        let long = Windows::Fixed { window: 5.23e-05, end: 18647.8858082 };
+        let (start, end) = long.interval(long.count().unwrap() - 1, 0.0, 0.0);
+        assert!(start < end, "no window without length");
+        assert_eq!(Windows::Steady.count(), Some(1));
+        assert_eq!(Windows::Steady.interval(0, 0.0, 0.0), (0.0, 0.0));
+    }
+
+    #[test]
+    fn adaptive_windows_end_at_the_end_without_a_crumb() {
+        assert_eq!(adaptive_end(0.2, 0.3, 1.0), 0.5);
+        assert_eq!(adaptive_end(0.5, 0.3, 1.0), 0.75, "0.2 would be left");
+        assert_eq!(adaptive_end(0.7, 0.3, 1.0), 1.0, "1 - 0.7 is a rounding error above 0.3");
+        assert_eq!(adaptive_end(0.9, 0.3, 1.0), 1.0);
+    }
+}

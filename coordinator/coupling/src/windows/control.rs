@@ -1,0 +1,350 @@
+//! How long the next window is.
+//!
+//! A window is accepted if it has converged, if no participant wants a shorter one, and if its
+//! local error e ([`super::LocalError`]) is at most 4ε² with ε the tolerance. A first-order method
+//! whose windows have a local error of order ε² has a global error of order ε, so that the
+//! tolerance is proportional to the error (G. Söderlind & L. Wang, *J. Comput. Appl. Math.* 185
+//! (2006), on tolerance proportionality). The factor is that of the step response 1 − e^{−t}: with
+//! the local error δ² in every window of length √2 δ e^{t/2} the global error is
+//! √2 δ(e^{−t/2} − e^{−t}), at most δ/√8, which is 0.7ε for δ = 2ε. A window that is not accepted is solved again from its
+//! start, half as long if it has not converged, at most half as long if its error was too large,
+//! as long as wanted if a participant wants less. The shortest window is accepted whatever its
+//! error: something has jumped within, and the estimate starts again.
+//!
+//! After a window of length Δt the next one has the length
+//!
+//! Δt · 0.9 (4ε²/eₙ)^(0.7/2) (eₙ₋₁/4ε²)^(0.4/2), between 0.2 and 4 times Δt,
+//!
+//! the PI controller of K. Gustafsson, *ACM Trans. Math. Softw.* 17 (1991) 533, with the exponents of
+//! E. Hairer & G. Wanner, *Solving Ordinary Differential Equations II*, section IV.2; not longer
+//! than Δt after a window that was repeated, nor than a participant has wanted.
+
+use super::{LocalError, ROUNDING, Windows};
+use contract::step::Step;
+use serde::{Deserialize, Serialize};
+
+/// Part of the length that the estimate allows.
+const SAFETY: f64 = 0.9;
+/// Exponents of the controller, over the order 2 of the local error.
+const INTEGRAL: f64 = 0.7 / 2.0;
+const PROPORTIONAL: f64 = 0.4 / 2.0;
+/// Bounds on the change from one window to the next.
+const CHANGE: (f64, f64) = (0.2, 4.0);
+/// Bounds on the change when a window is repeated because of its error.
+const REPEAT: (f64, f64) = (0.1, 0.5);
+
+/// Whether a window that has been solved is accepted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Acceptance {
+    /// It is.
+    Accept,
+    /// It is solved again, with the length that [`Controller::window`] now gives.
+    Repeat(Cause),
+}
+
+/// Why a window is solved again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cause {
+    /// It has not converged.
+    NotConverged,
+    /// Its relative local error \[-\].
+    Error(f64),
+    /// A participant wants a window of this length \[s\].
+    Wanted(f64),
+}
+
+impl std::fmt::Display for Cause {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotConverged => f.write_str("it has not converged"),
+            Self::Error(error) => write!(f, "its local error is {error:.3e}"),
+            Self::Wanted(length) => write!(f, "a participant wants {length:e} s"),
+        }
+    }
+}
+
+/// Where a run is in time, and what the next window depends on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WindowState {
+    /// Number of the next window, from 0.
+    pub index: u64,
+    /// Its start [s].
+    pub start: f64,
+    /// Windows solved again, each time.
+    pub repeated: u64,
+    /// Shortest and longest window accepted [s].
+    pub lengths: Option<(f64, f64)>,
+    length: f64,
+    /// This window has been solved before.
+    again: bool,
+    /// Error of the last window over its bound.
+    last_error: Option<f64>,
+    local: LocalError,
+}
+
+/// Decides window by window.
+#[derive(Clone, Debug)]
+pub struct Controller {
+    windows: Windows,
+    state: WindowState,
+}
+
+impl Controller {
+    /// At time 0.
+    #[must_use]
+    pub fn new(windows: Windows) -> Self {
+        let length = match windows {
+            Windows::Steady => 0.0,
+            Windows::Fixed { window, .. } => window,
+            Windows::Adaptive { first, .. } => first,
+        };
+        let state = WindowState {
+            index: 0,
+            start: 0.0,
+            repeated: 0,
+            lengths: None,
+            length,
+            again: false,
+            last_error: None,
+            local: LocalError::default(),
+        };
+        Self { windows, state }
+    }
+
+    /// Goes on from a state that [`Controller::state`] gave, of the same windows.
+    #[must_use]
+    pub fn resume(windows: Windows, state: WindowState) -> Self {
+        Self { windows, state }
+    }
+
+    /// What the next window depends on.
+    #[must_use]
+    pub fn state(&self) -> &WindowState {
+        &self.state
+    }
+
+    /// The windows are adaptive.
+    #[must_use]
+    pub fn is_adaptive(&self) -> bool {
+        matches!(self.windows, Windows::Adaptive { .. })
+    }
+
+    /// The next window; `None` when the end is reached.
+    #[must_use]
+    pub fn window(&self) -> Option<Step> {
+        let WindowState { index, start, length, .. } = self.state;
+        let over = match self.windows {
+            Windows::Adaptive { end, .. } => start >= end,
+            Windows::Steady | Windows::Fixed { .. } => Some(index) == self.windows.count(),
+        };
+        let (start, end) = self.windows.interval(index, start, length);
+        (!over).then_some(Step { window: index, iteration: 0, start, end })
+    }
+
+    /// Judges the window `step`, which has been solved: it converged or not, a participant may want
+    /// a shorter one \[s\], and what is exchanged has these values at its end. Moves on if it is
+    /// accepted.
+    pub fn judge<'a>(
+        &mut self,
+        step: &Step,
+        converged: bool,
+        wanted: Option<f64>,
+        fields: impl IntoIterator<Item = &'a [f64]> + Clone,
+    ) -> Acceptance {
+        let duration = step.duration();
+        if let Windows::Adaptive { tolerance, shortest, longest, .. } = self.windows {
+            let bound = 4.0 * tolerance * tolerance;
+            let error = self.state.local.estimate(duration, fields.clone());
+            let error = error.map(|error| error / bound);
+            let shorter = shorter(duration, converged, wanted, error);
+            let can_shorten = duration > shortest * (1.0 + ROUNDING);
+            if let Some((cause, length)) = shorter.filter(|_| can_shorten) {
+                let cause = match cause {
+                    Cause::Error(error) => Cause::Error(error * bound),
+                    other => other,
+                };
+                self.state.length = length.clamp(shortest, longest);
+                self.state.again = true;
+                self.state.repeated += 1;
+                return Acceptance::Repeat(cause);
+            }
+            self.plan_next(duration, wanted, error);
+            self.state.length = self.state.length.clamp(shortest, longest);
+            self.state.local.accept(duration, fields);
+        }
+        let (least, most) = self.state.lengths.unwrap_or((duration, duration));
+        self.state.lengths = Some((least.min(duration), most.max(duration)));
+        self.state.index += 1;
+        self.state.start = step.end;
+        self.state.again = false;
+        Acceptance::Accept
+    }
+
+    /// The length after a window of this duration with this error over its bound.
+    fn plan_next(&mut self, duration: f64, wanted: Option<f64>, error: Option<f64>) {
+        let state = &mut self.state;
+        let jumped = error.is_some_and(is_too_large);
+        let next = match error {
+            _ if jumped => duration,
+            None => duration,
+            Some(error) => {
+                let last = state.last_error.unwrap_or(error).max(f64::MIN_POSITIVE);
+                let change = SAFETY * error.powf(-INTEGRAL) * last.powf(PROPORTIONAL);
+                let most = if state.again { 1.0 } else { CHANGE.1 };
+                duration * change.clamp(CHANGE.0, most)
+            }
+        };
+        if jumped {
+            state.local.forget();
+        }
+        state.last_error = error.filter(|error| !jumped && *error > 0.0);
+        state.length = wanted.map_or(next, |wanted| next.min(wanted));
+    }
+}
+
+/// An error over its bound; not a number is no small one.
+fn is_too_large(error: f64) -> bool {
+    error > 1.0 || error.is_nan()
+}
+
+/// Why, and to which length, a window has to be shortened, if it has; `error` is over its bound.
+fn shorter(
+    duration: f64,
+    converged: bool,
+    wanted: Option<f64>,
+    error: Option<f64>,
+) -> Option<(Cause, f64)> {
+    let wanted = wanted.filter(|wanted| *wanted < duration * (1.0 - ROUNDING));
+    let wanted = wanted.map(|wanted| (Cause::Wanted(wanted), wanted));
+    let halved = (!converged).then_some((Cause::NotConverged, 0.5 * duration));
+    let error = error.filter(|error| is_too_large(*error)).map(|error| {
+        let change = (SAFETY * error.powf(-0.5)).clamp(REPEAT.0, REPEAT.1);
+        let change = if change.is_nan() { REPEAT.0 } else { change };
+        (Cause::Error(error), change * duration)
+    });
+    let causes = [halved, wanted, error].into_iter().flatten();
+    causes.min_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTINGS: Windows =
+        Windows::Adaptive { first: 0.01, tolerance: 1e-2, shortest: 1e-5, longest: 2.0, end: 10.0 };
+
+    /// Backward Euler on y′ = f(t) − y from 0, window by window; accepted ends, and solves.
+    fn march(windows: Windows, f: impl Fn(f64) -> f64) -> (Vec<(f64, f64)>, u64) {
+        let mut controller = Controller::new(windows);
+        let (mut y, mut ends, mut solves) = (0.0, vec![(0.0, 0.0)], 0);
+        while let Some(step) = controller.window() {
+            let h = step.duration();
+            assert!(h > 0.0 && solves < 1_000_000);
+            let next = (y + h * f(step.end)) / (1.0 + h);
+            solves += 1;
+            if controller.judge(&step, true, None, [[next].as_slice()]) == Acceptance::Accept {
+                y = next;
+                ends.push((step.end, y));
+            }
+        }
+        (ends, solves)
+    }
+
+    fn worst(ends: &[(f64, f64)], exact: impl Fn(f64) -> f64) -> f64 {
+        ends.iter().map(|(t, y)| (y - exact(*t)).abs()).fold(0.0, f64::max)
+    }
+
+    /// A step response keeps the tolerance, and the error is proportional to it.
+    #[test]
+    fn the_error_follows_the_tolerance_and_the_windows_grow() {
+        let exact = |t: f64| 1.0 - (-t).exp();
+        let errors: Vec<(f64, u64)> = [1e-2, 5e-3, 2.5e-3]
+            .map(|tolerance| {
+                let Windows::Adaptive { first, shortest, longest, end, .. } = SETTINGS else {
+                    unreachable!("adaptive")
+                };
+                let windows = Windows::Adaptive { first, tolerance, shortest, longest, end };
+                let (ends, solves) = march(windows, |_| 1.0);
+                assert_eq!(ends.last().unwrap().0, 10.0, "the end is met exactly");
+                let error = worst(&ends, exact);
+                assert!(error < tolerance, "{tolerance}: {error}");
+                (error, solves)
+            })
+            .into();
+        for pair in errors.windows(2) {
+            let order = (pair[0].0 / pair[1].0).log2();
+            assert!((0.7..1.3).contains(&order), "{errors:?}");
+        }
+    }
+
+    /// A step in the middle: windows shrink to the shortest at it and grow again behind it.
+    #[test]
+    fn a_jump_is_found_and_left_behind() {
+        let jump = |t: f64| if t > std::f64::consts::PI { 2.0 } else { 1.0 };
+        let exact = |t: f64| {
+            let after = (t - std::f64::consts::PI).max(0.0);
+            1.0 - (-t).exp() + (1.0 - (-after).exp())
+        };
+        let (ends, solves) = march(SETTINGS, jump);
+        assert!(worst(&ends, exact) < 1e-2, "{}", worst(&ends, exact));
+        let lengths: Vec<f64> = ends.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+        let at = ends.iter().position(|(t, _)| *t > std::f64::consts::PI).unwrap();
+        let before = lengths[..at - 1].iter().copied().fold(0.0, f64::max);
+        assert!(lengths[at - 1] < 0.1 * before, "{} after {before}", lengths[at - 1]);
+        assert!(*lengths.last().unwrap() > 0.1, "long at the end");
+        assert!(solves < 400, "{solves}");
+    }
+
+    #[test]
+    fn what_does_not_converge_is_halved_down_to_the_shortest() {
+        let mut controller = Controller::new(SETTINGS);
+        let mut lengths = Vec::new();
+        loop {
+            let step = controller.window().unwrap();
+            lengths.push(step.duration());
+            let verdict = controller.judge(&step, false, None, [[0.0].as_slice()]);
+            assert_eq!((step.window, step.start), (0, 0.0));
+            match verdict {
+                Acceptance::Repeat(cause) => assert_eq!(cause, Cause::NotConverged),
+                Acceptance::Accept => break,
+            }
+        }
+        assert_eq!(lengths[..3], [0.01, 0.005, 0.0025]);
+        assert_eq!(*lengths.last().unwrap(), 1e-5);
+        assert_eq!(controller.state().repeated, lengths.len() as u64 - 1);
+    }
+
+    #[test]
+    fn a_wish_is_obeyed_exactly_and_bounds_the_next_window() {
+        let mut controller = Controller::new(SETTINGS);
+        let step = controller.window().unwrap();
+        let verdict = controller.judge(&step, true, Some(0.004), [[0.0].as_slice()]);
+        assert_eq!(verdict, Acceptance::Repeat(Cause::Wanted(0.004)));
+        let step = controller.window().unwrap();
+        assert_eq!(step.end, 0.004);
+        for _ in 0..5 {
+            let step = controller.window().unwrap();
+            assert!(step.duration() <= 0.004 * (1.0 + ROUNDING));
+            let verdict = controller.judge(&step, true, Some(0.004), [[0.0].as_slice()]);
+            assert_eq!(verdict, Acceptance::Accept);
+        }
+        // Without a wish, and without an error, they grow, by no more than four a window.
+        let step = controller.window().unwrap();
+        controller.judge(&step, true, None, [[0.0].as_slice()]);
+        let next = controller.window().unwrap();
+        assert!((next.duration() / step.duration() - 4.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn fixed_windows_are_always_accepted() {
+        let mut controller = Controller::new(Windows::Fixed { window: 0.4, end: 1.0 });
+        let mut ends = Vec::new();
+        while let Some(step) = controller.window() {
+            ends.push(step.end);
+            let none: [&[f64]; 0] = [];
+            assert_eq!(controller.judge(&step, false, Some(0.1), none), Acceptance::Accept);
+        }
+        assert_eq!(ends, [0.4, 0.8, 1.0]);
+        assert_eq!(controller.state().repeated, 0);
+    }
+}

@@ -1,0 +1,306 @@
+//! Checkpoints: the state of a whole run between two windows, in `DIR/checkpoints/`.
+//!
+//! ```text
+//! checkpoints/000120/             window 120 is the next one
+//!     coordinator.state           what only the coordinator knows, and checksums of the other files
+//!     ROLE.state                  each participant's own
+//!     FIELD.values                what it sent last, as little-endian doubles
+//!     ROLE.GRID.geometry          the grid of those values, if it is one that moves
+//! ```
+//!
+//! A checkpoint is written under the name `000120.new`, every file flushed to the disk, and then
+//! renamed: under its own name it is whole, but for a disk that fails. The last [`KEPT`] are kept.
+//! Every file has its length and its CRC-64 in `coordinator.state`, and that has its own in its
+//! head, so that a corrupt checkpoint is recognised; [`Checkpoints::newest`] says what is wrong
+//! with it and takes the one before.
+
+mod sum;
+
+pub use sum::sum;
+
+use crate::error::{RunError, file_failure};
+use crate::results::summary::Counts;
+use crate::results::vtk::FileSeries;
+use crate::sealed::{self, Broken, Magic};
+use coupling::windows;
+use proto::binary;
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Checkpoints that are kept.
+pub const KEPT: usize = 2;
+
+/// The folder in the result directory.
+pub const FOLDER: &str = "checkpoints";
+
+/// The coordinator's own part; its file is complete only when all others are.
+const OWN: &str = "coordinator.state";
+/// Begins every [`OWN`] file; the digit is the version of its layout.
+const MAGIC: &Magic = b"COSIMCK1";
+
+/// What a run was made from; a resumed run has to be made from the same.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    /// Version of the coordinator.
+    pub version: String,
+    /// Version of the participant contract.
+    pub protocol: u32,
+    /// The case as run.
+    pub case: String,
+    /// The folder from which relative file names in the case are meant.
+    #[serde(with = "raw_path")]
+    pub folder: PathBuf,
+    /// Parts of the plan, by name, with the CRC-64 of each.
+    pub plan: Vec<(String, u64)>,
+}
+
+/// The coordinator's part of a checkpoint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoordinatorState {
+    /// What the run was made from.
+    pub origin: Origin,
+    /// The last accepted step: window, iteration, start and end [s].
+    pub step: (u64, u32, f64, f64),
+    /// Where the run is in time.
+    pub time: windows::WindowState,
+    /// What has been counted.
+    pub counts: Counts,
+    /// What [`coupling::Coupling::save`] wrote.
+    pub coupling: Vec<u8>,
+    /// The last iterate sent to the consumers that close the loop.
+    pub iterate: Vec<f64>,
+    /// Length of `iterations.csv` [byte].
+    pub table_bytes: u64,
+    /// The series of field files so far.
+    pub series: Vec<FileSeries>,
+}
+
+/// Name, length and CRC-64 of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Part {
+    name: String,
+    bytes: u64,
+    sum: u64,
+}
+
+/// The checkpoints of a result directory.
+#[derive(Clone, Debug)]
+pub struct Checkpoints {
+    folder: PathBuf,
+}
+
+/// A checkpoint that can be used.
+#[derive(Debug)]
+pub struct Checkpoint {
+    /// The coordinator's part.
+    pub state: CoordinatorState,
+    /// The folder with the other parts.
+    pub folder: PathBuf,
+}
+
+/// A checkpoint that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Corrupt {
+    /// Name of its folder.
+    pub name: String,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+impl Checkpoints {
+    /// Those of this result directory.
+    #[must_use]
+    pub fn of(results: &Path) -> Self {
+        Self { folder: results.join(FOLDER) }
+    }
+
+    /// Makes the folder for the parts of a checkpoint after which window `next` is solved.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn begin(&self, next: u64) -> Result<PathBuf, RunError> {
+        let draft = self.folder.join(format!("{next:06}.new"));
+        let make = || {
+            remove(&draft)?;
+            fs::create_dir_all(&draft)
+        };
+        make().map_err(|error| file_failure(&draft, &error))?;
+        Ok(draft)
+    }
+
+    /// Completes the checkpoint in the folder that [`Checkpoints::begin`] gave, with these parts,
+    /// and removes those that are no longer needed.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn complete(
+        &self,
+        draft: &Path,
+        parts: &[String],
+        state: &CoordinatorState,
+    ) -> Result<(), RunError> {
+        let complete = || {
+            let parts = parts.iter().map(|name| seal(draft, name)).collect::<io::Result<_>>()?;
+            write_own(&draft.join(OWN), &(parts, state))?;
+            File::open(draft)?.sync_all()?;
+            let folder = draft.with_extension("");
+            // One of this name is corrupt, or a run that was resumed before it would have used it.
+            remove(&folder)?;
+            fs::rename(draft, folder)?;
+            File::open(&self.folder)?.sync_all()
+        };
+        complete().map_err(|error| {
+            // Half a checkpoint is of no use, and may be what fills the disk.
+            let _ = fs::remove_dir_all(draft);
+            file_failure(draft, &error)
+        })?;
+        let mut names = self.names();
+        while names.len() > KEPT {
+            let oldest = self.folder.join(names.remove(0));
+            remove(&oldest).map_err(|error| file_failure(&oldest, &error))?;
+        }
+        Ok(())
+    }
+
+    /// The newest intact checkpoint, if there is one, and those that are newer and corrupt.
+    #[must_use]
+    pub fn newest(&self) -> (Option<Checkpoint>, Vec<Corrupt>) {
+        let mut corrupt = Vec::new();
+        for name in self.names().into_iter().rev() {
+            match read(&self.folder.join(&name)) {
+                Ok(checkpoint) => return (Some(checkpoint), corrupt),
+                Err(reason) => corrupt.push(Corrupt { name, reason }),
+            }
+        }
+        (None, corrupt)
+    }
+
+    /// Removes every checkpoint, drafts too.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn clear(&self) -> Result<(), RunError> {
+        let drafts = self
+            .entries()
+            .into_iter()
+            .filter(|name| name.strip_suffix(".new").is_some_and(is_number));
+        for name in self.names().into_iter().chain(drafts) {
+            let folder = self.folder.join(name);
+            remove(&folder).map_err(|error| file_failure(&folder, &error))?;
+        }
+        // What is not ours keeps the folder.
+        let _ = fs::remove_dir(&self.folder);
+        Ok(())
+    }
+
+    fn entries(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        entries.filter_map(|entry| entry.file_name().into_string().ok()).collect()
+    }
+
+    /// The names of the checkpoints, oldest first.
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> =
+            self.entries().into_iter().filter(|name| is_number(name)).collect();
+        names.sort_by_key(|name| (name.len(), name.clone()));
+        names
+    }
+}
+
+fn is_number(name: &str) -> bool {
+    name.len() >= 6 && name.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Removes a checkpoint, its own part first: without that it is none.
+fn remove(folder: &Path) -> io::Result<()> {
+    for step in [fs::remove_file(folder.join(OWN)), fs::remove_dir_all(folder)] {
+        match step {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Flushes a part to the disk; its length and sum.
+fn seal(folder: &Path, name: &str) -> io::Result<Part> {
+    let path = folder.join(name);
+    let content = fs::read(&path)?;
+    File::open(&path)?.sync_all()?;
+    Ok(Part { name: name.to_owned(), bytes: content.len() as u64, sum: sum(&content) })
+}
+
+fn write_own(path: &Path, content: &(Vec<Part>, &CoordinatorState)) -> io::Result<()> {
+    fs::write(path, encode_own(content))?;
+    File::open(path)?.sync_all()
+}
+
+fn encode_own(content: &(Vec<Part>, &CoordinatorState)) -> Vec<u8> {
+    sealed::seal(MAGIC, content).expect("a state is plain data")
+}
+
+/// The inverse of [`encode_own`], or what is wrong with the bytes.
+fn decode_own(bytes: &[u8]) -> Result<(Vec<Part>, CoordinatorState), String> {
+    sealed::open(MAGIC, bytes).map_err(|broken| match broken {
+        Broken::Foreign => format!("{OWN} is not a checkpoint of this version"),
+        Broken::Sum(_) => format!("{OWN} is {broken}"),
+        Broken::Content(_) => format!("{OWN}: {broken}"),
+    })
+}
+
+/// Reads a checkpoint, or says what is wrong with it.
+fn read(folder: &Path) -> Result<Checkpoint, String> {
+    let failed = |name: &str| {
+        let name = name.to_owned();
+        move |error: io::Error| format!("{name}: {error}")
+    };
+    let own = fs::symlink_metadata(folder.join(OWN)).map_err(failed(OWN))?;
+    if !own.is_file() || own.len() > binary::LONGEST as u64 {
+        return Err(format!("{OWN} is not a checkpoint: {} bytes", own.len()));
+    }
+    let bytes = fs::read(folder.join(OWN)).map_err(failed(OWN))?;
+    let (parts, state) = decode_own(&bytes)?;
+    for part in &parts {
+        if part.name.contains('/') || part.name == ".." {
+            return Err(format!(
+                "{OWN} names {:?}, which is not a file of a checkpoint",
+                part.name
+            ));
+        }
+        let path = folder.join(&part.name);
+        let file = fs::symlink_metadata(&path).map_err(failed(&part.name))?;
+        if !file.is_file() || file.len() != part.bytes {
+            let (found, expected) = (file.len(), part.bytes);
+            return Err(format!(
+                "{} is corrupt: truncated to {found} of {expected} bytes",
+                part.name
+            ));
+        }
+        let content = fs::read(path).map_err(failed(&part.name))?;
+        if sum(&content) != part.sum {
+            return Err(format!("{} is corrupt: checksum mismatch", part.name));
+        }
+    }
+    Ok(Checkpoint { state, folder: folder.to_owned() })
+}
+
+/// A path byte by byte: it need not be UTF-8.
+mod raw_path {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::ffi::OsString;
+    use std::os::unix::ffi::{OsStrExt, OsStringExt};
+    use std::path::{Path, PathBuf};
+
+    pub(super) fn serialize<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
+        path.as_os_str().as_bytes().serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<PathBuf, D::Error> {
+        Ok(OsString::from_vec(Vec::deserialize(from)?).into())
+    }
+}
+
+#[cfg(test)]
+mod tests;

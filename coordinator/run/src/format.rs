@@ -1,0 +1,218 @@
+//! Numbers as a person reads them: a unit with a prefix that suits, and few digits.
+//!
+//! It uses nothing else of this crate, so that everything may use it.
+
+/// A unit to show values in, and how many SI units it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scale {
+    /// SI units in one of these \[-\].
+    pub factor: f64,
+    /// The unit as it is written, empty for a pure number.
+    pub unit: String,
+}
+
+impl Scale {
+    /// The unit for SI values up to `largest` in magnitude: at least two of the unit, where there is
+    /// one so small.
+    #[must_use]
+    pub fn of(si: &str, largest: f64) -> Self {
+        let known = prefixed(si);
+        let suits = |(factor, _): &&(f64, &str)| largest.abs() >= enough(si) * factor;
+        let chosen = known.iter().find(suits).or(match largest == 0.0 || !largest.is_finite() {
+            true => known.iter().find(|(factor, _)| *factor == 1.0),
+            false => known.last(),
+        });
+        match chosen {
+            Some((factor, unit)) => Self { factor: *factor, unit: (*unit).to_owned() },
+            None => Self { factor: 1.0, unit: spelt(si) },
+        }
+    }
+
+    /// The value in this unit, with its unit, to `digits` significant digits.
+    #[must_use]
+    pub fn show(&self, value: f64, digits: usize) -> String {
+        let number = number(value / self.factor, digits);
+        if self.unit.is_empty() { number } else { format!("{number}\u{a0}{}", self.unit) }
+    }
+}
+
+/// How many of a unit a value has to be to be shown in it.
+fn enough(si: &str) -> f64 {
+    match si {
+        "m/s" => 0.05,
+        "W" | "N" | "Nm" => 1.0,
+        _ => 2.0,
+    }
+}
+
+/// The units in which values of this SI unit are shown, the largest first.
+fn prefixed(si: &str) -> &'static [(f64, &'static str)] {
+    match si {
+        "Pa" => &[(1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")],
+        "m" => &[(1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")],
+        "s" => &[(1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")],
+        "N" => &[(1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"), (1e-6, "µN")],
+        "Nm" => &[(1e3, "kN·m"), (1.0, "N·m"), (1e-3, "mN·m")],
+        "W" => &[(1e6, "MW"), (1e3, "kW"), (1.0, "W"), (1e-3, "mW"), (1e-6, "µW")],
+        "J" => &[(1e6, "MJ"), (1e3, "kJ"), (1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ")],
+        "W/m2" => &[(1e9, "GW/m²"), (1e6, "MW/m²"), (1e3, "kW/m²"), (1.0, "W/m²")],
+        "m/s" => &[(1.0, "m/s"), (1e-3, "mm/s"), (1e-6, "µm/s")],
+        "m2" => &[(1.0, "m²"), (1e-6, "mm²")],
+        "byte" => &[(1e9, "GB"), (1e6, "MB"), (1e3, "kB"), (1.0, "B")],
+        _ => &[],
+    }
+}
+
+fn spelt(si: &str) -> String {
+    match si {
+        "-" | "1" => String::new(),
+        other => other.replace("m2", "m²").replace("m3", "m³"),
+    }
+}
+
+/// Units by the endings of keys, the longest endings first.
+const UNITS: [(&str, &str); 12] = [
+    ("_m_per_s", "m/s"),
+    ("_per_m", "1/m"),
+    ("_bytes", "byte"),
+    ("_pa", "Pa"),
+    ("_nm", "Nm"),
+    ("_m2", "m2"),
+    ("_m", "m"),
+    ("_n", "N"),
+    ("_k", "K"),
+    ("_w", "W"),
+    ("_j", "J"),
+    ("_s", "s"),
+];
+
+/// A key of the summary without its unit, and the unit.
+#[must_use]
+pub fn stem_and_unit(key: &str) -> (&str, &'static str) {
+    match UNITS.iter().find(|(ending, _)| key.ends_with(ending)) {
+        Some((ending, si)) => (key.trim_end_matches(ending), si),
+        None if key.ends_with("bytes_exchanged") => (key, "byte"),
+        None => (key, "-"),
+    }
+}
+
+/// The unit that suits a value of this key of the summary.
+#[must_use]
+pub fn of_key(key: &str, value: f64) -> Scale {
+    Scale::of(stem_and_unit(key).1, value)
+}
+
+/// A number to `digits` significant digits, with a true minus sign; powers of ten where it is very
+/// large or small.
+#[must_use]
+pub fn number(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
+        return "not finite".to_owned();
+    }
+    // Rounded first: 999.96 is 1000 to four digits.
+    let rounded: f64 = format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value);
+    let magnitude = rounded.abs().log10().floor() as i32;
+    let text = if (-4..6).contains(&magnitude) {
+        let decimals = (digits as i32 - 1 - magnitude).max(0) as usize;
+        format!("{rounded:.decimals$}")
+    } else {
+        let mantissa = rounded / 10f64.powi(magnitude);
+        format!("{mantissa:.*} × 10{}", digits.min(3) - 1, superscript(magnitude))
+    };
+    text.replace('-', "−")
+}
+
+/// An exponent in raised digits.
+#[must_use]
+pub fn superscript(exponent: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raised = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);
+    exponent.to_string().chars().map(raised).collect()
+}
+
+/// A number of things: `1 window`, `2 windows`.
+#[must_use]
+pub fn counted(count: u64, thing: &str) -> String {
+    let ending = match count {
+        1 => "",
+        _ if thing.ends_with("ch") => "es",
+        _ => "s",
+    };
+    format!("{count} {thing}{ending}")
+}
+
+/// A name of a field or key as words.
+#[must_use]
+pub fn words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// A time with a unit that suits it.
+#[must_use]
+pub fn seconds(value: f64) -> String {
+    match value {
+        0.0 => "0 s".to_owned(),
+        v if v < 1e-6 => format!("{:.3} ns", v * 1e9),
+        v if v < 1e-3 => format!("{:.3} µs", v * 1e6),
+        v if v < 1.0 => format!("{:.3} ms", v * 1e3),
+        v => format!("{v:.3} s"),
+    }
+}
+
+/// A number of bytes with a unit that suits it.
+#[must_use]
+pub fn bytes(value: u64) -> String {
+    match value {
+        v if v < 10_000 => format!("{v} B"),
+        v if v < 10_000_000 => format!("{:.1} kB", v as f64 / 1e3),
+        v => format!("{:.1} MB", v as f64 / 1e6),
+    }
+}
+
+/// A text that begins with a capital.
+#[must_use]
+pub fn sentence(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map(|first| first.to_uppercase().chain(rest).collect()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_suit_the_values() {
+        let shown = |si: &str, value: f64| Scale::of(si, value).show(value, 4);
+        assert_eq!(shown("Pa", 1.36444e9), "1364\u{a0}MPa");
+        assert_eq!(shown("m", 7.8959e-3), "7.896\u{a0}mm");
+        assert_eq!(shown("m", -54.8e-6), "−54.80\u{a0}µm");
+        assert_eq!(shown("m/s", 0.7793), "0.7793\u{a0}m/s");
+        assert_eq!(shown("W/m2", 3.2e8), "320.0\u{a0}MW/m²");
+        assert_eq!(shown("K", 225.912), "225.9\u{a0}K");
+        assert_eq!(shown("-", 0.58), "0.5800");
+        assert_eq!(shown("Pa", 0.0), "0\u{a0}Pa");
+    }
+
+    #[test]
+    fn powers_and_plurals_fit() {
+        let power = |value: f64| Scale::of("W", value).show(value, 3);
+        assert_eq!(
+            [power(2.0), power(1530.0), power(25.9e3)].map(|p| p.replace('\u{a0}', " ")),
+            ["2.00 W", "1.53 kW", "25.9 kW"]
+        );
+        let windows = [0, 1, 2].map(|count| counted(count, "window"));
+        assert_eq!(windows, ["0 windows", "1 window", "2 windows"]);
+        assert_eq!(counted(2, "patch"), "2 patches");
+    }
+
+    #[test]
+    fn numbers_keep_their_digits() {
+        assert_eq!(number(999.96, 4), "1000");
+        assert_eq!(number(-0.0123456, 3), "−0.0123");
+        assert_eq!(number(2.24e-16, 2), "2.2 × 10⁻¹⁶");
+        assert_eq!(number(f64::NAN, 2), "not finite");
+    }
+}

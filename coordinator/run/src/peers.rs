@@ -1,0 +1,529 @@
+//! The participants of a run, as partners in a conversation: started, joined, asked, waited for.
+//!
+//! Whoever drives participants does it through [`Peers`]: the session of a run, a replay, and the
+//! conformance checks. Every wait looks at the same things, every [`Doorbell::NAP`] at least: replies,
+//! signals of the user, processes that have ended, failed replies of other participants, heartbeats,
+//! and the deadline. Why one ended is a [`Stopped`]; as the end of a run it is an error that names
+//! participant, phase, reason and fix.
+
+mod patience;
+mod peer;
+mod phase;
+mod stopped;
+
+pub use peer::Peer;
+pub use phase::Phase;
+pub use stopped::Stopped;
+
+use crate::deadlines::Deadlines;
+use crate::error::{Failure, RunError};
+use crate::programs::Program;
+use crate::record::Recorder;
+use crate::signals;
+use crate::supervise::{Exit, Launch, Supervisor};
+use contract::message::{Command, Reply, Status};
+use coupling::ParticipantIndex;
+use patience::Patience;
+use proto::run_dir::{RunDir, RunInfo};
+use proto::transport::{Beat, Doorbell, Endpoint, Message, TransportError};
+use std::cell::RefCell;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use typed_index_collections::{TiSlice, TiVec};
+
+/// The name under which the coordinator itself sends fields; no role can have it.
+pub const COORDINATOR: &str = "coordinator";
+
+/// How long a participant may take to end after its last word.
+pub const LEAVE: Duration = Duration::from_secs(2);
+
+/// A place in a run, and what is to take it.
+#[derive(Clone, Debug)]
+pub struct Seat {
+    /// Role to play.
+    pub role: String,
+    /// The program that plays it.
+    pub program: Program,
+    /// Started by hand, and waited for.
+    pub attach: bool,
+}
+
+/// Ends the processes when it is dropped: the first field of whatever has ports of its own in the run,
+/// which has its [`Peers`] for the last one. So processes end first, ports close next, and the run's
+/// folder goes last.
+#[derive(Debug)]
+pub struct EndsFirst(Option<Arc<Supervisor>>);
+
+impl Drop for EndsFirst {
+    fn drop(&mut self) {
+        if let Some(supervisor) = &self.0 {
+            supervisor.end_all();
+        }
+    }
+}
+
+/// The participants of a run.
+// Fields drop in this order: processes end first, ports close next, the run's folder goes last.
+#[derive(Debug)]
+pub struct Peers {
+    supervisor: Arc<Supervisor>,
+    recorder: Option<Arc<Recorder>>,
+    all: TiVec<ParticipantIndex, Peer>,
+    doorbell: Doorbell,
+    endpoint: Endpoint,
+    run: RunDir,
+    deadlines: Deadlines,
+    /// What is going on, for messages.
+    pub phase: Phase,
+}
+
+impl Peers {
+    /// Makes a run and starts its participants; nobody has joined yet. With a recorder, commands and
+    /// replies are recorded.
+    ///
+    /// # Errors
+    /// The machine, or a program that does not start.
+    pub fn start(
+        seats: &[Seat],
+        deadlines: Deadlines,
+        recorder: Option<Arc<Recorder>>,
+    ) -> Result<Self, RunError> {
+        Self::start_version(contract::PROTOCOL_VERSION, seats, deadlines, recorder)
+    }
+
+    /// The same, in a run of some version of the contract.
+    ///
+    /// # Errors
+    /// The machine, or a program that does not start.
+    pub fn start_version(
+        protocol: u32,
+        seats: &[Seat],
+        deadlines: Deadlines,
+        recorder: Option<Arc<Recorder>>,
+    ) -> Result<Self, RunError> {
+        let roles: Vec<String> = seats.iter().map(|seat| seat.role.clone()).collect();
+        let run = RunDir::create(&roles).map_err(|error| {
+            machine(
+                "the machine",
+                "while preparing the run",
+                &error,
+                "COSIM_RUNTIME_DIR may name another folder of yours in memory",
+            )
+        })?;
+        let info = of_version(&run, protocol)?;
+        let (prefix, folder) = (&info.prefix, info.folder.display());
+        tracing::info!(prefix, %folder, "run created");
+        let opened = |error: TransportError| {
+            machine("shared memory", "while preparing the run", &error, "check /dev/shm")
+        };
+        let endpoint = Endpoint::open(&info).map_err(opened)?;
+        let doorbell = endpoint.doorbell(COORDINATOR).map_err(opened)?;
+        let peer = |seat: &Seat| {
+            let commands = endpoint.command_sender(&seat.role)?;
+            let replies = endpoint.reply_receiver(&seat.role)?;
+            let ringer = endpoint.ringer(&seat.role)?;
+            let name = (seat.role.as_str(), seat.program.name());
+            Ok(Peer::new(name, seat.attach, commands, replies, ringer))
+        };
+        let all: Result<TiVec<ParticipantIndex, Peer>, TransportError> =
+            seats.iter().map(peer).collect();
+        let all = all.map_err(opened)?;
+        let supervisor = Arc::new(launch(seats, &info)?);
+        let phase = Phase::Starting;
+        Ok(Self { supervisor, recorder, all, doorbell, endpoint, run, deadlines, phase })
+    }
+
+    /// Waits until everybody has joined.
+    ///
+    /// # Errors
+    /// Somebody has ended or is late; the user wants to stop.
+    pub fn join(&mut self) -> Result<(), RunError> {
+        for one in self.all.keys() {
+            let attached = self.all[one].is_attached();
+            let patience = if attached { self.deadlines.solve } else { self.deadlines.start };
+            self.joined(one, patience).map_err(|stopped| self.error(stopped))?;
+        }
+        Ok(())
+    }
+
+    /// Waits until one has joined.
+    ///
+    /// # Errors
+    /// Why the wait has ended.
+    pub fn joined(&mut self, one: ParticipantIndex, patience: Duration) -> Result<(), Stopped> {
+        let mut waited = Patience::new();
+        let Self { all, doorbell, supervisor, run, deadlines, phase, .. } = self;
+        let watch = Watch { supervisor, run, phase: *phase, deadlines };
+        let poll = || -> Result<_, Waiting> {
+            if all[one].is_up() {
+                // Connects to its replies: what it sends last is received even if it has ended by then.
+                all[one].receive()?;
+                return Ok(Some(()));
+            }
+            // A participant that has not joined has no heartbeat yet.
+            all[one].beat_received(Beat::Busy);
+            watch.look(all, one, waited.waited(), patience).map_err(Waiting::Stopped)?;
+            Ok(None)
+        };
+        doorbell.wait(poll, |_, _| ()).map_err(|waiting| waiting.of(one))
+    }
+
+    /// Sends a command; the number is put in. `ring` only when an answer is wanted soon.
+    ///
+    /// # Errors
+    /// The participant has ended, or cannot be reached.
+    pub fn post(
+        &mut self,
+        one: ParticipantIndex,
+        command: Command,
+        body: &[u8],
+        ring: bool,
+    ) -> Result<(), RunError> {
+        self.send(one, command, body, ring).map_err(|error| self.transport_failed(one, error))
+    }
+
+    /// The same, with the plain error of the transport.
+    ///
+    /// # Errors
+    /// It cannot be reached.
+    pub fn send(
+        &mut self,
+        one: ParticipantIndex,
+        command: Command,
+        body: &[u8],
+        ring: bool,
+    ) -> Result<(), TransportError> {
+        let command = self.all[one].post(command, body, ring)?;
+        if let Some(recorder) = &self.recorder {
+            recorder.command(one, &command, body);
+        }
+        Ok(())
+    }
+
+    /// Waits for the reply to the last command of a participant, or for the failed reply of another
+    /// one that comes before it; gives whose it is. `beat` hears of every heartbeat.
+    ///
+    /// # Errors
+    /// Why the wait has ended.
+    pub fn wait(
+        &mut self,
+        one: ParticipantIndex,
+        patience: Duration,
+        mut beat: impl FnMut(),
+    ) -> Result<(ParticipantIndex, Message<Reply>), Stopped> {
+        let Self { all, doorbell, supervisor, run, deadlines, phase, recorder, .. } = self;
+        let watch = Watch { supervisor, run, phase: *phase, deadlines };
+        let all = RefCell::new(all);
+        let mut waited = Patience::new();
+        let poll = || -> Result<_, Waiting> {
+            let mut all = all.borrow_mut();
+            if let Some(message) = all[one].receive()? {
+                return Ok(Some((one, message)));
+            }
+            for other in all.keys().filter(|&other| other != one) {
+                if all[other].has_failed()? {
+                    return Ok(all[other].receive()?.map(|message| (other, message)));
+                }
+            }
+            match watch.look(&mut all, one, waited.waited(), patience) {
+                Ok(()) => Ok(None),
+                // What it sent just before it ended still counts.
+                Err(reason) => match all[one].receive()? {
+                    Some(message) => Ok(Some((one, message))),
+                    None => Err(Waiting::Stopped(reason)),
+                },
+            }
+        };
+        let heard = |index: usize, what| {
+            if let Some(peer) = all.borrow_mut().get_mut(ParticipantIndex::from(index)) {
+                peer.beat_received(what);
+                beat();
+            }
+        };
+        let (who, reply) = doorbell.wait(poll, heard).map_err(|waiting| waiting.of(one))?;
+        if let Some(recorder) = recorder {
+            recorder.reply(who, reply.header(), reply.body());
+        }
+        Ok((who, reply))
+    }
+
+    /// Lets time pass, with an eye on processes and signals; `beat` hears of every heartbeat.
+    ///
+    /// # Errors
+    /// A process has ended; the user wants to stop.
+    pub fn idle(&mut self, time: Duration, mut beat: impl FnMut()) -> Result<(), Stopped> {
+        let until = Instant::now() + time;
+        let Self { doorbell, supervisor, .. } = self;
+        let poll = || -> Result<_, Waiting> {
+            interrupted_or_exited(supervisor, |_| false).map_err(Waiting::Stopped)?;
+            Ok((Instant::now() >= until).then_some(()))
+        };
+        doorbell.wait(poll, |_, _| beat()).map_err(|waiting| waiting.of(ParticipantIndex::FIRST))
+    }
+
+    /// Waits for the reply to the last command of a participant, whatever it says.
+    ///
+    /// # Errors
+    /// Why the wait has ended, as the end of a run.
+    pub fn reply(
+        &mut self,
+        one: ParticipantIndex,
+        patience: Duration,
+    ) -> Result<(ParticipantIndex, Message<Reply>), RunError> {
+        self.wait(one, patience, || ()).map_err(|stopped| self.error(stopped))
+    }
+
+    /// Waits for the reply, and takes everything but success as an error.
+    ///
+    /// # Errors
+    /// The participant refuses or fails, violates the contract, has ended, or is late.
+    pub fn done(
+        &mut self,
+        one: ParticipantIndex,
+        patience: Duration,
+    ) -> Result<Message<Reply>, RunError> {
+        let (one, message) = self.reply(one, patience)?;
+        let (reply, body) = (message.header(), message.body());
+        match Status::from_number(reply.status) {
+            _ if reply.protocol != contract::PROTOCOL_VERSION => {
+                let theirs = reply.protocol;
+                Err(self.misbehaved(one, format!("it speaks protocol {theirs}")))
+            }
+            _ if reply.sequence != self.all[one].sequence() => {
+                let (found, expected) = (reply.sequence, self.all[one].sequence());
+                Err(self
+                    .misbehaved(one, format!("it answered command {found} instead of {expected}")))
+            }
+            Some(Status::Done) => Ok(message),
+            Some(Status::Refused) => Err(self.all[one].refused(body)),
+            Some(Status::Failed) => Err(self.failed(one, peer::failure_text(body))),
+            None => {
+                let status = reply.status;
+                Err(self.misbehaved(one, format!("it replied with the unknown status {status}")))
+            }
+        }
+    }
+
+    /// A participant failed, in these words.
+    #[must_use]
+    pub fn failed(&self, one: ParticipantIndex, what: String) -> RunError {
+        self.failure(one, what, "see its messages in log.jsonl".to_owned())
+    }
+
+    /// A participant did what the contract does not allow.
+    #[must_use]
+    pub fn misbehaved(&self, one: ParticipantIndex, what: String) -> RunError {
+        let fix = "the program violates the participant contract (docs/ARCHITECTURE.md)";
+        self.failure(one, what, fix.to_owned())
+    }
+
+    /// A participant failed in the phase that is going on.
+    #[must_use]
+    pub fn failure(&self, one: ParticipantIndex, what: String, fix: String) -> RunError {
+        let (who, when) = (self.all[one].who(), self.phase.to_string());
+        RunError::Failed(Failure { who, when, what, fix })
+    }
+
+    /// The exchange with a participant failed.
+    #[must_use]
+    pub fn transport_failed(&self, one: ParticipantIndex, error: TransportError) -> RunError {
+        self.error(Stopped::Transport(one, error))
+    }
+
+    fn error(&self, stopped: Stopped) -> RunError {
+        let stopped = match stopped {
+            Stopped::Transport(one, error) => {
+                self.exit_soon().map_or(Stopped::Transport(one, error), Stopped::Exited)
+            }
+            other => other,
+        };
+        stopped.error(&self.all, self.phase)
+    }
+
+    /// Often the cause of an error is that a participant has just died: gives its exit time to be seen.
+    fn exit_soon(&self) -> Option<Exit> {
+        let until = Instant::now() + Duration::from_millis(100);
+        while Instant::now() < until {
+            if let Some(exit) = self.supervisor.exits().into_iter().next() {
+                return Some(exit);
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        None
+    }
+
+    /// Gives the participants that have been asked to finish the time to do so.
+    pub fn wait_for_exits(&self) {
+        if !self.supervisor.wait_for_exits(LEAVE) {
+            tracing::warn!("a participant did not leave after Finish and is ended");
+        }
+    }
+
+    /// As if the coordinator were killed: its locks are free, its ports and files stay as they are.
+    #[must_use]
+    pub fn abandon(self, mut guard: EndsFirst) -> (Arc<Supervisor>, RunInfo) {
+        guard.0 = None;
+        let Self { supervisor, all, doorbell, endpoint, run, .. } = self;
+        // The kernel closes nothing in order.
+        std::mem::forget((all, doorbell, endpoint));
+        (supervisor, run.info().clone())
+    }
+
+    /// What ends the processes before other ports in the run close.
+    #[must_use]
+    pub fn end_first(&self) -> EndsFirst {
+        EndsFirst(Some(Arc::clone(&self.supervisor)))
+    }
+
+    /// Everybody, in the order of the seats.
+    #[must_use]
+    pub fn all(&self) -> &TiSlice<ParticipantIndex, Peer> {
+        &self.all
+    }
+
+    /// The run.
+    #[must_use]
+    pub fn info(&self) -> &RunInfo {
+        self.run.info()
+    }
+
+    /// The services of the run.
+    #[must_use]
+    pub fn endpoint(&self) -> &Endpoint {
+        &self.endpoint
+    }
+
+    /// Limits of the waits.
+    #[must_use]
+    pub fn deadlines(&self) -> &Deadlines {
+        &self.deadlines
+    }
+
+    /// What records the run, if anything.
+    #[must_use]
+    pub fn recorder(&self) -> Option<&Arc<Recorder>> {
+        self.recorder.as_ref()
+    }
+
+    /// The processes.
+    #[must_use]
+    pub fn supervisor(&self) -> &Supervisor {
+        &self.supervisor
+    }
+}
+
+/// The description of the run, of this version of the contract.
+fn of_version(run: &RunDir, protocol: u32) -> Result<RunInfo, RunError> {
+    let info = RunInfo { protocol, ..run.info().clone() };
+    if protocol != run.info().protocol {
+        let text = serde_json::to_vec(&info).expect("a run's description is plain data");
+        let path = info.folder.join("run.json");
+        std::fs::write(&path, text).map_err(|error| crate::error::file_failure(&path, &error))?;
+    }
+    Ok(info)
+}
+
+fn launch(seats: &[Seat], info: &RunInfo) -> Result<Supervisor, RunError> {
+    let started = seats.iter().filter(|seat| !seat.attach);
+    let launch = |seat: &Seat| Launch { role: seat.role.clone(), program: seat.program.clone() };
+    let launches: Vec<Launch> = started.map(launch).collect();
+    let supervisor = Supervisor::start(&launches, &info.folder).map_err(|(who, error)| {
+        machine(&who, "while starting", &error, "check the command of this participant")
+    })?;
+    for seat in seats.iter().filter(|seat| seat.attach) {
+        let (role, program) = (&seat.role, seat.program.command_line());
+        let folder = info.folder.display();
+        tracing::warn!("waiting for {role}: start `{program} --join {folder} --role {role}`");
+    }
+    Ok(supervisor)
+}
+
+fn machine(who: &str, when: &str, error: &dyn std::fmt::Display, fix: &str) -> RunError {
+    RunError::Failed(Failure {
+        who: who.to_owned(),
+        when: when.to_owned(),
+        what: error.to_string(),
+        fix: fix.to_owned(),
+    })
+}
+
+/// What may end a wait.
+enum Waiting {
+    Stopped(Stopped),
+    Transport(TransportError),
+}
+
+impl Waiting {
+    fn of(self, one: ParticipantIndex) -> Stopped {
+        match self {
+            Self::Stopped(stopped) => stopped,
+            Self::Transport(error) => Stopped::Transport(one, error),
+        }
+    }
+}
+
+impl From<TransportError> for Waiting {
+    fn from(error: TransportError) -> Self {
+        Self::Transport(error)
+    }
+}
+
+/// What is looked at while waiting.
+struct Watch<'a> {
+    supervisor: &'a Supervisor,
+    run: &'a RunDir,
+    phase: Phase,
+    deadlines: &'a Deadlines,
+}
+
+impl Watch<'_> {
+    /// Is there a reason not to wait any longer?
+    fn look(
+        &self,
+        all: &mut TiSlice<ParticipantIndex, Peer>,
+        one: ParticipantIndex,
+        waited: Duration,
+        patience: Duration,
+    ) -> Result<(), Stopped> {
+        // A participant that has been asked to finish, and is not the one we wait for, may have
+        // left in peace.
+        let in_peace = |role: &str| self.phase == Phase::Finishing && role != all[one].role();
+        interrupted_or_exited(self.supervisor, |exit| {
+            in_peace(&exit.role) && exit.status.success()
+        })?;
+        // A participant started by hand is not our child: its lock tells of its death.
+        let has_left = |peer: &Peer| {
+            peer.is_attached() && !in_peace(peer.role()) && self.run.has_left(peer.role())
+        };
+        if self.phase != Phase::Starting
+            && let Some(gone) = all.position(has_left)
+        {
+            return Err(Stopped::Gone(gone));
+        }
+        if all[one].has_dealt_with_it() {
+            return Err(Stopped::ReplyLost(one));
+        }
+        let silence = all[one].silence();
+        if silence > self.deadlines.heartbeat {
+            return Err(Stopped::Silent(one, silence));
+        }
+        if waited > patience {
+            return Err(Stopped::Late(one, patience));
+        }
+        Ok(())
+    }
+}
+
+/// The user wants to stop, or a process has ended, and not in peace.
+fn interrupted_or_exited(
+    supervisor: &Supervisor,
+    in_peace: impl Fn(&Exit) -> bool,
+) -> Result<(), Stopped> {
+    if let Some(signal) = signals::received() {
+        return Err(Stopped::Interrupted(signal));
+    }
+    match supervisor.exits().into_iter().find(|exit| !in_peace(exit)) {
+        Some(exit) => Err(Stopped::Exited(exit)),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,164 @@
+//! One participant, as the coordinator talks with it: commands go out, replies and heartbeats come in.
+
+use super::patience::Patience;
+use crate::error::RunError;
+use contract::configuration::Refusal;
+use contract::message::{Command, Failure, Reply, Status};
+use proto::transport::{Beat, Message, Receiver, Ringer, Sender, TransportError};
+use std::cell::{Cell, RefCell};
+use std::time::{Duration, Instant};
+
+/// Two heartbeats that are further apart than this were rung one after the other, the second one
+/// after the first had been received.
+const APART: Duration = Duration::from_millis(10);
+
+/// A participant of a run.
+#[derive(Debug)]
+pub struct Peer {
+    role: String,
+    program: String,
+    attached: bool,
+    commands: Sender<Command>,
+    replies: Receiver<Reply>,
+    ringer: Ringer,
+    sequence: u64,
+    /// A reply to the last command is still to come.
+    owing: Cell<bool>,
+    /// A failed reply that came while another participant's was waited for.
+    early: RefCell<Option<Message<Reply>>>,
+    silence: Patience,
+    /// Heartbeats that say that the last command has been dealt with, and the last one of them.
+    dealt_with: u32,
+    last_dealt_with: Option<Instant>,
+}
+
+impl Peer {
+    pub(super) fn new(
+        (role, program): (&str, String),
+        attached: bool,
+        commands: Sender<Command>,
+        replies: Receiver<Reply>,
+        ringer: Ringer,
+    ) -> Self {
+        Self {
+            role: role.to_owned(),
+            program,
+            attached,
+            commands,
+            replies,
+            ringer,
+            sequence: 0,
+            owing: Cell::new(false),
+            early: RefCell::new(None),
+            silence: Patience::new(),
+            dealt_with: 0,
+            last_dealt_with: None,
+        }
+    }
+
+    /// The role it plays.
+    #[must_use]
+    pub fn role(&self) -> &str {
+        &self.role
+    }
+
+    /// It was started by hand.
+    #[must_use]
+    pub fn is_attached(&self) -> bool {
+        self.attached
+    }
+
+    /// Role and program, for messages.
+    #[must_use]
+    pub fn who(&self) -> String {
+        format!("{} ({})", self.role, self.program)
+    }
+
+    /// The participant has joined.
+    pub(super) fn is_up(&self) -> bool {
+        self.commands.is_heard() && self.replies.is_served()
+    }
+
+    /// Sends a command, and gives it back with its number; `ring` only when an answer is wanted
+    /// soon.
+    pub(super) fn post(
+        &mut self,
+        mut command: Command,
+        body: &[u8],
+        ring: bool,
+    ) -> Result<Command, TransportError> {
+        self.sequence += 1;
+        command.sequence = self.sequence;
+        self.commands.send(&command, body)?;
+        // Silence counts from here: heartbeats are only received while waiting.
+        self.silence = Patience::new();
+        self.owing.set(ring);
+        (self.dealt_with, self.last_dealt_with) = (0, None);
+        if ring {
+            self.ringer.ring()?;
+        }
+        Ok(command)
+    }
+
+    /// Sequence number of the last command.
+    #[must_use]
+    pub fn sequence(&self) -> u64 {
+        self.sequence
+    }
+
+    pub(super) fn receive(&self) -> Result<Option<Message<Reply>>, TransportError> {
+        let message = match self.early.take() {
+            Some(early) => Some(early),
+            None => self.replies.receive()?,
+        };
+        self.owing.set(self.owing.get() && message.is_none());
+        Ok(message)
+    }
+
+    /// A reply that is owed has come already, and says that the command has failed; a good one is
+    /// kept until it is asked for.
+    pub(super) fn has_failed(&self) -> Result<bool, TransportError> {
+        let mut early = self.early.borrow_mut();
+        if self.owing.get() && early.is_none() {
+            *early = self.replies.receive()?;
+        }
+        let failed = |reply: &Message<Reply>| reply.header().status != Status::Done as u32;
+        Ok(early.as_ref().is_some_and(failed))
+    }
+
+    /// A heartbeat has come.
+    pub(super) fn beat_received(&mut self, beat: Beat) {
+        self.silence = Patience::new();
+        let now = Instant::now();
+        let apart = self.last_dealt_with.is_none_or(|last| now - last >= APART);
+        if beat == Beat::idle_after(self.sequence) && apart {
+            self.dealt_with += 1;
+            self.last_dealt_with = Some(now);
+        }
+    }
+
+    /// The participant says that it has dealt with the last command. The first such heartbeat may
+    /// be left over from an earlier command whose number looks alike; the second one is not.
+    pub(super) fn has_dealt_with_it(&self) -> bool {
+        self.dealt_with >= 2
+    }
+
+    /// Time since the last sign of life, as far as this process ran.
+    pub(super) fn silence(&mut self) -> Duration {
+        self.silence.waited()
+    }
+
+    /// The error for a refused case.
+    pub(super) fn refused(&self, body: &[u8]) -> RunError {
+        let refusal = serde_json::from_slice(body).unwrap_or_else(|_| {
+            Refusal::new(&self.role, "refused without a reason", "ask the program's author")
+        });
+        RunError::Refused { role: self.role.clone(), refusal }
+    }
+}
+
+/// What a failed reply says.
+pub(super) fn failure_text(body: &[u8]) -> String {
+    serde_json::from_slice::<Failure>(body)
+        .map_or_else(|_| "it failed without saying why".to_owned(), |failure| failure.error)
+}

@@ -1,0 +1,62 @@
+//! What is going on in a run, for messages.
+
+use contract::message::{Command, CommandKind};
+use contract::step::Step;
+
+/// What is going on, for messages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Phase {
+    /// Processes start and join.
+    Starting,
+    /// `Describe` and `Configure`.
+    Configuring,
+    /// `Connect`.
+    Connecting,
+    /// `Initialise`.
+    Initialising,
+    /// `Solve`.
+    Solving(Step),
+    /// `Accept`.
+    Accepting(Step),
+    /// `Save`.
+    Saving(Step),
+    /// `Restore`.
+    Restoring(Step),
+    /// `Finish`.
+    Finishing,
+}
+
+impl std::fmt::Display for Phase {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Starting => f.write_str("while starting"),
+            Self::Configuring => f.write_str("while being configured"),
+            Self::Connecting => f.write_str("while connecting"),
+            Self::Initialising => f.write_str("while building its model"),
+            Self::Solving(s) => write!(f, "in window {}, iteration {}", s.window, s.iteration),
+            Self::Accepting(s) => write!(f, "while accepting window {}", s.window),
+            Self::Saving(s) => write!(f, "while saving its state after window {}", s.window),
+            Self::Restoring(s) => write!(f, "while restoring its state after window {}", s.window),
+            Self::Finishing => f.write_str("while finishing"),
+        }
+    }
+}
+
+impl Phase {
+    /// What a command is called in messages.
+    #[must_use]
+    pub fn of(command: &Command) -> Self {
+        let step = command.step();
+        match CommandKind::from_number(command.kind) {
+            None => Self::Starting,
+            Some(CommandKind::Describe | CommandKind::Configure) => Self::Configuring,
+            Some(CommandKind::Connect) => Self::Connecting,
+            Some(CommandKind::Initialise) => Self::Initialising,
+            Some(CommandKind::Solve) => Self::Solving(step),
+            Some(CommandKind::Accept) => Self::Accepting(step),
+            Some(CommandKind::Save) => Self::Saving(step),
+            Some(CommandKind::Restore) => Self::Restoring(step),
+            Some(CommandKind::Finish) => Self::Finishing,
+        }
+    }
+}

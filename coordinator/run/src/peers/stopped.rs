@@ -1,0 +1,103 @@
+//! Why a wait for a participant has ended without what was waited for.
+
+use super::peer::Peer;
+use super::phase::Phase;
+use crate::error::{Failure, RunError};
+use crate::supervise::Exit;
+use coupling::ParticipantIndex;
+use proto::transport::TransportError;
+use std::os::unix::process::ExitStatusExt;
+use std::time::Duration;
+use typed_index_collections::TiSlice;
+
+/// The reason; numbers are those of participants.
+#[derive(Debug)]
+pub enum Stopped {
+    /// The user wants to stop: name of the signal.
+    Interrupted(&'static str),
+    /// A process has ended.
+    Exited(Exit),
+    /// A participant that was started by hand is gone.
+    Gone(ParticipantIndex),
+    /// It has dealt with the command, and the reply is not there.
+    ReplyLost(ParticipantIndex),
+    /// No heartbeat for so long.
+    Silent(ParticipantIndex, Duration),
+    /// No answer for so long, although its heartbeat is received.
+    Late(ParticipantIndex, Duration),
+    /// The exchange with it failed.
+    Transport(ParticipantIndex, TransportError),
+}
+
+impl Stopped {
+    /// As the end of a run.
+    pub(super) fn error(self, peers: &TiSlice<ParticipantIndex, Peer>, phase: Phase) -> RunError {
+        let (when, failed) =
+            (phase.to_string(), |one: ParticipantIndex, what: String, fix: &str| {
+                let (who, when) = (peers[one].who(), phase.to_string());
+                RunError::Failed(Failure { who, when, what, fix: fix.to_owned() })
+            });
+        match self {
+            Self::Interrupted(signal) => RunError::Interrupted { signal, when },
+            Self::Exited(exit) => ended(peers, &exit, when),
+            Self::Gone(one) => failed(
+                one,
+                "its process is gone".to_owned(),
+                "see what it wrote where it was started",
+            ),
+            Self::ReplyLost(one) => failed(
+                one,
+                "it has processed the last command, but its reply did not arrive".to_owned(),
+                "a message was lost in shared memory: see log.jsonl, `ulimit -n` and /dev/shm",
+            ),
+            Self::Silent(one, silence) => failed(
+                one,
+                format!("no heartbeat for {:.1} s", silence.as_secs_f64()),
+                "it is stopped or its machine is overloaded; raise coupling.heartbeat_deadline \
+                 if it may pause for so long",
+            ),
+            Self::Late(one, patience) => {
+                let (what, fix) = late(phase, patience);
+                failed(one, what, &fix)
+            }
+            Self::Transport(one, error) => {
+                failed(one, error.to_string(), "see its messages in log.jsonl")
+            }
+        }
+    }
+}
+
+/// What and fix for a participant that is alive but has not answered in time.
+fn late(phase: Phase, patience: Duration) -> (String, String) {
+    let seconds = patience.as_secs_f64();
+    let (what, key) = match phase {
+        Phase::Starting => {
+            let what = format!("it did not join within {seconds:.1} s");
+            return (what, "raise coupling.start_deadline if it needs longer".to_owned());
+        }
+        Phase::Initialising => ("it is still building its model", "coupling.build_deadline"),
+        _ => ("no answer", "coupling.solve_deadline"),
+    };
+    let what = format!("{what} after {seconds:.1} s; its heartbeat is still received");
+    (what, format!("raise {key} if it needs longer"))
+}
+
+fn ended(peers: &TiSlice<ParticipantIndex, Peer>, exit: &Exit, when: String) -> RunError {
+    let peer = peers.iter().find(|peer| peer.role() == exit.role);
+    let how = match (exit.status.signal(), exit.status.code()) {
+        (Some(7), _) => {
+            "killed by signal 7 (/dev/shm is full, or the run's files there were truncated)"
+                .to_owned()
+        }
+        (Some(signal), _) => format!("killed by signal {signal}"),
+        (_, Some(code)) => format!("ended with exit code {code}"),
+        _ => "ended".to_owned(),
+    };
+    let words = exit.last_words.as_ref().map_or_else(String::new, |w| format!(", saying: {w}"));
+    RunError::Failed(Failure {
+        who: peer.map_or_else(|| exit.role.clone(), Peer::who),
+        when,
+        what: format!("its process was {how}{words}").replace("was ended", "ended"),
+        fix: "see its messages in log.jsonl".to_owned(),
+    })
+}

@@ -1,0 +1,255 @@
+//! `coordinator run`: from a plan to a result directory.
+
+mod march;
+mod origin;
+
+pub use origin::{check_origin, origin};
+
+use crate::checkpoint::{Checkpoint, Checkpoints};
+use crate::error::RunError;
+use crate::format::counted;
+use crate::plan::{Plan, Planned};
+use crate::plan_file;
+use crate::progress::Progress;
+use crate::record::{Compression, Recorder};
+use crate::results::dir::shown;
+use crate::results::iterations::IterationTable;
+use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
+use crate::results::vtk::FieldWriter;
+use crate::results::{ResultFolder, show};
+use crate::session::Session;
+use case::Case;
+use contract::message::Finished;
+use march::March;
+use serde_json::Value;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// How a run ended: its summary, and the error if there was one.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The content of `summary.json`.
+    pub summary: Value,
+    /// What went wrong.
+    pub error: Option<RunError>,
+}
+
+impl Outcome {
+    /// The outcome of a run of which it comes to light at its end that something could not be written.
+    #[must_use]
+    pub fn fail(self, error: RunError, folder: &ResultFolder) -> Self {
+        let Self { mut summary, error: before } = self;
+        if let Some(before) = before {
+            return Self { summary, error: Some(before.and(Err(error))) };
+        }
+        summary["status"] = Status::Failed.word().into();
+        summary["reason"] = error.to_string().into();
+        let error = error.and(folder.write_summary(&json(&summary)));
+        Self { summary, error: Some(error) }
+    }
+}
+
+/// What a run is measured by before it begins.
+#[derive(Clone, Copy, Debug)]
+pub struct RunStart {
+    /// When the program started.
+    pub since: Instant,
+    /// Seconds of planning.
+    pub plan_seconds: f64,
+}
+
+/// Runs a plan, from its beginning or from a checkpoint, and writes its results; a failed run leaves
+/// a summary that says so.
+pub fn run(
+    planned: &Planned,
+    folder: &ResultFolder,
+    progress: &mut dyn Progress,
+    start: RunStart,
+    from: Option<&Checkpoint>,
+    record: Option<Compression>,
+) -> Outcome {
+    let Planned { case, plan } = planned;
+    let mut counts = match from {
+        Some(checkpoint) => checkpoint.state.counts.resumed(start.plan_seconds),
+        None => Counts { plan_seconds: start.plan_seconds, ..Counts::default() },
+    };
+    let (ended, recorder) = match set_out(planned, folder, from, record) {
+        Ok(recorder) => {
+            (perform(planned, folder, progress, &mut counts, from, recorder.clone()), recorder)
+        }
+        Err(error) => (Err(error), None),
+    };
+    progress.finish();
+    let ended = finish_recording(ended, recorder.as_deref());
+    let (finished, error) = match ended {
+        Ok(finished) => (finished, None),
+        Err(error) => (Vec::new(), Some(place(case, error))),
+    };
+    let roles = plan.participants.iter().map(|p| p.role.as_str());
+    let sections = Sections::gather(roles.zip(finished.iter().map(|f| &f.summary)));
+    let not_finite = sections.not_finite.clone();
+    let error = error.or(not_finite.map(|(role, key)| RunError::NotFinite { role, key }));
+    let (status, reason) = match &error {
+        None => success(plan, &counts),
+        Some(error) if error.is_interrupt() => (Status::Interrupted, error.to_string()),
+        Some(error) => (Status::Failed, error.to_string()),
+    };
+    let wall_seconds = start.since.elapsed().as_secs_f64();
+    let (finished, sections) = (&finished, &sections);
+    let summary =
+        build(&Ingredients { plan, status, reason, counts, finished, sections, wall_seconds });
+    let error = first(error, folder.write_summary(&json(&summary)));
+    Outcome { summary, error }
+}
+
+/// Writes what is known before a run, and begins its recording, if there is to be one.
+fn set_out(
+    planned: &Planned,
+    folder: &ResultFolder,
+    from: Option<&Checkpoint>,
+    record: Option<Compression>,
+) -> Result<Option<Arc<Recorder>>, RunError> {
+    if from.is_none() {
+        folder.write("case.toml", planned.case.text().as_bytes())?;
+        plan_file::write(&planned.plan, folder)?;
+    }
+    let start = |compression| recorder(planned, folder, from, compression).map(Arc::new);
+    record.map(start).transpose()
+}
+
+/// A summary as it is written.
+#[must_use]
+pub fn json(summary: &Value) -> Vec<u8> {
+    serde_json::to_vec_pretty(summary).expect("a summary is plain data")
+}
+
+/// The status of a run without an error, and its reason.
+fn success(plan: &Plan, counts: &Counts) -> (Status, String) {
+    let reason = &plan.scheme.reason;
+    match counts.not_converged {
+        _ if !plan.scheme.scheme.is_implicit() => (Status::Completed, reason.clone()),
+        0 => (Status::Converged, format!("every window is within its tolerances; {reason}")),
+        few => {
+            let have = if few == 1 { "has" } else { "have" };
+            let windows = counted(few, "window");
+            (Status::Completed, format!("{windows} {have} not converged; {reason}"))
+        }
+    }
+}
+
+/// The first of two errors, with the second one added.
+fn first(error: Option<RunError>, then: Result<(), RunError>) -> Option<RunError> {
+    match error {
+        Some(error) => Some(error.and(then)),
+        None => then.err(),
+    }
+}
+
+/// A resumed run has a recording of its own, named after the window it begins with.
+fn recorder(
+    planned: &Planned,
+    folder: &ResultFolder,
+    from: Option<&Checkpoint>,
+    compression: Compression,
+) -> Result<Recorder, RunError> {
+    let name = match from {
+        Some(checkpoint) => format!("recording-{:06}.mcap", checkpoint.state.step.0 + 1),
+        None => "recording.mcap".to_owned(),
+    };
+    Recorder::start(&folder.file(&name), compression, &planned.plan, &planned.case.text())
+}
+
+/// Ends the recording with the end of the run.
+fn finish_recording(
+    ended: Result<Vec<Finished>, RunError>,
+    recorder: Option<&Recorder>,
+) -> Result<Vec<Finished>, RunError> {
+    let Some(recorder) = recorder else { return ended };
+    let written = recorder.finish(ended.as_ref().err().map(ToString::to_string).as_deref());
+    if let Ok(bytes) = &written {
+        tracing::info!(bytes, path = %shown(recorder.path()).display(), "recording complete");
+    }
+    match ended {
+        Ok(finished) => written.map(|_| finished),
+        // A run that the recording has ended has reported it already.
+        Err(error) if written.as_ref().is_err_and(|w| w.to_string() == error.to_string()) => {
+            Err(error)
+        }
+        Err(error) => Err(error.and(written.map(drop))),
+    }
+}
+
+/// The text for a person.
+#[must_use]
+pub fn report(outcome: &Outcome, plan: &Plan, folder: &ResultFolder) -> String {
+    let text = show::text(&outcome.summary, plan.title.as_deref());
+    format!("{text}  results   {}\n", folder.shown().display())
+}
+
+/// An error about a value of the case gets its place in the case.
+pub fn place(case: &Case, error: RunError) -> RunError {
+    match error {
+        RunError::Refused { refusal, .. } => {
+            let problem = case.problem_at(&refusal.key, refusal.reason, refusal.fix);
+            case.report(vec![problem]).expect("there is a problem").into()
+        }
+        other => other,
+    }
+}
+
+fn perform(
+    planned: &Planned,
+    folder: &ResultFolder,
+    progress: &mut dyn Progress,
+    counts: &mut Counts,
+    from: Option<&Checkpoint>,
+    recorder: Option<Arc<Recorder>>,
+) -> Result<Vec<Finished>, RunError> {
+    let plan = &planned.plan;
+    let mut table = table(plan, folder, from)?;
+    let mut fields = FieldWriter::within(folder.dir().clone(), "fields");
+    let starting = Instant::now();
+    let session = || Session::start(plan, recorder.clone());
+    let started = tracing::info_span!("start").in_scope(session);
+    counts.start_seconds = starting.elapsed().as_secs_f64();
+    let mut session = started?;
+    let windows = || {
+        let checkpoints = plan.checkpoint_every.map(|every| march::Writing {
+            every,
+            into: Checkpoints::of(&folder.path()),
+            origin: origin(planned),
+        });
+        let mut march =
+            March::new(plan, &mut session, &mut table, &mut fields, counts, checkpoints);
+        march.record(recorder.as_deref());
+        if let Some(checkpoint) = from {
+            march.resume(checkpoint)?;
+        }
+        march.all(progress)
+    };
+    let looped = tracing::info_span!("windows").in_scope(windows);
+    counts.bytes_exchanged = session.bytes_exchanged();
+    // Whatever happened, what was written so far stays readable.
+    if let Some(error) = first(looped.err(), table.flush()) {
+        return Err(error);
+    }
+    let finishing = Instant::now();
+    let finished = tracing::info_span!("finish").in_scope(|| session.finish());
+    counts.finish_seconds = finishing.elapsed().as_secs_f64();
+    finished
+}
+
+fn table(
+    plan: &Plan,
+    folder: &ResultFolder,
+    from: Option<&Checkpoint>,
+) -> Result<IterationTable, RunError> {
+    let path = folder.file("iterations.csv");
+    if let Some(checkpoint) = from {
+        return IterationTable::resume(&path, checkpoint.state.table_bytes);
+    }
+    let roles: Vec<&str> = plan.participants.iter().map(|p| p.role.as_str()).collect();
+    let fed_back = plan.fields.iter().filter(|field| !field.fed_back.is_empty());
+    let fields: Vec<&str> = fed_back.map(|field| field.kind.name.as_str()).collect();
+    IterationTable::create(&path, &roles, &fields)
+}

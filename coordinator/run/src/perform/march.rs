@@ -1,0 +1,374 @@
+//! The windows of a run, one after the other: solved, judged, accepted, written, checkpointed.
+
+use crate::checkpoint::{Checkpoint, Checkpoints, CoordinatorState, Origin};
+use crate::error::{Failure, RunError};
+use crate::plan::Plan;
+use crate::progress::Progress;
+use crate::record::Recorder;
+use crate::results::iterations::{IterationRecord, IterationTable};
+use crate::results::summary::Counts;
+use crate::results::vtk::{FieldWriter, Shown};
+use crate::session::{HeatBalance, Observed, Receipt, Session, Tap};
+use contract::step::Step;
+use coupling::Exchange as _;
+use coupling::converge::Verdict;
+use coupling::state::Reader;
+use coupling::windows::{self, Controller};
+use coupling::{Coupling, WindowOutcome};
+use proto::recording::{Event, Iteration};
+use std::time::Instant;
+
+/// Largest relative difference between the heat sent and received in a window: rounding only.
+const LARGEST_IMBALANCE: f64 = 1e-6;
+
+/// Checkpoints that a run writes.
+#[derive(Debug)]
+pub(super) struct Writing {
+    /// Windows between them.
+    pub(super) every: u64,
+    pub(super) into: Checkpoints,
+    pub(super) origin: Origin,
+}
+
+/// A run on its way through time.
+pub(super) struct March<'a> {
+    plan: &'a Plan,
+    session: &'a mut Session,
+    table: &'a mut IterationTable,
+    fields: &'a mut FieldWriter,
+    counts: &'a mut Counts,
+    checkpoints: Option<Writing>,
+    recorder: Option<&'a Recorder>,
+    coupling: Coupling,
+    time: Controller,
+}
+
+impl<'a> March<'a> {
+    pub(super) fn new(
+        plan: &'a Plan,
+        session: &'a mut Session,
+        table: &'a mut IterationTable,
+        fields: &'a mut FieldWriter,
+        counts: &'a mut Counts,
+        checkpoints: Option<Writing>,
+    ) -> Self {
+        let coupling = coupling(plan, session);
+        let time = Controller::new(plan.windows);
+        let recorder = None;
+        Self { plan, session, table, fields, counts, checkpoints, recorder, coupling, time }
+    }
+
+    /// Tells a recorder what the coordinator makes of each iteration.
+    pub(super) fn record(&mut self, recorder: Option<&'a Recorder>) {
+        self.recorder = recorder;
+    }
+
+    /// Returns everything to where it was at a checkpoint.
+    pub(super) fn resume(&mut self, checkpoint: &Checkpoint) -> Result<(), RunError> {
+        let CoordinatorState { step, time, counts, coupling, iterate, series, .. } =
+            &checkpoint.state;
+        let (window, iteration, start, end) = *step;
+        let step = Step { window, iteration, start, end };
+        self.session.restore(&step, &checkpoint.folder, iterate)?;
+        self.session.continue_counting(counts.bytes_exchanged);
+        self.coupling.restore(&mut Reader(coupling)).map_err(|error| {
+            RunError::Usage(format!("{error}; the checkpoint is that of another plan"))
+        })?;
+        self.time = Controller::resume(self.plan.windows, time.clone());
+        self.fields.resume(series.clone());
+        tracing::info!(window = window + 1, time = end, "resumed");
+        Ok(())
+    }
+
+    /// Goes on to the end.
+    pub(super) fn all(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
+        while let Some(step) = self.time.window() {
+            let _span = tracing::debug_span!("window", step.window, step.start, step.end).entered();
+            let outcome = self.solve(&step)?;
+            let writing = Instant::now();
+            let converged = outcome.not_converged.is_none();
+            let wanted = self.session.wanted_window();
+            match self.time.judge(&step, converged, wanted, self.session.exchanged()) {
+                windows::Acceptance::Repeat(cause) => {
+                    tracing::debug!(step.window, end = step.end, %cause, "solved again");
+                    if let Some(recorder) = self.recorder {
+                        let (window, cause) = (step.window, cause.to_string());
+                        recorder.event(Event::Repeated { window, cause });
+                    }
+                }
+                windows::Acceptance::Accept => {
+                    self.tell(outcome, wanted, &step)?;
+                    self.accept(&step)?;
+                    self.checkpoint()?;
+                    progress.window(self.counts.windows, step.end);
+                }
+            }
+            self.counts.output_seconds += writing.elapsed().as_secs_f64();
+        }
+        Ok(())
+    }
+
+    /// A window that is accepted although it has not converged, or although a participant wants a
+    /// shorter one.
+    fn tell(
+        &mut self,
+        outcome: WindowOutcome,
+        wanted: Option<f64>,
+        step: &Step,
+    ) -> Result<(), RunError> {
+        if let Some(not_converged) = outcome.not_converged {
+            let error = RunError::from(not_converged);
+            if self.plan.implicit.strict {
+                return Err(error);
+            }
+            tracing::warn!("{error}");
+            self.counts.not_converged += 1;
+        }
+        if let Some(wanted) = wanted.filter(|wanted| *wanted < step.duration() * (1.0 - 1e-9)) {
+            tracing::info!(step.window, wanted, "a participant wants a shorter window");
+        }
+        Ok(())
+    }
+
+    fn accept(&mut self, step: &Step) -> Result<(), RunError> {
+        let roles: Vec<&str> = self.plan.participants.iter().map(|p| p.role.as_str()).collect();
+        audit(&self.session.heat_balance(), &roles, step.window, self.counts)?;
+        let done = step.window + 1;
+        let last = self.time.window().is_none();
+        let due = last || self.plan.output_every.is_some_and(|every| done.is_multiple_of(every));
+        self.coupling.accept_window();
+        let observed = match (due, self.recorder) {
+            (true, _) => Observed::Everybody,
+            // So that a replay compares every window of everybody.
+            (false, Some(_)) => Observed::Unconsumed,
+            (false, None) => Observed::Nobody,
+        };
+        self.session.accept(self.coupling.step(), observed)?;
+        if due {
+            let wanted = self.session.taps().iter().filter(|tap| tap.wanted());
+            let shown: Vec<Shown> = wanted.filter_map(shown).collect();
+            self.fields.write(&shown, step.window, step.end)?;
+            self.table.flush()?;
+        }
+        self.counts.windows += 1;
+        if self.time.is_adaptive() {
+            self.counts.repeated_windows = Some(self.time.state().repeated);
+            self.counts.window_lengths = self.time.state().lengths;
+        }
+        Ok(())
+    }
+
+    /// Writes a checkpoint, if it is time for one and another window follows.
+    fn checkpoint(&mut self) -> Result<(), RunError> {
+        let done = self.counts.windows;
+        let due = |writing: &&Writing| done.is_multiple_of(writing.every);
+        let Some(writing) = self.checkpoints.as_ref().filter(due) else { return Ok(()) };
+        if self.time.window().is_none() {
+            return Ok(());
+        }
+        let step = *self.coupling.step();
+        let draft = writing.into.begin(done)?;
+        let parts = self.session.save(&step, &draft)?;
+        let mut coupling = Vec::new();
+        self.coupling.save(&mut coupling);
+        let bytes_exchanged = self.session.bytes_exchanged();
+        let state = CoordinatorState {
+            origin: writing.origin.clone(),
+            step: (step.window, step.iteration, step.start, step.end),
+            time: self.time.state().clone(),
+            counts: Counts { bytes_exchanged, ..*self.counts },
+            coupling,
+            iterate: self.coupling.sent().to_vec(),
+            table_bytes: self.table.seal()?,
+            series: self.fields.series().to_vec(),
+        };
+        writing.into.complete(&draft, &parts, &state)?;
+        tracing::info!(window = done, "checkpoint written");
+        Ok(())
+    }
+
+    /// Iterates one window, tells of every iteration, and counts what that took.
+    fn solve(&mut self, window: &Step) -> Result<WindowOutcome, RunError> {
+        self.coupling.begin_window(window);
+        loop {
+            let (solving, computed) = (Instant::now(), self.session.computed_seconds());
+            let verdict = self.coupling.iterate(self.session)?;
+            let models = self.session.computed_seconds() - computed;
+            let coupling_seconds = beside_the_models(solving.elapsed().as_secs_f64(), models);
+            self.counts.coupling_seconds += coupling_seconds;
+            self.counts.iterations += 1;
+            let writing = Instant::now();
+            self.table.row(&IterationRecord {
+                step: self.coupling.step(),
+                residual: self.coupling.residual(),
+                residuals: self.coupling.residuals(),
+                taken: self.coupling.taken(),
+                coupling_seconds,
+                heat: &self.session.heat_balance(),
+                solved: &self.session.solved().raw,
+            })?;
+            if let Some(recorder) = self.recorder {
+                recorder.event(Event::Iteration(self.iteration(coupling_seconds)));
+            }
+            self.counts.output_seconds += writing.elapsed().as_secs_f64();
+            if verdict != Verdict::Continue {
+                let outcome = self.coupling.outcome(verdict);
+                self.counts.final_residual = outcome.residual;
+                let most = self.counts.max_iterations_in_window.max(outcome.iterations);
+                self.counts.max_iterations_in_window = most;
+                return Ok(outcome);
+            }
+        }
+    }
+}
+
+impl March<'_> {
+    /// What there is to record of the last iteration.
+    fn iteration(&self, coupling_seconds: f64) -> Iteration {
+        let (step, taken) = (self.coupling.step(), self.coupling.taken());
+        let heat = self.session.heat_balance();
+        let names = self.session.coupling_data().iter().map(|part| part.name.clone());
+        Iteration {
+            window: step.window,
+            iteration: step.iteration,
+            start: step.start,
+            end: step.end,
+            residual: self.coupling.residual(),
+            residuals: names.zip(self.coupling.residuals().iter().copied()).collect(),
+            relaxation: taken.relaxation,
+            columns: taken.columns.map(|columns| columns as u64),
+            heat_sent: heat.sent,
+            heat_received: heat.received,
+            coupling_seconds,
+            model_seconds: self.session.solved().iter().map(|s| s.model_seconds).collect(),
+        }
+    }
+}
+
+/// What is written of a field, once it has a sample.
+fn shown(tap: &Tap) -> Option<Shown<'_>> {
+    let (producer, grid, kind) = (tap.producer_role(), tap.grid(), tap.kind());
+    Some(Shown { producer, grid, kind, values: tap.values()? })
+}
+
+/// The coupling that the plan has chosen.
+fn coupling(plan: &Plan, session: &Session) -> Coupling {
+    let scheme = plan.scheme.scheme;
+    match (scheme.is_implicit(), scheme.is_parallel()) {
+        (true, parallel) => Coupling::implicit(&plan.implicit, parallel, session),
+        (false, true) => Coupling::explicit_parallel(),
+        (false, false) => Coupling::explicit(),
+    }
+}
+
+/// The part of `wall` seconds in which no model computed; only rounding can make it negative.
+fn beside_the_models(wall: f64, models: f64) -> f64 {
+    (wall - models).max(0.0)
+}
+
+/// Heat that is not conserved between the participants ends the run. A participant that reports
+/// none of what it consumes is named, once, and left out.
+fn audit(
+    heat: &HeatBalance,
+    roles: &[&str],
+    window: u64,
+    counts: &mut Counts,
+) -> Result<(), RunError> {
+    let unreported = heat.unreported & !counts.heat_unreported;
+    counts.heat_unreported |= unreported;
+    for (_, role) in roles.iter().enumerate().filter(|(one, _)| unreported >> one & 1 == 1) {
+        tracing::warn!(
+            "{role} does not report the heat it receives and is excluded from the audit"
+        );
+    }
+    let Some(imbalance) = heat.imbalance() else { return Ok(()) };
+    let worst = counts.energy_imbalance.get_or_insert(0.0);
+    *worst = worst.max(imbalance);
+    if imbalance <= LARGEST_IMBALANCE {
+        return Ok(());
+    }
+    let receipt = heat
+        .worst
+        .filter(|receipt| receipt.imbalance().is_nan() || receipt.imbalance() >= imbalance);
+    let (what, fix) = match receipt {
+        Some(receipt) => {
+            let Receipt { participant, sent, received } = receipt;
+            let role = roles[usize::from(participant)];
+            let what = format!("{sent:e} W sent to {role}, which reports {received:e} W received");
+            (what, "heat is not conserved: see iterations.csv")
+        }
+        None => {
+            let what =
+                format!("heat is not conserved by a mapping, by {imbalance:e} of what it carries");
+            (what, "see what log.jsonl says of its coverage; choose another [mapping] method")
+        }
+    };
+    Err(RunError::Failed(Failure {
+        who: "the energy audit".to_owned(),
+        when: format!("in window {window}"),
+        what,
+        fix: fix.to_owned(),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::SolveRecord;
+    use typed_index_collections::TiSlice;
+
+    /// Of the second participant.
+    fn heat(heat_sent: f64, heat_received: Option<f64>) -> HeatBalance {
+        let heat_sent = Some(heat_sent);
+        let consumer = SolveRecord { heat_sent, heat_received, ..SolveRecord::default() };
+        HeatBalance::of(TiSlice::from_ref(&[SolveRecord::default(), consumer]))
+    }
+
+    fn audited(sent: f64, received: f64) -> (Result<(), String>, Option<f64>) {
+        let mut counts = Counts::default();
+        let judged = audit(&heat(sent, Some(received)), &["mech", "thermal"], 7, &mut counts);
+        let judged = judged.map_err(|error| error.to_string());
+        (judged, counts.energy_imbalance)
+    }
+
+    #[test]
+    fn rounding_passes_the_audit_and_is_recorded() {
+        assert_eq!(audited(0.0, 0.0), (Ok(()), Some(0.0)));
+        let (judged, worst) = audited(1e3, 1e3 * (1.0 + 1e-9));
+        assert_eq!(judged, Ok(()));
+        assert!(worst.unwrap() > 0.9e-9);
+        let mut counts = Counts::default();
+        assert!(audit(&heat(1.0, None), &["mech", "thermal"], 0, &mut counts).is_ok());
+        assert_eq!((counts.heat_unreported, counts.energy_imbalance), (0b10, None));
+    }
+
+    #[test]
+    fn heat_that_is_lost_or_no_number_ends_the_run() {
+        let (judged, worst) = audited(1000.0, 999.0);
+        let message = "the energy audit failed in window 7: 1e3 W sent to thermal, which reports \
+                    9.99e2 W received; heat is not conserved: see iterations.csv";
+        assert_eq!(judged, Err(message.to_owned()));
+        assert_eq!(worst, Some(0.001));
+        for (sent, received) in [
+            (f64::NAN, 1.0),
+            (1.0, f64::NAN),
+            (f64::NAN, f64::NAN),
+            (f64::INFINITY, f64::INFINITY),
+            (1.0, f64::INFINITY),
+            (1.0, -1.0),
+        ] {
+            assert!(audited(sent, received).0.is_err(), "{sent} W, {received} W");
+        }
+        let mapped = HeatBalance { mapping: Some(0.5), ..heat(1.0, Some(1.0)) };
+        let judged = audit(&mapped, &["mech", "thermal"], 7, &mut Counts::default());
+        assert!(
+            judged.unwrap_err().to_string().contains("heat is not conserved by a mapping, by 5e-1")
+        );
+    }
+
+    #[test]
+    fn coupling_is_what_the_models_leave() {
+        assert_eq!(beside_the_models(1.0, 0.75), 0.25);
+        assert_eq!(beside_the_models(1.0, 1.0 + 1e-12), 0.0);
+    }
+}

@@ -1,0 +1,118 @@
+//! What a run was made from, and whether a resumed run is made from the same.
+
+use crate::checkpoint::{Origin, sum};
+use crate::error::RunError;
+use crate::plan::{Participant, Planned};
+use coupling::ParticipantIndex;
+use serde_json::json;
+use std::path::{Path, absolute};
+
+fn numbers(of: &[ParticipantIndex]) -> Vec<usize> {
+    of.iter().map(|&one| one.into()).collect()
+}
+
+/// What a planned run is made from.
+#[must_use]
+pub fn origin(planned: &Planned) -> Origin {
+    let Planned { case, plan } = planned;
+    let participants = plan.participants.iter().map(|p| (p.role.clone(), identity(p)));
+    let routes: Vec<_> = plan
+        .fields
+        .iter()
+        .map(|f| {
+            json!([
+                f.kind,
+                usize::from(f.producer),
+                numbers(&f.consumers),
+                numbers(&f.fed_back),
+                f.wanted
+            ])
+        })
+        .collect();
+    let routes = sum(json!([plan.scheme.scheme.word(), routes]).to_string().as_bytes());
+    let routes = ("the routing of the fields".to_owned(), routes);
+    let folder = case.folder();
+    // Empty for a case in the working directory, which has no absolute path of its own.
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    Origin {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        protocol: contract::PROTOCOL_VERSION,
+        case: case.text(),
+        folder: absolute(folder).unwrap_or_else(|_| folder.to_owned()),
+        plan: participants.chain([routes]).collect(),
+    }
+}
+
+/// What a participant is and is given: its description, its version within, its configuration, and
+/// the grids that it makes of it.
+fn identity(participant: &Participant) -> u64 {
+    let layout = participant
+        .estimate
+        .as_ref()
+        .map(|layout| json!([layout.grids, layout.fields, layout.inputs, layout.moving]));
+    let all = json!([participant.description, participant.configuration, layout]);
+    sum(all.to_string().as_bytes())
+}
+
+/// Demands that a run is made from what its checkpoint says.
+///
+/// # Errors
+/// [`RunError::Usage`] that says what is different.
+pub fn check_origin(expected: &Origin, found: &Origin) -> Result<(), RunError> {
+    let refuse = |what: String| {
+        Err(RunError::Usage(format!(
+            "the run cannot be resumed: {what}; start the case from the beginning"
+        )))
+    };
+    let versions = |of: &Origin| format!("coordinator {}, protocol {}", of.version, of.protocol);
+    if versions(expected) != versions(found) {
+        let (was, is) = (versions(expected), versions(found));
+        return refuse(format!("its checkpoint was written by {was}, this is {is}"));
+    }
+    if expected.case != found.case {
+        return refuse("case.toml is not the case of its checkpoint".to_owned());
+    }
+    let differs = |(part, now): &(&(String, u64), &(String, u64))| part != now;
+    let mut parts = expected.plan.iter().zip(&found.plan);
+    match parts.find(differs) {
+        Some(((name, _), _)) => refuse(format!("{name} differs from what it was then")),
+        None if expected.plan.len() != found.plan.len() => {
+            refuse("it has other participants than then".to_owned())
+        }
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    #[test]
+    fn what_differs_is_named() {
+        let was = Origin {
+            version: "1".to_owned(),
+            protocol: 2,
+            case: "a".to_owned(),
+            folder: PathBuf::from("/a"),
+            plan: vec![("mech".to_owned(), 1), ("thermal".to_owned(), 2)],
+        };
+        assert!(check_origin(&was, &was).is_ok());
+        let moved = Origin { folder: PathBuf::from("/b"), ..was.clone() };
+        assert!(check_origin(&was, &moved).is_ok(), "paths are in the configurations");
+        let mut thermal = was.clone();
+        thermal.plan[1].1 = 3;
+        let rows = [
+            (Origin { version: "2".to_owned(), ..was.clone() }, "this is coordinator 2"),
+            (Origin { protocol: 3, ..was.clone() }, "protocol 3"),
+            (Origin { case: "b".to_owned(), ..was.clone() }, "case.toml"),
+            (thermal, "thermal differs"),
+            (Origin { plan: was.plan[..1].to_vec(), ..was.clone() }, "other participants"),
+        ];
+        for (found, part) in rows {
+            let error = check_origin(&was, &found).unwrap_err();
+            assert_eq!(error.exit_code(), 2);
+            assert!(error.to_string().contains(part), "{error}");
+        }
+    }
+}

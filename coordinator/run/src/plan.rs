@@ -1,0 +1,19 @@
+//! From a validated case to a plan: what will run, what will not, and why.
+//!
+//! Planning starts nothing of the run and touches no shared memory; it only asks the executables
+//! that the case names to describe themselves and to estimate. A [`Plan`] is all that a
+//! [`crate::session::Session`] gets.
+
+mod alone;
+mod contents;
+mod make;
+mod mapping;
+mod route;
+mod show;
+
+pub use alone::Shown;
+pub use contents::{
+    Effect, Field, History, Participant, Plan, Planned, SchemeChoice, sample_bytes, topic_bytes,
+};
+pub use make::plan;
+pub use mapping::non_matching;

@@ -1,0 +1,442 @@
+//! Making a plan: describe, validate, route, estimate.
+
+use super::contents::{Field, Participant, Plan, Planned, SchemeChoice};
+use super::route::{self, Candidate};
+use crate::deadlines::Deadlines;
+use crate::error::RunError;
+use crate::programs::Program;
+use case::schema::WELL_KNOWN_ROLES;
+use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
+use contract::configuration::{Configuration, Estimate, Input, Layout};
+use contract::description::Description;
+use contract::grid::check_name;
+use contract::message::MAX_INPUTS;
+use coupling::ParticipantIndex;
+use coupling::settings::Scheme;
+use coupling::windows::Windows;
+use std::time::Duration;
+use typed_index_collections::{TiSlice, TiVec};
+
+/// Words that stand beside `ROLE_s` in the summary's cost, and the coordinator's own name.
+const RESERVED_ROLES: &[&str] =
+    &["coordinator", "wall", "coupling", "output", "plan", "start", "finish"];
+/// More participants than this have no place in the services.
+const MOST_PARTICIPANTS: usize = 12;
+/// More windows than this are a slip of the pen.
+const MOST_WINDOWS: f64 = 1e9;
+
+/// How long a program may take to say what it is.
+const ANSWER: Duration = Duration::from_secs(30);
+
+/// Plans a case; every error of the case is reported at once.
+pub fn plan(raw: RawCase) -> Result<Planned, RunError> {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(|e| crate::error::file_failure(std::path::Path::new("tokio"), &e))?;
+    runtime.block_on(plan_async(raw))
+}
+
+async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {
+    let sections = raw.participants();
+    let mut described = Vec::new();
+    for (section, description) in describe(&raw, &sections).await? {
+        described.push((section.role.clone(), description));
+    }
+    described.extend(describe_absent(&sections).await);
+    let case = validate(&raw, &described, &describe_replaced(&sections).await)?;
+    warn_of_unread_keys(&case, &described);
+    let mut plan = route_case(&case, &described)?;
+    estimate(&case, &mut plan).await?;
+    Ok(Planned { case, plan })
+}
+
+/// Asks all programs at the same time.
+async fn describe<'a>(
+    raw: &RawCase,
+    sections: &'a [RawParticipant],
+) -> Result<Vec<(&'a RawParticipant, Description)>, RunError> {
+    let mut asked = tokio::task::JoinSet::new();
+    for (index, section) in sections.iter().enumerate() {
+        let program = Program::of_role(&section.role, section.command.as_deref());
+        let role = section.role.clone();
+        asked.spawn(async move { (index, program.describe(&role, ANSWER).await) });
+    }
+    let mut answers = asked.join_all().await;
+    answers.sort_by_key(|(index, _)| *index);
+    let mut described = Vec::new();
+    let mut problems = Vec::new();
+    for (index, answer) in answers {
+        let section = &sections[index];
+        match answer {
+            Ok(description) if description.protocol != contract::PROTOCOL_VERSION => {
+                problems.push(Problem::new(
+                    section.place.clone(),
+                    format!("{}.command", section.role),
+                    format!(
+                        "`{}` speaks protocol {}, this coordinator protocol {}",
+                        description.name,
+                        description.protocol,
+                        contract::PROTOCOL_VERSION
+                    ),
+                    "install compatible versions",
+                ));
+            }
+            Ok(description) => {
+                let program = Program::of_role(&section.role, section.command.as_deref());
+                description.check().map_err(|fault| program.misled(&section.role, fault))?;
+                described.push((section, description));
+            }
+            // A section with a model and nothing else may be a table that a participant reads.
+            Err(RunError::NoProgram { role, .. })
+                if section.command.is_none() && !WELL_KNOWN_ROLES.contains(&role.as_str()) => {}
+            Err(RunError::NoProgram { program, role }) => {
+                problems.push(Problem::new(
+                    section.place.clone(),
+                    format!("{role}.command"),
+                    format!("there is no program `{}`", program.path.display()),
+                    "correct the command, or build the program (`cargo build --release`)",
+                ));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    raw.report(problems).map_or(Ok(described), |problems| Err(problems.into()))
+}
+
+/// Refuses the case if there are problems.
+fn refuse(case: &Case, problems: Vec<Problem>) -> Result<(), RunError> {
+    case.report(problems).map_or(Ok(()), |problems| Err(problems.into()))
+}
+
+/// Roles become names of services, files and keys of the summary.
+fn check_roles(case: &Case, described: &[(String, Description)]) -> Result<(), RunError> {
+    let mut problems = Vec::new();
+    let mut problem = |role: &str, reason: String, fix: &str| {
+        problems.push(case.problem_at(role, reason, fix));
+    };
+    for (index, participant) in case.participants.iter().enumerate() {
+        let role = participant.role.as_str();
+        if let Err(reason) = check_name("role", role) {
+            problem(role, reason, "choose another name for this section");
+        }
+        if RESERVED_ROLES.contains(&role) {
+            problem(role, format!("`{role}` is a word of the summary"), "choose another name");
+        }
+        if index == MOST_PARTICIPANTS {
+            problem(role, format!("more than {MOST_PARTICIPANTS} participants"), "use fewer");
+        }
+        let description = described.iter().find(|(r, _)| r == role).map(|(_, d)| d);
+        if let Some(played) = description.map(|d| &d.role).filter(|played| *played != role) {
+            let reason = format!("its program plays the role `{played}`");
+            problem(role, reason, "name the section after the role, or the right program");
+        }
+    }
+    if let Timing::Transient { window, end, control } = case.timing {
+        let (least, key) = match control {
+            Control::Fixed => (window, "time.window"),
+            Control::Adaptive { shortest, .. } => (shortest, "time.window_min"),
+        };
+        if end / least > MOST_WINDOWS {
+            let most = format!("{MOST_WINDOWS:.0e} at most");
+            let reason = format!("{:.1e} windows up to time.end, {most}", end / least);
+            problems.push(case.problem_at(key, reason, "choose longer windows"));
+        }
+    }
+    refuse(case, problems)
+}
+
+/// The well-known programs that the case has no section for: what they would read is no error, so
+/// that a participant can be taken out of a case by removing its section alone.
+async fn describe_absent(sections: &[RawParticipant]) -> Vec<(String, Description)> {
+    let mut described = Vec::new();
+    for role in WELL_KNOWN_ROLES {
+        if sections.iter().all(|section| section.role != *role)
+            && let Ok(description) = Program::of_role(role, None).describe(role, ANSWER).await
+        {
+            described.push(((*role).to_owned(), description));
+        }
+    }
+    described
+}
+
+/// The usual programs of roles that others play by a `command`: what they read is known, if not used.
+async fn describe_replaced(sections: &[RawParticipant]) -> Vec<(String, Description)> {
+    let mut described = Vec::new();
+    for RawParticipant { role, command, .. } in sections {
+        let (usual, program) =
+            (Program::of_role(role, None), Program::of_role(role, command.as_deref()));
+        if usual.path != program.path
+            && let Ok(description) = usual.describe(role, ANSWER).await
+        {
+            described.push((role.clone(), description));
+        }
+    }
+    described
+}
+
+fn warn_of_unread_keys(case: &Case, described: &[(String, Description)]) {
+    for (role, description) in described {
+        let of_role = case.unread.iter().filter(|(reader, _)| reader == role);
+        let keys: Vec<&str> = of_role.map(|(_, key)| key.as_str()).collect();
+        if !keys.is_empty() {
+            let (name, keys) = (&description.name, keys.join(", "));
+            tracing::warn!("{name}, which plays {role}, does not read {keys}: without effect");
+        }
+    }
+}
+
+fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, RunError> {
+    let candidates = case.participants.iter().filter_map(|p| {
+        let description = &described.iter().find(|(role, _)| *role == p.role)?.1;
+        let model = description.models.iter().find(|m| m.name == p.model)?;
+        Some(Candidate { role: &p.role, model, description })
+    });
+    let running = TiVec::from(route::order(candidates.collect(), case));
+    check_roles(case, described)?;
+    let twice = route::provided_twice(&running, case).into_iter().map(|(field, first, second)| {
+        let reason = format!("`{first}` and `{second}` both provide the field `{field}`");
+        case.problem_at(&second, reason, "keep one of the two")
+    });
+    refuse(case, twice.collect())?;
+    let mut fields = route::fields(&running, case).map_err(|unprovided| {
+        let problems = unprovided.iter().map(|u| {
+            let reason = format!(
+                "{} needs the field `{}` for `{}`, which no participant provides",
+                u.because, u.field, u.consumer
+            );
+            case.problem_at(
+                &u.key,
+                reason,
+                "add a participant or choose a model that provides it, or remove the effect",
+            )
+        });
+        case.report(problems.collect()).expect("there is at least one problem")
+    })?;
+    let scheme = scheme(case, &fields, &running);
+    route::feed_back(&mut fields, scheme.scheme);
+    refuse(case, unused_tolerances(case, &fields, scheme.scheme))?;
+    refuse(case, cannot_go_back(case, &fields, scheme.scheme))?;
+    let idle = case.idle.iter().map(|role| {
+        let description = described.iter().find(|(r, _)| r == role).map(|(_, d)| d);
+        let effects = description.into_iter().flat_map(|d| &d.effects);
+        let offers: Vec<_> = effects.map(|e| e.name.as_str()).collect();
+        (role.clone(), format!("no active effect needs it (it serves {})", offers.join(", ")))
+    });
+    let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
+    Ok(Plan {
+        name: case.name.clone(),
+        title: case.title.clone(),
+        mode: case.timing.mode(),
+        windows: windows(case.timing),
+        scheme,
+        implicit: case.coupling.implicit.clone(),
+        interpolation: case.coupling.interpolation,
+        participants: participants(case, &running, &fields)?,
+        idle: idle.collect(),
+        effects: route::effects(&offers, case),
+        fields,
+        output_every: case.output.every,
+        checkpoint_every: case.output.checkpoint_every,
+        deadlines: Deadlines {
+            start: Duration::from_secs_f64(case.coupling.start_deadline),
+            build: Duration::from_secs_f64(case.coupling.build_deadline),
+            solve: Duration::from_secs_f64(case.coupling.solve_deadline),
+            heartbeat: Duration::from_secs_f64(case.coupling.heartbeat_deadline),
+        },
+        shared_memory_limit: case.limits.shared_memory,
+    })
+}
+
+fn scheme(
+    case: &Case,
+    fields: &[Field],
+    running: &TiSlice<ParticipantIndex, Candidate>,
+) -> SchemeChoice {
+    let feedback = route::feedback(fields);
+    let (scheme, reason) = match (case.coupling.scheme, feedback.first()) {
+        (Scheme::Auto, None) if running.len() == 1 => {
+            (Scheme::SerialExplicit, "only one participant runs".to_owned())
+        }
+        (Scheme::Auto, None) => {
+            let reason = "no active effect closes a loop: data flows one way";
+            (Scheme::SerialExplicit, reason.to_owned())
+        }
+        (Scheme::Auto, Some(field)) => {
+            let (name, producer) = (&field.kind.name, running[field.producer].role);
+            (Scheme::SerialImplicit, format!("`{name}` from `{producer}` closes a loop"))
+        }
+        (Scheme::SerialImplicit, None) => {
+            (Scheme::SerialExplicit, "nothing closes a loop: one pass is enough".to_owned())
+        }
+        (Scheme::ParallelImplicit, _) if fields.iter().all(Field::observed_only) => {
+            (Scheme::SerialExplicit, "nothing is exchanged: one pass is enough".to_owned())
+        }
+        (asked, _) => (asked, "the case asks for it".to_owned()),
+    };
+    SchemeChoice { scheme, reason }
+}
+
+pub(super) fn windows(timing: Timing) -> Windows {
+    match timing {
+        Timing::Steady => Windows::Steady,
+        Timing::Transient { window, end, control: Control::Fixed } => {
+            Windows::Fixed { window, end }
+        }
+        Timing::Transient {
+            window,
+            end,
+            control: Control::Adaptive { tolerance, shortest, longest },
+        } => Windows::Adaptive { first: window, tolerance, shortest, longest, end },
+    }
+}
+
+/// Adaptive windows in a scheme whose participants receive a field one window late: a window that
+/// is solved again would begin with what its first attempt has sent.
+fn cannot_go_back(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem> {
+    let adaptive =
+        matches!(case.timing, Timing::Transient { control: Control::Adaptive { .. }, .. });
+    let late = |field: &&Field| {
+        let before = |consumer: &ParticipantIndex| *consumer <= field.producer;
+        scheme.is_parallel() || field.consumers.iter().any(before)
+    };
+    let late = fields.iter().filter(|f| !f.observed_only()).find(late);
+    let problem = late.filter(|_| adaptive && !scheme.is_implicit()).map(|field| {
+        let (name, word) = (&field.kind.name, scheme.word());
+        let reason =
+            format!("with {word} `{name}` lags by one window, and no window can be repeated");
+        let fix = "set coupling.scheme to \"serial-implicit\", or remove time.control";
+        case.problem_at("time.control", reason, fix)
+    });
+    problem.into_iter().collect()
+}
+
+/// Tolerances of fields that have no residual.
+fn unused_tolerances(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem> {
+    let fed_back =
+        |name: &str| fields.iter().any(|f| f.kind.name == name && !f.fed_back.is_empty());
+    let names = case.coupling.implicit.fields.keys().filter(|_| scheme.is_implicit());
+    let unused = names.filter(|name| !fed_back(name)).map(|name| {
+        let reason = format!("`{name}` is not coupling data, so it has no residual");
+        case.problem_at(&format!("coupling.fields.{name}"), reason, "remove it")
+    });
+    unused.collect()
+}
+
+fn participants(
+    case: &Case,
+    running: &TiSlice<ParticipantIndex, Candidate>,
+    fields: &[Field],
+) -> Result<TiVec<ParticipantIndex, Participant>, RunError> {
+    let mut participants = TiVec::new();
+    for (index, one) in running.iter_enumerated() {
+        let settings = case.participants.iter().find(|p| p.role == one.role);
+        let command = settings.and_then(|p| p.command.as_deref());
+        let inputs: Vec<Input> = fields
+            .iter()
+            .filter(|f| f.consumers.contains(&index))
+            .map(|f| Input {
+                field: f.kind.clone(),
+                producer: running[f.producer].role.to_owned(),
+                grid: None,
+                moves: false,
+                peak: None,
+            })
+            .collect();
+        if inputs.len() > MAX_INPUTS {
+            let reason = format!("it would have {} inputs, {MAX_INPUTS} at most", inputs.len());
+            let problem = case.problem_at(one.role, reason, "use fewer effects");
+            return Err(case.report(vec![problem]).expect("there is a problem").into());
+        }
+        let own = |observed: bool| {
+            let sent = fields.iter().filter(move |f| f.producer == index);
+            sent.filter(move |f| f.observed_only() == observed)
+                .map(|f| f.kind.name.clone())
+                .collect()
+        };
+        participants.push(Participant {
+            role: one.role.to_owned(),
+            program: Program::of_role(one.role, command),
+            attach: settings.is_some_and(|p| p.attach),
+            description: one.description.clone(),
+            configuration: Configuration {
+                role: one.role.to_owned(),
+                model: one.model.name.clone(),
+                mode: case.timing.mode(),
+                case: case.values_for(one.description, &one.model.name),
+                inputs,
+                outputs: own(false),
+                observed: own(true),
+            },
+            estimate: None,
+        });
+    }
+    Ok(participants)
+}
+
+/// Asks every participant what it makes of the case, along the flow of data; and once more those
+/// which have an input whose grid moves, as turned out only after they had been asked.
+async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
+    for index in plan.participants.keys() {
+        fill_input_grids(plan, index);
+        fill_input_moves(plan, index);
+        estimate_one(case, plan, index).await?;
+    }
+    for index in plan.participants.keys() {
+        if fill_input_moves(plan, index) {
+            estimate_one(case, plan, index).await?;
+        }
+    }
+    Ok(())
+}
+
+async fn estimate_one(
+    case: &Case,
+    plan: &mut Plan,
+    index: ParticipantIndex,
+) -> Result<(), RunError> {
+    let participant = &plan.participants[index];
+    if !participant.description.estimates {
+        return Ok(());
+    }
+    match participant.program.estimate(&participant.configuration, ANSWER).await? {
+        Estimate::Layout(layout) => {
+            layout.check().map_err(|fault| participant.program.misled(&participant.role, fault))?;
+            plan.participants[index].estimate = Some(layout);
+            Ok(())
+        }
+        Estimate::Refused(refusal) => {
+            let problem = case.problem_at(&refusal.key, refusal.reason, refusal.fix);
+            Err(case.report(vec![problem]).expect("there is a problem").into())
+        }
+    }
+}
+
+/// Which grids of a participant's inputs may move, as far as their estimates say; whether that is
+/// news.
+fn fill_input_moves(plan: &mut Plan, index: ParticipantIndex) -> bool {
+    let moves = |plan: &Plan, input: &Input| {
+        let producer = plan.participants.iter().find(|p| p.role == input.producer);
+        let layout = producer.and_then(|p| p.estimate.as_ref());
+        layout.is_some_and(|layout| layout.moves_under(&input.field.name))
+    };
+    let inputs = &plan.participants[index].configuration.inputs;
+    let found: Vec<bool> = inputs.iter().map(|input| moves(plan, input)).collect();
+    let mut news = false;
+    for (input, moves) in plan.participants[index].configuration.inputs.iter_mut().zip(found) {
+        news |= input.moves != moves;
+        input.moves = moves;
+    }
+    news
+}
+
+fn fill_input_grids(plan: &mut Plan, index: ParticipantIndex) {
+    let layouts: Vec<(String, Option<Layout>)> =
+        plan.participants.iter().map(|p| (p.role.clone(), p.estimate.clone())).collect();
+    for input in &mut plan.participants[index].configuration.inputs {
+        let producer = layouts.iter().find(|(role, _)| *role == input.producer);
+        let layout = producer.and_then(|(_, layout)| layout.as_ref());
+        input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
+        input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
+    }
+}

@@ -1,0 +1,179 @@
+//! Routing: which participants run, which fields exist, which participant sends them to which, and
+//! in which order.
+
+use super::contents::{Effect, Field};
+use case::{Case, OutputFields};
+use contract::description::{Description, EffectSpec, ModelSpec};
+use contract::field::{self, FieldKind};
+use coupling::ParticipantIndex;
+use coupling::settings::Scheme;
+use typed_index_collections::TiSlice;
+
+/// A participant while routing: what it could exchange.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate<'a> {
+    pub(super) role: &'a str,
+    pub(super) model: &'a ModelSpec,
+    pub(super) description: &'a Description,
+}
+
+/// A field that is needed and that nobody provides.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Unprovided {
+    pub(super) field: String,
+    pub(super) consumer: String,
+    pub(super) because: String,
+    /// Key of the case that asks for it.
+    pub(super) key: String,
+}
+
+impl<'a> Candidate<'a> {
+    /// The active effects that it claims.
+    fn effects(&self, case: &Case) -> impl Iterator<Item = &'a EffectSpec> {
+        let active = case.effects.clone();
+        self.description.effects.iter().filter(move |e| active.contains(&e.name))
+    }
+
+    /// What it consumes, why, and the key that asks for it.
+    fn consumes(&self, case: &Case) -> Vec<(&'a str, String, String)> {
+        let model = self.model.consumes.iter().map(|field| {
+            let why = format!("model `{}`", self.model.name);
+            (field.as_str(), why, format!("{}.model", self.role))
+        });
+        let effects = self.effects(case).flat_map(|effect| {
+            let (why, key) =
+                (format!("effect `{}`", effect.name), format!("effects.{}", effect.name));
+            effect.consumes.iter().map(move |f| (f.as_str(), why.clone(), key.clone()))
+        });
+        model.chain(effects).collect()
+    }
+
+    fn provides(&self, case: &Case) -> Vec<&'a str> {
+        let effects = self.effects(case).flat_map(|effect| &effect.provides);
+        self.model.provides.iter().chain(effects).map(String::as_str).collect()
+    }
+
+    fn kind(&self, name: &str) -> Option<FieldKind> {
+        let own = || self.description.fields.iter().find(|f| f.name == name).cloned();
+        field::find(name).map(field::FieldSpec::kind).or_else(own)
+    }
+}
+
+/// Candidates in the order in which data flows; those in a loop keep the order of the case.
+pub(super) fn order<'a>(mut waiting: Vec<Candidate<'a>>, case: &Case) -> Vec<Candidate<'a>> {
+    let mut ordered = Vec::with_capacity(waiting.len());
+    while !waiting.is_empty() {
+        let needs_none = |one: &Candidate| {
+            let consumed = one.consumes(case);
+            waiting.iter().filter(|other| other.role != one.role).all(|other| {
+                other.provides(case).iter().all(|p| consumed.iter().all(|(c, ..)| c != p))
+            })
+        };
+        let next = waiting.iter().position(needs_none).unwrap_or(0);
+        ordered.push(waiting.remove(next));
+    }
+    ordered
+}
+
+/// The fields that exist at run time: everything that is consumed, and what is to be written out.
+pub(super) fn fields(
+    participants: &TiSlice<ParticipantIndex, Candidate>,
+    case: &Case,
+) -> Result<Vec<Field>, Vec<Unprovided>> {
+    let mut fields: Vec<Field> = Vec::new();
+    for (producer, one) in participants.iter_enumerated() {
+        for name in one.provides(case) {
+            if let Some(kind) = one.kind(name)
+                && fields.iter().all(|f| f.kind.name != name)
+            {
+                let wanted = wanted(&case.output.fields, name);
+                let method = case.mappings.method_of(&kind);
+                fields.push(Field {
+                    kind,
+                    method,
+                    producer,
+                    consumers: Vec::new(),
+                    fed_back: Vec::new(),
+                    wanted,
+                });
+            }
+        }
+    }
+    let mut unprovided = Vec::new();
+    for (consumer, one) in participants.iter_enumerated() {
+        for (name, because, key) in one.consumes(case) {
+            let from_other = |f: &&mut Field| f.kind.name == name && f.producer != consumer;
+            match fields.iter_mut().find(from_other) {
+                Some(field) if field.consumers.contains(&consumer) => {}
+                Some(field) => field.consumers.push(consumer),
+                None => unprovided.push(Unprovided {
+                    field: name.to_owned(),
+                    consumer: one.role.to_owned(),
+                    because,
+                    key,
+                }),
+            }
+        }
+    }
+    fields.retain(|field| !field.observed_only() || field.wanted);
+    if unprovided.is_empty() { Ok(fields) } else { Err(unprovided) }
+}
+
+fn wanted(selection: &OutputFields, name: &str) -> bool {
+    match selection {
+        OutputFields::All => true,
+        OutputFields::None => false,
+        OutputFields::Named(names) => names.iter().any(|n| n == name),
+    }
+}
+
+/// Fields that two participants provide, with both roles.
+pub(super) fn provided_twice(
+    participants: &TiSlice<ParticipantIndex, Candidate>,
+    case: &Case,
+) -> Vec<(String, String, String)> {
+    let mut twice = Vec::new();
+    for (index, one) in participants.iter_enumerated() {
+        for other in &participants[..index] {
+            let theirs = other.provides(case);
+            for name in one.provides(case).into_iter().filter(|name| theirs.contains(name)) {
+                twice.push((name.to_owned(), other.role.to_owned(), one.role.to_owned()));
+            }
+        }
+    }
+    twice
+}
+
+/// The fields that close a loop: a participant that solves earlier needs them from a later one.
+pub(super) fn feedback(fields: &[Field]) -> Vec<&Field> {
+    fields.iter().filter(|f| f.consumers.iter().any(|&c| c <= f.producer)).collect()
+}
+
+/// Settles which consumers receive the coordinator's iterates: with an implicit scheme those which
+/// solve before, or at the same time as, the producer; with an explicit one nobody.
+pub(super) fn feed_back(fields: &mut [Field], scheme: Scheme) {
+    for field in fields.iter_mut().filter(|_| scheme.is_implicit()) {
+        let late = |c: &&ParticipantIndex| scheme.is_parallel() || **c <= field.producer;
+        field.fed_back = field.consumers.iter().filter(late).copied().collect();
+    }
+}
+
+/// Every effect that a participant offers, with the participants that it concerns.
+pub(super) fn effects(offers: &[(&str, &Description)], case: &Case) -> Vec<Effect> {
+    let mut effects: Vec<Effect> = Vec::new();
+    for (role, description) in offers {
+        for spec in &description.effects {
+            let known = effects.iter_mut().find(|e| e.name == spec.name);
+            match known {
+                Some(effect) => effect.roles.push((*role).to_owned()),
+                None => effects.push(Effect {
+                    name: spec.name.clone(),
+                    active: case.effects.contains(&spec.name),
+                    roles: vec![(*role).to_owned()],
+                    law: spec.law.clone(),
+                }),
+            }
+        }
+    }
+    effects
+}

@@ -1,0 +1,156 @@
+//! The plan as a person reads it.
+
+use super::contents::Plan;
+use crate::format::bytes;
+use crate::format::seconds;
+use coupling::ParticipantIndex;
+use coupling::settings::Implicit;
+use coupling::windows::Windows;
+use std::fmt::{Display, Formatter, Result};
+
+impl Display for Plan {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{}", self.name)?;
+        if let Some(title) = &self.title {
+            write!(f, " · {title}")?;
+        }
+        writeln!(f)?;
+        self.show_time(f)?;
+        self.show_processes(f)?;
+        self.show_effects(f)?;
+        self.show_fields(f)?;
+        self.show_mappings(f)?;
+        self.show_cost(f)
+    }
+}
+
+impl Plan {
+    fn show_time(&self, f: &mut Formatter<'_>) -> Result {
+        writeln!(f, "\ntime       {}", in_time(self.windows))?;
+        let scheme = self.scheme.scheme;
+        writeln!(f, "scheme     {}: {}", scheme.word(), self.scheme.reason)?;
+        if scheme.is_implicit() {
+            let Implicit { max_iterations, reuse_windows, .. } = self.implicit;
+            writeln!(
+                f,
+                "           {}, at most {max_iterations} iterations a window, secant columns of \
+                 {reuse_windows} windows reused",
+                self.implicit.acceleration.word()
+            )?;
+            if let Some(history) = self.accelerator_history() {
+                writeln!(
+                    f,
+                    "           keeps up to {} secant columns of {} values: {}",
+                    history.columns,
+                    history.length,
+                    bytes(history.bytes())
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    fn show_processes(&self, f: &mut Formatter<'_>) -> Result {
+        writeln!(f, "\nprocesses  coordinator")?;
+        for p in &self.participants {
+            let how = if p.attach { "started by hand" } else { "started" };
+            let model = &p.configuration.model;
+            writeln!(f, "           {:10} {model:14} {how}: {}", p.role, p.program.name())?;
+            for remark in p.estimate.iter().flat_map(|e| &e.remarks) {
+                writeln!(f, "           {:10} note: {remark}", "")?;
+            }
+        }
+        for (role, why) in &self.idle {
+            writeln!(f, "           {role:10} not started: {why}")?;
+        }
+        Ok(())
+    }
+
+    fn show_effects(&self, f: &mut Formatter<'_>) -> Result {
+        let mut head = "effects";
+        writeln!(f)?;
+        for effect in &self.effects {
+            let (state, why) = match effect.active {
+                true => ("on ", format!("named in the case; {}", effect.roles.join(", "))),
+                false => ("off", "not named in the case".to_owned()),
+            };
+            writeln!(f, "{head:10} {state} {:22} {why}", effect.name)?;
+            writeln!(f, "{:10}     {:22} {}", "", "", effect.law)?;
+            head = "";
+        }
+        Ok(())
+    }
+
+    fn show_fields(&self, f: &mut Formatter<'_>) -> Result {
+        let role = |index: ParticipantIndex| self.participants[index].role.as_str();
+        let mut head = "fields";
+        writeln!(f)?;
+        for field in &self.fields {
+            let to = match field.observed_only() {
+                true => "output only".to_owned(),
+                false => field.consumers.iter().map(|&c| role(c)).collect::<Vec<_>>().join(", "),
+            };
+            let size = self.sample_bytes(field).map_or_else(|| "size unknown".to_owned(), bytes);
+            let through = if field.fed_back.is_empty() { "->" } else { "-> (iterate) ->" };
+            let route = format!("{} {through} {to}", role(field.producer));
+            writeln!(f, "{head:10} {:30} {route:24} {size:>12}", field.kind.name)?;
+            head = "";
+        }
+        for p in &self.participants {
+            for name in p.estimate.iter().flat_map(|layout| &layout.moving) {
+                writeln!(f, "{:10} grid `{name}` of {} may move between windows", "", p.role)?;
+            }
+        }
+        let exchanged = self.fields.iter().filter(|f| !f.observed_only());
+        let bytes_of = |field| Some(self.sample_bytes(field)? + self.mapped_bytes(field));
+        match exchanged.map(bytes_of).sum::<Option<u64>>() {
+            Some(total) => writeln!(f, "{:10} exchanged per iteration: {}", "", bytes(total)),
+            None => writeln!(f, "{:10} exchanged per iteration: not known before the run", ""),
+        }
+    }
+
+    fn show_cost(&self, f: &mut Formatter<'_>) -> Result {
+        let mut head = "cost";
+        writeln!(f)?;
+        for p in &self.participants {
+            if let Some(e) = &p.estimate {
+                let once = match e.build_seconds {
+                    0.0 => String::new(),
+                    once => format!("about {} once, ", seconds(once)),
+                };
+                let total =
+                    |windows: u64| seconds(e.build_seconds + e.solve_seconds * windows as f64);
+                let total = self.windows.count().map(|n| format!(", {} in all", total(n)));
+                writeln!(
+                    f,
+                    "{head:10} {:10} {once}about {} a window{}, {} of arrays",
+                    p.role,
+                    seconds(e.solve_seconds),
+                    total.unwrap_or_default(),
+                    bytes(e.memory_bytes)
+                )?;
+                head = "";
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The windows of a run, in words.
+pub(super) fn in_time(windows: Windows) -> String {
+    match windows {
+        Windows::Steady => "steady: one window without duration".to_owned(),
+        Windows::Fixed { window, end } => {
+            let count = windows.count().unwrap_or(0);
+            format!("transient: {count} windows of {} to {}", seconds(window), seconds(end))
+        }
+        Windows::Adaptive { first, tolerance, shortest, longest, end } => format!(
+            "transient: adaptive windows of {} to {}, the first of {}, to {}; tolerance \
+             {tolerance:e}",
+            seconds(shortest),
+            seconds(longest),
+            seconds(first),
+            seconds(end)
+        ),
+    }
+}

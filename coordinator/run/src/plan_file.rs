@@ -1,0 +1,202 @@
+//! The plan in a result directory: `plan.txt` for people, `plan.json` for programs.
+
+use crate::error::RunError;
+use crate::plan::{Effect, Field, Participant, Plan};
+use crate::results::ResultFolder;
+use contract::configuration::Layout;
+use contract::text::json;
+use coupling::ParticipantIndex;
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+
+/// For people.
+const TEXT: &str = "plan.txt";
+/// For programs.
+pub const FILE: &str = "plan.json";
+/// Version of the layout of [`FILE`].
+const SCHEMA: u32 = 1;
+
+/// Content of `plan.json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PlanFile {
+    /// Version of this layout.
+    pub schema: u32,
+    /// Name of the case.
+    pub case: String,
+    /// What the case is about.
+    pub title: Option<String>,
+    /// Version of the coordinator.
+    pub coordinator: String,
+    /// Version of the protocol.
+    pub protocol: u32,
+    /// The coupling scheme.
+    pub scheme: String,
+    /// Why it was chosen.
+    pub scheme_reason: String,
+    /// How the iterates of an implicit scheme are chosen.
+    pub acceleration: String,
+    /// Windows in time; absent if nobody knows how many.
+    pub windows: Option<u64>,
+    /// Who takes part, in the order in which data flows.
+    pub participants: Vec<ParticipantPlan>,
+    /// Roles of the case that take no part, and why.
+    pub idle: Vec<(String, String)>,
+    /// Every effect that some participant offers.
+    pub effects: Vec<EffectPlan>,
+    /// Fields that exist at run time.
+    pub fields: Vec<FieldPlan>,
+    /// The plan as `coordinator plan` prints it.
+    pub text: String,
+}
+
+/// One participant.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ParticipantPlan {
+    /// Role that it plays.
+    pub role: String,
+    /// Name of the program.
+    pub program: String,
+    /// Version of the program.
+    pub version: String,
+    /// Its model.
+    pub model: String,
+    /// What it expects, if it estimates.
+    pub estimate: Option<Estimate>,
+}
+
+/// What a participant expects of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Grids: name and number of points.
+    pub grids: Vec<(String, usize)>,
+    /// Processor seconds of what is done once.
+    pub build_seconds: f64,
+    /// Processor seconds of one solve.
+    pub solve_seconds: f64,
+    /// Memory of its arrays \[byte\].
+    pub memory_bytes: u64,
+    /// What its model makes of the case.
+    pub remarks: Vec<String>,
+}
+
+/// One effect.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EffectPlan {
+    /// Name in the case file.
+    pub name: String,
+    /// It exists at run time.
+    pub active: bool,
+    /// Why, or why not.
+    pub reason: String,
+    /// Who takes part in it.
+    pub roles: Vec<String>,
+    /// Its law.
+    pub law: String,
+}
+
+/// One field.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FieldPlan {
+    /// Its name.
+    pub name: String,
+    /// Its SI unit.
+    pub unit: String,
+    /// Role of the participant that sends it.
+    pub producer: String,
+    /// Roles of those that consume it; empty for a field that is only written out.
+    pub consumers: Vec<String>,
+    /// Roles of those of the consumers that get the coordinator's iterate of it.
+    pub fed_back: Vec<String>,
+    /// Bytes of a sample, as far as its grid is known.
+    pub sample_bytes: Option<u64>,
+}
+
+/// Writes the plan into the folder of a run.
+///
+/// # Errors
+/// The file system.
+pub fn write(plan: &Plan, folder: &ResultFolder) -> Result<(), RunError> {
+    folder.write(TEXT, text(plan).as_bytes())?;
+    folder.write(FILE, json(&PlanFile::of(plan)).as_bytes())
+}
+
+/// The plan, and the versions of all that take part.
+fn text(plan: &Plan) -> String {
+    let PlanFile { coordinator, protocol, participants, mut text, .. } = PlanFile::of(plan);
+    let _ =
+        writeln!(text, "\nversions\ncoordinator\tcoordinator\t{coordinator}\tprotocol {protocol}");
+    for ParticipantPlan { role, program, version, model, .. } in participants {
+        let _ = writeln!(text, "{role}\t{program}\t{version}\tmodel {model}");
+    }
+    text
+}
+
+impl PlanFile {
+    /// What there is to say of a plan.
+    #[must_use]
+    pub fn of(plan: &Plan) -> Self {
+        Self {
+            schema: SCHEMA,
+            case: plan.name.clone(),
+            title: plan.title.clone(),
+            coordinator: env!("CARGO_PKG_VERSION").to_owned(),
+            protocol: contract::PROTOCOL_VERSION,
+            scheme: plan.scheme.scheme.word().to_owned(),
+            scheme_reason: plan.scheme.reason.clone(),
+            acceleration: plan.acceleration().word().to_owned(),
+            windows: plan.windows.count(),
+            participants: plan.participants.iter().map(ParticipantPlan::of).collect(),
+            idle: plan.idle.clone(),
+            effects: plan.effects.iter().map(EffectPlan::of).collect(),
+            fields: plan.fields.iter().map(|field| FieldPlan::of(field, plan)).collect(),
+            text: plan.to_string(),
+        }
+    }
+}
+
+impl ParticipantPlan {
+    fn of(of: &Participant) -> Self {
+        Self {
+            role: of.role.clone(),
+            program: of.description.name.clone(),
+            version: of.description.version.clone(),
+            model: of.configuration.model.clone(),
+            estimate: of.estimate.as_ref().map(Estimate::of),
+        }
+    }
+}
+
+impl Estimate {
+    fn of(layout: &Layout) -> Self {
+        let grids = layout.grids.iter().map(|grid| (grid.name.clone(), grid.points()));
+        Self {
+            grids: grids.collect(),
+            build_seconds: layout.build_seconds,
+            solve_seconds: layout.solve_seconds,
+            memory_bytes: layout.memory_bytes,
+            remarks: layout.remarks.clone(),
+        }
+    }
+}
+
+impl EffectPlan {
+    fn of(effect: &Effect) -> Self {
+        let Effect { name, active, roles, law } = effect.clone();
+        let reason = if active { "named in the case" } else { "not named in the case" };
+        Self { name, active, reason: reason.to_owned(), roles, law }
+    }
+}
+
+impl FieldPlan {
+    fn of(field: &Field, plan: &Plan) -> Self {
+        let role = |&index: &ParticipantIndex| plan.participants[index].role.clone();
+        Self {
+            name: field.kind.name.clone(),
+            unit: field.kind.unit.clone(),
+            producer: role(&field.producer),
+            consumers: field.consumers.iter().map(role).collect(),
+            fed_back: field.fed_back.iter().map(role).collect(),
+            sample_bytes: plan.sample_bytes(field),
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The executables that take part: finding them, and asking them what they are.
+//!
+//! A participant without `command` is the program `ROLE-solver`, looked for beside the coordinator
+//! and then on the search path. Asking (`--describe`, `--estimate`) starts the program, reads its
+//! answer and ends it; nothing of a run is started.
+
+pub use crate::program::Program;
+
+use crate::error::{Failure, RunError};
+use crate::processes::Process;
+use crate::program::our_folder;
+use crate::signals;
+use contract::configuration::{Configuration, Estimate};
+use contract::description::Description;
+use serde::de::DeserializeOwned;
+use std::io;
+use std::os::fd::AsFd;
+use std::process::{Output, Stdio};
+use std::time::Duration;
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
+use tokio::process::Command;
+use tokio::sync::watch;
+
+/// More of an answer is not read [byte].
+const LONGEST_ANSWER: usize = 16 << 20;
+
+impl Program {
+    /// What the program says of itself.
+    pub async fn describe(&self, role: &str, deadline: Duration) -> Result<Description, RunError> {
+        self.ask(role, "--describe", Vec::new(), deadline).await
+    }
+
+    /// What the program makes of a configuration.
+    pub async fn estimate(
+        &self,
+        configuration: &Configuration,
+        deadline: Duration,
+    ) -> Result<Estimate, RunError> {
+        let input = serde_json::to_vec(configuration).expect("a configuration is plain data");
+        self.ask(&configuration.role, "--estimate", input, deadline).await
+    }
+
+    async fn ask<T: DeserializeOwned>(
+        &self,
+        role: &str,
+        question: &str,
+        input: Vec<u8>,
+        deadline: Duration,
+    ) -> Result<T, RunError> {
+        let answer = tokio::select! {
+            answer = tokio::time::timeout(deadline, self.converse(question, input)) => answer,
+            signal = signals::wait() => {
+                let when = format!("while {role} was asked to {}", question.trim_start_matches('-'));
+                return Err(RunError::Interrupted { signal, when });
+            }
+        };
+        let output = match answer {
+            Ok(Ok(output)) => output,
+            Ok(Err(error)) if error.kind() == io::ErrorKind::NotFound => {
+                return Err(RunError::NoProgram { role: role.to_owned(), program: self.clone() });
+            }
+            Ok(Err(error)) => return Err(self.failed(role, question, &error.to_string())),
+            Err(_) => {
+                let seconds = deadline.as_secs_f64();
+                let why = format!("no answer within {seconds:.0} s");
+                return Err(self.failed(role, question, &why));
+            }
+        };
+        if !output.status.success() {
+            let said = String::from_utf8_lossy(&output.stderr);
+            let last = said.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("nothing");
+            let why = format!("it ended with {}, saying: {last}", output.status);
+            return Err(self.failed(role, question, &why));
+        }
+        serde_json::from_slice(&output.stdout).map_err(|error| {
+            let why = match answers(&output.stdout) {
+                0 | 1 => format!("its answer is not valid: {error}"),
+                _ => "it answers more than once: of several processes that are started as one \
+                      participant (MPI ranks) only one answers, and joins (docs/write-a-solver.md)"
+                    .to_owned(),
+            };
+            self.failed(role, question, &why)
+        })
+    }
+
+    async fn converse(&self, question: &str, input: Vec<u8>) -> io::Result<Output> {
+        let mut command = Command::new(&self.path);
+        command
+            .args(&self.arguments)
+            .arg(question)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        let mut process = Process::start(&mut command)?;
+        let child = &mut process.child;
+        let (stdin, stdout, stderr) =
+            (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let (over, ended) = watch::channel(());
+        let say = async {
+            if let Some(mut stdin) = stdin {
+                // A program that does not read its input may close it early; its answer decides.
+                let mut ended = ended.clone();
+                tokio::select! {
+                    _ = stdin.write_all(&input) => (),
+                    _ = ended.changed() => (),
+                }
+            }
+        };
+        let status = async {
+            let status = child.wait().await;
+            drop(over);
+            status
+        };
+        let (stdout, stderr) = (read_some(stdout, ended.clone()), read_some(stderr, ended.clone()));
+        let ((), stdout, stderr, status) = tokio::join!(say, stdout, stderr, status);
+        Ok(Output { status: status?, stdout: stdout?, stderr: stderr? })
+    }
+
+    /// The error for an answer that cannot be.
+    #[must_use]
+    pub fn misled(&self, role: &str, fault: String) -> RunError {
+        RunError::Failed(Failure {
+            who: format!("{role} ({})", self.name()),
+            when: "while planning".to_owned(),
+            what: fault,
+            fix: "the program violates the participant contract (docs/ARCHITECTURE.md)".to_owned(),
+        })
+    }
+
+    fn failed(&self, role: &str, question: &str, why: &str) -> RunError {
+        RunError::Failed(Failure {
+            who: format!("{role} ({})", self.name()),
+            when: format!("asked to {}", question.trim_start_matches("--")),
+            what: why.to_owned(),
+            fix: format!("run `{} {question}` by hand", self.command_line()),
+        })
+    }
+}
+
+/// How many JSON values a text begins with.
+fn answers(text: &[u8]) -> usize {
+    let values = serde_json::Deserializer::from_slice(text).into_iter::<serde::de::IgnoredAny>();
+    values.take_while(Result::is_ok).count()
+}
+
+/// What a program has to say, up to [`LONGEST_ANSWER`]; beyond that it gets no reader. Its end is the
+/// end of its answer, whatever else holds the pipe open: what it has written lies there to be read.
+async fn read_some(
+    pipe: Option<impl AsyncRead + AsFd + Unpin>,
+    mut ended: watch::Receiver<()>,
+) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let Some(mut pipe) = pipe else { return Ok(bytes) };
+    while bytes.len() < LONGEST_ANSWER {
+        let read = tokio::select! {
+            read = pipe.read_buf(&mut bytes) => read?,
+            _ = ended.changed() => {
+                read_the_rest(&pipe, &mut bytes);
+                0
+            }
+        };
+        if read == 0 {
+            break;
+        }
+    }
+    bytes.truncate(LONGEST_ANSWER);
+    Ok(bytes)
+}
+
+/// Reads what lies in a pipe that does not block.
+fn read_the_rest(pipe: &impl AsFd, bytes: &mut Vec<u8>) {
+    let mut piece = [0; 4096];
+    while bytes.len() < LONGEST_ANSWER {
+        match rustix::io::read(pipe, &mut piece) {
+            Ok(0) => break,
+            Ok(count) => bytes.extend_from_slice(&piece[..count]),
+            Err(rustix::io::Errno::INTR) => {}
+            Err(_) => break,
+        }
+    }
+}
+
+/// Programs beside the coordinator that look like participants, for `coordinator solvers`.
+#[must_use]
+pub fn installed() -> Vec<(String, Program)> {
+    let Some(folder) = our_folder() else { return Vec::new() };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut found: Vec<_> = entries
+        .filter_map(|entry| {
+            let name = entry.file_name().into_string().ok()?;
+            let role = name.strip_suffix("-solver")?.to_owned();
+            Some((role, Program { path: entry.path(), arguments: Vec::new() }))
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.cmp(&b.0));
+    found
+}

@@ -1,0 +1,173 @@
+//! `fields/last.bin`: the fields on structured grids as they were written last, and the files of all
+//! instants. What ParaView reads is written for it alone; programs of this project read this file.
+
+use super::vtk::{FileSeries, Shown};
+use super::write::replace;
+use crate::error::{RunError, file_failure};
+use crate::sealed::{self, Magic};
+use contract::field::FieldKind;
+use contract::grid::Structured;
+use proto::binary;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::fs;
+use std::io;
+use std::path::Path;
+
+/// Name of the file.
+pub const FILE: &str = "last.bin";
+
+const MAGIC: &Magic = b"COSIMLF1";
+
+/// The content of the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LastFields<'a> {
+    /// The window that was accepted last.
+    pub window: u64,
+    /// Its end [s].
+    pub time: f64,
+    /// The files of every grid.
+    pub series: Cow<'a, [FileSeries]>,
+    /// The fields, those of a grid in the order in which its files have them.
+    pub fields: Vec<LastField<'a>>,
+}
+
+/// A field as it was last.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LastField<'a> {
+    /// Name of its series.
+    pub series: String,
+    /// Where it lives.
+    pub grid: Structured,
+    /// Name, unit, components, body.
+    pub kind: Cow<'a, FieldKind>,
+    /// Values, component-major.
+    pub values: Cow<'a, [f64]>,
+}
+
+impl<'a> LastFields<'a> {
+    /// What there is to keep of these fields.
+    #[must_use]
+    pub fn of(shown: &[Shown<'a>], series: &'a [FileSeries], window: u64, time: f64) -> Self {
+        let field = |one: &Shown<'a>| {
+            let grid = *one.grid.as_structured().filter(|grid| grid.points() > 1)?;
+            let (kind, values) = (Cow::Borrowed(one.kind), Cow::Borrowed(one.values));
+            Some(LastField { series: one.series_name(), grid, kind, values })
+        };
+        let fields = shown.iter().filter_map(field).collect();
+        Self { window, time, series: Cow::Borrowed(series), fields }
+    }
+
+    /// Writes the file into the folder of the fields.
+    pub fn write(&self, folder: &Path) -> Result<(), RunError> {
+        let path = folder.join(FILE);
+        let bytes = sealed::seal(MAGIC, self);
+        let bytes = bytes.map_err(|why| file_failure(&path, &io::Error::other(why)))?;
+        replace(&path, &bytes)
+    }
+}
+
+impl LastFields<'static> {
+    /// Reads the file of a folder of fields; `None` if there is none.
+    ///
+    /// # Errors
+    /// What is wrong with the file, for a person.
+    pub fn read(folder: &Path) -> Result<Option<Self>, String> {
+        let path = folder.join(FILE);
+        let fail = |why: &dyn std::fmt::Display| format!("{FILE}: {why}");
+        match fs::symlink_metadata(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(fail(&error)),
+            Ok(found) if !found.is_file() || found.len() > binary::LONGEST as u64 => {
+                return Err(fail(&format!("no file of fields, {} bytes", found.len())));
+            }
+            Ok(_) => {}
+        }
+        let bytes = fs::read(&path).map_err(|error| fail(&error))?;
+        Self::parse(&bytes).map(Some).map_err(|why| fail(&why))
+    }
+
+    fn parse(bytes: &[u8]) -> Result<Self, String> {
+        let read: Self = sealed::open(MAGIC, bytes).map_err(|broken| broken.to_string())?;
+        let files = read.series.iter().flat_map(|series| &series.files);
+        if let Some((_, name)) = files.clone().find(|(_, name)| name.contains('/')) {
+            return Err(format!("it names {name:?}, which is not a file of the folder"));
+        }
+        match read.fields.iter().find(|field| !field.fits()) {
+            Some(field) => Err(format!("`{}` does not fit its grid", field.kind.name)),
+            None => Ok(read),
+        }
+    }
+}
+
+impl LastField<'_> {
+    /// There is a value of every component for every point.
+    fn fits(&self) -> bool {
+        let points = self.grid.ni.checked_mul(self.grid.nj);
+        let values = points.and_then(|points| points.checked_mul(self.kind.components as usize));
+        !self.values.is_empty() && values == Some(self.values.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contract::field::TABLE;
+    use contract::grid::Grid;
+    use proptest::prelude::*;
+
+    /// Reads what two fields have been written as, after some change of the bytes.
+    fn changed(change: impl FnOnce(&mut Vec<u8>)) -> Result<LastFields<'static>, String> {
+        let grid = Grid::structured("g", Structured::contact_plane(-0.25, 0.5, 0.5, 1.0, 3, 2));
+        let values: Vec<f64> = (0..12).map(|k| f64::from(k) / 3.0).collect();
+        let [one, two] = [1, 2].map(|n| TABLE.iter().find(|spec| spec.components == n).unwrap());
+        let kinds = [one.kind(), two.kind()];
+        let shown = |kind, values| Shown { producer: "p", grid: &grid, kind, values };
+        let fields = [shown(&kinds[0], &values[..6]), shown(&kinds[1], &values[..])];
+        let series = [FileSeries { name: "p_g".into(), files: vec![(0.5, "p_g_7.vti".into())] }];
+        let last = LastFields::of(&fields, &series, 7, 0.5);
+        let mut bytes = sealed::seal(MAGIC, &last).unwrap();
+        assert_eq!(LastFields::parse(&bytes).unwrap(), last, "read back bit-identically");
+        change(&mut bytes);
+        LastFields::parse(&bytes)
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        assert_eq!(changed(|bytes| bytes[7] += 1).unwrap_err(), "not of this version");
+        assert_eq!(changed(|bytes| bytes.truncate(12)).unwrap_err(), "not of this version");
+        assert!(changed(|bytes| bytes.truncate(80)).unwrap_err().contains("in 80 bytes"));
+        let grid = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, usize::MAX, 2);
+        let kind = Cow::Owned(TABLE[0].kind());
+        let field = LastField { series: String::new(), grid, kind, values: Cow::Owned(vec![0.0]) };
+        let series = [FileSeries { name: "a".into(), files: vec![(0.0, "../b".into())] }];
+        let whole =
+            LastFields { window: 0, time: 0.0, series: Cow::Owned(vec![]), fields: vec![field] };
+        let read = |last: &LastFields| LastFields::parse(&sealed::seal(MAGIC, last).unwrap());
+        assert_eq!(read(&whole).unwrap_err(), "`geometry` does not fit its grid");
+        let outside = LastFields { series: Cow::Borrowed(&series), fields: vec![], ..whole };
+        assert!(read(&outside).unwrap_err().contains("not a file of the folder"));
+    }
+
+    proptest! {
+        #![proptest_config(crate::fuzz_config())]
+
+        /// Whatever the bytes are, with or without a valid sum before them, reading ends well.
+        #[test]
+        fn arbitrary_bytes_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+            prop_assert!(LastFields::parse(&bytes).is_err());
+            let sealed = [MAGIC.as_slice(), &crate::checkpoint::sum(&bytes).to_le_bytes(), &bytes];
+            let _ = LastFields::parse(&sealed.concat());
+        }
+
+        /// No byte of a file can change unseen.
+        #[test]
+        fn every_change_is_seen(at in any::<prop::sample::Index>(), by in 1..=u8::MAX) {
+            let result = changed(|bytes| {
+                let at = at.index(bytes.len());
+                bytes[at] = bytes[at].wrapping_add(by);
+            });
+            prop_assert!(result.is_err());
+        }
+    }
+}

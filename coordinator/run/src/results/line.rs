@@ -1,0 +1,130 @@
+//! Fields along a line of a structured grid, as a table for plots: through the largest value of the
+//! first scalar field, or of the first field if all are vectors. On a surface it runs along i, in the
+//! rolling direction; in a section, whose rows are levels over each other, through all of them. Of
+//! several largest values, as on mirrored patches, the one nearest to the origin counts, and where all
+//! is zero the line is the one nearest to it.
+
+use contract::field::FieldKind;
+use contract::grid::Structured;
+use std::io::{self, Write};
+
+/// Relative difference of the squares of values that are the same but for rounding.
+const SAME: f64 = 1e-9;
+
+/// Names of the components of vectors.
+const COMPONENTS: [&str; 3] = ["x", "y", "z"];
+
+/// Writes places and values, with a header that names quantities and units.
+pub(super) fn write(
+    grid: &Structured,
+    out: &mut impl Write,
+    fields: &[(&FieldKind, &[f64])],
+) -> io::Result<()> {
+    let elements = elements(grid, fields);
+    write!(out, "x [m],y [m],z [m]")?;
+    for (kind, _) in fields {
+        for component in 0..kind.components as usize {
+            match (kind.components, COMPONENTS.get(component)) {
+                (1, _) => write!(out, ",{} [{}]", kind.name, kind.unit)?,
+                (_, Some(axis)) => write!(out, ",{}_{axis} [{}]", kind.name, kind.unit)?,
+                (_, None) => write!(out, ",{}_{component} [{}]", kind.name, kind.unit)?,
+            }
+        }
+    }
+    writeln!(out)?;
+    for (i, j) in elements {
+        let [x, y, z] = grid.centre(i, j);
+        write!(out, "{x:e},{y:e},{z:e}")?;
+        for (kind, values) in fields {
+            for component in 0..kind.components as usize {
+                let at = component * grid.points() + j * grid.ni + i;
+                write!(out, ",{:e}", values.get(at).copied().unwrap_or(f64::NAN))?;
+            }
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// The elements of the line.
+fn elements(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> Vec<(usize, usize)> {
+    let (i, j) = largest(grid, fields).unwrap_or_else(|| nearest(grid, |_| true));
+    match grid.step_j[2] {
+        0.0 => (0..grid.ni).map(|i| (i, j)).collect(),
+        _ => (0..grid.nj).map(|j| (i, j)).collect(),
+    }
+}
+
+/// The element of the largest value; `None` where all is zero.
+fn largest(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> Option<(usize, usize)> {
+    let (kind, values) = fields.iter().find(|(kind, _)| kind.components == 1).or(fields.first())?;
+    let points = grid.points();
+    let size = |at: usize| {
+        let components = (0..kind.components as usize).map(|c| values.get(c * points + at));
+        components.flatten().map(|value| value * value).sum::<f64>()
+    };
+    let largest = (0..points).map(size).fold(0.0, f64::max);
+    (largest > 0.0).then(|| nearest(grid, |at| size(at) >= (1.0 - SAME) * largest))
+}
+
+/// The element nearest to the origin among those that qualify.
+fn nearest(grid: &Structured, qualifies: impl Fn(usize) -> bool) -> (usize, usize) {
+    let place = |at: usize| (at % grid.ni, at / grid.ni);
+    let distance = |at: &usize| {
+        let (i, j) = place(*at);
+        grid.centre(i, j).iter().map(|value| value * value).sum::<f64>()
+    };
+    let qualified = (0..grid.points()).filter(|at| qualifies(*at));
+    place(qualified.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> String {
+        let mut out = Vec::new();
+        write(grid, &mut out, fields).unwrap();
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn the_row_through_the_largest_scalar_with_all_components() {
+        let grid = Structured::contact_plane(-1.0, -0.5, 1.0, 0.5, 2, 3);
+        let (power, traction) =
+            (contract::field::FRICTION_POWER.kind(), contract::field::TRACTION.kind());
+        let one = [0.0, 1.0, 2.0, 3.0, 9.0, 5.0];
+        let two: Vec<f64> = (10..22).map(f64::from).collect();
+        let expected = "x [m],y [m],z [m],traction_x [Pa],traction_y [Pa],friction_power [W/m2]\n\
+                        -1e0,5e-1,0e0,1.4e1,2e1,9e0\n\
+                        0e0,5e-1,0e0,1.5e1,2.1e1,5e0\n";
+        assert_eq!(written(&grid, &[(&traction, &two), (&power, &one)]), expected);
+    }
+
+    #[test]
+    fn of_equal_rows_the_one_nearest_to_the_origin() {
+        let grid = Structured::contact_plane(0.0, -1.0, 1.0, 1.0, 2, 3);
+        let pressure = contract::field::PRESSURE.kind();
+        let row = |values: &[f64]| written(&grid, &[(&pressure, values)]);
+        assert!(row(&[1.0, 2.0, 0.0, 0.0, 4.0, 3.0]).contains("0e0,1e0,0e0,4e0"));
+        assert!(row(&[4.0, 0.0, 4.0 - 1e-12, 3.9, 4.0, 0.0]).contains("1e0,0e0,0e0,3.9e0"));
+        assert!(row(&[0.0; 6]).contains("0e0,0e0,0e0,0e0"));
+    }
+
+    /// A section has its depth line below the largest value, all levels of it.
+    #[test]
+    fn a_section_has_its_depth_line() {
+        let grid = Structured {
+            origin: [0.0, 0.5, -0.1],
+            step_i: [1.0, 0.0, 0.0],
+            step_j: [0.0, 0.0, -0.2],
+            ni: 3,
+            nj: 2,
+        };
+        let stress = contract::field::RAIL_SECTION_VON_MISES.kind();
+        let values = [1.0, 2.0, 3.0, 4.0, 9.0, 5.0];
+        let text = written(&grid, &[(&stress, &values)]);
+        let rows: Vec<&str> = text.lines().skip(1).collect();
+        assert_eq!(rows, ["1e0,5e-1,-1e-1,2e0", "1e0,5e-1,-3.0000000000000004e-1,9e0"]);
+    }
+}

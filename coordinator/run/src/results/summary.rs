@@ -1,0 +1,401 @@
+//! `summary.json`, schema 1. A quantity that nobody can give is absent, never 0.
+//!
+//! The participants' sections are merged first ([`Sections::gather`]); the coordinator's own keys
+//! are no participant's to write, and what one participant has said no other can change.
+
+use crate::plan::Plan;
+use contract::message::Finished;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Every window of an implicit scheme has converged.
+    Converged,
+    /// It went through: an explicit scheme, which has nothing to converge, or an implicit one with
+    /// windows that have not converged, in a case that is not strict.
+    Completed,
+    /// It did not.
+    Failed,
+    /// The user has stopped it.
+    Interrupted,
+}
+
+impl Status {
+    /// The ends before the last window.
+    pub const ENDED_EARLY: [Self; 2] = [Self::Failed, Self::Interrupted];
+
+    /// The word in `summary.json`.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Completed => "completed",
+            Self::Failed => "failed",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// What the coupling counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Windows accepted.
+    pub windows: u64,
+    /// Iterations in all.
+    pub iterations: u64,
+    /// Windows accepted that had not converged.
+    pub not_converged: u64,
+    /// Most iterations in one window.
+    pub max_iterations_in_window: u32,
+    /// Largest relative residual of the last iteration.
+    pub final_residual: Option<f64>,
+    /// Largest heat imbalance of a window, relative.
+    pub energy_imbalance: Option<f64>,
+    /// Bit by participant: it consumes a conservative field and reports no heat. A resumed run finds
+    /// out again.
+    #[serde(skip)]
+    pub heat_unreported: u64,
+    /// Seconds of planning.
+    pub plan_seconds: f64,
+    /// Seconds from the first participant's start to the first window.
+    pub start_seconds: f64,
+    /// Seconds in which windows were solved but no model computed.
+    pub coupling_seconds: f64,
+    /// Seconds spent on accepting windows, observing fields and writing results.
+    pub output_seconds: f64,
+    /// Seconds from the last window to the participants' end.
+    pub finish_seconds: f64,
+    /// Bytes of field values exchanged.
+    pub bytes_exchanged: u64,
+    /// Windows that were solved again with another length; `None` with fixed windows.
+    pub repeated_windows: Option<u64>,
+    /// Shortest and longest window [s]; `None` with fixed windows.
+    pub window_lengths: Option<(f64, f64)>,
+    /// The window with which the run was resumed; times are those from there on.
+    pub resumed_at: Option<u64>,
+}
+
+impl Counts {
+    /// What is counted on from a checkpoint, by a process that has just planned: times are its own.
+    #[must_use]
+    pub fn resumed(self, plan_seconds: f64) -> Self {
+        Self {
+            plan_seconds,
+            start_seconds: 0.0,
+            coupling_seconds: 0.0,
+            output_seconds: 0.0,
+            finish_seconds: 0.0,
+            resumed_at: Some(self.windows),
+            ..self
+        }
+    }
+}
+
+/// Everything that goes into the summary.
+#[derive(Debug)]
+pub struct Ingredients<'a> {
+    /// What ran.
+    pub plan: &'a Plan,
+    /// How it ended.
+    pub status: Status,
+    /// Why it ended so.
+    pub reason: String,
+    /// What the coupling counted.
+    pub counts: Counts,
+    /// What the participants say, in the plan's order; empty when the run failed before.
+    pub finished: &'a [Finished],
+    /// Their sections.
+    pub sections: &'a Sections,
+    /// Seconds from the start of the program.
+    pub wall_seconds: f64,
+}
+
+/// Keys that only the coordinator writes.
+const OWN: [&str; 7] = ["schema", "case", "status", "reason", "coupling", "cost", "effects"];
+
+/// What all participants say, in one object.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sections {
+    /// The merged sections.
+    pub merged: Map<String, Value>,
+    /// Role and dotted key of the first quantity that is not finite; it is left out.
+    pub not_finite: Option<(String, String)>,
+}
+
+impl Sections {
+    /// Merges what each role says. What cannot be taken over is left out, with a warning.
+    #[must_use]
+    pub fn gather<'a>(said: impl IntoIterator<Item = (&'a str, &'a Value)>) -> Self {
+        let mut sections = Self::default();
+        for (role, summary) in said {
+            match summary {
+                Value::Object(summary) => sections.take(role, summary),
+                _ => tracing::warn!(role, "its summary is not an object and is left out"),
+            }
+        }
+        place_over_semi_axis(&mut sections.merged);
+        rise_of_patches(&mut sections.merged);
+        sections
+    }
+
+    fn take(&mut self, role: &str, summary: &Map<String, Value>) {
+        for (key, value) in summary {
+            if OWN.contains(&key.as_str()) {
+                tracing::warn!(role, key, "the coordinator's own section is left out");
+                continue;
+            }
+            let mut not_finite = Vec::new();
+            let value = finite(value, key, &mut not_finite);
+            for key in not_finite {
+                tracing::warn!(role, key, "a quantity that is not finite is left out");
+                self.not_finite.get_or_insert_with(|| (role.to_owned(), key));
+            }
+            if let Some(value) = value {
+                merge(&mut self.merged, role, key, value);
+            }
+        }
+    }
+}
+
+/// Builds the summary.
+#[must_use]
+pub fn build(of: &Ingredients) -> Value {
+    let mut summary = json!({
+        "schema": 1,
+        "case": of.plan.name,
+        "status": of.status.word(),
+        "reason": of.reason,
+    });
+    for (key, value) in &of.sections.merged {
+        summary[key] = value.clone();
+    }
+    summary["coupling"] = coupling(of);
+    summary["cost"] = cost(of);
+    summary["effects"] = json!({
+        "active": effects(of.plan, true),
+        "inactive": effects(of.plan, false),
+    });
+    summary
+}
+
+fn coupling(of: &Ingredients) -> Value {
+    let counts = &of.counts;
+    let mut section = json!({
+        "scheme": of.plan.scheme.scheme.word(),
+        "acceleration": of.plan.acceleration().word(),
+        "windows": counts.windows,
+        "iterations": counts.iterations,
+        "max_iterations_in_window": counts.max_iterations_in_window,
+    });
+    let optional =
+        [("final_residual", counts.final_residual), ("energy_imbalance", counts.energy_imbalance)];
+    for (key, value) in optional {
+        if let Some(value) = value.filter(|value| value.is_finite()) {
+            section[key] = value.into();
+        }
+    }
+    let roles = of.plan.participants.iter().enumerate();
+    let silent = roles.filter(|(one, _)| counts.heat_unreported >> one & 1 == 1);
+    let silent: Vec<&str> = silent.map(|(_, participant)| participant.role.as_str()).collect();
+    if !silent.is_empty() {
+        section["heat_not_reported_by"] = silent.into();
+    }
+    if let Some(repeated) = counts.repeated_windows {
+        section["repeated_windows"] = repeated.into();
+    }
+    if let Some((shortest, longest)) = counts.window_lengths {
+        section["shortest_window_s"] = shortest.into();
+        section["longest_window_s"] = longest.into();
+    }
+    section
+}
+
+fn cost(of: &Ingredients) -> Value {
+    let counts = &of.counts;
+    let mut section = Map::new();
+    if let Some(window) = counts.resumed_at {
+        section.insert("resumed_at_window".to_owned(), window.into());
+    }
+    section.insert("wall_s".to_owned(), of.wall_seconds.into());
+    section.insert("plan_s".to_owned(), counts.plan_seconds.into());
+    section.insert("start_s".to_owned(), counts.start_seconds.into());
+    let finished = || of.plan.participants.iter().zip(of.finished);
+    for (participant, finished) in finished() {
+        let key = format!("{}_s", participant.role);
+        // A role cannot take the place of what the coordinator has measured.
+        section.entry(key).or_insert_with(|| finished.model_seconds.into());
+    }
+    section.insert("coupling_s".to_owned(), counts.coupling_seconds.into());
+    section.insert("output_s".to_owned(), counts.output_seconds.into());
+    section.insert("finish_s".to_owned(), counts.finish_seconds.into());
+    for (participant, finished) in finished().filter(|(_, f)| f.peak_rss_bytes > 0) {
+        let key = format!("{}_peak_rss_bytes", participant.role);
+        section.insert(key, finished.peak_rss_bytes.into());
+    }
+    for (participant, finished) in finished().filter(|(_, f)| f.cpu_seconds > 0.0) {
+        let key = format!("{}_cpu_s", participant.role);
+        section.entry(key).or_insert_with(|| finished.cpu_seconds.into());
+    }
+    section.insert("bytes_exchanged".to_owned(), counts.bytes_exchanged.into());
+    Value::Object(section)
+}
+
+fn effects(plan: &Plan, active: bool) -> Vec<&str> {
+    plan.effects.iter().filter(|e| e.active == active).map(|e| e.name.as_str()).collect()
+}
+
+/// `x_over_a` of every hottest point, with the semi-axis a of this run.
+fn place_over_semi_axis(sections: &mut Map<String, Value>) {
+    let contact = sections.get("contact");
+    let Some(a) = contact.and_then(|c| c.get("semi_axis_a_m")).and_then(Value::as_f64) else {
+        return;
+    };
+    let bodies = sections.get_mut("temperature").and_then(Value::as_object_mut);
+    for body in bodies.into_iter().flat_map(Map::values_mut).filter_map(Value::as_object_mut) {
+        let place = body.get("x_m").and_then(Value::as_f64).map(|x| x / a);
+        if let Some(place) = place.filter(|place| place.is_finite()) {
+            body.insert("x_over_a".to_owned(), place.into());
+        }
+    }
+}
+
+/// The largest rise of every body in every patch, where a heated strip holds one patch alone.
+fn rise_of_patches(sections: &mut Map<String, Value>) {
+    let number = |of: &Value, key: &str| of.get(key).and_then(Value::as_f64);
+    let bodies = sections.get("temperature").and_then(Value::as_object);
+    let strips: Vec<(String, Vec<Value>)> = bodies
+        .into_iter()
+        .flatten()
+        .filter_map(|(body, figures)| {
+            Some((format!("{body}_max_rise_k"), figures.get("each_strip")?.as_array()?.clone()))
+        })
+        .collect();
+    let Some(contact) = sections.get_mut("contact") else { return };
+    let count = contact.get("patches").and_then(Value::as_u64);
+    let Some(patches) = contact.get_mut("each_patch").and_then(Value::as_array_mut) else { return };
+    if count != Some(patches.len() as u64) {
+        return;
+    }
+    for (key, strip) in strips.iter().flat_map(|(key, all)| all.iter().map(move |one| (key, one))) {
+        let ends = (number(strip, "y_from_m"), number(strip, "y_to_m"));
+        let ((Some(from), Some(to)), Some(rise)) = (ends, strip.get("max_rise_k")) else {
+            continue;
+        };
+        let inside =
+            |patch: &&mut Value| number(patch, "y_m").is_some_and(|y| (from..=to).contains(&y));
+        let mut held: Vec<&mut Value> = patches.iter_mut().filter(inside).collect();
+        if let [Value::Object(patch)] = &mut held[..] {
+            patch.insert(key.clone(), rise.clone());
+        }
+    }
+}
+
+/// The value without what is not finite, which JSON writes as `null`; a list is left out as a
+/// whole. Notes the dotted keys of what is left out.
+fn finite(value: &Value, key: &str, not_finite: &mut Vec<String>) -> Option<Value> {
+    match value {
+        Value::Null => {
+            not_finite.push(key.to_owned());
+            None
+        }
+        Value::Array(items) => {
+            let item = |(n, item)| finite(item, &format!("{key}[{n}]"), not_finite);
+            items.iter().enumerate().map(item).collect::<Option<Vec<_>>>().map(Value::Array)
+        }
+        Value::Object(entries) => {
+            let entry = |(name, value): (&String, &Value)| {
+                let value = finite(value, &format!("{key}.{name}"), not_finite)?;
+                Some((name.clone(), value))
+            };
+            Some(Value::Object(entries.iter().filter_map(entry).collect()))
+        }
+        other => Some(other.clone()),
+    }
+}
+
+/// Objects are merged key by key; anything else stays as it was said first.
+fn merge(into: &mut Map<String, Value>, role: &str, key: &str, value: Value) {
+    match (into.get_mut(key), value) {
+        (None, value) => {
+            into.insert(key.to_owned(), value);
+        }
+        (Some(Value::Object(there)), Value::Object(more)) => {
+            for (key, value) in more {
+                merge(there, role, &key, value);
+            }
+        }
+        (Some(_), _) => tracing::warn!(role, key, "another participant has said so before"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sections_merge_and_places_are_scaled() {
+        let mech = json!({"contact": {"semi_axis_a_m": 0.008}});
+        let thermal = json!({
+            "temperature": {"rail": {"x_m": -0.004}, "wheel": {}},
+            "contact": {"area_m2": 1.0},
+        });
+        let sections = Sections::gather([("mech", &mech), ("thermal", &thermal)]);
+        let expected = json!({
+            "contact": {"semi_axis_a_m": 0.008, "area_m2": 1.0},
+            "temperature": {"rail": {"x_m": -0.004, "x_over_a": -0.5}, "wheel": {}},
+        });
+        assert_eq!(Value::Object(sections.merged), expected);
+        assert_eq!(sections.not_finite, None);
+    }
+
+    #[test]
+    fn a_patch_has_the_rise_of_its_own_strip() {
+        let mech = json!({"contact": {"patches": 3, "each_patch": [
+            {"y_m": -2.0}, {"y_m": 1.0}, {"y_m": 1.2}
+        ]}});
+        let strip = |from: f64, to: f64, rise: f64| json!({"y_from_m": from, "y_to_m": to, "max_rise_k": rise});
+        let strips = [strip(-3.0, -1.0, 5.0), strip(0.5, 2.0, 7.0)];
+        let thermal = json!({"temperature": {"rail": {"each_strip": strips}}});
+        let sections = Sections::gather([("mech", &mech), ("thermal", &thermal)]);
+        let expected = json!([{"y_m": -2.0, "rail_max_rise_k": 5.0}, {"y_m": 1.0}, {"y_m": 1.2}]);
+        assert_eq!(sections.merged["contact"]["each_patch"], expected);
+    }
+
+    #[test]
+    fn nobody_writes_the_coordinators_keys_or_anothers_figures() {
+        let good = json!({"contact": {"area_m2": 1.0}});
+        let forged = json!({
+            "schema": 7, "case": "x", "status": "failed", "reason": "x",
+            "coupling": 3, "cost": {"wall_s": 0.0}, "effects": null,
+            "contact": {"area_m2": 2.0},
+        });
+        let scalar = json!({"contact": 3, "temperature": 3});
+        for other in [&Value::Null, &json!([1]), &json!("x"), &forged] {
+            let sections = Sections::gather([("mech", &good), ("other", other)]);
+            assert_eq!(Value::Object(sections.merged), good);
+            assert_eq!(sections.not_finite, None);
+        }
+        let sections = Sections::gather([("mech", &good), ("other", &scalar)]);
+        let expected = json!({"contact": {"area_m2": 1.0}, "temperature": 3});
+        assert_eq!(Value::Object(sections.merged), expected);
+    }
+
+    #[test]
+    fn a_figure_that_is_not_finite_is_absent_and_reported() {
+        let said = json!({"contact": {"area_m2": f64::NAN, "list": [1.0, f64::INFINITY], "n": 1}});
+        let sections = Sections::gather([("mech", &said)]);
+        assert_eq!(Value::Object(sections.merged), json!({"contact": {"n": 1}}));
+        let entry = sections.not_finite.unwrap();
+        assert_eq!(entry, ("mech".to_owned(), "contact.area_m2".to_owned()));
+    }
+
+    #[test]
+    fn a_patch_without_size_gives_no_place() {
+        let said =
+            json!({"contact": {"semi_axis_a_m": 0.0}, "temperature": {"rail": {"x_m": 1.0}}});
+        let sections = Sections::gather([("mech", &said)]);
+        assert_eq!(Value::Object(sections.merged), said);
+    }
+}

@@ -1,0 +1,22 @@
+//! Fields as VTK data with a `.pvd` series, for ParaView.
+//!
+//! A structured grid whose steps lie along two axes becomes an image with cell data (`.vti`), any
+//! other an unstructured grid of quadrilaterals (`.vtu`). Every array carries its unit in its name
+//! (`pressure [Pa]`) and as VTK's own label, and the field data tell unit, body and meaning of each;
+//! two-component fields become vectors (x, y, 0). The values are appended raw, as little-endian
+//! doubles. A series names only files that are complete, and is replaced as a whole, so that what is
+//! on disk can be read at any time. `open.py` opens all series in ParaView.
+
+mod file;
+mod image;
+mod label;
+mod scene;
+mod series;
+mod shown;
+mod unstructured;
+mod writer;
+
+pub(super) use scene::{FILE as SCENE, is_scene};
+pub use series::FileSeries;
+pub use shown::Shown;
+pub use writer::FieldWriter;

@@ -1,0 +1,152 @@
+//! The files of all grids, instant by instant, and the series that name them.
+
+use super::image;
+use super::scene::Scene;
+use super::series::{FileSeries, collection};
+use super::shown::{Fields, Shown};
+use super::unstructured;
+use crate::error::{RunError, file_failure};
+use crate::results::cells::Cells;
+use crate::results::dir::Dir;
+use crate::results::last::LastFields;
+use crate::results::line;
+use crate::results::write::{create, replace};
+use contract::field::FieldKind;
+use contract::grid::{Grid, Quadrilaterals, Shape};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Writes fields, one file a grid and an instant.
+#[derive(Debug)]
+pub struct FieldWriter {
+    home: Home,
+    series: Vec<FileSeries>,
+    scene: Scene,
+    /// The newest fields are kept for the report.
+    keeps_last: bool,
+}
+
+/// Where the files go; the folder is made when the first field is written.
+#[derive(Debug)]
+enum Home {
+    /// A folder that the user names.
+    Named(PathBuf),
+    /// A folder of this name within one that is held open.
+    Within(Dir, &'static str),
+    /// It is there.
+    Open(Dir),
+}
+
+impl Home {
+    /// A path that leads to it, which is made if it is not there.
+    fn path(&mut self) -> Result<PathBuf, RunError> {
+        let open = match self {
+            Self::Open(dir) => return Ok(dir.path()),
+            Self::Named(path) => fs::create_dir_all(&*path)
+                .and_then(|()| Dir::open(path))
+                .map_err(|error| file_failure(path, &error))?,
+            Self::Within(dir, name) => {
+                dir.inner(name).map_err(|error| file_failure(&dir.path().join(*name), &error))?
+            }
+        };
+        let path = open.path();
+        *self = Self::Open(open);
+        Ok(path)
+    }
+}
+
+impl FieldWriter {
+    /// A writer into this folder, which is made when the first field is written.
+    #[must_use]
+    pub fn new(folder: PathBuf) -> Self {
+        Self::at(Home::Named(folder), false)
+    }
+
+    /// A writer into the folder of this name within a result directory, which also keeps the newest
+    /// fields for the report ([`crate::results::last`]).
+    #[must_use]
+    pub fn within(results: Dir, name: &'static str) -> Self {
+        Self::at(Home::Within(results, name), true)
+    }
+
+    fn at(home: Home, keeps_last: bool) -> Self {
+        Self { home, series: Vec::new(), scene: Scene::default(), keeps_last }
+    }
+
+    /// What has been written so far.
+    #[must_use]
+    pub fn series(&self) -> &[FileSeries] {
+        &self.series
+    }
+
+    /// Goes on after what was written before.
+    pub fn resume(&mut self, series: Vec<FileSeries>) {
+        self.series = series;
+    }
+
+    /// Writes these fields as they are at `time` [s].
+    pub fn write(&mut self, shown: &[Shown], window: u64, time: f64) -> Result<(), RunError> {
+        let mut written: Vec<String> = Vec::new();
+        for one in shown {
+            let name = one.series_name();
+            if one.grid.points() < 2 || written.contains(&name) {
+                continue;
+            }
+            let together: Vec<(&FieldKind, &[f64])> = shown
+                .iter()
+                .filter(|other| other.series_name() == name)
+                .map(|other| (other.kind, other.values))
+                .collect();
+            self.write_grid(one.grid, &name, &together, window, time)?;
+            self.scene.add(&name, &together);
+            written.push(name);
+        }
+        if written.is_empty() {
+            return Ok(());
+        }
+        let folder = self.home.path()?;
+        self.scene.write(&folder)?;
+        match self.keeps_last {
+            true => LastFields::of(shown, &self.series, window, time).write(&folder),
+            false => Ok(()),
+        }
+    }
+
+    fn write_grid(
+        &mut self,
+        grid: &Grid,
+        name: &str,
+        fields: &Fields,
+        window: u64,
+        time: f64,
+    ) -> Result<(), RunError> {
+        let folder = self.home.path()?;
+        let cells = grid.as_structured().and_then(Cells::of);
+        let kind = if cells.is_some() { "vti" } else { "vtu" };
+        let file = format!("{name}_{window:06}.{kind}");
+        create(&folder.join(&file), |out| match (&cells, &grid.shape) {
+            (Some(cells), _) => image::write(cells, out, fields, time),
+            (None, Shape::Structured(s)) => {
+                unstructured::write(&Quadrilaterals::from(s), out, fields, time)
+            }
+            (None, Shape::Quadrilaterals(q)) => unstructured::write(q, out, fields, time),
+        })?;
+        if let Some(structured) = grid.as_structured() {
+            let path = folder.join(format!("{name}_{window:06}.csv"));
+            create(&path, |out| line::write(structured, out, fields))?;
+        }
+        self.list(&folder, name, time, file)
+    }
+
+    /// Adds a file to its series.
+    fn list(&mut self, folder: &Path, name: &str, time: f64, file: String) -> Result<(), RunError> {
+        let index = self.series.iter().position(|series| series.name == name);
+        let index = index.unwrap_or_else(|| {
+            self.series.push(FileSeries { name: name.to_owned(), files: Vec::new() });
+            self.series.len() - 1
+        });
+        let files = &mut self.series[index].files;
+        files.push((time, file));
+        replace(&folder.join(format!("{name}.pvd")), collection(files).as_bytes())
+    }
+}

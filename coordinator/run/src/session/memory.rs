@@ -1,0 +1,102 @@
+//! Shared memory: what the fields need, against what there is.
+//!
+//! A segment that does not fit is not refused by the kernel: it ends the process that touches it.
+//! So it is counted before anything is created, and again before a grid that grows needs more.
+
+use crate::error::{Failure, RunError};
+use crate::plan::{Plan, non_matching, sample_bytes, topic_bytes};
+use contract::configuration::Layout;
+use contract::field::GEOMETRY;
+use contract::grid::Grid;
+use coupling::ParticipantIndex;
+use proto::run_dir::free_shared_memory;
+
+/// Shared memory that a run takes besides its fields [byte].
+const OVERHEAD: u64 = 1 << 20;
+
+/// What a run has taken of what it may take.
+#[derive(Debug, Default)]
+pub(super) struct SharedMemory {
+    limit: u64,
+    /// All that it has counted so far [byte].
+    taken: u64,
+}
+
+impl SharedMemory {
+    /// Counts what the fields of a plan need, as far as layouts are known.
+    ///
+    /// # Errors
+    /// There is less than that, or the case allows less.
+    pub(super) fn check<'a>(
+        plan: &'a Plan,
+        layout: impl Fn(ParticipantIndex) -> Option<&'a Layout>,
+    ) -> Result<Self, RunError> {
+        let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);
+        let taken = OVERHEAD + fields(plan, &layout) + geometry(plan, &layout);
+        check(taken, limit, "before the fields were created")?;
+        Ok(Self { limit, taken })
+    }
+
+    /// Counts new segments for so many points of fields with these numbers of components.
+    ///
+    /// # Errors
+    /// There is less than that, or the case allows less.
+    pub(super) fn take(
+        &mut self,
+        points: usize,
+        components: &[u32],
+        when: &str,
+    ) -> Result<(), RunError> {
+        let bytes = |components: &u32| topic_bytes(sample_bytes(points, *components));
+        let needed = components.iter().map(bytes).sum::<u64>();
+        check(needed, self.limit.saturating_sub(self.taken), when)?;
+        self.taken += needed;
+        Ok(())
+    }
+}
+
+/// There is room for topics whose samples have these lengths [byte].
+///
+/// # Errors
+/// There is less shared memory than that.
+pub fn room_for(samples: Vec<u64>, when: &str) -> Result<(), RunError> {
+    let topics = samples.into_iter().map(topic_bytes);
+    check(topics.fold(OVERHEAD, u64::saturating_add), u64::MAX, when)
+}
+
+fn fields<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a Layout>) -> u64 {
+    let of = |field: &crate::plan::Field| {
+        let grid = layout(field.producer)?.grid_of(&field.kind.name)?;
+        let bytes = |on: &Grid| topic_bytes(sample_bytes(on.points(), field.kind.components));
+        let wanted =
+            |&one: &ParticipantIndex| non_matching(field, one, layout).map(|[_, wanted]| wanted);
+        let mapped = field.consumers.iter().filter_map(wanted).map(bytes).sum::<u64>();
+        let iterates = field.fed_back.iter().any(|one| wanted(one).is_none());
+        Some((1 + u64::from(iterates)) * bytes(grid) + mapped)
+    };
+    plan.fields.iter().filter_map(of).sum()
+}
+
+fn geometry<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a Layout>) -> u64 {
+    let layouts = plan.participants.keys().filter_map(layout);
+    let moving = layouts.flat_map(|l| l.grids.iter().filter(move |grid| l.moves(grid)));
+    let bytes =
+        |grid: &Grid| topic_bytes(sample_bytes(grid.geometry_points(), GEOMETRY.components));
+    moving.map(bytes).sum()
+}
+
+fn check(needed: u64, limit: u64, when: &str) -> Result<(), RunError> {
+    let free = free_shared_memory().min(limit);
+    if needed <= free {
+        return Ok(());
+    }
+    let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
+    Err(RunError::Failed(Failure {
+        who: "shared memory".to_owned(),
+        when: when.to_owned(),
+        what: format!("the fields need {}, {} may be used", mib(needed), mib(free)),
+        fix: "enlarge /dev/shm (in a container: --shm-size), raise limits.shared_memory, write \
+              fewer fields (output.fields) or use a coarser resolution"
+            .to_owned(),
+    }))
+}

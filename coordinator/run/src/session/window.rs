@@ -1,0 +1,149 @@
+//! The windows of a run: solved, accepted, and the end after the last one.
+
+use super::solved::SolveRecord;
+use super::{Observed, Session, audit};
+use crate::error::RunError;
+use crate::peers::Phase;
+use contract::message::{Command, CommandKind, Finished, OBSERVE};
+use contract::step::Step;
+use coupling::ParticipantIndex;
+use coupling::{Exchange, Part};
+
+impl Session {
+    /// Makes the last solve of every participant its accepted state. Fields of those which are
+    /// observed are published and received. Grids that move are where they have moved to
+    /// thereafter.
+    pub fn accept(&mut self, step: &Step, observed: Observed) -> Result<(), RunError> {
+        // Nothing else looks through what was sent last in an explicit scheme before it is kept.
+        self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
+        self.peers.phase = Phase::Accepting(*step);
+        let (mut observing, mut answers) = (0_u64, 0_u64);
+        for one in self.peers.all().keys() {
+            let observe = self.is_observed(one, observed);
+            let answer = observe || self.has_moving_grids(one);
+            observing |= u64::from(observe) << usize::from(one);
+            answers |= u64::from(answer) << usize::from(one);
+            let mut command = Command::about(CommandKind::Accept, step);
+            command.flags = if observe { OBSERVE } else { 0 };
+            self.peers.post(one, command, &[], answer)?;
+        }
+        self.keep_geometry();
+        for one in self.peers.all().keys().filter(|&one| answers >> usize::from(one) & 1 == 1) {
+            self.peers.done(one, self.peers.deadlines().solve)?;
+            if observing >> usize::from(one) & 1 == 1 {
+                self.collect(one, step, true)?;
+            }
+            self.receive_geometry(one, step)?;
+        }
+        if observing != 0 {
+            self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
+        }
+        Ok(())
+    }
+
+    fn is_observed(&self, one: ParticipantIndex, observed: Observed) -> bool {
+        let mut own = self.taps.iter().filter(|tap| tap.producer == one).peekable();
+        match observed {
+            Observed::Everybody => true,
+            Observed::Unconsumed => own.peek().is_some() && own.all(|tap| tap.observed_only),
+            Observed::Nobody => false,
+        }
+    }
+
+    /// Asks every participant for its summary and lets it go.
+    pub fn finish(mut self) -> Result<Vec<Finished>, RunError> {
+        self.peers.phase = Phase::Finishing;
+        if let Some(recorder) = self.peers.recorder() {
+            recorder.stop_listening()?;
+        }
+        self.tell_mappings();
+        for one in self.peers.all().keys() {
+            self.peers.post(one, Command::new(CommandKind::Finish), &[], true)?;
+        }
+        let mut finished = Vec::with_capacity(self.peers.all().len());
+        for one in self.peers.all().keys() {
+            let message = self.peers.done(one, self.peers.deadlines().solve)?;
+            let said: Finished = serde_json::from_slice(message.body()).map_err(|e| {
+                self.peers.misbehaved(one, format!("its summary is not valid: {e}"))
+            })?;
+            let (model, processor) = (said.model_seconds, said.cpu_seconds);
+            if model < 0.0 || processor < 0.0 {
+                let what = format!("model_seconds is {model} s, cpu_seconds {processor} s");
+                return Err(self.peers.misbehaved(one, what));
+            }
+            finished.push(said);
+        }
+        // They end by themselves now; one that does not is ended when the session is dropped.
+        self.peers.wait_for_exits();
+        Ok(finished)
+    }
+}
+
+impl Exchange for Session {
+    type Error = RunError;
+
+    fn participants(&self) -> usize {
+        self.peers.all().len()
+    }
+
+    fn solve(&mut self, participants: &[ParticipantIndex], step: &Step) -> Result<(), RunError> {
+        self.peers.phase = Phase::Solving(*step);
+        if let Some(recorder) = self.peers.recorder() {
+            recorder.wait_for_room()?;
+        }
+        self.send_mapped(participants)?;
+        for &one in participants {
+            let mut command = Command::about(CommandKind::Solve, step);
+            for tap in &self.taps {
+                for reader in tap.readers().iter().filter(|r| r.participant == one) {
+                    command.expected[reader.slot] = tap.sequence();
+                }
+            }
+            for feedback in &self.feedback {
+                for reader in feedback.readers.iter().filter(|r| r.participant == one) {
+                    command.expected[reader.slot] = feedback.sequence();
+                }
+            }
+            for mapped in self.mapped.iter().filter(|m| m.reader.participant == one) {
+                command.expected[mapped.reader.slot] = mapped.outlet().sequence();
+            }
+            self.peers.post(one, command, &[], true)?;
+        }
+        // While they compute, what was sent before is audited, recorded and looked through.
+        for &one in participants {
+            let Self { taps, feedback, mapped, .. } = &*self;
+            self.solved[one].heat_sent = audit::commanded(taps, feedback, mapped, one);
+        }
+        if let Some(recorder) = self.peers.recorder() {
+            recorder.hand_over();
+        }
+        self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
+        let mut longest = 0.0_f64;
+        for &one in participants {
+            let message = self.peers.done(one, self.peers.deadlines().solve)?;
+            let before = self.solved[one];
+            let fault = audit::report_fault(message.header(), before.heat_received);
+            fault.map_or(Ok(()), |what| Err(self.peers.misbehaved(one, what)))?;
+            let heat_sent = before.heat_sent;
+            self.solved[one] = SolveRecord { heat_sent, ..SolveRecord::of(message.header()) };
+            longest = longest.max(self.solved[one].model_seconds);
+            drop(message);
+            self.collect(one, step, false)?;
+        }
+        self.computed_seconds += longest;
+        Ok(())
+    }
+
+    fn coupling_data(&self) -> &[Part] {
+        &self.parts.raw
+    }
+
+    fn send(&mut self, iterate: &[f64], step: &Step) -> Result<(), RunError> {
+        self.peers.phase = Phase::Solving(*step);
+        self.send_iterate(iterate, step)
+    }
+
+    fn returned(&self, returned: &mut [f64]) {
+        self.copy_returned(returned);
+    }
+}

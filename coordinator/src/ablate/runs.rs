@@ -1,0 +1,61 @@
+//! The runs as a table: each effect in a row, what the answer is without it, and what it costs.
+
+use super::study::{Run, Study};
+use crate::study::quantity::{Measure, Quantity};
+use crate::study::table::{Cell, Column, Failure, Table};
+use run::format::{number, of_key};
+
+/// Quantities that have a column; all of them are in the file.
+const COLUMNS: usize = 6;
+
+/// The study on the terminal.
+pub(super) fn text(study: &Study) -> String {
+    let title = study.title.as_ref().map(|title| format!(" · {title}")).unwrap_or_default();
+    format!("effects of {}{title}\n{}", study.case, table(study).terminal(&all(study)))
+}
+
+/// The case as it is, then without each of its effects.
+pub(super) fn all(study: &Study) -> Vec<&Run> {
+    std::iter::once(&study.whole).chain(&study.without).collect()
+}
+
+/// The quantities that have a column.
+pub(super) fn quantities(study: &Study) -> impl Iterator<Item = Quantity> {
+    let compared = study.quantities.iter().map(|key| Quantity::of(key));
+    compared.filter(|one| one.measure != Measure::Itself).take(COLUMNS)
+}
+
+/// The table of runs.
+pub(super) fn table(study: &Study) -> Table<'_, Run> {
+    let mut columns = vec![Column::text("", name).naming().on_page("run")];
+    columns.extend(quantities(study).map(|one| {
+        Column::quantity(one.name.clone(), move |run: &Run| Cell::text(figure(&one, run)))
+    }));
+    columns.push(Column::quantity("solve", |run: &Run| Cell::seconds(run.cost.solve_s)));
+    columns.push(Column::quantity("of the whole", |run: &Run| {
+        let share = 100.0 * run.cost.solve_s / study.whole.cost.solve_s;
+        Cell::number(share, format!("{} %", number(share, 2)))
+    }));
+    let iterations = Column::quantity("iter", |run: &Run| Cell::text(run.cost.iterations));
+    columns.push(iterations.on_page("iterations"));
+    Table::new(columns).failure(|run| {
+        let why = run.failed.as_ref()?;
+        Some(Failure { word: "cannot run", remark: format!("{}: {why}", name(run)) })
+    })
+}
+
+fn name(run: &Run) -> String {
+    match run.effect.as_str() {
+        "" => "all effects".to_owned(),
+        effect => format!("without {effect}"),
+    }
+}
+
+/// A quantity, or its change against the case as it is.
+fn figure(one: &Quantity, run: &Run) -> String {
+    match (run.values.get(&one.key), run.changes.get(&one.key)) {
+        (None, _) => "-".to_owned(),
+        (Some(_), Some(change)) => one.measure.show_change(*change),
+        (Some(value), None) => of_key(&one.key, *value).show(*value, 5),
+    }
+}

@@ -1,0 +1,79 @@
+//! What the study has found: `ablate.json`.
+
+use crate::study::output::Kept;
+use crate::study::quantity::{Measure, Quantity};
+use crate::study::spent::{Spent, Stopwatch};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// A study, as `ablate.json` has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Study {
+    /// Version of this layout.
+    pub schema: u32,
+    /// Name of the case.
+    pub case: String,
+    /// What the case is about.
+    pub title: Option<String>,
+    /// The case file.
+    pub file: String,
+    /// Keys of the quantities of interest that the runs have.
+    pub quantities: Vec<String>,
+    /// The case as it is.
+    pub whole: Run,
+    /// The case without each of its effects.
+    pub without: Vec<Run>,
+}
+
+impl Kept for Study {
+    const COMMAND: &'static str = "ablate";
+    const FILE: &'static str = "ablate.json";
+    const SCHEMA: u32 = 1;
+}
+
+/// One run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Run {
+    /// The effect that is off; empty for the case as it is.
+    pub effect: String,
+    /// Why it has no quantities.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failed: Option<String>,
+    /// Its quantities by key.
+    pub values: BTreeMap<String, f64>,
+    /// Its quantities' change against the case as it is, by key: relative, or the difference for a
+    /// place or a share; absent for a quantity that one of the two does not have.
+    pub changes: BTreeMap<String, f64>,
+    /// What it cost.
+    pub cost: Spent,
+}
+
+impl Run {
+    /// Takes the figures of a run, and its cost if it is the least so far.
+    pub(super) fn take(&mut self, summary: &Value, stopwatch: &Stopwatch) {
+        let cost = Spent::of(summary, stopwatch);
+        if self.values.is_empty() || cost.solve_s < self.cost.solve_s {
+            self.cost = cost;
+        }
+        let values = Quantity::of_interest().into_iter();
+        self.values =
+            values.filter_map(|one| Some((one.key.clone(), one.value(summary)?))).collect();
+    }
+
+    /// Takes the changes of its figures against those of the case as it is.
+    pub(super) fn compare(&mut self, whole: &Self) {
+        let change = |(key, value): (&String, &f64)| {
+            let with = *whole.values.get(key)?;
+            let change = match Quantity::of(key).measure {
+                Measure::Relative if with == *value => 0.0,
+                // Of what has a sign and keeps it, the size counts.
+                Measure::Relative if value * with > 0.0 => value / with - 1.0,
+                Measure::Relative => (value - with) / with.abs(),
+                Measure::Absolute | Measure::Itself => value - with,
+            };
+            change.is_finite().then(|| (key.clone(), change))
+        };
+        self.changes = self.values.iter().filter_map(change).collect();
+    }
+}

@@ -1,0 +1,60 @@
+//! What the command lines of studies have in common.
+
+use super::Variant;
+use super::folder::{StudyFolder, Wanted};
+use clap::Args;
+use run::error::RunError;
+use std::path::{Path, PathBuf};
+
+/// The case of a study, and how often it is run.
+#[derive(Debug, Args)]
+pub(crate) struct CaseArguments {
+    /// The case file.
+    pub case: PathBuf,
+    /// Change a key for all runs: dotted name and TOML value (a bare word is a text).
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Remove a key for all runs.
+    #[arg(long, value_name = "KEY")]
+    unset: Vec<String>,
+    /// Make each run so often; its times are the least.
+    #[arg(long, value_name = "TIMES", default_value_t = 2,
+          value_parser = clap::value_parser!(u32).range(1..))]
+    pub repeat: u32,
+}
+
+impl CaseArguments {
+    /// What is changed for all runs.
+    #[must_use]
+    pub(crate) fn base(&self) -> Variant {
+        Variant { set: self.set.clone(), unset: self.unset.clone() }
+    }
+}
+
+/// Where a study writes.
+#[derive(Debug, Args)]
+pub(crate) struct FolderArguments {
+    /// Folder of the study [default: results/NAME, or NAME-2 and so on].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace an earlier study of its kind in that folder.
+    #[arg(long)]
+    pub replace: bool,
+}
+
+impl FolderArguments {
+    /// The folder for a study that a command makes, and which has this name by default. One in which the
+    /// same study was stopped is used again.
+    ///
+    /// # Errors
+    /// Those of [`StudyFolder::choose`].
+    pub(crate) fn choose(
+        &self,
+        command: &'static str,
+        name: &str,
+        goes_on: &dyn Fn(&Path) -> bool,
+    ) -> Result<StudyFolder, RunError> {
+        let (out, replace) = (self.out.as_deref(), self.replace);
+        StudyFolder::choose(&Wanted { command, name, out, replace, goes_on })
+    }
+}

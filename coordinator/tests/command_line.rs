@@ -1,0 +1,61 @@
+//! The command line of the executable: what it says of itself, and exit code 2 of bad usage.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::process::{Command, Output};
+
+fn coordinator(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+#[test]
+fn it_tells_its_version_and_its_commands() {
+    let version = coordinator(&["--version"]);
+    assert!(version.status.success());
+    assert_eq!(text(&version.stdout), concat!("coordinator ", env!("CARGO_PKG_VERSION"), "\n"));
+    let help = coordinator(&["--help"]);
+    assert!(help.status.success());
+    let commands = [
+        "run",
+        "plan",
+        "check",
+        "solvers",
+        "conform",
+        "inspect",
+        "replay",
+        "export",
+        "report",
+        "cost",
+        "ablate",
+        "stability",
+        "reproduce",
+    ];
+    for command in commands {
+        let told = text(&help.stdout).lines().any(|line| line.trim().starts_with(command));
+        assert!(told, "{command} is not in:\n{}", text(&help.stdout));
+        assert!(coordinator(&[command, "--help"]).status.success(), "{command} --help");
+    }
+}
+
+/// Exit code 2, nothing on standard output, and a word on what was wrong.
+#[test]
+fn bad_usage_is_told() {
+    for (arguments, told) in [
+        (&[][..], "Usage"),
+        (&["run"], "required"),
+        (&["rum", "x"], "unrecognized subcommand 'rum'"),
+        (&["run", "x", "--set"], "a value is required for '--set"),
+        (&["run", "x", "--no-such-option"], "unexpected argument '--no-such-option'"),
+        (&["run", "no/such/case.toml"], "no/such/case.toml"),
+    ] {
+        let ended = coordinator(arguments);
+        assert_eq!(ended.status.code(), Some(2), "{arguments:?}");
+        assert_eq!(text(&ended.stdout), "", "{arguments:?}");
+        let errors = text(&ended.stderr);
+        assert!(errors.contains(told), "{arguments:?}: `{told}` is missing in: {errors}");
+    }
+}

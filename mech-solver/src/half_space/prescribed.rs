@@ -1,0 +1,10 @@
+//! What a normal contact is asked for.
+
+/// What is prescribed in a normal contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Prescribed {
+    /// Normal force N [N].
+    Load(f64),
+    /// Approach δ of the bodies [m].
+    Approach(f64),
+}

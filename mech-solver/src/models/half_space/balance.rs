@@ -1,0 +1,102 @@
+//! What goes into a contact, and what friction takes; how they are found is in [`super::power`].
+
+use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_imbalance};
+use proto::grid::Structured;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// An instant whose power does not add up.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the power balance of the contact does not hold: friction dissipates {friction:.6e} W where \
+     {given:.6e} W are supplied, which differ by {imbalance:.1e} of all that is exchanged; the \
+     contact is not solved: change mech.resolution"
+)]
+pub(super) struct PowerError {
+    pub(super) friction: f64,
+    pub(super) given: f64,
+    pub(super) imbalance: f64,
+}
+
+/// What goes in, and what friction takes [W].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Balance {
+    pub(super) friction: f64,
+    pub(super) forces: f64,
+    /// Of bodies of different constants.
+    pub(super) pressure: Option<PressurePower>,
+    /// Into elastic energy; of what has memory.
+    pub(super) stored: Option<f64>,
+    /// Sum of the magnitudes of all parts.
+    pub(super) exchanged: f64,
+}
+
+/// Power of the pressure on what the tractions displace along the normal [W].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct PressurePower {
+    pub(super) rolling_resistance: f64,
+    pub(super) edges: f64,
+    pub(super) exchanged: f64,
+}
+
+impl PressurePower {
+    /// Of a pressure whose contact has the undeformed distance `undeformed` and the gap `gap` [m],
+    /// where it is open; `duration` is that of a step [s].
+    pub(super) fn of(
+        grid: &Structured,
+        duration: f64,
+        pressure: &[f64],
+        undeformed: &[f64],
+        gap: impl Fn(usize) -> f64,
+    ) -> Self {
+        let weight = grid.element_area() / duration;
+        let mut power = Self::default();
+        for index in 0..grid.points() {
+            let column = index % grid.ni;
+            let upstream = if column + 1 < grid.ni { pressure[index + 1] } else { 0.0 };
+            let downstream = if column > 0 { pressure[index - 1] } else { 0.0 };
+            let change = 0.5 * weight * (upstream - downstream);
+            power.rolling_resistance -= change * undeformed[index];
+            power.exchanged += (change * undeformed[index]).abs();
+            if pressure[index] <= 0.0 && change != 0.0 {
+                power.edges += change * gap(index);
+            }
+        }
+        power
+    }
+}
+
+impl Balance {
+    /// What goes in and does not stay [W].
+    fn given(&self) -> f64 {
+        let pressure = self.pressure.map_or(0.0, |p| p.rolling_resistance + p.edges);
+        self.forces + pressure - self.stored.unwrap_or(0.0)
+    }
+
+    /// |friction − what goes in| over the magnitudes of all that is exchanged; 0 where nothing is.
+    pub(super) fn imbalance(&self) -> f64 {
+        power_imbalance(self.friction, self.given(), self.exchanged)
+    }
+
+    /// Refuses an instant whose power does not add up.
+    pub(super) fn check(self) -> Result<Self, PowerError> {
+        let imbalance = self.imbalance();
+        match imbalance <= LARGEST_POWER_IMBALANCE {
+            true => Ok(self),
+            false => Err(PowerError { friction: self.friction, given: self.given(), imbalance }),
+        }
+    }
+
+    /// Adds its figures to the section `contact` of `summary.json`.
+    pub(super) fn add_to(&self, figures: &mut Value) {
+        figures["creep_power_w"] = json!(self.forces);
+        figures["power_imbalance"] = json!(self.imbalance());
+        if let Some(PressurePower { rolling_resistance, edges, .. }) = self.pressure {
+            figures["rolling_resistance_power_w"] = json!(rolling_resistance);
+            figures["edge_power_w"] = json!(edges);
+        }
+        if let Some(stored) = self.stored {
+            figures["stored_power_w"] = json!(stored);
+        }
+    }
+}

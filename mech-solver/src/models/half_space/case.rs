@@ -1,0 +1,130 @@
+//! A case that has been checked, and how particles pass through its contact.
+
+use super::drive::Driven;
+use super::gap::Gap;
+use super::geometry::Footprint;
+use crate::effects::friction_heat;
+use crate::effects::subsurface_stress::Sections;
+use crate::effects::temperature_friction::FrictionLaw;
+use crate::half_space::extent::sample;
+use crate::half_space::influence::Elasticity;
+use crate::scene::Scene;
+use proto::field;
+use proto::grid::Structured;
+use proto::model::Outputs;
+
+/// A checked case.
+#[derive(Clone, Debug)]
+pub(super) struct Case {
+    pub(super) scene: Scene,
+    pub(super) bodies: Elasticity,
+    pub(super) driven: Driven,
+    pub(super) partial: bool,
+    pub(super) layer: f64,
+    /// How friction depends on temperature, if it does.
+    pub(super) friction_law: Option<FrictionLaw>,
+    pub(super) footprint: Footprint,
+    /// The tractions of one step matter to the next.
+    pub(super) memory: bool,
+    /// Vertical sections in which stresses are wanted.
+    pub(super) sections: Option<Sections>,
+    /// Duration of a shift, known when the window is [s].
+    pub(super) shift_duration: f64,
+}
+
+impl Case {
+    /// Hertz's solution holds: smooth second-order surfaces, and tractions that leave the pressure alone.
+    pub(super) fn is_hertzian(&self) -> bool {
+        let rough = self.footprint.gap.as_ref().is_some_and(Gap::is_rough);
+        !rough && !self.bodies.is_coupled()
+    }
+
+    /// What a particle goes through in a step.
+    pub(super) fn passage(&self) -> Passage {
+        let (dx, speed) = (self.footprint.grid.dx(), self.scene.rolling_speed);
+        match speed > 0.0 {
+            true => Passage { distance: dx, ahead: 0.5 * dx, duration: dx / speed, rolls: true },
+            false => {
+                let duration = self.shift_duration;
+                Passage { distance: 1.0, ahead: 0.0, duration, rolls: false }
+            }
+        }
+    }
+
+    /// The contact grid, shifted upstream by half an element if the bodies roll.
+    pub(super) fn passage_grid(&self) -> Structured {
+        let mut passage = self.footprint.grid;
+        passage.origin[0] += self.passage().ahead;
+        passage
+    }
+
+    /// The pressure of the ellipse that the case gives, at the elements' centres, scaled so that it
+    /// carries the ellipse's load; zero if it is to be solved for.
+    pub(super) fn given_pressure(&self) -> Vec<f64> {
+        let grid = &self.footprint.grid;
+        let (None, Some(ellipse)) = (&self.footprint.gap, &self.footprint.ellipse) else {
+            return vec![0.0; grid.points()];
+        };
+        let [a, b] = self.footprint.semi_axes;
+        let at = |x: f64, y: f64| {
+            ellipse.max_pressure * (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt()
+        };
+        let mut pressure = sample(grid, &at);
+        let sum = pressure.iter().sum::<f64>() * grid.element_area();
+        pressure.iter_mut().for_each(|value| *value *= ellipse.normal_force / sum);
+        pressure
+    }
+
+    /// What holds before the first solve: nothing slips.
+    pub(super) fn first_outputs(&self, outputs: &mut dyn Outputs) {
+        let speeds = friction_heat::surface_speeds(self.scene.rolling_speed, 0.0);
+        for spec in field::TABLE {
+            if let Some(place) = outputs.get(spec) {
+                match *spec {
+                    field::SURFACE_SPEED => place.copy_from_slice(&speeds),
+                    _ => place.fill(0.0),
+                }
+            }
+        }
+    }
+}
+
+/// A step of the particles of the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Passage {
+    /// Distance to which creepages refer: Δx rolled, or 1 in a shift [m].
+    pub(super) distance: f64,
+    /// Where the rigid slip is taken, ahead of an element's centre [m].
+    pub(super) ahead: f64,
+    /// How long it takes [s].
+    pub(super) duration: f64,
+    /// Particles come from the upstream element.
+    pub(super) rolls: bool,
+}
+
+impl Passage {
+    /// −½(p'_J + p_I)·S_I/Δt [W/m²], J the element from which the particle comes and p' the traction
+    /// there at the start of the step; adding zero turns −0 into 0.
+    pub(super) fn power(
+        &self,
+        grid: &Structured,
+        start: &[f64],
+        end: &[f64],
+        slip: &[f64],
+    ) -> Vec<f64> {
+        let (nx, count) = (grid.ni, grid.points());
+        let from = |index: usize, component: usize| match self.rolls {
+            true if (index + 1).is_multiple_of(nx) => 0.0,
+            true => start[component * count + index + 1],
+            false => start[component * count + index],
+        };
+        let power = |index: usize| {
+            let of = |component: usize| {
+                let at = component * count + index;
+                (end[at] + from(index, component)) * slip[at]
+            };
+            -0.5 / self.duration * (of(0) + of(1)) + 0.0
+        };
+        (0..count).map(power).collect()
+    }
+}

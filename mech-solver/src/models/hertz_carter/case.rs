@@ -1,0 +1,17 @@
+//! What is known before the model is built.
+
+use super::contact::{Contact, CreepLaw};
+use crate::scene::Scene;
+use proto::field::FieldSpec;
+use proto::grid::Structured;
+
+/// A checked case.
+pub(super) struct Case {
+    pub(super) scene: Scene,
+    pub(super) contact: Contact,
+    pub(super) law: CreepLaw,
+    pub(super) partial: bool,
+    pub(super) grid: Structured,
+    /// The fields that this run asks for.
+    pub(super) wanted: Vec<&'static FieldSpec>,
+}

@@ -1,0 +1,438 @@
+//! What a participant says of itself, before any run: `--describe` prints it as JSON.
+//!
+//! The coordinator knows no physics. Which models and effects exist, which case keys they read,
+//! in which unit and range, and which fields they exchange, it learns from here.
+
+use crate::accuracy::Accuracy;
+use crate::configuration::{Configuration, Mode};
+use crate::field::{FieldKind, FieldSpec};
+use crate::grid::check_name;
+use crate::refusal::Refusal;
+use crate::text::check_lines;
+use serde::{Deserialize, Serialize};
+
+/// Everything a participant says of itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// Version of the contract it speaks ([`crate::PROTOCOL_VERSION`]).
+    pub protocol: u32,
+    /// Name of the program.
+    pub name: String,
+    /// Version of the program.
+    pub version: String,
+    /// The role it plays: `mech`, `thermal`, or another word that a case names as a table.
+    pub role: String,
+    /// It has an answer of its own even if no effect is active. A participant without is started
+    /// only when an active effect needs it.
+    pub standalone: bool,
+    /// It answers `--estimate`.
+    pub estimates: bool,
+    /// Models, cheapest first.
+    pub models: Vec<ModelSpec>,
+    /// Effects it can take part in.
+    pub effects: Vec<EffectSpec>,
+    /// Case keys it reads whatever the model; keys of a model or an effect stand there.
+    pub keys: Vec<KeySpec>,
+    /// Fields that are not in [`crate::field::TABLE`].
+    #[serde(default)]
+    pub fields: Vec<FieldKind>,
+}
+
+impl Description {
+    /// What is wrong with a description that came from outside.
+    ///
+    /// # Errors
+    /// Names that are no plain words, texts that are more than one line, fields without components or
+    /// with a unit that does not fit its label, and expectations of accuracy that make no sense.
+    pub fn check(&self) -> Result<(), String> {
+        check_lines("description", self)?;
+        check_name("role", &self.role)?;
+        for model in &self.models {
+            model.accuracy.check().map_err(|fault| format!("model `{}`: {fault}", model.name))?;
+        }
+        for field in &self.fields {
+            check_name("field", &field.name)?;
+            let unit = &field.unit;
+            if unit.is_empty() || unit.len() > 15 || !unit.is_ascii() {
+                return Err(format!("field `{}` has the unit {unit:?}", field.name));
+            }
+            if !(1..=64).contains(&field.components) {
+                return Err(format!("field `{}` has {} components", field.name, field.components));
+            }
+        }
+        Ok(())
+    }
+
+    /// What no participant that describes itself like this can take; a solver's own checks follow.
+    ///
+    /// # Errors
+    /// A model or mode it does not have, an effect that it or the model does not have, a field that
+    /// nothing of it provides.
+    pub fn admit(&self, given: &Configuration) -> Result<(), Refusal> {
+        let role = &self.role;
+        let Some(model) = self.models.iter().find(|model| model.name == given.model) else {
+            let known: Vec<_> = self.models.iter().map(|model| model.name.as_str()).collect();
+            let reason = format!("`{}` is not a model of {}", given.model, self.name);
+            let fix = format!("write one of: {}", known.join(", "));
+            return Err(Refusal::new(&format!("{role}.model"), reason, fix));
+        };
+        let (offered, other) = match given.mode {
+            Mode::Steady => (model.steady, "transient"),
+            Mode::Transient => (model.transient, "steady"),
+        };
+        if !offered {
+            let reason = format!("model `{}` answers {other} cases only", model.name);
+            return Err(Refusal::new("time.mode", reason, format!("write mode = \"{other}\"")));
+        }
+        let active = given.case.get("effects").and_then(serde_json::Value::as_object);
+        for name in active.into_iter().flatten().map(|(name, _)| name) {
+            self.admit_effect(name, &model.name)?;
+        }
+        let effects = self.effects.iter().flat_map(|effect| &effect.provides);
+        let provided: Vec<&String> = model.provides.iter().chain(effects).collect();
+        match given.outputs.iter().chain(&given.observed).find(|name| !provided.contains(name)) {
+            None => Ok(()),
+            Some(field) => Err(Refusal::new(
+                &format!("{role}.model"),
+                format!("`{}` does not provide the field `{field}`", model.name),
+                "do not request this field, or name a model that provides it",
+            )),
+        }
+    }
+
+    fn admit_effect(&self, name: &str, model: &str) -> Result<(), Refusal> {
+        let key = format!("effects.{name}");
+        let Some(effect) = self.effects.iter().find(|effect| effect.name == name) else {
+            let known: Vec<_> = self.effects.iter().map(|effect| effect.name.as_str()).collect();
+            let fix = format!("remove it; known are: {}", known.join(", "));
+            return Err(Refusal::new(&key, format!("{} has no such effect", self.name), fix));
+        };
+        if effect.models.iter().any(|supporting| supporting == model) {
+            return Ok(());
+        }
+        let fix = format!("choose one of {}, or remove the effect", effect.models.join(", "));
+        Err(Refusal::new(&key, format!("the model `{model}` does not support it"), fix))
+    }
+}
+
+/// One model (fidelity level) of a participant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelSpec {
+    /// Name in the case file, `[ROLE] model = "NAME"`.
+    pub name: String,
+    /// One line: what it computes.
+    pub summary: String,
+    /// Where the equations come from.
+    pub source: String,
+    /// It can answer a steady case.
+    pub steady: bool,
+    /// It can answer a transient case.
+    pub transient: bool,
+    /// Fields it always consumes, by name.
+    pub consumes: Vec<String>,
+    /// Fields it always can provide, by name.
+    pub provides: Vec<String>,
+    /// Case keys that only this model reads.
+    pub keys: Vec<KeySpec>,
+    /// What is known of its errors.
+    #[serde(default, skip_serializing_if = "Accuracy::is_silent")]
+    pub accuracy: Accuracy,
+}
+
+/// One participant's part in an effect. Several participants may claim the same effect.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EffectSpec {
+    /// Name in the case file, `[effects.NAME]`.
+    pub name: String,
+    /// The law, as a formula or a sentence.
+    pub law: String,
+    /// Where the law comes from.
+    pub source: String,
+    /// Models of this participant that support it, by name.
+    pub models: Vec<String>,
+    /// Fields it consumes, by name.
+    pub consumes: Vec<String>,
+    /// Fields it provides, by name.
+    pub provides: Vec<String>,
+    /// Parameters: keys under `effects.NAME` (and elsewhere).
+    pub keys: Vec<KeySpec>,
+}
+
+/// One key of the case file, its type, its range and what it is for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeySpec {
+    /// Dotted path; `*` stands for any one name (`materials.*.density`).
+    pub path: String,
+    /// Type of the value.
+    #[serde(flatten)]
+    pub kind: KeyKind,
+    /// A case that reaches the participant must have it.
+    #[serde(default)]
+    pub required: bool,
+    /// Value used when the case does not have it (SI).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub default: Option<serde_json::Value>,
+    /// Numbers must be greater than this.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above: Option<f64>,
+    /// Numbers must be at least this.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_least: Option<f64>,
+    /// Numbers must be at most this.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_most: Option<f64>,
+    /// The magnitude must be less than the product of these other keys' values.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub magnitude_below: Vec<String>,
+    /// Of all keys with the same word here exactly one must be given; setting one replaces the
+    /// others. A table (`motion.creepage`) counts through its keys.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub one_of: Option<String>,
+    /// Of all keys with the same word here all or none must be given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub together: Option<String>,
+    /// One line for people.
+    pub help: String,
+}
+
+/// Type of a case value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum KeyKind {
+    /// A number in SI units, or a string with a unit of this dimension.
+    Quantity {
+        /// The SI unit, as an expression ("m", "N", "J/(kg K)", "1/m", "1" for a plain number).
+        unit: String,
+    },
+    /// A whole number.
+    Integer,
+    /// True or false.
+    Flag,
+    /// One of these words.
+    Choice {
+        /// The words.
+        of: Vec<String>,
+    },
+    /// Any text.
+    Text,
+    /// A file; a relative path is meant from the case file's folder, and reaches the participant as
+    /// an absolute one.
+    File,
+    /// Name of a table under this path (`materials`).
+    NameIn {
+        /// Path of the parent table.
+        table: String,
+    },
+}
+
+impl KeySpec {
+    fn new(path: &str, kind: KeyKind, help: &str) -> Self {
+        Self {
+            path: path.to_owned(),
+            kind,
+            required: false,
+            default: None,
+            above: None,
+            at_least: None,
+            at_most: None,
+            magnitude_below: Vec::new(),
+            one_of: None,
+            together: None,
+            help: help.to_owned(),
+        }
+    }
+
+    /// A number with a unit.
+    #[must_use]
+    pub fn quantity(path: &str, unit: &str, help: &str) -> Self {
+        Self::new(path, KeyKind::Quantity { unit: unit.to_owned() }, help)
+    }
+
+    /// A number without a unit.
+    #[must_use]
+    pub fn number(path: &str, help: &str) -> Self {
+        Self::quantity(path, "1", help)
+    }
+
+    /// A whole number.
+    #[must_use]
+    pub fn integer(path: &str, help: &str) -> Self {
+        Self::new(path, KeyKind::Integer, help)
+    }
+
+    /// One of some words.
+    #[must_use]
+    pub fn choice(path: &str, of: &[&str], help: &str) -> Self {
+        let of = of.iter().map(|s| (*s).to_owned()).collect();
+        Self::new(path, KeyKind::Choice { of }, help)
+    }
+
+    /// Any text.
+    #[must_use]
+    pub fn text(path: &str, help: &str) -> Self {
+        Self::new(path, KeyKind::Text, help)
+    }
+
+    /// True or false.
+    #[must_use]
+    pub fn flag(path: &str, help: &str) -> Self {
+        Self::new(path, KeyKind::Flag, help)
+    }
+
+    /// A file that exists.
+    #[must_use]
+    pub fn file(path: &str, help: &str) -> Self {
+        Self::new(path, KeyKind::File, help)
+    }
+
+    /// The name of a table under `table`.
+    #[must_use]
+    pub fn name_in(path: &str, table: &str, help: &str) -> Self {
+        Self::new(path, KeyKind::NameIn { table: table.to_owned() }, help)
+    }
+
+    /// The case must have it.
+    #[must_use]
+    pub fn required(mut self) -> Self {
+        self.required = true;
+        self
+    }
+
+    /// Used when the case does not have it.
+    #[must_use]
+    pub fn default_value(mut self, value: impl Into<serde_json::Value>) -> Self {
+        self.default = Some(value.into());
+        self
+    }
+
+    /// Greater than.
+    #[must_use]
+    pub fn above(mut self, bound: f64) -> Self {
+        self.above = Some(bound);
+        self
+    }
+
+    /// At least.
+    #[must_use]
+    pub fn at_least(mut self, bound: f64) -> Self {
+        self.at_least = Some(bound);
+        self
+    }
+
+    /// At most.
+    #[must_use]
+    pub fn at_most(mut self, bound: f64) -> Self {
+        self.at_most = Some(bound);
+        self
+    }
+
+    /// Smaller in magnitude than the product of other keys.
+    #[must_use]
+    pub fn magnitude_below(mut self, keys: &[&str]) -> Self {
+        self.magnitude_below = keys.iter().map(|s| (*s).to_owned()).collect();
+        self
+    }
+
+    /// One of a group of alternatives.
+    #[must_use]
+    pub fn one_of(mut self, group: &str) -> Self {
+        self.one_of = Some(group.to_owned());
+        self
+    }
+
+    /// All or none of a group.
+    #[must_use]
+    pub fn together(mut self, group: &str) -> Self {
+        self.together = Some(group.to_owned());
+        self
+    }
+}
+
+/// Names of fields, for `consumes` and `provides`.
+#[must_use]
+pub fn names(fields: &[&FieldSpec]) -> Vec<String> {
+    fields.iter().map(|f| f.name.to_owned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::Params;
+    use serde_json::json;
+
+    fn description() -> Description {
+        let model = |name: &str, transient| ModelSpec {
+            name: name.to_owned(),
+            summary: "a model".to_owned(),
+            source: "a book".to_owned(),
+            steady: true,
+            transient,
+            consumes: Vec::new(),
+            provides: vec!["pressure".to_owned()],
+            keys: Vec::new(),
+            accuracy: Accuracy::default(),
+        };
+        let effect = EffectSpec {
+            name: "wear".to_owned(),
+            law: "a law".to_owned(),
+            source: "a book".to_owned(),
+            models: vec!["fine".to_owned()],
+            consumes: Vec::new(),
+            provides: vec!["wear_depth".to_owned()],
+            keys: Vec::new(),
+        };
+        Description {
+            protocol: crate::PROTOCOL_VERSION,
+            name: "program".to_owned(),
+            version: "1".to_owned(),
+            role: "mech".to_owned(),
+            standalone: true,
+            estimates: true,
+            models: vec![model("coarse", false), model("fine", true)],
+            effects: vec![effect],
+            keys: Vec::new(),
+            fields: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_text_of_several_lines_or_with_escapes_is_refused() {
+        assert_eq!(description().check(), Ok(()));
+        for text in ["two\nlines", "\u{1b}[2J", "\u{9b}31m"] {
+            let mut said = description();
+            text.clone_into(&mut said.effects[0].law);
+            let fault = said.check().unwrap_err();
+            assert!(fault.contains("description.effects.law"), "{fault}");
+            assert!(!fault.contains(['\n', '\u{1b}', '\u{9b}']), "{fault}");
+        }
+    }
+
+    fn given(model: &str, mode: Mode, case: serde_json::Value, outputs: &[&str]) -> Configuration {
+        Configuration {
+            role: "mech".to_owned(),
+            model: model.to_owned(),
+            mode,
+            case: Params(case),
+            inputs: Vec::new(),
+            outputs: outputs.iter().map(|name| (*name).to_owned()).collect(),
+            observed: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_is_described_is_admitted_and_nothing_else() {
+        let said = description();
+        let wear = || json!({"effects": {"wear": {}}});
+        let admitted = |given: Configuration| said.admit(&given).map_err(|refusal| refusal.key);
+        let (steady, transient) = (Mode::Steady, Mode::Transient);
+        assert_eq!(admitted(given("fine", transient, wear(), &["pressure", "wear_depth"])), Ok(()));
+        assert_eq!(admitted(given("coarse", steady, json!({}), &["pressure"])), Ok(()));
+        let refused = |key: &str| Err(key.to_owned());
+        assert_eq!(admitted(given("none", steady, json!({}), &[])), refused("mech.model"));
+        assert_eq!(admitted(given("coarse", transient, json!({}), &[])), refused("time.mode"));
+        assert_eq!(admitted(given("coarse", steady, wear(), &[])), refused("effects.wear"));
+        let rust = json!({"effects": {"rust": {}}});
+        assert_eq!(admitted(given("fine", steady, rust, &[])), refused("effects.rust"));
+        assert_eq!(admitted(given("fine", steady, json!({}), &["x"])), refused("mech.model"));
+    }
+}

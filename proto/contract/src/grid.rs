@@ -1,0 +1,198 @@
+//! Surface grids: where the values of a field live.
+//!
+//! A structured grid is a plane patch of equal elements, an unstructured one a surface of
+//! quadrilaterals. Values belong to element centres; the value of element (i, j) of a structured
+//! grid stands at index `j * ni + i` (i runs fastest). For the contact plane `step_i` points along
+//! x, the rolling direction, and `step_j` along y, to the left.
+
+mod geometry;
+mod quadrilaterals;
+mod structured;
+mod sum;
+mod vector;
+
+pub use quadrilaterals::Quadrilaterals;
+pub use structured::Structured;
+pub use sum::{blocked_sum, pairwise_sum};
+
+use serde::{Deserialize, Serialize};
+
+/// More points than this are refused: their field would not fit into any machine.
+const MOST_POINTS: usize = 1 << 36;
+
+/// A name that travels in labels and becomes part of file names: a plain word.
+///
+/// # Errors
+/// It is empty, longer than 31 bytes, or has other characters than letters, digits, `_` and `-`.
+pub fn check_name(what: &str, name: &str) -> Result<(), String> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if (1..=31).contains(&name.len()) && name.chars().all(plain) {
+        return Ok(());
+    }
+    let shown: String = name.chars().take(40).collect();
+    Err(format!("the {what} name {shown:?} is not 1 to 31 letters, digits, `_` or `-`"))
+}
+
+/// A named grid with a revision that rises whenever its geometry changes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grid {
+    /// Name, unique within the participant that owns the grid; at most 31 bytes of ASCII.
+    pub name: String,
+    /// Rises by one whenever the geometry changes; the first is 1.
+    pub revision: u64,
+    /// Geometry.
+    #[serde(flatten)]
+    pub shape: Shape,
+}
+
+/// Geometry of a grid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Shape {
+    /// Plane patch of equal parallelogram elements.
+    Structured(Structured),
+    /// Surface of quadrilateral elements.
+    Quadrilaterals(Quadrilaterals),
+}
+
+impl Grid {
+    /// A structured grid of revision 1.
+    #[must_use]
+    pub fn structured(name: &str, shape: Structured) -> Self {
+        Self { name: name.to_owned(), revision: 1, shape: Shape::Structured(shape) }
+    }
+
+    /// An unstructured grid of revision 1.
+    #[must_use]
+    pub fn quadrilaterals(name: &str, shape: Quadrilaterals) -> Self {
+        Self { name: name.to_owned(), revision: 1, shape: Shape::Quadrilaterals(shape) }
+    }
+
+    /// Number of points, that is, of elements and of values of a one-component field.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        match &self.shape {
+            Shape::Structured(s) => s.points(),
+            Shape::Quadrilaterals(q) => q.elements.len(),
+        }
+    }
+
+    /// Centre of the element whose value stands at `index` [m].
+    #[must_use]
+    pub fn centre(&self, index: usize) -> [f64; 3] {
+        match &self.shape {
+            Shape::Structured(s) => s.centre(index % s.ni, index / s.ni),
+            Shape::Quadrilaterals(q) => q.centre(index),
+        }
+    }
+
+    /// Area of the element whose value stands at `index` [m²].
+    #[must_use]
+    pub fn area(&self, index: usize) -> f64 {
+        match &self.shape {
+            Shape::Structured(s) => s.element_area(),
+            Shape::Quadrilaterals(q) => q.area(index),
+        }
+    }
+
+    /// The grid with its vertices moved by `displacement` [m] (all x, then all y, then all z) and
+    /// the next revision. A structured grid becomes an unstructured one of the same elements, with
+    /// vertex (i, j) at `j * (ni + 1) + i`.
+    ///
+    /// # Errors
+    /// Another length than three values a vertex, or elements that are wrong when moved.
+    pub fn displaced(&self, displacement: &[f64]) -> Result<Self, String> {
+        let moved = match &self.shape {
+            Shape::Structured(s) => Quadrilaterals::from(s).displaced(displacement),
+            Shape::Quadrilaterals(q) => q.displaced(displacement),
+        };
+        let shape = moved.map_err(|why| format!("grid `{}`, moved: {why}", self.name))?;
+        Ok(Self {
+            name: self.name.clone(),
+            revision: self.revision + 1,
+            shape: Shape::Quadrilaterals(shape),
+        })
+    }
+
+    /// What is wrong with a grid that came from outside.
+    ///
+    /// # Errors
+    /// A name that is no plain word of at most 31 bytes, no points or more than fit, steps that are
+    /// not finite or have no length, vertices that are not finite or missing, elements that are not
+    /// convex.
+    pub fn check(&self) -> Result<(), String> {
+        check_name("grid", &self.name)?;
+        let name = &self.name;
+        let s = match &self.shape {
+            Shape::Structured(s) => s,
+            Shape::Quadrilaterals(q) => {
+                return q.check().map_err(|why| format!("grid `{name}`: {why}"));
+            }
+        };
+        match s.ni.checked_mul(s.nj) {
+            Some(points) if (1..=MOST_POINTS).contains(&points) => {}
+            _ => return Err(format!("grid `{name}` has {} x {} points", s.ni, s.nj)),
+        }
+        let finite = [s.origin, s.step_i, s.step_j].as_flattened().iter().all(|v| v.is_finite());
+        if !finite || s.element_area() <= 0.0 {
+            return Err(format!("grid `{name}` has elements without an area"));
+        }
+        Ok(())
+    }
+
+    /// The structured geometry, if it is one.
+    #[must_use]
+    pub fn as_structured(&self) -> Option<&Structured> {
+        match &self.shape {
+            Shape::Structured(s) => Some(s),
+            Shape::Quadrilaterals(_) => None,
+        }
+    }
+
+    /// Surface integral of a one-component field given at the points [unit·m²].
+    #[must_use]
+    pub fn integrate(&self, values: &[f64]) -> f64 {
+        match &self.shape {
+            Shape::Structured(s) => s.element_area() * blocked_sum(values),
+            Shape::Quadrilaterals(q) => pairwise_sum(0..values.len(), &|n| q.area(n) * values[n]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_round_trip_keeps_every_bit() {
+        let shape = Structured::contact_plane(-0.1 / 3.0, 1e-17, 0.2 / 7.0, 1.0 / 3.0, 5, 3);
+        let grid = Grid::structured("contact", shape);
+        let text = serde_json::to_string(&grid).unwrap();
+        assert_eq!(serde_json::from_str::<Grid>(&text).unwrap(), grid);
+    }
+
+    #[test]
+    fn grids_from_outside_are_checked() {
+        let grid = |name: &str, ni, nj, dx| {
+            Grid::structured(name, Structured::contact_plane(0.0, 0.0, dx, 1.0, ni, nj)).check()
+        };
+        assert_eq!(grid("contact", 3, 2, 1.0), Ok(()));
+        let wrong = [
+            grid("../evil", 3, 2, 1.0),
+            grid("", 3, 2, 1.0),
+            grid("contact", 0, 2, 1.0),
+            grid("contact", (1 << 63) + 1, 2, 1.0),
+            grid("contact", 3, 2, 0.0),
+            grid("contact", 3, 2, f64::NAN),
+        ];
+        assert!(wrong.iter().all(Result::is_err), "{wrong:?}");
+    }
+
+    #[test]
+    fn area_and_centres() {
+        let shape = Structured::contact_plane(-1.0, -2.0, 0.5, 0.25, 4, 2);
+        assert_eq!(shape.element_area(), 0.125);
+        assert_eq!(shape.centre(3, 1), [0.5, -1.75, 0.0]);
+        assert_eq!(Grid::structured("g", shape).integrate(&[2.0; 8]), 2.0);
+    }
+}

@@ -1,0 +1,30 @@
+//! What coordinator and participants agree on: the table of fields, grids, steps, descriptions,
+//! configurations, and the fixed layouts of messages. How they travel is the crate `proto`.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`field`] | the table of fields that may cross the interface |
+//! | [`grid`] | the surface grids that fields live on |
+//! | [`step`] | one solve, and what a model reports of it |
+//! | [`description`] | what a participant says of itself: models, effects, case keys, fields |
+//! | [`configuration`] | what a participant receives: its part of the case, its inputs and outputs |
+//! | [`params`] | typed access to the case values inside a configuration |
+//! | [`accuracy`] | what a model says of its errors |
+//! | [`message`] | the fixed layouts of commands, replies and field headers |
+//! | [`text`] | text from outside: what may reach a terminal or a label |
+//!
+//! It knows no transport, no file and no process.
+
+pub mod accuracy;
+pub mod configuration;
+pub mod description;
+pub mod field;
+pub mod grid;
+pub mod message;
+pub mod params;
+mod refusal;
+pub mod step;
+pub mod text;
+
+/// Version of the contract. Raised whenever a layout, a command or the meaning of a key changes.
+pub const PROTOCOL_VERSION: u32 = 4;

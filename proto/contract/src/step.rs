@@ -1,0 +1,56 @@
+//! One solve: the iteration of the window it is for, and what the model reports of it.
+
+/// One iteration of one window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Number of the window, from 0.
+    pub window: u64,
+    /// Iteration within the window, from 1; 0 stands for the first outputs before any solve.
+    pub iteration: u32,
+    /// Start of the window [s].
+    pub start: f64,
+    /// End of the window [s]; equal to `start` in a steady case.
+    pub end: f64,
+}
+
+impl Step {
+    /// The single window of a steady case.
+    pub const STEADY: Step = Step { window: 0, iteration: 1, start: 0.0, end: 0.0 };
+
+    /// Length of the window [s].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.end - self.start
+    }
+}
+
+/// What a solve says besides its outputs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Steps taken inside the window.
+    pub substeps: u32,
+    /// Iterations of the inner solver.
+    pub inner_iterations: u32,
+    /// Number of elementary operations in the model's own measure, for snapshots of work.
+    pub work: u64,
+    /// Heat received through conservative inputs, as the mean power over the window [W]; `None`
+    /// for a model that receives none.
+    pub heat_received: Option<f64>,
+    /// Longest window that the model would take from this one's start [s]: up to an event, or for
+    /// its accuracy. Adaptive windows obey it where it is shorter than the window solved.
+    pub wanted_window: Option<f64>,
+}
+
+impl StepReport {
+    /// What is wrong with it, if anything: a quantity that is not a number would pass for one that
+    /// is not given.
+    #[must_use]
+    pub fn fault(&self) -> Option<String> {
+        if let Some(heat) = self.heat_received.filter(|heat| !heat.is_finite()) {
+            return Some(format!("the model reports {heat} W of heat received"));
+        }
+        let wrong = |wish: &f64| !(wish.is_finite() && *wish >= 0.0);
+        let wish = self.wanted_window.filter(wrong)?;
+        Some(format!("the model wants a window of {wish} s"))
+    }
+}

@@ -1,0 +1,306 @@
+//! Running the coordinator with a watchdog, and looking at what it leaves behind.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod answers;
+pub mod browser;
+mod programs;
+
+pub use answers::{Table, field, field_files, number};
+pub use programs::{library, programs, root};
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// No test may take longer; generous, because it only ends what hangs.
+const WATCHDOG: Duration = Duration::from_secs(180);
+
+/// The path of a shipped case.
+pub fn case(name: &str) -> String {
+    root().join("cases").join(name).display().to_string()
+}
+
+/// `--set` before each of these settings.
+pub fn sets<'a>(settings: &[&'a str]) -> Vec<&'a str> {
+    settings.iter().flat_map(|set| ["--set", set]).collect()
+}
+
+/// Runs a shipped case with these settings, and demands success; the place and the summary.
+pub fn completed(name: &str, settings: &[&str]) -> (Place, Value) {
+    let place = Place::new();
+    let summary = place.summary(&case(name), &sets(settings));
+    (place, summary)
+}
+
+/// A place to run in: folders of its own.
+#[derive(Debug)]
+pub struct Place {
+    runtime: Arc<TempDir>,
+    out: TempDir,
+}
+
+/// What a finished coordinator left.
+#[derive(Debug)]
+pub struct Ended {
+    /// Exit code, unless a signal has ended it.
+    pub code: Option<i32>,
+    /// All of its standard output.
+    pub stdout: String,
+    /// All of its standard error.
+    pub stderr: String,
+}
+
+/// A coordinator that runs.
+#[derive(Debug)]
+pub struct Running<'a> {
+    place: &'a Place,
+    child: Option<Child>,
+}
+
+impl Place {
+    /// A place of its own.
+    #[expect(clippy::new_without_default, reason = "a place is made, not defaulted")]
+    pub fn new() -> Self {
+        // Sockets need a short path, and the folder has to lie in memory as the default one does.
+        let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
+        Self { runtime: Arc::new(runtime), out: tempfile::tempdir().unwrap() }
+    }
+
+    /// A place with results of its own, whose runs share a runtime folder with this one's.
+    pub fn neighbour(&self) -> Self {
+        Self { runtime: Arc::clone(&self.runtime), out: tempfile::tempdir().unwrap() }
+    }
+
+    /// The result directory of [`Place::run`].
+    pub fn out(&self) -> PathBuf {
+        self.out.path().join("out")
+    }
+
+    /// The folder of the runs, in the one that the environment names.
+    pub fn runtime(&self) -> PathBuf {
+        self.runtime.path().join(format!("cosim-{}", rustix::process::geteuid().as_raw()))
+    }
+
+    /// Starts the coordinator with these arguments.
+    pub fn start(&self, arguments: &[&str]) -> Running<'_> {
+        self.launch(self.command(arguments))
+    }
+
+    /// The coordinator with these arguments, to be changed before it is launched.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        self.becoming(Command::new(programs().join("coordinator")), arguments)
+    }
+
+    /// A program that becomes the coordinator with these arguments.
+    pub fn becoming(&self, mut program: Command, arguments: &[&str]) -> Command {
+        program
+            .args(arguments)
+            .env("COSIM_RUNTIME_DIR", self.runtime.path())
+            .env_remove("RUST_LOG")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .current_dir(root());
+        program
+    }
+
+    /// Starts a program that becomes the coordinator, with its runs in a folder of the caller's choice.
+    pub fn start_in(&self, runtime: &Path, program: Command, arguments: &[&str]) -> Running<'_> {
+        let mut command = self.becoming(program, arguments);
+        command.env("COSIM_RUNTIME_DIR", runtime);
+        self.launch(command)
+    }
+
+    /// Starts a command of [`Place::command`] or [`Place::becoming`].
+    pub fn launch(&self, mut command: Command) -> Running<'_> {
+        hear_signals(&mut command);
+        Running { place: self, child: Some(command.spawn().unwrap()) }
+    }
+
+    /// Starts `run CASE --out OUT --replace` with more arguments.
+    pub fn start_run(&self, case: &str, more: &[&str]) -> Running<'_> {
+        let out = self.out().display().to_string();
+        let mut arguments = vec!["run", case, "--out", &out, "--replace"];
+        arguments.extend(more);
+        self.start(&arguments)
+    }
+
+    /// Runs a case to its end.
+    pub fn run(&self, case: &str, more: &[&str]) -> Ended {
+        self.start_run(case, more).wait()
+    }
+
+    /// Runs, and demands success; the summary.
+    pub fn summary(&self, case: &str, more: &[&str]) -> Value {
+        let ended = self.run(case, more);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        self.assert_nothing_left();
+        let summary = self.read_summary();
+        assert_eq!(summary["schema"], 1);
+        let status = summary["status"].as_str().unwrap();
+        assert!(["completed", "converged"].contains(&status), "{status}");
+        summary
+    }
+
+    /// `summary.json` of [`Place::run`].
+    pub fn read_summary(&self) -> Value {
+        serde_json::from_str(&std::fs::read_to_string(self.out().join("summary.json")).unwrap())
+            .unwrap()
+    }
+
+    /// A table of the results, by its path in the result directory.
+    pub fn table(&self, file: &str) -> Table {
+        Table::read(&self.out().join(file))
+    }
+
+    /// The values of a field of one component in an image in `fields`.
+    pub fn field(&self, file: &str, name: &str) -> Vec<f64> {
+        field(&self.out().join("fields").join(file), name)
+    }
+
+    /// The events of `log.jsonl` so far.
+    pub fn log(&self) -> Vec<Value> {
+        let text = std::fs::read_to_string(self.out().join("log.jsonl")).unwrap_or_default();
+        text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect()
+    }
+
+    fn logged(&self, message: &str) -> Vec<Value> {
+        let is = |event: &Value| event["fields"]["message"] == message;
+        self.log().into_iter().filter(is).map(|event| event["fields"].clone()).collect()
+    }
+
+    /// Waits until something stands in the log.
+    pub fn wait_for_log(&self, message: &str) {
+        wait_until(&format!("`{message}` in the log"), || !self.logged(message).is_empty());
+    }
+
+    /// The `folder` or the `prefix` of the run that was created first, by what the coordinator logged.
+    pub fn created(&self, key: &str) -> String {
+        let runs = self.logged("run created");
+        runs.first().expect("a run was created")[key].as_str().unwrap().to_owned()
+    }
+
+    /// The process of a participant, by what the coordinator logged.
+    pub fn pid_of(&self, role: &str) -> Pid {
+        let started = self.logged("participant started");
+        let of_role = started.iter().find(|event| event["role"] == role).unwrap();
+        Pid::from_raw(of_role["pid"].as_i64().unwrap() as i32).unwrap()
+    }
+
+    /// No process, no run folder, no shared-memory file of any run that was started here.
+    pub fn assert_nothing_left(&self) {
+        let pids = self.logged("participant started");
+        for pid in pids.iter().map(|event| event["pid"].as_i64().unwrap()) {
+            wait_until(&format!("the end of process {pid}"), || !is_running(pid));
+        }
+        if Arc::strong_count(&self.runtime) == 1 {
+            wait_until("the end of the runtime folder", || !self.runtime().exists());
+        }
+        for run in self.logged("run created") {
+            let prefix = run["prefix"].as_str().unwrap();
+            let left: Vec<_> = shared_memory_files().filter(|f| f.starts_with(prefix)).collect();
+            assert!(left.is_empty(), "left in shared memory: {left:?}");
+        }
+    }
+}
+
+/// A shell that puts the tests into the background, or `nohup`, lets them ignore signals; what they
+/// start would ignore these, too, and wait for ever to be ended by one.
+fn hear_signals(command: &mut Command) {
+    let signals = [libc::SIGHUP, libc::SIGINT, libc::SIGQUIT, libc::SIGTERM];
+    // SAFETY: between fork and exec, `signal` is async-signal-safe and touches no memory.
+    unsafe {
+        command.pre_exec(move || {
+            for signal in signals {
+                libc::signal(signal, libc::SIG_DFL);
+            }
+            Ok(())
+        })
+    };
+}
+
+fn shared_memory_files() -> impl Iterator<Item = String> {
+    let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    entries.filter_map(|entry| entry.file_name().into_string().ok())
+}
+
+/// The process exists and is more than an entry that nobody has collected yet.
+fn is_running(pid: i64) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+    let state = stat.rsplit(") ").next().and_then(|rest| rest.chars().next());
+    state.is_some_and(|state| state != 'Z')
+}
+
+/// Waits, up to the watchdog's patience.
+pub fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
+    let deadline = Instant::now() + WATCHDOG;
+    while !done() {
+        assert!(Instant::now() < deadline, "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+impl Running<'_> {
+    /// The coordinator's process.
+    pub fn pid(&self) -> Pid {
+        Pid::from_raw(self.child.as_ref().unwrap().id() as i32).unwrap()
+    }
+
+    /// Sends it a signal.
+    pub fn signal(&self, signal: Signal) {
+        kill_process(self.pid(), signal).unwrap();
+    }
+
+    /// Waits, up to the watchdog's patience, until it has ended.
+    pub fn wait(mut self) -> Ended {
+        let child = self.child.as_mut().unwrap();
+        let out = child.stdout.take().map(read_all);
+        let err = child.stderr.take().map(read_all);
+        let status = self.status();
+        let text = |reader: Option<JoinHandle<String>>| match reader {
+            Some(reader) => reader.join().unwrap(),
+            None => String::new(),
+        };
+        let (stdout, stderr) = (text(out), text(err));
+        Ended { code: status.code(), stdout, stderr }
+    }
+
+    fn status(&mut self) -> ExitStatus {
+        let deadline = Instant::now() + WATCHDOG;
+        let child = self.child.as_mut().unwrap();
+        loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                return status;
+            }
+            assert!(Instant::now() < deadline, "the coordinator hangs: {:?}", self.place.log());
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+fn read_all(mut pipe: impl std::io::Read + Send + 'static) -> JoinHandle<String> {
+    std::thread::spawn(move || {
+        let mut text = String::new();
+        pipe.read_to_string(&mut text).unwrap();
+        text
+    })
+}
+
+/// A test that fails does not leave its coordinator running; its participants follow it.
+impl Drop for Running<'_> {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.child
+            && child.try_wait().is_ok_and(|status| status.is_none())
+        {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}

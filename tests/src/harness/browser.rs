@@ -1,0 +1,278 @@
+//! Headless Chromium: pictures of a page, its layout, and what it asked the network for.
+//!
+//! The browser takes longer to start than to show a page: one start shows it in all widths of a scheme
+//! of colours.
+
+use serde_json::Value;
+use std::collections::{BTreeSet, HashMap};
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+use tempfile::TempDir;
+
+/// Colours that a user prefers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// Dark on light.
+    Light,
+    /// Light on dark.
+    Dark,
+}
+
+/// How a page is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Width of the viewport [px].
+    pub width: u32,
+    /// What the user prefers.
+    pub scheme: Scheme,
+}
+
+/// As on a desk, in light.
+pub const DESK: View = View { width: 1280, scheme: Scheme::Light };
+/// As on a phone, in the dark.
+pub const PHONE: View = View { width: 375, scheme: Scheme::Dark };
+
+/// What a browser has made of a page.
+#[derive(Debug)]
+pub struct Look {
+    /// Width that the page takes, more than the viewport's where it has to be scrolled [px].
+    pub scroll_width: u32,
+    /// Left, top, width and height of every plot [px].
+    pub plots: Vec<[u32; 4]>,
+    /// Addresses that the page has asked for.
+    pub fetched: Vec<String>,
+    columns: u32,
+    /// Red, green and blue of every pixel.
+    pixels: Vec<[u8; 3]>,
+}
+
+impl Look {
+    /// What the probe tells of a page, and its picture.
+    fn new(layout: &Value, columns: u32, pixels: Vec<[u8; 3]>) -> Self {
+        let plots = layout["plots"].as_array().unwrap().iter();
+        let fetched = layout["fetched"].as_array().unwrap().iter();
+        Self {
+            scroll_width: numbers(&layout["size"])[0],
+            plots: plots.map(|plot| numbers(plot).try_into().unwrap()).collect(),
+            fetched: fetched.map(|name| name.as_str().unwrap().to_owned()).collect(),
+            columns,
+            pixels,
+        }
+    }
+
+    fn pixel(&self, x: u32, y: u32) -> [u8; 3] {
+        self.pixels[(y * self.columns + x) as usize]
+    }
+
+    /// The colour of the page's corner.
+    pub fn paper(&self) -> [u8; 3] {
+        self.pixel(2, 2)
+    }
+
+    /// More than one pixel in a hundred of a plot is clearly not its background; of a blank one, none.
+    pub fn is_drawn(&self, plot: usize) -> bool {
+        let [left, top, width, height] = self.plots[plot];
+        let places = (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y)));
+        let colours: Vec<[u8; 3]> = places.map(|(x, y)| self.pixel(x, y)).collect();
+        let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
+        colours.iter().for_each(|colour| *counts.entry(*colour).or_default() += 1);
+        let (background, _) = counts.iter().max_by_key(|(_, count)| **count).unwrap();
+        let apart =
+            |colour: &&[u8; 3]| colour.iter().zip(background).any(|(a, b)| a.abs_diff(*b) > 40);
+        100 * colours.iter().filter(apart).count() > colours.len()
+    }
+}
+
+/// The browser's program.
+fn chromium() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        let folders = std::env::var_os("PATH").unwrap_or_default();
+        let names = ["chromium", "chromium-browser", "google-chrome"];
+        let all = std::env::split_paths(&folders).flat_map(|f| names.map(|name| f.join(name)));
+        let found = std::env::var_os("COSIM_CHROMIUM").map(PathBuf::from);
+        found.or_else(|| all.into_iter().find(|path| path.is_file())).expect(
+            "Chromium is needed to test how reports look: apt-get install chromium, or name its \
+             program in COSIM_CHROMIUM",
+        )
+    })
+}
+
+/// Runs the browser on a file until it is done.
+fn browse(place: &TempDir, more: &[String], file: &Path) -> Output {
+    let profile = place.path().join("profile");
+    let ended = Command::new(chromium())
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--hide-scrollbars",
+            "--no-first-run",
+        ])
+        .args(["--disable-dev-shm-usage", "--disable-background-networking", "--disable-sync"])
+        .args(["--disable-component-update", "--disable-extensions", "--disable-default-apps"])
+        .args(["--host-resolver-rules=MAP * 127.0.0.1:9", "--force-device-scale-factor=1"])
+        .args(["--allow-file-access-from-files", "--virtual-time-budget=5000", "--timeout=60000"])
+        .arg(format!("--user-data-dir={}", profile.display()))
+        .args(more)
+        .arg(format!("file://{}", file.display()))
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    ended
+}
+
+/// Tells the page around it how a copy of the page is laid out.
+const PROBE: &str = r#"<script>addEventListener("load", () => setTimeout(() => {
+  const plots = [...document.querySelectorAll("svg.plot")].map(plot => {
+    const r = plot.getBoundingClientRect();
+    return [r.left, r.top, r.width, r.height].map(Math.floor);
+  });
+  const fetched = performance.getEntriesByType("resource").map(entry => entry.name);
+  const root = document.documentElement;
+  const size = [root.scrollWidth, root.scrollHeight];
+  parent.postMessage({ plots, fetched, size }, "*");
+}, 100));</script>"#;
+
+/// A page that shows another one in frames of these widths, side by side: windows cannot be as narrow
+/// as a phone. A frame becomes as high as its page; the title is what the frames have told of
+/// themselves.
+fn framed(widths: &[u32]) -> String {
+    let frame = |width: &u32| {
+        format!(
+            "<iframe src=\"page.html\" style=\"border:0;flex:none\" width=\"{width}\" \
+             height=\"800\"></iframe>"
+        )
+    };
+    format!(
+        "<!DOCTYPE html><title></title>\
+         <body style=\"margin:0;display:flex;align-items:flex-start\"><script>\
+         const told = []; onmessage = event => {{\
+         const frames = [...document.querySelectorAll('iframe')];\
+         const at = frames.findIndex(frame => frame.contentWindow === event.source);\
+         told[at] = event.data; frames[at].height = event.data.size[1];\
+         document.title = JSON.stringify(told) }}</script>{}</body>",
+        widths.iter().map(frame).collect::<String>()
+    )
+}
+
+/// Looks at a page in every one of these views, and at what it asks the network for.
+pub fn look(page: &Path, views: &[View]) -> (Vec<Look>, Vec<String>) {
+    let place = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(page).unwrap();
+    let probe = text.replace("</body>", &format!("{PROBE}</body>"));
+    fs::write(place.path().join("page.html"), probe).unwrap();
+    let mut looks: Vec<Option<Look>> = views.iter().map(|_| None).collect();
+    let mut requests = BTreeSet::new();
+    for scheme in [Scheme::Light, Scheme::Dark] {
+        let of: Vec<usize> = (0..views.len()).filter(|&k| views[k].scheme == scheme).collect();
+        let widths: Vec<u32> = of.iter().map(|&k| views[k].width).collect();
+        if !widths.is_empty() {
+            let (seen, asked) = see(&place, scheme, &widths);
+            of.into_iter().zip(seen).for_each(|(k, look)| looks[k] = Some(look));
+            requests.extend(asked);
+        }
+    }
+    let looks = looks.into_iter().map(|look| look.expect("each view has a scheme"));
+    (looks.collect(), requests.into_iter().collect())
+}
+
+/// How a page is laid out in each width and what it looks like, in one scheme of colours, and what it
+/// asks the network for.
+fn see(place: &TempDir, scheme: Scheme, widths: &[u32]) -> (Vec<Look>, Vec<String>) {
+    let at = |name: &str| place.path().join(name);
+    fs::write(at("frames.html"), framed(widths)).unwrap();
+    let prefers = u8::from(scheme == Scheme::Light);
+    let width = widths.iter().sum::<u32>().max(600);
+    // High enough for most pages; what is higher is looked at again.
+    let mut height = 10_000;
+    let layouts = loop {
+        let more = [
+            format!("--blink-settings=preferredColorScheme={prefers}"),
+            format!("--log-net-log={}", at("net.json").display()),
+            format!("--window-size={width},{height}"),
+            format!("--screenshot={}", at("shot.png").display()),
+            "--dump-dom".to_owned(),
+        ];
+        let ended = browse(place, &more, &at("frames.html"));
+        let layouts: Vec<Value> = probed(&String::from_utf8_lossy(&ended.stdout));
+        assert_eq!(layouts.len(), widths.len(), "a frame has told nothing");
+        let highest = layouts.iter().map(|layout| numbers(&layout["size"])[1]).max().unwrap();
+        if highest <= height {
+            break layouts;
+        }
+        height = highest;
+    };
+    let (columns, pixels) = decode(&at("shot.png"));
+    let mut left = 0;
+    let looks = layouts.iter().zip(widths).map(|(layout, width)| {
+        let rows = pixels.chunks_exact(columns as usize);
+        let rows = rows.take(numbers(&layout["size"])[1] as usize);
+        let own = left..left + *width as usize;
+        left = own.end;
+        Look::new(layout, *width, rows.flat_map(|row| &row[own.clone()]).copied().collect())
+    });
+    (looks.collect(), requests(&at("net.json"), &at("page.html")))
+}
+
+/// What a page asks the network for, by the browser's own log. The browser asks for things of its own,
+/// and for the frames; what a page asks for has the page as its initiator.
+fn requests(log: &Path, page: &Path) -> Vec<String> {
+    let log: Value = serde_json::from_str(&fs::read_to_string(log).unwrap()).unwrap();
+    let events = log["events"].as_array().expect("the log has events");
+    assert!(!events.is_empty());
+    let of_page = |event: &&Value| {
+        let initiator = event["params"]["initiator"].as_str();
+        initiator.is_some_and(|initiator| initiator != "not an origin")
+    };
+    let urls = events.iter().filter(of_page).filter_map(|event| event["params"]["url"].as_str());
+    let own = format!("file://{}", page.display());
+    urls.filter(|url| !url.starts_with("data:") && *url != own).map(str::to_owned).collect()
+}
+
+fn probed(dom: &str) -> Vec<Value> {
+    let title = dom.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
+    let (title, _) = title.unwrap_or_else(|| panic!("no title in {dom:.400}"));
+    serde_json::from_str(&title.replace("&amp;", "&"))
+        .unwrap_or_else(|error| panic!("{error}: the page has not told its layout: {dom:.400}"))
+}
+
+fn numbers(list: &Value) -> Vec<u32> {
+    list.as_array().unwrap().iter().map(|n| n.as_u64().unwrap() as u32).collect()
+}
+
+/// Shows the page in a browser and demands that in every view it fits and that each of its plots is
+/// drawn, so many at least, and that nothing is asked for or fetched.
+///
+/// # Panics
+/// Something of it is otherwise.
+pub fn assert_shown(page: &Path, views: &[View], plots: usize) {
+    let (looks, requests) = look(page, views);
+    assert_eq!(requests, Vec::<String>::new(), "{}", page.display());
+    for (look, view) in looks.iter().zip(views) {
+        assert!(look.plots.len() >= plots, "{view:?}: {} plots", look.plots.len());
+        let width = look.scroll_width;
+        assert!(width <= view.width, "{view:?}: the page is {width} wide");
+        assert_eq!(look.fetched, Vec::<String>::new(), "{view:?}");
+        let light = look.paper().iter().map(|c| u32::from(*c)).sum::<u32>() > 3 * 128;
+        assert_eq!(light, view.scheme == Scheme::Light, "{view:?}: {:?}", look.paper());
+        for plot in 0..look.plots.len() {
+            assert!(look.is_drawn(plot), "{view:?}: plot {plot} is blank");
+        }
+    }
+}
+
+/// Width and pixels of a picture.
+fn decode(path: &Path) -> (u32, Vec<[u8; 3]>) {
+    let file = BufReader::new(File::open(path).expect("the browser has taken a picture"));
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut bytes).unwrap();
+    assert_eq!(frame.bit_depth, png::BitDepth::Eight);
+    let pixels = bytes[..frame.buffer_size()].chunks_exact(frame.color_type.samples());
+    (frame.width, pixels.map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect())
+}

@@ -1,0 +1,205 @@
+//! The executables that tests run: where they are, and that they are those of the sources.
+//!
+//! `cargo test --workspace` builds the executables of every package that has an integration test; a
+//! narrower command leaves those of the other packages as they are. Nothing is built from within a
+//! test: it would wait for every other cargo on the machine. What is missing, or older than a source
+//! that it is made from, is refused with the command that builds it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::SystemTime;
+use toml::Table;
+
+/// The executables, each with the folder of its package and the source of its own.
+const PROGRAMS: [(&str, &str, &str); 13] = [
+    ("coordinator", "coordinator", "src/main.rs"),
+    ("mech-solver", "mech-solver", "src/main.rs"),
+    ("thermal-solver", "thermal-solver", "src/main.rs"),
+    ("rogue", "tests", "src/bin/rogue.rs"),
+    ("toy-body", "tests", "src/bin/toy-body.rs"),
+    ("toy-future", "tests", "src/bin/toy-future.rs"),
+    ("toy-left", "tests", "src/bin/toy-left.rs"),
+    ("toy-mover", "tests", "src/bin/toy-mover.rs"),
+    ("toy-operator", "tests", "src/bin/toy-operator.rs"),
+    ("toy-plate", "tests", "src/bin/toy-plate.rs"),
+    ("toy-relay", "tests", "src/bin/toy-relay.rs"),
+    ("toy-right", "tests", "src/bin/toy-right.rs"),
+    ("toy-source", "tests", "src/bin/toy-source.rs"),
+];
+
+/// The folder of the executables, `target/PROFILE`.
+///
+/// # Panics
+/// One of them is missing or stale.
+pub fn programs() -> &'static Path {
+    static FOLDER: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+    let checked = FOLDER.get_or_init(|| {
+        let folder = deps().parent().unwrap().to_owned();
+        // What is edited while tests run is of the next build; they are linked with the libraries.
+        let linked = changed(&std::env::current_exe().unwrap());
+        for (name, package, main) in PROGRAMS {
+            let libraries = sources_of(package).into_iter();
+            let mut sources: Vec<_> = libraries.filter(|path| changed(path) <= linked).collect();
+            sources.push(root().join(package).join(main));
+            fresh(&folder.join(name), &sources)?;
+        }
+        Ok(folder)
+    });
+    checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
+}
+
+/// The folder of `libcosim.so`, where cargo puts the libraries of a test.
+///
+/// # Panics
+/// It is missing or stale.
+pub fn library() -> &'static Path {
+    static FOLDER: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+    let checked = FOLDER.get_or_init(|| {
+        fresh(&deps().join("libcosim.so"), &sources_of("proto/c"))?;
+        Ok(deps())
+    });
+    checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
+}
+
+/// The root of the workspace.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+}
+
+/// The folder of the test's own executable, `target/PROFILE/deps`.
+fn deps() -> PathBuf {
+    std::env::current_exe().unwrap().parent().unwrap().to_owned()
+}
+
+/// The file is there and no older than any of its sources.
+fn fresh(file: &Path, sources: &[PathBuf]) -> Result<(), String> {
+    let command = match cfg!(debug_assertions) {
+        true => "cargo test --workspace",
+        false => "cargo test --release --workspace",
+    };
+    let how = format!(
+        "Run all tests (`{command}`), or build what they run first (`{command} --no-run`)."
+    );
+    let Some(built) = changed(file) else {
+        return Err(format!("{} is missing. {how}", file.display()));
+    };
+    let newer = sources.iter().find(|source| changed(source) > Some(built));
+    newer.map_or(Ok(()), |source| {
+        Err(format!("{} is older than {}. {how}", file.display(), source.display()))
+    })
+}
+
+fn changed(path: &Path) -> Option<SystemTime> {
+    path.metadata().and_then(|file| file.modified()).ok()
+}
+
+/// A manifest.
+fn manifest(folder: &Path) -> Table {
+    std::fs::read_to_string(folder.join("Cargo.toml")).unwrap().parse().unwrap()
+}
+
+/// The folders of a package and of all of the workspace that it depends on.
+fn packages(package: &str) -> Vec<PathBuf> {
+    let workspace = manifest(&root());
+    let shared = &workspace["workspace"]["dependencies"];
+    let mut found = vec![root().join(package)];
+    let mut next = 0;
+    while let Some(folder) = found.get(next).cloned() {
+        next += 1;
+        let manifest = manifest(&folder);
+        let dependencies = manifest.get("dependencies").and_then(toml::Value::as_table);
+        for (name, told) in dependencies.into_iter().flatten() {
+            let inherited = told.get("workspace").is_some();
+            let (told, from) =
+                if inherited { (&shared[name], root()) } else { (told, folder.clone()) };
+            if let Some(path) = told.get("path").and_then(toml::Value::as_str) {
+                let path = from.join(path).canonicalize().unwrap();
+                if !found.contains(&path) {
+                    found.push(path);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// The sources of the library of a package and of those that it depends on.
+fn sources_of(package: &str) -> Vec<PathBuf> {
+    packages(package).iter().flat_map(|package| sources(package)).collect()
+}
+
+/// What the library of a package was made from, as the compiler has told cargo.
+fn sources(package: &Path) -> Vec<PathBuf> {
+    let manifest = manifest(package);
+    let own = manifest.get("lib").and_then(|lib| lib.get("name")).and_then(toml::Value::as_str);
+    let name = own.or_else(|| manifest["package"]["name"].as_str()).unwrap().replace('-', "_");
+    let told = compiled().get(&name).cloned().unwrap_or_default();
+    told.into_iter().map(|source| root().join(source)).collect()
+}
+
+/// The sources of every library in `deps`, by its name; of several builds the last.
+fn compiled() -> &'static BTreeMap<String, Vec<PathBuf>> {
+    static LIBRARIES: OnceLock<BTreeMap<String, Vec<PathBuf>>> = OnceLock::new();
+    LIBRARIES.get_or_init(|| {
+        let entries = std::fs::read_dir(deps()).unwrap().flatten().map(|entry| entry.path());
+        let told = entries.filter(|path| path.extension().is_some_and(|end| end == "d"));
+        let mut told: Vec<_> = told.map(|path| (changed(&path), path)).collect();
+        told.sort();
+        told.iter().filter_map(|(_, path)| library_of(path)).collect()
+    })
+}
+
+/// The library that a file of dependencies is about, if it is of the workspace, with its sources.
+fn library_of(path: &Path) -> Option<(String, Vec<PathBuf>)> {
+    let text = std::fs::read_to_string(path).ok()?;
+    let (target, sources) = text.lines().find_map(|line| {
+        let (target, sources) = line.split_once(": ")?;
+        target.ends_with(".rlib").then_some((target, sources))
+    })?;
+    let file = Path::new(target).file_stem()?.to_str()?.strip_prefix("lib")?;
+    let name = file.rsplit_once('-').map_or(file, |(name, _)| name);
+    // Spaces in names are escaped; those of other packages are absolute.
+    let sources = sources.replace("\\ ", "\0");
+    let sources: Vec<PathBuf> =
+        sources.split(' ').map(|source| PathBuf::from(source.replace('\0', " "))).collect();
+    let ours = sources.first()?.is_relative();
+    ours.then(|| (name.to_owned(), sources))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{fresh, packages, sources, sources_of};
+    use crate::harness::root;
+    use std::fs::File;
+    use std::time::SystemTime;
+
+    #[test]
+    fn what_is_missing_or_stale_is_refused_with_the_command() {
+        let folder = tempfile::tempdir().unwrap();
+        let (program, sources) = (folder.path().join("coordinator"), sources_of("coordinator"));
+        let missing = fresh(&program, &sources).unwrap_err();
+        assert!(
+            missing.contains("coordinator is missing. Run all tests (`cargo test"),
+            "{missing}"
+        );
+        let file = File::create(&program).unwrap();
+        assert_eq!(fresh(&program, &sources), Ok(()));
+        file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
+        let stale = fresh(&program, &sources).unwrap_err();
+        assert!(stale.contains("coordinator is older than") && stale.contains(".rs"), "{stale}");
+        assert!(stale.contains("--workspace`"), "{stale}");
+    }
+
+    /// The coordinator depends on the contract and on no solver; neither's list of sources is empty.
+    #[test]
+    fn a_program_is_made_from_its_package_and_those_that_it_depends_on() {
+        let packages = packages("coordinator");
+        let has = |name: &str| packages.contains(&root().join(name));
+        assert!(has("coordinator") && has("proto") && !has("mech-solver") && !has("tests"));
+        for package in &packages {
+            let sources = sources(package);
+            assert!(sources.iter().any(|source| source.starts_with(package)), "{sources:?}");
+        }
+    }
+}

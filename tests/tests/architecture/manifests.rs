@@ -1,0 +1,129 @@
+//! Which crate may use which: the manifests, and for what comes from elsewhere the lock file.
+
+use super::code;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+use tests::harness::root;
+use toml::{Table, Value};
+
+/// Every crate that is shipped, and those of the workspace that it may use.
+const ORDER: &[(&str, &[&str])] = &[
+    ("contract", &[]),
+    ("proto", &["contract"]),
+    ("cosim-c", &["contract", "proto"]),
+    ("mech-solver", &["contract", "proto"]),
+    ("thermal-solver", &["contract", "proto"]),
+    ("coupling", &["contract"]),
+    ("case", &["contract", "coupling"]),
+    ("run", &["contract", "proto", "coupling", "case"]),
+    ("coordinator", &["contract", "proto", "coupling", "case", "run"]),
+];
+
+/// Crates that are libraries for others, and what they do without, directly and through others.
+const WITHOUT: [&str; 4] = ["iceoryx2", "mcap", "tokio", "clap"];
+
+struct Manifest {
+    folder: String,
+    /// Crates that it uses, in its code and in its tests.
+    code: BTreeSet<String>,
+    tests: BTreeSet<String>,
+}
+
+/// Folders of the crates.
+pub(super) fn members() -> Vec<String> {
+    let Value::Array(members) = &table(&root().join("Cargo.toml"))["workspace"]["members"] else {
+        panic!("the workspace names no members");
+    };
+    members.iter().map(|folder| folder.as_str().unwrap().to_owned()).collect()
+}
+
+fn table(path: &Path) -> Table {
+    fs::read_to_string(path).unwrap().parse().unwrap()
+}
+
+fn manifests() -> BTreeMap<String, Manifest> {
+    let read = |folder: String| {
+        let manifest = table(&root().join(&folder).join("Cargo.toml"));
+        let of = |key: &str| -> BTreeSet<String> {
+            manifest
+                .get(key)
+                .and_then(Value::as_table)
+                .into_iter()
+                .flat_map(Table::keys)
+                .cloned()
+                .collect()
+        };
+        let code = &of("dependencies") | &of("build-dependencies");
+        let name = manifest["package"]["name"].as_str().unwrap().to_owned();
+        (name, Manifest { folder, code, tests: of("dev-dependencies") })
+    };
+    members().into_iter().map(read).collect()
+}
+
+/// What the packages of the lock file use, by name.
+fn locked() -> BTreeMap<String, BTreeSet<String>> {
+    let lock = table(&root().join("Cargo.lock"));
+    let mut uses: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for package in lock["package"].as_array().unwrap() {
+        let list = package.get("dependencies").and_then(Value::as_array).into_iter().flatten();
+        let names = list.map(|entry| entry.as_str().unwrap().split(' ').next().unwrap().to_owned());
+        uses.entry(package["name"].as_str().unwrap().to_owned()).or_default().extend(names);
+    }
+    uses
+}
+
+/// All that a crate uses in its code, directly and through others.
+fn closure(name: &str, manifests: &BTreeMap<String, Manifest>) -> BTreeSet<String> {
+    let locked = locked();
+    let (mut all, mut open) = (BTreeSet::new(), vec![name.to_owned()]);
+    while let Some(next) = open.pop() {
+        let used = manifests.get(&next).map_or_else(|| &locked[&next], |manifest| &manifest.code);
+        open.extend(used.iter().filter(|one| all.insert((*one).clone())).cloned());
+    }
+    all
+}
+
+#[test]
+fn crates_use_only_those_below_them() {
+    let manifests = manifests();
+    let ours: BTreeSet<String> = manifests.keys().cloned().collect();
+    for (name, manifest) in manifests.iter().filter(|(name, _)| *name != "tests") {
+        let allowed = ORDER.iter().find(|(of, _)| of == name);
+        let (_, allowed) = allowed.unwrap_or_else(|| panic!("{name} has no place in the order"));
+        let used = &(&manifest.code | &manifest.tests) & &ours;
+        let wrong: Vec<_> = used.iter().filter(|one| !allowed.contains(&one.as_str())).collect();
+        assert!(wrong.is_empty(), "{name} must not use {wrong:?}");
+    }
+}
+
+#[test]
+fn the_contract_is_plain_data() {
+    let contract = &manifests()["contract"].code;
+    assert_eq!(contract.iter().collect::<Vec<_>>(), ["serde", "serde_json", "thiserror"]);
+}
+
+#[test]
+fn libraries_do_without_transport_and_command_line() {
+    let manifests = manifests();
+    for name in ["contract", "coupling", "case"] {
+        let all = closure(name, &manifests);
+        let wrong: Vec<_> = WITHOUT.iter().filter(|one| all.contains(**one)).collect();
+        assert!(wrong.is_empty(), "{name} uses {wrong:?}, directly or through others");
+    }
+    assert!(closure("run", &manifests).contains("iceoryx2"), "no way of dependencies is seen");
+}
+
+#[test]
+fn one_crate_knows_the_transport() {
+    for (name, manifest) in manifests() {
+        let declares = (&manifest.code | &manifest.tests).contains("iceoryx2");
+        assert_eq!(declares, name == "proto", "{name}");
+        for file in code::files(&root().join(&manifest.folder).join("src")) {
+            let refers = code::references(&code::read(&file));
+            let used = refers.uses.iter().map(|one| &one.path).chain(&refers.paths);
+            let named = used.flatten().any(|word| word == "iceoryx2");
+            assert!(!named || file.ends_with("proto/src/transport.rs"), "{}", file.display());
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The coordinator's code names no body, field, effect or model: what it says of them comes from the
+//! descriptions and summaries of participants.
+
+use super::code;
+use contract::description::Description;
+use contract::field::TABLE;
+use mech_solver::MechSolver;
+use proto::model::Solver;
+use std::collections::{BTreeMap, BTreeSet};
+use tests::harness::root;
+use thermal_solver::ThermalSolver;
+
+const FOLDERS: [&str; 4] =
+    ["coordinator/coupling/src", "coordinator/case/src", "coordinator/run/src", "coordinator/src"];
+
+/// Names that are also words for what the coordinator itself has: columns of tables and of secants;
+/// the geometry of grids.
+const COMMON: [&str; 2] = ["columns", "geometry"];
+
+/// Files that name something all the same: which names, and why.
+const EXCEPTIONS: &[(&str, &[&str], &str)] = &[
+    (
+        "coordinator/case/src/rules.rs",
+        &["rail", "wheel"],
+        "a title as an example, in a message about titles",
+    ),
+    ("coordinator/case/src/unit.rs", &["pressure"], "a quantity of physics, with its units"),
+    (
+        "coordinator/run/src/results/vtk/label.rs",
+        &["rail", "wheel"],
+        "the words for the bodies of the contract",
+    ),
+    (
+        "coordinator/run/src/results/show.rs",
+        &["rail", "wheel"],
+        "the last lines on the terminal choose quantities of the summary, if it has them",
+    ),
+    (
+        "coordinator/run/src/results/show/contact.rs",
+        &["friction_power", "pressure", "rail", "slip_velocity", "traction", "wheel"],
+        "the same",
+    ),
+    (
+        "coordinator/src/conform/given.rs",
+        &["surface_speed"],
+        "the one field of the contract's table that lies on a grid of one point",
+    ),
+    (
+        "coordinator/src/report/sections/headlines.rs",
+        &["friction_power", "pressure", "rail", "slip_velocity", "traction", "wheel"],
+        "the headlines of a page choose quantities of the summary, if it has them",
+    ),
+    (
+        "coordinator/src/study/quantity.rs",
+        &["friction_power", "pressure", "rail", "wheel"],
+        "the list of quantities that studies compare, if the summary has them",
+    ),
+    (
+        "coordinator/src/accuracy/target.rs",
+        &["friction_power"],
+        "the error of a peak temperature is not taken below that of the power that heats",
+    ),
+];
+
+type Named = BTreeMap<String, BTreeSet<String>>;
+
+fn names() -> BTreeSet<String> {
+    let of = |description: Description| {
+        let models = description.models.into_iter().map(|model| model.name);
+        let effects = description.effects.into_iter().map(|effect| effect.name);
+        models.chain(effects).collect::<Vec<_>>()
+    };
+    let solvers = [MechSolver.description(), ThermalSolver.description()].into_iter().flat_map(of);
+    let fields = TABLE.iter().map(|field| field.name.to_owned());
+    let bodies = ["wheel", "rail"].map(str::to_owned);
+    let all = solvers.chain(fields).chain(bodies);
+    all.filter(|name| !COMMON.contains(&name.as_str())).collect()
+}
+
+/// A text has the name as a word, or as a part of one that is put together.
+fn has(text: &str, name: &str) -> bool {
+    text.match_indices(name).any(|(at, _)| {
+        let (before, after) = (&text[..at], &text[at + name.len()..]);
+        !before.ends_with(char::is_alphanumeric) && !after.starts_with(char::is_alphanumeric)
+    })
+}
+
+/// What each file names, in its texts and by its identifiers.
+fn named() -> Named {
+    let (root, names, mut all) = (root(), names(), Named::new());
+    for file in FOLDERS.iter().flat_map(|folder| code::files(&root.join(folder))) {
+        let refers = code::references(&code::read(&file));
+        let words = refers.paths.into_iter().flatten().map(|word| word.to_lowercase());
+        let texts: Vec<String> = refers.texts.into_iter().chain(words).collect();
+        let found = names.iter().filter(|name| texts.iter().any(|text| has(text, name)));
+        let found: BTreeSet<String> = found.cloned().collect();
+        if !found.is_empty() {
+            all.insert(file.strip_prefix(&root).unwrap().display().to_string(), found);
+        }
+    }
+    all
+}
+
+#[test]
+fn the_coordinator_names_no_physics() {
+    let listed = |(file, names, _): &(&str, &[&str], _)| {
+        ((*file).to_owned(), names.iter().map(|name| (*name).to_owned()).collect())
+    };
+    let expected: Named = EXCEPTIONS.iter().map(listed).collect();
+    assert_eq!(named(), expected, "files and names, as found and as listed");
+}

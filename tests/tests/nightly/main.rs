@@ -1,0 +1,14 @@
+//! What takes long: the whole paper on its own grids, every sweep of the hard cases to its edge, the whole
+//! contract in Python. The system tests do the same on coarser grids and with fewer values.
+//!
+//! `cargo test --release --workspace --no-run && cargo test --release --workspace --test nightly`
+//!
+//! (With `-p tests` in its place cargo chooses other features, and builds all that they depend on again.)
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
+
+mod conform;
+mod paper;
+#[path = "../shared/paper.rs"]
+mod shared_paper;
+mod stability;

@@ -1,0 +1,80 @@
+//! A way to conduct heat: what differs from one model to the next.
+
+use super::frame::Frame;
+use crate::columns::history::{Drive, Stage};
+use proto::model::StepError;
+
+/// Expected cost of a model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// Processor seconds of one solve.
+    pub solve_seconds: f64,
+    /// Memory of the model's arrays [byte].
+    pub memory_bytes: u64,
+}
+
+/// What a solve cost and what heat it put into the bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Elementary operations, in the model's own measure.
+    pub operations: u64,
+    /// Sum over the elements of the flux that went into wheel and rail [W/m²].
+    pub heat: [f64; 2],
+}
+
+/// The hottest place of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// Temperature rise [K].
+    pub rise: f64,
+    /// Its x [m], between the element centres.
+    pub x: f64,
+    /// Its row.
+    pub row: usize,
+}
+
+/// A way to conduct heat: the part of a model that differs from one to the next.
+pub trait Conduction: Sized + 'static {
+    /// It can answer a transient case.
+    const TRANSIENT: bool;
+    /// Marks its states among those of other models.
+    const STATE_TAG: u8;
+
+    /// Allocates everything.
+    fn new(frame: &Frame) -> Self;
+
+    /// Expected cost.
+    fn cost(frame: &Frame) -> Cost;
+
+    /// Remarks for the plan.
+    fn remarks(frame: &Frame) -> Vec<String>;
+
+    /// Surface rises of wheel and rail [K] at the end of a window with the mean power density
+    /// `flux` [W/m²], from the accepted state.
+    fn solve(
+        &mut self,
+        drive: &Drive,
+        flux: &[f64],
+        rise: &mut [Vec<f64>; 2],
+    ) -> Result<Work, StepError>;
+
+    /// The last solve becomes the accepted state.
+    fn accept(&mut self);
+
+    /// Rise [K] of a body along a row at the depth c = z/(2√κ) [√s], at the element centres.
+    fn level(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]);
+
+    /// Rise [K] of a body in the accepted state at any x [m] of a row, at the depth c [√s].
+    fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;
+
+    /// The hottest place of a body in the accepted state, whose surface rises are given, among the
+    /// rows in which they are not zero; `None` if nothing is warm.
+    fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak>;
+
+    /// Appends the accepted state.
+    fn save(&self, bytes: &mut Vec<u8>);
+
+    /// Takes back what [`Conduction::save`] wrote, all of it; `None`, and nothing changed, if it
+    /// does not fit.
+    fn restore(&mut self, bytes: &[u8]) -> Option<()>;
+}

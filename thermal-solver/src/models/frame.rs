@@ -1,0 +1,79 @@
+//! What a model knows before it is built, and its grids.
+
+use crate::WHEEL;
+use crate::effects::friction_heat::Partition;
+use crate::scene::Scene;
+use proto::configuration::Mode;
+use proto::grid::{Grid, Structured};
+
+/// Levels of a section in depth, the surface included.
+pub const LEVELS: usize = 33;
+
+/// Name of the grid of the surface temperatures.
+pub const CONTACT: &str = "contact";
+
+/// Names of the grids of the sections, wheel and rail.
+pub(super) const SECTION_GRIDS: [&str; 2] = ["wheel_section", "rail_section"];
+
+/// What a model knows before it is built.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Materials and speed.
+    pub scene: Scene,
+    /// How the heat is split.
+    pub partition: Partition,
+    /// Steady or transient.
+    pub mode: Mode,
+    /// The grid of heat flux and temperatures, along x in i and along y in j.
+    pub grid: Structured,
+    /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
+    pub section_y: f64,
+}
+
+impl Frame {
+    /// The row of the sections.
+    #[must_use]
+    pub fn section_row(&self) -> usize {
+        let from_axis = |row: &usize| (self.grid.y(*row) - self.section_y).abs();
+        (0..self.grid.nj)
+            .min_by(|a, b| from_axis(a).total_cmp(&from_axis(b)))
+            .expect("a grid has at least one row")
+    }
+
+    /// Distance [m] from one level of a body's section to the next. The last is at 4√(2κL/V) with
+    /// L half the length of the grid: even where the whole grid has been heated evenly, the rise
+    /// there is below 0.2 per cent of the surface's.
+    #[must_use]
+    pub fn level_spacing(&self, body: usize) -> f64 {
+        let half_length = 0.5 * self.grid.ni as f64 * self.grid.dx();
+        let diffusivity = self.scene.materials[body].diffusivity();
+        let depth = 4.0 * (2.0 * diffusivity * half_length / self.scene.speed).sqrt();
+        depth / (LEVELS - 1) as f64
+    }
+
+    /// Depth c = z/(2√κ) [√s] in a body at the distance z [m] from its surface.
+    #[must_use]
+    pub fn depth(&self, body: usize, distance: f64) -> f64 {
+        distance / (2.0 * self.scene.materials[body].diffusivity().sqrt())
+    }
+
+    /// 1/(β√π) of a body [m²·K·√s/J].
+    #[must_use]
+    pub fn amplitude(&self, body: usize) -> f64 {
+        1.0 / (self.scene.materials[body].effusivity() * std::f64::consts::PI.sqrt())
+    }
+
+    /// The grid of a body's section.
+    pub(super) fn section_grid(&self, body: usize) -> Grid {
+        let spacing = self.level_spacing(body);
+        let up = if body == WHEEL { spacing } else { -spacing };
+        let shape = Structured {
+            origin: self.grid.centre(0, self.section_row()),
+            step_i: self.grid.step_i,
+            step_j: [0.0, 0.0, up],
+            ni: self.grid.ni,
+            nj: LEVELS,
+        };
+        Grid::structured(SECTION_GRIDS[body], shape)
+    }
+}

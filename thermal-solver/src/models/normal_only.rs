@@ -1,0 +1,29 @@
+//! What conduction normal to the surface leaves out: conduction along it.
+
+use super::frame::Frame;
+use crate::scene::Material;
+use proto::accuracy::Simplification;
+
+/// What every model leaves out that conducts heat normal to the surface only. The rise behind a
+/// uniform band is √(2πx)·(1 + 1/(8x)) − 1 with x = 2Pe against √(2πx) in one dimension (Jaeger's
+/// integral of e^x K₀(x)), so 0.28/√Pe at a sharp edge; where the flux is smooth the heat from ahead
+/// and behind nearly cancels, and some 1/Pe is left.
+pub(super) fn along_the_surface() -> Simplification {
+    let source = "Jaeger, Proc. R. Soc. NSW 76 (1942) 203-224, at Pe = 10 000";
+    Simplification::always("no conduction along the surface", AT_HIGH_SPEED, source)
+}
+
+/// The error of it at the speeds of railways \[-\].
+const AT_HIGH_SPEED: f64 = 2e-4;
+
+/// What more it costs in a slow case: 1/Pe in all, with half the length of the grid for a.
+pub(super) fn along_the_surface_at(frame: &Frame) -> Option<Simplification> {
+    let half = 0.5 * frame.grid.dx() * frame.grid.ni as f64;
+    let inverse = |body: &Material| 2.0 * body.diffusivity() / (half * frame.scene.speed);
+    let inverse = frame.scene.materials.iter().map(inverse).fold(0.0, f64::max);
+    let more = inverse - AT_HIGH_SPEED;
+    (more > 0.0).then(|| {
+        let what = format!("no conduction along the surface, at Pe = {:.3}", 1.0 / inverse);
+        Simplification::always(&what, more, "Jaeger, Proc. R. Soc. NSW 76 (1942) 203-224: 1/Pe")
+    })
+}
