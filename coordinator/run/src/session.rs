@@ -55,6 +55,7 @@ pub enum Observed {
 }
 
 /// A run in progress.
+// Fields drop in this order: processes end first, ports close next, the run's folder goes last.
 #[derive(Debug)]
 pub struct Session {
     _guard: EndsFirst,

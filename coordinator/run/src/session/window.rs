@@ -6,8 +6,7 @@ use crate::error::RunError;
 use crate::peers::Phase;
 use contract::message::{Command, CommandKind, Finished, OBSERVE};
 use contract::step::Step;
-use coupling::ParticipantIndex;
-use coupling::{Exchange, Part};
+use coupling::{Exchange, Part, ParticipantIndex};
 
 impl Session {
     /// Makes the last solve of every participant its accepted state. Fields of those which are
