@@ -11,5 +11,5 @@ mod perform;
 mod runs;
 mod study;
 
-pub use cli::{Arguments, main};
-pub use study::Study;
+pub(crate) use cli::{Arguments, main};
+pub(crate) use study::Study;

@@ -18,8 +18,8 @@ mod choice;
 mod section;
 mod target;
 
-pub use section::{Stated, StatedRun};
-pub use target::Target;
+pub(crate) use section::{Stated, StatedRun};
+pub(crate) use target::Target;
 
 use crate::study::levels::Level;
 use crate::study::quantity::Quantity;
@@ -42,7 +42,7 @@ const STRIDE: usize = 2;
 
 /// One run of a search.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GridRun {
+pub(crate) struct GridRun {
     /// The resolution: the place among those of the level, coarsest first.
     pub step: usize,
     /// Values of the quantity and of what drives it.
@@ -53,7 +53,7 @@ pub struct GridRun {
 
 /// What to do after a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Decision {
+pub(crate) enum Decision {
     /// The estimated error is within the target.
     Met,
     /// It is not; a finer run is next.
@@ -64,7 +64,7 @@ pub enum Decision {
 
 /// The search for the cheapest run that meets a target.
 #[derive(Debug)]
-pub struct Search {
+pub(crate) struct Search {
     case: PathBuf,
     target: Target,
     /// The quantity of the target, and what drives it.
@@ -82,7 +82,7 @@ impl Search {
     ///
     /// # Errors
     /// A case that cannot run, a quantity that no run has, a pilot that fails.
-    pub fn begin(case: &Path, base: &Variant, target: Target) -> Result<Self, RunError> {
+    pub(crate) fn begin(case: &Path, base: &Variant, target: Target) -> Result<Self, RunError> {
         let standing = planned(case, base)?;
         let Choice { level, step } = choice::choose(case, base, &standing, &target)?;
         choice::refuse_resolution(&level, base)?;
@@ -105,7 +105,7 @@ impl Search {
 
     /// The case of the next run.
     #[must_use]
-    pub fn variant(&self) -> Variant {
+    pub(crate) fn variant(&self) -> Variant {
         self.at(self.step)
     }
 
@@ -186,7 +186,7 @@ impl Search {
     ///
     /// # Errors
     /// A summary without the quantity.
-    pub fn judge(&mut self, summary: &mut Value, wall_s: f64) -> Result<Decision, RunError> {
+    pub(crate) fn judge(&mut self, summary: &mut Value, wall_s: f64) -> Result<Decision, RunError> {
         self.note(self.step, summary, wall_s)?;
         let stated = self.stated();
         summary["accuracy"] = serde_json::to_value(&stated).expect("what is stated is plain data");
@@ -203,7 +203,7 @@ impl Search {
     ///
     /// # Errors
     /// A run on the way fails.
-    pub fn refine(&mut self) -> Result<(), RunError> {
+    pub(crate) fn refine(&mut self) -> Result<(), RunError> {
         let before = self.step;
         let grid_error = self.grid_error().unwrap_or(f64::INFINITY);
         let needed = self.needed(grid_error, before).clamp(before + 1, before + STRIDE);
@@ -243,7 +243,7 @@ impl Search {
 
     /// The error of an answer that misses the target.
     #[must_use]
-    pub fn missed(&self) -> RunError {
+    pub(crate) fn missed(&self) -> RunError {
         let Stated { quantity, estimated_error, target, extrapolated, .. } = self.stated();
         let near = extrapolated.map(|value| format!(", or take the extrapolated {value:.6e}"));
         RunError::Inaccurate {

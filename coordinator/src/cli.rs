@@ -682,3 +682,18 @@ fn print_error(error: &RunError) {
         other => writeln!(stderr, "error: {}", one_line(&other.to_string())),
     };
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_text_is_a_command_line() {
+        let split = |command: &[&str]| {
+            words(&command.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>())
+        };
+        assert_eq!(split(&["a 'b c' d\\ e"]).unwrap(), ["a", "b c", "d e"]);
+        assert_eq!(split(&["a b", "c"]).unwrap(), ["a b", "c"]);
+        assert!(split(&["a 'b"]).unwrap_err().to_string().contains("quote"));
+    }
+}

@@ -33,9 +33,9 @@ mod state;
 mod subject;
 mod unruly;
 
-pub use check::{CheckOutcome, CheckResult};
-pub use cli::{Arguments, main};
-pub use request::Request;
+pub(crate) use check::{CheckOutcome, CheckResult};
+pub(crate) use cli::{Arguments, main};
+pub(crate) use request::Request;
 
 use bench::Bench;
 use check::Check;
@@ -79,7 +79,7 @@ const CHECKS: &[&Check] = &[
 
 /// How a participant went through the contract.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     /// Role that was asked for.
     pub role: String,
     /// Name and version of the program, as it describes itself; empty if it does not.
@@ -96,14 +96,14 @@ pub struct Report {
 
 impl Report {
     /// The checks that failed.
-    pub fn failed(&self) -> impl Iterator<Item = &CheckResult> {
+    pub(crate) fn failed(&self) -> impl Iterator<Item = &CheckResult> {
         self.checks.iter().filter(|row| row.verdict == CheckOutcome::Failed)
     }
 }
 
 /// What there is to tell while checks are made.
 #[derive(Clone, Copy, Debug)]
-pub enum News<'a> {
+pub(crate) enum News<'a> {
     /// Everything is prepared for so many checks.
     Prepared(&'a Report, usize),
     /// The check of this name begins.
@@ -116,7 +116,10 @@ pub enum News<'a> {
 ///
 /// # Errors
 /// The request cannot be, or the user has stopped it. A check that fails is no error here.
-pub fn conform(request: &Request, tell: &mut dyn FnMut(News<'_>)) -> Result<Report, RunError> {
+pub(crate) fn conform(
+    request: &Request,
+    tell: &mut dyn FnMut(News<'_>),
+) -> Result<Report, RunError> {
     let begun = Instant::now();
     let checks = chosen(&request.only)?;
     let configures = checks.iter().any(|check| check.name != describing::DESCRIBE.name);

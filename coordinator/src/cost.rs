@@ -22,5 +22,5 @@ mod show;
 mod study;
 mod sweep;
 
-pub use cli::{Arguments, main};
-pub use study::Study;
+pub(crate) use cli::{Arguments, main};
+pub(crate) use study::Study;

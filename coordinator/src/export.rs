@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 /// What is written, and where.
 #[derive(Clone, Debug, Default)]
-pub struct Target {
+pub(crate) struct Target {
     /// Folder for VTK series.
     pub vtk: Option<PathBuf>,
     /// Folder for CSV.
@@ -44,7 +44,7 @@ struct Newest {
 ///
 /// # Errors
 /// The recording is damaged, or a file cannot be written.
-pub fn export<R: Read>(
+pub(crate) fn export<R: Read>(
     path: &Path,
     recording: &mut Recording<R>,
     target: &Target,

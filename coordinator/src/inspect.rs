@@ -4,9 +4,9 @@ mod range;
 mod show;
 mod survey;
 
-pub use range::Range;
-pub use show::{details_text, text};
-pub use survey::{Details, FieldSurvey, IterationSurvey, SampleSurvey, Survey, Wanted, survey};
+pub(crate) use range::Range;
+pub(crate) use show::{details_text, text};
+pub(crate) use survey::{Details, FieldSurvey, Survey, Wanted, survey};
 
 use proto::recording::{Recording, RecordingError};
 use run::error::{Failure, RunError, file_failure};
@@ -15,13 +15,13 @@ use std::io::BufReader;
 use std::path::Path;
 
 /// A recording in a file.
-pub type FileRecording = Recording<BufReader<File>>;
+pub(crate) type FileRecording = Recording<BufReader<File>>;
 
 /// Opens a recording.
 ///
 /// # Errors
 /// There is no such file, or it is no recording.
-pub fn open(path: &Path) -> Result<FileRecording, RunError> {
+pub(crate) fn open(path: &Path) -> Result<FileRecording, RunError> {
     let file = File::open(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => RunError::Usage(format!(
             "there is no recording {}; `coordinator run CASE --record` writes one",
@@ -34,7 +34,7 @@ pub fn open(path: &Path) -> Result<FileRecording, RunError> {
 
 /// The error for a recording that cannot be read on.
 #[must_use]
-pub fn failed(path: &Path, error: &RecordingError) -> RunError {
+pub(crate) fn failed(path: &Path, error: &RecordingError) -> RunError {
     let fix = match error {
         RecordingError::Format { .. } => "read it with the version that wrote it",
         RecordingError::Io(_) => "check the path and its permissions",
@@ -45,7 +45,7 @@ pub fn failed(path: &Path, error: &RecordingError) -> RunError {
 
 /// The error for a recording of which only the first part could be read.
 #[must_use]
-pub fn unreadable(path: &Path, damage: &str) -> RunError {
+pub(crate) fn unreadable(path: &Path, damage: &str) -> RunError {
     failure(path, damage.to_owned(), "everything before the damage was read")
 }
 

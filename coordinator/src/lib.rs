@@ -1,24 +1,23 @@
-//! Plans, supervises and couples the participants of a co-simulation.
+//! The commands of the coordinator, and what they are made of: studies, recordings, conformance, pages.
 //!
-//! Case text → [`case::RawCase`] → [`case::Case`] → [`plan::Plan`] → [`session::Session`] →
-//! [`results`]. Each arrow is one module; only the left side of an arrow reaches it. [`study`] and what
-//! builds on it go through all of them many times.
+//! What a case is, and how it runs, are crates of their own: [`case`], [`run`]. A study runs a case many
+//! times; [`cli`] lists the commands, and is all that the executable needs.
 
-pub mod ablate;
-pub mod accuracy;
+mod ablate;
+mod accuracy;
 pub mod cli;
-pub mod conform;
-pub mod cost;
-pub mod export;
-pub mod inspect;
-pub mod logging;
-pub mod output;
-pub mod progress;
-pub mod replay;
-pub mod report;
-pub mod reproduce;
-pub mod stability;
-pub mod study;
+mod conform;
+mod cost;
+mod export;
+mod inspect;
+mod logging;
+mod output;
+mod progress;
+mod replay;
+mod report;
+mod reproduce;
+mod stability;
+mod study;
 
 /// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
 #[cfg(test)]

@@ -20,7 +20,7 @@ use tracing_subscriber::util::SubscriberInitExt as _;
 
 /// How much reaches the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Level {
+pub(crate) enum Level {
     /// What ends a run.
     Error,
     /// And what may be wrong.
@@ -47,7 +47,7 @@ impl Level {
 
 /// The logging of the process.
 #[derive(Clone, Debug)]
-pub struct Logging {
+pub(crate) struct Logging {
     file: LogFile,
     screen: Screen,
 }
@@ -55,7 +55,7 @@ pub struct Logging {
 impl Logging {
     /// Sets up logging for the whole process; without a level, `RUST_LOG` or warnings.
     #[must_use]
-    pub fn install(level: Option<Level>) -> Self {
+    pub(crate) fn install(level: Option<Level>) -> Self {
         let file = LogFile(Arc::new(Mutex::new(Sink::default())));
         let log = Self { file, screen: Screen::default() };
         let file = tracing_subscriber::fmt::layer()
@@ -83,7 +83,7 @@ impl Logging {
     }
 
     /// Sends everything, also what was logged before, to this file.
-    pub fn write_to(&self, mut file: File) -> io::Result<()> {
+    pub(crate) fn write_to(&self, mut file: File) -> io::Result<()> {
         let mut sink = self.file.sink();
         if let Sink::Memory(kept) = &*sink {
             file.write_all(kept)?;
@@ -95,7 +95,7 @@ impl Logging {
 
     /// What has kept something from being written into the file, if anything has.
     #[must_use]
-    pub fn failure(&self) -> Option<io::Error> {
+    pub(crate) fn failure(&self) -> Option<io::Error> {
         match &mut *self.file.sink() {
             Sink::Failed(error) => error.take(),
             Sink::Memory(_) | Sink::File { .. } => None,
@@ -103,12 +103,12 @@ impl Logging {
     }
 
     /// Lets go of the file; what is logged from now on is kept for the next.
-    pub fn release(&self) {
+    pub(crate) fn release(&self) {
         *self.file.sink() = Sink::default();
     }
 
     /// From now on the bar steps aside for what is written to the screen.
-    pub fn share_screen(&self, bar: Option<&ProgressBar>) {
+    pub(crate) fn share_screen(&self, bar: Option<&ProgressBar>) {
         *self.screen.0.lock().unwrap_or_else(PoisonError::into_inner) = bar.cloned();
     }
 }
@@ -209,7 +209,7 @@ impl<'a> MakeWriter<'a> for Screen {
 }
 
 /// Warns of the keys of the file that an option has replaced, if any.
-pub fn warn_of_replaced(case: &case::Case) {
+pub(crate) fn warn_of_replaced(case: &case::Case) {
     for case::Replaced { option, keys } in &case.replaced {
         tracing::warn!("{option} replaces {} of the case", keys.join(", "));
     }

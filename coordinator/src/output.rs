@@ -8,7 +8,7 @@ use std::io::{self, Write};
 ///
 /// # Errors
 /// It cannot be written, to a full device for example.
-pub fn print(text: &str) -> Result<(), RunError> {
+pub(crate) fn print(text: &str) -> Result<(), RunError> {
     let mut out = io::stdout();
     match out.write_all(visible(text).as_bytes()).and_then(|()| out.flush()) {
         // `| head` has read what it wanted.
@@ -19,7 +19,7 @@ pub fn print(text: &str) -> Result<(), RunError> {
 
 /// Standard output failed.
 #[must_use]
-pub fn failure(error: &io::Error) -> RunError {
+pub(crate) fn failure(error: &io::Error) -> RunError {
     RunError::Failed(Failure {
         who: "standard output".to_owned(),
         when: "while a result was printed".to_owned(),
@@ -31,7 +31,7 @@ pub fn failure(error: &io::Error) -> RunError {
 /// Writes texts as a command goes on. The first that cannot be written is an error of the command's end:
 /// what it computes is worth more than its words.
 #[derive(Debug)]
-pub struct Speaker {
+pub(crate) struct Speaker {
     quiet: bool,
     said: Result<(), RunError>,
 }
@@ -39,12 +39,12 @@ pub struct Speaker {
 impl Speaker {
     /// One that writes, or a quiet one.
     #[must_use]
-    pub fn new(quiet: bool) -> Self {
+    pub(crate) fn new(quiet: bool) -> Self {
         Self { quiet, said: Ok(()) }
     }
 
     /// Writes a text.
-    pub fn say(&mut self, text: &str) {
+    pub(crate) fn say(&mut self, text: &str) {
         if !self.quiet && self.said.is_ok() {
             self.said = print(text);
         }
@@ -54,7 +54,7 @@ impl Speaker {
     ///
     /// # Errors
     /// That of the outcome, and that something could not be written.
-    pub fn end(self, outcome: Result<(), RunError>) -> Result<(), RunError> {
+    pub(crate) fn end(self, outcome: Result<(), RunError>) -> Result<(), RunError> {
         match outcome {
             Ok(()) => self.said,
             Err(error) => Err(error.and(self.said)),

@@ -9,7 +9,7 @@ const PLAIN: Duration = Duration::from_secs(5);
 
 /// Where progress is shown.
 #[derive(Debug)]
-pub enum Progress {
+pub(crate) enum Progress {
     /// Nowhere.
     Silent,
     /// On a terminal.
@@ -26,7 +26,7 @@ pub enum Progress {
 impl Progress {
     /// Chooses how to show the progress of `total` windows; `None` if nobody knows how many.
     #[must_use]
-    pub fn new(quiet: bool, total: Option<u64>) -> Self {
+    pub(crate) fn new(quiet: bool, total: Option<u64>) -> Self {
         if quiet || total.is_some_and(|total| total < 2) {
             Self::Silent
         } else if std::io::stderr().is_terminal() {
@@ -44,7 +44,7 @@ impl Progress {
 
     /// The bar, if that is how progress is shown.
     #[must_use]
-    pub fn bar(&self) -> Option<&ProgressBar> {
+    pub(crate) fn bar(&self) -> Option<&ProgressBar> {
         match self {
             Self::Bar(bar) => Some(bar),
             Self::Silent | Self::Lines { .. } => None,

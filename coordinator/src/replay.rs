@@ -19,9 +19,9 @@ mod tests;
 mod told;
 mod walk;
 
-pub use compare::{Comparison, Difference, Growth, StepDifference};
-pub use request::{Replay, Request};
-pub use show::{difference, text};
+pub(crate) use compare::Difference;
+pub(crate) use request::{Replay, Request};
+pub(crate) use show::{difference, text};
 
 use crate::inspect;
 use drive::Driver;
@@ -39,7 +39,7 @@ use std::time::{Duration, Instant};
 /// # Errors
 /// The recording cannot be read, has no such role, or the participant fails otherwise than it did
 /// then. A difference is no error here: see [`Replay::comparison`].
-pub fn replay(request: &Request) -> Result<Replay, RunError> {
+pub(crate) fn replay(request: &Request) -> Result<Replay, RunError> {
     let begun = Instant::now();
     let path = &request.recording;
     if let (Some(from), Some(until)) = (request.from, request.until)

@@ -8,20 +8,20 @@
 //! A further section is one function that returns [`page::Section`]s, made of the blocks
 //! [`plot::Figure`], [`map::Heatmap`], [`lanes::Lanes`] and [`table::Table`].
 
-pub mod axis;
-pub mod bars;
+pub(crate) mod axis;
+pub(crate) mod bars;
 mod canvas;
 mod html;
-pub mod image;
-pub mod lanes;
-pub mod map;
-pub mod page;
-pub mod palette;
-pub mod plot;
+pub(crate) mod image;
+pub(crate) mod lanes;
+pub(crate) mod map;
+pub(crate) mod page;
+pub(crate) mod palette;
+pub(crate) mod plot;
 mod sections;
-pub mod source;
+pub(crate) mod source;
 mod standalone;
-pub mod table;
+pub(crate) mod table;
 
 use page::Page;
 use run::error::RunError;
@@ -30,13 +30,13 @@ use source::Results;
 use std::path::{Path, PathBuf};
 
 /// Name of the page in a result directory.
-pub const FILE: &str = "report.html";
+pub(crate) const FILE: &str = "report.html";
 
 /// Writes a page into a folder; its path.
 ///
 /// # Errors
 /// The file system.
-pub fn write(page: &Page, folder: &Path) -> Result<PathBuf, RunError> {
+pub(crate) fn write(page: &Page, folder: &Path) -> Result<PathBuf, RunError> {
     let path = folder.join(FILE);
     replace(&path, page.to_string().as_bytes())?;
     Ok(path)
@@ -46,13 +46,13 @@ pub fn write(page: &Page, folder: &Path) -> Result<PathBuf, RunError> {
 ///
 /// # Errors
 /// [`RunError::Usage`] if no run has written into it; the file system.
-pub fn of_run(folder: &Path) -> Result<Page, RunError> {
+pub(crate) fn of_run(folder: &Path) -> Result<Page, RunError> {
     Ok(page(&Results::read(folder)?))
 }
 
 /// The page about these results.
 #[must_use]
-pub fn page(results: &Results) -> Page {
+pub(crate) fn page(results: &Results) -> Page {
     let mut page = sections::opening(results);
     page.sections.extend(sections::all(results));
     page

@@ -19,14 +19,14 @@ mod drawing;
 mod perform;
 mod record;
 mod render;
-pub mod stale;
-pub mod study;
+pub(crate) mod stale;
+pub(crate) mod study;
 mod table;
 mod text;
 mod values;
 
-pub use cli::{Arguments, main};
-pub use record::Record;
+pub(crate) use cli::{Arguments, main};
+pub(crate) use record::Record;
 
 use crate::study::arguments::FolderArguments;
 use crate::study::output::{Kept, Shown};
@@ -38,7 +38,7 @@ use study::Study;
 
 /// What the command is asked for.
 #[derive(Debug)]
-pub struct Request<'a> {
+pub(crate) struct Request<'a> {
     /// The study's file.
     pub study: &'a Path,
     /// Where runs, text and plots go.
@@ -54,7 +54,7 @@ pub struct Request<'a> {
 /// # Errors
 /// [`RunError::Usage`] for a study that is wrong, before anything has run; those of its runs;
 /// [`RunError::Stale`] if a text that is kept says something else.
-pub fn reproduce(request: &Request, say: &mut dyn FnMut(&str)) -> Result<(), RunError> {
+pub(crate) fn reproduce(request: &Request, say: &mut dyn FnMut(&str)) -> Result<(), RunError> {
     let file = request.study;
     let study = Study::read(file)?;
     check::check(&study, file)?;

@@ -22,9 +22,9 @@ mod rows;
 mod show;
 mod suite;
 
-pub use cli::{Arguments, main};
-pub use report::{CaseReport, Finding, Report, RunResult, SweepReport, Waiting};
-pub use suite::Suite;
+pub(crate) use cli::{Arguments, main};
+pub(crate) use report::{CaseReport, Report, RunResult, SweepReport};
+pub(crate) use suite::Suite;
 
 use crate::study::Variant;
 use crate::study::output::Kept;
@@ -37,7 +37,7 @@ use suite::{Entry, Expected, Sweep};
 
 /// What is to be run.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub(crate) struct Request {
     /// The suite.
     pub suite: Suite,
     /// Names of the cases to run; all if empty.
@@ -53,7 +53,10 @@ pub struct Request {
 /// # Errors
 /// A case that the suite does not have, a folder that cannot be written, or the user has stopped. A
 /// case that goes otherwise than expected is no error here.
-pub fn stability(request: &Request, tell: &mut dyn FnMut(&CaseReport)) -> Result<Report, RunError> {
+pub(crate) fn stability(
+    request: &Request,
+    tell: &mut dyn FnMut(&CaseReport),
+) -> Result<Report, RunError> {
     let begun = Instant::now();
     let mut report = Report {
         schema: Report::SCHEMA,

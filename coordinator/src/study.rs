@@ -8,16 +8,16 @@
 //! how they show what they have found.
 //! Nothing here knows a model or an effect by name: what there is to vary is in the descriptions.
 
-pub mod arguments;
-pub mod axis;
-pub mod folder;
-pub mod levels;
-pub mod output;
-pub mod progress;
-pub mod quantity;
-pub mod richardson;
-pub mod spent;
-pub mod table;
+pub(crate) mod arguments;
+pub(crate) mod axis;
+pub(crate) mod folder;
+pub(crate) mod levels;
+pub(crate) mod output;
+pub(crate) mod progress;
+pub(crate) mod quantity;
+pub(crate) mod richardson;
+pub(crate) mod spent;
+pub(crate) mod table;
 
 use case::RawCase;
 use run::error::RunError;
@@ -30,7 +30,7 @@ use std::time::Instant;
 
 /// What is changed in a case.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Variant {
+pub(crate) struct Variant {
     /// Keys that are set, `key=value` as for `--set`.
     pub set: Vec<String>,
     /// Keys that are removed.
@@ -40,7 +40,7 @@ pub struct Variant {
 impl Variant {
     /// The same with one more key set.
     #[must_use]
-    pub fn with(&self, key: &str, value: impl std::fmt::Display) -> Self {
+    pub(crate) fn with(&self, key: &str, value: impl std::fmt::Display) -> Self {
         let mut more = self.clone();
         more.set.push(format!("{key}={value}"));
         more
@@ -48,7 +48,7 @@ impl Variant {
 
     /// The options that make a `run` of it.
     #[must_use]
-    pub fn options(&self) -> Vec<String> {
+    pub(crate) fn options(&self) -> Vec<String> {
         let set = self.set.iter().flat_map(|option| ["--set".to_owned(), option.clone()]);
         let unset = self.unset.iter().flat_map(|key| ["--unset".to_owned(), key.clone()]);
         set.chain(unset).collect()
@@ -59,7 +59,7 @@ impl Variant {
 ///
 /// # Errors
 /// Whatever is wrong with the case, or with the programs it names.
-pub fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
+pub(crate) fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
     let mut raw = RawCase::read(case)?;
     raw.apply(&variant.set, &variant.unset)?;
     plan(raw)
@@ -69,7 +69,7 @@ pub fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
 ///
 /// # Errors
 /// Those of the command `run`.
-pub fn run(case: &Path, variant: &Variant, folder: &Path) -> Result<Value, RunError> {
+pub(crate) fn run(case: &Path, variant: &Variant, folder: &Path) -> Result<Value, RunError> {
     let since = Instant::now();
     perform(case, &planned(case, variant)?, since, folder)
 }
@@ -79,7 +79,7 @@ pub fn run(case: &Path, variant: &Variant, folder: &Path) -> Result<Value, RunEr
 ///
 /// # Errors
 /// Those of the command `run`.
-pub fn perform(
+pub(crate) fn perform(
     case: &Path,
     planned: &Planned,
     since: Instant,
@@ -96,7 +96,7 @@ const EXPECTED_ITERATIONS: f64 = 10.0;
 
 /// What the participants of a plan expect it to take in all \[s\].
 #[must_use]
-pub fn expected_seconds(plan: &Plan) -> f64 {
+pub(crate) fn expected_seconds(plan: &Plan) -> f64 {
     let windows = plan.windows.count().unwrap_or(1) as f64;
     let implicit = plan.scheme.scheme.is_implicit();
     let solves = windows * if implicit { EXPECTED_ITERATIONS } else { 1.0 };
@@ -108,13 +108,13 @@ pub fn expected_seconds(plan: &Plan) -> f64 {
 ///
 /// # Errors
 /// The file system.
-pub fn scratch() -> Result<tempfile::TempDir, RunError> {
+pub(crate) fn scratch() -> Result<tempfile::TempDir, RunError> {
     let failed = |error| run::error::file_failure(&std::env::temp_dir(), &error);
     tempfile::Builder::new().prefix("cosim-study-").tempdir().map_err(failed)
 }
 
 /// Whether an error ends the whole study, and not only the run that it ended.
 #[must_use]
-pub fn ends_study(error: &RunError) -> bool {
+pub(crate) fn ends_study(error: &RunError) -> bool {
     error.is_interrupt()
 }

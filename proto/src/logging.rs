@@ -17,9 +17,17 @@ pub fn ignored() -> Option<String> {
     Some(format!("RUST_LOG is ignored: {error}; write LEVEL or TARGET=LEVEL, with commas between"))
 }
 
-fn directives() -> Option<Result<Targets, ParseError>> {
+fn directives() -> Option<Result<Targets, String>> {
     let text = std::env::var("RUST_LOG").ok()?;
-    (!text.trim().is_empty()).then(|| text.parse())
+    (!text.trim().is_empty()).then(|| parse(&text))
+}
+
+fn parse(text: &str) -> Result<Targets, String> {
+    // Such a directive would be taken for a target of this name.
+    if text.contains('[') {
+        return Err("spans and fields are not filtered".to_owned());
+    }
+    text.parse().map_err(|error: ParseError| error.to_string())
 }
 
 #[cfg(test)]
@@ -29,7 +37,7 @@ mod tests {
     #[test]
     fn directives_are_levels_targets_and_both() {
         let level = |text: &str, target: &str| {
-            let targets: Targets = text.parse().unwrap();
+            let targets = parse(text).unwrap();
             let levels = [LevelFilter::TRACE, LevelFilter::DEBUG, LevelFilter::INFO];
             let rank = |level: &LevelFilter| {
                 level.into_level().is_some_and(|level| targets.would_enable(target, &level))
@@ -40,6 +48,8 @@ mod tests {
         assert_eq!(level("error,proto=debug", "proto::transport"), LevelFilter::DEBUG);
         assert_eq!(level("proto=debug", "coordinator"), LevelFilter::OFF);
         assert_eq!(level("proto", "proto::transport"), LevelFilter::TRACE);
-        assert!("proto[span]=debug".parse::<Targets>().is_err());
+        for wrong in ["proto[span]=debug", "proto=loud", "proto=info=debug"] {
+            assert!(parse(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -10,11 +10,12 @@ use std::mem::MaybeUninit;
 use std::ptr;
 use std::sync::OnceLock;
 
-const CUT: &[u8] = b"error: shared memory failed: a file of the run in /dev/shm has been cut, or there \
-    is no room for it (bus error); free or enlarge /dev/shm; the next run removes what this one leaves\n";
+const CUT: &[u8] = b"error: shared memory failed: a file of the run in /dev/shm has been \
+                     truncated, or there is no room for it (bus error); free or enlarge /dev/shm; \
+                     the next run removes what this one leaves\n";
 const OVERWRITTEN: &[u8] =
     b"error: invalid access to memory: the run's files in /dev/shm have been \
-    overwritten, or the program is at fault; the next run removes what this one leaves\n";
+      overwritten, or the program is at fault; the next run removes what this one leaves\n";
 
 /// What the runtime of the language does about invalid accesses: it knows overflows of the stack.
 static BEFORE: OnceLock<libc::sigaction> = OnceLock::new();

@@ -11,7 +11,7 @@ use run::error::RunError;
 
 /// What `coordinator ablate` is asked.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     of: CaseArguments,
     #[command(flatten)]
@@ -25,7 +25,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// A case that cannot run, the file system.
-pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let (case, base) = (asked.of.case.clone(), asked.of.base());
     let standing = planned(&case, &base)?;
     crate::logging::warn_of_replaced(&standing.case);

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// A study, as `ablate.json` has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Study {
+pub(crate) struct Study {
     /// Version of this layout.
     pub schema: u32,
     /// Name of the case.
@@ -34,7 +34,7 @@ impl Kept for Study {
 
 /// One run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Run {
+pub(crate) struct Run {
     /// The effect that is off; empty for the case as it is.
     pub effect: String,
     /// Why it has no quantities.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// The error of an answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Stated {
+pub(crate) struct Stated {
     /// Key of the quantity.
     pub quantity: String,
     /// Largest relative error that was asked for.
@@ -30,7 +30,7 @@ pub struct Stated {
 
 /// One run on the way to the answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct StatedRun {
+pub(crate) struct StatedRun {
     /// What sets its resolution.
     pub settings: Vec<(String, u32)>,
     /// The quantity.

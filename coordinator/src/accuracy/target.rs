@@ -9,7 +9,7 @@ const DRIVERS: [(&str, &str); 1] = [("temperature.", "contact.friction_power_w")
 
 /// A target of accuracy.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Target {
+pub(crate) struct Target {
     /// Largest relative error.
     pub relative: f64,
     /// Key of the quantity in the summary; `None` for the first of interest that the summary has.
@@ -21,7 +21,7 @@ impl Target {
     ///
     /// # Errors
     /// Says what is wrong with the text.
-    pub fn read_error(text: &str) -> Result<f64, String> {
+    pub(crate) fn read_error(text: &str) -> Result<f64, String> {
         let (number, unit) = match text.trim().strip_suffix('%') {
             Some(number) => (number, 0.01),
             None => (text, 1.0),

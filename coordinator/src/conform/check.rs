@@ -22,7 +22,7 @@ pub(super) struct Check {
 /// How a check went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum CheckOutcome {
+pub(crate) enum CheckOutcome {
     /// The demand is kept.
     Passed,
     /// It is not.
@@ -35,7 +35,7 @@ pub enum CheckOutcome {
 
 /// A check that was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CheckResult {
+pub(crate) struct CheckResult {
     /// Its name.
     pub name: &'static str,
     /// How it went.

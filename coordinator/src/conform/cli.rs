@@ -12,7 +12,7 @@ use std::time::Duration;
 
 /// What `coordinator conform` is asked.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The role that it plays.
     #[arg(long, value_name = "ROLE")]
     role: String,
@@ -49,7 +49,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// What is asked for cannot be, or a check failed.
-pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     if !(asked.deadline > 0.0 && asked.deadline <= 1e6) {
         return Err(RunError::Usage("--deadline must be a number of seconds above 0".to_owned()));
     }

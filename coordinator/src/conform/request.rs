@@ -6,7 +6,7 @@ use std::time::Duration;
 
 /// What is to be put through the contract, and with what.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub(crate) struct Request {
     /// The role that it plays.
     pub role: String,
     /// The executable.

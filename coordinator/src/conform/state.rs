@@ -20,9 +20,9 @@ pub(super) const RESTORE: Check = Check {
 
 pub(super) const DAMAGED_STATE: Check = Check {
     name: "damaged-state",
-    demand: "a state file that is cut or missing is refused with a reason; one with a changed byte \
-             ends no process (the coordinator's checkpoints have checksums); a whole one is taken \
-             afterwards",
+    demand: "a state file that is truncated or missing is refused with a reason; one with a \
+             changed byte ends no process (the coordinator's checkpoints have checksums); a whole \
+             one is taken afterwards",
     fix: "check the length of the state against what the configuration needs, before using it",
     run: damaged,
 };
@@ -112,10 +112,10 @@ fn damaged(bench: &Bench) -> Result<Seen, Fault> {
         let length = saved.bytes.len();
         if length == 0 {
             saved.continue_in(&mut life)?;
-            return Seen::kept(format!("no state to cut; a missing file: {missing}"));
+            return Seen::kept(format!("no state to truncate; a missing file: {missing}"));
         }
         for cut in [0, 1, length / 2, length - 1] {
-            let what = format!("a state cut to {cut} of {length} bytes");
+            let what = format!("a state truncated to {cut} of {length} bytes");
             saved.give(&mut life, Some(&saved.bytes[..cut]))?.not_done(&what)?;
             life.none_of_outputs("a Restore that failed")?;
         }
@@ -132,6 +132,8 @@ fn damaged(bench: &Bench) -> Result<Seen, Fault> {
         }
         saved.continue_in(&mut life)?;
         bench.keep(setting, life);
-        Seen::kept(format!("cut {length} bytes refused; the whole state is taken afterwards"))
+        Seen::kept(format!(
+            "truncations of {length} bytes refused; the whole state is taken afterwards"
+        ))
     })
 }

@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// What `coordinator cost` is asked.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     of: CaseArguments,
     /// Vary a key, coarsest value first, in place of the default plan: a model, a resolution, a
@@ -43,7 +43,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// A case that cannot run, options that cannot be, the file system.
-pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let request = request(asked)?;
     let standing = planned(&request.case, &request.base)?;
     crate::logging::warn_of_replaced(&standing.case);

@@ -33,7 +33,7 @@ pub(super) struct Request {
 
 /// A study, as `cost.json` has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Study {
+pub(crate) struct Study {
     /// Version of this layout.
     pub schema: u32,
     /// Name of the case.
@@ -66,7 +66,7 @@ impl Kept for Study {
 
 /// A quantity that is compared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Compared {
+pub(crate) struct Compared {
     /// Key of the summary.
     pub key: String,
     /// What it is, in few words.
@@ -81,7 +81,7 @@ pub struct Compared {
 impl Compared {
     /// The quantity itself.
     #[must_use]
-    pub fn quantity(&self) -> Quantity {
+    pub(crate) fn quantity(&self) -> Quantity {
         let Self { key, name, measure, .. } = self.clone();
         Quantity { key, name, measure }
     }
@@ -89,7 +89,7 @@ impl Compared {
 
 /// What the values of a quantity are compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Reference {
+pub(crate) struct Reference {
     /// Its value, in the unit of the key.
     pub value: f64,
     /// How far off it may be itself, as errors are measured: its grids, and what its models leave out.
@@ -102,7 +102,7 @@ pub struct Reference {
 
 /// A choice of models, and what its runs show.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LevelSeen {
+pub(crate) struct LevelSeen {
     /// Its models, in one word.
     pub name: String,
     /// What they leave out that matters in this case.
@@ -116,7 +116,7 @@ pub struct LevelSeen {
 
 /// What the runs of a level show of one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Shows {
+pub(crate) struct Shows {
     /// Order of convergence with the resolution, if three resolutions show one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub order: Option<f64>,
@@ -130,7 +130,7 @@ pub struct Shows {
 
 /// One run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Run {
+pub(crate) struct Run {
     /// Index of its level.
     pub level: usize,
     /// Its resolution: the place among those of its level, coarsest first.
@@ -154,7 +154,7 @@ pub struct Run {
 
 /// The cheapest run that meets a target.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pick {
+pub(crate) struct Pick {
     /// Largest error of the first quantity, relative or absolute as it is measured.
     pub target: f64,
     /// Index of the run; absent if none meets the target.
@@ -165,7 +165,7 @@ pub struct Pick {
 impl Run {
     /// What tells it from the other runs of its level.
     #[must_use]
-    pub fn settings_text(&self) -> String {
+    pub(crate) fn settings_text(&self) -> String {
         let all: Vec<String> =
             self.settings.iter().map(|(key, value)| format!("{key} {value}")).collect();
         all.join(", ")

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Smallest, largest and mean value, and the first that is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Range {
+pub(crate) struct Range {
     /// Smallest finite value.
     pub min: Option<f64>,
     /// Largest finite value.
@@ -18,7 +18,7 @@ pub struct Range {
 impl Range {
     /// The range of a sample; in lanes, so that a compiler vectorises it.
     #[must_use]
-    pub fn of(values: &[f64]) -> Self {
+    pub(crate) fn of(values: &[f64]) -> Self {
         let first_non_finite = proto::model::first_non_finite(values);
         let finite: Vec<f64>;
         let values = match first_non_finite {
@@ -51,7 +51,7 @@ impl Range {
 
     /// The range of both; the mean is over equally many values of each.
     #[must_use]
-    pub fn and(self, other: Self, samples_so_far: u64) -> Self {
+    pub(crate) fn and(self, other: Self, samples_so_far: u64) -> Self {
         let join = |a: Option<f64>, b: Option<f64>, of: fn(f64, f64) -> f64| match (a, b) {
             (Some(a), Some(b)) => Some(of(a, b)),
             (one, None) | (None, one) => one,

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// The whole recording on a page.
 #[must_use]
-pub fn text(survey: &Survey, path: &Path) -> String {
+pub(crate) fn text(survey: &Survey, path: &Path) -> String {
     let mut out = format!("{} · {}\n", survey.case, path.display());
     let state = match &survey.damage {
         _ if survey.complete => "complete",
@@ -123,7 +123,7 @@ fn fields(out: &mut String, fields: &[FieldSurvey]) {
 
 /// Iterations and samples one by one.
 #[must_use]
-pub fn details_text(details: &Details, fields_only: bool) -> String {
+pub(crate) fn details_text(details: &Details, fields_only: bool) -> String {
     let mut out = String::new();
     if !fields_only && !details.iterations.is_empty() {
         let _ = writeln!(

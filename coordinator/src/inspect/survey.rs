@@ -9,7 +9,7 @@ use std::io::Read;
 
 /// What is looked at sample by sample.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Wanted {
+pub(crate) struct Wanted {
     /// Only samples of this field; a name, or the end of a topic's.
     pub field: Option<String>,
     /// Only this window.
@@ -19,7 +19,7 @@ pub struct Wanted {
 impl Wanted {
     /// Samples and iterations are to be listed at all.
     #[must_use]
-    pub fn anything(&self) -> bool {
+    pub(crate) fn anything(&self) -> bool {
         self.field.is_some() || self.window.is_some()
     }
 
@@ -36,7 +36,7 @@ impl Wanted {
 
 /// A recording in short.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Survey {
+pub(crate) struct Survey {
     /// Short name of the case.
     pub case: String,
     /// Name and version of the program that wrote it.
@@ -83,7 +83,7 @@ pub struct Survey {
 
 /// A participant in a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ParticipantSurvey {
+pub(crate) struct ParticipantSurvey {
     /// Role.
     pub role: String,
     /// Program and its version.
@@ -100,7 +100,7 @@ pub struct ParticipantSurvey {
 
 /// A topic in a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FieldSurvey {
+pub(crate) struct FieldSurvey {
     /// Name of the service that it travelled on.
     pub topic: String,
     /// SI unit.
@@ -122,7 +122,7 @@ pub struct FieldSurvey {
 
 /// Iterations and samples one by one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Details {
+pub(crate) struct Details {
     /// Iterations of the windows asked for.
     pub iterations: Vec<IterationSurvey>,
     /// Samples asked for.
@@ -130,11 +130,11 @@ pub struct Details {
 }
 
 /// An iteration.
-pub type IterationSurvey = Iteration;
+pub(crate) type IterationSurvey = Iteration;
 
 /// A sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SampleSurvey {
+pub(crate) struct SampleSurvey {
     /// Name of the service that it travelled on.
     pub topic: String,
     /// Number of the window.
@@ -151,7 +151,7 @@ pub struct SampleSurvey {
 }
 
 /// Reads a recording to its end, or to where it is damaged.
-pub fn survey<R: Read>(recording: &mut Recording<R>, wanted: &Wanted) -> Survey {
+pub(crate) fn survey<R: Read>(recording: &mut Recording<R>, wanted: &Wanted) -> Survey {
     let mut taken = Taken::of(recording, wanted);
     loop {
         let entry = match recording.read() {

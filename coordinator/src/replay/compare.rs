@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// What was compared, and how it differs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// Samples compared.
     pub samples: u64,
     /// Values compared.
@@ -27,7 +27,7 @@ pub struct Comparison {
 
 /// The first value that differs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Difference {
+pub(crate) struct Difference {
     /// Number of the window.
     pub window: u64,
     /// Iteration within it.
@@ -50,7 +50,7 @@ pub struct Difference {
 
 /// Differences over time; long ones thinned out to every second step again and again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Growth {
+pub(crate) struct Growth {
     /// From the first difference on.
     pub steps: Vec<StepDifference>,
     #[serde(skip)]
@@ -61,7 +61,7 @@ pub struct Growth {
 
 /// Largest difference in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct StepDifference {
+pub(crate) struct StepDifference {
     /// Number of the window.
     pub window: u64,
     /// Iteration within it.
@@ -76,7 +76,7 @@ const KEPT: usize = 64;
 impl Comparison {
     /// Something differs by more than the tolerance.
     #[must_use]
-    pub fn differs(&self) -> bool {
+    pub(crate) fn differs(&self) -> bool {
         self.first.is_some() || self.other.is_some()
     }
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// What is to be replayed.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub(crate) struct Request {
     /// The recording.
     pub recording: PathBuf,
     /// Role of the participant that is driven.
@@ -31,7 +31,7 @@ pub struct Request {
 
 /// How a replay went.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Replay {
+pub(crate) struct Replay {
     /// Role that was driven.
     pub role: String,
     /// Program and version that was driven.

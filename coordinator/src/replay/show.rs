@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 /// A few lines: what was driven, what was compared, where it first differs and how that grows.
 #[must_use]
-pub fn text(replay: &Replay, request: &Request) -> String {
+pub(crate) fn text(replay: &Replay, request: &Request) -> String {
     let mut out = format!(
         "replay of {} by {} from {}\n",
         replay.role,
@@ -68,7 +68,7 @@ pub fn text(replay: &Replay, request: &Request) -> String {
 
 /// The first difference in a line.
 #[must_use]
-pub fn difference(first: &Difference) -> String {
+pub(crate) fn difference(first: &Difference) -> String {
     format!(
         "window {}, iteration {}: {}[{}] is {:e} {unit}, recorded {:e} {unit} (off by \
          {:.3e} of the largest)",

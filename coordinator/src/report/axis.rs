@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 /// An axis over its values, linear or by decades.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// Smallest and largest value.
     pub range: [f64; 2],
     /// By decades; both ends of the range are positive then.
@@ -21,7 +21,7 @@ impl Axis {
     /// A linear axis from the smallest to the largest value, with a little room if `loose`; never
     /// empty.
     #[must_use]
-    pub fn linear(values: impl Iterator<Item = f64>, loose: bool, paper: [f64; 2]) -> Self {
+    pub(crate) fn linear(values: impl Iterator<Item = f64>, loose: bool, paper: [f64; 2]) -> Self {
         let [mut low, mut high] = extent(values).unwrap_or([0.0, 1.0]);
         if high <= low {
             let half = if low == 0.0 { 1.0 } else { 0.5 * low.abs() };
@@ -40,7 +40,7 @@ impl Axis {
 
     /// An axis by whole decades round the positive values.
     #[must_use]
-    pub fn decades(values: impl Iterator<Item = f64>, paper: [f64; 2]) -> Self {
+    pub(crate) fn decades(values: impl Iterator<Item = f64>, paper: [f64; 2]) -> Self {
         let logs = values.filter(|value| *value > 0.0).map(f64::log10);
         let [low, high] = extent(logs).unwrap_or([0.0, 1.0]);
         let (low, mut high) = (low.floor(), high.ceil());
@@ -52,7 +52,7 @@ impl Axis {
 
     /// The place of a value on the paper; `None` for what has none.
     #[must_use]
-    pub fn place(&self, value: f64) -> Option<f64> {
+    pub(crate) fn place(&self, value: f64) -> Option<f64> {
         let [low, high] = self.range;
         let part = match self.decades {
             true if value > 0.0 => (value / low).ln() / (high / low).ln(),
@@ -66,7 +66,7 @@ impl Axis {
 
     /// Round values along the axis, about `wanted` of them, and how each is written.
     #[must_use]
-    pub fn ticks(&self, wanted: usize) -> Vec<(f64, String)> {
+    pub(crate) fn ticks(&self, wanted: usize) -> Vec<(f64, String)> {
         match self.decades {
             true => self.powers(wanted),
             false => self.round(wanted),
@@ -119,7 +119,7 @@ fn round_step(least: f64) -> f64 {
 
 /// The smallest and the largest of the finite values.
 #[must_use]
-pub fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let wider = |range: Option<[f64; 2]>, value: f64| match range {
         Some([low, high]) => Some([low.min(value), high.max(value)]),
         None => Some([value, value]),
@@ -129,7 +129,7 @@ pub fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
 
 /// The frame of a plot: two axes with their labels, drawn once for every kind of plot.
 #[derive(Clone, Debug)]
-pub struct Frame<'a> {
+pub(crate) struct Frame<'a> {
     /// To the right.
     pub x: &'a Axis,
     /// Upward.
@@ -145,7 +145,7 @@ pub struct Frame<'a> {
 impl Frame<'_> {
     /// The axes as SVG.
     #[must_use]
-    pub fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         let ([left, right], [bottom, top]) = (self.x.paper, self.y.paper);
         let mut out = self.numbers_below() + &self.numbers_beside();
         let _ = writeln!(

@@ -17,7 +17,7 @@ const NAMES: f64 = 176.0;
 
 /// A value for each of some names.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bars {
+pub(crate) struct Bars {
     /// What is shown.
     pub title: String,
     /// What the values are, with their unit.
@@ -29,7 +29,7 @@ pub struct Bars {
 impl Bars {
     /// The bars as HTML.
     #[must_use]
-    pub fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let values = self.bars.iter().map(|(_, value)| *value);
         let axis = Axis::linear(values.chain([0.0]), true, [NAMES + 8.0, RIGHT - 44.0]);
         let bottom = TOP + ROW * self.bars.len() as f64;

@@ -11,7 +11,7 @@ use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
 /// # Panics
 /// `pixels` is not a multiple of `width`, or empty.
 #[must_use]
-pub fn address(width: usize, pixels: &[u8]) -> String {
+pub(crate) fn address(width: usize, pixels: &[u8]) -> String {
     assert!(!pixels.is_empty() && pixels.len().is_multiple_of(width), "an image has full rows");
     let image = encoded(width, pixels).expect("a map has few elements, and memory takes them all");
     format!("data:image/png;base64,{}", STANDARD.encode(image))

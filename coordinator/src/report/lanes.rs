@@ -16,7 +16,7 @@ const SEEN: f64 = 0.75;
 
 /// One lane.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lane {
+pub(crate) struct Lane {
     /// The process.
     pub name: String,
     /// Beginning and end of each piece of work \[s\].
@@ -25,7 +25,7 @@ pub struct Lane {
 
 /// Lanes over a common time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lanes {
+pub(crate) struct Lanes {
     /// What is shown.
     pub title: String,
     /// From top to bottom.
@@ -37,7 +37,7 @@ pub struct Lanes {
 impl Lanes {
     /// The lanes as HTML.
     #[must_use]
-    pub fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let ends = self.lanes.iter().flat_map(|lane| lane.bars.iter().map(|bar| bar[1]));
         let end = ends.fold(0.0, f64::max);
         let scale = Scale::of("s", end);

@@ -21,7 +21,7 @@ const ELEMENTS: usize = 400;
 
 /// A field over a rectangle of elements.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Heatmap {
+pub(crate) struct Heatmap {
     /// What is shown.
     pub title: String,
     /// What is to the right, with its unit.
@@ -49,14 +49,14 @@ pub struct Heatmap {
 impl Heatmap {
     /// The map as HTML.
     #[must_use]
-    pub fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let svg = view(&self.title, &self.describe(), self.height(), &self.content());
         figure(&self.title, &svg, &self.note)
     }
 
     /// The map as an SVG file that needs nothing else, with its title.
     #[must_use]
-    pub fn standalone(&self) -> String {
+    pub(crate) fn standalone(&self) -> String {
         Standalone {
             title: &self.title,
             description: &self.describe(),

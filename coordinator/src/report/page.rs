@@ -14,7 +14,7 @@ const STYLE: &str = include_str!("style.css");
 
 /// One figure of the head of the page.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Headline {
+pub(crate) struct Headline {
     /// What it is.
     pub name: String,
     /// Number and unit.
@@ -25,7 +25,7 @@ pub struct Headline {
 
 /// A part of a section.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Block {
+pub(crate) enum Block {
     /// A paragraph.
     Text(String),
     /// Figures side by side, large.
@@ -108,7 +108,7 @@ fn switches(all: &[(String, bool, String)]) -> String {
 
 /// A heading and what belongs under it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Section {
+pub(crate) struct Section {
     /// The heading.
     pub title: String,
     /// What is under it.
@@ -118,7 +118,7 @@ pub struct Section {
 impl Section {
     /// A section; `None` if there is nothing in it.
     #[must_use]
-    pub fn of(title: &str, blocks: Vec<Block>) -> Option<Self> {
+    pub(crate) fn of(title: &str, blocks: Vec<Block>) -> Option<Self> {
         (!blocks.is_empty()).then(|| Self { title: title.to_owned(), blocks })
     }
 
@@ -138,7 +138,7 @@ impl Section {
 
 /// How a run has gone, as the page shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mood {
+pub(crate) enum Mood {
     /// It has come to its end.
     Good,
     /// It has failed.
@@ -149,7 +149,7 @@ pub enum Mood {
 
 /// The whole page.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Page {
+pub(crate) struct Page {
     /// Name of the case.
     pub name: String,
     /// What the case is about.

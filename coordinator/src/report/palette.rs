@@ -40,11 +40,11 @@ const VIRIDIS: [[u8; 3]; 33] = [
 ];
 
 /// Colours of a palette: entry 0 is transparent and stands for no value.
-pub const COLOURS: u8 = 255;
+pub(crate) const COLOURS: u8 = 255;
 
 /// Entry `index` of the palette, from 1 on, red, green and blue.
 #[must_use]
-pub fn colour(index: u8) -> [u8; 3] {
+pub(crate) fn colour(index: u8) -> [u8; 3] {
     let place = f64::from(index.saturating_sub(1)) / f64::from(COLOURS - 1);
     let along = place * (VIRIDIS.len() - 1) as f64;
     let below = (along.floor() as usize).min(VIRIDIS.len() - 2);
@@ -57,7 +57,7 @@ pub fn colour(index: u8) -> [u8; 3] {
 
 /// The entry for a value in a range; 0 for what is not finite.
 #[must_use]
-pub fn entry(value: f64, [low, high]: [f64; 2]) -> u8 {
+pub(crate) fn entry(value: f64, [low, high]: [f64; 2]) -> u8 {
     if !value.is_finite() {
         return 0;
     }

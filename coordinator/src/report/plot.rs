@@ -16,7 +16,7 @@ const POINTS: usize = 720;
 
 /// One line of a figure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub(crate) struct Line {
     /// What it is.
     pub name: String,
     /// Its points, in the order in which they are joined; a gap where one is not finite.
@@ -29,7 +29,7 @@ pub struct Line {
 
 /// A plot of lines with two axes and a legend.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
+pub(crate) struct Figure {
     /// What is shown.
     pub title: String,
     /// What is to the right, with its unit.
@@ -53,7 +53,7 @@ pub struct Figure {
 impl Figure {
     /// A figure without lines.
     #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         title: impl Into<String>,
         x_label: impl Into<String>,
         y_label: impl Into<String>,
@@ -73,7 +73,7 @@ impl Figure {
 
     /// Adds a line.
     #[must_use]
-    pub fn with(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+    pub(crate) fn with(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         let dots = points.len() <= 40;
         self.lines.push(Line { name: name.into(), points, dots, marks: false });
         self
@@ -81,14 +81,14 @@ impl Figure {
 
     /// Adds marks that are not joined.
     #[must_use]
-    pub fn with_marks(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+    pub(crate) fn with_marks(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         self.lines.push(Line { name: name.into(), points, dots: false, marks: true });
         self
     }
 
     /// There is a point to draw.
     #[must_use]
-    pub fn has_points(&self) -> bool {
+    pub(crate) fn has_points(&self) -> bool {
         let places = |value: f64, decades: bool| value.is_finite() && (!decades || value > 0.0);
         let drawn = |p: &[f64; 2]| places(p[0], self.decades_x) && places(p[1], self.decades);
         self.lines.iter().any(|line| line.points.iter().any(drawn))
@@ -96,7 +96,7 @@ impl Figure {
 
     /// The plot as HTML.
     #[must_use]
-    pub fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let keys = self.keys();
         let legend = if keys.is_empty() { String::new() } else { legend(&keys) };
         let svg = view(&self.title, &self.describe(), HEIGHT, &self.content());
@@ -105,7 +105,7 @@ impl Figure {
 
     /// The plot as an SVG file that needs nothing else, with its title and legend.
     #[must_use]
-    pub fn standalone(&self) -> String {
+    pub(crate) fn standalone(&self) -> String {
         Standalone {
             title: &self.title,
             description: &self.describe(),

@@ -6,8 +6,8 @@
 mod image;
 mod table;
 
-pub use image::{Field, Image};
-pub use table::Table;
+pub(crate) use image::{Field, Image};
+pub(crate) use table::Table;
 
 use run::error::{RunError, file_failure};
 use run::plan_file::{self, PlanFile};
@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 
 /// A result directory.
 #[derive(Clone, Debug, Default)]
-pub struct Results {
+pub(crate) struct Results {
     /// Content of `summary.json`; null without one.
     pub summary: Value,
     /// Content of `iterations.csv`; empty without one.
@@ -43,7 +43,7 @@ pub struct Results {
 
 /// One grid of one participant through time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GridSeries {
+pub(crate) struct GridSeries {
     /// Participant and grid.
     pub name: String,
     /// Time \[s\] and file of every instant.
@@ -57,7 +57,7 @@ pub struct GridSeries {
 impl GridSeries {
     /// That line at an instant.
     #[must_use]
-    pub fn line_at(&self, instant: usize) -> Option<Table> {
+    pub(crate) fn line_at(&self, instant: usize) -> Option<Table> {
         let (_, path) = self.instants.get(instant)?;
         fs::read_to_string(path.with_extension("csv")).ok().map(|text| Table::parse(&text))
     }
@@ -68,7 +68,7 @@ impl Results {
     ///
     /// # Errors
     /// [`RunError::Usage`] if no run has written into it.
-    pub fn read(folder: &Path) -> Result<Self, RunError> {
+    pub(crate) fn read(folder: &Path) -> Result<Self, RunError> {
         if !["summary.json", "log.jsonl"].iter().any(|name| folder.join(name).is_file()) {
             let shown = folder.display();
             return Err(RunError::Usage(format!("{shown} holds no results of a run")));
@@ -86,19 +86,19 @@ impl Results {
 
     /// A figure of the summary.
     #[must_use]
-    pub fn quantity(&self, pointer: &str) -> Option<f64> {
+    pub(crate) fn quantity(&self, pointer: &str) -> Option<f64> {
         self.summary.pointer(pointer).and_then(Value::as_f64)
     }
 
     /// A word of the summary, empty without one.
     #[must_use]
-    pub fn word(&self, pointer: &str) -> &str {
+    pub(crate) fn word(&self, pointer: &str) -> &str {
         self.summary.pointer(pointer).and_then(Value::as_str).unwrap_or_default()
     }
 
     /// The run has failed, or was stopped.
     #[must_use]
-    pub fn failed(&self) -> bool {
+    pub(crate) fn failed(&self) -> bool {
         Status::ENDED_EARLY.map(Status::word).contains(&self.word("/status"))
     }
 

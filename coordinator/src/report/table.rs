@@ -4,7 +4,7 @@ use super::html::escape;
 
 /// A table with a head; the first column names the row.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub(crate) struct Table {
     /// Names of the columns.
     pub head: Vec<String>,
     /// Rows, as long as the head.
@@ -16,18 +16,18 @@ pub struct Table {
 impl Table {
     /// A table without rows, with figures from this column on.
     #[must_use]
-    pub fn new<const N: usize>(head: [&str; N], figures_from: usize) -> Self {
+    pub(crate) fn new<const N: usize>(head: [&str; N], figures_from: usize) -> Self {
         Self { head: head.map(str::to_owned).to_vec(), rows: Vec::new(), figures_from }
     }
 
     /// Adds a row.
-    pub fn row<const N: usize>(&mut self, cells: [String; N]) {
+    pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.rows.push(cells.to_vec());
     }
 
     /// The table as HTML; wider than the page it scrolls within itself.
     #[must_use]
-    pub fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let class = |n: usize| if n >= self.figures_from { " class=\"figure\"" } else { "" };
         let head = self.head.iter().enumerate();
         let head =
@@ -48,7 +48,7 @@ impl Table {
 
     /// The table in Markdown, without an end of line after its last row.
     #[must_use]
-    pub fn markdown(&self) -> String {
+    pub(crate) fn markdown(&self) -> String {
         let plain = |cell: &String| cell.replace('|', "\\|").replace('\n', " ");
         let line = |cells: &[String]| {
             format!("| {} |\n", cells.iter().map(plain).collect::<Vec<_>>().join(" | "))

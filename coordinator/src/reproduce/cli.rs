@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// What `coordinator reproduce` is asked.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The study: its cases, tables, figures and text.
     #[arg(default_value = "cases/paper/study.toml")]
     study: PathBuf,
@@ -27,7 +27,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// A study that is wrong, those of its runs, a text that is stale.
-pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let request = Request {
         study: &asked.study,
         folder: &asked.folder,

@@ -15,7 +15,7 @@ pub(super) const TEMPLATE: &str = "text.md.j2";
 
 /// All runs of a study.
 #[derive(Debug, Serialize, Deserialize)]
-pub struct Record {
+pub(crate) struct Record {
     schema: u32,
     study: String,
     /// All runs are done.

@@ -6,13 +6,13 @@
 //! description tells.
 
 /// Begins a block that is not compared.
-pub const MEASURED: &str = "<!-- measured -->";
+pub(crate) const MEASURED: &str = "<!-- measured -->";
 /// Ends it.
-pub const MEASURED_END: &str = "<!-- /measured -->";
+pub(crate) const MEASURED_END: &str = "<!-- /measured -->";
 
 /// The first line that differs, and what stands there in each text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Difference {
+pub(crate) struct Difference {
     /// Line of the kept text, from 1.
     pub line: usize,
     /// What is kept.
@@ -23,7 +23,7 @@ pub struct Difference {
 
 /// Where the kept text does not say what the new one says.
 #[must_use]
-pub fn difference(kept: &str, new: &str) -> Option<Difference> {
+pub(crate) fn difference(kept: &str, new: &str) -> Option<Difference> {
     let (mut ours, mut theirs) = (compared(kept), compared(new));
     loop {
         let (line, kept, new) = match (ours.next(), theirs.next()) {

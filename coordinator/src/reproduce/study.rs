@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// A study as its file has it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Study {
+pub(crate) struct Study {
     /// Name in one word.
     pub name: String,
     /// What it is about.
@@ -40,7 +40,7 @@ pub struct Study {
 /// One run, or one for each value of an axis.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Family {
+pub(crate) struct Family {
     /// Name that everything else refers to.
     pub name: String,
     /// What it is, as tables say it.
@@ -68,7 +68,7 @@ pub struct Family {
 /// A family of figures that no run gives: those of other families on an infinitely fine grid.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limit {
+pub(crate) struct Limit {
     /// Name that everything else refers to.
     pub name: String,
     /// What it is, as tables say it.
@@ -86,7 +86,7 @@ pub struct Limit {
 /// A table.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct TableSpec {
+pub(crate) struct TableSpec {
     /// What the text calls it.
     pub id: String,
     /// What is shown.
@@ -102,7 +102,7 @@ pub struct TableSpec {
 /// A column, or one for each value of an axis.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Column {
+pub(crate) struct Column {
     /// Its name.
     pub head: String,
     /// The axis whose values it takes.
@@ -116,7 +116,7 @@ pub struct Column {
 /// A row, or one for each family of a group.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RowSpec {
+pub(crate) struct RowSpec {
     /// The group whose families make a row each.
     pub group: Option<String>,
     /// The family of this row, or one run of it.
@@ -133,7 +133,7 @@ pub struct RowSpec {
 /// A figure: plots and maps.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FigureSpec {
+pub(crate) struct FigureSpec {
     /// What the text calls it.
     pub id: String,
     /// What is shown.
@@ -149,7 +149,7 @@ pub struct FigureSpec {
 /// Lines over an axis.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PlotSpec {
+pub(crate) struct PlotSpec {
     /// What is shown.
     pub title: String,
     /// What is to the right, with its unit.
@@ -163,7 +163,7 @@ pub struct PlotSpec {
 /// What values are divided by.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(untagged)]
-pub enum Divisor {
+pub(crate) enum Divisor {
     /// A number.
     Number(f64),
     /// `max` is the largest magnitude of all; anything else a dotted key of the run's summary.
@@ -179,7 +179,7 @@ impl Default for Divisor {
 /// A line, or one for each run of a family. In its name `{AXIS}` stands for the value.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum LineSpec {
+pub(crate) enum LineSpec {
     /// A field along the centre line of a grid.
     Along {
         /// What it is.
@@ -246,7 +246,7 @@ pub enum LineSpec {
 impl LineSpec {
     /// The run or family that it shows.
     #[must_use]
-    pub fn run(&self) -> Option<&str> {
+    pub(crate) fn run(&self) -> Option<&str> {
         match self {
             Self::Along { run, .. } | Self::Depth { run, .. } | Self::Curve { run, .. } => {
                 Some(run)
@@ -259,7 +259,7 @@ impl LineSpec {
 /// A field over a plane, or one map for each run of a family.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MapSpec {
+pub(crate) struct MapSpec {
     /// What is shown; `{AXIS}` stands for the value.
     pub title: String,
     /// Run or family.
@@ -287,7 +287,7 @@ pub struct MapSpec {
 
 /// One run of a study.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Run {
+pub(crate) struct Run {
     /// `FAMILY` or `FAMILY/VALUE`.
     pub name: String,
     /// The case file.
@@ -298,7 +298,7 @@ pub struct Run {
 
 /// A run that something refers to.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Member {
+pub(crate) struct Member {
     /// Axis and value, for the names of lines.
     pub value: Option<(String, String)>,
     /// Name of the run.
@@ -308,7 +308,7 @@ pub struct Member {
 impl Member {
     /// A text in which the value stands for `{AXIS}`.
     #[must_use]
-    pub fn filled(&self, text: &str) -> String {
+    pub(crate) fn filled(&self, text: &str) -> String {
         let fill = |(axis, value): &(String, String)| text.replace(&format!("{{{axis}}}"), value);
         self.value.as_ref().map_or_else(|| text.to_owned(), fill)
     }
@@ -317,7 +317,7 @@ impl Member {
 impl Family {
     /// Its runs, in the order of its values.
     #[must_use]
-    pub fn members(&self, axes: &BTreeMap<String, Vec<String>>) -> Vec<Member> {
+    pub(crate) fn members(&self, axes: &BTreeMap<String, Vec<String>>) -> Vec<Member> {
         let Some(axis) = &self.over else {
             return vec![Member { value: None, run: self.name.clone() }];
         };
@@ -336,7 +336,7 @@ impl Study {
     /// # Errors
     /// [`RunError::Usage`] with the place in the file: it is no TOML, has a key that nothing reads,
     /// or refers to what it does not have.
-    pub fn read(path: &Path) -> Result<Self, RunError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, RunError> {
         let shown = path.display();
         let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => {
@@ -349,7 +349,7 @@ impl Study {
 
     /// Every run, the folder of the study being `folder`.
     #[must_use]
-    pub fn runs(&self, folder: &Path) -> Vec<Run> {
+    pub(crate) fn runs(&self, folder: &Path) -> Vec<Run> {
         let of = |family: &Family| {
             let filled = |member: &Member, texts: &[String]| -> Vec<String> {
                 texts.iter().map(|text| member.filled(text)).collect()
@@ -369,7 +369,7 @@ impl Study {
 
     /// The runs that a name stands for: those of a family, or one; `None` for an unknown name.
     #[must_use]
-    pub fn members(&self, name: &str) -> Option<Vec<Member>> {
+    pub(crate) fn members(&self, name: &str) -> Option<Vec<Member>> {
         let all = |family: &Family| family.members(&self.axes);
         match self.families.iter().find(|family| family.name == name) {
             Some(family) => Some(all(family)),
@@ -381,7 +381,7 @@ impl Study {
     }
 
     /// Names and titles of families and limits: of a group, or all.
-    pub fn titles<'a>(
+    pub(crate) fn titles<'a>(
         &'a self,
         group: Option<&'a str>,
     ) -> impl Iterator<Item = (&'a str, &'a str)> + 'a {
@@ -393,7 +393,7 @@ impl Study {
 
     /// The names of everything that has figures: runs, and limits at each value.
     #[must_use]
-    pub fn names(&self) -> BTreeSet<String> {
+    pub(crate) fn names(&self) -> BTreeSet<String> {
         let runs = self.families.iter().flat_map(|family| family.members(&self.axes));
         let runs = runs.map(|member| member.run);
         let family = |name: &String| self.families.iter().find(|family| family.name == *name);

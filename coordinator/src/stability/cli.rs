@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 /// What `coordinator stability` is asked.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The suite.
     #[arg(default_value = "cases/hard/suite.toml")]
     suite: PathBuf,
@@ -38,7 +38,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// What is asked for cannot be, or a case went otherwise than expected.
-pub fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let suite = Suite::read(&asked.suite)?;
     // A case that the suite does not have is reported before anything is printed.
     suite.chosen(&asked.only)?;

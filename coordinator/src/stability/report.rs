@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// How a suite went.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Report {
+pub(crate) struct Report {
     /// Version of this layout.
     pub schema: u32,
     /// The suite has been run to its end.
@@ -29,7 +29,7 @@ impl Kept for Report {
 /// A hard case that no model or effect can meet yet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Waiting {
+pub(crate) struct Waiting {
     /// Its number in the list of hard cases.
     pub number: u32,
     /// What is hard about it.
@@ -40,7 +40,7 @@ pub struct Waiting {
 
 /// How one case and its sweeps went.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CaseReport {
+pub(crate) struct CaseReport {
     /// Its number in the list of hard cases.
     pub number: u32,
     /// Its name.
@@ -59,7 +59,7 @@ pub struct CaseReport {
 
 /// How one run went.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RunResult {
+pub(crate) struct RunResult {
     /// It went as expected.
     pub as_expected: bool,
     /// What went otherwise than expected.
@@ -80,7 +80,7 @@ pub struct RunResult {
 
 /// A quantity against its bound.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Finding {
+pub(crate) struct Finding {
     /// What it is.
     pub name: String,
     /// The quantity; `None` if the run does not give it, or gives none.
@@ -94,14 +94,14 @@ pub struct Finding {
 impl Finding {
     /// It keeps its bound.
     #[must_use]
-    pub fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         self.share.is_some_and(|share| share <= 1.0)
     }
 }
 
 /// A parameter driven to its edge.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SweepReport {
+pub(crate) struct SweepReport {
     /// What it is.
     pub parameter: String,
     /// What is seen up to the edge.
@@ -117,7 +117,7 @@ pub struct SweepReport {
 impl RunResult {
     /// It came to an answer that keeps every bound.
     #[must_use]
-    pub fn answers(&self) -> bool {
+    pub(crate) fn answers(&self) -> bool {
         self.error.is_none()
             && self.bounded == Some(true)
             && self.findings.iter().all(Finding::holds)
@@ -125,7 +125,7 @@ impl RunResult {
 
     /// The quantity that takes most of what its bound allows.
     #[must_use]
-    pub fn worst(&self) -> Option<&Finding> {
+    pub(crate) fn worst(&self) -> Option<&Finding> {
         let share = |finding: &&Finding| finding.share.unwrap_or(f64::INFINITY);
         self.findings.iter().max_by(|a, b| share(a).total_cmp(&share(b)))
     }
@@ -134,13 +134,13 @@ impl RunResult {
 impl SweepReport {
     /// All its runs went as expected.
     #[must_use]
-    pub fn as_expected(&self) -> bool {
+    pub(crate) fn as_expected(&self) -> bool {
         self.rows.iter().all(|(_, row)| row.as_expected)
     }
 
     /// Index of the first value that ends otherwise than the first one does.
     #[must_use]
-    pub fn edge(&self) -> Option<usize> {
+    pub(crate) fn edge(&self) -> Option<usize> {
         let ending = |row: &RunResult| (row.answers(), row.error.as_ref().map(|(code, _)| *code));
         let first = self.rows.first().map(|(_, row)| ending(row))?;
         self.rows.iter().position(|(_, row)| ending(row) != first)
@@ -150,12 +150,12 @@ impl SweepReport {
 impl CaseReport {
     /// The case and all its sweeps went as expected.
     #[must_use]
-    pub fn as_expected(&self) -> bool {
+    pub(crate) fn as_expected(&self) -> bool {
         self.row.as_expected && self.sweeps.iter().all(SweepReport::as_expected)
     }
 
     /// All runs, with the parameter and value of those of a sweep.
-    pub fn runs(&self) -> impl Iterator<Item = (Option<(&str, &str)>, &RunResult)> {
+    pub(crate) fn runs(&self) -> impl Iterator<Item = (Option<(&str, &str)>, &RunResult)> {
         let swept = self.sweeps.iter().flat_map(|sweep| {
             let at = |(value, row)| (Some((sweep.parameter.as_str(), value)), row);
             sweep.rows.iter().map(|(value, row)| (value.as_str(), row)).map(at)
@@ -167,13 +167,13 @@ impl CaseReport {
 impl Report {
     /// Everything went as expected.
     #[must_use]
-    pub fn as_expected(&self) -> bool {
+    pub(crate) fn as_expected(&self) -> bool {
         self.cases.iter().all(CaseReport::as_expected)
     }
 
     /// How many runs there were.
     #[must_use]
-    pub fn runs(&self) -> usize {
+    pub(crate) fn runs(&self) -> usize {
         self.cases.iter().map(|case| case.runs().count()).sum()
     }
 }

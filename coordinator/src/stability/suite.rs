@@ -12,7 +12,7 @@ use toml::Spanned;
 
 /// A suite that has been read.
 #[derive(Clone, Debug)]
-pub struct Suite {
+pub(crate) struct Suite {
     path: PathBuf,
     /// What holds for every case that says nothing else.
     pub(super) every: Limits,
@@ -269,7 +269,7 @@ impl Suite {
     /// # Errors
     /// [`RunError::Usage`] with file and line: the file or a case it names is missing, a key is
     /// unknown, missing or wrong, a name stands twice, or an edge is none of the values.
-    pub fn read(path: &Path) -> Result<Self, RunError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, RunError> {
         let text = std::fs::read_to_string(path).map_err(|error| {
             let fix = "name a suite file, or leave it out in the root of the repository";
             RunError::Usage(format!("{}: {error}; {fix}", path.display()))
@@ -293,7 +293,7 @@ impl Suite {
 
     /// The suite's path as it was given.
     #[must_use]
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         self.path.display().to_string()
     }
 

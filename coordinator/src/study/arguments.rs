@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// The case of a study, and how often it is run.
 #[derive(Debug, Args)]
-pub struct CaseArguments {
+pub(crate) struct CaseArguments {
     /// The case file.
     pub case: PathBuf,
     /// Change a key for all runs: dotted name and TOML value (a bare word is a text).
@@ -26,14 +26,14 @@ pub struct CaseArguments {
 impl CaseArguments {
     /// What is changed for all runs.
     #[must_use]
-    pub fn base(&self) -> Variant {
+    pub(crate) fn base(&self) -> Variant {
         Variant { set: self.set.clone(), unset: self.unset.clone() }
     }
 }
 
 /// Where a study writes.
 #[derive(Debug, Args)]
-pub struct FolderArguments {
+pub(crate) struct FolderArguments {
     /// Folder of the study [default: results/NAME, or NAME-2 and so on].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -48,7 +48,7 @@ impl FolderArguments {
     ///
     /// # Errors
     /// Those of [`StudyFolder::choose`].
-    pub fn choose(
+    pub(crate) fn choose(
         &self,
         command: &'static str,
         name: &str,

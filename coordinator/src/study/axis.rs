@@ -4,7 +4,7 @@ use run::error::RunError;
 
 /// A key and the values it takes, one run after the other.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// Dotted key of the case.
     pub key: String,
     /// TOML values.
@@ -16,7 +16,7 @@ impl Axis {
     ///
     /// # Errors
     /// No key, or no value between two commas.
-    pub fn parse(option: &str) -> Result<Self, RunError> {
+    pub(crate) fn parse(option: &str) -> Result<Self, RunError> {
         let wrong = || {
             let fix = "write --vary key=v1,v2";
             RunError::Usage(format!("`--vary {option}` names no key with values; {fix}"))

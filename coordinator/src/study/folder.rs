@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// What a study asks of its folder.
 #[derive(Clone, Copy)]
-pub struct Wanted<'a> {
+pub(crate) struct Wanted<'a> {
     /// The command that makes it.
     pub command: &'static str,
     /// Name of its folder in `results`, for one that the user does not name.
@@ -28,7 +28,7 @@ pub struct Wanted<'a> {
 
 /// A folder that a study writes into; it is made when the first file is written.
 #[derive(Debug)]
-pub struct StudyFolder {
+pub(crate) struct StudyFolder {
     path: PathBuf,
     of: String,
     existing: Existing,
@@ -44,7 +44,7 @@ impl StudyFolder {
     /// # Errors
     /// [`RunError::Usage`] if the folder that the user names is a file, holds something else, a study
     /// that is to stay, or is used by another process.
-    pub fn choose(wanted: &Wanted<'_>) -> Result<Self, RunError> {
+    pub(crate) fn choose(wanted: &Wanted<'_>) -> Result<Self, RunError> {
         let of = format!("`coordinator {}`", wanted.command);
         let (path, latest) = match wanted.out {
             Some(out) => (out.to_owned(), false),
@@ -63,7 +63,7 @@ impl StudyFolder {
 
     /// Its path, as it was given.
     #[must_use]
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
@@ -72,7 +72,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// The file system, or another process has taken the folder meanwhile.
-    pub fn open(&self) -> Result<PathBuf, RunError> {
+    pub(crate) fn open(&self) -> Result<PathBuf, RunError> {
         Ok(self.claim()?.dir().path())
     }
 
@@ -80,7 +80,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// As [`StudyFolder::open`].
-    pub fn write(&self, name: &str, content: &[u8]) -> Result<(), RunError> {
+    pub(crate) fn write(&self, name: &str, content: &[u8]) -> Result<(), RunError> {
         replace(&self.open()?.join(name), content)
     }
 
@@ -88,7 +88,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// As [`StudyFolder::open`].
-    pub fn remove(&self, name: &str) -> Result<(), RunError> {
+    pub(crate) fn remove(&self, name: &str) -> Result<(), RunError> {
         remove(&self.open()?.join(name))
     }
 
@@ -129,7 +129,7 @@ fn refuse_file(path: &Path) -> Result<(), RunError> {
 
 /// A record in which a study says that it has not come to its end.
 #[must_use]
-pub fn says_incomplete(record: &Path) -> bool {
+pub(crate) fn says_incomplete(record: &Path) -> bool {
     let record = fs::read(record).ok().and_then(|text| serde_json::from_slice(&text).ok());
     record.is_some_and(|record: Value| record["complete"] == false)
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// One choice of a model for every participant.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub(crate) struct Level {
     /// Role and model of each participant that runs, in the order in which data flows.
     pub models: Vec<(String, String)>,
     /// What can be refined, by distinct keys.
@@ -50,7 +50,7 @@ impl Level {
 
     /// The same, with what its models leave out in this very case, as they estimate it.
     #[must_use]
-    pub fn in_case(mut self, planned: &Planned) -> Self {
+    pub(crate) fn in_case(mut self, planned: &Planned) -> Self {
         let estimates = planned.plan.participants.iter().filter_map(|p| p.estimate.as_ref());
         self.left_out.extend(estimates.flat_map(|layout| layout.left_out.iter().cloned()));
         self
@@ -58,53 +58,53 @@ impl Level {
 
     /// The models, in one word.
     #[must_use]
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         let names: Vec<&str> = self.models.iter().map(|(_, model)| model.as_str()).collect();
         names.join(" + ")
     }
 
     /// How many resolutions there are; one for models that have none.
     #[must_use]
-    pub fn steps(&self) -> usize {
+    pub(crate) fn steps(&self) -> usize {
         self.refinements.iter().map(|one| one.levels.len()).max().unwrap_or(1)
     }
 
     /// The value of each refinement's key at a step, coarsest first; one with fewer stays at its
     /// finest.
-    pub fn keys_at(&self, step: usize) -> impl Iterator<Item = (&Refinement, u32)> {
+    pub(crate) fn keys_at(&self, step: usize) -> impl Iterator<Item = (&Refinement, u32)> {
         let at = move |one: &Refinement| one.levels[step.min(one.levels.len() - 1)];
         self.refinements.iter().map(move |one| (one, at(one)))
     }
 
     /// The case with these models at a step of resolution.
     #[must_use]
-    pub fn at(&self, step: usize) -> Variant {
+    pub(crate) fn at(&self, step: usize) -> Variant {
         self.keys_at(step)
             .fold(self.variant.clone(), |variant, (one, level)| variant.with(&one.key, level))
     }
 
     /// The order with which the error falls: that of the slowest refinement.
     #[must_use]
-    pub fn order(&self) -> Option<f64> {
+    pub(crate) fn order(&self) -> Option<f64> {
         self.refinements.iter().map(|one| one.order).min_by(f64::total_cmp)
     }
 
     /// Expected relative error that no resolution removes.
     #[must_use]
-    pub fn model_error(&self) -> f64 {
+    pub(crate) fn model_error(&self) -> f64 {
         self.left_out.iter().map(|one| one.error).sum()
     }
 
     /// Expected relative error of the resolution at a step.
     #[must_use]
-    pub fn grid_error(&self, step: usize) -> f64 {
+    pub(crate) fn grid_error(&self, step: usize) -> f64 {
         self.keys_at(step).map(|(one, level)| one.at(f64::from(level))).sum()
     }
 }
 
 /// What can run a case, and what cannot.
 #[derive(Debug)]
-pub struct Offer {
+pub(crate) struct Offer {
     /// Choices of models that can run it, cheapest first.
     pub levels: Vec<Level>,
     /// The others by their models, and why not.
@@ -115,7 +115,7 @@ pub struct Offer {
 ///
 /// # Errors
 /// What is wrong with the case as it stands.
-pub fn offered(case: &Path, base: &Variant) -> Result<Offer, RunError> {
+pub(crate) fn offered(case: &Path, base: &Variant) -> Result<Offer, RunError> {
     let mut offer = Offer { levels: Vec::new(), refused: Vec::new() };
     for level in all(&planned(case, base)?, base) {
         match planned(case, &level.variant) {
@@ -130,7 +130,7 @@ pub fn offered(case: &Path, base: &Variant) -> Result<Offer, RunError> {
 /// Every choice of models that the programs of a planned case describe, whether it can run the case or
 /// not; cheapest first.
 #[must_use]
-pub fn all(standing: &Planned, base: &Variant) -> Vec<Level> {
+pub(crate) fn all(standing: &Planned, base: &Variant) -> Vec<Level> {
     choices(standing).into_iter().map(|models| Level::of(standing, models, base)).collect()
 }
 
@@ -155,7 +155,7 @@ fn choices(planned: &Planned) -> Vec<Vec<(String, String)>> {
 
 /// Why a case is refused, in one line.
 #[must_use]
-pub fn reason(error: &RunError) -> String {
+pub(crate) fn reason(error: &RunError) -> String {
     match error {
         RunError::Case(problems) => {
             let line = |problem: &Problem| format!("{}: {}", problem.key, problem.reason);

@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Plain data that a study keeps in its folder. A key `schema` holds the version of its layout; with
 /// `complete = false` it is of a study that has not finished.
-pub trait Kept: Serialize + DeserializeOwned {
+pub(crate) trait Kept: Serialize + DeserializeOwned {
     /// The command that makes it.
     const COMMAND: &'static str;
     /// Name of its file.
@@ -67,7 +67,7 @@ struct Head {
 }
 
 /// A study with a page.
-pub trait Shown: Kept {
+pub(crate) trait Shown: Kept {
     /// The page about it, made of what lies in its folder.
     ///
     /// # Errors
@@ -87,7 +87,7 @@ pub trait Shown: Kept {
 
 /// A kind of study, as the command `report` knows it.
 #[derive(Clone, Copy)]
-pub struct Kind {
+pub(crate) struct Kind {
     /// The file that it leaves in its folder.
     pub file: &'static str,
     /// The page about the study in a folder.
@@ -96,13 +96,13 @@ pub struct Kind {
 
 /// The kind of a study.
 #[must_use]
-pub const fn kind<S: Shown>() -> Kind {
+pub(crate) const fn kind<S: Shown>() -> Kind {
     Kind { file: S::FILE, page: |folder| S::read(folder)?.page(folder) }
 }
 
 /// How a command prints what it has done.
 #[derive(Clone, Copy, Debug)]
-pub struct Printing {
+pub(crate) struct Printing {
     /// As JSON.
     pub json: bool,
     /// Not at all, but for JSON.
@@ -114,7 +114,7 @@ impl Printing {
     ///
     /// # Errors
     /// It cannot be printed.
-    pub fn print<S: Kept>(
+    pub(crate) fn print<S: Kept>(
         self,
         study: &S,
         text: impl Fn() -> String,
@@ -129,7 +129,7 @@ impl Printing {
 
     /// Progress is to be shown.
     #[must_use]
-    pub fn is_silent(self) -> bool {
+    pub(crate) fn is_silent(self) -> bool {
         self.json || self.quiet
     }
 }

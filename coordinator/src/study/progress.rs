@@ -9,7 +9,7 @@ const PLAIN: Duration = Duration::from_secs(5);
 
 /// The steps of a study.
 #[derive(Debug)]
-pub struct Steps {
+pub(crate) struct Steps {
     total: usize,
     begun: usize,
     show: Show,
@@ -25,7 +25,7 @@ enum Show {
 impl Steps {
     /// A study of so many steps.
     #[must_use]
-    pub fn new(quiet: bool, total: usize) -> Self {
+    pub(crate) fn new(quiet: bool, total: usize) -> Self {
         let show = if quiet {
             Show::Nowhere
         } else if std::io::stderr().is_terminal() {
@@ -40,7 +40,7 @@ impl Steps {
     }
 
     /// The next step begins; `what` it is.
-    pub fn step(&mut self, what: &str) {
+    pub(crate) fn step(&mut self, what: &str) {
         self.begun += 1;
         match &mut self.show {
             Show::Nowhere => {}
@@ -58,7 +58,7 @@ impl Steps {
     }
 
     /// Writes something while the bar steps aside.
-    pub fn aside(&self, write: impl FnOnce()) {
+    pub(crate) fn aside(&self, write: impl FnOnce()) {
         match &self.show {
             Show::Bar(bar) => bar.suspend(write),
             Show::Nowhere | Show::Lines(_) => write(),
@@ -66,7 +66,7 @@ impl Steps {
     }
 
     /// The study is over.
-    pub fn finish(self) {
+    pub(crate) fn finish(self) {
         if let Show::Bar(bar) = self.show {
             bar.finish_and_clear();
         }

@@ -7,7 +7,7 @@ use serde_json::Value;
 /// How an error of a quantity is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Measure {
+pub(crate) enum Measure {
     /// Relative to its own value.
     Relative,
     /// As it is: a place, or what is a ratio already.
@@ -19,7 +19,7 @@ pub enum Measure {
 impl Measure {
     /// An error as it is measured: in per cent, or as it is.
     #[must_use]
-    pub fn show(self, error: f64) -> String {
+    pub(crate) fn show(self, error: f64) -> String {
         match self {
             Self::Relative => format!("{} %", number(100.0 * error, 2)),
             Self::Absolute | Self::Itself => number(error, 2),
@@ -28,7 +28,7 @@ impl Measure {
 
     /// A change with its sign, as it is measured.
     #[must_use]
-    pub fn show_change(self, change: f64) -> String {
+    pub(crate) fn show_change(self, change: f64) -> String {
         match change {
             0.0 => "same".to_owned(),
             _ if change > 0.0 => format!("+{}", self.show(change)),
@@ -39,7 +39,7 @@ impl Measure {
 
 /// One quantity of a summary.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Quantity {
+pub(crate) struct Quantity {
     /// Dotted key in `summary.json`.
     pub key: String,
     /// What it is, in few words.
@@ -83,7 +83,7 @@ fn numeric_keys(value: &Value, path: &str, keys: &mut Vec<String>) {
 impl Quantity {
     /// The quantities of interest.
     #[must_use]
-    pub fn of_interest() -> Vec<Self> {
+    pub(crate) fn of_interest() -> Vec<Self> {
         let quantity = |(key, name, measure): &(&str, &str, Measure)| Self {
             key: (*key).to_owned(),
             name: (*name).to_owned(),
@@ -94,7 +94,7 @@ impl Quantity {
 
     /// The quantity of a key; any number of a summary is one.
     #[must_use]
-    pub fn of(key: &str) -> Self {
+    pub(crate) fn of(key: &str) -> Self {
         let known = Self::of_interest().into_iter().find(|quantity| quantity.key == key);
         let name = || run::format::words(key.rsplit('.').next().unwrap_or(key));
         let other = || Self { key: key.to_owned(), name: name(), measure: Measure::Relative };
@@ -104,7 +104,7 @@ impl Quantity {
     /// The quantities of interest, and every other quantity of the participants' sections, of a
     /// summary.
     #[must_use]
-    pub fn all(summary: &Value) -> Vec<Self> {
+    pub(crate) fn all(summary: &Value) -> Vec<Self> {
         let mut keys = Vec::new();
         for section in summary.as_object().into_iter().flatten() {
             if !NOT_PHYSICAL.contains(&section.0.as_str()) {
@@ -119,14 +119,14 @@ impl Quantity {
 
     /// Its value in a summary.
     #[must_use]
-    pub fn value(&self, summary: &Value) -> Option<f64> {
+    pub(crate) fn value(&self, summary: &Value) -> Option<f64> {
         let inner = |value, name: &str| Value::get(value, name);
         self.key.split('.').try_fold(summary, inner)?.as_f64()
     }
 
     /// The error of a value against a reference, as its measure says; never negative.
     #[must_use]
-    pub fn error(&self, value: f64, reference: f64) -> f64 {
+    pub(crate) fn error(&self, value: f64, reference: f64) -> f64 {
         match self.measure {
             Measure::Relative if reference == 0.0 && value == 0.0 => 0.0,
             Measure::Relative => ((value - reference) / reference).abs(),

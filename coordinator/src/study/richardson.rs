@@ -24,7 +24,7 @@ const NEAR: f64 = 0.1;
 
 /// A quantity on one grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub(crate) struct Sample {
     /// How fine the grid is: elements along a length, or windows in a time.
     pub level: f64,
     /// The quantity.
@@ -33,7 +33,7 @@ pub struct Sample {
 
 /// What grids say of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub(crate) struct Estimate {
     /// The order that the three finest grids show, whether it is plausible or not; `None` without
     /// three grids, or if they show none.
     pub observed_order: Option<f64>,
@@ -49,7 +49,7 @@ pub struct Estimate {
 impl Estimate {
     /// From the samples of one quantity, coarsest grid first; `None` with fewer than two grids.
     #[must_use]
-    pub fn of(samples: &[Sample], expected_order: f64) -> Option<Self> {
+    pub(crate) fn of(samples: &[Sample], expected_order: f64) -> Option<Self> {
         let [.., coarse, fine] = samples else { return None };
         let observed_order = observed_order(samples);
         let order = observed_order.unwrap_or(expected_order).min(expected_order);
@@ -68,7 +68,7 @@ impl Estimate {
 
 /// The order that the three finest grids show, if their values go one way and ever less far.
 #[must_use]
-pub fn observed_order(samples: &[Sample]) -> Option<f64> {
+pub(crate) fn observed_order(samples: &[Sample]) -> Option<f64> {
     let [.., first, second, third] = samples else { return None };
     let steps = [second.value - first.value, third.value - second.value];
     let ratios = [second.level / first.level, third.level / second.level];

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 /// When a run began, in time and in this process's own work.
 #[derive(Clone, Copy, Debug)]
-pub struct Stopwatch {
+pub(crate) struct Stopwatch {
     /// The instant.
     pub since: Instant,
     processor: f64,
@@ -17,14 +17,14 @@ pub struct Stopwatch {
 impl Stopwatch {
     /// A run begins now.
     #[must_use]
-    pub fn start() -> Self {
+    pub(crate) fn start() -> Self {
         Self { since: Instant::now(), processor: processor_seconds() }
     }
 }
 
 /// What a run cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Spent {
+pub(crate) struct Spent {
     /// Seconds from its beginning to its end, planning and starting of processes included.
     pub wall_s: f64,
     /// Seconds in the models and in the coupling: what is left where processes are long started.
@@ -40,7 +40,7 @@ pub struct Spent {
 impl Spent {
     /// What the run with this summary, begun then and ending now, has cost.
     #[must_use]
-    pub fn of(summary: &Value, stopwatch: &Stopwatch) -> Self {
+    pub(crate) fn of(summary: &Value, stopwatch: &Stopwatch) -> Self {
         let section = summary["cost"].as_object();
         let of_role = |ending: &'static str| {
             let entries = section.into_iter().flatten();

@@ -11,7 +11,7 @@ const GAP: &str = "  ";
 
 /// What a column says of a row.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Cell {
+pub(crate) struct Cell {
     /// For people.
     shown: String,
     /// For programs.
@@ -21,46 +21,49 @@ pub struct Cell {
 impl Cell {
     /// A word, the same for people and for programs.
     #[must_use]
-    pub fn text(text: impl ToString) -> Self {
+    pub(crate) fn text(text: impl ToString) -> Self {
         Self { shown: text.to_string(), raw: text.to_string() }
     }
 
     /// A number, and how a person reads it.
     #[must_use]
-    pub fn number(value: impl ToString, shown: impl Into<String>) -> Self {
+    pub(crate) fn number(value: impl ToString, shown: impl Into<String>) -> Self {
         Self { shown: shown.into(), raw: value.to_string() }
     }
 
     /// A number that is not always there; nothing stands for it where it is not.
     #[must_use]
-    pub fn optional(value: Option<&f64>, show: impl Fn(f64) -> String) -> Self {
+    pub(crate) fn optional(value: Option<&f64>, show: impl Fn(f64) -> String) -> Self {
         value.map(|value| Self::number(value, show(*value))).unwrap_or_default()
     }
 
     /// A time \[s\].
     #[must_use]
-    pub fn seconds(value: f64) -> Self {
+    pub(crate) fn seconds(value: f64) -> Self {
         Self::number(value, format::seconds(value))
     }
 
     /// A number of bytes.
     #[must_use]
-    pub fn bytes(value: u64) -> Self {
+    pub(crate) fn bytes(value: u64) -> Self {
         Self::number(value, format::bytes(value))
     }
 }
 
 /// A run without quantities.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Failure {
+pub(crate) struct Failure {
     /// Replaces its first quantity.
     pub word: &'static str,
     /// Which run it is, and why.
     pub remark: String,
 }
 
+/// What is asked of a row.
+type Ask<'a, R, T> = Box<dyn Fn(&R) -> T + 'a>;
+
 /// One column of a table.
-pub struct Column<'a, R> {
+pub(crate) struct Column<'a, R> {
     on_terminal: Option<String>,
     on_page: Option<String>,
     in_csv: Option<String>,
@@ -70,12 +73,12 @@ pub struct Column<'a, R> {
     left: bool,
     /// Least width on the terminal.
     width: usize,
-    cell: Box<dyn Fn(&R) -> Cell + 'a>,
+    cell: Ask<'a, R, Cell>,
 }
 
 impl<'a, R> Column<'a, R> {
     /// A quantity of each row, aligned to the right.
-    pub fn quantity(head: impl Into<String>, cell: impl Fn(&R) -> Cell + 'a) -> Self {
+    pub(crate) fn quantity(head: impl Into<String>, cell: impl Fn(&R) -> Cell + 'a) -> Self {
         let head = head.into();
         Self {
             on_terminal: Some(head.clone()),
@@ -89,83 +92,83 @@ impl<'a, R> Column<'a, R> {
     }
 
     /// Text about each row, aligned to the left.
-    pub fn text(head: impl Into<String>, text: impl Fn(&R) -> String + 'a) -> Self {
+    pub(crate) fn text(head: impl Into<String>, text: impl Fn(&R) -> String + 'a) -> Self {
         let column = Self::quantity(head, move |row| Cell::text(text(row)));
         Self { left: true, ..column }
     }
 
     /// A column for programs alone.
-    pub fn csv_only(name: impl Into<String>, cell: impl Fn(&R) -> String + 'a) -> Self {
+    pub(crate) fn csv_only(name: impl Into<String>, cell: impl Fn(&R) -> String + 'a) -> Self {
         let column = Self::quantity("", move |row| Cell::text(cell(row)));
         column.not_on_terminal().not_on_page().csv(name)
     }
 
     /// It identifies the row.
     #[must_use]
-    pub fn naming(self) -> Self {
+    pub(crate) fn naming(self) -> Self {
         Self { names: true, ..self }
     }
 
     /// It has this head on the page.
     #[must_use]
-    pub fn on_page(self, head: impl Into<String>) -> Self {
+    pub(crate) fn on_page(self, head: impl Into<String>) -> Self {
         Self { on_page: Some(head.into()), ..self }
     }
 
     /// It is not on the page.
     #[must_use]
-    pub fn not_on_page(self) -> Self {
+    pub(crate) fn not_on_page(self) -> Self {
         Self { on_page: None, ..self }
     }
 
     /// It is not on the terminal.
     #[must_use]
-    pub fn not_on_terminal(self) -> Self {
+    pub(crate) fn not_on_terminal(self) -> Self {
         Self { on_terminal: None, ..self }
     }
 
     /// It is in CSV, too, under this name.
     #[must_use]
-    pub fn csv(self, name: impl Into<String>) -> Self {
+    pub(crate) fn csv(self, name: impl Into<String>) -> Self {
         Self { in_csv: Some(name.into()), ..self }
     }
 
     /// Its least width on the terminal.
     #[must_use]
-    pub fn width(self, width: usize) -> Self {
+    pub(crate) fn width(self, width: usize) -> Self {
         Self { width, ..self }
     }
 }
 
 /// The columns of a table, and what is remarkable about its rows.
-pub struct Table<'a, R> {
+pub(crate) struct Table<'a, R> {
     columns: Vec<Column<'a, R>>,
-    mark: Option<(&'static str, Box<dyn Fn(&R) -> bool + 'a>)>,
-    failure: Box<dyn Fn(&R) -> Option<Failure> + 'a>,
+    mark: Option<(&'static str, Ask<'a, R, bool>)>,
+    failure: Ask<'a, R, Option<Failure>>,
 }
 
 impl<'a, R> Table<'a, R> {
     /// A table with these columns.
     #[must_use]
-    pub fn new(columns: Vec<Column<'a, R>>) -> Self {
+    pub(crate) fn new(columns: Vec<Column<'a, R>>) -> Self {
         Self { columns, mark: None, failure: Box::new(|_| None) }
     }
 
     /// Rows that are marked: before them on the terminal, in their first cell on the page.
     #[must_use]
-    pub fn mark(self, mark: &'static str, marked: impl Fn(&R) -> bool + 'a) -> Self {
+    pub(crate) fn mark(self, mark: &'static str, marked: impl Fn(&R) -> bool + 'a) -> Self {
         Self { mark: Some((mark, Box::new(marked))), ..self }
     }
 
     /// Rows that have no quantities.
     #[must_use]
-    pub fn failure(self, failure: impl Fn(&R) -> Option<Failure> + 'a) -> Self {
+    pub(crate) fn failure(self, failure: impl Fn(&R) -> Option<Failure> + 'a) -> Self {
         Self { failure: Box::new(failure), ..self }
     }
 
     /// The table as lines for the terminal, with its remarks below.
     #[must_use]
-    pub fn terminal(&self, rows: &[&R]) -> String {
+    pub(crate) fn terminal(&self, rows: &[&R]) -> String {
         let mut lines = vec![self.terminal_head()];
         lines.extend(rows.iter().map(|row| self.terminal_cells(row)));
         let mut widths: Vec<usize> = self.terminal_widths();
@@ -181,19 +184,19 @@ impl<'a, R> Table<'a, R> {
 
     /// The head alone, for rows that are printed one by one.
     #[must_use]
-    pub fn head(&self) -> String {
+    pub(crate) fn head(&self) -> String {
         self.line(&self.terminal_head(), &self.terminal_widths())
     }
 
     /// One row alone; its columns are as wide as they are asked to be.
     #[must_use]
-    pub fn row(&self, row: &R) -> String {
+    pub(crate) fn row(&self, row: &R) -> String {
         self.line(&self.terminal_cells(row), &self.terminal_widths())
     }
 
     /// The table for a page.
     #[must_use]
-    pub fn page(&self, rows: &[&R]) -> report::table::Table {
+    pub(crate) fn page(&self, rows: &[&R]) -> report::table::Table {
         let shown = || self.columns.iter().filter(|column| column.on_page.is_some());
         let last_left = shown().collect::<Vec<_>>().iter().rposition(|column| column.left);
         let row = |row: &&R| {
@@ -211,13 +214,13 @@ impl<'a, R> Table<'a, R> {
     }
 
     /// The rows without quantities, each with its reason.
-    pub fn remarks<'b>(&'b self, rows: &'b [&R]) -> impl Iterator<Item = String> + 'b {
+    pub(crate) fn remarks<'b>(&'b self, rows: &'b [&R]) -> impl Iterator<Item = String> + 'b {
         rows.iter().filter_map(|row| (self.failure)(row)).map(|failure| failure.remark)
     }
 
     /// The table as CSV, of what is there for programs.
     #[must_use]
-    pub fn csv(&self, rows: &[&R]) -> String {
+    pub(crate) fn csv(&self, rows: &[&R]) -> String {
         let named = || self.columns.iter().filter(|column| column.in_csv.is_some());
         let mut out = csv::Writer::from_writer(Vec::new());
         let head = named().filter_map(|column| column.in_csv.as_ref());

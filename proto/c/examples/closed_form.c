@@ -331,7 +331,7 @@ static int restore(void *user, const void *bytes, size_t size)
 {
     struct closed_form *cf = user;
     if (size != field_size(cf))
-        return cosim_fail("the state is of another grid");
+        return cosim_fail("the state is on another grid");
     memcpy(cf->accepted, bytes, size);
     return COSIM_OK;
 }

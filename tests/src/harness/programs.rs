@@ -75,12 +75,11 @@ fn deps() -> PathBuf {
 /// The file is there and no older than any of its sources.
 fn fresh(file: &Path, sources: &[PathBuf]) -> Result<(), String> {
     let command = match cfg!(debug_assertions) {
-        true => ["cargo test --workspace", "cargo build --workspace"],
-        false => ["cargo test --release --workspace", "cargo build --release --workspace"],
+        true => "cargo test --workspace",
+        false => "cargo test --release --workspace",
     };
     let how = format!(
-        "Run all tests (`{}`), or build what they run first (`{}`).",
-        command[0], command[1]
+        "Run all tests (`{command}`), or build what they run first (`{command} --no-run`)."
     );
     let Some(built) = changed(file) else {
         return Err(format!("{} is missing. {how}", file.display()));

@@ -1,7 +1,9 @@
 //! What takes long: the whole paper on its own grids, every sweep of the hard cases to its edge, the whole
 //! contract in Python. The system tests do the same on coarser grids and with fewer values.
 //!
-//! `cargo build --release --workspace && cargo test --release -p tests --test nightly`
+//! `cargo test --release --workspace --no-run && cargo test --release --workspace --test nightly`
+//!
+//! (With `-p tests` in its place cargo chooses other features, and builds all that they depend on again.)
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
 

@@ -120,7 +120,10 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
     };
     refused(&["--accuracy", "0.0001%"], &["no models are expected to meet", "ask for less"]);
     refused(&["--accuracy", "much"], &["write 1% or 0.01"]);
-    refused(&["--accuracy", "5%", "--quantity", "contact.colour"], &["no `contact.colour`"]);
+    refused(
+        &["--accuracy", "5%", "--quantity", "contact.colour"],
+        &["no quantity `contact.colour`"],
+    );
     refused(&["--accuracy", "5%", "--quantity", "contact.slip_area_ratio"], &["fractions"]);
     let fine = ["--accuracy", "5%", "--set", "mech.resolution=80"];
     refused(&fine, &["--accuracy chooses mech.resolution"]);

@@ -180,7 +180,11 @@ fn a_study_that_is_stopped_goes_on() {
     assert_eq!(refused.code, Some(2), "another study: {}", refused.stderr);
     let ended = place.start(&arguments).wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert!(ended.stderr.contains(&format!("{} runs are those", first.len())), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains(&format!("{} runs of the interrupted study", first.len())),
+        "{}",
+        ended.stderr
+    );
     let study: Value =
         serde_json::from_slice(&fs::read(place.out().join("cost.json")).unwrap()).unwrap();
     assert_eq!(runs(&study).len(), 12);

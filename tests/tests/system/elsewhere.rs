@@ -205,7 +205,7 @@ fn a_case_is_judged_without_starting_what_it_names() {
     let check = place.start(&["check", &path, "--no-start"]).wait();
     assert_eq!(check.code, Some(0), "{}", check.stderr);
     let said =
-        "no errors in what was checked\nnot judged, as no program was started: models, effects";
+        "no errors in what was checked\nnot checked, as no program was started: models, effects";
     assert!(check.stdout.contains(said), "{}", check.stdout);
     assert!(check.stdout.contains("effects.friction_heat"), "{}", check.stdout);
     let plan = place.start(&["plan", &path, "--no-start"]).wait();

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 /// Runs the pair with these settings, and demands convergence; the summary.
 fn linear(place: &Place, settings: &[&str]) -> Value {
-    let more = sets(&settings);
+    let more = sets(settings);
     let summary = place.summary(&case("linear.toml"), &more);
     assert_eq!(summary["status"], "converged", "{settings:?}");
     assert_eq!(summary["coupling"]["windows"], 10);

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 fn exchange(settings: &[&str]) -> (Place, crate::harness::Ended) {
     let place = Place::new();
-    let more = sets(&settings);
+    let more = sets(settings);
     let ended = place.run(&case("exchange.toml"), &more);
     place.assert_nothing_left();
     (place, ended)

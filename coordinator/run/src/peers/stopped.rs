@@ -86,7 +86,8 @@ fn ended(peers: &TiSlice<ParticipantIndex, Peer>, exit: &Exit, when: String) -> 
     let peer = peers.iter().find(|peer| peer.role() == exit.role);
     let how = match (exit.status.signal(), exit.status.code()) {
         (Some(7), _) => {
-            "killed by signal 7 (/dev/shm is full, or the run's files there were cut)".to_owned()
+            "killed by signal 7 (/dev/shm is full, or the run's files there were truncated)"
+                .to_owned()
         }
         (Some(signal), _) => format!("killed by signal {signal}"),
         (_, Some(code)) => format!("ended with exit code {code}"),

@@ -5,7 +5,7 @@ use run::results::last::LastField;
 
 /// Cells of a box with fields on them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Image {
+pub(crate) struct Image {
     /// The corner of the box with the smallest coordinates \[m\].
     pub corner: [f64; 3],
     /// Lengths of a cell \[m\].
@@ -18,7 +18,7 @@ pub struct Image {
 
 /// A field on the cells of an image.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Field {
+pub(crate) struct Field {
     /// Name of the field.
     pub name: String,
     /// Its SI unit.
@@ -32,7 +32,7 @@ pub struct Field {
 impl Image {
     /// Fields of one grid; `None` without a field, and on a grid whose steps are not along axes.
     #[must_use]
-    pub fn of<'a>(fields: impl Iterator<Item = &'a LastField<'a>>) -> Option<Self> {
+    pub(crate) fn of<'a>(fields: impl Iterator<Item = &'a LastField<'a>>) -> Option<Self> {
         let mut fields = fields.peekable();
         let Cells { corner, spacing, counts, order } = Cells::of(&fields.peek()?.grid)?;
         let fields = fields.map(|field| Field::of(field, &order)).collect();
@@ -41,28 +41,28 @@ impl Image {
 
     /// The two axes of the plane in which the cells lie, in the order of x, y, z.
     #[must_use]
-    pub fn plane(&self) -> Option<[usize; 2]> {
+    pub(crate) fn plane(&self) -> Option<[usize; 2]> {
         let axes: Vec<usize> = (0..3).filter(|&axis| self.cells[axis] > 0).collect();
         axes.try_into().ok()
     }
 
     /// Lower and upper border along an axis \[m\].
     #[must_use]
-    pub fn borders(&self, axis: usize) -> [f64; 2] {
+    pub(crate) fn borders(&self, axis: usize) -> [f64; 2] {
         let low = self.corner[axis];
         [low, low + self.cells[axis] as f64 * self.spacing[axis]]
     }
 
     /// Middle of the n-th cell along an axis \[m\].
     #[must_use]
-    pub fn middle(&self, axis: usize, n: usize) -> f64 {
+    pub(crate) fn middle(&self, axis: usize, n: usize) -> f64 {
         self.corner[axis] + (n as f64 + 0.5) * self.spacing[axis]
     }
 
     /// The column of cells that holds the largest value of a field: its place along the plane's
     /// first axis \[m\], and distance from the other axis' origin \[m\] and value of each cell.
     #[must_use]
-    pub fn through_largest(&self, field: &Field) -> Option<(f64, Vec<[f64; 2]>)> {
+    pub(crate) fn through_largest(&self, field: &Field) -> Option<(f64, Vec<[f64; 2]>)> {
         let [along, upright] = self.plane()?;
         let columns = self.cells[along];
         let (largest, _) = field.values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
@@ -92,7 +92,7 @@ impl Field {
 
     /// One number a cell: the value, or the length of the vector.
     #[must_use]
-    pub fn magnitudes(&self) -> Vec<f64> {
+    pub(crate) fn magnitudes(&self) -> Vec<f64> {
         let length = |cell: &[f64]| match cell {
             [value] => *value,
             vector => vector.iter().map(|v| v * v).sum::<f64>().sqrt(),

@@ -2,7 +2,7 @@
 
 /// Columns of numbers; an empty or foreign cell is not a number.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub(crate) struct Table {
     names: Vec<String>,
     rows: Vec<Vec<f64>>,
 }
@@ -10,7 +10,7 @@ pub struct Table {
 impl Table {
     /// The table in this text. A last line that is cut off is left out.
     #[must_use]
-    pub fn parse(text: &str) -> Self {
+    pub(crate) fn parse(text: &str) -> Self {
         let mut lines = text.lines();
         let head = lines.next().unwrap_or_default();
         let names: Vec<String> = head.split(',').map(str::to_owned).collect();
@@ -23,30 +23,30 @@ impl Table {
 
     /// Number of rows.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }
 
     /// There is no row.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
     /// Names of the columns.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.names.iter().map(String::as_str)
     }
 
     /// The values of a column.
     #[must_use]
-    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+    pub(crate) fn column(&self, name: &str) -> Option<Vec<f64>> {
         let at = self.names.iter().position(|other| other == name)?;
         Some(self.rows.iter().map(|row| row[at]).collect())
     }
 
     /// The names of the columns that end so, without the ending.
-    pub fn ending<'a>(&'a self, ending: &'a str) -> impl Iterator<Item = &'a str> {
+    pub(crate) fn ending<'a>(&'a self, ending: &'a str) -> impl Iterator<Item = &'a str> {
         self.names().filter_map(move |name| name.strip_suffix(ending))
     }
 }
