@@ -138,7 +138,7 @@ fn only_the_fields_asked_for_are_written() {
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     let contact = ["mech_contact.pvd", "mech_contact_000000.csv", "mech_contact_000000.vti"];
     assert_eq!(names, [&["last.bin"], &contact[..], &["open.py"]].concat());
-    let image = String::from_utf8_lossy(&files[2].1);
+    let image = String::from_utf8_lossy(&files[3].1);
     let arrays: Vec<&str> = image.lines().filter(|line| line.contains("offset=")).collect();
     assert!(arrays.len() == 1 && arrays[0].contains("\"pressure [Pa]\""), "{arrays:?}");
 }
