@@ -132,8 +132,8 @@ def test_a_wrong_layout_is_not_sent():
 
     plane = Structured.contact_plane(0.0, 0.0, 1.0, 1.0, 2, 2)
     flat = Structured.contact_plane(0.0, 0.0, 0.0, 1.0, 2, 2)
-    assert "no `rail_temperature`" in told([Grid("g", plane)], {})
-    assert "no grid" in told([], {"rail_temperature": "g"})
+    assert "no grid for `rail_temperature`" in told([Grid("g", plane)], {})
+    assert "is not a grid" in told([], {"rail_temperature": "g"})
     assert "without an area" in told([Grid("g", flat)], {"rail_temperature": "g"})
     assert "letters" in told([Grid("../g", plane)], {"rail_temperature": "../g"})
     assert "two grids" in told([Grid("g", plane)] * 2, {"rail_temperature": "g"})
