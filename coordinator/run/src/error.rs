@@ -156,11 +156,23 @@ fn fix(of: &NotConverged) -> String {
 
 /// An error of the file system as a failure of the machine.
 pub fn file_failure(path: &std::path::Path, error: &std::io::Error) -> RunError {
+    let when = format!("at {}", shown(path).display());
+    let fix = "check the path, its permissions and the free space";
+    machine_failure("the file system", &when, error, fix)
+}
+
+/// An error of a part of the machine.
+pub fn machine_failure(
+    who: &str,
+    when: &str,
+    error: &dyn std::fmt::Display,
+    fix: &str,
+) -> RunError {
     RunError::Failed(Failure {
-        who: "the file system".to_owned(),
-        when: format!("at {}", shown(path).display()),
+        who: who.to_owned(),
+        when: when.to_owned(),
         what: error.to_string(),
-        fix: "check the path, its permissions and the free space".to_owned(),
+        fix: fix.to_owned(),
     })
 }
 

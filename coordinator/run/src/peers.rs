@@ -16,7 +16,7 @@ pub use phase::Phase;
 pub use stopped::Stopped;
 
 use crate::deadlines::Deadlines;
-use crate::error::{Failure, RunError};
+use crate::error::{Failure, RunError, machine_failure};
 use crate::programs::Program;
 use crate::record::Recorder;
 use crate::signals;
@@ -103,7 +103,7 @@ impl Peers {
     ) -> Result<Self, RunError> {
         let roles: Vec<String> = seats.iter().map(|seat| seat.role.clone()).collect();
         let run = RunDir::create(&roles).map_err(|error| {
-            machine(
+            machine_failure(
                 "the machine",
                 "while preparing the run",
                 &error,
@@ -114,7 +114,7 @@ impl Peers {
         let (prefix, folder) = (&info.prefix, info.folder.display());
         tracing::info!(prefix, %folder, "run created");
         let opened = |error: TransportError| {
-            machine("shared memory", "while preparing the run", &error, "check /dev/shm")
+            machine_failure("shared memory", "while preparing the run", &error, "check /dev/shm")
         };
         let endpoint = Endpoint::open(&info).map_err(opened)?;
         let doorbell = endpoint.doorbell(COORDINATOR).map_err(opened)?;
@@ -428,7 +428,7 @@ fn launch(seats: &[Seat], info: &RunInfo) -> Result<Supervisor, RunError> {
     let launch = |seat: &Seat| Launch { role: seat.role.clone(), program: seat.program.clone() };
     let launches: Vec<Launch> = started.map(launch).collect();
     let supervisor = Supervisor::start(&launches, &info.folder).map_err(|(who, error)| {
-        machine(&who, "while starting", &error, "check the command of this participant")
+        machine_failure(&who, "while starting", &error, "check the command of this participant")
     })?;
     for seat in seats.iter().filter(|seat| seat.attach) {
         let (role, program) = (&seat.role, seat.program.command_line());
@@ -436,15 +436,6 @@ fn launch(seats: &[Seat], info: &RunInfo) -> Result<Supervisor, RunError> {
         tracing::warn!("waiting for {role}: start `{program} --join {folder} --role {role}`");
     }
     Ok(supervisor)
-}
-
-fn machine(who: &str, when: &str, error: &dyn std::fmt::Display, fix: &str) -> RunError {
-    RunError::Failed(Failure {
-        who: who.to_owned(),
-        when: when.to_owned(),
-        what: error.to_string(),
-        fix: fix.to_owned(),
-    })
 }
 
 /// What may end a wait.

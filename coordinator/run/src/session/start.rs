@@ -10,7 +10,7 @@ use super::outlet::Outlet;
 use super::solved::SolveRecord;
 use super::subscription::{Subscription, consumer, is_informed, readers, subscription};
 use super::tap::{Consumer, Tap};
-use crate::error::{Failure, RunError};
+use crate::error::{Failure, RunError, machine_failure};
 use crate::peers::{Peers, Phase, Seat};
 use crate::plan::{Field, Participant, Plan};
 use crate::record::Recorder;
@@ -188,16 +188,13 @@ impl Session {
         plan: &Plan,
         layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Result<(), RunError> {
-        self.open_geometry(plan, layouts).map_err(|error| {
-            machine("shared memory", "while connecting", &error, "check /dev/shm")
-        })?;
+        self.open_geometry(plan, layouts).map_err(|error| not_connected(&error))?;
         let mut topics = Vec::new();
         for field in &plan.fields {
             let topic = self.topic(plan, field, layouts);
             self.open_tap(plan, field, &topic, layouts)?;
-            self.open_outlets(plan, field, &topic.grid, layouts).map_err(|error| {
-                machine("shared memory", "while connecting", &error, "check /dev/shm")
-            })?;
+            self.open_outlets(plan, field, &topic.grid, layouts)
+                .map_err(|error| not_connected(&error))?;
             topics.push(topic);
         }
         let (deadline, interpolation) =
@@ -246,14 +243,15 @@ impl Session {
         topic: &Topic,
         layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Result<(), RunError> {
-        let reader = self.peers.endpoint().field_reader(&topic.service).map_err(|error| {
-            machine("shared memory", "while connecting", &error, "check /dev/shm")
-        })?;
+        let reader = self
+            .peers
+            .endpoint()
+            .field_reader(&topic.service)
+            .map_err(|error| not_connected(&error))?;
         let listen =
             |recorder: &Arc<Recorder>| recorder.listen(self.peers.endpoint(), &topic.service);
-        let recorded = self.peers.recorder().map(listen).transpose().map_err(|error| {
-            machine("shared memory", "while connecting", &error, "check /dev/shm")
-        })?;
+        let recorded =
+            self.peers.recorder().map(listen).transpose().map_err(|error| not_connected(&error))?;
         let direct = readers(field, layouts, &Subscription::Producer);
         self.taps.push(Tap {
             kind: field.kind.clone(),
@@ -305,11 +303,6 @@ impl Session {
     }
 }
 
-fn machine(who: &str, when: &str, error: &dyn std::fmt::Display, fix: &str) -> RunError {
-    RunError::Failed(Failure {
-        who: who.to_owned(),
-        when: when.to_owned(),
-        what: error.to_string(),
-        fix: fix.to_owned(),
-    })
+fn not_connected(error: &dyn std::fmt::Display) -> RunError {
+    machine_failure("shared memory", "while connecting", error, "check /dev/shm")
 }
