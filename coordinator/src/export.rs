@@ -5,6 +5,8 @@
 //! are numbered in the order of the recording.
 
 use crate::inspect::failed;
+use contract::bodies::Bodies;
+use contract::configuration::Configuration;
 use contract::description::Description;
 use contract::field::{Body, FieldKind, GEOMETRY, Mapping};
 use contract::grid::Grid;
@@ -57,6 +59,7 @@ pub(crate) fn export<R: Read>(
         kinds: BTreeMap::new(),
         grids: BTreeMap::new(),
         newest: BTreeMap::new(),
+        bodies: None,
         step: None,
         instants: 0,
     };
@@ -91,6 +94,8 @@ struct Export<'a> {
     /// The grid of each topic as it is now, and the service of its geometry if it may move.
     grids: BTreeMap<String, (Grid, Option<String>)>,
     newest: BTreeMap<String, Newest>,
+    /// The bodies that a participant was told of.
+    bodies: Option<Bodies>,
     /// The last that somebody was asked to solve.
     step: Option<Step>,
     instants: u64,
@@ -99,7 +104,9 @@ struct Export<'a> {
 impl Export<'_> {
     fn event(&mut self, event: &Event) -> Result<(), RunError> {
         match event {
-            Event::Command { participant, command, .. } => self.command(*participant, command),
+            Event::Command { participant, command, body, .. } => {
+                self.command(*participant, command, body)
+            }
             Event::Reply { participant, body, .. } => {
                 self.reply(*participant, body);
                 Ok(())
@@ -120,10 +127,14 @@ impl Export<'_> {
         Ok(())
     }
 
-    fn command(&mut self, to: u16, command: &Command) -> Result<(), RunError> {
+    fn command(&mut self, to: u16, command: &Command, body: &[u8]) -> Result<(), RunError> {
         match CommandKind::from_number(command.kind) {
             Some(CommandKind::Describe) => {
                 self.asked.insert(to);
+            }
+            Some(CommandKind::Configure) if self.bodies.is_none() => {
+                let given = serde_json::from_slice::<Configuration>(body).ok();
+                self.bodies = given.and_then(|given| Bodies::read(&given.case).ok());
             }
             Some(CommandKind::Solve) => {
                 if self.step.is_some_and(|step| step.window != command.window) {
@@ -200,25 +211,36 @@ impl Export<'_> {
         Ok(())
     }
 
+    /// What the files of a topic are called.
+    fn file_name(&self, service: &str) -> String {
+        let shown = |part: &str| match &self.bodies {
+            Some(bodies) => bodies.shown(part),
+            None => part.to_owned(),
+        };
+        let parts = service.trim_start_matches("field/").split('/').map(shown);
+        parts.collect::<Vec<_>>().join("_")
+    }
+
     fn write(&mut self, number: u64, time: f64) -> Result<(), RunError> {
         let fresh = self.newest.iter().filter(|(_, newest)| newest.fresh);
         let shown: Vec<(&str, Shown)> = fresh
             .filter_map(|(service, newest)| {
                 let Newest { kind, producer, values, grid, .. } = newest;
                 let grid = grid.as_ref()?;
-                Some((service.as_str(), Shown { producer, grid, kind, values }))
+                let bodies = self.bodies.as_ref();
+                Some((service.as_str(), Shown::new(producer, grid, kind, values, bodies)))
             })
             .collect();
         if shown.is_empty() {
             return Ok(());
         }
         if let Some(vtk) = &mut self.vtk {
-            let fields: Vec<Shown> = shown.iter().map(|(_, shown)| *shown).collect();
+            let fields: Vec<Shown> = shown.iter().map(|(_, shown)| shown.clone()).collect();
             vtk.write(&fields, number, time)?;
         }
         if let Some(folder) = &self.target.csv {
             for (service, shown) in &shown {
-                write_csv(folder, service, shown, number)?;
+                write_csv(folder, &self.file_name(service), shown, number)?;
             }
         }
         self.newest.values_mut().for_each(|newest| newest.fresh = false);
@@ -256,9 +278,8 @@ fn kind(header: &FieldHeader, described: &BTreeMap<String, FieldKind>) -> FieldK
 }
 
 /// One row a point: index, place, and the components.
-fn write_csv(folder: &Path, service: &str, shown: &Shown, number: u64) -> Result<(), RunError> {
+fn write_csv(folder: &Path, name: &str, shown: &Shown, number: u64) -> Result<(), RunError> {
     std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
-    let name = service.trim_start_matches("field/").replace('/', "_");
     let path = folder.join(format!("{name}_{number:06}.csv"));
     create(&path, |out| {
         let Shown { grid, kind, values, .. } = shown;

@@ -2,11 +2,10 @@
 //! case gives under `[contact]`, with the grid that covers it and the friction limit it sets.
 
 use crate::reference::hertz;
-use crate::scene::{
-    APPROACH, CROWN_RADIUS, Drive, GivenPatch, Load, NORMAL_FORCE, RESOLUTION, SPEED, Scene,
-};
+use crate::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, RESOLUTION, SPEED, Scene};
 use crate::strips::semi_ellipse::SemiEllipse;
 use crate::strips::{Lateral, StripField, Strips};
+use proto::bodies::{LOWER, UPPER};
 use proto::configuration::Refusal;
 use proto::grid::Structured;
 use serde_json::{Value, json};
@@ -59,9 +58,6 @@ impl Ellipse {
     }
 
     fn of_hertz(scene: &Scene) -> Result<Self, Refusal> {
-        if scene.rail_crown_radius.is_none() {
-            return Err(Refusal::new(CROWN_RADIUS, "missing", format!("add `{CROWN_RADIUS}`")));
-        }
         let (gap_x, gap_y) = (scene.gap_coefficient_x(), scene.gap_coefficient_y());
         refuse_open_ellipse(scene, gap_x, gap_y)?;
         let compliance = scene.contact_compliance();
@@ -79,18 +75,19 @@ impl Ellipse {
             approach: Some(solution.approach),
             normal_force,
         }
-        .within_the_wheel(scene)
+        .within_the_bodies(scene)
     }
 
-    /// Refuses a contact that is longer than the wheel: the paraboloid that stands for it goes on
-    /// there, and the wheel does not.
-    fn within_the_wheel(self, scene: &Scene) -> Result<Self, Refusal> {
-        let (a, radius) = (self.semi_axis_a, scene.wheel_radius);
+    /// Refuses a contact that is longer than a body is round: the paraboloid that stands for it goes
+    /// on there, and the body does not.
+    fn within_the_bodies(self, scene: &Scene) -> Result<Self, Refusal> {
+        let a = self.semi_axis_a;
+        let radius = scene.smallest_radius_x();
         match a >= radius {
             true => Err(Refusal::new(
                 load_key(scene),
                 format!(
-                    "gives a contact of semi-axis a = {a:.3e} m on a wheel of radius {radius:.3e} m"
+                    "gives a contact of semi-axis a = {a:.3e} m on a body of radius {radius:.3e} m"
                 ),
                 "lower the load, or check the units of load, radii and materials",
             )),
@@ -114,7 +111,7 @@ impl Ellipse {
 
     /// Refuses bodies that do not roll, for the models of rolling.
     pub(crate) fn refuse_rest(scene: &Scene) -> Result<(), Refusal> {
-        match scene.rolling_speed == 0.0 {
+        match scene.speeds.rolling == 0.0 {
             true => Err(Refusal::new(
                 SPEED,
                 "this model is of rolling; bodies that do not roll need mech.model = half-space",
@@ -143,7 +140,7 @@ impl Ellipse {
         Ok(Structured::contact_plane(x0, y0, step, step, nx, ny))
     }
 
-    /// What drives the wheel, with a force as its share of f N.
+    /// What drives the upper body, with a force as its share of f N.
     pub(crate) fn prescribed(&self, scene: &Scene) -> Result<Prescribed, Refusal> {
         let within = |key: &str, value: f64, limit: f64, unit: &str| {
             if value.abs() <= limit {
@@ -163,7 +160,7 @@ impl Ellipse {
             Drive::Creepage { xi, eta, phi } => Ok(Prescribed::Creepage { xi, eta, phi }),
             Drive::Shift(_) => Err(Refusal::new(
                 "motion.shift",
-                "a rolling wheel has creepages; a shift is for bodies that do not roll",
+                "bodies that roll have creepages; a shift is for bodies that do not roll",
                 format!("write motion.creepage, or {SPEED} = 0"),
             )),
         }
@@ -247,20 +244,27 @@ fn load_key(scene: &Scene) -> &'static str {
 fn refuse_open_ellipse(scene: &Scene, gap_x: f64, gap_y: f64) -> Result<(), Refusal> {
     // Semi-axes in a ratio of about a million.
     const FLATTEST: f64 = 1e-12;
-    let crown = scene.rail_crown_radius.unwrap_or(f64::INFINITY);
-    if gap_y <= FLATTEST * gap_x && scene.tread_curvature < 0.0 {
-        let reason = "the tread is as hollow as the rail crown is round, so that no elliptic \
-                      contact closes";
-        let fix = format!("write a value below -{crown} m, or above 0 m");
-        return Err(Refusal::new("wheel.tread_radius", reason, fix));
+    let [along, across] = [gap_y <= FLATTEST * gap_x, gap_x <= FLATTEST * gap_y];
+    if !along && !across {
+        return Ok(());
     }
-    let line = "makes the contact a line, not an ellipse";
-    let fix = "write a radius of the size of the other bodies' radii";
-    if gap_y <= FLATTEST * gap_x {
-        return Err(Refusal::new("rail.crown_radius", line, fix));
-    }
-    if gap_x <= FLATTEST * gap_y {
-        return Err(Refusal::new("wheel.radius", line, fix));
-    }
-    Ok(())
+    let name = if along { "radius_y" } else { "radius_x" };
+    let radii = scene.bodies.map(|body| if along { body.radius_y } else { body.radius_x });
+    let hollow = (0..2).find(|body| radii[*body] < 0.0);
+    let Some(hollow) = hollow else {
+        let finite = (0..2).find(|body| radii[*body].is_finite());
+        return Err(Refusal::new(
+            &scene.names.key(finite.unwrap_or(if along { LOWER } else { UPPER }), name),
+            "makes the contact a line, not an ellipse",
+            "write a radius of the size of the other bodies' radii",
+        ));
+    };
+    let other = radii[1 - hollow].abs();
+    let reason = format!(
+        "`{}` is as hollow as `{}` is round, or more, so that no elliptic contact closes",
+        scene.names.0[hollow],
+        scene.names.0[1 - hollow]
+    );
+    let fix = format!("write a value below -{other} m, or above 0 m");
+    Err(Refusal::new(&scene.names.key(hollow, name), reason, fix))
 }

@@ -1,4 +1,4 @@
-//! Contact mechanics of wheel and rail as a participant of the co-simulation.
+//! Contact mechanics of two bodies as a participant of the co-simulation.
 //!
 //! | module | what |
 //! |---|---|
@@ -9,9 +9,9 @@
 //!
 //! Axes, bodies and signs (Kalker's, as CONTACT has them): x along the rolling direction, y to the
 //! left, z up; the origin is the centre of the undeformed contact and moves with it. Material
-//! enters at x = +a and leaves at x = −a. Body 1 is the wheel, body 2 the rail. Tractions and
-//! forces act on the wheel, slip and creepage are of the wheel relative to the rail: a driving
-//! wheel has a creepage ξ < 0 and a creep force F_x > 0, and the friction power −p·v is never
+//! enters at x = +a and leaves at x = −a. Body 1 is the upper one, body 2 the lower one. Tractions and
+//! forces act on the upper body, slip and creepage are of the upper body relative to the lower one: an upper
+//! body that drives has a creepage ξ < 0 and a creep force F_x > 0, and the friction power −p·v is never
 //! negative.
 //!
 //! Adding an effect takes its file under `effects/` and one line in [`effects::EFFECTS`]; adding a
@@ -50,6 +50,7 @@ impl Solver for MechSolver {
             effects: effects::EFFECTS.iter().map(|spec| spec()).collect(),
             keys: scene::keys(),
             fields: Vec::new(),
+            renamed: scene::renamed(),
         }
     }
 

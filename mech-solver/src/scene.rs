@@ -1,8 +1,9 @@
-//! What the case says of bodies, motion, load and friction, as plain structs in SI units.
+//! What the case says of the bodies, motion, load and friction, as plain structs in SI units.
 
 use crate::keys::CheckedParams;
+use proto::bodies::{Bodies, LOWER, UPPER, position_key};
 use proto::configuration::Refusal;
-use proto::description::KeySpec;
+use proto::description::{KeySpec, Renamed};
 use proto::params::Params;
 
 /// Elastic constants of one body.
@@ -28,14 +29,14 @@ impl Material {
     }
 }
 
-/// What drives the wheel: a force or a creepage. Positive forces and negative creepages drive.
+/// What drives the upper body: a force or a creepage. Positive forces and negative creepages drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drive {
-    /// Longitudinal force on the wheel over the normal force [-].
+    /// Longitudinal force on the upper body over the normal force [-].
     TractionCoefficient(f64),
-    /// Longitudinal force on the wheel [N].
+    /// Longitudinal force on the upper body [N].
     TangentialForce(f64),
-    /// Velocity of the wheel relative to the rail, over the rolling speed.
+    /// Velocity of the upper body relative to the lower one, over the rolling speed.
     Creepage {
         /// Longitudinal [-].
         xi: f64,
@@ -44,7 +45,7 @@ pub enum Drive {
         /// Spin [rad/m].
         phi: f64,
     },
-    /// Rigid shift of the wheel against the rail, without rolling: along x and y [m], about z [rad].
+    /// Rigid shift of the upper body against the lower one, without rolling: along x and y [m], about z [rad].
     Shift([f64; 3]),
 }
 
@@ -57,21 +58,46 @@ pub enum Load {
     Approach(f64),
 }
 
-/// The case values that every model reads.
+/// One body of the pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Radius along x, the rolling radius of a body that turns [m]; infinite for a straight body,
+    /// negative for a concave one.
+    pub radius_x: f64,
+    /// Lateral radius [m]; infinite for a straight body, negative for a concave one.
+    pub radius_y: f64,
+    /// Elastic constants.
+    pub material: Material,
+}
+
+/// How fast the surfaces pass through the contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Speeds {
+    /// Rolling speed V, over which creepages are [m/s]; 0 for bodies that do not roll.
+    pub rolling: f64,
+    /// The speeds of the upper and the lower surface, where the case prescribes them [m/s].
+    pub prescribed: Option<[f64; 2]>,
+}
+
+impl Speeds {
+    /// Speeds [m/s] at which the material of the upper and the lower body passes through the contact
+    /// with a longitudinal creepage ξ: V − ξ V and V, unless they are prescribed. A driving body
+    /// (ξ < 0) is faster.
+    #[must_use]
+    pub fn of_surfaces(&self, creepage_xi: f64) -> [f64; 2] {
+        self.prescribed.unwrap_or([self.rolling * (1.0 - creepage_xi), self.rolling])
+    }
+}
+
+/// The case values that every model reads.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// Rolling radius of the wheel [m].
-    pub wheel_radius: f64,
-    /// Lateral curvature of the wheel tread, positive convex, 0 for a straight cone [1/m].
-    pub tread_curvature: f64,
-    /// Lateral radius of the rail crown [m]; `None` where a profile takes its place.
-    pub rail_crown_radius: Option<f64>,
-    /// Material of the wheel.
-    pub wheel: Material,
-    /// Material of the rail.
-    pub rail: Material,
-    /// Rolling speed V [m/s]; 0 for bodies that do not roll.
-    pub rolling_speed: f64,
+    /// What the case calls the upper and the lower body.
+    pub names: Bodies,
+    /// The upper and the lower body.
+    pub bodies: [Body; 2],
+    /// Speeds of rolling and of the surfaces.
+    pub speeds: Speeds,
     /// Prescribed force or creepage.
     pub drive: Drive,
     /// Prescribed normal force or approach.
@@ -120,18 +146,24 @@ pub fn keys() -> Vec<KeySpec> {
 
 fn body_keys() -> Vec<KeySpec> {
     vec![
-        KeySpec::quantity("wheel.radius", "m", "rolling radius of the wheel").required().above(0.0),
+        position_key(),
         KeySpec::quantity(
-            "wheel.tread_radius",
+            "bodies.*.radius_x",
             "m",
-            "lateral radius of the wheel tread; absent: straight, negative: concave",
+            "radius along x, of rolling; absent: straight, negative: concave",
         ),
-        KeySpec::name_in("wheel.material", "materials", "material of the wheel").required(),
-        KeySpec::quantity(CROWN_RADIUS, "m", "lateral radius of the rail crown")
-            .required()
-            .above(0.0)
-            .one_of(RAIL_SHAPE),
-        KeySpec::name_in("rail.material", "materials", "material of the rail").required(),
+        KeySpec::quantity(
+            "bodies.*.radius_y",
+            "m",
+            "lateral radius; absent: straight, negative: concave",
+        ),
+        KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
+        KeySpec::quantity(
+            "bodies.*.surface_speed",
+            "m/s",
+            "speed at which the body's surface passes through the contact; absent: motion.speed",
+        )
+        .at_least(0.0),
         KeySpec::quantity("materials.*.youngs_modulus", "Pa", "Young's modulus")
             .required()
             .above(0.0),
@@ -142,44 +174,58 @@ fn body_keys() -> Vec<KeySpec> {
     ]
 }
 
+/// The tables of bodies of version 0.1.
+#[must_use]
+pub fn renamed() -> Vec<Renamed> {
+    let table = |name: &str, position: &str, radii: &str| {
+        let to = format!("[bodies.{name}] with position = \"{position}\", {radii}");
+        Renamed::new(name, &to)
+    };
+    vec![
+        table("wheel", "upper", "radius_x for radius, radius_y for tread_radius"),
+        table("rail", "lower", "radius_y for crown_radius"),
+    ]
+}
+
 pub(crate) const NORMAL_FORCE: &str = "load.normal_force";
 pub(crate) const APPROACH: &str = "load.approach";
 /// Key of the elements per semi-axis.
 pub(crate) const RESOLUTION: &str = "mech.resolution";
-pub(crate) const CROWN_RADIUS: &str = "rail.crown_radius";
-/// Group of the alternatives that give the rail its shape.
-pub(crate) const RAIL_SHAPE: &str = "rail.shape";
 
-/// Group of the alternatives that drive the wheel.
+/// Group of the alternatives that drive the upper body; none of them where surface speeds do.
 pub(crate) const DRIVE: &str = "motion.drive";
 const TRACTION_COEFFICIENT: &str = "motion.traction_coefficient";
 const TANGENTIAL_FORCE: &str = "motion.tangential_force";
-const CREEPAGE: &str = "motion.creepage.xi";
+const CREEPAGE: &str = "motion.creepage";
+const LONGITUDINAL_CREEPAGE: &str = "motion.creepage.xi";
 pub(crate) const SPEED: &str = "motion.speed";
 const SHIFT: [&str; 3] = ["motion.shift.x", "motion.shift.y", "motion.shift.turn"];
 
 fn motion_keys() -> Vec<KeySpec> {
     vec![
-        KeySpec::quantity(SPEED, "m/s", "rolling speed; 0 for a shift without rolling")
-            .required()
-            .at_least(0.0),
+        KeySpec::quantity(
+            SPEED,
+            "m/s",
+            "rolling speed, that of both surfaces but for the creepage; 0 for a shift without rolling",
+        )
+        .at_least(0.0),
         KeySpec::number(
             TRACTION_COEFFICIENT,
-            "longitudinal force on the wheel over normal force; positive drives",
+            "longitudinal force on the upper body over normal force; positive drives",
         )
-        .one_of(DRIVE)
+        .one_of_or_none(DRIVE)
         .magnitude_below(&["friction.coefficient"]),
         KeySpec::quantity(
             TANGENTIAL_FORCE,
             "N",
-            "longitudinal force on the wheel; positive drives",
+            "longitudinal force on the upper body; positive drives",
         )
-        .one_of(DRIVE)
+        .one_of_or_none(DRIVE)
         .magnitude_below(&["friction.coefficient", "load.normal_force"]),
-        KeySpec::number(CREEPAGE, "longitudinal creepage; negative drives").one_of(DRIVE),
-        KeySpec::number("motion.creepage.eta", "lateral creepage").one_of(DRIVE).default_value(0.0),
+        KeySpec::number(LONGITUDINAL_CREEPAGE, "longitudinal creepage; negative drives").one_of_or_none(DRIVE),
+        KeySpec::number("motion.creepage.eta", "lateral creepage").one_of_or_none(DRIVE).default_value(0.0),
         KeySpec::quantity("motion.creepage.phi", "1/m", "spin creepage [rad/m]")
-            .one_of(DRIVE)
+            .one_of_or_none(DRIVE)
             .default_value(0.0),
     ]
 }
@@ -188,13 +234,13 @@ fn motion_keys() -> Vec<KeySpec> {
 #[must_use]
 pub fn shift_keys() -> Vec<KeySpec> {
     let help = [
-        "rigid shift of the wheel along x, made in the first window",
-        "rigid shift of the wheel along y",
-        "rigid rotation of the wheel about z [rad]",
+        "rigid shift of the upper body along x, made in the first window",
+        "rigid shift of the upper body along y",
+        "rigid rotation of the upper body about z [rad]",
     ];
     let key = |k: usize| {
         let unit = if k == 2 { "1" } else { "m" };
-        KeySpec::quantity(SHIFT[k], unit, help[k]).one_of(DRIVE).default_value(0.0)
+        KeySpec::quantity(SHIFT[k], unit, help[k]).one_of_or_none(DRIVE).default_value(0.0)
     };
     (0..3).map(key).collect()
 }
@@ -218,14 +264,23 @@ impl Scene {
     /// alternatives that drive the wheel.
     pub fn read(params: &Params) -> Result<Self, Refusal> {
         let case = CheckedParams::new(params, keys());
+        let names = Bodies::read(params)?;
+        let prescribed = read_surface_speeds(&case, &names)?;
+        let bodies = [read_body(&case, &names, UPPER)?, read_body(&case, &names, LOWER)?];
+        let rolling = match (case.maybe_number(SPEED)?, prescribed) {
+            (Some(speed), _) => speed,
+            (None, Some([upper, lower])) => 0.5 * (upper + lower),
+            (None, None) => {
+                let fix = format!("add `{SPEED} = \"30 m/s\"`, or a surface_speed of both bodies");
+                return Err(Refusal::new(SPEED, "missing", fix));
+            }
+        };
+        let speeds = Speeds { rolling, prescribed };
         Ok(Self {
-            wheel_radius: case.number("wheel.radius")?,
-            tread_curvature: read_tread_curvature(&case)?,
-            rail_crown_radius: case.maybe_number(CROWN_RADIUS)?,
-            wheel: read_material(&case, "wheel.material")?,
-            rail: read_material(&case, "rail.material")?,
-            rolling_speed: case.number(SPEED)?,
-            drive: read_drive(params, &case)?,
+            bodies,
+            drive: read_drive(params, &case, &names, speeds)?,
+            names,
+            speeds,
             load: read_load(&case)?,
             friction_coefficient: case.number("friction.coefficient")?,
             resolution: usize::try_from(case.integer(RESOLUTION)?)
@@ -233,38 +288,65 @@ impl Scene {
         })
     }
 
-    /// Coefficient of x² in the gap of the undeformed bodies, 1/(2 R_wheel) [1/m].
+    /// Radius R along x of the pair, 1/R = 1/R₁ + 1/R₂ [m].
+    #[must_use]
+    pub fn relative_radius_x(&self) -> f64 {
+        let [upper, lower] = self.bodies.map(|body| body.radius_x);
+        // Exactly the one radius where the other body is straight.
+        match (upper.is_finite(), lower.is_finite()) {
+            (_, false) => upper,
+            (false, _) => lower,
+            _ => (upper.recip() + lower.recip()).recip(),
+        }
+    }
+
+    /// The smallest radius of a body along x that is round there [m]; infinite if none is.
+    #[must_use]
+    pub fn smallest_radius_x(&self) -> f64 {
+        let round = self.bodies.iter().map(|body| body.radius_x).filter(|radius| *radius > 0.0);
+        round.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Coefficient of x² in the gap of the undeformed bodies, half the sum of the curvatures along x
+    /// [1/m].
     #[must_use]
     pub fn gap_coefficient_x(&self) -> f64 {
-        0.5 / self.wheel_radius
+        0.5 * (self.bodies[LOWER].radius_x.recip() + self.bodies[UPPER].radius_x.recip())
     }
 
     /// Coefficient of y² in the gap of the undeformed bodies, half the sum of the lateral
-    /// curvatures [1/m]; not positive when the tread is as hollow as the crown is round. A rail
-    /// without a radius counts as flat.
+    /// curvatures [1/m]; not positive when one body is as hollow as the other is round.
     #[must_use]
     pub fn gap_coefficient_y(&self) -> f64 {
-        0.5 * (self.rail_crown_radius.map_or(0.0, f64::recip) + self.tread_curvature)
+        0.5 * (self.bodies[LOWER].radius_y.recip() + self.bodies[UPPER].radius_y.recip())
+    }
+
+    /// Materials of the upper and the lower body.
+    #[must_use]
+    pub fn materials(&self) -> [Material; 2] {
+        self.bodies.map(|body| body.material)
     }
 
     /// Sum of both bodies' compliances, (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa]
     /// (Naeimi et al., eq. 19, where it is written E*).
     #[must_use]
     pub fn contact_compliance(&self) -> f64 {
-        self.wheel.compliance() + self.rail.compliance()
+        self.bodies[UPPER].material.compliance() + self.bodies[LOWER].material.compliance()
     }
 
     /// Shear modulus G of both bodies together, 1/G = ½(1/G₁ + 1/G₂) [Pa] (Kalker 1990).
     #[must_use]
     pub fn combined_shear_modulus(&self) -> f64 {
-        2.0 / (self.wheel.shear_modulus().recip() + self.rail.shear_modulus().recip())
+        let [upper, lower] = self.materials().map(|material| material.shear_modulus());
+        2.0 / (upper.recip() + lower.recip())
     }
 
     /// Poisson's ratio ν of both bodies together, ν/G = ½(ν₁/G₁ + ν₂/G₂) [-] (Kalker 1990).
     #[must_use]
     pub fn combined_poisson_ratio(&self) -> f64 {
         let share = |body: &Material| body.poisson_ratio / body.shear_modulus();
-        0.5 * self.combined_shear_modulus() * (share(&self.wheel) + share(&self.rail))
+        let [upper, lower] = self.materials();
+        0.5 * self.combined_shear_modulus() * (share(&upper) + share(&lower))
     }
 }
 
@@ -287,25 +369,51 @@ impl GivenPatch {
     }
 }
 
-fn read_material(case: &CheckedParams<'_>, key: &str) -> Result<Material, Refusal> {
-    let name = case.text(key)?;
-    Ok(Material {
-        youngs_modulus: case.number(&format!("materials.{name}.youngs_modulus"))?,
-        poisson_ratio: case.number(&format!("materials.{name}.poisson_ratio"))?,
+fn read_body(case: &CheckedParams<'_>, names: &Bodies, body: usize) -> Result<Body, Refusal> {
+    let material = case.text(&names.key(body, "material"))?;
+    let radius = |name: &str| {
+        let key = names.key(body, name);
+        match case.maybe_number(&key)? {
+            Some(0.0) => Err(Refusal::new(
+                &key,
+                "a radius of zero is a knife edge",
+                "write the radius, or leave the key out for a straight body",
+            )),
+            radius => Ok(radius.unwrap_or(f64::INFINITY)),
+        }
+    };
+    Ok(Body {
+        radius_x: radius("radius_x")?,
+        radius_y: radius("radius_y")?,
+        material: Material {
+            youngs_modulus: case.number(&format!("materials.{material}.youngs_modulus"))?,
+            poisson_ratio: case.number(&format!("materials.{material}.poisson_ratio"))?,
+        },
     })
 }
 
-fn read_tread_curvature(case: &CheckedParams<'_>) -> Result<f64, Refusal> {
-    const KEY: &str = "wheel.tread_radius";
-    match case.maybe_number(KEY)? {
-        None => Ok(0.0),
-        Some(0.0) => Err(Refusal::new(
-            KEY,
-            "a radius of zero is a knife edge",
-            "write the lateral radius of the tread, or leave the key out for a straight tread",
-        )),
-        Some(radius) => Ok(1.0 / radius),
+/// The speeds of both surfaces, where the case gives that of one: the other has the rolling speed.
+fn read_surface_speeds(
+    case: &CheckedParams<'_>,
+    names: &Bodies,
+) -> Result<Option<[f64; 2]>, Refusal> {
+    let keys = [UPPER, LOWER].map(|body| names.key(body, "surface_speed"));
+    let [upper, lower] = [case.maybe_number(&keys[0])?, case.maybe_number(&keys[1])?];
+    if upper.is_none() && lower.is_none() {
+        return Ok(None);
     }
+    let rolling = case.maybe_number(SPEED)?;
+    let missing = |key: &str| {
+        let fix = format!("add `{key}`, or `{SPEED}` for the body without a speed of its own");
+        Refusal::new(key, "missing", fix)
+    };
+    let upper = upper.or(rolling).ok_or_else(|| missing(&keys[0]))?;
+    let lower = lower.or(rolling).ok_or_else(|| missing(&keys[1]))?;
+    if upper + lower > 0.0 {
+        return Ok(Some([upper, lower]));
+    }
+    let fix = format!("let one surface move, or write motion.shift with {SPEED} = 0");
+    Err(Refusal::new(&keys[0], "both surfaces are at rest", fix))
 }
 
 fn read_load(case: &CheckedParams<'_>) -> Result<Load, Refusal> {
@@ -325,16 +433,28 @@ fn read_load(case: &CheckedParams<'_>) -> Result<Load, Refusal> {
     }
 }
 
-fn read_drive(params: &Params, case: &CheckedParams<'_>) -> Result<Drive, Refusal> {
+fn read_drive(
+    params: &Params,
+    case: &CheckedParams<'_>,
+    names: &Bodies,
+    speeds: Speeds,
+) -> Result<Drive, Refusal> {
     let alternatives = [TRACTION_COEFFICIENT, TANGENTIAL_FORCE, CREEPAGE, "motion.shift"];
     let given: Vec<_> = alternatives.into_iter().filter(|key| case.has(key)).collect();
+    if let (Some([upper, lower]), [drive, ..]) = (speeds.prescribed, given.as_slice()) {
+        let reason = format!(
+            "excludes the surface speeds {upper} m/s and {lower} m/s of the bodies: each determines \
+             how the upper body is driven"
+        );
+        return Err(Refusal::new(drive, reason, "keep one of them"));
+    }
     match given[..] {
         [TRACTION_COEFFICIENT] => {
             Ok(Drive::TractionCoefficient(case.number(TRACTION_COEFFICIENT)?))
         }
         [TANGENTIAL_FORCE] => Ok(Drive::TangentialForce(case.number(TANGENTIAL_FORCE)?)),
         [CREEPAGE] => Ok(Drive::Creepage {
-            xi: case.number(CREEPAGE)?,
+            xi: case.number(LONGITUDINAL_CREEPAGE)?,
             eta: case.number("motion.creepage.eta")?,
             phi: case.number("motion.creepage.phi")?,
         }),
@@ -343,14 +463,23 @@ fn read_drive(params: &Params, case: &CheckedParams<'_>) -> Result<Drive, Refusa
             let [x, y, turn] = SHIFT.map(|key| case.number(key));
             Ok(Drive::Shift([x?, y?, turn?]))
         }
-        [] => Err(Refusal::new(
-            "motion",
-            "nothing says how the wheel is driven",
-            format!("add one of {}", alternatives.join(", ")),
-        )),
+        [] => match speeds.prescribed {
+            Some([upper, lower]) => {
+                Ok(Drive::Creepage { xi: (lower - upper) / speeds.rolling, eta: 0.0, phi: 0.0 })
+            }
+            None => Err(Refusal::new(
+                "motion",
+                format!("nothing says how `{}` is driven", names.0[UPPER]),
+                format!(
+                    "add one of {}, or {}",
+                    alternatives.join(", "),
+                    names.key(UPPER, "surface_speed")
+                ),
+            )),
+        },
         [_, second, ..] => Err(Refusal::new(
             second,
-            format!("excludes `{}`: each determines how the wheel is driven", given[0]),
+            format!("excludes `{}`: each determines how the upper body is driven", given[0]),
             format!("keep one of {}", given.join(", ")),
         )),
     }
@@ -363,8 +492,8 @@ mod tests {
 
     fn case() -> Value {
         json!({
-            "wheel": {"radius": 0.46, "material": "steel"},
-            "rail": {"crown_radius": 0.3, "material": "rubber"},
+            "bodies": {"wheel": {"position": "upper", "radius_x": 0.46, "material": "steel"},
+            "rail": {"position": "lower", "radius_y": 0.3, "material": "rubber"}},
             "materials": {
                 "steel": {"youngs_modulus": 210e9, "poisson_ratio": 0.3},
                 "rubber": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
@@ -384,10 +513,11 @@ mod tests {
     #[test]
     fn reads_both_bodies_and_fills_defaults() {
         let scene = Scene::read(&Params(case())).unwrap();
-        assert_eq!(scene.wheel.youngs_modulus, 210e9);
-        assert_eq!(scene.rail.poisson_ratio, 0.5);
+        assert_eq!(scene.bodies[UPPER].material.youngs_modulus, 210e9);
+        assert_eq!(scene.bodies[LOWER].material.poisson_ratio, 0.5);
         assert_eq!(scene.resolution, 40);
-        assert_eq!(scene.tread_curvature, 0.0);
+        assert_eq!(scene.bodies[UPPER].radius_y, f64::INFINITY);
+        assert_eq!(scene.relative_radius_x(), 0.46);
         assert_eq!(scene.drive, Drive::TractionCoefficient(0.58));
         assert_eq!(scene.gap_coefficient_x(), 0.5 / 0.46);
         assert_eq!(scene.contact_compliance(), 0.91 / 210e9 + 0.75 / 1e6);
@@ -400,20 +530,50 @@ mod tests {
 
     #[test]
     fn refusals_name_the_key() {
-        assert_eq!(refused(|c| c["wheel"]["radius"] = json!(0.0)).key, "wheel.radius");
-        assert_eq!(refused(|c| c["wheel"]["tread_radius"] = json!(0)).key, "wheel.tread_radius");
+        assert_eq!(
+            refused(|c| c["bodies"]["wheel"]["radius_x"] = json!(0.0)).key,
+            "bodies.wheel.radius_x"
+        );
+        assert_eq!(
+            refused(|c| c["bodies"]["wheel"]["radius_y"] = json!(0)).key,
+            "bodies.wheel.radius_y"
+        );
         assert_eq!(
             refused(|c| c["materials"]["steel"]["poisson_ratio"] = json!(0.51)).key,
             "materials.steel.poisson_ratio"
         );
         assert_eq!(
-            refused(|c| c["rail"]["material"] = json!("wood")).key,
+            refused(|c| c["bodies"]["rail"]["material"] = json!("wood")).key,
             "materials.wood.youngs_modulus"
         );
         assert_eq!(refused(|c| c["mech"] = json!({"resolution": 2001})).key, "mech.resolution");
         assert_eq!(refused(|c| c["motion"] = json!({"speed": 1.0})).key, "motion");
         let two = refused(|c| c["motion"]["creepage"] = json!({"xi": 0.0}));
-        assert_eq!(two.key, "motion.creepage.xi");
+        assert_eq!(two.key, "motion.creepage");
+        let both = refused(|c| c["bodies"]["rail"]["surface_speed"] = json!(3.0));
+        assert_eq!(both.key, "motion.traction_coefficient");
+    }
+
+    /// A locked wheel slides with the whole speed of the rail; two discs differ by their speeds over
+    /// the mean.
+    #[test]
+    fn surface_speeds_drive() {
+        let mut case = case();
+        case["motion"] = json!({"speed": 20.0});
+        case["bodies"]["wheel"]["surface_speed"] = json!(0.0);
+        let locked = Scene::read(&Params(case.clone())).unwrap();
+        assert_eq!(locked.drive, Drive::Creepage { xi: 1.0, eta: 0.0, phi: 0.0 });
+        assert_eq!(locked.speeds.of_surfaces(1.0), [0.0, 20.0]);
+        case["motion"] = json!({});
+        case["bodies"]["wheel"]["surface_speed"] = json!(3.0);
+        case["bodies"]["rail"]["surface_speed"] = json!(1.0);
+        let discs = Scene::read(&Params(case.clone())).unwrap();
+        assert_eq!(discs.speeds, Speeds { rolling: 2.0, prescribed: Some([3.0, 1.0]) });
+        assert_eq!(discs.drive, Drive::Creepage { xi: -1.0, eta: 0.0, phi: 0.0 });
+        case["bodies"]["wheel"]["surface_speed"] = json!(0.0);
+        case["bodies"]["rail"]["surface_speed"] = json!(0.0);
+        let rest = Scene::read(&Params(case)).unwrap_err();
+        assert_eq!(rest.reason, "both surfaces are at rest");
     }
 
     #[test]

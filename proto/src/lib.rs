@@ -17,7 +17,8 @@
 //! Invariants held here are listed in `docs/ARCHITECTURE.md`.
 
 pub use contract::{
-    PROTOCOL_VERSION, accuracy, configuration, description, field, grid, message, params, text,
+    PROTOCOL_VERSION, accuracy, bodies, configuration, description, field, grid, message, params,
+    text,
 };
 
 pub mod binary;

@@ -221,6 +221,7 @@ impl Solver for Lumped {
             effects: Vec::new(),
             keys,
             fields: [SOURCE_FLUX, SECOND_FLUX, BODY_TEMPERATURE].map(|f| f.kind()).into(),
+            renamed: Vec::new(),
         }
     }
 

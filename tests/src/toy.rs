@@ -143,6 +143,7 @@ impl Solver for Toy {
                     .default_value(0),
             ],
             fields,
+            renamed: Vec::new(),
         }
     }
 

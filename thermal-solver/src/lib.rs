@@ -1,4 +1,4 @@
-//! Heat conduction into wheel and rail under a moving frictional contact.
+//! Heat conduction into the upper and the lower body under a moving frictional contact.
 //!
 //! | module | what |
 //! |---|---|
@@ -12,9 +12,8 @@
 //! Conventions: x is the rolling direction, y to the left, z up, origin at the centre of the
 //! contact, and the frame moves with it. Material enters the contact at its leading edge (large x)
 //! and moves towards −x at the surface speed. Temperatures are rises over the initial one [K]; a
-//! heat flux into a body is positive. Pairs of values are ordered wheel, rail.
+//! heat flux into a body is positive. Pairs of values are ordered upper, lower.
 
-mod bodies;
 pub mod columns;
 pub mod effects;
 pub mod models;
@@ -23,7 +22,7 @@ pub mod reference;
 pub mod scene;
 pub mod search;
 
-pub use bodies::{RAIL, WHEEL};
+pub use proto::bodies::{LOWER, UPPER};
 
 use proto::PROTOCOL_VERSION;
 use proto::configuration::{Configuration, Refusal};
@@ -47,6 +46,7 @@ impl Solver for ThermalSolver {
             effects: effects::REGISTRY.iter().map(|effect| (effect.spec)()).collect(),
             keys: scene::keys(),
             fields: Vec::new(),
+            renamed: Vec::new(),
         }
     }
 

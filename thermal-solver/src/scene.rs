@@ -1,5 +1,8 @@
 //! What the thermal participant reads from a case, whatever the model: materials and speed.
 
+use proto::bodies::{
+    Bodies, INITIAL_TEMPERATURE, LOWER, UPPER, initial_temperature_key, position_key,
+};
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;
@@ -30,23 +33,53 @@ impl Material {
 }
 
 /// The bodies and their speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// Materials of wheel and rail.
+    /// What the case calls the upper and the lower body.
+    pub names: Bodies,
+    /// Materials of the upper and the lower body.
     pub materials: [Material; 2],
-    /// Rolling speed V [m/s]; sets the depth of the sections only, the heat moves with the
-    /// surface speeds that arrive as an input.
-    pub speed: f64,
+    /// Initial temperatures of the upper and the lower body [K].
+    pub initial_temperatures: [f64; 2],
+    /// Expected speeds of the surfaces of the upper and the lower body [m/s]; they set the depth of the
+    /// sections only, the heat moves with the surface speeds that arrive as an input.
+    pub speeds: [f64; 2],
 }
 
 impl Scene {
     /// Reads the scene; refuses what is missing or not positive, with the key named.
     pub fn read(case: &Params) -> Result<Self, Refusal> {
-        let wheel = read_material(case, case.text("wheel.material")?)?;
-        let rail = read_material(case, case.text("rail.material")?)?;
-        Ok(Self { materials: [wheel, rail], speed: positive(case, "motion.speed")? })
+        let names = Bodies::read(case)?;
+        let material = |body: usize| read_material(case, case.text(&names.key(body, "material"))?);
+        let materials = [material(UPPER)?, material(LOWER)?];
+        let initial = |body: usize| {
+            let key = names.key(body, "initial_temperature");
+            Ok(case.maybe_number(&key)?.unwrap_or(INITIAL_TEMPERATURE))
+        };
+        let initial_temperatures = [initial(UPPER)?, initial(LOWER)?];
+        let speeds = read_speeds(case, &names)?;
+        Ok(Self { names, materials, initial_temperatures, speeds })
     }
 }
+
+/// The speed of each body's own surface, or the rolling speed. A body at rest counts as passing at the
+/// other's speed: its section is as deep.
+fn read_speeds(case: &Params, names: &Bodies) -> Result<[f64; 2], Refusal> {
+    let own = |body: usize| case.maybe_number(&names.key(body, "surface_speed"));
+    let rolling = case.maybe_number(SPEED)?;
+    let [upper, lower] = [own(UPPER)?.or(rolling), own(LOWER)?.or(rolling)];
+    match (upper.unwrap_or(0.0), lower.unwrap_or(0.0)) {
+        (upper, lower) if upper > 0.0 && lower > 0.0 => Ok([upper, lower]),
+        (one, other) if one.max(other) > 0.0 => Ok([one.max(other); 2]),
+        _ => Err(Refusal::new(
+            SPEED,
+            "nothing moves: without a speed no heat is carried through the contact",
+            format!("write a `{SPEED}` above 0 m/s, or a surface_speed of a body"),
+        )),
+    }
+}
+
+const SPEED: &str = "motion.speed";
 
 /// The keys that [`Scene::read`] reads.
 #[must_use]
@@ -55,12 +88,19 @@ pub fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(&format!("materials.*.{name}"), unit, help).required().above(0.0)
     };
     vec![
-        KeySpec::name_in("wheel.material", "materials", "material of the wheel").required(),
-        KeySpec::name_in("rail.material", "materials", "material of the rail").required(),
+        position_key(),
+        KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
+        initial_temperature_key(),
+        KeySpec::quantity(
+            "bodies.*.surface_speed",
+            "m/s",
+            "speed at which the body's surface passes through the contact; absent: motion.speed",
+        )
+        .at_least(0.0),
         property("density", "kg/m3", "mass per volume"),
         property("specific_heat", "J/(kg K)", "heat per mass and temperature"),
         property("conductivity", "W/(m K)", "heat flux per temperature gradient"),
-        KeySpec::quantity("motion.speed", "m/s", "rolling speed").required().above(0.0),
+        KeySpec::quantity(SPEED, "m/s", "rolling speed").at_least(0.0),
     ]
 }
 
@@ -88,7 +128,7 @@ mod tests {
 
     fn case() -> serde_json::Value {
         json!({
-            "wheel": {"material": "steel"}, "rail": {"material": "iron"},
+            "bodies": {"wheel": {"position": "upper", "material": "steel"}, "rail": {"position": "lower", "material": "iron"}},
             "materials": {
                 "steel": {"density": 7850.0, "specific_heat": 419.5, "conductivity": 50.0},
                 "iron": {"density": 7000.0, "specific_heat": 500.0, "conductivity": 40.0},
@@ -101,7 +141,7 @@ mod tests {
     fn each_body_gets_its_own_material() {
         let scene = Scene::read(&Params(case())).unwrap();
         assert_eq!(scene.materials.map(|m| m.density), [7850.0, 7000.0]);
-        assert_eq!(scene.speed, 38.889);
+        assert_eq!(scene.speeds, [38.889; 2]);
     }
 
     #[test]
@@ -111,7 +151,7 @@ mod tests {
         let refusal = Scene::read(&Params(bad)).unwrap_err();
         assert_eq!(refusal.key, "materials.iron.conductivity");
         let mut bad = case();
-        bad["wheel"]["material"] = json!("brass");
+        bad["bodies"]["wheel"]["material"] = json!("brass");
         assert_eq!(Scene::read(&Params(bad)).unwrap_err().key, "materials.brass.density");
     }
 }

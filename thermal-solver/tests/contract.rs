@@ -26,7 +26,7 @@ fn description_lists_what_the_registries_hold() {
         }
     }
     let required = |path: &str| description.keys.iter().any(|k| k.path == path && k.required);
-    for path in ["wheel.material", "rail.material", "materials.*.density", "motion.speed"] {
+    for path in ["bodies.*.position", "bodies.*.material", "materials.*.density"] {
         assert!(required(path), "{path}");
     }
 }
@@ -36,8 +36,8 @@ fn layout_places_the_fields_and_sections_only_when_asked() {
     let grid = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 4);
     let mut given = configuration("columns", Mode::Steady, grid, steel());
     let layout = ThermalSolver.configure(&given).unwrap().layout().clone();
-    assert_eq!(layout.grid_of("rail_temperature").unwrap().as_structured(), Some(&grid));
-    for (name, sign) in [("rail_section_temperature", -1.0), ("wheel_section_temperature", 1.0)] {
+    assert_eq!(layout.grid_of("lower_temperature").unwrap().as_structured(), Some(&grid));
+    for (name, sign) in [("lower_section_temperature", -1.0), ("upper_section_temperature", 1.0)] {
         let section = *layout.grid_of(name).unwrap().as_structured().unwrap();
         assert_eq!((section.ni, section.nj), (40, 33));
         assert_eq!(section.centre(7, 0), grid.centre(7, 2), "y = 0 is the third row");
@@ -58,7 +58,8 @@ fn sections_go_through_the_peak_or_where_asked() {
     let mut given = configuration("columns", Mode::Steady, grid, steel());
     let row_of = |given: &proto::configuration::Configuration| {
         let layout = ThermalSolver.configure(given).unwrap().layout().clone();
-        let section = *layout.grid_of("rail_section_temperature").unwrap().as_structured().unwrap();
+        let section =
+            *layout.grid_of("lower_section_temperature").unwrap().as_structured().unwrap();
         ((section.centre(0, 0)[1] + 1e-3) / 5e-4).round() as usize
     };
     assert_eq!(row_of(&given), 2);
@@ -108,7 +109,7 @@ fn resolution_gives_a_grid_of_its_own() {
     let layout = asked("columns", 55);
     assert_eq!(layout.check(), Ok(()));
     let grid = layout.input_grid("friction_power").unwrap();
-    assert_eq!(layout.grid_of("wheel_temperature"), Some(grid));
+    assert_eq!(layout.grid_of("upper_temperature"), Some(grid));
     let shape = *grid.as_structured().unwrap();
     assert_eq!((shape.ni, shape.nj), (55, 14), "8 mm by 2 mm");
     let edges = |s: &Structured| {
@@ -119,7 +120,7 @@ fn resolution_gives_a_grid_of_its_own() {
     for (edge, expected) in edges(&shape).iter().zip(edges(&arriving)) {
         assert!((edge - expected).abs() <= 1e-17, "rounding: {edge} {expected}");
     }
-    let section = layout.grid_of("rail_section_temperature").unwrap().points();
+    let section = layout.grid_of("lower_section_temperature").unwrap().points();
     assert_eq!(section, 55 * 33);
     // Elements are square, so that the same number along x is another grid.
     assert!(asked("columns", 40).input_grid("friction_power").is_some());

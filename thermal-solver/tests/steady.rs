@@ -112,7 +112,7 @@ fn closed_form_is_reproduced_everywhere() {
     assert!(difference(&run.rail()[..159], &expected[..159]) < 4e-5);
     assert!(difference(run.rail(), &expected) < 1e-3);
     let section = run.sections();
-    assert_eq!(&section.of(&field::RAIL_SECTION_TEMPERATURE)[..grid.ni], run.rail());
+    assert_eq!(&section.of(&field::LOWER_SECTION_TEMPERATURE)[..grid.ni], run.rail());
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn uniform_flux_in_depth() {
     let mut run = Run::steady("columns", grid);
     run.advance(&flux, 0.0);
     let section = run.sections();
-    let levels = *run.layout.grid_of("rail_section_temperature").unwrap().as_structured().unwrap();
+    let levels = *run.layout.grid_of("lower_section_temperature").unwrap().as_structured().unwrap();
     let delta = scales::penetration_depth(heated, scales::peclet(SPEED, heated, DIFFUSIVITY));
     let top = uniform::rise(0.5, heated, effusivity(), SPEED, 1.0, 0.0);
     let mut worst = [0.0_f64; 2];
@@ -144,7 +144,7 @@ fn uniform_flux_in_depth() {
         for i in 0..levels.ni {
             let [x, _, z] = levels.centre(i, j);
             let exact = uniform::rise(0.5, heated, effusivity(), SPEED, -x / heated, -z / delta);
-            let error = (section.of(&field::RAIL_SECTION_TEMPERATURE)[j * levels.ni + i] - exact)
+            let error = (section.of(&field::LOWER_SECTION_TEMPERATURE)[j * levels.ni + i] - exact)
                 .abs()
                 / top;
             let from_jump = (x.abs() - heated).abs() / grid.dx();
@@ -166,9 +166,10 @@ fn heat_passing_in_depth_is_the_heat_put_in() {
     let flux = carter_means(&grid, 0.4);
     run.advance(&flux, 0.0);
     let section = run.sections();
-    let values = section.of(&field::RAIL_SECTION_TEMPERATURE);
+    let values = section.of(&field::LOWER_SECTION_TEMPERATURE);
     let spacing =
-        -run.layout.grid_of("rail_section_temperature").unwrap().as_structured().unwrap().step_j[2];
+        -run.layout.grid_of("lower_section_temperature").unwrap().as_structured().unwrap().step_j
+            [2];
     let i = 0;
     let profile: Vec<f64> = values.iter().skip(i).step_by(grid.ni).copied().collect();
     let inner: f64 = profile[1..32].iter().sum();
@@ -235,7 +236,7 @@ fn effusivity_partition_joins_the_surfaces() {
     let mut case = steel();
     case["materials"]["iron"] =
         serde_json::json!({"density": 7000.0, "specific_heat": 540.0, "conductivity": 30.0});
-    case["wheel"]["material"] = "iron".into();
+    case["bodies"]["wheel"]["material"] = "iron".into();
     case["effects"]["friction_heat"]["partition"] = "effusivity".into();
     for model in ["ertz-knothe", "columns"] {
         let mut run = Run::new(model, proto::configuration::Mode::Steady, grid, case.clone());

@@ -84,11 +84,11 @@ fn duhamel_error(per_semi_axis: usize) -> (f64, f64) {
     let at = |i: usize, c: f64| duhamel(&windows, grid.x(i), c);
     let surface: Vec<f64> = (0..grid.ni).map(|i| at(i, 0.0)).collect();
     let section = run.sections();
-    let levels = *run.layout.grid_of("rail_section_temperature").unwrap().as_structured().unwrap();
+    let levels = *run.layout.grid_of("lower_section_temperature").unwrap().as_structured().unwrap();
     let level = 5;
     let c = -levels.centre(0, level)[2] / (2.0 * DIFFUSIVITY.sqrt());
     let deep: Vec<f64> = (0..grid.ni).map(|i| at(i, c)).collect();
-    let got = &section.of(&field::RAIL_SECTION_TEMPERATURE)[level * grid.ni..][..grid.ni];
+    let got = &section.of(&field::LOWER_SECTION_TEMPERATURE)[level * grid.ni..][..grid.ni];
     (difference(run.rail(), &surface), difference(got, &deep))
 }
 
@@ -128,7 +128,7 @@ fn cold_start_reaches_the_steady_field() {
         // Required: 0.5 per cent. The grid is shorter than 5 a: nothing is left but rounding.
         assert!(difference(run.rail(), steady.rail()) < 1e-13);
         let (got, expected) = (run.sections(), steady.sections());
-        let of = |w: &Wanted| w.of(&field::WHEEL_SECTION_TEMPERATURE).to_vec();
+        let of = |w: &Wanted| w.of(&field::UPPER_SECTION_TEMPERATURE).to_vec();
         assert!(difference(&of(&got), &of(&expected)) < 1e-13);
         for key in ["max_rise_k", "x_m", "penetration_depth_m"] {
             let (a, b) = (run.summary("rail", key).unwrap(), steady.summary("rail", key).unwrap());
@@ -358,7 +358,7 @@ proptest! {
             for rise in run.rail().iter().chain(run.wheel()) {
                 prop_assert!(*rise >= 0.0 && *rise <= bound * (1.0 + 1e-12));
             }
-            for rise in run.sections().of(&field::RAIL_SECTION_TEMPERATURE) {
+            for rise in run.sections().of(&field::LOWER_SECTION_TEMPERATURE) {
                 prop_assert!(*rise >= 0.0 && *rise <= bound * (1.0 + 1e-12));
             }
         }

@@ -22,7 +22,9 @@ impl Settings<'_> {
         let least = |name: &str| u32::try_from(count(name)).unwrap_or(u32::MAX);
         let acceleration = Acceleration::from_word(word("acceleration"));
         let fields = self.0.get("coupling.fields").and_then(Json::as_object);
-        let own = |name: &String| (name.clone(), self.tolerances(&key(&format!("fields.{name}"))));
+        let own = |name: &String| {
+            (self.field_name(name), self.tolerances(&key(&format!("fields.{name}"))))
+        };
         Implicit {
             acceleration: acceleration
                 .filter(|a| *a != Acceleration::Auto)

@@ -60,6 +60,7 @@ pub use raw::{RawCase, RawParticipant};
 pub use settled::{Case, Control, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
 
 use checker::{Checker, fill_defaults};
+use contract::bodies::Bodies;
 use contract::description::Description;
 use known::{instances, known_keys};
 use selection::Selection;
@@ -87,6 +88,7 @@ pub fn validate(
     fill_defaults(&mut checker.values, &active);
     checker.put_effects();
     checker.missing(&all, &active);
+    checker.bodies(&active);
     checker.names(&active);
     checker.magnitudes(&active);
     checker.effects();
@@ -127,6 +129,7 @@ fn settle(
         participants: roles(true).map(|role| settings.participant(role)).collect(),
         idle: roles(false).map(str::to_owned).collect(),
         effects: selection.effects.clone(),
+        bodies: Bodies::read(&values).ok(),
         timing: settings.timing(),
         coupling: settings.coupling(),
         mappings: settings.mappings(),

@@ -11,7 +11,7 @@ impl Settings<'_> {
         let names = fields.into_iter().flat_map(|fields| fields.keys());
         let own = |name: &String| {
             let method = word(&format!("mapping.fields.{name}.method"))?;
-            Some((name.clone(), Method::from_name(method)))
+            Some((self.field_name(name), Method::from_name(method)))
         };
         Mappings {
             method: word("mapping.method").and_then(Method::from_name),

@@ -119,6 +119,7 @@ impl Checker<'_> {
         match chosen.as_slice() {
             _ if readable.is_empty() => None,
             [] if botched => None,
+            [] if readable.iter().flat_map(|(_, r)| r).all(|i| i.known.spec.or_none) => None,
             [] => Some(lack_of_all(group, &readable, &labels)),
             [only] if labels.contains(&only.label.as_str()) => None,
             [only] => {

@@ -8,11 +8,27 @@ use super::known::Instance;
 use super::schema::WELL_KNOWN_ROLES;
 use super::selection::Selection;
 use super::suggest::{all_of, any_of, nearest};
+use contract::bodies::{Bodies, TABLE, position_key};
 use contract::configuration::Mode;
 use contract::description::{KeyKind, ModelSpec};
 use std::collections::BTreeSet;
 
 impl Checker<'_> {
+    /// Checks that a case of bodies has one at each position.
+    pub(super) fn bodies(&mut self, active: &[Instance<'_>]) {
+        let position = position_key().path;
+        let asked = self.known.iter().any(|k| k.active && k.spec.path == position);
+        let placed = |i: &&Instance<'_>| i.known.spec.path == position;
+        let each = active.iter().filter(placed).all(|i| self.values.has(&i.path));
+        // A position that is missing or misspelt has been reported where it stands.
+        if !asked || (!each && self.case.tree.find(TABLE).is_some()) {
+            return;
+        }
+        if let Err(refusal) = Bodies::read(&self.values) {
+            self.fault(&refusal.key, refusal.reason, refusal.fix);
+        }
+    }
+
     /// Checks that every name refers to a table that is there.
     pub(super) fn names(&mut self, active: &[Instance<'_>]) {
         for instance in active {
@@ -248,10 +264,11 @@ impl Checker<'_> {
 
     /// Methods are for fields that somebody may receive.
     fn mapped_fields(&mut self) {
-        let consumed = consumed(self.selection);
+        let consumed: BTreeSet<String> =
+            consumed(self.selection).into_iter().map(|name| self.shown(name)).collect();
         for name in self.case.tree.names("mapping.fields") {
             let key = format!("mapping.fields.{name}");
-            if consumed.contains(name.as_str()) {
+            if consumed.contains(&self.shown(&name)) {
                 continue;
             }
             let before = self.problems.len();
@@ -259,7 +276,7 @@ impl Checker<'_> {
             if self.problems.len() > before {
                 continue;
             }
-            let known: Vec<&str> = consumed.iter().copied().collect();
+            let known: Vec<&str> = consumed.iter().map(String::as_str).collect();
             let fix = match known.as_slice() {
                 [] => "remove it".to_owned(),
                 known => format!("remove it; the participants consume {}", all_of(known)),
@@ -278,19 +295,24 @@ impl Checker<'_> {
         }
     }
 
+    /// What a person reads for the name of a field.
+    fn shown(&self, name: &str) -> String {
+        Bodies::read(&self.values).map_or_else(|_| name.to_owned(), |bodies| bodies.shown(name))
+    }
+
     /// Checks that a participant provides a field; `otherwise` is the fix if there are no fields.
     fn provided_field(&mut self, key: &str, name: &str, otherwise: &str) {
         let provided = self.selection.players.iter().filter(|p| p.needed).flat_map(|player| {
             let effects = player.description.effects.iter().flat_map(|e| &e.provides);
             player.description.models.iter().flat_map(|m| &m.provides).chain(effects)
         });
-        let fields: BTreeSet<&str> = provided.map(String::as_str).collect();
-        if fields.contains(name) {
+        let fields: BTreeSet<String> = provided.map(|field| self.shown(field)).collect();
+        if fields.contains(&self.shown(name)) {
             return;
         }
-        let near = nearest(name, fields.iter().copied());
+        let near = nearest(name, fields.iter().map(String::as_str));
         let hint = near.map(|n| format!("; did you mean `{n}`?")).unwrap_or_default();
-        let known: Vec<&str> = fields.into_iter().collect();
+        let known: Vec<&str> = fields.iter().map(String::as_str).collect();
         let fix = match known.as_slice() {
             [] => otherwise.to_owned(),
             known => format!("the participants provide {}", all_of(known)),

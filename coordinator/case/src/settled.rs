@@ -7,6 +7,7 @@ use super::known::{References, instances, read_by};
 use super::raw::RawCase;
 use super::settings::Settings;
 use super::tree::{Origin, Table, Value};
+use contract::bodies::Bodies;
 use contract::configuration::Mode;
 use contract::description::Description;
 use contract::message::Interpolation;
@@ -29,6 +30,8 @@ pub struct Case {
     pub idle: Vec<String>,
     /// Names of the active effects, in the order of the file.
     pub effects: Vec<String>,
+    /// The bodies in contact, where a participant asks for them.
+    pub bodies: Option<Bodies>,
     /// Steady, or transient with its times.
     pub timing: Timing,
     /// How the participants are coupled.
@@ -283,7 +286,8 @@ impl Settings<'_> {
     pub(super) fn output(&self) -> Output {
         let fields = match self.0.get("output.fields") {
             Some(Json::Array(names)) => {
-                OutputFields::Named(names.iter().filter_map(Json::as_str).map(Into::into).collect())
+                let names = names.iter().filter_map(Json::as_str);
+                OutputFields::Named(names.map(|name| self.field_name(name)).collect())
             }
             Some(Json::String(word)) if word == "none" => OutputFields::None,
             _ => OutputFields::All,

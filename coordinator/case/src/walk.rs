@@ -95,6 +95,10 @@ impl Checker<'_> {
         if self.unasked && !is_own(key) {
             return self.not_judged.push(key.to_owned());
         }
+        if let Some(to) = self.renamed(key) {
+            let reason = "is the spelling of an earlier version".to_owned();
+            return self.fault_at_name(node, key, reason, format!("write {to}"));
+        }
         let (section, name) = key.rsplit_once('.').unwrap_or(("", key));
         if section == "effects" {
             return self.unknown_effect(key, name, node);
@@ -120,6 +124,12 @@ impl Checker<'_> {
             _ => format!("unknown {kind}; {} do not read it", all_of(&self.selection.asked())),
         };
         self.fault_at_name(node, key, reason, fix);
+    }
+
+    /// What a participant has in the place of a key of an earlier version.
+    fn renamed(&self, key: &str) -> Option<&str> {
+        let mut keys = self.selection.players.iter().flat_map(|p| &p.description.renamed);
+        keys.find(|renamed| renamed.from == key).map(|renamed| renamed.to.as_str())
     }
 
     fn remove_or_pick(&self, key: &str, kind: &str, siblings: &[String]) -> String {

@@ -250,6 +250,6 @@ fn table(
     }
     let roles: Vec<&str> = plan.participants.iter().map(|p| p.role.as_str()).collect();
     let fed_back = plan.fields.iter().filter(|field| !field.fed_back.is_empty());
-    let fields: Vec<&str> = fed_back.map(|field| field.kind.name.as_str()).collect();
+    let fields: Vec<String> = fed_back.map(|field| plan.shown(&field.kind.name)).collect();
     IterationTable::create(&path, &roles, &fields)
 }

@@ -129,5 +129,6 @@ fn nobody(role: &str) -> Description {
         effects: Vec::new(),
         keys: Vec::new(),
         fields: Vec::new(),
+        renamed: Vec::new(),
     }
 }

@@ -178,7 +178,7 @@ mod tests {
     use contract::message::Label;
 
     fn header(window: u64, components: u32) -> FieldHeader {
-        let (name, unit) = (Label::new("rail_temperature"), Label::new("K"));
+        let (name, unit) = (Label::new("lower_temperature"), Label::new("K"));
         FieldHeader { window, iteration: 1, components, name, unit, ..FieldHeader::default() }
     }
 

@@ -26,7 +26,7 @@ fn description() -> Description {
         steady: true,
         transient: true,
         consumes: Vec::new(),
-        provides: vec!["rail_temperature".to_owned()],
+        provides: vec!["lower_temperature".to_owned()],
         keys: vec![KeySpec::number("thermal.depth", "a depth")],
         accuracy: contract::accuracy::Accuracy::default(),
     };
@@ -41,6 +41,7 @@ fn description() -> Description {
         effects: Vec::new(),
         keys: Vec::new(),
         fields: Vec::new(),
+        renamed: Vec::new(),
     }
 }
 
@@ -63,7 +64,7 @@ struct Content {
 impl Content {
     fn good() -> Self {
         let [role, program] = ["thermal", "thermal-solver"].map(str::to_owned);
-        let [field, grid] = ["rail_temperature", "contact"].map(str::to_owned);
+        let [field, grid] = ["lower_temperature", "contact"].map(str::to_owned);
         let service = format!("field/{role}/{field}");
         let (producer, unit, case) = (role.clone(), "K".to_owned(), "small".to_owned());
         let (counts, label, edits) = ([3, 2], (1, 6), Vec::new());
@@ -149,10 +150,10 @@ fn configuration() -> Vec<u8> {
         role: "thermal".to_owned(),
         model: "columns".to_owned(),
         mode: Mode::Steady,
-        case: Params(serde_json::json!({"rail": {"profile": "files/rail.profile"}})),
+        case: Params(serde_json::json!({"rail": {"profile": "files/bodies.rail.profile"}})),
         inputs: Vec::new(),
         outputs: Vec::new(),
-        observed: ["rail_temperature", "rail_section_temperature"].map(str::to_owned).to_vec(),
+        observed: ["lower_temperature", "lower_section_temperature"].map(str::to_owned).to_vec(),
     };
     serde_json::to_vec(&configuration).unwrap()
 }
@@ -293,7 +294,7 @@ fn a_good_recording_is_exported_whole() {
     let expected = |n: usize| {
         [format!("thermal_contact_{n:06}.csv"), format!("thermal_contact_{n:06}.vti")]
             .into_iter()
-            .chain([format!("thermal_rail_temperature_{n:06}.csv")])
+            .chain([format!("thermal_lower_temperature_{n:06}.csv")])
     };
     for name in expected(0).chain(expected(1)) {
         assert!(written.contains(&name), "{name} is not among {written:?}");
@@ -332,7 +333,7 @@ fn given(
     let content = Content::good();
     let recorded = &content.head().participants[0];
     let request = &request(Path::new("r.mcap"), set);
-    let (key, attachment) = ("/here/file-0".to_owned(), "files/rail.profile".to_owned());
+    let (key, attachment) = ("/here/file-0".to_owned(), "files/bodies.rail.profile".to_owned());
     let files = &[CaseFile { key, attachment }];
     let given =
         Reconfiguration { request, recorded, description, files }.configuration(&configuration());
@@ -365,5 +366,5 @@ fn a_program_without_the_recorded_model_is_refused_with_a_fix() {
     }
     let chosen = given(&[("thermal.model", "strips".into())], Some(&other)).unwrap();
     assert_eq!(chosen["model"], "strips");
-    assert_eq!(chosen["observed"], serde_json::json!(["rail_temperature"]), "what it provides");
+    assert_eq!(chosen["observed"], serde_json::json!(["lower_temperature"]), "what it provides");
 }

@@ -1,7 +1,7 @@
 //! Effect `friction_heat`, the mechanics' part: the friction power that becomes heat.
 //!
 //! Friction power density q_f = −p_t · v = |p_t| |v| [W/m²], with the traction p_t [Pa] on the
-//! wheel and the velocity v [m/s] of the wheel relative to the rail. It is given as element means
+//! upper body and its velocity v [m/s] relative to the lower one. It is given as element means
 //! of the product, so that its sum over the elements is V s F, the power of the creep force F over
 //! the creep s, at every resolution. The product of element means would fall short of it.
 //!
@@ -46,13 +46,6 @@ pub fn spec() -> EffectSpec {
 pub(crate) fn power_density(traction: [f64; 2], slip_velocity: [f64; 2]) -> f64 {
     // Subtracting from zero turns −0 into 0.
     0.0 - (traction[0] * slip_velocity[0] + traction[1] * slip_velocity[1])
-}
-
-/// Speeds [m/s] at which the material of wheel and rail passes through the contact, for a rolling
-/// speed V [m/s] and a longitudinal creepage ξ: V − ξ V and V. A driving wheel (ξ < 0) is faster.
-#[must_use]
-pub fn surface_speeds(rolling_speed: f64, creepage_xi: f64) -> [f64; 2] {
-    [rolling_speed * (1.0 - creepage_xi), rolling_speed]
 }
 
 /// Writes the element means of the friction power density [W/m²]; `amplitude` is f p_0 V [W/m²].

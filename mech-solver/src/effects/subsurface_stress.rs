@@ -1,4 +1,4 @@
-//! Effect `subsurface_stress`: stresses of wheel and rail in a vertical section along x.
+//! Effect `subsurface_stress`: stresses of both bodies in a vertical section along x.
 //!
 //! von Mises stress √(½[(σ₁ − σ₂)² + (σ₂ − σ₃)² + (σ₃ − σ₁)²]) and largest shear stress
 //! ½(σ₁ − σ₃) of the elastic half-spaces under pressure and tractions
@@ -10,6 +10,7 @@ use crate::half_space::subsurface::{Section, SurfaceLoad};
 use crate::keys::CheckedParams;
 use crate::models::names::HALF_SPACE;
 use crate::scene::Scene;
+use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, KeySpec, names};
 use proto::field::{self, FieldSpec};
@@ -20,12 +21,10 @@ use serde_json::{Value, json};
 /// Name in the case file.
 pub const NAME: &str = "subsurface_stress";
 
-/// Names of the grids of wheel and rail.
-pub(crate) const GRIDS: [&str; 2] = ["wheel_stress_section", "rail_stress_section"];
-/// Names of the bodies in the summary.
-const BODIES: [&str; 2] = ["wheel", "rail"];
-const VON_MISES: [FieldSpec; 2] = [field::WHEEL_SECTION_VON_MISES, field::RAIL_SECTION_VON_MISES];
-const MAX_SHEAR: [FieldSpec; 2] = [field::WHEEL_SECTION_MAX_SHEAR, field::RAIL_SECTION_MAX_SHEAR];
+/// Names of the grids of both bodies.
+pub(crate) const GRIDS: [&str; 2] = ["upper_stress_section", "lower_stress_section"];
+const VON_MISES: [FieldSpec; 2] = [field::UPPER_SECTION_VON_MISES, field::LOWER_SECTION_VON_MISES];
+const MAX_SHEAR: [FieldSpec; 2] = [field::UPPER_SECTION_MAX_SHEAR, field::LOWER_SECTION_MAX_SHEAR];
 
 /// Depth of the section over the larger semi-axis, unless the case says otherwise.
 const DEPTH: f64 = 2.0;
@@ -80,7 +79,9 @@ pub(crate) struct Sections {
     contact: Structured,
     y: f64,
     depths: Vec<f64>,
-    /// Poisson's ratios of wheel and rail.
+    /// What the case calls the bodies.
+    names: Bodies,
+    /// Poisson's ratios of both bodies.
     poisson: [f64; 2],
     results: Option<[Fields; 2]>,
 }
@@ -116,19 +117,20 @@ impl Sections {
             contact,
             y: case.maybe_number(LATERAL)?.unwrap_or(peak_y),
             depths: (0..layers).map(|k| (k as f64 + 0.5) * step).collect(),
-            poisson: [scene.wheel.poisson_ratio, scene.rail.poisson_ratio],
+            names: scene.names.clone(),
+            poisson: scene.materials().map(|material| material.poisson_ratio),
             results: None,
         }))
     }
 
-    /// The grid of a body's section and the fields on it: the wheel lies above the contact, the rail
-    /// below.
+    /// The grid of a body's section and the fields on it: the upper one lies above the contact, the
+    /// lower one below.
     pub(crate) fn grid_of(&self, spec: &FieldSpec) -> Option<&'static str> {
         let body = (0..2).find(|body| [VON_MISES[*body], MAX_SHEAR[*body]].contains(spec))?;
         Some(GRIDS[body])
     }
 
-    /// The grids of wheel and rail.
+    /// The grids of both bodies.
     pub(crate) fn grids(&self) -> [(&'static str, Structured); 2] {
         let step = 2.0 * self.depths[0];
         let grid = |up: f64| Structured {
@@ -141,7 +143,7 @@ impl Sections {
         [(GRIDS[0], grid(1.0)), (GRIDS[1], grid(-1.0))]
     }
 
-    /// Computes the stresses under a pressure and the tractions on the wheel, x then y [Pa].
+    /// Computes the stresses under a pressure and the tractions on the upper body, x then y [Pa].
     pub(crate) fn compute(&mut self, pressure: &[f64], traction: &[f64]) {
         let turned: Vec<f64> = traction.iter().map(|value| -value).collect();
         let on = [traction, &turned];
@@ -184,10 +186,11 @@ impl Sections {
                 "section_y_m": self.y,
             }))
         };
-        let both = BODIES
+        let names = &self.names.0;
+        let both = names
             .iter()
             .zip(results)
-            .filter_map(|(name, fields)| Some(((*name).to_owned(), body(fields)?)));
+            .filter_map(|(name, fields)| Some((name.clone(), body(fields)?)));
         Some(Value::Object(both.collect()))
     }
 }

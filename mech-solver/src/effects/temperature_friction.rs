@@ -35,7 +35,7 @@ const TABLE: &str = "effects.temperature_friction.table";
 const BEYOND: &str = "effects.temperature_friction.beyond";
 
 /// The surfaces whose temperatures count.
-const SURFACES: [FieldSpec; 2] = [field::WHEEL_TEMPERATURE, field::RAIL_TEMPERATURE];
+const SURFACES: [FieldSpec; 2] = [field::UPPER_TEMPERATURE, field::LOWER_TEMPERATURE];
 /// Larger files are refused.
 const MOST_BYTES: u64 = 1 << 24;
 

@@ -2,8 +2,8 @@
 //!
 //! Frame: the body fills z ≥ 0, so z is the depth into it; the pressure p and the tractions q_x,
 //! q_y act *on this body*, p > 0 presses (along +z). Stresses are positive in tension. At a loaded
-//! surface σ_zz = −p, σ_xz = −q_x, σ_yz = −q_y. For the wheel this is the frame of the project with
-//! the tractions as they are. For the rail, where −q acts and z points down, take −q_x and −q_y;
+//! surface σ_zz = −p, σ_xz = −q_x, σ_yz = −q_y. For the upper body this is the frame of the project with
+//! the tractions as they are. For the lower one, where −q acts and z points down, take −q_x and −q_y;
 //! in the project's frame its σ_xz and σ_yz then change sign, invariants do not.
 //!
 //! The stress at (x, y, z) = (x₁, x₂, x₃) from a force P at the origin, R² = x² + y² + z², is

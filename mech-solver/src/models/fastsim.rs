@@ -122,7 +122,7 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
         kind,
         lattice: lattice(&ellipse, &grid, scene.resolution),
         friction_coefficient: scene.friction_coefficient,
-        rolling_speed: scene.rolling_speed,
+        speeds: scene.speeds,
         partial: configuration.has_effect(partial_slip::NAME),
     };
     let wanted = precomputed::wanted_fields(configuration);
@@ -133,13 +133,14 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
 }
 
 fn coefficients(scene: &Scene, ellipse: &Ellipse) -> Result<CreepCoefficients, Refusal> {
-    for (key, body) in [("wheel.material", &scene.wheel), ("rail.material", &scene.rail)] {
+    for (name, body) in scene.names.0.iter().zip(scene.materials()) {
         if body.poisson_ratio < 0.0 {
             let reason = format!(
                 "has a Poisson's ratio of {}, and Kalker's table begins at 0",
                 body.poisson_ratio
             );
-            return Err(Refusal::new(key, reason, "name a material whose ratio is 0 or more"));
+            let key = format!("bodies.{name}.material");
+            return Err(Refusal::new(&key, reason, "name a material whose ratio is 0 or more"));
         }
     }
     let aspect = ellipse.semi_axis_a / ellipse.semi_axis_b;
@@ -180,16 +181,17 @@ fn remarks(
     let mut remarks =
         vec![format!("{ellipse}; Kalker's C11 = {c11:.3}, C22 = {c22:.3}, C23 = {c23:.3}")];
     remarks.extend(given.and_then(|_| ellipse.remark(scene)));
-    if scene.wheel != scene.rail {
+    let [upper, lower] = scene.materials();
+    if upper != lower {
         remarks.push(
-            "wheel and rail are of different materials: the simplified theory leaves out that \
+            "the bodies are of different materials: the simplified theory leaves out that \
              their pressure then makes slip"
                 .to_owned(),
         );
     }
     if !problem.partial && matches!(problem.prescribed, Prescribed::ForceRatio(_)) {
         remarks.push(format!(
-            "without effects.partial_slip the whole contact slides: the wheel carries {:.6e} N, \
+            "without effects.partial_slip the whole contact slides: it carries {:.6e} N, \
              f N, and not the prescribed force, for which the simplified theory sets the creepage",
             problem.friction_coefficient * ellipse.normal_force
         ));

@@ -53,7 +53,7 @@ const SECONDS: f64 = 8.5e-6;
 /// Working memory for an element, measured [byte].
 const BYTES: f64 = 700.0;
 
-/// Contacts larger than this part of the wheel's radius are remarked on.
+/// Contacts larger than this part of a body's radius are remarked on.
 const LARGEST_SHARE: f64 = 0.2;
 
 const ROLLING: &str = "mech.rolling";
@@ -99,7 +99,8 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let scene = Scene::read(&configuration.case)?;
     let patch = GivenPatch::read(&configuration.case)?;
     let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
-    let bodies = Elasticity::of_pair(&scene.wheel, &scene.rail);
+    let [upper, lower] = scene.materials();
+    let bodies = Elasticity::of_pair(&upper, &lower);
     let footprint = geometry::footprint(configuration, &scene, given, &bodies)?;
     let driven = Driven::read(configuration, &scene, given.as_ref(), footprint.ellipse.as_ref())?;
     let (grid, semi_axes) = (footprint.grid, footprint.semi_axes);
@@ -120,7 +121,7 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
         return Err(Refusal::new(
             "contact",
             "bodies of different elastic constants change the pressure, which is given",
-            "remove [contact], or give wheel and rail the same material",
+            "remove [contact], or give both bodies the same material",
         ));
     }
     let layout = layout(configuration, &case);
@@ -131,7 +132,7 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
 fn memory(configuration: &Configuration, scene: &Scene) -> Result<bool, Refusal> {
     let case = CheckedParams::new(&configuration.case, vec![rolling_key()]);
     let transient = case.text(ROLLING)? == "transient";
-    let rolls = scene.rolling_speed > 0.0;
+    let rolls = scene.speeds.rolling > 0.0;
     let partial = configuration.has_effect(partial_slip::NAME);
     if transient && configuration.mode == Mode::Steady {
         return Err(Refusal::new(
@@ -187,9 +188,9 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         1e3 * grid.dy()
     );
     let [a, _] = case.footprint.semi_axes;
-    let too_large = (a > LARGEST_SHARE * case.scene.wheel_radius).then(|| {
+    let too_large = (a > LARGEST_SHARE * case.scene.smallest_radius_x()).then(|| {
         format!(
-            "a = {a:.3e} m is not small against the wheel's radius: the half-space assumption \
+            "a = {a:.3e} m is not small against a body's radius: the half-space assumption \
                  does not hold"
         )
     });

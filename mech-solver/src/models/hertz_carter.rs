@@ -75,7 +75,7 @@ fn creep_law_key() -> KeySpec {
     KeySpec::choice(
         CREEP_LAW,
         &["carter-radius", "carter-pressure"],
-        "prefactor of the creep: f a/R_wheel or 2 f p_0 E*",
+        "prefactor of the creep: f a/R or 2 f p_0 E*",
     )
     .default_value("carter-pressure")
 }
@@ -120,7 +120,7 @@ fn remarks(
     remarks.extend(given.and_then(|_| contact.ellipse.remark(scene)));
     if !partial && !matches!(scene.drive, Drive::Creepage { .. }) {
         remarks.push(format!(
-            "without effects.partial_slip the whole contact slides: the wheel carries {:.6e} N, \
+            "without effects.partial_slip the whole contact slides: it carries {:.6e} N, \
              f N, and not the prescribed force, from which the creep law takes the creepage",
             contact.creep_force()
         ));

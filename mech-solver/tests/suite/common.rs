@@ -18,8 +18,8 @@ pub(crate) const STEEL: f64 = 2.0 * 0.91 / 210e9;
 /// Table 1 of Naeimi et al. with both effects.
 pub(crate) fn paper() -> Value {
     json!({
-        "wheel": {"radius": RADIUS, "material": "steel"},
-        "rail": {"crown_radius": 0.3, "material": "steel"},
+        "bodies": {"wheel": {"position": "upper", "radius_x": RADIUS, "material": "steel"},
+        "rail": {"position": "lower", "radius_y": 0.3, "material": "steel"}},
         "materials": {"steel": {"youngs_modulus": 210e9, "poisson_ratio": 0.3}},
         "motion": {"speed": SPEED, "traction_coefficient": 0.58, "creep_law": "carter-pressure"},
         "load": {"normal_force": 134e3},

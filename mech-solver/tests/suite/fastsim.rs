@@ -297,7 +297,7 @@ fn what_fastsim_cannot_take_is_refused() {
     let mut auxetic = at_force(0.3);
     auxetic["materials"]["steel"]["poisson_ratio"] = json!(-0.1);
     let refused = refusal(&configuration(&auxetic));
-    assert_eq!(refused.key, "wheel.material");
+    assert_eq!(refused.key, "bodies.wheel.material");
     assert!(refused.reason.contains("begins at 0"), "{refused}");
     let refused = refusal(&configuration(&at_force(0.61)));
     assert_eq!(refused.key, "motion.traction_coefficient");
@@ -355,13 +355,14 @@ proptest! {
         let mut case = driven(paper(), "traction_coefficient", mu);
         case["mech"]["model"] = json!("fastsim");
         let mut scaled = case.clone();
-        for (table, key, factor) in [
-            ("wheel", "radius", length),
-            ("rail", "crown_radius", length),
-            ("motion", "speed", length / time),
-            ("load", "normal_force", force),
+        for (pointer, factor) in [
+            ("/bodies/wheel/radius_x", length),
+            ("/bodies/rail/radius_y", length),
+            ("/motion/speed", length / time),
+            ("/load/normal_force", force),
         ] {
-            scaled[table][key] = json!(case[table][key].as_f64().unwrap() * factor);
+            let value = scaled.pointer_mut(pointer).unwrap();
+            *value = json!(value.as_f64().unwrap() * factor);
         }
         let pressure = force / (length * length);
         scaled["materials"]["steel"]["youngs_modulus"] = json!(210e9 * pressure);

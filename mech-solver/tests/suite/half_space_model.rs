@@ -135,8 +135,8 @@ fn mirror_and_direction() {
 fn units_do_not_matter() {
     let metres = run(&rolling(half_space(10), [-0.002, 0.001, 0.3]));
     let mut case = rolling(half_space(10), [-0.002, 0.001, 0.3e-3]);
-    case["wheel"]["radius"] = json!(460.0);
-    case["rail"]["crown_radius"] = json!(300.0);
+    case["bodies"]["wheel"]["radius_x"] = json!(460.0);
+    case["bodies"]["rail"]["radius_y"] = json!(300.0);
     case["materials"]["steel"]["youngs_modulus"] = json!(210e3);
     case["motion"]["speed"] = json!(38_889.0);
     let millimetres = run(&case);
@@ -180,8 +180,8 @@ fn creepage_converges_with_the_first_order() {
 /// Two circles of equal curvature under a tangential force, without rolling.
 fn cattaneo_case(poisson_ratio: f64, resolution: usize) -> Value {
     json!({
-        "wheel": {"radius": 0.1, "tread_radius": 0.2, "material": "steel"},
-        "rail": {"crown_radius": 0.2, "material": "steel"},
+        "bodies": {"wheel": {"position": "upper", "radius_x": 0.1, "radius_y": 0.2, "material": "steel"},
+        "rail": {"position": "lower", "radius_y": 0.2, "material": "steel"}},
         "materials": {"steel": {"youngs_modulus": 210e9, "poisson_ratio": poisson_ratio}},
         "motion": {"speed": 0.0, "traction_coefficient": 0.875 * 0.3},
         "load": {"normal_force": 1e3},
@@ -361,7 +361,7 @@ fn dissimilar_bodies() {
     let mut case = half_space(16);
     case["materials"]["soft"] = json!({"youngs_modulus": 2.1e9, "poisson_ratio": 0.3});
     case["load"] = json!({"normal_force": 1e3});
-    case["rail"]["material"] = json!("soft");
+    case["bodies"]["rail"]["material"] = json!("soft");
     let run_1 = run(&case);
     assert_close(run_1.number("traction_coefficient"), 0.5, 1e-5);
     assert_close(run_1.number("normal_force_n"), 1e3, 1e-9);
@@ -378,8 +378,8 @@ fn dissimilar_bodies() {
     let skew = skewness(&run_1);
     assert!(skew.abs() > 0.01 && skew.abs() < 0.2, "centre of pressure at {skew} a");
     // Exchanged bodies are the mirror image in z: the coupling turns its sign, as braking does.
-    case["rail"]["material"] = json!("steel");
-    case["wheel"]["material"] = json!("soft");
+    case["bodies"]["rail"]["material"] = json!("steel");
+    case["bodies"]["wheel"]["material"] = json!("soft");
     case["motion"]["traction_coefficient"] = json!(-0.5);
     let turned = run(&case);
     assert_close(turned.number("creepage_xi"), -run_1.number("creepage_xi"), 1e-3);
@@ -403,7 +403,7 @@ fn power_of_different_bodies() {
             let mut case = half_space(resolution);
             case["materials"]["other"] = json!({"youngs_modulus": modulus, "poisson_ratio": 0.3});
             case["load"] = json!({"normal_force": 1e3});
-            case["rail"]["material"] = json!("other");
+            case["bodies"]["rail"]["material"] = json!("other");
             let run = run(&rolling(case, creepage));
             let grid = run.grid().as_structured().expect("a plane contact");
             let pressure = run.fields["pressure"].iter().enumerate();
@@ -425,7 +425,7 @@ fn power_of_different_bodies() {
         let mut case = half_space(10);
         case["materials"]["other"] = json!({"youngs_modulus": 2.1e9, "poisson_ratio": 0.3});
         case["load"] = json!({"normal_force": 1e3});
-        case["rail"]["material"] = json!("other");
+        case["bodies"]["rail"]["material"] = json!("other");
         case["motion"]["traction_coefficient"] = json!(traction);
         let run = run(&case);
         run.number("rolling_resistance_power_w") / run.number("friction_power_w")
@@ -454,7 +454,7 @@ fn power_of_contacts_with_memory() {
         }
     }
     rolls["materials"]["other"] = json!({"youngs_modulus": 70e9, "poisson_ratio": 0.33});
-    rolls["rail"]["material"] = json!("other");
+    rolls["bodies"]["rail"]["material"] = json!("other");
     let mut coupled = InTime::new(&rolls, 3.3e-5);
     coupled.next();
     assert!(coupled.model.summary()["contact"].get("power_imbalance").is_none());
@@ -481,8 +481,8 @@ fn a_rough_surface() {
 #[test]
 fn carters_line_contact() {
     let mut case = half_space(40);
-    case["wheel"]["radius"] = json!(0.5);
-    case["rail"]["crown_radius"] = json!(120.0);
+    case["bodies"]["wheel"]["radius_x"] = json!(0.5);
+    case["bodies"]["rail"]["radius_y"] = json!(120.0);
     case["load"]["normal_force"] = json!(1e6);
     case["friction"]["coefficient"] = json!(0.3);
     case["mech"]["lateral_resolution"] = json!(20);
@@ -566,7 +566,7 @@ fn different_bodies_roll_freely() {
         let mut case = half_space(16);
         case["materials"]["soft"] = json!({"youngs_modulus": modulus, "poisson_ratio": 0.33});
         case["load"] = json!({"normal_force": 10e3});
-        case["rail"]["material"] = json!("soft");
+        case["bodies"]["rail"]["material"] = json!("soft");
         for traction in [0.0, 0.01, -0.1] {
             case["motion"]["traction_coefficient"] = json!(traction);
             let force = run(&case);
@@ -617,8 +617,8 @@ fn refusals_of_the_geometry() {
         super::common::refusal(&configuration(&case)).key
     };
     assert_eq!(
-        refused(&|case| case["wheel"]["lateral_shift"] = json!(1e-3)),
-        "wheel.lateral_shift"
+        refused(&|case| case["bodies"]["wheel"]["lateral_shift"] = json!(1e-3)),
+        "bodies.wheel.lateral_shift"
     );
     let folder = std::env::temp_dir();
     let profile = |name: &str, slope: f64| {
@@ -631,15 +631,15 @@ fn refusals_of_the_geometry() {
     for (slope, reason) in [(0.0, "the end of a profile"), (-2.0, "rad to the plane")] {
         let path = profile(reason.split(' ').next().expect("words"), slope);
         let mut case = half_space(10);
-        case["rail"] = json!({"profile": path, "material": "steel"});
+        case["bodies"]["rail"] = json!({"position": "lower", "profile": path, "material": "steel"});
         if slope != 0.0 {
             // A wheel as hollow as the rail is round, but for a hair: contact over all its width.
-            case["wheel"]["tread_radius"] = json!(-0.013);
+            case["bodies"]["wheel"]["radius_y"] = json!(-0.013);
             case["load"]["normal_force"] = json!(600e3);
         }
         let refusal = super::common::refusal(&configuration(&case));
         std::fs::remove_file(&path).expect("the file is there");
-        assert_eq!(refusal.key, "rail.profile");
+        assert_eq!(refusal.key, "bodies.rail.profile");
         assert!(refusal.reason.contains(reason), "{refusal}");
     }
 }

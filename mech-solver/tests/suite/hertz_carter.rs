@@ -357,8 +357,8 @@ fn every_window_has_the_same_answer_and_no_state() {
 fn extreme_ellipses() {
     for (crown, tread) in [(0.3, -0.301), (1e-6, 0.3), (0.3, 1e-5), (0.46, 1e9)] {
         let mut case = driven(paper(), "traction_coefficient", 0.4);
-        case["rail"]["crown_radius"] = json!(crown);
-        case["wheel"]["tread_radius"] = json!(tread);
+        case["bodies"]["rail"]["radius_y"] = json!(crown);
+        case["bodies"]["wheel"]["radius_y"] = json!(tread);
         case["mech"]["resolution"] = json!(4);
         let run = run(&case);
         let power = SPEED * -run.number("creepage_xi") * 0.4 * 134e3;
@@ -391,13 +391,14 @@ proptest! {
     ) {
         let case = driven(paper(), "traction_coefficient", mu);
         let mut scaled = case.clone();
-        for (table, key, factor) in [
-            ("wheel", "radius", length),
-            ("rail", "crown_radius", length),
-            ("motion", "speed", length / time),
-            ("load", "normal_force", force),
+        for (pointer, factor) in [
+            ("/bodies/wheel/radius_x", length),
+            ("/bodies/rail/radius_y", length),
+            ("/motion/speed", length / time),
+            ("/load/normal_force", force),
         ] {
-            scaled[table][key] = json!(case[table][key].as_f64().unwrap() * factor);
+            let value = scaled.pointer_mut(pointer).unwrap();
+            *value = json!(value.as_f64().unwrap() * factor);
         }
         let pressure = force / (length * length);
         scaled["materials"]["steel"]["youngs_modulus"] = json!(210e9 * pressure);

@@ -33,7 +33,7 @@ impl Drop for File {
 /// A straight wheel on this rail, without friction.
 fn on_rail(rail: &File, force: f64, resolution: usize) -> Value {
     let mut case = paper();
-    case["rail"] = json!({"profile": rail.0, "material": "steel"});
+    case["bodies"]["rail"] = json!({"position": "lower", "profile": rail.0, "material": "steel"});
     case["motion"] = json!({"speed": 38.889, "creepage": {"xi": 0.0}});
     case["load"]["normal_force"] = json!(force);
     case["mech"] = json!({"model": "half-space", "resolution": resolution});
@@ -95,7 +95,7 @@ fn two_equal_crowns_carry_half_each() {
 fn crowns_too_far_apart_for_a_grid_are_refused() {
     let rail = File::new("far", 36e-3, 0.5e-3, |y| -0.5 * (y.abs() - 20e-3).powi(2) / 0.3);
     let refused = super::common::refusal(&configuration(&on_rail(&rail, 1e-4, 10)));
-    assert_eq!(refused.key, "rail.profile");
+    assert_eq!(refused.key, "bodies.rail.profile");
     assert!(refused.reason.contains("also touch at"), "{refused}");
 }
 
@@ -158,13 +158,13 @@ fn a_narrow_patch_is_resolved() {
 fn smoothing_by_a_stated_tolerance() {
     let mut case = paper();
     case["mech"] = json!({"model": "half-space"});
-    case["wheel"]["profile_tolerance"] = json!(1e-6);
-    assert_eq!(super::common::refusal(&configuration(&case)).key, "wheel.profile_tolerance");
+    case["bodies"]["wheel"]["profile_tolerance"] = json!(1e-6);
+    assert_eq!(super::common::refusal(&configuration(&case)).key, "bodies.wheel.profile_tolerance");
     let noise = |y: f64| 1e-6 * (1e6 * y * y + 7e4 * y).sin();
     let rail = File::new("noisy", 30e-3, 0.25e-3, |y| -0.5 * y * y / 0.3 + noise(y));
     let mut case = on_rail(&rail, 20e3, 10);
     let rough = run(&case);
-    case["rail"]["profile_tolerance"] = json!(1.5e-6);
+    case["bodies"]["rail"]["profile_tolerance"] = json!(1.5e-6);
     let smooth = run(&case);
     let exact = hertz(0.3, 20e3).max_pressure;
     let error = |run: &Run| (run.number("max_pressure_pa") / exact - 1.0).abs();
@@ -183,9 +183,9 @@ fn sections_go_through_the_highest_pressure() {
     case["effects"]["subsurface_stress"] = json!({});
     let section = |case: &Value| {
         let mut configuration = configuration(case);
-        configuration.observed = vec!["rail_section_von_mises_stress".to_owned()];
+        configuration.observed = vec!["lower_section_von_mises_stress".to_owned()];
         let layout = MechSolver.configure(&configuration).expect("a good case").layout().clone();
-        let grid = layout.grid_of("rail_section_von_mises_stress").expect("it is asked for");
+        let grid = layout.grid_of("lower_section_von_mises_stress").expect("it is asked for");
         (grid.as_structured().expect("a plane").origin[1], layout.peaks["friction_power"][1])
     };
     let run = run(&case);

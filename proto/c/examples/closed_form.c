@@ -1,5 +1,5 @@
 /*
- * Flash temperature of wheel and rail in closed form: a thermal solver in C that does what the
+ * Flash temperature of two bodies in closed form: a thermal solver in C that does what the
  * model `ertz-knothe` of thermal-solver does (Naeimi et al., equations 9 to 12, corrected; Ertz &
  * Knothe, Wear 253 (2002) 498-508).
  *
@@ -24,12 +24,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WHEEL, RAIL, BODIES };
+enum { UPPER = COSIM_UPPER, LOWER = COSIM_LOWER, BODIES };
 
 static const double PI = 3.14159265358979323846;
 
-static const char *const BODY[BODIES] = {"wheel", "rail"};
-static const char *const SURFACE[BODIES] = {"wheel_temperature", "rail_temperature"};
+static const char *const SURFACE[BODIES] = {"upper_temperature", "lower_temperature"};
 
 static const char *const DESCRIPTION = COSIM_JSON({
     "name": "closed-form", "version": "1.0", "role": "thermal",
@@ -38,23 +37,23 @@ static const char *const DESCRIPTION = COSIM_JSON({
         "summary": "closed form for the elliptic flux with the moments of each row, in C",
         "source": "Naeimi et al., eqs. 9-12; Ertz & Knothe, Wear 253 (2002) 498-508",
         "consumes": ["friction_power", "surface_speed"],
-        "provides": ["rail_temperature", "wheel_temperature"]
+        "provides": ["lower_temperature", "upper_temperature"]
     }],
     "effects": [{
         "name": "friction_heat", "models": ["ertz-knothe"],
-        "law": "q_wheel = eps q_f, q_rail = (1 - eps) q_f",
+        "law": "q_upper = eps q_f, q_lower = (1 - eps) q_f",
         "source": "Naeimi et al., eqs. 7-10; Ertz & Knothe, Wear 253 (2002) 498-508",
         "consumes": ["friction_power", "surface_speed"],
-        "provides": ["rail_temperature", "wheel_temperature"],
+        "provides": ["lower_temperature", "upper_temperature"],
         "keys": [{"path": "effects.friction_heat.partition", "type": "choice",
                   "of": ["equal", "effusivity"], "default": "equal",
-                  "help": "how the heat is split between wheel and rail"}]
+                  "help": "how the heat is split between the bodies"}]
     }],
     "keys": [
-        {"path": "wheel.material", "type": "name-in", "table": "materials", "required": true,
-         "help": "material of the wheel"},
-        {"path": "rail.material", "type": "name-in", "table": "materials", "required": true,
-         "help": "material of the rail"},
+        {"path": "bodies.*.position", "type": "choice", "of": ["upper", "lower"], "required": true,
+         "help": "which of the two bodies it is"},
+        {"path": "bodies.*.material", "type": "name-in", "table": "materials", "required": true,
+         "help": "material of the body"},
         {"path": "materials.*.density", "type": "quantity", "unit": "kg/m3", "required": true,
          "above": 0, "help": "mass per volume"},
         {"path": "materials.*.specific_heat", "type": "quantity", "unit": "J/(kg K)",
@@ -83,7 +82,8 @@ struct closed_form {
     bool by_effusivity;        /* the law of partition */
     double effusivity[BODIES]; /* beta [J/(m2 K sqrt(s))] */
     struct field *trial, *accepted;
-    char summary[512];
+    char name[BODIES][32];     /* of the bodies in the case */
+    char summary[640];
 };
 
 static size_t field_size(const struct closed_form *cf)
@@ -187,20 +187,20 @@ static double amplitude(const struct closed_form *cf, const struct field *field,
 static void write_surfaces(const struct closed_form *cf, const struct field *field,
                            cosim_outputs *outputs)
 {
-    double *rail = cosim_output(outputs, SURFACE[RAIL], NULL);
-    double *wheel = cosim_output(outputs, SURFACE[WHEEL], NULL);
+    double *lower = cosim_output(outputs, SURFACE[LOWER], NULL);
+    double *upper = cosim_output(outputs, SURFACE[UPPER], NULL);
     for (size_t j = 0; j < cf->grid.nj; j++) {
         const struct ellipse *e = &field->row[j];
         bool warm = e->semi_axis > 0.0;
-        double of_rail = warm ? amplitude(cf, field, RAIL, j) : 0.0;
-        double of_wheel = warm ? amplitude(cf, field, WHEEL, j) : 0.0;
+        double of_lower = warm ? amplitude(cf, field, LOWER, j) : 0.0;
+        double of_upper = warm ? amplitude(cf, field, UPPER, j) : 0.0;
         for (size_t i = 0, n = j * cf->grid.ni; i < cf->grid.ni; i++, n++) {
             double x = cf->grid.origin[0] + (double)i * cf->grid.step_i[0];
             double shape = warm ? rise_shape((e->centre - x) / e->semi_axis) : 0.0;
-            if (rail)
-                rail[n] = of_rail * shape;
-            if (wheel)
-                wheel[n] = of_wheel * shape;
+            if (lower)
+                lower[n] = of_lower * shape;
+            if (upper)
+                upper[n] = of_upper * shape;
         }
     }
 }
@@ -215,7 +215,7 @@ static int read_effusivity(const cosim_configuration *told, const char *body, do
 {
     static const char *const PROPERTY[] = {"density", "specific_heat", "conductivity"};
     char key[256];
-    snprintf(key, sizeof key, "%s.material", body);
+    snprintf(key, sizeof key, "bodies.%s.material", body);
     const char *material = cosim_case_text(told, key);
     if (!material)
         return COSIM_REFUSED;
@@ -248,9 +248,12 @@ static int configure(void *user, const cosim_configuration *told, cosim_layout *
     if (!cosim_has_effect(told, "friction_heat"))
         return cosim_refuse("effects.friction_heat", "no other effect gives any heat",
                             "add the table `[effects.friction_heat]`");
-    for (int body = 0; body < BODIES; body++)
-        if (read_effusivity(told, BODY[body], &cf->effusivity[body]))
+    for (int body = 0; body < BODIES; body++) {
+        const char *name = cosim_body_name(told, body);
+        if (!name || read_effusivity(told, name, &cf->effusivity[body]))
             return COSIM_REFUSED;
+        snprintf(cf->name[body], sizeof cf->name[body], "%s", name);
+    }
     const char *partition = cosim_case_text(told, "effects.friction_heat.partition");
     if (!partition)
         return COSIM_REFUSED;
@@ -294,7 +297,7 @@ static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
         uptake[body] = cf->by_effusivity ? cf->effusivity[body] * sqrt(speed[body]) : 1.0;
     }
     for (int body = 0; body < BODIES; body++)
-        field->share[body] = uptake[body] / (uptake[WHEEL] + uptake[RAIL]);
+        field->share[body] = uptake[body] / (uptake[UPPER] + uptake[LOWER]);
     for (size_t j = 0; j < cf->grid.nj; j++) {
         if (!fit(&cf->grid, power + j * cf->grid.ni, &field->row[j]))
             return cosim_fail("the heat flux of a row changes its sign and is not representable by an ellipse");
@@ -344,7 +347,7 @@ static const char *summary(void *user)
     double rise[BODIES] = {0.0, 0.0}, x = 0.0, y = 0.0, xi = hottest_place();
     for (size_t j = 0; j < cf->grid.nj; j++) {
         const struct ellipse *e = &field->row[j];
-        if (e->semi_axis == 0.0 || amplitude(cf, field, RAIL, j) * rise_shape(xi) <= rise[RAIL])
+        if (e->semi_axis == 0.0 || amplitude(cf, field, LOWER, j) * rise_shape(xi) <= rise[LOWER])
             continue;
         for (int body = 0; body < BODIES; body++)
             rise[body] = amplitude(cf, field, body, j) * rise_shape(xi);
@@ -354,10 +357,10 @@ static const char *summary(void *user)
     char part[BODIES][200];
     for (int body = 0; body < BODIES; body++)
         snprintf(part[body], sizeof part[body],
-                 rise[RAIL] > 0.0 ? "{\"max_rise_k\": %.17g, \"x_m\": %.17g, \"y_m\": %.17g}"
+                 rise[LOWER] > 0.0 ? "{\"max_rise_k\": %.17g, \"x_m\": %.17g, \"y_m\": %.17g}"
                                   : "{\"max_rise_k\": %.17g}", rise[body], x, y);
-    snprintf(cf->summary, sizeof cf->summary, "{\"temperature\": {\"rail\": %s, \"wheel\": %s}}",
-             part[RAIL], part[WHEEL]);
+    snprintf(cf->summary, sizeof cf->summary, "{\"temperature\": {\"%s\": %s, \"%s\": %s}}",
+             cf->name[LOWER], part[LOWER], cf->name[UPPER], part[UPPER]);
     return cf->summary;
 }
 

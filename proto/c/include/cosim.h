@@ -22,6 +22,16 @@
 #define COSIM_JSON(...) #__VA_ARGS__
 
 /**
+ * Index of the upper body in a pair.
+ */
+#define COSIM_UPPER 0
+
+/**
+ * Index of the lower body in a pair.
+ */
+#define COSIM_LOWER 1
+
+/**
  * Status of a callback or function: done.
  */
 #define COSIM_OK 0
@@ -344,6 +354,13 @@ int cosim_case_flag(const struct cosim_configuration *configuration, const char 
  * returned, if it is missing or no text.
  */
 const char *cosim_case_text(const struct cosim_configuration *configuration, const char *key);
+
+/**
+ * The name that the case gives to a body, COSIM_UPPER or COSIM_LOWER; its values are those under
+ * "bodies.NAME". NULL, with a refusal ready to be returned, if the case has not one body at each
+ * position; the description has to list the key "bodies.*.position".
+ */
+const char *cosim_body_name(const struct cosim_configuration *configuration, int body);
 
 /**
  * Writes the grid on which an input will arrive, and says whether it is known. It is not for a

@@ -2,6 +2,7 @@
 
 use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
 use crate::grid::CosimGrid;
+use proto::bodies::{Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, Mode, Refusal};
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
@@ -198,6 +199,31 @@ pub unsafe extern "C" fn cosim_case_text(
     })
 }
 
+/// Index of the upper body in a pair.
+pub const COSIM_UPPER: c_int = 0;
+/// Index of the lower body in a pair.
+pub const COSIM_LOWER: c_int = 1;
+const _: () = assert!(COSIM_UPPER as usize == UPPER && COSIM_LOWER as usize == LOWER);
+
+/// The name that the case gives to a body, COSIM_UPPER or COSIM_LOWER; its values are those under
+/// "bodies.NAME". NULL, with a refusal ready to be returned, if the case has not one body at each
+/// position; the description has to list the key "bodies.*.position".
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_body_name(
+    configuration: *const CosimConfiguration<'_>,
+    body: c_int,
+) -> *const c_char {
+    guard("cosim_body_name", || {
+        // SAFETY: as the header asks.
+        let settings = unsafe { settings(configuration)? };
+        let Bodies(names) = Bodies::read(&settings.configuration.case).map_err(Fault::Refused)?;
+        match usize::try_from(body).ok().and_then(|body| names.get(body)) {
+            Some(name) => settings.lend(name),
+            None => Err(Fault::Misused(format!("there is no body {body}"))),
+        }
+    })
+}
+
 /// Writes the grid on which an input will arrive, and says whether it is known. It is not for a
 /// field that is no input of this run, nor as long as its producer has not been configured: then
 /// configure answers without grids, and is called again later.
@@ -237,7 +263,7 @@ mod tests {
                     "origin": [0.0, 0.0, 0.0], "step_i": [1.0, 0.0, 0.0],
                     "step_j": [0.0, 2.0, 0.0], "ni": 5, "nj": 7},
             }],
-            "outputs": ["rail_temperature"], "observed": ["wheel_temperature"],
+            "outputs": ["lower_temperature"], "observed": ["upper_temperature"],
         }))
         .unwrap()
     }
@@ -273,7 +299,7 @@ mod tests {
             assert!(!cosim_is_transient(settings));
             let effects = [c"friction_heat", c"wear"];
             assert_eq!(effects.map(|e| cosim_has_effect(settings, e.as_ptr())), [true, false]);
-            let outputs = [c"rail_temperature", c"wheel_temperature", c"pressure"];
+            let outputs = [c"lower_temperature", c"upper_temperature", c"pressure"];
             let wanted = outputs.map(|o| cosim_is_wanted(settings, o.as_ptr()));
             assert_eq!(wanted, [true, true, false]);
             assert!(cosim_case_has(settings, c"materials.steel".as_ptr()));

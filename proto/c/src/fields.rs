@@ -169,7 +169,7 @@ pub unsafe extern "C" fn cosim_blob_write(
 mod tests {
     use super::*;
     use crate::fault::{COSIM_FAILED, call};
-    use proto::field::{FRICTION_POWER, PRESSURE, RAIL_TEMPERATURE, SURFACE_SPEED};
+    use proto::field::{FRICTION_POWER, LOWER_TEMPERATURE, PRESSURE, SURFACE_SPEED};
     use proto::grid::{Grid, Structured};
     use proto::model::InputField;
     use std::ptr::{null, null_mut};
@@ -194,11 +194,11 @@ mod tests {
 
     impl Outputs for Fields {
         fn get(&mut self, field: &FieldSpec) -> Option<&mut [f64]> {
-            (field.name == RAIL_TEMPERATURE.name).then_some(&mut self.1)
+            (field.name == LOWER_TEMPERATURE.name).then_some(&mut self.1)
         }
     }
 
-    const KNOWN: &[FieldSpec] = &[FRICTION_POWER, SURFACE_SPEED, RAIL_TEMPERATURE];
+    const KNOWN: &[FieldSpec] = &[FRICTION_POWER, SURFACE_SPEED, LOWER_TEMPERATURE];
 
     #[test]
     fn values_are_where_they_were() {
@@ -224,7 +224,7 @@ mod tests {
         let mut outputs = CosimOutputs { outputs: &mut here, fields: KNOWN };
         let to = &raw mut outputs;
         unsafe {
-            let values = cosim_output(to, c"rail_temperature".as_ptr(), &raw mut count);
+            let values = cosim_output(to, c"lower_temperature".as_ptr(), &raw mut count);
             assert_eq!((values.cast_const(), count), (place, 3));
             assert!(cosim_output(to, c"pressure".as_ptr(), &raw mut count).is_null());
             assert_eq!(count, 0);

@@ -169,7 +169,7 @@ mod tests {
         let grid = Grid::structured("contact", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 2, 3));
         let mut layout = CosimLayout::default();
         let (to, view) = (&raw mut layout, CosimGrid::of(&grid));
-        let (field, on) = (c"rail_temperature".as_ptr(), c"contact".as_ptr());
+        let (field, on) = (c"lower_temperature".as_ptr(), c"contact".as_ptr());
         let statuses = unsafe {
             [
                 cosim_layout_grid(to, &raw const view),
@@ -188,7 +188,7 @@ mod tests {
         assert_eq!((*build_seconds, closed_forms["contact.area_m2"]), (2.5, 1e-4));
         assert_eq!(*left_out, [Simplification::always("the wake", 0.01, "a study")]);
         assert_eq!((*solve_seconds, *memory_bytes, remarks.len()), (1e-3, 800, 1));
-        assert_eq!(layout.layout.grid_of("rail_temperature"), Some(&grid));
+        assert_eq!(layout.layout.grid_of("lower_temperature"), Some(&grid));
         assert_eq!(layout.layout.input_grid("friction_power"), Some(&grid));
         assert_eq!(layout.layout.check(), Ok(()));
     }

@@ -36,6 +36,26 @@ pub struct Description {
     /// Fields that are not in [`crate::field::TABLE`].
     #[serde(default)]
     pub fields: Vec<FieldKind>,
+    /// Keys of earlier versions, with what stands in their place now.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub renamed: Vec<Renamed>,
+}
+
+/// A key that has another spelling now.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Renamed {
+    /// Dotted path of an earlier version.
+    pub from: String,
+    /// What to write now, in words.
+    pub to: String,
+}
+
+impl Renamed {
+    /// One key.
+    #[must_use]
+    pub fn new(from: &str, to: &str) -> Self {
+        Self { from: from.to_owned(), to: to.to_owned() }
+    }
 }
 
 impl Description {
@@ -188,6 +208,9 @@ pub struct KeySpec {
     /// others. A table (`motion.creepage`) counts through its keys.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_of: Option<String>,
+    /// That group of alternatives may be left out as a whole: something else takes its place.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub or_none: bool,
     /// Of all keys with the same word here all or none must be given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub together: Option<String>,
@@ -237,6 +260,7 @@ impl KeySpec {
             at_most: None,
             magnitude_below: Vec::new(),
             one_of: None,
+            or_none: false,
             together: None,
             help: help.to_owned(),
         }
@@ -340,6 +364,13 @@ impl KeySpec {
         self
     }
 
+    /// One of a group of alternatives, or none of them.
+    #[must_use]
+    pub fn one_of_or_none(mut self, group: &str) -> Self {
+        self.or_none = true;
+        self.one_of(group)
+    }
+
     /// All or none of a group.
     #[must_use]
     pub fn together(mut self, group: &str) -> Self {
@@ -392,6 +423,7 @@ mod tests {
             effects: vec![effect],
             keys: Vec::new(),
             fields: Vec::new(),
+            renamed: Vec::new(),
         }
     }
 

@@ -16,14 +16,14 @@ pub enum Mapping {
     Consistent,
 }
 
-/// The body whose surface a field belongs to; body 1 is the wheel, body 2 the rail.
+/// The body that a field belongs to; a case gives the bodies their names ([`crate::bodies`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Body {
-    /// Body 1, the upper one.
-    Wheel,
-    /// Body 2, the lower one.
-    Rail,
+    /// Body 1.
+    Upper,
+    /// Body 2.
+    Lower,
     /// The contact interface between the two.
     Interface,
 }
@@ -99,29 +99,29 @@ field_table! {
     PRESSURE = "pressure" ["Pa"; 1], Consistent, Interface,
         "normal contact pressure, positive in compression";
     TRACTION = "traction" ["Pa"; 2], Consistent, Interface,
-        "tangential traction (x, y) acting on the wheel";
+        "tangential traction (x, y) acting on the upper body";
     SLIP_VELOCITY = "slip_velocity" ["m/s"; 2], Consistent, Interface,
-        "velocity (x, y) of the wheel surface relative to the rail surface";
+        "velocity (x, y) of the upper surface relative to the lower one";
     FRICTION_POWER = "friction_power" ["W/m2"; 1], Conservative, Interface,
         "frictional power density, element and window mean";
     SURFACE_SPEED = "surface_speed" ["m/s"; 2], Consistent, Interface,
-        "speeds (wheel, rail) at which material passes through the contact, on a one-point grid";
-    RAIL_TEMPERATURE = "rail_temperature" ["K"; 1], Consistent, Rail,
-        "temperature rise of the rail surface";
-    WHEEL_TEMPERATURE = "wheel_temperature" ["K"; 1], Consistent, Wheel,
-        "temperature rise of the wheel surface";
-    RAIL_SECTION_TEMPERATURE = "rail_section_temperature" ["K"; 1], Consistent, Rail,
-        "temperature rise of the rail in a vertical plane along x under the surface";
-    WHEEL_SECTION_TEMPERATURE = "wheel_section_temperature" ["K"; 1], Consistent, Wheel,
-        "temperature rise of the wheel in a vertical plane along x over the surface";
-    RAIL_SECTION_VON_MISES = "rail_section_von_mises_stress" ["Pa"; 1], Consistent, Rail,
-        "von Mises stress of the rail in a vertical plane along x under the surface";
-    WHEEL_SECTION_VON_MISES = "wheel_section_von_mises_stress" ["Pa"; 1], Consistent, Wheel,
-        "von Mises stress of the wheel in a vertical plane along x over the surface";
-    RAIL_SECTION_MAX_SHEAR = "rail_section_max_shear_stress" ["Pa"; 1], Consistent, Rail,
-        "largest shear stress of the rail in a vertical plane along x under the surface";
-    WHEEL_SECTION_MAX_SHEAR = "wheel_section_max_shear_stress" ["Pa"; 1], Consistent, Wheel,
-        "largest shear stress of the wheel in a vertical plane along x over the surface";
+        "speeds (upper, lower) at which material passes through the contact, on a one-point grid";
+    LOWER_TEMPERATURE = "lower_temperature" ["K"; 1], Consistent, Lower,
+        "temperature rise of the lower body's surface";
+    UPPER_TEMPERATURE = "upper_temperature" ["K"; 1], Consistent, Upper,
+        "temperature rise of the upper body's surface";
+    LOWER_SECTION_TEMPERATURE = "lower_section_temperature" ["K"; 1], Consistent, Lower,
+        "temperature rise of the lower body in a vertical plane along x under the surface";
+    UPPER_SECTION_TEMPERATURE = "upper_section_temperature" ["K"; 1], Consistent, Upper,
+        "temperature rise of the upper body in a vertical plane along x over the surface";
+    LOWER_SECTION_VON_MISES = "lower_section_von_mises_stress" ["Pa"; 1], Consistent, Lower,
+        "von Mises stress of the lower body in a vertical plane along x under the surface";
+    UPPER_SECTION_VON_MISES = "upper_section_von_mises_stress" ["Pa"; 1], Consistent, Upper,
+        "von Mises stress of the upper body in a vertical plane along x over the surface";
+    LOWER_SECTION_MAX_SHEAR = "lower_section_max_shear_stress" ["Pa"; 1], Consistent, Lower,
+        "largest shear stress of the lower body in a vertical plane along x under the surface";
+    UPPER_SECTION_MAX_SHEAR = "upper_section_max_shear_stress" ["Pa"; 1], Consistent, Upper,
+        "largest shear stress of the upper body in a vertical plane along x over the surface";
 }
 
 /// The row with this name, if the table has one.

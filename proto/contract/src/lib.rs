@@ -4,6 +4,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`field`] | the table of fields that may cross the interface |
+//! | [`bodies`] | the two bodies in contact: their positions, and the names that a case gives them |
 //! | [`grid`] | the surface grids that fields live on |
 //! | [`step`] | one solve, and what a model reports of it |
 //! | [`description`] | what a participant says of itself: models, effects, case keys, fields |
@@ -16,6 +17,7 @@
 //! It knows no transport, no file and no process.
 
 pub mod accuracy;
+pub mod bodies;
 pub mod configuration;
 pub mod description;
 pub mod field;

@@ -37,7 +37,7 @@ Hurwitz's ζ, where q′ is the slope upstream (summation by parts against ∫�
 Windows of the past are merged while together they last no longer than h/V, nor than a quarter of
 their age, so that memory stays bounded however short they are; heat and path are kept.
 
-Pairs are ordered wheel, rail. Units are SI.
+Pairs are ordered upper, lower. Units are SI.
 """
 
 from __future__ import annotations

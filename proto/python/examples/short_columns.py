@@ -2,7 +2,7 @@ import numpy as np
 
 from cosim import Effect, Key, Layout, Model, Solver, StepReport, main
 
-BODIES = ("rail_temperature", "wheel_temperature")
+BODIES = ("lower_temperature", "upper_temperature")
 STEEL = {"density": "kg/m3", "specific_heat": "J/(kg K)", "conductivity": "W/(m K)"}
 HALF = Key.choice("effects.friction_heat.partition", ("equal",), "one half each", default="equal")
 
@@ -16,13 +16,15 @@ class ShortColumns(Solver):
     )
     effects = (Effect("friction_heat", "q/2 into each body", "symmetry", ("short",), keys=(HALF,)),)
     keys = (
-        Key.name_in("rail.material", "materials", "material of both bodies", required=True),
+        Key.position(),
+        Key.name_in("bodies.*.material", "materials", "material of both bodies", required=True),
         Key.quantity("motion.speed", "m/s", "rolling speed", required=True, above=0.0),
         *(Key.quantity(f"materials.*.{p}", u, p, required=True) for p, u in STEEL.items()),
     )
 
     def configure(self, configuration):
-        number, steel = configuration.case.number, configuration.case.text("rail.material")
+        case, number = configuration.case, configuration.case.number
+        steel = case.text(f"bodies.{case.bodies()[1]}.material")
         beta = np.sqrt(np.prod([number(f"materials.{steel}.{p}") for p in STEEL]))
         self.scale = 1.0 / (beta * np.sqrt(np.pi * number("motion.speed")))
         self.grid = configuration.input("friction_power").grid

@@ -1,10 +1,10 @@
-r"""A thermal participant in Python: strips of one-dimensional columns in wheel and rail.
+r"""A thermal participant in Python: strips of one-dimensional columns in two bodies.
 
     coordinator run CASE \
         --set 'thermal.command=["python3", "proto/python/examples/strip_columns.py"]'
 
 It takes the place of `thermal-solver` with model `columns`: same fields, same case keys, steady and
-transient. The equations are in `conduction.py`; pairs are ordered wheel, rail. Units are SI.
+transient. The equations are in `conduction.py`; pairs are ordered upper, lower. Units are SI.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from conduction import (
 
 from cosim import (
     Array,
+    Case,
     Configuration,
     Effect,
     Grid,
@@ -43,15 +44,15 @@ from cosim import (
     main,
 )
 
-BODIES = ("wheel", "rail")
-SURFACES = ("wheel_temperature", "rail_temperature")
-SECTIONS = ("wheel_section_temperature", "rail_section_temperature")
+BODIES = ("upper", "lower")
+SURFACES = ("upper_temperature", "lower_temperature")
+SECTIONS = ("upper_section_temperature", "lower_section_temperature")
 #: Levels of a section in depth, the surface included.
 LEVELS = 33
 
 
 class StripColumns(Solver):
-    """Heat conduction in strips of one-dimensional columns, for wheel and rail."""
+    """Heat conduction in strips of one-dimensional columns, for two bodies."""
 
     name = "strip-columns"
     version = "0.1.0"
@@ -78,7 +79,7 @@ class StripColumns(Solver):
     effects = (
         Effect(
             "friction_heat",
-            "q_wheel = eps q_f, q_rail = (1 - eps) q_f; eps = 1/2 or by effusivity times root of "
+            "q_upper = eps q_f, q_lower = (1 - eps) q_f; eps = 1/2 or by effusivity times root of "
             "speed",
             "Ertz & Knothe, Wear 253 (2002) 498-508",
             models=("columns",),
@@ -88,17 +89,15 @@ class StripColumns(Solver):
                 Key.choice(
                     "effects.friction_heat.partition",
                     ("equal", "effusivity"),
-                    "how the heat is split between wheel and rail",
+                    "how the heat is split between the bodies",
                     default="equal",
                 ),
             ),
         ),
     )
     keys = (
-        *(
-            Key.name_in(f"{body}.material", "materials", f"material of the {body}", required=True)
-            for body in BODIES
-        ),
+        Key.position(),
+        Key.name_in("bodies.*.material", "materials", "material of the body", required=True),
         *(
             Key.quantity(f"materials.*.{name}", unit, words, required=True, above=0.0)
             for name, unit, words in (
@@ -107,7 +106,20 @@ class StripColumns(Solver):
                 ("conductivity", "W/(m K)", "heat flux per temperature gradient"),
             )
         ),
-        Key.quantity("motion.speed", "m/s", "rolling speed", required=True, above=0.0),
+        Key.quantity(
+            "bodies.*.initial_temperature",
+            "K",
+            "initial temperature, over which temperatures are rises",
+            above=0.0,
+            default=293.15,
+        ),
+        Key.quantity(
+            "bodies.*.surface_speed",
+            "m/s",
+            "speed at which the body's surface passes through the contact; absent: motion.speed",
+            at_least=0.0,
+        ),
+        Key.quantity("motion.speed", "m/s", "rolling speed", at_least=0.0),
     )
 
     def configure(self, configuration: Configuration) -> Layout:
@@ -124,15 +136,16 @@ class StripColumns(Solver):
             )
         case = configuration.case
         self.steady = configuration.is_steady
-        self.speed = case.number("motion.speed")
+        self.names = case.bodies()
+        self.speeds = [expected_speed(case, name) for name in self.names]
         self.materials = [
             Material(
                 *(
-                    case.number(f"materials.{case.text(f'{body}.material')}.{name}")
+                    case.number(f"materials.{case.text(f'bodies.{body}.material')}.{name}")
                     for name in Material.__dataclass_fields__
                 )
             )
-            for body in BODIES
+            for body in self.names
         ]
         self.partition = case.get("effects.friction_heat.partition", "equal")
         self.grid: Structured | None = None
@@ -165,14 +178,14 @@ class StripColumns(Solver):
         return layout
 
     def _section(self, grid: Structured, body: int) -> Structured:
-        up = self._level_spacing(grid, body) * (1.0 if BODIES[body] == "wheel" else -1.0)
+        up = self._level_spacing(grid, body) * (1.0 if body == 0 else -1.0)
         x0, _, z0 = grid.origin
         origin = (x0, float(grid.y[middle_row(grid)]), z0)
         return Structured(origin, grid.step_i, (0.0, 0.0, up), grid.ni, LEVELS)
 
     def _level_spacing(self, grid: Structured, body: int) -> float:
         """The last level is at 4√(2κL/V), L half the grid: the rise has gone there."""
-        time = 0.5 * grid.ni * grid.dx / self.speed
+        time = 0.5 * grid.ni * grid.dx / self.speeds[body]
         return 4.0 * math.sqrt(2.0 * self.materials[body].diffusivity * time) / (LEVELS - 1)
 
     def build(self) -> None:
@@ -206,10 +219,10 @@ class StripColumns(Solver):
         return StepReport(heat_received=heat, work=flux.size)
 
     def _window(self, step: Step, speeds: Array, flux: Array) -> Window:
-        wheel, rail = map(float, speeds.ravel())
-        if min(wheel, rail) <= 0.0:
+        upper, lower = map(float, speeds.ravel())
+        if min(upper, lower) <= 0.0:
             raise StepError(
-                f"`surface_speed` is {wheel} m/s for the wheel and {rail} m/s for the rail: "
+                f"`surface_speed` is {upper} m/s for {self.names[0]}, {lower} m/s for {self.names[1]}: "
                 "material has to move through the contact, at a speed greater than 0"
             )
         duration = math.inf if self.steady else step.duration
@@ -219,10 +232,10 @@ class StripColumns(Solver):
         if self.partition == "effusivity":
             uptake = [
                 material.effusivity * math.sqrt(speed)
-                for material, speed in zip(self.materials, (wheel, rail))
+                for material, speed in zip(self.materials, (upper, lower))
             ]
             share = uptake[0] / sum(uptake)
-        return Window(duration, (wheel, rail), (share, 1.0 - share), flux)
+        return Window(duration, (upper, lower), (share, 1.0 - share), flux)
 
     def _steady(self, window: Window) -> list[Array]:
         """One convolution for both bodies."""
@@ -297,7 +310,7 @@ class StripColumns(Solver):
 
     def summary(self) -> dict[str, object]:
         """Hottest place and penetration of each body."""
-        return {"temperature": {name: self._hottest(body) for body, name in enumerate(BODIES)}}
+        return {"temperature": {name: self._hottest(body) for body, name in enumerate(self.names)}}
 
     def _hottest(self, body: int) -> dict[str, float]:
         assert self.grid is not None, "build has demanded it"
@@ -371,6 +384,14 @@ class StripColumns(Solver):
             for duration, speeds, shares, flux in zip(*parts)
         ]
         self.rise, self.trial, self.past_key = list(rise), None, None
+
+
+def expected_speed(case: Case, body: str) -> float:
+    """The body's own surface speed, or the rolling speed; it sets the depth of the section."""
+    own = case.get(f"bodies.{body}.surface_speed", case.get("motion.speed", 0.0))
+    if own <= 0.0:
+        raise Refusal("motion.speed", f"{body} does not move", "write a speed above 0 m/s")
+    return float(own)
 
 
 def own_grid(arriving: Structured, resolution: int | None) -> Structured:

@@ -66,14 +66,14 @@ def configuration(**more):
         "model": "columns",
         "mode": "steady",
         "case": {
-            "wheel": {"material": "steel"},
-            "rail": {"material": "steel"},
+            "bodies": {"wheel": {"position": "upper", "material": "steel"},
+            "rail": {"position": "lower", "material": "steel"}},
             "materials": {"steel": steel},
             "motion": {"speed": 38.889},
             "effects": {"friction_heat": {"partition": "equal"}},
         },
         "inputs": inputs,
-        "outputs": ["rail_temperature"],
+        "outputs": ["lower_temperature"],
         "observed": [],
         **more,
     }
@@ -85,7 +85,7 @@ def laid_out(**more):
 
 def test_a_layout_places_fields_and_wishes_inputs_only_when_asked():
     layout = laid_out()
-    assert layout.fields["rail_temperature"] == "contact"
+    assert layout.fields["lower_temperature"] == "contact"
     assert "inputs" not in layout.to_json()
     case = {**configuration()["case"], "thermal": {"resolution": 16}}
     layout = laid_out(case=case)
@@ -132,11 +132,11 @@ def test_a_wrong_layout_is_not_sent():
 
     plane = Structured.contact_plane(0.0, 0.0, 1.0, 1.0, 2, 2)
     flat = Structured.contact_plane(0.0, 0.0, 0.0, 1.0, 2, 2)
-    assert "no grid for `rail_temperature`" in told([Grid("g", plane)], {})
-    assert "is not a grid" in told([], {"rail_temperature": "g"})
-    assert "without an area" in told([Grid("g", flat)], {"rail_temperature": "g"})
-    assert "letters" in told([Grid("../g", plane)], {"rail_temperature": "../g"})
-    assert "two grids" in told([Grid("g", plane)] * 2, {"rail_temperature": "g"})
+    assert "no grid for `lower_temperature`" in told([Grid("g", plane)], {})
+    assert "is not a grid" in told([], {"lower_temperature": "g"})
+    assert "without an area" in told([Grid("g", flat)], {"lower_temperature": "g"})
+    assert "letters" in told([Grid("../g", plane)], {"lower_temperature": "../g"})
+    assert "two grids" in told([Grid("g", plane)] * 2, {"lower_temperature": "g"})
 
 
 def test_grids_travel_with_every_bit_and_agree_with_each_other():

@@ -17,6 +17,7 @@ fn head() -> Head {
         effects: Vec::new(),
         keys: Vec::new(),
         fields: Vec::new(),
+        renamed: Vec::new(),
     };
     let participant = Participant {
         role: "thermal".to_owned(),
@@ -403,7 +404,7 @@ fn names_obey_the_rule_of_names_on_the_wire() {
         change(&|head| head.case = "a\u{1b}[2Jb".to_owned()),
         change(&|head| head.participants = vec![head.participants[0].clone(); 2]),
         change(&|head| {
-            let (key, attachment) = ("rail.profile".to_owned(), "case.toml".to_owned());
+            let (key, attachment) = ("bodies.rail.profile".to_owned(), "case.toml".to_owned());
             head.files.push(CaseFile { key, attachment });
         }),
     ];

@@ -140,6 +140,7 @@ impl Solver for Linear {
             .chain(self.own_keys())
             .collect(),
             fields: vec![RELAY_VALUE.kind(), OPERATOR_VALUE.kind()],
+            renamed: Vec::new(),
         }
     }
 

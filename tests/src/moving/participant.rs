@@ -123,6 +123,7 @@ impl Solver for Moving {
             effects: Vec::new(),
             keys: keys.chain(self.own_keys()).collect(),
             fields: [MOVING_FLUX, MOVING_PLACE, PLATE_TEMPERATURE].map(|f| f.kind()).to_vec(),
+            renamed: Vec::new(),
         }
     }
 

@@ -26,11 +26,6 @@ const EXCEPTIONS: &[(&str, &[&str], &str)] = &[
     ),
     ("coordinator/case/src/unit.rs", &["pressure"], "a quantity of physics, with its units"),
     (
-        "coordinator/run/src/results/vtk/label.rs",
-        &["rail", "wheel"],
-        "the words for the bodies of the contract",
-    ),
-    (
         "coordinator/run/src/results/show.rs",
         &["rail", "wheel"],
         "the last lines on the terminal choose quantities of the summary, if it has them",

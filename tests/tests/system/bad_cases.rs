@@ -35,7 +35,7 @@ fn refused(text: &str, parts: &[&str]) {
 #[test]
 fn unknown_keys_get_a_suggestion() {
     let text = changed(&[("speed = 38.889 ", "sped = 38.889 ")]);
-    refused(&text, &["bad.toml:22:1: motion.sped: unknown key", "write `motion.speed`"]);
+    refused(&text, &["bad.toml:24:1: motion.sped: unknown key", "write `motion.speed`"]);
 }
 
 #[test]

@@ -242,7 +242,7 @@ fn faulty_python_is_told(fault: &str, check: &str, words: &str, deadline: &str) 
 
 table_of_tests! { faulty_python_is_told:
     python_is_told_of_an_error("raise", "solve", "ValueError: told to fail", "30");
-    python_is_told_what_it_has_not_written("unwritten", "solve", "rail_temperature", "30");
+    python_is_told_what_it_has_not_written("unwritten", "solve", "lower_temperature", "30");
     python_is_told_what_it_has_kept("keep-input", "solve", "friction_power", "30");
     python_is_told_of_its_end("exit", "solve", "ended with exit code 9", "30");
     python_is_told_that_it_sleeps("sleep", "solve", "no answer within 10 s", "10");
@@ -296,10 +296,10 @@ mod every_check_can_fail {
         unknown_effect: "in spite of an effect that does not exist",
         missing_key: "is refused with the key `case`",
         unknown_field: "it has to be refused",
-        initialise: "`rail_temperature` is not finite at index 0",
-        solve: "`rail_temperature` is not finite at index 0",
+        initialise: "`lower_temperature` is not finite at index 0",
+        solve: "`lower_temperature` is not finite at index 0",
         heat_received: "the integral",
-        repeat: "solved again with the same samples: `rail_temperature`[0]",
+        repeat: "solved again with the same samples: `lower_temperature`[0]",
         other_end: "after another one",
         no_duration: "ended with exit code 3",
         accept: "after an iteration that was not the last",

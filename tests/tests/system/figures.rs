@@ -243,7 +243,7 @@ fn half_space_at_the_corners() {
 #[test]
 fn measured_profiles_touch_at_two_places() {
     for shift in ["-2 mm", "-1 mm", "0 mm"] {
-        let shift = format!("wheel.lateral_shift={shift}");
+        let shift = format!("bodies.wheel.lateral_shift={shift}");
         let summary = Place::new().summary(&case("measured-profile.toml"), &["--set", &shift]);
         assert_eq!(summary["contact"]["patches"], 2, "{shift}");
         assert_close(number(&summary, "/contact/normal_force_n"), 80e3, 1e-3, "load");

@@ -2,8 +2,10 @@
 
 use crate::harness::{Place, Table, case, programs, root, sets};
 use crate::python::interpreter;
+use proto::bodies::Bodies;
 use proto::description::Description;
-use proto::field::{self, Body, FieldKind, FieldSpec};
+use proto::field::{self, FieldSpec};
+use run::results::vtk::ShownKind;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -84,8 +86,8 @@ impl Data {
     }
 
     /// Every array says what it is, in VTK's label and in the table, and is as large as it must be.
-    fn assert_labelled(&self, kinds: &[FieldKind]) {
-        let names = |kind: &FieldKind| format!("{} [{}]", kind.name, kind.unit);
+    fn assert_labelled(&self, kinds: &[ShownKind]) {
+        let names = |kind: &ShownKind| format!("{} [{}]", kind.name, kind.unit);
         let found: Vec<&str> = self.arrays.iter().map(|array| array.name.as_str()).collect();
         assert_eq!(found, kinds.iter().map(names).collect::<Vec<_>>(), "{}", self.file);
         for (array, kind) in self.arrays.iter().zip(kinds) {
@@ -94,13 +96,13 @@ impl Data {
             assert_eq!(array.components, components, "{}", array.name);
             assert_eq!(array.values.len(), self.cells, "{}", array.name);
         }
-        let column = |name: &str, of: &dyn Fn(&FieldKind) -> String| {
+        let column = |name: &str, of: &dyn Fn(&ShownKind) -> String| {
             let told = self.table[name].clone().unwrap_or_else(|| panic!("no column `{name}`"));
             assert_eq!(told, kinds.iter().map(of).collect::<Vec<_>>(), "{name} of {}", self.file);
         };
         column("array", &names);
         column("unit", &|kind| kind.unit.clone());
-        column("body", &|kind| word(kind.body).to_owned());
+        column("body", &|kind| kind.body.clone());
         column("meaning", &|kind| kind.meaning.clone());
     }
 
@@ -136,26 +138,20 @@ impl Data {
     }
 }
 
-fn word(body: Body) -> &'static str {
-    match body {
-        Body::Wheel => "wheel",
-        Body::Rail => "rail",
-        Body::Interface => "interface",
-    }
-}
-
-fn kinds(specs: &[FieldSpec]) -> Vec<FieldKind> {
-    specs.iter().map(FieldSpec::kind).collect()
+/// The fields as results show them: with the names of the case's bodies.
+fn kinds(specs: &[FieldSpec]) -> Vec<ShownKind> {
+    let bodies = Bodies(["wheel", "rail"].map(str::to_owned));
+    specs.iter().map(|spec| ShownKind::of(&spec.kind(), Some(&bodies))).collect()
 }
 
 /// The fields of each grid of the main case.
-fn of_main_case() -> [(&'static str, Vec<FieldKind>); 5] {
+fn of_main_case() -> [(&'static str, Vec<ShownKind>); 5] {
     [
         ("mech_contact", kinds(&[field::PRESSURE, field::TRACTION])),
         ("mech_passage", kinds(&[field::SLIP_VELOCITY, field::FRICTION_POWER])),
-        ("thermal_contact", kinds(&[field::RAIL_TEMPERATURE, field::WHEEL_TEMPERATURE])),
-        ("thermal_rail_section", kinds(&[field::RAIL_SECTION_TEMPERATURE])),
-        ("thermal_wheel_section", kinds(&[field::WHEEL_SECTION_TEMPERATURE])),
+        ("thermal_contact", kinds(&[field::LOWER_TEMPERATURE, field::UPPER_TEMPERATURE])),
+        ("thermal_rail_section", kinds(&[field::LOWER_SECTION_TEMPERATURE])),
+        ("thermal_wheel_section", kinds(&[field::UPPER_SECTION_TEMPERATURE])),
     ]
 }
 

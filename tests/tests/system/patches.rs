@@ -11,7 +11,7 @@ fn two_crowns(folder: &Path) -> PathBuf {
     let lines: String = points.map(|y| format!("{y},{:.9}\n", height(y))).collect();
     std::fs::write(folder.join("crowns.csv"), format!("y [mm], z [mm]\n{lines}")).unwrap();
     let text = std::fs::read_to_string(case("wheel-rail.toml")).unwrap();
-    let text = text.replace("crown_radius = 0.30", "profile = \"crowns.csv\"");
+    let text = text.replace("radius_y = 0.30", "profile = \"crowns.csv\"");
     let file = folder.join("crowns.toml");
     std::fs::write(&file, text).unwrap();
     file

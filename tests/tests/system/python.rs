@@ -450,9 +450,9 @@ const FIRST: &str = "in window 0, iteration 1";
 table_of_tests! { fault_is_told:
     an_exception_is_told("raise", FIRST, "ValueError: told to fail");
     an_input_that_is_kept_is_told("keep-input", FIRST, "an array of `friction_power` was kept");
-    an_output_that_is_kept_is_told("keep-output", FIRST, "an array of `rail_temperature` was kept");
+    an_output_that_is_kept_is_told("keep-output", FIRST, "an array of `lower_temperature` was kept");
     writing_to_an_input_is_told("write-input", FIRST, "read-only");
-    what_is_not_written_is_told("unwritten", FIRST, "`rail_temperature` is not finite at index 7");
+    what_is_not_written_is_told("unwritten", FIRST, "`lower_temperature` is not finite at index 7");
     a_heat_that_is_no_number_is_told("heat", FIRST, "the model reports nan W of heat received");
     an_unknown_field_is_told("unknown", FIRST, "the description provides no `rail_temperatur`");
     an_exit_is_told("exit", FIRST, "ended with exit code 9");
@@ -465,7 +465,7 @@ fn what_python_refuses_is_an_error_of_the_case() {
         (vec!["thermal.model=ertz-knothe".to_owned(), strip_columns()], 2, "thermal.model"),
         (vec![faulty("refuse")], 2, "told to refuse"),
         (vec!["thermal.resolution=1".to_owned(), strip_columns()], 2, "thermal.resolution"),
-        (vec![faulty("layout")], 1, "the layout has no grid for `rail_temperature`"),
+        (vec![faulty("layout")], 1, "the layout has no grid for `lower_temperature`"),
     ];
     for (settings, code, what) in refused {
         let place = Place::new();

@@ -169,7 +169,7 @@ fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     let (code, replay, stderr) = self::replay(&place, &recording, "thermal", &chosen);
     assert!(code == Some(0) || code == Some(4), "{stderr}");
     assert_eq!(replay["program"], "closed-form 1.0", "{stderr}");
-    let remark = "`rail_section_temperature` is not compared: the program does not provide it";
+    let remark = "`lower_section_temperature` is not compared: the program does not provide it";
     assert!(replay["remarks"].as_array().unwrap().iter().any(|one| one == remark), "{replay:#}");
     assert!(replay["comparison"]["samples"].as_u64().unwrap() > 0, "{replay:#}");
     let (left, right) = (toy("toy-left"), toy("toy-right"));
@@ -333,14 +333,17 @@ fn a_recording_carries_no_path_and_replays_without_the_files_of_the_case() {
         std::fs::copy(root().join("cases/profiles").join(name), secret.path().join(name)).unwrap();
     }
     let file = |key: &str, name: &str| format!("{key}={:?}", secret.path().join(name));
-    let rail = file("rail.profile", "rail-worn.csv");
-    let wheel = file("wheel.profile", "wheel-hollow.csv");
+    let rail = file("bodies.rail.profile", "rail-worn.csv");
+    let wheel = file("bodies.wheel.profile", "wheel-hollow.csv");
     let command = format!("thermal.command=[{:?}]", toy("thermal-solver"));
     let settings = [rail.as_str(), &wheel, &command, "mech.resolution=10"];
     let recording = record(&place, "measured-profile.toml", "--record", &settings);
     let bytes = std::fs::read(&recording).unwrap();
     let holds = |text: &str| bytes.windows(text.len()).any(|part| part == text.as_bytes());
-    assert!(holds("rail-worn.csv") && holds("rail.profile"), "the search finds what is there");
+    assert!(
+        holds("rail-worn.csv") && holds("bodies.rail.profile"),
+        "the search finds what is there"
+    );
     let user = std::env::var("USER").ok().filter(|user| user.len() > 4);
     let home = std::env::var("HOME").ok();
     let manifest = root().display().to_string();

@@ -24,7 +24,7 @@ use std::collections::VecDeque;
 /// Merged windows last no longer than this part of their age.
 const PART_OF_AGE: f64 = 0.25;
 
-/// How the windows' flux enters the bodies; pairs are (wheel, rail).
+/// How the windows' flux enters the bodies; pairs are (upper, lower).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Length of the window [s]; infinite in steady motion.
@@ -175,9 +175,9 @@ impl History {
     pub fn save(&self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&(self.accepted.len() as u64).to_le_bytes());
         for Window { drive, heat, flux } in &self.accepted {
-            let [wheel, rail] = drive.speeds;
-            let [to_wheel, to_rail] = drive.shares;
-            for value in [drive.duration, wheel, rail, to_wheel, to_rail, *heat] {
+            let [upper, lower] = drive.speeds;
+            let [to_upper, to_lower] = drive.shares;
+            for value in [drive.duration, upper, lower, to_upper, to_lower, *heat] {
                 bytes.extend_from_slice(&value.to_le_bytes());
             }
             flux.save(bytes);
@@ -196,8 +196,8 @@ impl History {
                 let (head, tail) = rest.split_first_chunk()?;
                 (*number, rest) = (f64::from_le_bytes(*head), tail);
             }
-            let [duration, wheel, rail, to_wheel, to_rail, heat] = numbers;
-            window.drive = Drive { duration, speeds: [wheel, rail], shares: [to_wheel, to_rail] };
+            let [duration, upper, lower, to_upper, to_lower, heat] = numbers;
+            window.drive = Drive { duration, speeds: [upper, lower], shares: [to_upper, to_lower] };
             window.heat = heat;
             rest = window.flux.restore(rest)?;
             accepted.push_back(window);

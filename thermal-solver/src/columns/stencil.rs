@@ -18,7 +18,7 @@ use super::moments::kernel_moments;
 pub struct Segment {
     /// Its length [s]; may be infinite for the last one.
     pub duration: f64,
-    /// Elements passed per time [1/s], greater than 0.
+    /// Elements passed per time [1/s]; 0 for a body at rest, in a segment that ends.
     pub rate: f64,
     /// What its weights are multiplied with: share/(β√π) for a temperature rise.
     pub factor: f64,

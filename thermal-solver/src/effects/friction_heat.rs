@@ -1,7 +1,7 @@
-//! Frictional heat: what the contact dissipates flows into wheel and rail.
+//! Frictional heat: what the contact dissipates flows into the upper and the lower body.
 //!
-//! The power density q_f ≥ 0 of the interface is split into q_wheel = ε q_f and
-//! q_rail = (1 − ε) q_f, with the heat partition ε of one of two laws:
+//! The power density q_f ≥ 0 of the interface is split into q_upper = ε q_f and
+//! q_lower = (1 − ε) q_f, with the heat partition ε of one of two laws:
 //!
 //! - `equal`: ε = ½, the paper's choice;
 //! - `effusivity`: ε = β_w√V_w / (β_w√V_w + β_r√V_r), with the effusivity β = √(λρc) and the
@@ -10,7 +10,7 @@
 //!   498–508, after Blok).
 
 use crate::scene::Material;
-use crate::{RAIL, WHEEL, models};
+use crate::{LOWER, UPPER, models};
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names};
 use proto::field;
@@ -47,15 +47,15 @@ impl Partition {
         }
     }
 
-    /// Shares (wheel, rail) of the heat [-] for surface speeds (wheel, rail) [m/s].
+    /// Shares (upper, lower) of the heat [-] for surface speeds (upper, lower) [m/s].
     #[must_use]
     pub fn shares(self, materials: &[Material; 2], speeds: [f64; 2]) -> [f64; 2] {
         match self {
             Self::Equal => [0.5, 0.5],
             Self::Effusivity => {
                 let uptake = |body: usize| materials[body].effusivity() * speeds[body].sqrt();
-                let wheel = uptake(WHEEL) / (uptake(WHEEL) + uptake(RAIL));
-                [wheel, 1.0 - wheel]
+                let upper = uptake(UPPER) / (uptake(UPPER) + uptake(LOWER));
+                [upper, 1.0 - upper]
             }
         }
     }
@@ -66,23 +66,23 @@ impl Partition {
 pub fn spec() -> EffectSpec {
     EffectSpec {
         name: NAME.to_owned(),
-        law: "q_wheel = eps q_f, q_rail = (1 - eps) q_f; eps = 1/2 or by effusivity times root \
+        law: "q_upper = eps q_f, q_lower = (1 - eps) q_f; eps = 1/2 or by effusivity times root \
               of speed"
             .to_owned(),
         source: "Naeimi et al., eqs. 7-10; Ertz & Knothe, Wear 253 (2002) 498-508".to_owned(),
         models: models::names::ALL.map(str::to_owned).to_vec(),
         consumes: names(&[&field::FRICTION_POWER, &field::SURFACE_SPEED]),
         provides: names(&[
-            &field::RAIL_TEMPERATURE,
-            &field::WHEEL_TEMPERATURE,
-            &field::RAIL_SECTION_TEMPERATURE,
-            &field::WHEEL_SECTION_TEMPERATURE,
+            &field::LOWER_TEMPERATURE,
+            &field::UPPER_TEMPERATURE,
+            &field::LOWER_SECTION_TEMPERATURE,
+            &field::UPPER_SECTION_TEMPERATURE,
         ]),
         keys: vec![
             KeySpec::choice(
                 PARTITION_KEY,
                 &["equal", "effusivity"],
-                "how the heat is split between wheel and rail",
+                "how the heat is split between the upper and the lower body",
             )
             .default_value("equal"),
         ],
@@ -100,10 +100,10 @@ mod tests {
         let better = Material { conductivity: 4.0 * STEEL.conductivity, ..STEEL };
         let shares = Partition::Effusivity.shares(&[better, STEEL], [1.0, 1.0]);
         // Rounding of two roots and a quotient.
-        assert!((shares[WHEEL] - 2.0 / 3.0).abs() < 1e-15);
+        assert!((shares[UPPER] - 2.0 / 3.0).abs() < 1e-15);
         let shares = Partition::Effusivity.shares(&[STEEL, STEEL], [1.0, 9.0]);
-        assert!((shares[RAIL] - 0.75).abs() < 1e-15);
-        assert_eq!(shares[WHEEL] + shares[RAIL], 1.0);
+        assert!((shares[LOWER] - 0.75).abs() < 1e-15);
+        assert_eq!(shares[UPPER] + shares[LOWER], 1.0);
     }
 
     #[test]

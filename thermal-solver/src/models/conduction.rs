@@ -18,7 +18,7 @@ pub struct Cost {
 pub struct Work {
     /// Elementary operations, in the model's own measure.
     pub operations: u64,
-    /// Sum over the elements of the flux that went into wheel and rail [W/m²].
+    /// Sum over the elements of the flux that went into the upper and the lower body [W/m²].
     pub heat: [f64; 2],
 }
 
@@ -49,7 +49,7 @@ pub trait Conduction: Sized + 'static {
     /// Remarks for the plan.
     fn remarks(frame: &Frame) -> Vec<String>;
 
-    /// Surface rises of wheel and rail [K] at the end of a window with the mean power density
+    /// Surface rises of the upper and the lower body [K] at the end of a window with the mean power density
     /// `flux` [W/m²], from the accepted state.
     fn solve(
         &mut self,

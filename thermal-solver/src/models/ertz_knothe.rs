@@ -29,7 +29,7 @@ use crate::columns::history::Stage;
 use crate::columns::reconstruction::Flux;
 use crate::columns::reconstruction::FluxRow;
 use crate::reference::polynomial;
-use crate::{RAIL, WHEEL};
+use crate::{LOWER, UPPER};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::description::ModelSpec;
 use proto::model::StepError;
@@ -202,20 +202,20 @@ impl Conduction for ErtzKnothe {
 
 impl Field {
     /// Surface rises of both bodies: one evaluation of F for the two.
-    fn surfaces(&self, frame: &Frame, [wheel, rail]: &mut [Vec<f64>; 2]) {
+    fn surfaces(&self, frame: &Frame, [upper, lower]: &mut [Vec<f64>; 2]) {
         let columns = frame.grid.ni;
-        let rows = wheel.chunks_exact_mut(columns).zip(rail.chunks_exact_mut(columns));
-        for (row, (wheel, rail)) in rows.enumerate() {
+        let rows = upper.chunks_exact_mut(columns).zip(lower.chunks_exact_mut(columns));
+        for (row, (upper, lower)) in rows.enumerate() {
             let Ellipse { centre, semi_axis, .. } = self.rows[row];
             if semi_axis == 0.0 {
-                wheel.fill(0.0);
-                rail.fill(0.0);
+                upper.fill(0.0);
+                lower.fill(0.0);
                 continue;
             }
-            let amplitudes = [WHEEL, RAIL].map(|body| self.amplitude(frame, body, row));
-            for (i, (wheel, rail)) in wheel.iter_mut().zip(rail).enumerate() {
+            let amplitudes = [UPPER, LOWER].map(|body| self.amplitude(frame, body, row));
+            for (i, (upper, lower)) in upper.iter_mut().zip(lower).enumerate() {
                 let shape = polynomial::surface((centre - frame.grid.x(i)) / semi_axis);
-                (*wheel, *rail) = (amplitudes[WHEEL] * shape, amplitudes[RAIL] * shape);
+                (*upper, *lower) = (amplitudes[UPPER] * shape, amplitudes[LOWER] * shape);
             }
         }
     }

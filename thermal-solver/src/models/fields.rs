@@ -3,20 +3,20 @@
 use proto::description::names;
 use proto::field::{self, FieldSpec};
 
-/// Surface temperature of each body, wheel and rail.
-pub const SURFACES: [&FieldSpec; 2] = [&field::WHEEL_TEMPERATURE, &field::RAIL_TEMPERATURE];
-/// Section temperature of each body, wheel and rail.
+/// Surface temperature of each body, the upper and the lower body.
+pub const SURFACES: [&FieldSpec; 2] = [&field::UPPER_TEMPERATURE, &field::LOWER_TEMPERATURE];
+/// Section temperature of each body, the upper and the lower body.
 pub const SECTIONS: [&FieldSpec; 2] =
-    [&field::WHEEL_SECTION_TEMPERATURE, &field::RAIL_SECTION_TEMPERATURE];
+    [&field::UPPER_SECTION_TEMPERATURE, &field::LOWER_SECTION_TEMPERATURE];
 
 /// The fields that every model consumes and provides, by name.
 pub(super) fn fields() -> (Vec<String>, Vec<String>) {
     let consumes = names(&[&field::FRICTION_POWER, &field::SURFACE_SPEED]);
     let provides = names(&[
-        &field::RAIL_TEMPERATURE,
-        &field::WHEEL_TEMPERATURE,
-        &field::RAIL_SECTION_TEMPERATURE,
-        &field::WHEEL_SECTION_TEMPERATURE,
+        &field::LOWER_TEMPERATURE,
+        &field::UPPER_TEMPERATURE,
+        &field::LOWER_SECTION_TEMPERATURE,
+        &field::UPPER_SECTION_TEMPERATURE,
     ]);
     (consumes, provides)
 }

@@ -1,6 +1,6 @@
 //! What a model knows before it is built, and its grids.
 
-use crate::WHEEL;
+use crate::UPPER;
 use crate::effects::friction_heat::Partition;
 use crate::scene::Scene;
 use proto::configuration::Mode;
@@ -12,8 +12,8 @@ pub const LEVELS: usize = 33;
 /// Name of the grid of the surface temperatures.
 pub const CONTACT: &str = "contact";
 
-/// Names of the grids of the sections, wheel and rail.
-pub(super) const SECTION_GRIDS: [&str; 2] = ["wheel_section", "rail_section"];
+/// Names of the grids of the sections, upper and lower.
+pub(super) const SECTION_GRIDS: [&str; 2] = ["upper_section", "lower_section"];
 
 /// What a model knows before it is built.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ impl Frame {
     pub fn level_spacing(&self, body: usize) -> f64 {
         let half_length = 0.5 * self.grid.ni as f64 * self.grid.dx();
         let diffusivity = self.scene.materials[body].diffusivity();
-        let depth = 4.0 * (2.0 * diffusivity * half_length / self.scene.speed).sqrt();
+        let depth = 4.0 * (2.0 * diffusivity * half_length / self.scene.speeds[body]).sqrt();
         depth / (LEVELS - 1) as f64
     }
 
@@ -66,7 +66,7 @@ impl Frame {
     /// The grid of a body's section.
     pub(super) fn section_grid(&self, body: usize) -> Grid {
         let spacing = self.level_spacing(body);
-        let up = if body == WHEEL { spacing } else { -spacing };
+        let up = if body == UPPER { spacing } else { -spacing };
         let shape = Structured {
             origin: self.grid.centre(0, self.section_row()),
             step_i: self.grid.step_i,

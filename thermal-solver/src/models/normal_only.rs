@@ -19,8 +19,9 @@ const AT_HIGH_SPEED: f64 = 2e-4;
 /// What more it costs in a slow case: 1/Pe in all, with half the length of the grid for a.
 pub(super) fn along_the_surface_at(frame: &Frame) -> Option<Simplification> {
     let half = 0.5 * frame.grid.dx() * frame.grid.ni as f64;
-    let inverse = |body: &Material| 2.0 * body.diffusivity() / (half * frame.scene.speed);
-    let inverse = frame.scene.materials.iter().map(inverse).fold(0.0, f64::max);
+    let bodies = frame.scene.materials.iter().zip(frame.scene.speeds);
+    let inverse = |(body, speed): (&Material, f64)| 2.0 * body.diffusivity() / (half * speed);
+    let inverse = bodies.map(inverse).fold(0.0, f64::max);
     let more = inverse - AT_HIGH_SPEED;
     (more > 0.0).then(|| {
         let what = format!("no conduction along the surface, at Pe = {:.3}", 1.0 / inverse);

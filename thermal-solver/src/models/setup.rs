@@ -7,7 +7,7 @@ use super::normal_only::along_the_surface_at;
 use super::shell::Shell;
 use crate::effects::friction_heat::{self, Partition};
 use crate::scene::Scene;
-use crate::{RAIL, WHEEL};
+use crate::{LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
@@ -152,7 +152,7 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         left_out: along_the_surface_at(frame).into_iter().collect(),
         ..Layout::default()
     };
-    for body in [RAIL, WHEEL] {
+    for body in [LOWER, UPPER] {
         if asked(SECTIONS[body]) {
             layout.grids.push(frame.section_grid(body));
             layout.fields.push(on(SECTIONS[body], SECTION_GRIDS[body]));

@@ -5,6 +5,7 @@ use super::fields::{SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
 use super::summary;
 use crate::columns::history::{Drive, Stage};
+use crate::effects::friction_heat::Partition;
 use proto::configuration::Mode;
 use proto::field::{self, FieldSpec};
 use proto::model::{
@@ -39,14 +40,8 @@ impl<C: Conduction> Shell<C> {
 
     fn drive(&self, step: &Step, speeds: &[f64]) -> Result<Drive, StepError> {
         let speeds = [speeds[0], speeds[1]];
-        for (speed, body) in speeds.iter().zip(["wheel", "rail"]) {
-            if *speed <= 0.0 {
-                let name = field::SURFACE_SPEED.name;
-                return Err(StepError::NoSolution(format!(
-                    "`{name}` of the {body} is {speed} m/s: material has to move through the \
-                     contact, at a speed greater than 0"
-                )));
-            }
+        for (speed, body) in speeds.iter().zip(&self.frame.scene.names.0) {
+            self.refuse_rest(body, *speed)?;
         }
         let duration = match self.frame.mode {
             Mode::Steady => f64::INFINITY,
@@ -57,6 +52,29 @@ impl<C: Conduction> Shell<C> {
             return Ok(Drive { duration, speeds, shares });
         }
         Err(StepError::NoSolution(format!("a transient window lasts {duration} s")))
+    }
+
+    /// Refuses a speed at which there is no answer: normal to its surface alone, a body whose one place
+    /// is heated without end warms without end.
+    fn refuse_rest(&self, body: &str, speed: f64) -> Result<(), StepError> {
+        let why = match self.frame.mode {
+            _ if speed > 0.0 => return Ok(()),
+            _ if speed < 0.0 => format!("is {speed} m/s: heat is carried downstream, towards -x"),
+            Mode::Steady => {
+                "is 0 m/s: one place of it is heated without end, and conduction normal \
+                             to the surface has no steady state under that; write \
+                             time.mode = \"transient\""
+                    .to_owned()
+            }
+            Mode::Transient if self.frame.partition == Partition::Effusivity => {
+                "is 0 m/s: the partition by effusivity and speed gives a body at rest no heat; \
+                 write effects.friction_heat.partition = \"equal\""
+                    .to_owned()
+            }
+            Mode::Transient => return Ok(()),
+        };
+        let name = field::SURFACE_SPEED.name;
+        Err(StepError::NoSolution(format!("`{name}` of `{body}` {why}")))
     }
 
     fn write_sections(&mut self, stage: Stage, outputs: &mut dyn Outputs) {

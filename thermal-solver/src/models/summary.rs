@@ -3,14 +3,14 @@
 use super::conduction::{Conduction, Peak};
 use super::frame::Frame;
 use crate::search::root_of_decreasing;
-use crate::{RAIL, WHEEL};
+use crate::{LOWER, UPPER};
 use serde_json::{Map, Value, json};
 
 /// Strips listed at most: the first of them all.
 const MOST_STRIPS: usize = 32;
 
-/// `{"temperature": {"rail": {...}, "wheel": {...}}}`. Where nothing is warm there is no hottest
-/// place: the rise is 0, and places and depth are absent. Several heated strips, between which the
+/// `{"temperature": {NAME: {...}, NAME: {...}}}`, with the names of the case. Where nothing is warm there
+/// is no hottest place: the rise is 0, and places and depth are absent. Several heated strips, between which the
 /// surface is cold, have their own hottest places besides.
 pub fn temperature<C: Conduction>(frame: &Frame, conduction: &C, rise: &[Vec<f64>; 2]) -> Value {
     let section = |body: usize| {
@@ -29,7 +29,8 @@ pub fn temperature<C: Conduction>(frame: &Frame, conduction: &C, rise: &[Vec<f64
         }
         Value::Object(section)
     };
-    json!({"temperature": {"rail": section(RAIL), "wheel": section(WHEEL)}})
+    let [upper, lower] = &frame.scene.names.0;
+    json!({"temperature": {lower: section(LOWER), upper: section(UPPER)}})
 }
 
 fn place(frame: &Frame, peak: Peak) -> Map<String, Value> {

@@ -29,7 +29,7 @@ pub(crate) fn effusivity() -> f64 {
 pub(crate) fn steel() -> Value {
     let steel = json!({"density": 7850.0, "specific_heat": 419.5, "conductivity": 50.0});
     json!({
-        "wheel": {"material": "steel"}, "rail": {"material": "steel"},
+        "bodies": {"wheel": {"position": "upper", "material": "steel"}, "rail": {"position": "lower", "material": "steel"}},
         "materials": {"steel": steel},
         "motion": {"speed": SPEED},
         "effects": {"friction_heat": {"partition": "equal"}},
@@ -67,8 +67,8 @@ pub(crate) fn configuration(
             input(&field::FRICTION_POWER, Grid::structured("contact", grid)),
             input(&field::SURFACE_SPEED, one_point()),
         ],
-        outputs: names(&[&field::RAIL_TEMPERATURE, &field::WHEEL_TEMPERATURE]),
-        observed: names(&[&field::RAIL_SECTION_TEMPERATURE, &field::WHEEL_SECTION_TEMPERATURE]),
+        outputs: names(&[&field::LOWER_TEMPERATURE, &field::UPPER_TEMPERATURE]),
+        observed: names(&[&field::LOWER_SECTION_TEMPERATURE, &field::UPPER_SECTION_TEMPERATURE]),
     }
 }
 
@@ -134,8 +134,8 @@ impl Run {
                 grids: [Grid::structured("contact", grid), one_point()],
             },
             surfaces: Wanted(vec![
-                (field::RAIL_TEMPERATURE.name, poison.clone()),
-                (field::WHEEL_TEMPERATURE.name, poison),
+                (field::LOWER_TEMPERATURE.name, poison.clone()),
+                (field::UPPER_TEMPERATURE.name, poison),
             ]),
             time: 0.0,
         }
@@ -179,16 +179,16 @@ impl Run {
     }
 
     pub(crate) fn rail(&self) -> &[f64] {
-        self.surfaces.of(&field::RAIL_TEMPERATURE)
+        self.surfaces.of(&field::LOWER_TEMPERATURE)
     }
 
     pub(crate) fn wheel(&self) -> &[f64] {
-        self.surfaces.of(&field::WHEEL_TEMPERATURE)
+        self.surfaces.of(&field::UPPER_TEMPERATURE)
     }
 
     /// Observed sections (rail, wheel) of the accepted state.
     pub(crate) fn sections(&mut self) -> Wanted {
-        let specs = [&field::RAIL_SECTION_TEMPERATURE, &field::WHEEL_SECTION_TEMPERATURE];
+        let specs = [&field::LOWER_SECTION_TEMPERATURE, &field::UPPER_SECTION_TEMPERATURE];
         let place =
             |spec: &FieldSpec| vec![f64::NAN; self.layout.grid_of(spec.name).unwrap().points()];
         let mut wanted = Wanted(specs.iter().map(|spec| (spec.name, place(spec))).collect());

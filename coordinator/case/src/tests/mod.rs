@@ -83,6 +83,7 @@ fn description(role: &str, standalone: bool) -> Description {
         effects: Vec::new(),
         keys: Vec::new(),
         fields: Vec::new(),
+        renamed: Vec::new(),
     }
 }
 

@@ -78,7 +78,7 @@ fn settings_of_an_implicit_scheme() {
 
 #[test]
 fn methods_of_mapping_suit_the_field_unless_chosen() {
-    let [consistent, conservative] = [field::RAIL_TEMPERATURE, field::FRICTION_POWER];
+    let [consistent, conservative] = [field::LOWER_TEMPERATURE, field::FRICTION_POWER];
     let methods = |sets: &[&str]| {
         let mappings = case_with(GOOD, sets).unwrap().mappings;
         [consistent, conservative].map(|field| mappings.method_of(&field.kind()))

@@ -9,6 +9,7 @@ use crate::results::iterations::{IterationRecord, IterationTable};
 use crate::results::summary::Counts;
 use crate::results::vtk::{FieldWriter, Shown};
 use crate::session::{HeatBalance, Observed, Receipt, Session, Tap};
+use contract::bodies::Bodies;
 use contract::step::Step;
 use coupling::Exchange as _;
 use coupling::converge::Verdict;
@@ -146,7 +147,8 @@ impl<'a> March<'a> {
         self.session.accept(self.coupling.step(), observed)?;
         if due {
             let wanted = self.session.taps().iter().filter(|tap| tap.wanted());
-            let shown: Vec<Shown> = wanted.filter_map(shown).collect();
+            let bodies = self.plan.bodies.as_ref();
+            let shown: Vec<Shown> = wanted.filter_map(|tap| shown(tap, bodies)).collect();
             self.fields.write(&shown, step.window, step.end)?;
             self.table.flush()?;
         }
@@ -246,9 +248,8 @@ impl March<'_> {
 }
 
 /// What is written of a field, once it has a sample.
-fn shown(tap: &Tap) -> Option<Shown<'_>> {
-    let (producer, grid, kind) = (tap.producer_role(), tap.grid(), tap.kind());
-    Some(Shown { producer, grid, kind, values: tap.values()? })
+fn shown<'a>(tap: &'a Tap, bodies: Option<&Bodies>) -> Option<Shown<'a>> {
+    Some(Shown::new(tap.producer_role(), tap.grid(), tap.kind(), tap.values()?, bodies))
 }
 
 /// The coupling that the plan has chosen.

@@ -3,6 +3,7 @@
 use crate::deadlines::Deadlines;
 use crate::programs::Program;
 use case::Case;
+use contract::bodies::Bodies;
 use contract::configuration::{Configuration, Layout, Mode};
 use contract::description::Description;
 use contract::field::FieldKind;
@@ -21,6 +22,8 @@ pub struct Plan {
     pub name: String,
     /// One line for people.
     pub title: Option<String>,
+    /// The bodies in contact, where a participant asks for them.
+    pub bodies: Option<Bodies>,
     /// Steady or transient.
     pub mode: Mode,
     /// Windows in time.
@@ -115,6 +118,12 @@ pub struct Effect {
 }
 
 impl Plan {
+    /// What a person reads for the name of a field or grid.
+    #[must_use]
+    pub fn shown(&self, name: &str) -> String {
+        self.bodies.as_ref().map_or_else(|| name.to_owned(), |bodies| bodies.shown(name))
+    }
+
     /// How the next iterate is chosen.
     #[must_use]
     pub fn acceleration(&self) -> Acceleration {

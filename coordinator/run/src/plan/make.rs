@@ -226,6 +226,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
     let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
     Ok(Plan {
         name: case.name.clone(),
+        bodies: case.bodies.clone(),
         title: case.title.clone(),
         mode: case.timing.mode(),
         windows: windows(case.timing),
@@ -263,7 +264,11 @@ fn scheme(
             (Scheme::SerialExplicit, reason.to_owned())
         }
         (Scheme::Auto, Some(field)) => {
-            let (name, producer) = (&field.kind.name, running[field.producer].role);
+            let name = case
+                .bodies
+                .as_ref()
+                .map_or_else(|| field.kind.name.clone(), |bodies| bodies.shown(&field.kind.name));
+            let producer = running[field.producer].role;
             (Scheme::SerialImplicit, format!("`{name}` from `{producer}` closes a loop"))
         }
         (Scheme::SerialImplicit, None) => {

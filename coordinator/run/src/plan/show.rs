@@ -93,11 +93,12 @@ impl Plan {
             let size = self.sample_bytes(field).map_or_else(|| "size unknown".to_owned(), bytes);
             let through = if field.fed_back.is_empty() { "->" } else { "-> (iterate) ->" };
             let route = format!("{} {through} {to}", role(field.producer));
-            writeln!(f, "{head:10} {:30} {route:24} {size:>12}", field.kind.name)?;
+            writeln!(f, "{head:10} {:30} {route:24} {size:>12}", self.shown(&field.kind.name))?;
             head = "";
         }
         for p in &self.participants {
             for name in p.estimate.iter().flat_map(|layout| &layout.moving) {
+                let name = self.shown(name);
                 writeln!(f, "{:10} grid `{name}` of {} may move between windows", "", p.role)?;
             }
         }

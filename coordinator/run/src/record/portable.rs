@@ -142,7 +142,7 @@ mod tests {
     fn a_star_fits_any_one_name() {
         assert!(fits("materials.*.curve", &["materials", "steel", "curve"]));
         assert!(!fits("materials.*.curve", &["materials", "curve"]));
-        assert!(!fits("wheel.profile", &["rail", "profile"]));
+        assert!(!fits("bodies.wheel.profile", &["rail", "profile"]));
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub struct IterationTable {
 impl IterationTable {
     /// Creates the file and writes its head, for participants of these roles and fields of these
     /// names in the coupling data.
-    pub fn create(path: &Path, roles: &[&str], fields: &[&str]) -> Result<Self, RunError> {
+    pub fn create(path: &Path, roles: &[&str], fields: &[String]) -> Result<Self, RunError> {
         let file = fresh(path).map_err(|error| file_failure(path, &error))?;
         let mut table = Self::in_file(file, path, 0);
         head(&mut table.rows, roles, fields).map_err(|error| file_failure(path, &error))?;
@@ -129,7 +129,7 @@ impl IterationTable {
     }
 }
 
-fn head(out: &mut impl Write, roles: &[&str], fields: &[&str]) -> io::Result<()> {
+fn head(out: &mut impl Write, roles: &[&str], fields: &[String]) -> io::Result<()> {
     write!(out, "window,iteration,start_s,end_s,residual")?;
     for field in fields {
         write!(out, ",residual_{field}")?;
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
 
     /// Head and one row, with these fields as coupling data.
-    fn table(fields: &[&str], residuals: &[f64], taken: StepTaken) -> Vec<String> {
+    fn table(fields: &[String], residuals: &[f64], taken: StepTaken) -> Vec<String> {
         let mut text = Vec::new();
         head(&mut text, &["mech", "thermal"], fields).unwrap();
         let row = IterationRecord {
@@ -210,11 +210,11 @@ mod tests {
     #[test]
     fn an_implicit_scheme_tells_how_it_goes_on() {
         let taken = StepTaken { relaxation: None, columns: Some(7), dropped: 1 };
-        let lines = table(&["rail_temperature", "x"], &[2.0, 1e-7], taken);
+        let lines = table(&["rail_temperature".to_owned(), "x".to_owned()], &[2.0, 1e-7], taken);
         let part = "residual,residual_rail_temperature,residual_x,relaxation,columns,dropped,";
         assert!(lines[0].contains(part), "{}", lines[0]);
         assert!(lines[1].starts_with("0,1,0,0,2e0,2e0,1e-7,,7,1,0.25"), "{}", lines[1]);
-        let done = table(&["x"], &[1e-7], StepTaken::default());
+        let done = table(&["x".to_owned()], &[1e-7], StepTaken::default());
         assert!(done[1].starts_with("0,1,0,0,1e-7,1e-7,,,,0.25"), "{}", done[1]);
     }
 }

@@ -1,11 +1,10 @@
 //! `fields/last.bin`: the fields on structured grids as they were written last, and the files of all
 //! instants. What ParaView reads is written for it alone; programs of this project read this file.
 
-use super::vtk::{FileSeries, Shown};
+use super::vtk::{FileSeries, Shown, ShownKind};
 use super::write::replace;
 use crate::error::{RunError, file_failure};
 use crate::sealed::{self, Magic};
-use contract::field::FieldKind;
 use contract::grid::Structured;
 use proto::binary;
 use serde::{Deserialize, Serialize};
@@ -17,7 +16,7 @@ use std::path::Path;
 /// Name of the file.
 pub const FILE: &str = "last.bin";
 
-const MAGIC: &Magic = b"COSIMLF1";
+const MAGIC: &Magic = b"COSIMLF2";
 
 /// The content of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,7 +39,7 @@ pub struct LastField<'a> {
     /// Where it lives.
     pub grid: Structured,
     /// Name, unit, components, body.
-    pub kind: Cow<'a, FieldKind>,
+    pub kind: Cow<'a, ShownKind>,
     /// Values, component-major.
     pub values: Cow<'a, [f64]>,
 }
@@ -48,11 +47,11 @@ pub struct LastField<'a> {
 impl<'a> LastFields<'a> {
     /// What there is to keep of these fields.
     #[must_use]
-    pub fn of(shown: &[Shown<'a>], series: &'a [FileSeries], window: u64, time: f64) -> Self {
-        let field = |one: &Shown<'a>| {
+    pub fn of(shown: &'a [Shown<'a>], series: &'a [FileSeries], window: u64, time: f64) -> Self {
+        let field = |one: &'a Shown<'a>| {
             let grid = *one.grid.as_structured().filter(|grid| grid.points() > 1)?;
-            let (kind, values) = (Cow::Borrowed(one.kind), Cow::Borrowed(one.values));
-            Some(LastField { series: one.series_name(), grid, kind, values })
+            let (kind, values) = (Cow::Borrowed(&one.kind), Cow::Borrowed(one.values));
+            Some(LastField { series: one.series.clone(), grid, kind, values })
         };
         let fields = shown.iter().filter_map(field).collect();
         Self { window, time, series: Cow::Borrowed(series), fields }
@@ -122,7 +121,7 @@ mod tests {
         let values: Vec<f64> = (0..12).map(|k| f64::from(k) / 3.0).collect();
         let [one, two] = [1, 2].map(|n| TABLE.iter().find(|spec| spec.components == n).unwrap());
         let kinds = [one.kind(), two.kind()];
-        let shown = |kind, values| Shown { producer: "p", grid: &grid, kind, values };
+        let shown = |kind, values| Shown::new("p", &grid, kind, values, None);
         let fields = [shown(&kinds[0], &values[..6]), shown(&kinds[1], &values[..])];
         let series = [FileSeries { name: "p_g".into(), files: vec![(0.5, "p_g_7.vti".into())] }];
         let last = LastFields::of(&fields, &series, 7, 0.5);
@@ -138,7 +137,7 @@ mod tests {
         assert_eq!(changed(|bytes| bytes.truncate(12)).unwrap_err(), "not of this version");
         assert!(changed(|bytes| bytes.truncate(80)).unwrap_err().contains("in 80 bytes"));
         let grid = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, usize::MAX, 2);
-        let kind = Cow::Owned(TABLE[0].kind());
+        let kind = Cow::Owned(ShownKind::of(&TABLE[0].kind(), None));
         let field = LastField { series: String::new(), grid, kind, values: Cow::Owned(vec![0.0]) };
         let series = [FileSeries { name: "a".into(), files: vec![(0.0, "../b".into())] }];
         let whole =

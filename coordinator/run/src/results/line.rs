@@ -4,7 +4,7 @@
 //! several largest values, as on mirrored patches, the one nearest to the origin counts, and where all
 //! is zero the line is the one nearest to it.
 
-use contract::field::FieldKind;
+use super::vtk::ShownKind;
 use contract::grid::Structured;
 use std::io::{self, Write};
 
@@ -18,7 +18,7 @@ const COMPONENTS: [&str; 3] = ["x", "y", "z"];
 pub(super) fn write(
     grid: &Structured,
     out: &mut impl Write,
-    fields: &[(&FieldKind, &[f64])],
+    fields: &[(&ShownKind, &[f64])],
 ) -> io::Result<()> {
     let elements = elements(grid, fields);
     write!(out, "x [m],y [m],z [m]")?;
@@ -47,7 +47,7 @@ pub(super) fn write(
 }
 
 /// The elements of the line.
-fn elements(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> Vec<(usize, usize)> {
+fn elements(grid: &Structured, fields: &[(&ShownKind, &[f64])]) -> Vec<(usize, usize)> {
     let (i, j) = largest(grid, fields).unwrap_or_else(|| nearest(grid, |_| true));
     match grid.step_j[2] {
         0.0 => (0..grid.ni).map(|i| (i, j)).collect(),
@@ -56,7 +56,7 @@ fn elements(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> Vec<(usize, u
 }
 
 /// The element of the largest value; `None` where all is zero.
-fn largest(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> Option<(usize, usize)> {
+fn largest(grid: &Structured, fields: &[(&ShownKind, &[f64])]) -> Option<(usize, usize)> {
     let (kind, values) = fields.iter().find(|(kind, _)| kind.components == 1).or(fields.first())?;
     let points = grid.points();
     let size = |at: usize| {
@@ -82,7 +82,7 @@ fn nearest(grid: &Structured, qualifies: impl Fn(usize) -> bool) -> (usize, usiz
 mod tests {
     use super::*;
 
-    fn written(grid: &Structured, fields: &[(&FieldKind, &[f64])]) -> String {
+    fn written(grid: &Structured, fields: &[(&ShownKind, &[f64])]) -> String {
         let mut out = Vec::new();
         write(grid, &mut out, fields).unwrap();
         String::from_utf8(out).unwrap()
@@ -91,8 +91,10 @@ mod tests {
     #[test]
     fn the_row_through_the_largest_scalar_with_all_components() {
         let grid = Structured::contact_plane(-1.0, -0.5, 1.0, 0.5, 2, 3);
-        let (power, traction) =
-            (contract::field::FRICTION_POWER.kind(), contract::field::TRACTION.kind());
+        let (power, traction) = (
+            ShownKind::of(&contract::field::FRICTION_POWER.kind(), None),
+            ShownKind::of(&contract::field::TRACTION.kind(), None),
+        );
         let one = [0.0, 1.0, 2.0, 3.0, 9.0, 5.0];
         let two: Vec<f64> = (10..22).map(f64::from).collect();
         let expected = "x [m],y [m],z [m],traction_x [Pa],traction_y [Pa],friction_power [W/m2]\n\
@@ -104,7 +106,7 @@ mod tests {
     #[test]
     fn of_equal_rows_the_one_nearest_to_the_origin() {
         let grid = Structured::contact_plane(0.0, -1.0, 1.0, 1.0, 2, 3);
-        let pressure = contract::field::PRESSURE.kind();
+        let pressure = ShownKind::of(&contract::field::PRESSURE.kind(), None);
         let row = |values: &[f64]| written(&grid, &[(&pressure, values)]);
         assert!(row(&[1.0, 2.0, 0.0, 0.0, 4.0, 3.0]).contains("0e0,1e0,0e0,4e0"));
         assert!(row(&[4.0, 0.0, 4.0 - 1e-12, 3.9, 4.0, 0.0]).contains("1e0,0e0,0e0,3.9e0"));
@@ -121,7 +123,7 @@ mod tests {
             ni: 3,
             nj: 2,
         };
-        let stress = contract::field::RAIL_SECTION_VON_MISES.kind();
+        let stress = ShownKind::of(&contract::field::LOWER_SECTION_VON_MISES.kind(), None);
         let values = [1.0, 2.0, 3.0, 4.0, 9.0, 5.0];
         let text = written(&grid, &[(&stress, &values)]);
         let rows: Vec<&str> = text.lines().skip(1).collect();

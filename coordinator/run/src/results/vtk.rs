@@ -18,5 +18,5 @@ mod writer;
 
 pub(super) use scene::{FILE as SCENE, is_scene};
 pub use series::FileSeries;
-pub use shown::Shown;
+pub use shown::{Shown, ShownKind};
 pub use writer::FieldWriter;

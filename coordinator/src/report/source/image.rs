@@ -106,6 +106,7 @@ mod tests {
     use super::*;
     use contract::field::{PRESSURE, TRACTION};
     use contract::grid::Structured;
+    use run::results::vtk::ShownKind;
     use std::borrow::Cow;
 
     #[test]
@@ -121,8 +122,9 @@ mod tests {
             let (kind, values) = (Cow::Owned(kind), Cow::Owned(values));
             LastField { series: String::new(), grid, kind, values }
         };
-        let scalar = field(PRESSURE.kind(), vec![1.0, 2.0, 3.0, 4.0, 9.0, 6.0]);
-        let vector = field(TRACTION.kind(), (0..12).map(f64::from).collect());
+        let scalar =
+            field(ShownKind::of(&PRESSURE.kind(), None), vec![1.0, 2.0, 3.0, 4.0, 9.0, 6.0]);
+        let vector = field(ShownKind::of(&TRACTION.kind(), None), (0..12).map(f64::from).collect());
         let image = Image::of([&scalar, &vector].into_iter()).unwrap();
         assert_eq!((image.plane(), image.cells), (Some([0, 2]), [3, 0, 2]));
         assert_eq!((image.borders(0), image.borders(2)), ([-0.5, 1.0], [-3.0, -1.0]));

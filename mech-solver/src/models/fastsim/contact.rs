@@ -7,6 +7,7 @@ use crate::effects::friction_heat;
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_imbalance};
 use crate::models::summary::extend;
+use crate::scene::Speeds;
 use proto::configuration::Refusal;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -26,8 +27,8 @@ pub(super) struct Problem {
     pub(super) lattice: Lattice,
     /// Friction coefficient [-].
     pub(super) friction_coefficient: f64,
-    /// Rolling speed V [m/s].
-    pub(super) rolling_speed: f64,
+    /// Speeds of rolling and of the surfaces.
+    pub(super) speeds: Speeds,
     /// The effect `partial_slip` is active.
     pub(super) partial: bool,
 }
@@ -226,8 +227,8 @@ impl Contact {
         }
         let reason = format!(
             "friction dissipates {:.6e} W where the forces give {:.6e} W over the creepages",
-            self.problem.rolling_speed * self.totals.power,
-            self.problem.rolling_speed * self.creep_power()
+            self.problem.speeds.rolling * self.totals.power,
+            self.problem.speeds.rolling * self.creep_power()
         );
         Err(Refusal::new("mech.resolution", reason, "write another resolution"))
     }
@@ -235,7 +236,7 @@ impl Contact {
     /// The section `contact` of `summary.json`.
     pub(super) fn summary(&self) -> Value {
         let (totals, ellipse, speed) =
-            (&self.totals, &self.problem.ellipse, self.problem.rolling_speed);
+            (&self.totals, &self.problem.ellipse, self.problem.speeds.rolling);
         let mut contact = ellipse.summary();
         let area = PI * ellipse.semi_axis_a * ellipse.semi_axis_b;
         let creep = json!({

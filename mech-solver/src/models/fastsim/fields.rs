@@ -14,7 +14,8 @@ use proto::grid::Structured;
 /// Values of a field that the model or one of its effects provides, component-major.
 pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> Vec<f64> {
     let mut values = vec![0.0; count(spec, &grid)];
-    let speed = contact.problem.rolling_speed;
+    let speeds = contact.problem.speeds;
+    let speed = speeds.rolling;
     let at_speed = |value: f64| speed * value;
     match *spec {
         field::PRESSURE => contact.problem.ellipse.write_pressure(grid, &mut values),
@@ -26,7 +27,7 @@ pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> V
             [at_speed(friction_heat::power_density(cell.traction, cell.slip))]
         }),
         field::SURFACE_SPEED => {
-            values.copy_from_slice(&friction_heat::surface_speeds(speed, contact.creepage[0]));
+            values.copy_from_slice(&speeds.of_surfaces(contact.creepage[0]));
         }
         _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
     }

@@ -61,7 +61,7 @@ pub(super) struct Strip {
 pub(super) struct Cell {
     /// x of the rear and of the front [m].
     pub(super) ends: [f64; 2],
-    /// Mean traction on the wheel [Pa].
+    /// Mean traction on the upper body [Pa].
     pub(super) traction: [f64; 2],
     /// Mean slip over V [-].
     pub(super) slip: [f64; 2],

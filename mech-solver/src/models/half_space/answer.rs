@@ -3,7 +3,6 @@
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::ContactSolver;
-use crate::effects::friction_heat;
 use crate::effects::subsurface_stress::Sections;
 use crate::half_space::area::contact_area;
 use crate::half_space::extent::Moments;
@@ -91,12 +90,12 @@ impl Answer {
     }
 
     fn new(case: &Case, contact: &ContactSolver, creepage: Creepage) -> Self {
-        let speed = case.scene.rolling_speed;
-        let rolls = speed > 0.0;
+        let speeds = case.scene.speeds;
+        let rolls = speeds.rolling > 0.0;
         let along = if rolls { creepage[0] } else { 0.0 };
         Self {
             pressure: contact.pressure.clone(),
-            surface_speed: friction_heat::surface_speeds(speed, along),
+            surface_speed: speeds.of_surfaces(along),
             creepage,
             approach: contact.approach,
             ..Self::default()
@@ -142,7 +141,7 @@ impl Answer {
             "max_traction_pa": largest(&self.traction),
             "friction_power_w": self.friction_power.iter().sum::<f64>() * area,
         });
-        let names = match case.scene.rolling_speed > 0.0 {
+        let names = match case.scene.speeds.rolling > 0.0 {
             true => ["creepage_xi", "creepage_eta", "creepage_phi_per_m"],
             false => ["shift_x_m", "shift_y_m", "turn_rad"],
         };

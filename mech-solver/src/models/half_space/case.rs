@@ -3,7 +3,6 @@
 use super::drive::Driven;
 use super::gap::Gap;
 use super::geometry::Footprint;
-use crate::effects::friction_heat;
 use crate::effects::subsurface_stress::Sections;
 use crate::effects::temperature_friction::FrictionLaw;
 use crate::half_space::extent::sample;
@@ -41,7 +40,7 @@ impl Case {
 
     /// What a particle goes through in a step.
     pub(super) fn passage(&self) -> Passage {
-        let (dx, speed) = (self.footprint.grid.dx(), self.scene.rolling_speed);
+        let (dx, speed) = (self.footprint.grid.dx(), self.scene.speeds.rolling);
         match speed > 0.0 {
             true => Passage { distance: dx, ahead: 0.5 * dx, duration: dx / speed, rolls: true },
             false => {
@@ -77,7 +76,7 @@ impl Case {
 
     /// What holds before the first solve: nothing slips.
     pub(super) fn first_outputs(&self, outputs: &mut dyn Outputs) {
-        let speeds = friction_heat::surface_speeds(self.scene.rolling_speed, 0.0);
+        let speeds = self.scene.speeds.of_surfaces(0.0);
         for spec in field::TABLE {
             if let Some(place) = outputs.get(spec) {
                 match *spec {

@@ -1,4 +1,4 @@
-//! What drives the wheel, component by component: a force, or a creepage.
+//! What drives the upper body, component by component: a force, or a creepage.
 
 use crate::effects::partial_slip;
 use crate::ellipse::Ellipse;
@@ -18,10 +18,10 @@ const SPIN_MOMENT: &str = "motion.spin_moment";
 pub(super) fn keys() -> Vec<KeySpec> {
     let mut keys = vec![
         KeySpec::number(LATERAL_CREEPAGE, "lateral creepage beside a prescribed force"),
-        KeySpec::quantity(LATERAL_FORCE, "N", "lateral force on the wheel")
+        KeySpec::quantity(LATERAL_FORCE, "N", "lateral force on the upper body")
             .magnitude_below(&["friction.coefficient", "load.normal_force"]),
         KeySpec::quantity(SPIN_CREEPAGE, "1/m", "spin [rad/m] beside a prescribed force"),
-        KeySpec::quantity(SPIN_MOMENT, "N m", "spin moment on the wheel"),
+        KeySpec::quantity(SPIN_MOMENT, "N m", "spin moment on the upper body"),
     ];
     keys.extend(shift_keys());
     keys
@@ -38,7 +38,7 @@ enum Component {
     Coefficient(f64),
 }
 
-/// What drives the wheel.
+/// What drives the upper body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Driven {
     components: [Component; 3],
@@ -146,16 +146,16 @@ impl Driven {
 
 /// A body that rolls has creepages, one that does not is shifted, and has no steady state.
 fn refuse_wrong_motion(configuration: &Configuration, scene: &Scene) -> Result<(), Refusal> {
-    let rolls = scene.rolling_speed > 0.0;
+    let rolls = scene.speeds.rolling > 0.0;
     match scene.drive {
         Drive::Creepage { .. } if !rolls => Err(Refusal::new(
             "motion.creepage",
-            "a wheel that does not roll has no creepage",
+            "bodies that do not roll have no creepage",
             format!("write motion.shift, a force, or {SPEED} above 0 m/s"),
         )),
         Drive::Shift(_) if rolls => Err(Refusal::new(
             "motion.shift",
-            "a rolling wheel has creepages; a shift is for bodies that do not roll",
+            "bodies that roll have creepages; a shift is for bodies that do not roll",
             format!("write motion.creepage, or {SPEED} = 0"),
         )),
         _ if !rolls && configuration.mode == Mode::Steady => Err(Refusal::new(

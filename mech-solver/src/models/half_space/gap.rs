@@ -1,10 +1,10 @@
-//! The undeformed distance of wheel and rail.
+//! The undeformed distance of the bodies.
 //!
-//! h(x, y) = x²/(2R(y)) + z_w(y − s) − z_r(y) + roughness, less the smallest value of the part
-//! without roughness; z_w and z_r are the lateral shapes of wheel and rail, s the lateral shift of
-//! the wheel. A measured wheel has the rolling radius R(y) = R + z_w(0) − z_w(y − s). The distance
-//! is taken along z, which is the contact normal for small contact angles only; a steeper contact
-//! is refused.
+//! h(x, y) = x²/(2R₁(y)) + x²/(2R₂(y)) + z₁(y − s₁) − z₂(y − s₂) + roughness, less the smallest value
+//! of the part without roughness; z₁ and z₂ are the lateral shapes of the upper and the lower body, s
+//! their lateral shifts. A round body with a measured profile has the radius R₁(y) = R + z₁(0) −
+//! z₁(y − s₁), and R₂(y) = R + z₂(y − s₂) − z₂(0). The distance is taken along z, which is the contact
+//! normal for small contact angles only; a steeper contact is refused.
 
 use crate::effects::roughness::{self, Roughness};
 use crate::half_space::curve::Curve;
@@ -12,7 +12,8 @@ use crate::half_space::extent::Fitted;
 use crate::half_space::patches::patches;
 use crate::half_space::profile::Profile;
 use crate::keys::CheckedParams;
-use crate::scene::{CROWN_RADIUS, RAIL_SHAPE, Scene};
+use crate::scene::Scene;
+use proto::bodies::{LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
@@ -26,25 +27,21 @@ const STEEPEST: f64 = 0.2;
 /// range of heights: rounding.
 const TIE: f64 = 1e-9;
 
-pub(super) const RAIL_PROFILE: &str = "rail.profile";
-const WHEEL_PROFILE: &str = "wheel.profile";
-const RAIL_TOLERANCE: &str = "rail.profile_tolerance";
-const WHEEL_TOLERANCE: &str = "wheel.profile_tolerance";
-const LATERAL_SHIFT: &str = "wheel.lateral_shift";
+const PROFILE: &str = "profile";
+const TOLERANCE: &str = "profile_tolerance";
+const LATERAL_SHIFT: &str = "lateral_shift";
 
 /// The keys that the shapes are read from besides the scene's.
 pub(super) fn keys() -> Vec<KeySpec> {
-    let tolerance = |key: &str| {
-        let help = "how far smoothing may move a point of the profile; absent: through all points";
-        KeySpec::quantity(key, "m", help).at_least(0.0)
-    };
+    let of = |name: &str| format!("bodies.*.{name}");
+    let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
     vec![
-        KeySpec::file(RAIL_PROFILE, "measured lateral profile of the rail: y and z, z up")
-            .one_of(RAIL_SHAPE),
-        KeySpec::file(WHEEL_PROFILE, "measured lateral profile of the wheel as it stands: y and z"),
-        tolerance(RAIL_TOLERANCE),
-        tolerance(WHEEL_TOLERANCE),
-        KeySpec::quantity(LATERAL_SHIFT, "m", "lateral shift of a measured wheel, to the left")
+        KeySpec::file(
+            &of(PROFILE),
+            "measured lateral profile of the body as it stands: y and z, z up",
+        ),
+        KeySpec::quantity(&of(TOLERANCE), "m", smoothing).at_least(0.0),
+        KeySpec::quantity(&of(LATERAL_SHIFT), "m", "lateral shift of a measured body, to the left")
             .default_value(0.0),
     ]
 }
@@ -80,13 +77,94 @@ impl Shape {
     }
 }
 
+/// One of the bodies.
+#[derive(Clone, Debug)]
+struct Side {
+    /// The key of its profile.
+    key: String,
+    shape: Shape,
+    /// Radius along x at y = 0 [m].
+    radius: f64,
+    /// Lateral shift [m].
+    shift: f64,
+    /// 1 for a body above the contact, −1 for one below.
+    up: f64,
+}
+
+impl Side {
+    fn read(case: &CheckedParams<'_>, scene: &Scene, body: usize) -> Result<Self, Refusal> {
+        let key = |name: &str| scene.names.key(body, name);
+        let scene_body = &scene.bodies[body];
+        let up = if body == UPPER { 1.0 } else { -1.0 };
+        let (profile, shift) = (key(PROFILE), case.number(&key(LATERAL_SHIFT))?);
+        let shape = match measured(case, &profile, &key(TOLERANCE))? {
+            Some(_) if scene_body.radius_y.is_finite() => {
+                let reason = format!("excludes `{}`", key("radius_y"));
+                return Err(Refusal::new(&profile, reason, "keep one of them"));
+            }
+            Some(profile) => Shape::Profile(profile),
+            None if shift != 0.0 => {
+                return Err(Refusal::new(
+                    &key(LATERAL_SHIFT),
+                    "shifts a measured body, and this one has no profile",
+                    format!("add `{profile}`, or remove the key"),
+                ));
+            }
+            None => Shape::Curvature(up / scene_body.radius_y),
+        };
+        Ok(Self { key: profile, shape, radius: scene_body.radius_x, shift, up })
+    }
+
+    fn height(&self, y: f64) -> f64 {
+        self.shape.height(y - self.shift)
+    }
+
+    /// Radius along x [m].
+    fn radius(&self, y: f64) -> f64 {
+        match &self.shape {
+            Shape::Curvature(_) => self.radius,
+            Shape::Profile(profile) => {
+                let middle = self.radius + self.up * profile.height(0.0);
+                middle - self.up * profile.height(y - self.shift)
+            }
+        }
+    }
+
+    fn range(&self) -> [f64; 2] {
+        self.shape.range(self.shift)
+    }
+}
+
+/// The profile of a body, if it has one.
+fn measured(
+    case: &CheckedParams<'_>,
+    key: &str,
+    tolerance: &str,
+) -> Result<Option<Profile>, Refusal> {
+    let within = case.maybe_number(tolerance)?;
+    if !case.has(key) {
+        return match within {
+            Some(_) => Err(Refusal::new(
+                tolerance,
+                "smooths a measured profile, and there is none",
+                format!("add `{key}`, or remove the key"),
+            )),
+            None => Ok(None),
+        };
+    }
+    let path = case.text(key)?;
+    let wrong = |error| {
+        let fix = "see docs/theory/half-space.md for the format";
+        Refusal::new(key, format!("`{path}`: {error}"), fix)
+    };
+    Profile::read(Path::new(path), within.unwrap_or(0.0)).map(Some).map_err(wrong)
+}
+
 /// The undeformed distance.
 #[derive(Clone, Debug)]
 pub(super) struct Gap {
-    wheel: Shape,
-    rail: Shape,
-    wheel_radius: f64,
-    shift: f64,
+    /// The upper and the lower body.
+    sides: [Side; 2],
     /// Smallest lateral distance [m].
     closest: f64,
     /// Lateral coordinate of the origin [m].
@@ -103,96 +181,34 @@ impl Gap {
     /// Reads the shapes.
     pub(super) fn read(configuration: &Configuration, scene: &Scene) -> Result<Self, Refusal> {
         let case = CheckedParams::new(&configuration.case, keys());
-        let measured = |key: &str, tolerance: &str| -> Result<Option<Shape>, Refusal> {
-            let within = case.maybe_number(tolerance)?;
-            if !case.has(key) {
-                return match within {
-                    Some(_) => Err(Refusal::new(
-                        tolerance,
-                        "smooths a measured profile, and there is none",
-                        format!("add `{key}`, or remove the key"),
-                    )),
-                    None => Ok(None),
-                };
-            }
-            let path = case.text(key)?;
-            let wrong = |error| {
-                Refusal::new(
-                    key,
-                    format!("`{path}`: {error}"),
-                    "see docs/theory/half-space.md for the format",
-                )
-            };
-            Profile::read(Path::new(path), within.unwrap_or(0.0))
-                .map(|p| Some(Shape::Profile(p)))
-                .map_err(wrong)
-        };
-        let rail = match (measured(RAIL_PROFILE, RAIL_TOLERANCE)?, scene.rail_crown_radius) {
-            (Some(profile), None) => profile,
-            (None, Some(radius)) => Shape::Curvature(-1.0 / radius),
-            (None, None) => {
-                return Err(Refusal::new(
-                    CROWN_RADIUS,
-                    "missing",
-                    format!("add `{CROWN_RADIUS}` or `{RAIL_PROFILE}`"),
-                ));
-            }
-            (Some(_), Some(_)) => {
-                return Err(Refusal::new(
-                    RAIL_PROFILE,
-                    format!("excludes `{CROWN_RADIUS}`"),
-                    "keep one of them",
-                ));
-            }
-        };
-        let wheel = match measured(WHEEL_PROFILE, WHEEL_TOLERANCE)? {
-            Some(_) if scene.tread_curvature != 0.0 => {
-                return Err(Refusal::new(
-                    WHEEL_PROFILE,
-                    "excludes `wheel.tread_radius`",
-                    "keep one of them",
-                ));
-            }
-            Some(profile) => profile,
-            None => Shape::Curvature(scene.tread_curvature),
-        };
-        let shift = case.number(LATERAL_SHIFT)?;
-        if shift != 0.0 && matches!(wheel, Shape::Curvature(_)) {
-            return Err(Refusal::new(
-                LATERAL_SHIFT,
-                "shifts a measured wheel, and this one has no profile",
-                format!("add `{WHEEL_PROFILE}`, or remove the key"),
-            ));
-        }
         Ok(Self {
-            wheel,
-            rail,
-            wheel_radius: scene.wheel_radius,
-            shift,
+            sides: [Side::read(&case, scene, UPPER)?, Side::read(&case, scene, LOWER)?],
             closest: 0.0,
             origin: 0.0,
             roughness: roughness::read(configuration)?,
         })
     }
 
+    /// The key of the first profile, which errors of shapes name.
+    pub(super) fn profile_key(&self) -> &str {
+        let measured = self.sides.iter().rev();
+        let mut measured = measured.filter(|side| matches!(side.shape, Shape::Profile(_)));
+        &measured.next().unwrap_or(&self.sides[LOWER]).key
+    }
+
     /// Both bodies have curvatures, so that without roughness the contact is Hertz's.
     pub(super) fn is_quadric(&self) -> bool {
-        matches!((&self.wheel, &self.rail), (Shape::Curvature(_), Shape::Curvature(_)))
+        self.sides.iter().all(|side| matches!(side.shape, Shape::Curvature(_)))
     }
 
     fn lateral(&self, y: f64) -> f64 {
-        self.wheel.height(y - self.shift) - self.rail.height(y)
+        self.sides[UPPER].height(y) - self.sides[LOWER].height(y)
     }
 
     pub(super) fn smooth(&self, x: f64, y: f64) -> f64 {
         let y = y + self.origin;
-        let radius = match &self.wheel {
-            Shape::Curvature(_) => self.wheel_radius,
-            Shape::Profile(profile) => {
-                self.wheel_radius + profile.height(0.0) - profile.height(y - self.shift)
-            }
-        };
-        0.5 * x * x / radius + self.lateral(y) - self.closest
+        let [upper, lower] = self.sides.each_ref().map(|side| 0.5 * x * x / side.radius(y));
+        upper + lower + self.lateral(y) - self.closest
     }
 
     /// Undeformed distance at (x, y) from the origin [m].
@@ -203,29 +219,28 @@ impl Gap {
 
     /// The lateral range in which both shapes are known.
     pub(super) fn range(&self) -> [f64; 2] {
-        let ([w0, w1], [r0, r1]) = (self.wheel.range(self.shift), self.rail.range(0.0));
-        [w0.max(r0), w1.min(r1)]
+        let [[u0, u1], [l0, l1]] = self.sides.each_ref().map(Side::range);
+        [u0.max(l0), u1.min(l1)]
     }
 
-    /// Kinks of both shapes where they face each other: the key of the profile, the place in its file
-    /// and that in the frame of the rail [m].
-    fn kinks(&self) -> impl Iterator<Item = (&'static str, f64, f64)> + '_ {
-        let of = |key, shape: &Shape, shift: f64| {
-            let places: Vec<f64> = match shape {
+    /// Kinks of both shapes where they face each other, in the frame of the contact [m].
+    fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
+        let of = |side: &Side| -> Vec<f64> {
+            match &side.shape {
                 Shape::Curvature(_) => Vec::new(),
-                Shape::Profile(profile) => profile.curve().kinks().collect(),
-            };
-            places.into_iter().map(move |y| (key, y, y + shift))
+                Shape::Profile(profile) => {
+                    profile.curve().kinks().map(|y| y + side.shift).collect()
+                }
+            }
         };
-        let both =
-            of(RAIL_PROFILE, &self.rail, 0.0).chain(of(WHEEL_PROFILE, &self.wheel, self.shift));
         let [first, last] = self.range();
-        both.filter(move |(_, _, y)| (first..=last).contains(y))
+        let both = self.sides.iter().rev().flat_map(of);
+        both.filter(move |y| (first..=last).contains(y))
     }
 
     /// Lateral places of kinks under a pressure, from the origin [m].
     pub(super) fn kinks_under(&self, grid: &Structured, pressure: &[f64]) -> Vec<f64> {
-        let places: Vec<f64> = self.kinks().map(|(_, _, y)| y - self.origin).collect();
+        let places: Vec<f64> = self.kinks().map(|y| y - self.origin).collect();
         if places.is_empty() {
             return places;
         }
@@ -246,13 +261,13 @@ impl Gap {
         let [first, last] = self.range();
         if first >= last {
             return Err(Refusal::new(
-                WHEEL_PROFILE,
-                "wheel and rail do not face each other anywhere",
-                "check the lateral coordinates of both profiles and wheel.lateral_shift",
+                self.profile_key(),
+                "the bodies do not face each other anywhere",
+                "check the lateral coordinates of both profiles and their lateral_shift",
             ));
         }
         let at = |k: usize| first + (last - first) * k as f64 / SAMPLES as f64;
-        let places = (0..=SAMPLES).map(at).chain(self.kinks().map(|(_, _, y)| y));
+        let places = (0..=SAMPLES).map(at).chain(self.kinks());
         let heights: Vec<(f64, f64)> = places.map(|y| (y, self.lateral(y))).collect();
         let highest = heights.iter().map(|(_, z)| *z).fold(f64::NEG_INFINITY, f64::max);
         let lowest = heights.iter().map(|(_, z)| *z).fold(f64::INFINITY, f64::min);
@@ -266,10 +281,10 @@ impl Gap {
 
     /// What was done to the shapes, and where the contact depends on it.
     pub(super) fn remarks(&self, fitted: &Fitted) -> Vec<String> {
-        let shapes = [(RAIL_PROFILE, &self.rail), (WHEEL_PROFILE, &self.wheel)];
-        let profiles = shapes.into_iter().filter_map(|(key, shape)| match shape {
+        let sides = self.sides.iter().rev();
+        let profiles = sides.filter_map(|side| match &side.shape {
             Shape::Curvature(_) => None,
-            Shape::Profile(profile) => Some((key, profile.curve())),
+            Shape::Profile(profile) => Some((side.key.as_str(), profile.curve())),
         });
         let mut remarks: Vec<String> =
             profiles.filter_map(|(key, curve)| treatment(key, curve)).collect();
@@ -289,11 +304,12 @@ impl Gap {
         let rows = fitted.pressure.chunks_exact(fitted.grid.ni).enumerate();
         for (row, _) in rows.filter(|(_, row)| row.iter().any(|p| *p > 0.0)) {
             let y = fitted.grid.y(row) + self.origin;
-            let slope = self.rail.slope(y).abs().max(self.wheel.slope(y - self.shift).abs());
+            let slopes = self.sides.each_ref().map(|side| side.shape.slope(y - side.shift).abs());
+            let slope = slopes[LOWER].max(slopes[UPPER]);
             if slope.atan() > STEEPEST {
                 let angle = slope.atan();
                 return Err(Refusal::new(
-                    RAIL_PROFILE,
+                    self.profile_key(),
                     format!("the bodies touch at y = {y:.4} m under {angle:.2} rad to the plane"),
                     format!("shift or turn the profiles until all contact is below {STEEPEST} rad"),
                 ));

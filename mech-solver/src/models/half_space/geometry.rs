@@ -1,9 +1,9 @@
-//! The grid on which wheel and rail touch.
+//! The grid on which the bodies touch.
 //!
 //! Its extent is Hertz's for radii. For profiles a coarse grid finds the contact, wherever the gap closes
 //! ([`fit_grid`]), and the origin lies at the centre of pressure.
 
-use super::gap::{self, Gap, RAIL_PROFILE};
+use super::gap::{self, Gap};
 use crate::ellipse::Ellipse;
 use crate::half_space::extent::{Fitted, Moments, fit_grid};
 use crate::half_space::influence::Elasticity;
@@ -240,7 +240,7 @@ fn coarse_contact(
     scene: &Scene,
     bodies: &Elasticity,
 ) -> Result<Fitted, Refusal> {
-    let (radius, compliance) = (scene.wheel_radius, bodies.contact_compliance());
+    let (radius, compliance) = (scene.relative_radius_x(), bodies.contact_compliance());
     let estimate = match scene.load {
         Load::NormalForce(force) => (0.75 * force * radius * compliance).cbrt(),
         Load::Approach(approach) => (radius * approach).sqrt(),
@@ -255,7 +255,7 @@ fn coarse_contact(
         let grid = lay([[-COARSE, COARSE], [reach(first) + 1.0, reach(last) - 1.0]], [side, rows])?;
         let load = prescribed(scene.load);
         let fitted = fit_grid(grid, bodies, &smooth, load, [first, last], MOST_COARSE_ELEMENTS)
-            .map_err(no_coarse_contact)?;
+            .map_err(|error| no_coarse_contact(gap, error))?;
         let fewest = of_weight(&fitted).map(|patch| patch.row_count()).min();
         let too_many = NARROWER * fitted.grid.points() as f64 > MOST_COARSE_ELEMENTS as f64;
         if too_many || fewest.is_none_or(|rows| rows >= COARSE_ROWS) {
@@ -266,15 +266,15 @@ fn coarse_contact(
     }
 }
 
-fn no_coarse_contact(error: NormalError) -> Refusal {
+fn no_coarse_contact(gap: &Gap, error: NormalError) -> Refusal {
     match error {
         NormalError::EndOfShape | NormalError::GridLimit { .. } => Refusal::new(
-            RAIL_PROFILE,
+            gap.profile_key(),
             "the contact reaches the end of a profile, or the bodies are flat",
-            "give profiles that reach farther, or check wheel.lateral_shift and the units",
+            "give profiles that reach farther, or check their lateral_shift and the units",
         ),
         NormalError::FarApart { .. } => Refusal::new(
-            RAIL_PROFILE,
+            gap.profile_key(),
             error.to_string(),
             "raise the load, or give the profiles as far as the contact that matters reaches",
         ),

@@ -9,7 +9,7 @@
 //! the tractions, (p_{I+e_x} − p_{I−e_x})/2 · A_zt p_t in every element by the symmetry of Maxwell and
 //! Betti, and A_zt p_t is what the normal contact closes, δ − h − A_zz p_n, in which the part of A_zz
 //! drops out once more. With h = x²/2R it is V N x̄/R, x̄ the centre of pressure: the power of the
-//! resistance to rolling. 1/R is the sum of both curvatures along x; the rail has none.
+//! resistance to rolling. 1/R is the sum of both curvatures along x.
 //!
 //! Where the gap is open it is e = h + A_zz p_n + A_zt p_t − δ > 0, and in the elements next to the
 //! contact, through which the pressure comes and goes, the step of an element has the power of the
@@ -41,7 +41,7 @@ fn against(creepage: [f64; 3], [x, y]: [f64; 2], [px, py]: [f64; 2]) -> [f64; 2]
 impl Balance {
     /// That of an instant without memory.
     pub(super) fn steady(case: &Case, answer: &Answer, pressure: Option<PressurePower>) -> Self {
-        let (grid, speed) = (&case.footprint.grid, case.scene.rolling_speed);
+        let (grid, speed) = (&case.footprint.grid, case.scene.speeds.rolling);
         let (px, py) = answer.traction.split_at(grid.points());
         let mut exchanged = 0.0;
         for (index, traction) in px.iter().zip(py).enumerate() {

@@ -100,7 +100,7 @@ impl Memory {
 
 impl Transient {
     pub(super) fn new(case: Case) -> Result<Self, ContactError> {
-        let motion = match case.scene.rolling_speed > 0.0 {
+        let motion = match case.scene.speeds.rolling > 0.0 {
             true => Motion::RollingStep,
             false => Motion::Shift,
         };
@@ -153,7 +153,7 @@ impl Transient {
     fn step(&mut self, window: f64) -> Result<f64, ContactError> {
         let (case, trial) = (&mut self.case, &mut self.trial);
         let columns = case.footprint.grid.ni;
-        let rolls = case.scene.rolling_speed > 0.0;
+        let rolls = case.scene.speeds.rolling > 0.0;
         for (history, displacement) in self.history.iter_mut().zip(&trial.displacement) {
             let rows = history.chunks_exact_mut(columns).zip(displacement.chunks_exact(columns));
             for (history, before) in rows {

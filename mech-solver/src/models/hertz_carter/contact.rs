@@ -5,7 +5,7 @@ use crate::ellipse::{Ellipse, Prescribed};
 use crate::models::names::HERTZ_CARTER;
 use crate::models::summary::extend;
 use crate::reference::carter;
-use crate::scene::Scene;
+use crate::scene::{Scene, Speeds};
 use crate::slip::Slip;
 use proto::configuration::Refusal;
 use serde_json::{Value, json};
@@ -14,7 +14,7 @@ use std::fmt;
 /// The creep laws; see [`carter`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CreepLaw {
-    /// A = f a/R_wheel.
+    /// A = f a/R, R the radius of the pair along x.
     Radius,
     /// A = 2 f p_0 E*.
     Pressure,
@@ -27,9 +27,9 @@ pub(super) struct Contact {
     pub(super) ellipse: Ellipse,
     /// Friction coefficient [-].
     friction_coefficient: f64,
-    /// Rolling speed V [m/s].
-    pub(super) rolling_speed: f64,
-    /// Sign of the force on the wheel: 1 driving, −1 braking, 0 neither.
+    /// Speeds of rolling and of the surfaces.
+    pub(super) speeds: Speeds,
+    /// Sign of the force on the upper body: 1 driving, −1 braking, 0 neither.
     pub(super) direction: f64,
     /// Where the contact slips.
     pub(super) slip: Slip,
@@ -46,7 +46,7 @@ impl Contact {
         let mut contact = Self {
             ellipse,
             friction_coefficient: scene.friction_coefficient,
-            rolling_speed: scene.rolling_speed,
+            speeds: scene.speeds,
             direction: 0.0,
             slip: Slip::Adhesion,
         };
@@ -61,7 +61,8 @@ impl Contact {
         let friction = self.friction_coefficient;
         match law {
             CreepLaw::Radius => {
-                carter::prefactor_by_radius(friction, self.ellipse.semi_axis_a, scene.wheel_radius)
+                let radius = scene.relative_radius_x();
+                carter::prefactor_by_radius(friction, self.ellipse.semi_axis_a, radius)
             }
             CreepLaw::Pressure => {
                 let compliance = scene.contact_compliance();
@@ -80,7 +81,7 @@ impl Contact {
         self.friction_coefficient * self.ellipse.max_pressure
     }
 
-    /// Longitudinal force on the wheel [N].
+    /// Longitudinal force on the upper body [N].
     pub(super) fn creep_force(&self) -> f64 {
         self.direction * self.slip.force_ratio() * self.friction_bound()
     }
@@ -93,7 +94,7 @@ impl Contact {
 
     /// V s |F| [W].
     fn friction_power(&self) -> f64 {
-        self.rolling_speed * self.slip.creep() * self.slip.force_ratio() * self.friction_bound()
+        self.speeds.rolling * self.slip.creep() * self.slip.force_ratio() * self.friction_bound()
     }
 
     /// The section `contact` of `summary.json`. The spin moment is not known to this model.
@@ -108,7 +109,7 @@ impl Contact {
             "creepage_eta": 0.0,
             "creepage_phi_per_m": 0.0,
             "slip_area_ratio": self.slip.area_ratio(),
-            "max_slip_velocity_m_per_s": self.rolling_speed * self.slip.largest_velocity(),
+            "max_slip_velocity_m_per_s": self.speeds.rolling * self.slip.largest_velocity(),
             "max_traction_pa": self.largest_bound() * self.slip.largest_traction(),
             "friction_power_w": self.friction_power(),
         });

@@ -23,19 +23,18 @@ pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> V
         field::TRACTION => write_traction(&strips, contact, first),
         field::SLIP_VELOCITY => write_slip_velocity(&strips, contact, first),
         field::FRICTION_POWER => {
-            let amplitude = contact.largest_bound() * contact.rolling_speed;
+            let amplitude = contact.largest_bound() * contact.speeds.rolling;
             friction_heat::write_power(&strips, &contact.slip, amplitude, first);
         }
         field::SURFACE_SPEED => {
-            let (speed, xi) = (contact.rolling_speed, contact.creepage_xi());
-            values.copy_from_slice(&friction_heat::surface_speeds(speed, xi));
+            values.copy_from_slice(&contact.speeds.of_surfaces(contact.creepage_xi()));
         }
         _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
     }
     values
 }
 
-/// Longitudinal traction on the wheel [Pa].
+/// Longitudinal traction on the upper body [Pa].
 fn write_traction(strips: &Strips, contact: &Contact, means: &mut [f64]) {
     let (amplitude, lateral) = (contact.direction * contact.largest_bound(), Lateral::Elliptic);
     match contact.slip {
@@ -50,9 +49,9 @@ fn write_traction(strips: &Strips, contact: &Contact, means: &mut [f64]) {
     }
 }
 
-/// Longitudinal velocity of the wheel relative to the rail [m/s], against the traction.
+/// Longitudinal velocity of the upper body relative to the lower one [m/s], against the traction.
 fn write_slip_velocity(strips: &Strips, contact: &Contact, means: &mut [f64]) {
-    let (amplitude, lateral) = (-contact.direction * contact.rolling_speed, Lateral::Constant);
+    let (amplitude, lateral) = (-contact.direction * contact.speeds.rolling, Lateral::Constant);
     match contact.slip {
         Slip::Adhesion => {}
         Slip::Partial { fraction, prefactor } => {

@@ -73,7 +73,7 @@ impl Model for Heated {
         let normal_force = self.case.contact.ellipse.normal_force;
         let (drive, shortfall) = carried(self.case.scene.drive, friction, normal_force);
         self.shortfall = shortfall;
-        let scene = Scene { friction_coefficient: friction, drive, ..self.case.scene };
+        let scene = Scene { friction_coefficient: friction, drive, ..self.case.scene.clone() };
         let Case { contact, law, partial, .. } = &mut self.case;
         *contact = Contact::solve(&scene, contact.ellipse, *law, *partial).map_err(
             |Refusal { reason, fix, .. }| StepError::NoSolution(format!("{reason}; {fix}")),

@@ -67,6 +67,20 @@ class Case:
             raise _wrong(key, value, "a whole number")
         return value
 
+    def bodies(self) -> tuple[str, str]:
+        """The names that the case gives to the upper and the lower body."""
+        table = self.get("bodies", {})
+        of = {position: [] for position in ("upper", "lower")}
+        for name in table:
+            of.setdefault(self.text(f"bodies.{name}.position"), []).append(name)
+        if [len(names) for names in of.values()] != [1, 1]:
+            raise Refusal(
+                "bodies",
+                "there is not one body at each position",
+                'write one table [bodies.NAME] with position = "upper" and one with "lower"',
+            )
+        return of["upper"][0], of["lower"][0]
+
     def text(self, key: str) -> str:
         """A text or word that must be there."""
         value = self._given(key)

@@ -84,6 +84,12 @@ class Key:
         """The name of a table under `table`."""
         return cls(path, help, "name-in", table=table, **more)
 
+    @classmethod
+    def position(cls) -> Key:
+        """Which of the two bodies a table `[bodies.NAME]` is; see `Case.bodies`."""
+        of = ("upper", "lower")
+        return cls.choice("bodies.*.position", of, "which of the two bodies it is", required=True)
+
     def to_json(self) -> dict[str, Any]:
         """As it travels: what is not given is left out."""
         absent: tuple[Any, ...] = (None, ())

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 Mapping = Literal["conservative", "consistent"]
-Body = Literal["wheel", "rail", "interface"]
+Body = Literal["upper", "lower", "interface"]
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class FieldKind:
     mapping: Mapping = "consistent"
     """What a mapping between grids preserves: the surface integral, or a constant."""
     body: Body = "interface"
-    """The body whose surface it belongs to."""
+    """The body that it belongs to; a case gives the bodies their names (`Case.bodies`)."""
     meaning: str = ""
     """One line for people."""
 
@@ -40,7 +40,7 @@ class FieldKind:
         return cls(**{name: value[name] for name in cls.__dataclass_fields__})
 
 
-BODIES: tuple[Body, Body] = ("rail", "wheel")
+BODIES: tuple[Body, Body] = ("lower", "upper")
 
 TABLE: dict[str, FieldKind] = {
     kind.name: kind
@@ -52,12 +52,12 @@ TABLE: dict[str, FieldKind] = {
             3,
             meaning="geometry of a grid that moves, on a topic of its own (grid/geometry.rs)",
         ),
-        FieldKind("traction", "Pa", 2, meaning="tangential traction (x, y) acting on the wheel"),
+        FieldKind("traction", "Pa", 2, meaning="tangential traction (x, y) acting on the upper body"),
         FieldKind(
             "slip_velocity",
             "m/s",
             2,
-            meaning="velocity (x, y) of the wheel surface relative to the rail surface",
+            meaning="velocity (x, y) of the upper surface relative to the lower one",
         ),
         FieldKind(
             "friction_power",
@@ -69,7 +69,7 @@ TABLE: dict[str, FieldKind] = {
             "surface_speed",
             "m/s",
             2,
-            meaning="speeds (wheel, rail) at which material passes through the contact, on a "
+            meaning="speeds (upper, lower) at which material passes through the contact, on a "
             "one-point grid",
         ),
         *(
@@ -77,28 +77,28 @@ TABLE: dict[str, FieldKind] = {
                 f"{body}_temperature",
                 "K",
                 body=body,
-                meaning=f"temperature rise of the {body} surface",
+                meaning=f"temperature rise of the {body} body's surface",
             )
             for body in BODIES
         ),
         FieldKind(
-            "rail_section_temperature",
+            "lower_section_temperature",
             "K",
-            body="rail",
-            meaning="temperature rise of the rail in a vertical plane along x under the surface",
+            body="lower",
+            meaning="temperature rise of the lower body in a vertical plane along x under the surface",
         ),
         FieldKind(
-            "wheel_section_temperature",
+            "upper_section_temperature",
             "K",
-            body="wheel",
-            meaning="temperature rise of the wheel in a vertical plane along x over the surface",
+            body="upper",
+            meaning="temperature rise of the upper body in a vertical plane along x over the surface",
         ),
         *(
             FieldKind(
                 f"{body}_section_{name}_stress",
                 "Pa",
                 body=body,
-                meaning=f"{words} of the {body} in a vertical plane along x {side} the surface",
+                meaning=f"{words} of the {body} body in a vertical plane along x {side} the surface",
             )
             for name, words in (
                 ("von_mises", "von Mises stress"),

@@ -290,8 +290,8 @@ class OutputPort:
 class Outputs(Mapping[str, Array]):
     """Outputs of one call, written where consumers will read them.
 
-    `outputs["rail_temperature"]` is a writable view of shared memory, of the shape that
-    `Inputs` describes; `outputs["rail_temperature"] = values` copies values there. A field that
+    `outputs["lower_temperature"]` is a writable view of shared memory, of the shape that
+    `Inputs` describes; `outputs["lower_temperature"] = values` copies values there. A field that
     nobody needs is not there: reading it is a `KeyError`, assigning to it does nothing. Every
     value of what is there must be written.
     """

@@ -60,7 +60,7 @@ class Astray(StripColumns):
     def first_outputs(self, outputs):
         super().first_outputs(outputs)
         if FAULT == "initialise":
-            outputs["rail_temperature"][0] = np.inf
+            outputs["lower_temperature"][0] = np.inf
 
     def solve(self, step, inputs, outputs):
         self.calls += 1
@@ -71,9 +71,9 @@ class Astray(StripColumns):
             os._exit(3)
         report = super().solve(step, inputs, outputs)
         if FAULT == "solve":
-            outputs["rail_temperature"][0] = np.inf
+            outputs["lower_temperature"][0] = np.inf
         if FAULT == "repeat":
-            outputs["rail_temperature"][0] += self.calls
+            outputs["lower_temperature"][0] += self.calls
         if FAULT == "heat-received":
             report = dataclasses.replace(report, heat_received=report.heat_received * (1.0 + 1e-8))
         if FAULT == "accept":

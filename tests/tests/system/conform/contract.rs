@@ -65,7 +65,7 @@ fn the_examples_are_what_the_code_reads() {
     assert_eq!(description.admit(&configuration), Ok(()));
     let layout: Layout = read("Layout");
     assert_eq!(layout.check(), Ok(()));
-    assert_eq!(layout.grid_of("rail_temperature"), configuration.input_grid("friction_power"));
+    assert_eq!(layout.grid_of("lower_temperature"), configuration.input_grid("friction_power"));
     assert_eq!(read::<Grid>("Grid").check(), Ok(()));
     assert_eq!(read::<RunInfo>("RunInfo").protocol, proto::PROTOCOL_VERSION);
     assert_eq!(read::<Topics>("Topics").outputs[0].grid, layout.grids[0]);

@@ -32,11 +32,11 @@ class Faulty(StripColumns):
             case "keep-input":
                 KEPT.append(inputs["friction_power"][::2])
             case "keep-output":
-                KEPT.append(outputs["rail_temperature"].reshape(-1, 1))
+                KEPT.append(outputs["lower_temperature"].reshape(-1, 1))
             case "write-input":
                 inputs["friction_power"][0] = 0.0
             case "unwritten":
-                outputs["rail_temperature"][7] = np.nan
+                outputs["lower_temperature"][7] = np.nan
             case "heat":
                 report.heat_received = np.nan
             case "unknown":

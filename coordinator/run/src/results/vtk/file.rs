@@ -1,8 +1,7 @@
 //! What the files of all data sets have in common.
 
 use super::label;
-use super::shown::Fields;
-use contract::field::FieldKind;
+use super::shown::{Fields, ShownKind};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -60,6 +59,6 @@ pub(super) fn write_values(
 }
 
 /// Components in the file: a vector of the plane becomes one of space.
-fn components(kind: &FieldKind) -> usize {
+fn components(kind: &ShownKind) -> usize {
     if kind.components == 2 { 3 } else { kind.components as usize }
 }

@@ -1,20 +1,19 @@
 //! What a file says of its arrays, where programs look for it: the unit of an array in its
 //! information, and for people a table in the field data with unit, body and meaning of every array.
 
-use super::shown::Fields;
-use contract::field::{Body, FieldKind};
+use super::shown::{Fields, ShownKind};
 use std::fmt::Write as _;
 
 /// What a column of the table tells of a field.
-type Column = fn(&FieldKind) -> String;
+type Column = fn(&ShownKind) -> String;
 
 /// Name of the array of a field, with its unit.
-pub(super) fn array_name(kind: &FieldKind) -> String {
+pub(super) fn array_name(kind: &ShownKind) -> String {
     format!("{} [{}]", kind.name, kind.unit)
 }
 
 /// VTK's information key for the unit of an array.
-pub(super) fn unit(kind: &FieldKind) -> String {
+pub(super) fn unit(kind: &ShownKind) -> String {
     let unit = escape(&kind.unit);
     format!(
         "<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{unit}</InformationKey>"
@@ -26,7 +25,7 @@ pub(super) fn table(fields: &Fields) -> String {
     let columns: [(&str, Column); 4] = [
         ("array", array_name),
         ("unit", |kind| kind.unit.clone()),
-        ("body", |kind| body(kind.body).to_owned()),
+        ("body", |kind| kind.body.clone()),
         ("meaning", |kind| kind.meaning.clone()),
     ];
     let mut text = String::new();
@@ -53,22 +52,15 @@ fn codes(text: &str) -> String {
     text.bytes().chain([0]).map(|byte| byte.to_string()).collect::<Vec<_>>().join(" ")
 }
 
-fn body(body: Body) -> &'static str {
-    match body {
-        Body::Wheel => "wheel",
-        Body::Rail => "rail",
-        Body::Interface => "interface",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contract::field::{RAIL_TEMPERATURE, TRACTION};
+    use contract::field::{LOWER_TEMPERATURE, TRACTION};
 
     #[test]
     fn a_table_has_a_row_for_each_array() {
-        let (traction, rail) = (TRACTION.kind(), RAIL_TEMPERATURE.kind());
+        let [traction, rail] =
+            [&TRACTION, &LOWER_TEMPERATURE].map(|spec| ShownKind::of(&spec.kind(), None));
         let text = table(&[(&traction, &[]), (&rail, &[])]);
         let rows = text.lines().filter(|line| line.contains("NumberOfTuples=\"2\""));
         assert_eq!(rows.count(), 4, "{text}");
@@ -78,7 +70,7 @@ mod tests {
 
     #[test]
     fn a_unit_does_not_break_the_file() {
-        let kind = FieldKind { unit: "<\"&".to_owned(), ..TRACTION.kind() };
+        let kind = ShownKind { unit: "<\"&".to_owned(), ..ShownKind::of(&TRACTION.kind(), None) };
         assert!(unit(&kind).contains(">&lt;&quot;&amp;</InformationKey>"), "{}", unit(&kind));
     }
 }

@@ -67,6 +67,7 @@ pub(in crate::results) fn is_scene(path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::shown::ShownKind;
     use super::*;
     use contract::field::{PRESSURE, TRACTION};
     use std::fs;
@@ -80,7 +81,8 @@ mod tests {
     #[test]
     fn a_series_is_coloured_by_its_first_scalar() {
         let place = tempfile::tempdir().unwrap();
-        let (pressure, traction) = (PRESSURE.kind(), TRACTION.kind());
+        let (pressure, traction) =
+            (ShownKind::of(&PRESSURE.kind(), None), ShownKind::of(&TRACTION.kind(), None));
         let mut scene = Scene::default();
         scene.add("b", &[(&traction, &[]), (&pressure, &[])]);
         scene.add("a", &[(&traction, &[])]);
@@ -98,7 +100,7 @@ mod tests {
         let path = place.path().join(FILE);
         fs::write(&path, "mine").unwrap();
         let mut scene = Scene::default();
-        scene.add("a", &[(&PRESSURE.kind(), &[])]);
+        scene.add("a", &[(&ShownKind::of(&PRESSURE.kind(), None), &[])]);
         scene.write(place.path()).unwrap();
         assert_eq!(fs::read_to_string(path).unwrap(), "mine");
     }

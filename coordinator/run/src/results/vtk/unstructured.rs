@@ -53,6 +53,7 @@ pub(super) fn write(
 
 #[cfg(test)]
 mod tests {
+    use super::super::shown::ShownKind;
     use super::*;
     use contract::field;
     use contract::grid::Structured;
@@ -82,7 +83,10 @@ mod tests {
         let shape = Structured::contact_plane(0.5, 0.5, 1.0, 1.0, 2, 1);
         let mut surface = Quadrilaterals::from(&shape);
         surface.points[4] = [1.1, 0.9, 0.25];
-        let (pressure, traction) = (field::PRESSURE.kind(), field::TRACTION.kind());
+        let (pressure, traction) = (
+            ShownKind::of(&field::PRESSURE.kind(), None),
+            ShownKind::of(&field::TRACTION.kind(), None),
+        );
         let fields: [(_, &[f64]); 2] =
             [(&pressure, &[1e8, -0.1]), (&traction, &[1.0, 2.0, 3.0, 4.0])];
         let mut file = Vec::new();

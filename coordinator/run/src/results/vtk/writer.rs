@@ -3,7 +3,7 @@
 use super::image;
 use super::scene::Scene;
 use super::series::{FileSeries, collection};
-use super::shown::{Fields, Shown};
+use super::shown::{Fields, Shown, ShownKind};
 use super::unstructured;
 use crate::error::{RunError, file_failure};
 use crate::results::cells::Cells;
@@ -11,7 +11,6 @@ use crate::results::dir::Dir;
 use crate::results::last::LastFields;
 use crate::results::line;
 use crate::results::write::{create, replace};
-use contract::field::FieldKind;
 use contract::grid::{Grid, Quadrilaterals, Shape};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -88,18 +87,18 @@ impl FieldWriter {
     pub fn write(&mut self, shown: &[Shown], window: u64, time: f64) -> Result<(), RunError> {
         let mut written: Vec<String> = Vec::new();
         for one in shown {
-            let name = one.series_name();
-            if one.grid.points() < 2 || written.contains(&name) {
+            let name = &one.series;
+            if one.grid.points() < 2 || written.contains(name) {
                 continue;
             }
-            let together: Vec<(&FieldKind, &[f64])> = shown
+            let together: Vec<(&ShownKind, &[f64])> = shown
                 .iter()
-                .filter(|other| other.series_name() == name)
-                .map(|other| (other.kind, other.values))
+                .filter(|other| other.series == *name)
+                .map(|other| (&other.kind, other.values))
                 .collect();
-            self.write_grid(one.grid, &name, &together, window, time)?;
-            self.scene.add(&name, &together);
-            written.push(name);
+            self.write_grid(one.grid, name, &together, window, time)?;
+            self.scene.add(name, &together);
+            written.push(name.clone());
         }
         if written.is_empty() {
             return Ok(());

@@ -1,0 +1,151 @@
+//! The two bodies in contact: upper and lower in the contract, with the names that the case gives them
+//! wherever a person looks.
+//!
+//! A case has a table for each, `[bodies.NAME]`, which says its `position`. Names of fields and grids
+//! that belong to one body begin with its position (`upper_temperature`); results show the case's name
+//! in that place (`wheel_temperature`).
+
+use crate::description::KeySpec;
+use crate::params::Params;
+use crate::refusal::Refusal;
+use serde::{Deserialize, Serialize};
+
+/// The table of the bodies in a case.
+pub const TABLE: &str = "bodies";
+/// The positions, in the order in which pairs of values stand.
+pub const POSITIONS: [&str; 2] = ["upper", "lower"];
+/// Index of the upper body, body 1, in a pair.
+pub const UPPER: usize = 0;
+/// Index of the lower body, body 2, in a pair.
+pub const LOWER: usize = 1;
+/// The initial temperature of a body of which the case says none [K].
+pub const INITIAL_TEMPERATURE: f64 = 293.15;
+
+/// The key that says where a body is, for everybody who reads keys of bodies.
+#[must_use]
+pub fn position_key() -> KeySpec {
+    KeySpec::choice("bodies.*.position", &POSITIONS, "which of the two bodies it is").required()
+}
+
+/// The key of the temperature over which a body's temperatures are rises.
+#[must_use]
+pub fn initial_temperature_key() -> KeySpec {
+    let help = "initial temperature, over which temperatures are rises";
+    KeySpec::quantity("bodies.*.initial_temperature", "K", help)
+        .above(0.0)
+        .default_value(INITIAL_TEMPERATURE)
+}
+
+/// The names that a case gives to the upper and the lower body.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bodies(pub [String; 2]);
+
+impl Bodies {
+    /// The bodies of a case.
+    ///
+    /// # Errors
+    /// There is not one upper and one lower body, and no other.
+    pub fn read(case: &Params) -> Result<Self, Refusal> {
+        let table = case.get(TABLE).and_then(serde_json::Value::as_object);
+        let of = |position: &str| -> Vec<&String> {
+            let at = |body: &serde_json::Value| {
+                body.get("position").and_then(serde_json::Value::as_str) == Some(position)
+            };
+            table.into_iter().flatten().filter(|(_, b)| at(b)).map(|(name, _)| name).collect()
+        };
+        for (name, body) in table.into_iter().flatten() {
+            let reason = match body.get("position") {
+                Some(at) if POSITIONS.iter().any(|position| at == position) => continue,
+                Some(_) => "is neither upper nor lower",
+                None => "missing",
+            };
+            let key = format!("{TABLE}.{name}.position");
+            return Err(Refusal::new(&key, reason, "write \"upper\" or \"lower\""));
+        }
+        match POSITIONS.map(of) {
+            [upper, lower] if upper.len() == 1 && lower.len() == 1 => {
+                Ok(Self([upper[0].clone(), lower[0].clone()]))
+            }
+            found => {
+                let (position, names) = POSITIONS
+                    .iter()
+                    .zip(&found)
+                    .find(|(_, names)| names.len() != 1)
+                    .expect("one of them has not one body");
+                Err(not_one(position, names))
+            }
+        }
+    }
+
+    /// The dotted key of a value of a body.
+    #[must_use]
+    pub fn key(&self, body: usize, name: &str) -> String {
+        format!("{TABLE}.{}.{name}", self.0[body])
+    }
+
+    /// What a person reads for the name of a field or a grid: the body's name for its position, where
+    /// the name begins with one.
+    #[must_use]
+    pub fn shown(&self, name: &str) -> String {
+        replaced(name, &POSITIONS, &self.0.each_ref().map(String::as_str))
+    }
+
+    /// The name of the contract for what a person reads, [`Bodies::shown`] the other way round.
+    #[must_use]
+    pub fn named(&self, shown: &str) -> String {
+        replaced(shown, &self.0.each_ref().map(String::as_str), &POSITIONS)
+    }
+}
+
+/// `name` with one of the words that it may begin with, before a `_`, replaced by another.
+fn replaced(name: &str, from: &[&str; 2], to: &[&str; 2]) -> String {
+    let rest = |word: &str| name.strip_prefix(word).filter(|rest| rest.starts_with('_'));
+    let found = from.iter().zip(to).find_map(|(from, to)| Some((to, rest(from)?)));
+    found.map_or_else(|| name.to_owned(), |(word, rest)| format!("{word}{rest}"))
+}
+
+fn not_one(position: &str, names: &[&String]) -> Refusal {
+    let (key, reason) = match names {
+        [] => (TABLE.to_owned(), format!("there is no {position} body")),
+        [first, second, ..] => {
+            let reason = format!("`{first}` and `{second}` are both the {position} body");
+            (format!("{TABLE}.{second}.position"), reason)
+        }
+        [_] => unreachable!("one body is as it should be"),
+    };
+    let fix = "write one table [bodies.NAME] with position = \"upper\" and one with \"lower\"";
+    Refusal::new(&key, reason, fix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn read(bodies: serde_json::Value) -> Result<Bodies, Refusal> {
+        Bodies::read(&Params(json!({ "bodies": bodies })))
+    }
+
+    #[test]
+    fn bodies_are_found_by_position_whatever_their_names() {
+        let bodies = read(json!({"disc": {"position": "lower"}, "pin": {"position": "upper"}}));
+        let bodies = bodies.unwrap();
+        assert_eq!(bodies, Bodies(["pin".to_owned(), "disc".to_owned()]));
+        assert_eq!(bodies.key(UPPER, "radius_x"), "bodies.pin.radius_x");
+        assert_eq!(bodies.shown("lower_temperature"), "disc_temperature");
+        assert_eq!(bodies.named("disc_temperature"), "lower_temperature");
+        for name in ["pressure", "lowered_temperature", "disc"] {
+            assert_eq!(bodies.shown(name), name);
+        }
+    }
+
+    #[test]
+    fn one_body_a_position() {
+        let upper = || json!({"position": "upper"});
+        let refused = |bodies| read(bodies).unwrap_err();
+        assert_eq!(refused(json!({"a": upper()})).reason, "there is no lower body");
+        assert_eq!(refused(json!({})).reason, "there is no upper body");
+        assert_eq!(refused(json!({"a": upper(), "b": upper()})).key, "bodies.b.position");
+        assert_eq!(refused(json!({"a": upper(), "b": {}})).key, "bodies.b.position");
+    }
+}
