@@ -33,6 +33,7 @@ use run::results::{Existing, ResultFolder, show};
 use run::signals;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 /// Plans, runs and couples mechanical-thermal contact simulations.
@@ -488,10 +489,10 @@ fn refine(run: &RunArguments, answer: &ResultFolder, log: &Logging) -> Result<Be
 fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Outcome {
     let Begun { planned, folder, plan_seconds, from } = begun;
     let start = RunStart { since: screen.since, plan_seconds: *plan_seconds };
-    let mut progress = Progress::new(screen.quiet, planned.plan.windows.count());
+    let progress = Progress::new(screen.quiet, planned.plan.windows.count());
     screen.log.share_screen(progress.bar());
-    let mut outcome =
-        perform::run(planned, folder, &mut progress, start, from.as_ref(), asked.record);
+    let progress: Rc<dyn run::progress::Progress> = Rc::new(progress);
+    let mut outcome = perform::run(planned, folder, &progress, start, from.as_ref(), asked.record);
     if let Some(error) = screen.log.failure() {
         outcome = outcome.fail(file_failure(&folder.shown_log(), &error), folder);
     }

@@ -32,6 +32,7 @@ mod solving;
 mod state;
 mod subject;
 mod unruly;
+mod volumes;
 
 pub(crate) use check::{CheckOutcome, CheckResult};
 pub(crate) use cli::{Arguments, main};
@@ -66,6 +67,7 @@ const CHECKS: &[&Check] = &[
     &state::RESTORE,
     &state::DAMAGED_STATE,
     &grids::GROWING_GRIDS,
+    &volumes::VOLUMES,
     &faulty_inputs::MISSING_SAMPLE,
     &faulty_inputs::WRONG_SAMPLE,
     &faulty_inputs::NOT_FINITE,

@@ -91,7 +91,7 @@ struct Export<'a> {
     asked: BTreeSet<u16>,
     /// The fields that participants describe, by name.
     kinds: BTreeMap<String, FieldKind>,
-    /// The grid of each topic as it is now, and the service of its geometry if it may move.
+    /// The grid of each topic as it is now, and the service of its geometry if that travels.
     grids: BTreeMap<String, (Grid, Option<String>)>,
     newest: BTreeMap<String, Newest>,
     /// The bodies that a participant was told of.
@@ -251,6 +251,10 @@ impl Export<'_> {
 
 /// A sample has a value of each component for each point of its grid.
 fn fits(components: u32, grid: &Grid, header: &FieldHeader) -> Result<(), String> {
+    if grid.is_announced() {
+        let (name, on) = (header.name.as_str(), &grid.name);
+        return Err(format!("`{name}` comes before the geometry of its volume `{on}`"));
+    }
     let (points, expected) = (header.points, grid.points() as u64);
     if (header.components, points) == (components, expected) {
         return Ok(());

@@ -1,11 +1,17 @@
 //! Progress of a run: a bar on a terminal, plain lines elsewhere, nothing with `--quiet`.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use run::progress::Work;
+use std::cell::Cell;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
-/// Time between two plain lines.
+/// Time between two plain lines about windows.
 const PLAIN: Duration = Duration::from_secs(5);
+/// Time between two plain lines about long work, and before the first.
+const PLAIN_WORK: Duration = Duration::from_secs(10);
+/// The line on a terminal while a participant does long work.
+const WORK: &str = "{msg}";
 
 /// Where progress is shown.
 #[derive(Debug)]
@@ -13,13 +19,20 @@ pub(crate) enum Progress {
     /// Nowhere.
     Silent,
     /// On a terminal.
-    Bar(ProgressBar),
+    Bar {
+        /// The line.
+        bar: ProgressBar,
+        /// Its style for windows; absent if there are too few to be shown.
+        windows: Option<&'static str>,
+        /// It shows long work.
+        working: Cell<bool>,
+    },
     /// In a file or a pipe: a line now and then.
     Lines {
         /// Windows in all.
         total: Option<u64>,
         /// When the last line was written.
-        last: Instant,
+        last: Cell<Instant>,
     },
 }
 
@@ -27,18 +40,19 @@ impl Progress {
     /// Chooses how to show the progress of `total` windows; `None` if nobody knows how many.
     #[must_use]
     pub(crate) fn new(quiet: bool, total: Option<u64>) -> Self {
-        if quiet || total.is_some_and(|total| total < 2) {
+        if quiet {
             Self::Silent
         } else if std::io::stderr().is_terminal() {
             let bar = total.map_or_else(ProgressBar::no_length, ProgressBar::new);
-            let style = ProgressStyle::with_template(match total {
-                Some(_) => "{bar:40} {pos}/{len} windows {msg} {eta} left",
-                None => "{pos} windows {msg} {elapsed}",
-            });
-            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            Self::Bar(bar)
+            let windows = match total {
+                Some(0 | 1) => None,
+                Some(_) => Some("{bar:40} {pos}/{len} windows {msg} {eta} left"),
+                None => Some("{pos} windows {msg} {elapsed}"),
+            };
+            bar.set_style(style(windows.unwrap_or(WORK)));
+            Self::Bar { bar, windows, working: Cell::new(false) }
         } else {
-            Self::Lines { total, last: Instant::now() }
+            Self::Lines { total, last: Cell::new(Instant::now()) }
         }
     }
 
@@ -46,33 +60,56 @@ impl Progress {
     #[must_use]
     pub(crate) fn bar(&self) -> Option<&ProgressBar> {
         match self {
-            Self::Bar(bar) => Some(bar),
+            Self::Bar { bar, .. } => Some(bar),
             Self::Silent | Self::Lines { .. } => None,
         }
     }
 }
 
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
 impl run::progress::Progress for Progress {
-    fn window(&mut self, done: u64, reached: f64) {
+    fn window(&self, done: u64, reached: f64) {
         match self {
-            Self::Silent => {}
-            Self::Bar(bar) => {
+            Self::Bar { bar, windows: Some(template), working } => {
+                let worked = working.replace(false);
+                if worked {
+                    bar.set_style(style(template));
+                }
                 bar.set_position(done);
-                if done.is_power_of_two() || done.is_multiple_of(64) {
+                if worked || done.is_power_of_two() || done.is_multiple_of(64) {
                     bar.set_message(format!("t = {reached:.3e} s"));
                 }
             }
-            Self::Lines { total, last } if last.elapsed() > PLAIN => {
+            Self::Lines { total, last } if *total != Some(1) && last.get().elapsed() > PLAIN => {
                 let of = total.map_or_else(String::new, |total| format!(" of {total}"));
                 let _ = writeln!(std::io::stderr(), "window {done}{of}, t = {reached:.4e} s");
-                *last = Instant::now();
+                last.set(Instant::now());
             }
-            Self::Lines { .. } => {}
+            Self::Silent | Self::Bar { .. } | Self::Lines { .. } => {}
         }
     }
 
-    fn finish(&mut self) {
-        if let Self::Bar(bar) = self {
+    fn working(&self, work: &Work<'_>) {
+        match self {
+            Self::Bar { bar, working, .. } => {
+                if !working.replace(true) {
+                    bar.set_style(style(WORK));
+                }
+                bar.set_message(work.to_string());
+            }
+            Self::Lines { last, .. } if last.get().elapsed() > PLAIN_WORK => {
+                let _ = writeln!(std::io::stderr(), "{work}");
+                last.set(Instant::now());
+            }
+            Self::Silent | Self::Lines { .. } => {}
+        }
+    }
+
+    fn finish(&self) {
+        if let Self::Bar { bar, .. } = self {
             bar.finish_and_clear();
         }
     }

@@ -23,6 +23,7 @@ use case::RawCase;
 use run::error::RunError;
 use run::perform::{self, RunStart};
 use run::plan::{Plan, Planned, plan};
+use run::progress::silent;
 use run::results::{Existing, ResultFolder};
 use serde_json::Value;
 use std::path::Path;
@@ -87,7 +88,7 @@ pub(crate) fn perform(
 ) -> Result<Value, RunError> {
     let start = RunStart { since, plan_seconds: since.elapsed().as_secs_f64() };
     let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-    let outcome = perform::run(planned, &folder, &mut (), start, None, None);
+    let outcome = perform::run(planned, &folder, &silent(), start, None, None);
     outcome.error.map_or(Ok(outcome.summary), Err)
 }
 

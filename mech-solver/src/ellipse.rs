@@ -31,6 +31,51 @@ pub(crate) struct Ellipse {
     pub(crate) normal_force: f64,
 }
 
+/// What a grid has to cover: one ellipse, or several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Extent {
+    /// Semi-axis of which an element is a part [m].
+    pub(crate) finest: f64,
+    /// Smallest semi-axis along x [m].
+    pub(crate) smallest: f64,
+    /// Largest semi-axis along x [m].
+    pub(crate) a: f64,
+    /// Largest semi-axis along y [m].
+    pub(crate) b: f64,
+}
+
+impl Extent {
+    /// That of both.
+    pub(crate) fn and(&self, other: &Self) -> Self {
+        Self {
+            finest: self.finest.min(other.finest),
+            smallest: self.smallest.min(other.smallest),
+            a: self.a.max(other.a),
+            b: self.b.max(other.b),
+        }
+    }
+
+    /// Rows and columns of elements Δx = Δy = finest/resolution that cover it, odd in number.
+    pub(crate) fn grid(&self, resolution: usize) -> Result<Structured, Refusal> {
+        let step = self.finest / resolution as f64;
+        let half = |semi_axis: f64| (semi_axis / step - 0.5).ceil().max(0.0);
+        let [half_columns, half_rows] = [half(self.a), half(self.b)];
+        let elements = (2.0 * half_columns + 1.0) * (2.0 * half_rows + 1.0);
+        if elements > MOST_ELEMENTS {
+            return Err(Refusal::new(
+                RESOLUTION,
+                format!(
+                    "{resolution} elements per semi-axis a make {elements:.3e} elements in all"
+                ),
+                format!("lower it until there are no more than {MOST_ELEMENTS:.3e}"),
+            ));
+        }
+        let (nx, ny) = (2 * half_columns as usize + 1, 2 * half_rows as usize + 1);
+        let (x0, y0) = (-half_columns * step, -half_rows * step);
+        Ok(Structured::contact_plane(x0, y0, step, step, nx, ny))
+    }
+}
+
 /// What is prescribed on an ellipse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Prescribed {
@@ -121,23 +166,15 @@ impl Ellipse {
         }
     }
 
+    /// What a grid for it covers.
+    pub(crate) fn extent(&self) -> Extent {
+        let Self { semi_axis_a: a, semi_axis_b: b, .. } = *self;
+        Extent { finest: a, smallest: a, a, b }
+    }
+
     /// Rows and columns of elements Δx = Δy = a/resolution that cover the ellipse, odd in number.
     pub(crate) fn grid(&self, resolution: usize) -> Result<Structured, Refusal> {
-        let step = self.semi_axis_a / resolution as f64;
-        let half_rows = (self.semi_axis_b / step - 0.5).ceil().max(0.0);
-        let elements = (2.0 * resolution as f64 + 1.0) * (2.0 * half_rows + 1.0);
-        if elements > MOST_ELEMENTS {
-            return Err(Refusal::new(
-                RESOLUTION,
-                format!(
-                    "{resolution} elements per semi-axis a make {elements:.3e} elements in all"
-                ),
-                format!("lower it until there are no more than {MOST_ELEMENTS:.3e}"),
-            ));
-        }
-        let (nx, ny) = (2 * resolution + 1, 2 * half_rows as usize + 1);
-        let (x0, y0) = (-(resolution as f64) * step, -half_rows * step);
-        Ok(Structured::contact_plane(x0, y0, step, step, nx, ny))
+        self.extent().grid(resolution)
     }
 
     /// What drives the upper body, with a force as its share of f N.

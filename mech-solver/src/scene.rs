@@ -125,15 +125,23 @@ pub fn keys() -> Vec<KeySpec> {
     let mut keys = body_keys();
     keys.extend(motion_keys());
     keys.push(
-        KeySpec::quantity(NORMAL_FORCE, "N", "normal force").required().above(0.0).one_of("load"),
-    );
-    keys.push(
-        KeySpec::quantity(APPROACH, "m", "approach of the bodies, from first touch")
+        KeySpec::quantity(NORMAL_FORCE, "N", "normal force")
+            .varies()
+            .required()
             .above(0.0)
             .one_of("load"),
     );
     keys.push(
-        KeySpec::number("friction.coefficient", "friction coefficient").required().above(0.0),
+        KeySpec::quantity(APPROACH, "m", "approach of the bodies, from first touch")
+            .varies()
+            .above(0.0)
+            .one_of("load"),
+    );
+    keys.push(
+        KeySpec::number("friction.coefficient", "friction coefficient")
+            .varies()
+            .required()
+            .above(0.0),
     );
     keys.push(
         KeySpec::integer(RESOLUTION, "elements per semi-axis a: dx = dy = a/resolution")
@@ -151,19 +159,22 @@ fn body_keys() -> Vec<KeySpec> {
             "bodies.*.radius_x",
             "m",
             "radius along x, of rolling; absent: straight, negative: concave",
-        ),
+        )
+        .varies(),
         KeySpec::quantity(
             "bodies.*.radius_y",
             "m",
             "lateral radius; absent: straight, negative: concave",
-        ),
+        )
+        .varies(),
         KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
         KeySpec::quantity(
             "bodies.*.surface_speed",
             "m/s",
             "speed at which the body's surface passes through the contact; absent: motion.speed",
         )
-        .at_least(0.0),
+        .at_least(0.0)
+        .varies(),
         KeySpec::quantity("materials.*.youngs_modulus", "Pa", "Young's modulus")
             .required()
             .above(0.0),
@@ -208,23 +219,23 @@ fn motion_keys() -> Vec<KeySpec> {
             "m/s",
             "rolling speed, that of both surfaces but for the creepage; 0 for a shift without rolling",
         )
-        .at_least(0.0),
+        .at_least(0.0).varies(),
         KeySpec::number(
             TRACTION_COEFFICIENT,
             "longitudinal force on the upper body over normal force; positive drives",
         )
         .one_of_or_none(DRIVE)
-        .magnitude_below(&["friction.coefficient"]),
+        .magnitude_below(&["friction.coefficient"]).varies(),
         KeySpec::quantity(
             TANGENTIAL_FORCE,
             "N",
             "longitudinal force on the upper body; positive drives",
         )
         .one_of_or_none(DRIVE)
-        .magnitude_below(&["friction.coefficient", "load.normal_force"]),
-        KeySpec::number(LONGITUDINAL_CREEPAGE, "longitudinal creepage; negative drives").one_of_or_none(DRIVE),
-        KeySpec::number("motion.creepage.eta", "lateral creepage").one_of_or_none(DRIVE).default_value(0.0),
-        KeySpec::quantity("motion.creepage.phi", "1/m", "spin creepage [rad/m]")
+        .magnitude_below(&["friction.coefficient", "load.normal_force"]).varies(),
+        KeySpec::number(LONGITUDINAL_CREEPAGE, "longitudinal creepage; negative drives").varies().one_of_or_none(DRIVE),
+        KeySpec::number("motion.creepage.eta", "lateral creepage").varies().one_of_or_none(DRIVE).default_value(0.0),
+        KeySpec::quantity("motion.creepage.phi", "1/m", "spin creepage [rad/m]").varies()
             .one_of_or_none(DRIVE)
             .default_value(0.0),
     ]

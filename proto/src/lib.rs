@@ -8,6 +8,8 @@
 //! |---|---|
 //! | [`model`] | the trait that every model implements |
 //! | [`participant`] | the state machine that serves any [`model::Setup`] |
+//! | [`progress`] | how far long work is, for the heartbeat |
+//! | [`state`] | pieces of a state on their way to and from a file |
 //! | [`transport`] | the only module that knows iceoryx2 |
 //! | [`run_dir`] | isolation of a run on the machine, and removal of what dead runs left |
 //! | [`recording`] | what was exchanged in a run, in one file |
@@ -17,14 +19,16 @@
 //! Invariants held here are listed in `docs/ARCHITECTURE.md`.
 
 pub use contract::{
-    PROTOCOL_VERSION, accuracy, bodies, configuration, description, field, grid, message, params,
-    text,
+    PROTOCOL_VERSION, accuracy, bodies, configuration, description, field, grid, history, message,
+    params, text,
 };
 
 pub mod binary;
 pub mod logging;
 pub mod model;
 pub mod participant;
+pub mod progress;
 pub mod recording;
 pub mod run_dir;
+pub mod state;
 pub mod transport;

@@ -10,6 +10,8 @@ use crate::configuration::{Configuration, Layout, Refusal};
 use crate::description::Description;
 use crate::field::FieldSpec;
 use crate::grid::Grid;
+use crate::progress::Progress;
+use std::io::{self, Read, Write};
 
 /// A participant's program: describes itself and sets up models.
 pub trait Solver {
@@ -21,10 +23,12 @@ pub trait Solver {
 
 /// A checked configuration.
 pub trait Setup {
-    /// Grids, placement of the fields and expected cost.
+    /// Grids, of volumes the announced ones ([`Grid::announced`]), placement of the fields and expected
+    /// cost.
     fn layout(&self) -> &Layout;
     /// Allocates everything that the model needs; nothing is allocated later in a steady step.
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal>;
+    /// Building that takes long reports its progress; a model whose solves do keeps a clone.
+    fn build(self: Box<Self>, progress: &Progress) -> Result<Box<dyn Model>, Refusal>;
 }
 
 /// Inputs of a solve, read in place.
@@ -81,14 +85,19 @@ pub enum StepError {
     NoSolution(String),
 }
 
-/// State of a model as bytes, between [`Model::save`] and [`Model::restore`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct StateBlob(pub Vec<u8>);
-
 /// A state that cannot be restored.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("state does not fit: {0}")]
 pub struct StateError(pub String);
+
+impl From<io::Error> for StateError {
+    fn from(error: io::Error) -> Self {
+        Self(match error.kind() {
+            io::ErrorKind::UnexpectedEof => "it is truncated".to_owned(),
+            _ => error.to_string(),
+        })
+    }
+}
 
 /// A model that runs. `solve` always starts from the last accepted state, so a window may be
 /// solved any number of times; only `accept` moves on.
@@ -116,10 +125,10 @@ pub trait Model {
     /// Makes the last solve the accepted state.
     fn accept(&mut self);
 
-    /// The grids of the layout that may move, as they are in the accepted state. One that has
-    /// changed has a higher revision. They change with [`Model::accept`] and [`Model::restore`]
-    /// alone, so that geometry is constant through the iterations of a window. Quadrilaterals keep
-    /// their elements; a structured grid may grow.
+    /// The grids of the layout that may move, as they are in the accepted state, and the volumes, with
+    /// their geometry from the building on. One that has changed has a higher revision. They change with [`Model::accept`] and [`Model::restore`]
+    /// alone, so that geometry is constant through the iterations of a window. Quadrilaterals and
+    /// volumes keep their elements; a structured grid may grow.
     fn moved_grids(&self) -> &[Grid] {
         &[]
     }
@@ -132,11 +141,18 @@ pub trait Model {
     /// merged over the participants (`{"contact": {...}}`, `{"temperature": {...}}`).
     fn summary(&self) -> serde_json::Value;
 
-    /// Writes the accepted state.
-    fn save(&self, into: &mut StateBlob);
+    /// Writes the accepted state, piece by piece: it need not be in memory twice.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    fn save(&self, into: &mut dyn Write) -> io::Result<()>;
 
-    /// Returns to a saved state; a run continues from it bit-identically.
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError>;
+    /// Reads back what [`Model::save`] wrote; a run continues from it bit-identically. The caller sees
+    /// that all of it has been read.
+    ///
+    /// # Errors
+    /// A state that does not fit, or ends too early; the run then ends.
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError>;
 }
 
 /// Finds the first value that is not finite: one pass that a compiler vectorises, and a search

@@ -112,8 +112,7 @@ fn take_part(folder: &Path, role: &str, solver: &dyn Solver) -> Result<(), Box<d
     // folder is left and perhaps removed.
     let run = Arc::new(Mutex::new(Some(run)));
     let mut server = server::Server::open(&info, role, solver)?;
-    let (ringer, activity) = (server.ringer(), server.activity());
-    let pulse = pulse::Pulse::start(ringer, index, activity, watch, Arc::clone(&run))?;
+    let pulse = pulse::Pulse::start(server.voice(index)?, watch, Arc::clone(&run))?;
     let outcome = server.serve();
     drop(pulse);
     outcome?;

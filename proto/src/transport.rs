@@ -2,9 +2,10 @@
 //!
 //! Per participant there is a command topic and a reply topic (fixed header, JSON bytes behind
 //! it) and per field one topic (`[f64]` behind a [`FieldHeader`]). Every process has one doorbell,
-//! an event service, on which messages and heartbeats ring.
+//! an event service, on which messages and heartbeats ring. How far a participant is with long work
+//! has a topic of its own, on which the newest report replaces one that was not read.
 //!
-//! Nothing is lost silently: overflow is off, the queues are longer than anything the protocol
+//! Nothing else is lost silently: overflow is off, the queues are longer than anything the protocol
 //! sends without an answer, and a send that does not reach the expected number of receivers is an
 //! error. Nothing waits without a deadline.
 //!
@@ -18,7 +19,7 @@
 //! core costs tens of microseconds on a virtual machine, which is most of the time of a small
 //! exchange; polling without yielding would take the processor from the peer that works.
 
-use crate::message::{Command, FieldHeader, Reply};
+use crate::message::{Command, FieldHeader, ProgressReport, Reply};
 use crate::run_dir::{RunInfo, close_to_others};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
@@ -79,6 +80,20 @@ unsafe impl Header for Reply {
 // SAFETY: as above.
 unsafe impl Header for FieldHeader {
     const LAYOUT: &'static str = "cosim.FieldHeader.v1";
+}
+
+// SAFETY: as above.
+unsafe impl Header for ProgressReport {
+    const LAYOUT: &'static str = "cosim.ProgressReport.v1";
+}
+
+/// What becomes of samples that are not received in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Queue {
+    /// Every one is kept; there is room for all that the protocol has in flight.
+    Every,
+    /// The newest one is kept.
+    Newest,
 }
 
 /// A header in a sample: iceoryx2 asks for a trait of its own.
@@ -162,7 +177,11 @@ impl Endpoint {
         Ok(Self { node, protocol: run.protocol })
     }
 
-    fn topic<P, H>(&self, name: &str) -> Result<TopicFactory<Ipc, [P], Wire<H>>, TransportError>
+    fn topic<P, H>(
+        &self,
+        name: &str,
+        queue: Queue,
+    ) -> Result<TopicFactory<Ipc, [P], Wire<H>>, TransportError>
     where
         P: std::fmt::Debug + ZeroCopySend + 'static,
         H: Header,
@@ -176,9 +195,9 @@ impl Endpoint {
             .publish_subscribe::<[P]>()
             .user_header::<Wire<H>>()
             .payload_alignment(Alignment::ALIGN_64)
-            .enable_safe_overflow(false)
+            .enable_safe_overflow(queue == Queue::Newest)
             .history_size(0)
-            .subscriber_max_buffer_size(QUEUE)
+            .subscriber_max_buffer_size(if queue == Queue::Newest { 1 } else { QUEUE })
             .subscriber_max_borrowed_samples(BORROWED)
             .max_publishers(1)
             .max_subscribers(MAX_MEMBERS)
@@ -187,8 +206,8 @@ impl Endpoint {
             .map_err(|e| open_error(name, e))
     }
 
-    fn sender<H: Header>(&self, name: String) -> Result<Sender<H>, TransportError> {
-        let topic = self.topic::<u8, H>(&name)?;
+    fn sender<H: Header>(&self, name: String, queue: Queue) -> Result<Sender<H>, TransportError> {
+        let topic = self.topic::<u8, H>(&name, queue)?;
         let publisher = topic
             .publisher_builder()
             .initial_max_slice_len(4096)
@@ -199,30 +218,47 @@ impl Endpoint {
         Ok(Sender { publisher, topic, name, connected: Cell::new(false) })
     }
 
-    fn receiver<H: Header>(&self, name: String) -> Result<Receiver<H>, TransportError> {
-        let topic = self.topic::<u8, H>(&name)?;
+    fn receiver<H: Header>(
+        &self,
+        name: String,
+        queue: Queue,
+    ) -> Result<Receiver<H>, TransportError> {
+        let topic = self.topic::<u8, H>(&name, queue)?;
         let subscriber = topic.subscriber_builder().create().map_err(|e| open_error(&name, e))?;
         Ok(Receiver { subscriber, topic, name })
     }
 
     /// Coordinator: the way to send commands to a participant.
     pub fn command_sender(&self, role: &str) -> Result<Sender<Command>, TransportError> {
-        self.sender(format!("command/{role}"))
+        self.sender(format!("command/{role}"), Queue::Every)
     }
 
     /// Participant: the way to receive its commands.
     pub fn command_receiver(&self, role: &str) -> Result<Receiver<Command>, TransportError> {
-        self.receiver(format!("command/{role}"))
+        self.receiver(format!("command/{role}"), Queue::Every)
     }
 
     /// Participant: the way to send its replies.
     pub fn reply_sender(&self, role: &str) -> Result<Sender<Reply>, TransportError> {
-        self.sender(format!("reply/{role}"))
+        self.sender(format!("reply/{role}"), Queue::Every)
     }
 
     /// Coordinator: the way to receive a participant's replies.
     pub fn reply_receiver(&self, role: &str) -> Result<Receiver<Reply>, TransportError> {
-        self.receiver(format!("reply/{role}"))
+        self.receiver(format!("reply/{role}"), Queue::Every)
+    }
+
+    /// Participant: the way to say how far it is.
+    pub fn progress_sender(&self, role: &str) -> Result<Sender<ProgressReport>, TransportError> {
+        self.sender(format!("progress/{role}"), Queue::Newest)
+    }
+
+    /// Coordinator: the way to learn how far a participant is.
+    pub fn progress_receiver(
+        &self,
+        role: &str,
+    ) -> Result<Receiver<ProgressReport>, TransportError> {
+        self.receiver(format!("progress/{role}"), Queue::Newest)
     }
 
     /// A writer of a field's topic with room for samples of `values` doubles.
@@ -232,7 +268,7 @@ impl Endpoint {
         values: usize,
         subscribers: usize,
     ) -> Result<FieldWriter, TransportError> {
-        let topic = self.topic::<f64, FieldHeader>(service)?;
+        let topic = self.topic::<f64, FieldHeader>(service, Queue::Every)?;
         let publisher = topic
             .publisher_builder()
             .initial_max_slice_len(values.max(1))
@@ -247,7 +283,7 @@ impl Endpoint {
 
     /// A reader of a field's topic.
     pub fn field_reader(&self, service: &str) -> Result<FieldReader, TransportError> {
-        let topic = self.topic::<f64, FieldHeader>(service)?;
+        let topic = self.topic::<f64, FieldHeader>(service, Queue::Every)?;
         let subscriber = topic.subscriber_builder().create().map_err(|e| open_error(service, e))?;
         Ok(FieldReader { subscriber, _topic: topic, name: service.to_owned() })
     }
@@ -362,6 +398,11 @@ impl<H: Header> Sender<H> {
             return Ok(());
         }
         Err(TransportError::NotDelivered { service: self.name.clone(), reached, expected: 1 })
+    }
+
+    /// Sends a header without bytes; whether there is a receiver that it reached.
+    pub fn offer(&self, header: &H) -> Result<bool, TransportError> {
+        Ok(self.try_send(header, &[])? > 0)
     }
 
     /// Connects to the receiver if there is one, and sends; the number of receivers reached.

@@ -14,6 +14,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use faer::linalg::solvers::SolveLstsq;
 use proto::model::Step;
 use run::plan::{Planned, plan};
+use run::progress::silent;
 use run::record::{Compression, Recorder};
 use run::session::{Observed, Session};
 use std::sync::Arc;
@@ -79,8 +80,8 @@ fn round_trip(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("coupling");
     group.measurement_time(Duration::from_secs(5));
     for points in SIZES {
-        let mut session =
-            Session::start(&explicit(points).plan, None).expect("the participants start");
+        let mut session = Session::start(&explicit(points).plan, None, &silent())
+            .expect("the participants start");
         let mut coupling = Coupling::explicit();
         let mut window = 0;
         group.throughput(Throughput::Elements(points as u64));
@@ -118,8 +119,8 @@ fn recording(criterion: &mut Criterion) {
                     let start =
                         |c| Recorder::start(&path, c, &plan, "").expect("the disk has room");
                     let recorder = compression.map(start).map(Arc::new);
-                    let mut session =
-                        Session::start(&plan, recorder.clone()).expect("the participants start");
+                    let mut session = Session::start(&plan, recorder.clone(), &silent())
+                        .expect("the participants start");
                     let (mut coupling, mut window) = (Coupling::explicit(), 0);
                     windows(&mut session, &mut coupling, &mut window, 3);
                     let (begun, done) = (Instant::now(), count.min(most));
@@ -145,7 +146,8 @@ fn iteration(criterion: &mut Criterion) {
     for (name, reuse) in [("fresh", 0), ("reuse", 10)] {
         for points in SIZES {
             let Planned { plan, .. } = implicit(points, reuse);
-            let mut session = Session::start(&plan, None).expect("the participants start");
+            let mut session =
+                Session::start(&plan, None, &silent()).expect("the participants start");
             let mut coupling = Coupling::implicit(&plan.implicit, false, &session);
             let mut window = 0;
             // Until as many columns are there as ever will be.

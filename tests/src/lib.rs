@@ -3,7 +3,9 @@
 
 pub mod harness;
 pub mod linear;
+pub mod long;
 pub mod lumped;
 pub mod moving;
 pub mod rogue;
 pub mod toy;
+pub mod volume;

@@ -18,9 +18,12 @@ use proto::description::{Description, KeySpec, ModelSpec};
 use proto::field::{Body, FieldSpec, Mapping};
 use proto::grid::{Grid, Structured};
 use proto::model::{
-    Inputs, Model, Outputs, Setup, Solver, StateBlob, StateError, Step, StepError, StepReport,
+    Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
 use proto::params::Params;
+use proto::progress::Progress;
+use proto::state::{read_numbers, write_numbers};
+use std::io::{self, Read, Write};
 
 /// What `source` sends \[W/m²\].
 pub const SOURCE_FLUX: FieldSpec = FieldSpec {
@@ -178,6 +181,7 @@ impl Lumped {
             source: "an ordinary differential equation with a closed form".to_owned(),
             steady: false,
             transient: true,
+            rewinds: true,
             consumes: names(self.receives(name)),
             provides: names(self.sends(name)),
             keys: Vec::new(),
@@ -270,7 +274,7 @@ impl Setup for LumpedSetup {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         Ok(Box::new(LumpedModel {
             setup: *self,
             accepted: Books::default(),
@@ -406,16 +410,15 @@ impl Model for LumpedModel {
         }
     }
 
-    fn save(&self, into: &mut StateBlob) {
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         let Books { temperature, heat, lost, error, .. } = self.accepted;
-        into.0 = [temperature, heat, lost, error].iter().flat_map(|v| v.to_le_bytes()).collect();
+        write_numbers(into, &[temperature, heat, lost, error])
     }
 
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        let ([a, b, c, d], []) = from.0.as_chunks() else {
-            return Err(StateError(format!("{} bytes, not 32", from.0.len())));
-        };
-        let [temperature, heat, lost, error] = [a, b, c, d].map(|v| f64::from_le_bytes(*v));
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        let mut numbers = [0.0; 4];
+        read_numbers(from, &mut numbers)?;
+        let [temperature, heat, lost, error] = numbers;
         self.accepted = Books { temperature, heat, lost, error, in_window: 0.0 };
         Ok(())
     }

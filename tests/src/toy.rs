@@ -8,8 +8,11 @@ use proto::description::{Description, KeySpec, ModelSpec};
 use proto::field::{Body, FieldKind, FieldSpec, Mapping};
 use proto::grid::{Grid, Structured};
 use proto::model::{
-    Inputs, Model, Outputs, Setup, Solver, StateBlob, StateError, Step, StepError, StepReport,
+    Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
+use proto::progress::Progress;
+use proto::state::read_bytes;
+use std::io::{self, Read, Write};
 use std::time::Duration;
 
 /// What `left` sends.
@@ -117,6 +120,7 @@ impl Solver for Toy {
                 source: "counting".to_owned(),
                 steady: true,
                 transient: true,
+                rewinds: true,
                 consumes: vec![self.receives.name.to_owned()],
                 provides: vec![self.sends.name.to_owned()],
                 keys: Vec::new(),
@@ -183,7 +187,7 @@ impl Setup for ToySetup {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         if self.fault == "exit-at-start" {
             std::process::exit(9);
         }
@@ -271,14 +275,12 @@ impl Model for ToyModel {
         serde_json::json!({ self.setup.toy.role: { "solves": self.solves } })
     }
 
-    fn save(&self, into: &mut StateBlob) {
-        into.0 = self.solves.to_le_bytes().to_vec();
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        into.write_all(&self.solves.to_le_bytes())
     }
 
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        let bytes = from.0.as_slice().try_into();
-        let bytes = bytes.map_err(|_| StateError(format!("{} bytes, not 8", from.0.len())))?;
-        self.solves = u64::from_le_bytes(bytes);
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        self.solves = u64::from_le_bytes(read_bytes(from)?);
         Ok(())
     }
 }

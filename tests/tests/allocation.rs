@@ -9,6 +9,7 @@ use case::RawCase;
 use coupling::Coupling;
 use proto::model::Step;
 use run::plan::plan;
+use run::progress::silent;
 use run::session::{Observed, Session};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -67,7 +68,7 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
          [coupling]\nscheme = \"serial-explicit\"\n[output]\nfields = \"none\"\n"
     );
     let planned = plan(RawCase::parse("test", &case).unwrap()).unwrap();
-    let mut session = Session::start(&planned.plan, None).unwrap();
+    let mut session = Session::start(&planned.plan, None, &silent()).unwrap();
     let mut coupling = Coupling::explicit();
     let mut counted = Vec::with_capacity(WINDOWS as usize);
     for window in 0..WINDOWS {
@@ -123,7 +124,7 @@ fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
          min_iterations = 4\nmax_iterations = 4\n[output]\nfields = \"none\"\n"
     );
     let planned = plan(RawCase::parse("test", &case).unwrap()).unwrap();
-    let mut session = Session::start(&planned.plan, None).unwrap();
+    let mut session = Session::start(&planned.plan, None, &silent()).unwrap();
     let mut coupling = Coupling::implicit(&planned.plan.implicit, false, &session);
     let mut counted = Vec::with_capacity(WINDOWS as usize);
     for window in 0..WINDOWS {

@@ -5,6 +5,7 @@
 mod support;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use proto::configuration::Mode;
 use proto::grid::Structured;
 use proto::model::Step;
 use std::hint::black_box;
@@ -73,5 +74,34 @@ fn transient(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, row, steady, transient);
+/// Solves on one thread and on two: where a second one pays.
+fn threads(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("threads");
+    group.sample_size(20);
+    let sizes = [(81, 61), (161, 121), (321, 241), (641, 481), (1281, 961)];
+    for (mode, sizes) in [(Mode::Steady, &sizes[..]), (Mode::Transient, &sizes[..3])] {
+        for &(columns, rows) in sizes {
+            let h = 16e-3 / columns as f64;
+            let grid = Structured::contact_plane(-8e-3, -6e-3, h, h, columns, rows);
+            let step = Step { end: h / support::SPEED, ..Step::STEADY };
+            for threads in [1, 2] {
+                let mut run = Run::on(threads, "columns", mode, grid, support::steel());
+                run.given.flux = Some(vec![1e8; grid.points()]);
+                let name = format!("{mode:?} {columns}x{rows}");
+                group.bench_function(BenchmarkId::new(name, threads), |bencher| {
+                    bencher.iter(|| {
+                        let report = run.model.solve(&step, &run.given, &mut run.surfaces);
+                        if mode == Mode::Transient {
+                            run.model.accept();
+                        }
+                        report
+                    });
+                });
+            }
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, row, steady, transient, threads);
 criterion_main!(benches);

@@ -96,11 +96,12 @@ pub fn keys() -> Vec<KeySpec> {
             "m/s",
             "speed at which the body's surface passes through the contact; absent: motion.speed",
         )
-        .at_least(0.0),
+        .at_least(0.0)
+        .varies(),
         property("density", "kg/m3", "mass per volume"),
         property("specific_heat", "J/(kg K)", "heat per mass and temperature"),
         property("conductivity", "W/(m K)", "heat flux per temperature gradient"),
-        KeySpec::quantity(SPEED, "m/s", "rolling speed").at_least(0.0),
+        KeySpec::quantity(SPEED, "m/s", "rolling speed").at_least(0.0).varies(),
     ]
 }
 

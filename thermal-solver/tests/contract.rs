@@ -156,7 +156,7 @@ fn a_grid_not_yet_known_can_be_planned_but_not_built() {
     given.inputs[0].grid = None;
     let setup = ThermalSolver.configure(&given).unwrap();
     assert!(setup.layout().grids.is_empty() && !setup.layout().remarks.is_empty());
-    assert!(setup.build().is_err());
+    assert!(setup.build(&proto::progress::Progress::default()).is_err());
 }
 
 #[test]

@@ -291,14 +291,14 @@ fn a_restored_run_continues_bit_by_bit() {
         for n in 0..40 {
             whole.advance(&flux(n), 3e-6);
         }
-        let mut state = proto::model::StateBlob::default();
-        whole.model.save(&mut state);
+        let mut state = Vec::new();
+        whole.model.save(&mut state).unwrap();
         let mut resumed = Run::new(model, mode, grid, steel());
         resumed.advance(&flux(1), 1e-3);
-        resumed.model.restore(&state).unwrap();
+        resumed.model.restore(&mut state.as_slice()).unwrap();
         assert_eq!(resumed.model.summary(), whole.model.summary());
-        let mut again = proto::model::StateBlob::default();
-        resumed.model.save(&mut again);
+        let mut again = Vec::new();
+        resumed.model.save(&mut again).unwrap();
         assert_eq!(state, again);
         for n in 40..60 {
             whole.advance(&flux(n), 3e-6);
@@ -314,22 +314,20 @@ fn a_state_that_does_not_fit_is_refused() {
     let (small, large) = (row(5, -1.0, 1.0), row(6, -1.0, 1.0));
     let mut run = Run::transient(small);
     run.advance(&vec![1.0; small.ni], 1e-4);
-    let mut state = proto::model::StateBlob::default();
-    run.model.save(&mut state);
-    let refused = |run: &mut Run, bytes: &[u8]| {
-        run.model.restore(&proto::model::StateBlob(bytes.to_vec())).unwrap_err().to_string()
-    };
-    assert!(refused(&mut Run::transient(large), &state.0).contains("grid"));
-    assert!(refused(&mut Run::steady("ertz-knothe", small), &state.0).contains("model"));
-    assert!(refused(&mut run, &state.0[..state.0.len() - 3]).contains("complete"));
-    assert!(refused(&mut run, &[]).contains("empty"));
-    let mut other = state.0.clone();
-    other.push(0);
-    assert!(refused(&mut run, &other).contains("complete"));
+    let mut state = Vec::new();
+    run.model.save(&mut state).unwrap();
+    let refused =
+        |run: &mut Run, mut bytes: &[u8]| run.model.restore(&mut bytes).unwrap_err().to_string();
+    assert!(refused(&mut Run::transient(large), &state).contains("grid"));
+    assert!(refused(&mut Run::steady("ertz-knothe", small), &state).contains("model"));
+    for cut in [0, 1, state.len() / 2, state.len() - 3] {
+        assert!(refused(&mut run, &state[..cut]).contains("truncated"));
+    }
+    let mut other = state.clone();
     other[0] = 9;
     assert!(refused(&mut run, &other).contains("version is 9"));
-    let mut after = proto::model::StateBlob::default();
-    run.model.save(&mut after);
+    let mut after = Vec::new();
+    run.model.save(&mut after).unwrap();
     assert_eq!(after, state, "a refused state changes nothing");
 }
 

@@ -1,5 +1,6 @@
 //! The state that all checks of a case share.
 
+use super::data_table::Columns;
 use super::diagnostics::Problem;
 use super::known::{Instance, Known, References, all_keys, expand};
 use super::raw::RawCase;
@@ -24,6 +25,8 @@ pub(super) struct Checker<'a> {
     pub(super) replaced: &'a [(String, Description)],
     /// Roles with a key that only the usual program reads.
     pub(super) unread: Vec<(String, String)>,
+    /// The columns of tables that keys refer to.
+    pub(super) columns: Columns,
     pub(super) problems: Vec<Problem>,
     /// No participant was asked: what the coordinator does not know itself is not judged.
     pub(super) unasked: bool,
@@ -47,6 +50,7 @@ impl<'a> Checker<'a> {
             meant: Vec::new(),
             replaced,
             unread: Vec::new(),
+            columns: Columns::default(),
             problems: Vec::new(),
             unasked: false,
             not_judged: Vec::new(),

@@ -5,10 +5,9 @@
 //! Only active keys are required and have defaults. A known key that is not active may stand in
 //! the case: users keep the keys of the other models when they switch models with `--set`.
 
-use super::schema::{ROLE, Shape, own_keys};
-use super::selection::{Player, Selection};
+use super::schema::{DISTANCE, ON_FAILURE, ROLE, Shape, TIME, own_keys};
+use super::selection::{Player, Selection, TimingWord};
 use super::tree::Table;
-use contract::configuration::Mode;
 use contract::description::{Description, KeyKind, KeySpec};
 use std::collections::BTreeMap;
 
@@ -52,8 +51,7 @@ pub(super) fn known_keys(selection: &Selection<'_>, extra_roles: &[String]) -> V
             })),
             None => {
                 let path = own.spec.path.as_str();
-                let transient = path.starts_with("time.") && path != "time.mode";
-                let active = !transient || selection.mode == Mode::Transient;
+                let active = is_active(path, selection.timing);
                 let required = own.spec.required || matches!(path, "time.window" | "time.end");
                 keys.push(known(KeySpec { required, ..own.spec.clone() }, active));
             }
@@ -63,6 +61,16 @@ pub(super) fn known_keys(selection: &Selection<'_>, extra_roles: &[String]) -> V
         add_player(&mut keys, player, &selection.effects);
     }
     keys
+}
+
+/// The kind of case reads this own key.
+fn is_active(path: &str, timing: TimingWord) -> bool {
+    match path {
+        TIME | DISTANCE => timing != TimingWord::Steady,
+        ON_FAILURE => timing == TimingWord::Sequence,
+        "time.mode" => true,
+        _ => !path.starts_with("time.") || timing == TimingWord::Transient,
+    }
 }
 
 /// An own key for one role; the model is one of those described.

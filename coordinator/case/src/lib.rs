@@ -29,9 +29,11 @@ mod alternatives;
 mod check;
 mod checker;
 mod coupling;
+mod data_table;
 mod diagnostics;
 mod example;
 mod groups;
+mod history;
 mod known;
 mod mapping;
 mod missing;
@@ -94,10 +96,13 @@ pub fn validate(
     checker.effects();
     checker.models();
     checker.own_rules();
+    let histories = checker.histories();
     let Checker { values, references, unread, problems, .. } = checker;
     match case.report(problems) {
         Some(problems) => Err(problems),
-        None => Ok(Case { replaced, unread, ..settle(case, &selection, values, references) }),
+        None => {
+            Ok(Case { replaced, unread, histories, ..settle(case, &selection, values, references) })
+        }
     }
 }
 
@@ -136,6 +141,7 @@ fn settle(
         limits: settings.limits(),
         output: settings.output(),
         unread: Vec::new(),
+        histories: None,
         values,
         raw: case,
         references,

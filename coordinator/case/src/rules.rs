@@ -130,7 +130,7 @@ impl Checker<'_> {
 
     /// Checks that something runs, and that the models can answer the kind of case.
     pub(super) fn models(&mut self) {
-        let mode = self.selection.mode;
+        let mode = self.selection.timing.mode();
         let (word, other) = match mode {
             Mode::Steady => ("steady", "transient"),
             Mode::Transient => ("transient", "steady"),

@@ -14,6 +14,13 @@ pub const SECTIONS: &[&str] =
 /// Stands for the name of a participant's section in [`own_keys`].
 pub const ROLE: &str = "ROLE";
 
+/// The column of times.
+pub(super) const TIME: &str = "time.history";
+/// The column of distances, which the speed turns into times.
+pub(super) const DISTANCE: &str = "time.distance";
+/// What becomes of a row of a sequence without an answer.
+pub(super) const ON_FAILURE: &str = "time.on_failure";
+
 /// How inputs vary within a window: the words of `coupling.interpolation`.
 const INTERPOLATIONS: &[&str] = &["constant", "linear"];
 
@@ -64,8 +71,16 @@ fn case_and_time() -> Vec<OwnKey> {
     vec![
         one(KeySpec::text("case.name", "short name of the case").required()),
         one(KeySpec::text("case.title", "one line for people")),
-        one(KeySpec::choice("time.mode", &["steady", "transient"], "kind of answer")
+        one(KeySpec::choice("time.mode", &["steady", "sequence", "transient"], "kind of answer")
             .default_value("steady")),
+        one(KeySpec::quantity(TIME, "s", "column of the times of a table").varies()),
+        one(KeySpec::quantity(DISTANCE, "m", "column of the distances, instead of times").varies()),
+        one(KeySpec::choice(
+            ON_FAILURE,
+            &["stop", "skip"],
+            "what becomes of a row without an answer",
+        )
+        .default_value("stop")),
         one(KeySpec::quantity("time.window", "s", "coupling window of a transient case").above(0.0)),
         one(KeySpec::quantity("time.end", "s", "end of a transient case").above(0.0)),
         one(KeySpec::choice("time.control", &["fixed", "adaptive"], "lengths of the windows")
@@ -195,6 +210,12 @@ fn output_and_limits() -> Vec<OwnKey> {
         .at_least(1.0)),
         one(KeySpec::quantity("limits.shared_memory", "B", "most shared memory of a run")
             .at_least(1.0)),
+        one(KeySpec::integer(
+            "limits.threads",
+            "threads that compute at the same time; absent: as many as there are cores",
+        )
+        .at_least(1.0)
+        .at_most(1024.0)),
     ]
 }
 

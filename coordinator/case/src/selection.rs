@@ -17,13 +17,40 @@ pub(super) struct Player<'a> {
     pub(super) model: Option<&'a ModelSpec>,
 }
 
+/// The kinds of case in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TimingWord {
+    Steady,
+    Sequence,
+    Transient,
+}
+
+impl TimingWord {
+    /// The word of `time.mode`.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Steady => "steady",
+            Self::Sequence => "sequence",
+            Self::Transient => "transient",
+        }
+    }
+
+    /// What a model has to answer.
+    pub(super) fn mode(self) -> Mode {
+        match self {
+            Self::Steady | Self::Sequence => Mode::Steady,
+            Self::Transient => Mode::Transient,
+        }
+    }
+}
+
 /// What the case selects.
 #[derive(Clone, Debug)]
 pub(super) struct Selection<'a> {
     pub(super) players: Vec<Player<'a>>,
     /// Names under `effects`, known or not, in the order of the case.
     pub(super) effects: Vec<String>,
-    pub(super) mode: Mode,
+    pub(super) timing: TimingWord,
 }
 
 impl<'a> Selection<'a> {
@@ -43,9 +70,12 @@ impl<'a> Selection<'a> {
             }
         };
         let players = descriptions.iter().map(player).collect();
-        let transient = tree.text("time.mode") == Some("transient");
-        let mode = if transient { Mode::Transient } else { Mode::Steady };
-        Self { players, effects, mode }
+        let timing = match tree.text("time.mode") {
+            Some("transient") => TimingWord::Transient,
+            Some("sequence") => TimingWord::Sequence,
+            _ => TimingWord::Steady,
+        };
+        Self { players, effects, timing }
     }
 
     /// The participants that claim an effect, with their part in it.

@@ -10,6 +10,7 @@ use super::tree::{Origin, Table, Value};
 use contract::bodies::Bodies;
 use contract::configuration::Mode;
 use contract::description::Description;
+use contract::history::Histories;
 use contract::message::Interpolation;
 use contract::params::Params;
 use coupling::map::Mappings;
@@ -32,8 +33,10 @@ pub struct Case {
     pub effects: Vec<String>,
     /// The bodies in contact, where a participant asks for them.
     pub bodies: Option<Bodies>,
-    /// Steady, or transient with its times.
+    /// Steady, a sequence, or transient with its times.
     pub timing: Timing,
+    /// The values that vary; those of the first row stand among `values`.
+    pub histories: Option<Histories>,
     /// How the participants are coupled.
     pub coupling: Coupling,
     /// How fields come from one grid to another.
@@ -71,6 +74,11 @@ pub struct ParticipantCase {
 pub enum Timing {
     /// One window without duration.
     Steady,
+    /// A steady window for each row of a table.
+    Sequence {
+        /// A row without an answer is passed over; otherwise it ends the run.
+        skip: bool,
+    },
     /// Windows from 0 on.
     Transient {
         /// Coupling window \[s\].
@@ -106,7 +114,7 @@ impl Timing {
     #[must_use]
     pub fn mode(&self) -> Mode {
         match self {
-            Self::Steady => Mode::Steady,
+            Self::Steady | Self::Sequence { .. } => Mode::Steady,
             Self::Transient { .. } => Mode::Transient,
         }
     }
@@ -136,6 +144,8 @@ pub struct Coupling {
 pub struct Limits {
     /// Most shared memory \[byte\]; absent: no limit of the case.
     pub shared_memory: Option<u64>,
+    /// Threads that may compute at the same time; absent: as many as there are cores.
+    pub threads: Option<usize>,
 }
 
 /// What a run writes.
@@ -220,6 +230,16 @@ impl Case {
     }
 }
 
+impl Case {
+    /// The histories of those of the values that a participant is given.
+    #[must_use]
+    pub fn histories_of(&self, values: &Params) -> Option<Histories> {
+        let mut histories = self.histories.clone()?;
+        histories.values.retain(|key, _| values.has(key));
+        Some(histories)
+    }
+}
+
 /// A file named by an option is meant from where the program runs: it gets its absolute path. It is
 /// the only kind of text that checking changes.
 fn absolute_files(table: &mut Table, section: &str, values: &Params) {
@@ -246,6 +266,9 @@ impl Settings<'_> {
         ) {
             (Some("transient"), Some(window), Some(end)) => {
                 Timing::Transient { window, end, control: self.control(window, end) }
+            }
+            (Some("sequence"), ..) => {
+                Timing::Sequence { skip: self.text("time.on_failure").as_deref() == Some("skip") }
             }
             _ => Timing::Steady,
         }
@@ -279,8 +302,11 @@ impl Settings<'_> {
     }
 
     pub(super) fn limits(&self) -> Limits {
-        // A cast saturates, and the value is at least 1.
-        Limits { shared_memory: self.number("limits.shared_memory").map(|bytes| bytes as u64) }
+        // A cast saturates, and the values are at least 1.
+        Limits {
+            shared_memory: self.number("limits.shared_memory").map(|bytes| bytes as u64),
+            threads: self.number("limits.threads").map(|threads| threads as usize),
+        }
     }
 
     pub(super) fn output(&self) -> Output {

@@ -3,7 +3,7 @@
 use super::check::{Fault, check};
 use super::checker::{Checker, put};
 use super::known::{COORDINATOR, Known, leads_to, matches};
-use super::schema::SECTIONS;
+use super::schema::{ON_FAILURE, SECTIONS};
 use super::suggest::{all_of, any_of, nearest};
 use super::tree::{Node, Table, Value};
 use contract::description::KeyKind;
@@ -35,6 +35,9 @@ impl Checker<'_> {
                     self.not_a_section(&key, node);
                 }
                 _ if readers.is_empty() => self.unknown(&key, node),
+                Some(table) if table.get("column").is_some() => {
+                    self.column(&key, node, table, &readers);
+                }
                 _ => self.leaf(&key, node, &readers),
             }
         }
@@ -42,8 +45,9 @@ impl Checker<'_> {
 
     fn leaf(&mut self, key: &str, node: &Node, readers: &[&Known]) {
         if readers.iter().all(|r| r.owner == COORDINATOR && !r.active) && key.starts_with("time.") {
-            let reason = "has no meaning in a steady case".to_owned();
-            let fix = "remove it, or write `time.mode = \"transient\"`".to_owned();
+            let reason = format!("has no meaning in a {} case", self.selection.timing.word());
+            let other = if key == ON_FAILURE { "sequence" } else { "transient" };
+            let fix = format!("remove it, or write `time.mode = \"{other}\"`");
             return self.fault_at_name(node, key, reason, fix);
         }
         let folder = self.case.folder().to_owned();

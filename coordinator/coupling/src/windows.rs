@@ -9,14 +9,18 @@ mod local_error;
 pub use control::{Acceptance, Cause, Controller, WindowState};
 pub use local_error::LocalError;
 
+use std::sync::Arc;
+
 /// A part of a time below this is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Windows in time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Windows {
     /// One window without duration.
     Steady,
+    /// Windows without duration, at these times [s].
+    Sequence(Arc<[f64]>),
     /// Equal windows, the last one cut at the end.
     Fixed {
         /// Length of a window [s].
@@ -46,6 +50,7 @@ impl Windows {
     pub fn count(&self) -> Option<u64> {
         match self {
             Self::Steady => Some(1),
+            Self::Sequence(times) => Some(times.len() as u64),
             Self::Fixed { window, end } => {
                 let ratio = end / window;
                 let whole = ratio.round();
@@ -62,6 +67,10 @@ impl Windows {
     fn interval(&self, index: u64, start: f64, length: f64) -> (f64, f64) {
         match self {
             Self::Steady => (0.0, 0.0),
+            Self::Sequence(times) => {
+                let time = usize::try_from(index).ok().and_then(|row| times.get(row));
+                time.map_or((start, start), |time| (*time, *time))
+            }
             Self::Fixed { window, end } => {
                 let last = Some(index + 1) == self.count();
                 let stop = if last { *end } else { (index + 1) as f64 * window };
@@ -101,6 +110,8 @@ mod tests {
         let long = Windows::Fixed { window: 5.23e-05, end: 18647.8858082 };
         let (start, end) = long.interval(long.count().unwrap() - 1, 0.0, 0.0);
         assert!(start < end, "no window without length");
+        let rows = Windows::Sequence([0.5, 0.5, 2.0].into());
+        assert_eq!((rows.count(), rows.interval(2, 0.5, 0.0)), (Some(3), (2.0, 2.0)));
         assert_eq!(Windows::Steady.count(), Some(1));
         assert_eq!(Windows::Steady.interval(0, 0.0, 0.0), (0.0, 0.0));
     }

@@ -226,10 +226,10 @@ fn remove(folder: &Path) -> io::Result<()> {
 
 /// Flushes a part to the disk; its length and sum.
 fn seal(folder: &Path, name: &str) -> io::Result<Part> {
-    let path = folder.join(name);
-    let content = fs::read(&path)?;
-    File::open(&path)?.sync_all()?;
-    Ok(Part { name: name.to_owned(), bytes: content.len() as u64, sum: sum(&content) })
+    let file = File::open(folder.join(name))?;
+    let (bytes, sum) = sum::of_stream(&file)?;
+    file.sync_all()?;
+    Ok(Part { name: name.to_owned(), bytes, sum })
 }
 
 fn write_own(path: &Path, content: &(Vec<Part>, &CoordinatorState)) -> io::Result<()> {
@@ -278,8 +278,8 @@ fn read(folder: &Path) -> Result<Checkpoint, String> {
                 part.name
             ));
         }
-        let content = fs::read(path).map_err(failed(&part.name))?;
-        if sum(&content) != part.sum {
+        let found = File::open(path).and_then(sum::of_stream).map_err(failed(&part.name))?;
+        if found != (part.bytes, part.sum) {
             return Err(format!("{} is corrupt: checksum mismatch", part.name));
         }
     }

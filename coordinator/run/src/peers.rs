@@ -6,6 +6,7 @@
 //! and the deadline. Why one ended is a [`Stopped`]; as the end of a run it is an error that names
 //! participant, phase, reason and fix.
 
+mod advance;
 mod patience;
 mod peer;
 mod phase;
@@ -18,6 +19,7 @@ pub use stopped::Stopped;
 use crate::deadlines::Deadlines;
 use crate::error::{Failure, RunError, machine_failure};
 use crate::programs::Program;
+use crate::progress::{Progress, Work, silent};
 use crate::record::Recorder;
 use crate::signals;
 use crate::supervise::{Exit, Launch, Supervisor};
@@ -27,6 +29,7 @@ use patience::Patience;
 use proto::run_dir::{RunDir, RunInfo};
 use proto::transport::{Beat, Doorbell, Endpoint, Message, TransportError};
 use std::cell::RefCell;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use typed_index_collections::{TiSlice, TiVec};
@@ -73,6 +76,7 @@ pub struct Peers {
     endpoint: Endpoint,
     run: RunDir,
     deadlines: Deadlines,
+    screen: Rc<dyn Progress>,
     /// What is going on, for messages.
     pub phase: Phase,
 }
@@ -121,16 +125,22 @@ impl Peers {
         let peer = |seat: &Seat| {
             let commands = endpoint.command_sender(&seat.role)?;
             let replies = endpoint.reply_receiver(&seat.role)?;
+            let reports = endpoint.progress_receiver(&seat.role)?;
             let ringer = endpoint.ringer(&seat.role)?;
             let name = (seat.role.as_str(), seat.program.name());
-            Ok(Peer::new(name, seat.attach, commands, replies, ringer))
+            Ok(Peer::new(name, seat.attach, commands, (replies, reports), ringer))
         };
         let all: Result<TiVec<ParticipantIndex, Peer>, TransportError> =
             seats.iter().map(peer).collect();
         let all = all.map_err(opened)?;
         let supervisor = Arc::new(launch(seats, &info)?);
-        let phase = Phase::Starting;
-        Ok(Self { supervisor, recorder, all, doorbell, endpoint, run, deadlines, phase })
+        let (screen, phase) = (silent(), Phase::Starting);
+        Ok(Self { supervisor, recorder, all, doorbell, endpoint, run, deadlines, screen, phase })
+    }
+
+    /// Shows there, from now on, how far participants are with long work.
+    pub fn show_on(&mut self, screen: &Rc<dyn Progress>) {
+        self.screen = Rc::clone(screen);
     }
 
     /// Waits until everybody has joined.
@@ -201,7 +211,8 @@ impl Peers {
     }
 
     /// Waits for the reply to the last command of a participant, or for the failed reply of another
-    /// one that comes before it; gives whose it is. `beat` hears of every heartbeat.
+    /// one that comes before it; gives whose it is. `beat` hears of every heartbeat. The patience
+    /// begins anew whenever the participant reports progress.
     ///
     /// # Errors
     /// Why the wait has ended.
@@ -211,7 +222,7 @@ impl Peers {
         patience: Duration,
         mut beat: impl FnMut(),
     ) -> Result<(ParticipantIndex, Message<Reply>), Stopped> {
-        let Self { all, doorbell, supervisor, run, deadlines, phase, recorder, .. } = self;
+        let Self { all, doorbell, supervisor, run, deadlines, phase, recorder, screen, .. } = self;
         let watch = Watch { supervisor, run, phase: *phase, deadlines };
         let all = RefCell::new(all);
         let mut waited = Patience::new();
@@ -224,6 +235,10 @@ impl Peers {
                 if all[other].has_failed()? {
                     return Ok(all[other].receive()?.map(|message| (other, message)));
                 }
+            }
+            if all[one].has_advanced()? {
+                waited = Patience::new();
+                show(&all[one], *phase, &**screen);
             }
             match watch.look(&mut all, one, waited.waited(), patience) {
                 Ok(()) => Ok(None),
@@ -282,6 +297,18 @@ impl Peers {
         one: ParticipantIndex,
         patience: Duration,
     ) -> Result<Message<Reply>, RunError> {
+        self.answered(one, patience)?
+    }
+
+    /// Waits for the reply; within the result, that it reports to have failed.
+    ///
+    /// # Errors
+    /// The participant refuses, violates the contract, has ended, or is late.
+    pub fn answered(
+        &mut self,
+        one: ParticipantIndex,
+        patience: Duration,
+    ) -> Result<Result<Message<Reply>, RunError>, RunError> {
         let (one, message) = self.reply(one, patience)?;
         let (reply, body) = (message.header(), message.body());
         match Status::from_number(reply.status) {
@@ -294,9 +321,9 @@ impl Peers {
                 Err(self
                     .misbehaved(one, format!("it answered command {found} instead of {expected}")))
             }
-            Some(Status::Done) => Ok(message),
+            Some(Status::Done) => Ok(Ok(message)),
             Some(Status::Refused) => Err(self.all[one].refused(body)),
-            Some(Status::Failed) => Err(self.failed(one, peer::failure_text(body))),
+            Some(Status::Failed) => Ok(Err(self.failed(one, peer::failure_text(body)))),
             None => {
                 let status = reply.status;
                 Err(self.misbehaved(one, format!("it replied with the unknown status {status}")))
@@ -409,6 +436,13 @@ impl Peers {
     #[must_use]
     pub fn supervisor(&self) -> &Supervisor {
         &self.supervisor
+    }
+}
+
+/// Shows how far a participant is.
+fn show(peer: &Peer, phase: Phase, screen: &dyn Progress) {
+    if let Some((report, left)) = peer.advance() {
+        screen.working(&Work { role: peer.role(), doing: phase.doing(), report, left });
     }
 }
 

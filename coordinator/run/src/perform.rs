@@ -22,6 +22,7 @@ use case::Case;
 use contract::message::Finished;
 use march::March;
 use serde_json::Value;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -63,7 +64,7 @@ pub struct RunStart {
 pub fn run(
     planned: &Planned,
     folder: &ResultFolder,
-    progress: &mut dyn Progress,
+    progress: &Rc<dyn Progress>,
     start: RunStart,
     from: Option<&Checkpoint>,
     record: Option<Compression>,
@@ -200,7 +201,7 @@ pub fn place(case: &Case, error: RunError) -> RunError {
 fn perform(
     planned: &Planned,
     folder: &ResultFolder,
-    progress: &mut dyn Progress,
+    progress: &Rc<dyn Progress>,
     counts: &mut Counts,
     from: Option<&Checkpoint>,
     recorder: Option<Arc<Recorder>>,
@@ -209,7 +210,7 @@ fn perform(
     let mut table = table(plan, folder, from)?;
     let mut fields = FieldWriter::within(folder.dir().clone(), "fields");
     let starting = Instant::now();
-    let session = || Session::start(plan, recorder.clone());
+    let session = || Session::start(plan, recorder.clone(), progress);
     let started = tracing::info_span!("start").in_scope(session);
     counts.start_seconds = starting.elapsed().as_secs_f64();
     let mut session = started?;
@@ -225,7 +226,7 @@ fn perform(
         if let Some(checkpoint) = from {
             march.resume(checkpoint)?;
         }
-        march.all(progress)
+        march.all(&**progress)
     };
     let looped = tracing::info_span!("windows").in_scope(windows);
     counts.bytes_exchanged = session.bytes_exchanged();

@@ -8,12 +8,16 @@ mod alone;
 mod contents;
 mod make;
 mod mapping;
+mod rewind;
 mod route;
 mod show;
+mod threads;
+mod volume;
 
 pub use alone::Shown;
 pub use contents::{
-    Effect, Field, History, Participant, Plan, Planned, SchemeChoice, sample_bytes, topic_bytes,
+    Effect, Field, History, Participant, Plan, Planned, SchemeChoice, geometry_bytes, sample_bytes,
+    topic_bytes,
 };
 pub use make::plan;
 pub use mapping::non_matching;

@@ -60,6 +60,9 @@ pub struct ParticipantPlan {
     pub version: String,
     /// Its model.
     pub model: String,
+    /// Threads that it may compute on; 0 in a plan of an earlier version.
+    #[serde(default)]
+    pub threads: usize,
     /// What it expects, if it estimates.
     pub estimate: Option<Estimate>,
 }
@@ -161,6 +164,7 @@ impl ParticipantPlan {
             program: of.description.name.clone(),
             version: of.description.version.clone(),
             model: of.configuration.model.clone(),
+            threads: of.configuration.threads,
             estimate: of.estimate.as_ref().map(Estimate::of),
         }
     }

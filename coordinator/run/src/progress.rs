@@ -1,16 +1,86 @@
 //! How far a run is.
 
+use contract::message::ProgressReport;
+use contract::text::one_line;
+use std::fmt;
+use std::rc::Rc;
+use std::time::Duration;
+
 /// Shows how far a run is; one that shows nothing is `()`.
-pub trait Progress {
+pub trait Progress: fmt::Debug {
     /// `done` windows are done, up to the time `reached` [s].
-    fn window(&mut self, done: u64, reached: f64);
+    fn window(&self, done: u64, reached: f64);
+
+    /// A participant is further with the long work that it does.
+    fn working(&self, work: &Work<'_>);
 
     /// The run is over.
-    fn finish(&mut self);
+    fn finish(&self);
+}
+
+/// Shows nothing.
+#[must_use]
+pub fn silent() -> Rc<dyn Progress> {
+    Rc::new(())
 }
 
 impl Progress for () {
-    fn window(&mut self, _done: u64, _reached: f64) {}
+    fn window(&self, _done: u64, _reached: f64) {}
 
-    fn finish(&mut self) {}
+    fn working(&self, _work: &Work<'_>) {}
+
+    fn finish(&self) {}
+}
+
+/// Long work of a participant, as it counts it itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Work<'a> {
+    /// Its role.
+    pub role: &'a str,
+    /// What it was asked for ("building").
+    pub doing: &'a str,
+    /// How far it is.
+    pub report: ProgressReport,
+    /// What is left, at the pace so far; absent if nobody knows.
+    pub left: Option<Duration>,
+}
+
+/// "thermal building: factorising 37/60, 0:23 left".
+impl fmt::Display for Work<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ProgressReport { done, of, what, .. } = self.report;
+        write!(f, "{} {}: ", self.role, self.doing)?;
+        match one_line(what.as_str()) {
+            what if what.is_empty() => {}
+            what => write!(f, "{what} ")?,
+        }
+        match of {
+            0 => write!(f, "{done}")?,
+            of => write!(f, "{done}/{of}")?,
+        }
+        let Some(left) = self.left.map(|left| left.as_secs()) else { return Ok(()) };
+        match (left / 3600, left / 60 % 60, left % 60) {
+            (0, minutes, seconds) => write!(f, ", {minutes}:{seconds:02} left"),
+            (hours, minutes, seconds) => write!(f, ", {hours}:{minutes:02}:{seconds:02} left"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contract::message::Label;
+
+    #[test]
+    fn work_reads_as_one_line() {
+        let shown = |what: &str, of, left: Option<u64>| {
+            let report = ProgressReport { sequence: 1, done: 37, of, what: Label::new(what) };
+            let left = left.map(Duration::from_secs);
+            Work { role: "thermal", doing: "building", report, left }.to_string()
+        };
+        let line = "thermal building: factorising 37/60, 0:23 left";
+        assert_eq!(shown("factorising", 60, Some(23)), line);
+        assert_eq!(shown("", 60, Some(7384)), "thermal building: 37/60, 2:03:04 left");
+        assert_eq!(shown("\u{1b}[2J", 0, None), "thermal building: \\u{1b}[2J 37");
+    }
 }

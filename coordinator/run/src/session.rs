@@ -30,6 +30,7 @@ mod window;
 pub use audit::{HeatBalance, Receipt};
 pub use layout::layout_fault;
 pub use memory::room_for;
+pub use moving::MovingGrid;
 pub use outlet::header;
 pub use solved::SolveRecord;
 pub use tap::{Consumer, Tap};
@@ -40,7 +41,6 @@ use feedback::Feedback;
 use index::{MappedIndex, MovingIndex, PartIndex, TapIndex};
 use mapped::Mapped;
 use memory::SharedMemory;
-use moving::MovingGrid;
 use typed_index_collections::{TiSlice, TiVec};
 
 /// Which participants publish their observed fields when a window is accepted.
@@ -68,6 +68,8 @@ pub struct Session {
     parts: TiVec<PartIndex, Part>,
     solved: TiVec<ParticipantIndex, SolveRecord>,
     computed_seconds: f64,
+    /// A participant has no answer to the window.
+    unanswered: bool,
     bytes_exchanged: u64,
     peers: Peers,
 }

@@ -16,7 +16,9 @@ use super::subject::{Subject, kind};
 use contract::configuration::{Configuration, Layout};
 use contract::field::FieldKind;
 use contract::grid::Grid;
-use contract::message::{Command, CommandKind, FieldHeader, OBSERVE, Reply, Status, Topic, Topics};
+use contract::message::{
+    Command, CommandKind, FieldHeader, GeometryTopic, OBSERVE, Reply, Status, Topic, Topics,
+};
 use coupling::ParticipantIndex;
 use ending::{Abandoned, nothing_left};
 use proto::model::{Step, first_non_finite};
@@ -24,7 +26,7 @@ use proto::transport::{FieldWriter, TransportError};
 use run::deadlines::Deadlines;
 use run::error::RunError;
 use run::peers::{COORDINATOR, EndsFirst, LEAVE, Peers, Seat, Stopped};
-use run::session::{Tap, header, layout_fault};
+use run::session::{MovingGrid, Tap, header, layout_fault};
 use run::supervise::Exit;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -37,6 +39,8 @@ pub(super) struct Life {
     guard: EndsFirst,
     outputs: Vec<Tap>,
     observed: Vec<Tap>,
+    /// The volumes that observed fields are on.
+    volumes: Vec<MovingGrid>,
     pub(super) inputs: Vec<Feed>,
     /// When its heartbeats were received.
     pub(super) beats: Vec<Instant>,
@@ -108,11 +112,12 @@ impl Life {
             }
             other => Fault::Broken(other.to_string()),
         })?;
-        let (outputs, observed, inputs, beats) = Default::default();
+        let (outputs, observed, volumes, inputs, beats) = Default::default();
         Ok(Self {
             guard: peers.end_first(),
             outputs,
             observed,
+            volumes,
             inputs,
             beats,
             role,
@@ -152,7 +157,9 @@ impl Life {
 
     /// Sends a command; its number and the version are put in unless they are given.
     pub(super) fn post(&mut self, command: Command, body: &[u8]) -> Result<(), Fault> {
-        let answered = command.kind != CommandKind::Accept as u32 || command.flags & OBSERVE != 0;
+        let answered = command.kind != CommandKind::Accept as u32
+            || command.flags & OBSERVE != 0
+            || !self.volumes.is_empty();
         self.peers.send(ParticipantIndex::FIRST, command, body, answered)?;
         Ok(())
     }
@@ -219,7 +226,12 @@ impl Life {
         }
         self.none_of_outputs("Connect")?;
         self.ask(Command::new(CommandKind::Initialise), &[])?.done()?;
-        self.collect(&Step { iteration: 0, ..Step::STEADY })
+        let before = Step { iteration: 0, ..Step::STEADY };
+        self.take_geometry(&before)?;
+        if let Some(grid) = self.volumes().find(|grid| grid.is_announced()) {
+            return broken(format!("it does not send the geometry of its volume `{}`", grid.name));
+        }
+        self.collect(&before)
     }
 
     fn open(&mut self, setting: &Setting, layout: &Layout) -> Result<Topics, Fault> {
@@ -234,7 +246,7 @@ impl Life {
             service: format!("field/{role}/{field}"),
             grid: grid.clone(),
             subscribers: 1,
-            geometry: None,
+            geometry: grid.is_volume().then(|| MovingGrid::service(role, &grid.name)),
         };
         let role = &self.role;
         for (list, names) in [
@@ -247,6 +259,14 @@ impl Life {
                 };
                 let grid = layout.grid_of(name).expect("the layout is checked");
                 let topic = topic(name, role, grid);
+                let known = self.volumes.iter().any(|volume| volume.grid().name == grid.name);
+                if let Some(service) = topic.geometry.clone().filter(|_| !known) {
+                    let owner = (ParticipantIndex::FIRST, role.as_str());
+                    let volume = MovingGrid::open(self.peers.endpoint(), owner, grid, None)?;
+                    self.volumes.push(volume);
+                    let grid = grid.name.clone();
+                    topics.geometry.push(GeometryTopic { grid, service, subscribers: 1 });
+                }
                 let reader = self.peers.endpoint().field_reader(&topic.service)?;
                 list.push(Tap::of_role(role, kind, grid.clone(), reader));
                 topics.outputs.push(topic);
@@ -277,8 +297,25 @@ impl Life {
     }
 
     /// It has been restored to the state after this step.
-    pub(super) fn restored(&mut self, step: &Step) {
+    pub(super) fn restored(&mut self, step: &Step) -> Result<(), Fault> {
         self.accepted = Some(*step);
+        self.take_geometry(step)
+    }
+
+    /// The volumes that observed fields are on, as they are now.
+    pub(super) fn volumes(&self) -> impl Iterator<Item = &Grid> {
+        self.volumes.iter().map(MovingGrid::grid)
+    }
+
+    /// Receives the geometry of volumes; samples are on it from here on.
+    fn take_geometry(&mut self, step: &Step) -> Result<(), Fault> {
+        for volume in &mut self.volumes {
+            while let Some(grid) = volume.take(step)? {
+                let on_it = self.observed.iter_mut().filter(|tap| tap.grid().name == grid.name);
+                on_it.for_each(|tap| tap.move_to(grid));
+            }
+        }
+        Ok(())
     }
 
     /// Sends every input, in a variation.
@@ -321,14 +358,17 @@ impl Life {
     pub(super) fn accept(&mut self, step: &Step, observe: bool) -> Result<Values, Fault> {
         let mut command = Command::about(CommandKind::Accept, step);
         self.accepted = Some(*step);
-        if !observe {
+        if !observe && self.volumes.is_empty() {
             self.post(command, &[])?;
             return Ok(Values::new());
         }
-        command.flags = OBSERVE;
+        command.flags = if observe { OBSERVE } else { 0 };
         self.ask(command, &[])?.done()?;
         self.none_of_outputs("Accept")?;
-        collected(&mut self.observed, step)
+        let observed = if observe { &mut self.observed[..] } else { &mut [] };
+        let values = collected(observed, step)?;
+        self.take_geometry(step)?;
+        Ok(values)
     }
 
     /// Exactly one sample of every output, none of an observed field.
@@ -381,8 +421,8 @@ impl Life {
 
     /// As if the coordinator were killed: its locks are free, its ports and files stay as they are.
     pub(super) fn abandon(self) -> Abandoned {
-        let Self { guard, outputs, observed, inputs, peers, .. } = self;
-        std::mem::forget((outputs, observed, inputs));
+        let Self { guard, outputs, observed, volumes, inputs, peers, .. } = self;
+        std::mem::forget((outputs, observed, volumes, inputs));
         let (supervisor, info) = peers.abandon(guard);
         Abandoned { supervisor, info, since: Instant::now() }
     }

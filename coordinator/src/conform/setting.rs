@@ -27,6 +27,8 @@ pub(super) struct Setting {
     /// What it will be given, in the order of the inputs.
     pub(super) given: Vec<Given>,
     pub(super) interpolation: Interpolation,
+    /// Its model can solve a window more than once.
+    pub(super) rewinds: bool,
     /// Length of a window [s].
     window: f64,
 }
@@ -208,9 +210,14 @@ fn with_inputs(
         all_given.push(given);
     }
     let window = match plan.windows {
-        coupling::windows::Windows::Steady => 0.0,
+        coupling::windows::Windows::Steady | coupling::windows::Windows::Sequence(_) => 0.0,
         coupling::windows::Windows::Fixed { window, .. } => window,
         coupling::windows::Windows::Adaptive { first, .. } => first,
     };
-    Setting { configuration, given: all_given, interpolation: plan.interpolation, window }
+    let own = plan.participants.iter().find(|p| p.role == configuration.role);
+    let model =
+        own.and_then(|p| p.description.models.iter().find(|m| m.name == configuration.model));
+    let rewinds = model.is_none_or(|model| model.rewinds);
+    let interpolation = plan.interpolation;
+    Setting { configuration, given: all_given, interpolation, rewinds, window }
 }

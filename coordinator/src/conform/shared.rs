@@ -77,11 +77,11 @@ impl Bench {
         }
     }
 
-    /// A check has left it between two windows. One of each configuration is kept: a process may take
-    /// much memory.
+    /// A check has left it between two windows, the later one solved or not. One of each configuration
+    /// is kept: a process may take much memory.
     pub(super) fn keep(&self, setting: &Setting, life: Life) {
         let mut ready = self.lives.ready.borrow_mut();
-        if ready.iter().all(|(of, _)| *of != setting.configuration) {
+        if setting.rewinds && ready.iter().all(|(of, _)| *of != setting.configuration) {
             ready.push((setting.configuration.clone(), life));
         }
     }
@@ -105,16 +105,41 @@ impl Bench {
         Ok(outputs)
     }
 
+    /// Goes through all settings whose windows may be solved more than once.
+    pub(super) fn each_rewinding(
+        &self,
+        mut look: impl FnMut(&Setting) -> Result<Seen, Fault>,
+    ) -> Result<Seen, Fault> {
+        self.each(|setting| match setting.rewinds {
+            true => look(setting),
+            false => Seen::inapplicable("it solves every window once"),
+        })
+    }
+
+    /// The same with a process of each that is between two windows and is left so.
+    pub(super) fn each_rewinding_between(
+        &self,
+        mut look: impl FnMut(&Setting, &mut Life) -> Result<Seen, Fault>,
+    ) -> Result<Seen, Fault> {
+        self.each_rewinding(|setting| self.look_between(setting, &mut look))
+    }
+
+    fn look_between(
+        &self,
+        setting: &Setting,
+        look: &mut impl FnMut(&Setting, &mut Life) -> Result<Seen, Fault>,
+    ) -> Result<Seen, Fault> {
+        let mut life = self.between(setting)?;
+        let seen = look(setting, &mut life)?;
+        self.keep(setting, life);
+        Ok(seen)
+    }
+
     /// Goes through all settings, with a process of each that is between two windows and is left so.
     pub(super) fn each_between(
         &self,
         mut look: impl FnMut(&Setting, &mut Life) -> Result<Seen, Fault>,
     ) -> Result<Seen, Fault> {
-        self.each(|setting| {
-            let mut life = self.between(setting)?;
-            let seen = look(setting, &mut life)?;
-            self.keep(setting, life);
-            Ok(seen)
-        })
+        self.each(|setting| self.look_between(setting, &mut look))
     }
 }

@@ -125,7 +125,7 @@ fn heat(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn repeat(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_between(|setting, life| {
+    bench.each_rewinding_between(|setting, life| {
         let mut step = life.next(setting);
         if setting.is_transient() {
             life.solve_with(&step, 1)?;
@@ -161,7 +161,7 @@ pub(super) fn same(found: &Values, expected: &Values, why: &str) -> Result<(), F
 }
 
 fn other_end(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_between(|setting, life| {
+    bench.each_rewinding_between(|setting, life| {
         if !setting.is_transient() {
             return Seen::inapplicable("no transient setting");
         }
@@ -180,7 +180,7 @@ fn other_end(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 fn no_duration(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_between(|setting, life| {
+    bench.each_rewinding_between(|setting, life| {
         if !setting.is_transient() {
             return Seen::inapplicable("no transient setting");
         }

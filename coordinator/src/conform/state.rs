@@ -87,7 +87,7 @@ impl Saved {
     /// Restores the whole state and continues.
     fn continue_in(&self, life: &mut Life) -> Result<(), Fault> {
         self.give(life, Some(&self.bytes))?.done()?;
-        life.restored(&self.step);
+        life.restored(&self.step)?;
         same(&life.collect(&self.step)?, &self.outputs, "Restore publishes other values")?;
         let continued = life.solve_with(&self.next, 1)?.outputs;
         same(&continued, &self.continued, "the restored process continues differently")

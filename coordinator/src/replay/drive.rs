@@ -20,7 +20,7 @@ use proto::recording::{CaseFile, Event, Item, Participant, read_topics};
 use proto::transport::{Endpoint, FieldReader, TransportError};
 use run::error::{Failure, RunError, file_failure};
 use run::peers::{Peers, Phase};
-use run::plan::sample_bytes;
+use run::plan::{geometry_bytes, sample_bytes};
 use run::session::room_for;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -53,8 +53,8 @@ impl Output {
 
     /// A recorded sample.
     fn take(&mut self, header: &FieldHeader, values: &[f64]) {
-        // What comes before any solve is sent in each iteration thereafter.
-        self.exchanged |= header.iteration == 0;
+        // What comes before any solve is sent in each iteration thereafter, but for a geometry.
+        self.exchanged |= header.iteration == 0 && self.grids.is_empty();
         self.restored = true;
         let kept = self.recorded.take().map(|(_, values)| values).unwrap_or_default();
         self.recorded = Some((*header, refilled(kept, values)));
@@ -442,7 +442,10 @@ impl<'a> Driver<'a> {
             None => own(name).map_or(1, |kind| kind.components),
         };
         let all = topics.inputs.iter().chain(&topics.outputs);
-        all.map(|topic| sample_bytes(topic.grid.points(), components(&topic.field))).collect()
+        let fields = all.map(|t| sample_bytes(t.grid.points(), components(&t.field)));
+        let geometry = |name: &String| self.layout.grids.iter().find(|grid| grid.name == *name);
+        let geometry = topics.geometry.iter().filter_map(|topic| geometry(&topic.grid));
+        fields.chain(geometry.map(geometry_bytes)).collect()
     }
 
     /// A recorded sample: an input to come, or an output to compare with.
@@ -518,14 +521,15 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
-    /// The moving grids as they were when the outputs were sent last.
+    /// The moving grids as they were when the outputs were sent last; none of these is on a volume.
     fn grids_of_outputs(&self) -> Vec<Grid> {
         let revision = |grid: &str| {
             let on_it = |(header, _): &&(FieldHeader, Vec<f64>)| header.grid.as_str() == grid;
             let samples = self.outputs.iter().filter(|o| o.grids.is_empty());
             samples.filter_map(|o| o.recorded.as_ref()).find(on_it).map(|(h, _)| h.grid_revision)
         };
-        let moving = self.outputs.iter().filter(|output| !output.grids.is_empty());
+        let moves = |output: &&Output| output.grids.first().is_some_and(|grid| !grid.is_volume());
+        let moving = self.outputs.iter().filter(moves);
         let of = |output: &Output| {
             let wanted = revision(&output.grids[0].name);
             let exact = output.grids.iter().find(|grid| Some(grid.revision) == wanted);

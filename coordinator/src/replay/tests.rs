@@ -25,6 +25,7 @@ fn description() -> Description {
         source: "a book".to_owned(),
         steady: true,
         transient: true,
+        rewinds: true,
         consumes: Vec::new(),
         provides: vec!["lower_temperature".to_owned()],
         keys: vec![KeySpec::number("thermal.depth", "a depth")],
@@ -151,9 +152,11 @@ fn configuration() -> Vec<u8> {
         model: "columns".to_owned(),
         mode: Mode::Steady,
         case: Params(serde_json::json!({"rail": {"profile": "files/bodies.rail.profile"}})),
+        histories: None,
         inputs: Vec::new(),
         outputs: Vec::new(),
         observed: ["lower_temperature", "lower_section_temperature"].map(str::to_owned).to_vec(),
+        threads: 1,
     };
     serde_json::to_vec(&configuration).unwrap()
 }

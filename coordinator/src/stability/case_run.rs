@@ -5,6 +5,7 @@ use crate::study::{self, Variant};
 use run::error::RunError;
 use run::perform::{self, RunStart};
 use run::plan::{Plan, Planned};
+use run::progress::silent;
 use run::record::Compression;
 use run::results::{Existing, ResultFolder};
 use serde_json::{Map, Value, json};
@@ -56,7 +57,7 @@ impl CaseRun {
     fn perform(planned: &Planned, folder: &ResultFolder, since: Instant) -> Result<Self, RunError> {
         let start = RunStart { since, plan_seconds: since.elapsed().as_secs_f64() };
         let record = Some(Compression::None);
-        let outcome = perform::run(planned, folder, &mut (), start, None, record);
+        let outcome = perform::run(planned, folder, &silent(), start, None, record);
         let seconds = since.elapsed().as_secs_f64();
         let error = match outcome.error {
             Some(error) if study::ends_study(&error) => return Err(error),

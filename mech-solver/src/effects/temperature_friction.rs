@@ -144,6 +144,13 @@ impl FrictionLaw {
         }))
     }
 
+    /// Takes another friction coefficient of the case.
+    pub(crate) fn follow(&mut self, friction: f64) {
+        if let Self::Decay { cold, .. } = self {
+            *cold = friction;
+        }
+    }
+
     /// f(T); `None` beyond the table.
     pub(crate) fn coefficient(&self, temperature: f64) -> Option<f64> {
         match self {

@@ -121,6 +121,14 @@ pub struct Effort {
 pub struct NotConverged(pub Effort);
 
 impl TangentialState {
+    /// It belongs to a grid of this many elements.
+    #[must_use]
+    pub fn fits(&self, count: usize) -> bool {
+        let pairs = [&self.traction, &self.slip];
+        let whole = |pair: &[Vec<f64>; 2]| pair.iter().all(|field| field.len() == count);
+        self.element.len() == count && pairs.into_iter().all(whole)
+    }
+
     /// Everything adheres, nothing pulls.
     #[must_use]
     pub fn at_rest(bound: &[f64], creepage: Creepage) -> Self {

@@ -39,6 +39,8 @@ use crate::keys::CheckedParams;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::names::FASTSIM;
 use crate::models::precomputed::{self, Precomputed};
+use crate::models::row_by_row::{Computed, RowByRow};
+use crate::models::varying::Varying;
 use crate::reference::kalker::{self, CreepCoefficients};
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
 use contact::Problem;
@@ -50,6 +52,7 @@ use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::{Model, Setup};
+use proto::progress::Progress;
 use std::f64::consts::PI;
 
 const FLEXIBILITY: &str = "mech.flexibility";
@@ -75,6 +78,7 @@ pub fn spec() -> ModelSpec {
                 .to_owned(),
         steady: true,
         transient: true,
+        rewinds: true,
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
         keys,
@@ -109,27 +113,64 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let given = GivenPatch::read(&configuration.case)?;
     let case = CheckedParams::new(&configuration.case, vec![flexibility_key()]);
     let kind = if case.text(FLEXIBILITY)? == "three" { Kind::Three } else { Kind::Single };
-    let ellipse = Ellipse::solve(&scene, given)?;
-    Ellipse::refuse_rest(&scene)?;
-    let prescribed = ellipse.prescribed(&scene)?;
-    let grid = ellipse.grid(scene.resolution)?;
-    let coefficients = coefficients(&scene, &ellipse)?;
+    let partial = configuration.has_effect(partial_slip::NAME);
+    let varying = Varying::of(configuration);
+    let extent = match &varying {
+        Some(varying) => varying.extent(given)?,
+        None => Ellipse::solve(&scene, given)?.extent(),
+    };
+    let grid = extent.grid(scene.resolution)?;
+    let (problem, coefficients) = problem(&scene, given, kind, partial, &grid)?;
+    let wanted = precomputed::wanted_fields(configuration);
+    let mut layout = precomputed::layout(&wanted, grid, build_seconds(&problem, wanted.len()));
+    if let Some(varying) = &varying {
+        layout.remarks = vec![varying.remark(&extent)];
+        (layout.solve_seconds, layout.build_seconds) = (layout.build_seconds, 0.0);
+    }
+    layout.remarks.extend(remarks(&scene, &problem, given, &coefficients));
+    layout.closed_forms = problem.ellipse.closed_forms();
+    Ok(Box::new(Prepared { problem, given, varying, grid, wanted, layout }))
+}
+
+/// The problem of a scene, whose fields are wanted on this grid.
+fn problem(
+    scene: &Scene,
+    given: Option<GivenPatch>,
+    kind: Kind,
+    partial: bool,
+    grid: &Structured,
+) -> Result<(Problem, CreepCoefficients), Refusal> {
+    let ellipse = Ellipse::solve(scene, given)?;
+    Ellipse::refuse_rest(scene)?;
+    let coefficients = coefficients(scene, &ellipse)?;
     let axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
     let problem = Problem {
         ellipse,
-        prescribed,
+        prescribed: ellipse.prescribed(scene)?,
         flexibilities: Flexibilities::new(&coefficients, axes, scene.combined_shear_modulus()),
         kind,
-        lattice: lattice(&ellipse, &grid, scene.resolution),
+        lattice: lattice(&ellipse, grid, scene.resolution),
         friction_coefficient: scene.friction_coefficient,
         speeds: scene.speeds,
-        partial: configuration.has_effect(partial_slip::NAME),
+        partial,
     };
-    let wanted = precomputed::wanted_fields(configuration);
-    let mut layout = precomputed::layout(&wanted, grid, build_seconds(&problem, wanted.len()));
-    layout.remarks.extend(remarks(&scene, &problem, given, &coefficients));
-    layout.closed_forms = problem.ellipse.closed_forms();
-    Ok(Box::new(Prepared { problem, grid, wanted, layout }))
+    Ok((problem, coefficients))
+}
+
+/// Its answer.
+fn compute(
+    problem: &Problem,
+    wanted: &[&'static FieldSpec],
+    grid: Structured,
+) -> Result<Computed, Refusal> {
+    let contact = problem.solve();
+    contact.check_power()?;
+    let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
+    Ok(Computed {
+        summary: contact.summary(),
+        work: cells(problem) as u64,
+        fields: wanted.iter().map(values).collect(),
+    })
 }
 
 fn coefficients(scene: &Scene, ellipse: &Ellipse) -> Result<CreepCoefficients, Refusal> {
@@ -202,6 +243,9 @@ fn remarks(
 /// A checked case.
 struct Prepared {
     problem: Problem,
+    given: Option<GivenPatch>,
+    /// The values that vary, if any do.
+    varying: Option<Varying>,
     grid: Structured,
     wanted: Vec<&'static FieldSpec>,
     layout: Layout,
@@ -212,16 +256,17 @@ impl Setup for Prepared {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
-        let Self { problem, grid, wanted, .. } = *self;
-        let contact = problem.solve();
-        contact.check_power()?;
-        let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
-        Ok(Box::new(Precomputed {
-            name: FASTSIM,
-            summary: contact.summary(),
-            work: cells(&problem) as u64,
-            fields: wanted.iter().map(values).collect(),
-        }))
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let Self { problem: first, given, varying, grid, wanted, .. } = *self;
+        if let Some(varying) = varying {
+            let Problem { kind, partial, .. } = first;
+            let compute = move |scene: &Scene| {
+                let (problem, _) = problem(scene, given, kind, partial, &grid)?;
+                compute(&problem, &wanted, grid)
+            };
+            return Ok(Box::new(RowByRow::new(varying, Box::new(compute))));
+        }
+        let Computed { summary, work, fields } = compute(&first, &wanted, grid)?;
+        Ok(Box::new(Precomputed { summary, work, fields }))
     }
 }

@@ -32,6 +32,7 @@ use crate::keys::CheckedParams;
 use crate::models::expected::refinement;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID};
 use crate::models::names::HALF_SPACE;
+use crate::models::varying::Varying;
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
 use case::Case;
 use drive::Driven;
@@ -41,7 +42,8 @@ use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
 use proto::model::{Model, Setup};
-use steady::Steady;
+use proto::progress::Progress;
+use steady::{Following, Steady};
 use transient::Transient;
 
 /// Grid of what happens from one element's centre to the next one's.
@@ -57,6 +59,13 @@ const BYTES: f64 = 700.0;
 const LARGEST_SHARE: f64 = 0.2;
 
 const ROLLING: &str = "mech.rolling";
+
+const START: &str = "mech.start";
+
+fn start_key() -> KeySpec {
+    let help = "where the solution of a row starts: from that of the row before, or from nothing";
+    KeySpec::choice(START, &["warm", "cold"], help).default_value("warm")
+}
 
 fn rolling_key() -> KeySpec {
     KeySpec::choice(
@@ -74,6 +83,7 @@ pub fn spec() -> ModelSpec {
     keys.extend(geometry::keys());
     keys.extend(drive::keys());
     keys.push(rolling_key());
+    keys.push(start_key());
     ModelSpec {
         name: HALF_SPACE.to_owned(),
         summary: "elastic half-spaces by boundary elements: exact partial slip, all creepages"
@@ -83,6 +93,7 @@ pub fn spec() -> ModelSpec {
             .to_owned(),
         steady: true,
         transient: true,
+        rewinds: true,
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
         keys,
@@ -101,7 +112,9 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
     let [upper, lower] = scene.materials();
     let bodies = Elasticity::of_pair(&upper, &lower);
-    let footprint = geometry::footprint(configuration, &scene, given, &bodies)?;
+    let varying = Varying::of(configuration);
+    let extent = varying.as_ref().map(|varying| varying.extent(patch)).transpose()?;
+    let footprint = geometry::footprint(configuration, &scene, given, extent.as_ref(), &bodies)?;
     let driven = Driven::read(configuration, &scene, given.as_ref(), footprint.ellipse.as_ref())?;
     let (grid, semi_axes) = (footprint.grid, footprint.semi_axes);
     let peak_y = footprint.peak_y.unwrap_or(0.0);
@@ -124,8 +137,35 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
             "remove [contact], or give both bodies the same material",
         ));
     }
-    let layout = layout(configuration, &case);
-    Ok(Box::new(Prepared { case, layout }))
+    let mut layout = layout(configuration, &case);
+    if let (Some(varying), Some(extent)) = (&varying, &extent) {
+        refuse_varying(&case)?;
+        layout.remarks.push(varying.remark(extent));
+        (layout.solve_seconds, layout.build_seconds) = (layout.build_seconds, 0.0);
+    }
+    let warm = CheckedParams::new(&configuration.case, vec![start_key()]).text(START)? == "warm";
+    let following = varying.map(|varying| Following { varying, patch, warm });
+    Ok(Box::new(Prepared { case, following, layout }))
+}
+
+/// Refuses what does not follow histories.
+fn refuse_varying(case: &Case) -> Result<(), Refusal> {
+    let profile = case.footprint.gap.as_ref().is_some_and(|gap| !gap.is_quadric());
+    if profile {
+        return Err(Refusal::new(
+            "mech.model",
+            "measured profiles do not follow histories: their contact has another grid in every row",
+            "give radii, or numbers in the place of columns",
+        ));
+    }
+    if case.memory {
+        return Err(Refusal::new(
+            ROLLING,
+            "rolling with memory does not follow histories",
+            "write mech.rolling = \"steady\", or numbers in the place of columns",
+        ));
+    }
+    Ok(())
 }
 
 /// Whether the tractions of one step matter to the next.
@@ -230,6 +270,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
 /// A checked case and its grids.
 struct Prepared {
     case: Case,
+    following: Option<Following>,
     layout: Layout,
 }
 
@@ -238,10 +279,10 @@ impl Setup for Prepared {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
-        let Self { case, .. } = *self;
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let Self { case, following, .. } = *self;
         if !case.memory {
-            return Ok(Box::new(Steady::new(case)));
+            return Ok(Box::new(Steady::new(case, following)));
         }
         let fix = "check the shapes, the load and the units";
         let model = Transient::new(case);

@@ -27,6 +27,8 @@ use crate::keys::CheckedParams;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::names::HERTZ_CARTER;
 use crate::models::precomputed::{self, Precomputed};
+use crate::models::row_by_row::{Computed, RowByRow};
+use crate::models::varying::Varying;
 use crate::scene::{Drive, GivenPatch, Scene, given_patch_keys};
 use case::Case;
 use contact::{Contact, CreepLaw};
@@ -35,7 +37,9 @@ use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
+use proto::grid::Structured;
 use proto::model::{Model, Setup};
+use proto::progress::Progress;
 
 const CREEP_LAW: &str = "motion.creep_law";
 /// Time to compute one value, measured [s].
@@ -56,6 +60,7 @@ pub fn spec() -> ModelSpec {
                 .to_owned(),
         steady: true,
         transient: true,
+        rewinds: true,
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
         keys,
@@ -96,7 +101,9 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let partial = configuration.has_effect(partial_slip::NAME);
     Ellipse::refuse_rest(&scene)?;
     let contact = Contact::solve(&scene, Ellipse::solve(&scene, given)?, law, partial)?;
-    let grid = contact.ellipse.grid(scene.resolution)?;
+    let varying = Varying::of(configuration);
+    let extent = varying.as_ref().map(|varying| varying.extent(given)).transpose()?;
+    let grid = extent.unwrap_or(contact.ellipse.extent()).grid(scene.resolution)?;
     let wanted = precomputed::wanted_fields(configuration);
     let values: usize = wanted.iter().map(|spec| precomputed::count(spec, &grid)).sum();
     let mut layout = precomputed::layout(&wanted, grid, SECONDS_PER_VALUE * values as f64);
@@ -104,10 +111,21 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     if friction.is_some() {
         layout.remarks = vec!["the fields are computed in every iteration".to_owned()];
     }
+    if let (Some(varying), Some(extent)) = (&varying, &extent) {
+        layout.remarks = vec![varying.remark(extent)];
+        (layout.solve_seconds, layout.build_seconds) = (layout.build_seconds, 0.0);
+    }
     layout.remarks.extend(remarks(&scene, &contact, given, partial));
     layout.closed_forms = contact.ellipse.closed_forms();
+    if varying.is_some() && friction.is_some() {
+        return Err(Refusal::new(
+            "effects.temperature_friction",
+            "this model does not follow histories and temperatures at once",
+            "choose the model half-space, or give numbers in the place of columns",
+        ));
+    }
     let case = Case { scene, contact, law, partial, grid, wanted };
-    Ok(Box::new(Prepared { case, friction, layout }))
+    Ok(Box::new(Prepared { case, given, friction, varying, layout }))
 }
 
 fn remarks(
@@ -131,8 +149,11 @@ fn remarks(
 /// A checked case and its grids.
 struct Prepared {
     case: Case,
+    given: Option<GivenPatch>,
     /// How friction depends on temperature, if it does.
     friction: Option<FrictionLaw>,
+    /// The values that vary, if any do.
+    varying: Option<Varying>,
     layout: Layout,
 }
 
@@ -141,19 +162,32 @@ impl Setup for Prepared {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
-        let Self { case, friction, .. } = *self;
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let Self { case, given, friction, varying, .. } = *self;
         if let Some(law) = friction {
             return Ok(Box::new(Heated::new(case, law)));
         }
-        let Case { contact, grid, wanted, .. } = case;
-        let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
-        let fields = wanted.iter().map(values).collect();
-        Ok(Box::new(Precomputed {
-            name: HERTZ_CARTER,
-            summary: contact.summary(),
-            work: grid.points() as u64,
-            fields,
-        }))
+        let Case { contact, grid, wanted, law, partial, .. } = case;
+        if let Some(varying) = varying {
+            let compute = move |scene: &Scene| {
+                Ellipse::refuse_rest(scene)?;
+                let contact = Contact::solve(scene, Ellipse::solve(scene, given)?, law, partial)?;
+                let (summary, work) = (contact.summary(), grid.points() as u64);
+                Ok(Computed { summary, work, fields: all(&wanted, &contact, grid) })
+            };
+            return Ok(Box::new(RowByRow::new(varying, Box::new(compute))));
+        }
+        let fields = all(&wanted, &contact, grid);
+        let (summary, work) = (contact.summary(), grid.points() as u64);
+        Ok(Box::new(Precomputed { summary, work, fields }))
     }
+}
+
+/// The fields that are asked for.
+fn all(
+    wanted: &[&'static FieldSpec],
+    contact: &Contact,
+    grid: Structured,
+) -> Vec<(&'static FieldSpec, Vec<f64>)> {
+    wanted.iter().map(|spec| (*spec, fields::values(spec, contact, grid))).collect()
 }

@@ -9,8 +9,9 @@ pub mod hertz_carter;
 pub mod names;
 mod power_balance;
 mod precomputed;
-mod stateless;
+mod row_by_row;
 mod summary;
+mod varying;
 
 pub use grids::{CONTACT_GRID, RIGID_GRID};
 

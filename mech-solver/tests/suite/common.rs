@@ -6,6 +6,7 @@ use proto::field::FieldSpec;
 use proto::grid::Grid;
 use proto::model::{InputField, Inputs, Model, Outputs, Solver, Step, StepReport};
 use proto::params::Params;
+use proto::progress::Progress;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -71,9 +72,11 @@ pub(crate) fn configuration(case: &Value) -> Configuration {
         model: case["mech"]["model"].as_str().unwrap_or("hertz-carter").to_owned(),
         mode: Mode::Steady,
         case: Params(case.clone()),
+        histories: None,
         inputs: Vec::new(),
         outputs: fields_of(case),
         observed: Vec::new(),
+        threads: 1,
     }
 }
 
@@ -120,7 +123,7 @@ pub(crate) fn run(case: &Value) -> Run {
     let configuration = configuration(case);
     let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
     let layout = setup.layout().clone();
-    let mut model = setup.build().expect("a checked case builds");
+    let mut model = setup.build(&Progress::default()).expect("a checked case builds");
     let mut store = Store::for_layout(&layout, &configuration.outputs);
     let report = model.solve(&Step::STEADY, &NoInputs, &mut store).expect("a solution");
     model.accept();

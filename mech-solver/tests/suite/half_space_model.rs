@@ -6,6 +6,7 @@ use mech_solver::MechSolver;
 use mech_solver::reference::{carter, cattaneo, kalker};
 use proto::configuration::Mode;
 use proto::model::{Model, Solver, Step, StepError};
+use proto::progress::Progress;
 use serde_json::{Value, json};
 
 fn half_space(resolution: usize) -> Value {
@@ -205,7 +206,12 @@ impl InTime {
         configuration.mode = Mode::Transient;
         let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
         let store = Store::for_layout(setup.layout(), &configuration.outputs);
-        Self { model: setup.build().expect("a checked case builds"), store, window, count: 0 }
+        Self {
+            model: setup.build(&Progress::default()).expect("a checked case builds"),
+            store,
+            window,
+            count: 0,
+        }
     }
 
     fn solve(&mut self) -> Result<(), StepError> {
@@ -339,19 +345,18 @@ fn state_is_separable() {
     let mut one = InTime::new(&case, window);
     one.next();
     one.next();
-    let mut blob = proto::model::StateBlob::default();
-    one.model.save(&mut blob);
+    let mut state = Vec::new();
+    one.model.save(&mut state).unwrap();
     one.solve().unwrap();
     let first = one.store.0.clone();
     one.solve().unwrap();
     assert_eq!(first, one.store.0);
     let mut other = InTime::new(&case, window);
-    other.model.restore(&blob).unwrap();
+    other.model.restore(&mut state.as_slice()).unwrap();
     other.count = one.count;
     other.solve().unwrap();
     assert_eq!(first, other.store.0);
-    blob.0.truncate(blob.0.len() / 2);
-    assert!(other.model.restore(&blob).is_err());
+    assert!(other.model.restore(&mut &state[..state.len() / 2]).is_err());
 }
 
 /// Bodies whose moduli differ by a hundred: normal and tangential contact settle; the pressure is

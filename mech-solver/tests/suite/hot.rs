@@ -5,6 +5,7 @@ use mech_solver::MechSolver;
 use proto::field::FieldSpec;
 use proto::grid::{Grid, Structured};
 use proto::model::{InputField, Inputs, Model, Solver, Step};
+use proto::progress::Progress;
 use serde_json::{Value, json};
 
 /// Both surfaces at one temperature rise.
@@ -41,7 +42,7 @@ impl Contact {
         let configuration = configuration(&case);
         let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
         let store = Store::for_layout(setup.layout(), &configuration.outputs);
-        Self { model: setup.build().expect("a checked case builds"), store }
+        Self { model: setup.build(&Progress::default()).expect("a checked case builds"), store }
     }
 
     fn solve(&mut self, rise: f64) {

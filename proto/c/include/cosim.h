@@ -22,16 +22,6 @@
 #define COSIM_JSON(...) #__VA_ARGS__
 
 /**
- * Index of the upper body in a pair.
- */
-#define COSIM_UPPER 0
-
-/**
- * Index of the lower body in a pair.
- */
-#define COSIM_LOWER 1
-
-/**
  * Status of a callback or function: done.
  */
 #define COSIM_OK 0
@@ -59,10 +49,10 @@
 /**
  * Version of this interface. Raised when a program has to be changed, and not only compiled again.
  */
-#define COSIM_VERSION 1
+#define COSIM_VERSION 2
 
 /**
- * A state that is being saved.
+ * A state on its way to or from a file.
  */
 typedef struct cosim_blob cosim_blob;
 
@@ -197,10 +187,10 @@ typedef struct cosim_solver {
      */
     int (*save)(void *user, struct cosim_blob *blob);
     /**
-     * Returns to a saved state, `size` bytes that hold until the callback returns; the run then
-     * continues bit-identically.
+     * Returns to a saved state, all of which it reads with cosim_blob_read(); the run then continues
+     * bit-identically.
      */
-    int (*restore)(void *user, const void *bytes, size_t size);
+    int (*restore)(void *user, struct cosim_blob *blob);
     /**
      * The program's part of summary.json, a JSON object of sections that are merged over the
      * participants: {"temperature": {...}}. The text is the program's and stays until destroy.
@@ -313,6 +303,12 @@ const char *cosim_model(const struct cosim_configuration *configuration);
 bool cosim_is_transient(const struct cosim_configuration *configuration);
 
 /**
+ * Threads that the program may compute on at the same time, at least 1. Its results must not depend
+ * on it. 0 on failure.
+ */
+size_t cosim_threads(const struct cosim_configuration *configuration);
+
+/**
  * Whether an effect is active and claimed by this program.
  */
 bool cosim_has_effect(const struct cosim_configuration *configuration, const char *effect);
@@ -354,13 +350,6 @@ int cosim_case_flag(const struct cosim_configuration *configuration, const char 
  * returned, if it is missing or no text.
  */
 const char *cosim_case_text(const struct cosim_configuration *configuration, const char *key);
-
-/**
- * The name that the case gives to a body, COSIM_UPPER or COSIM_LOWER; its values are those under
- * "bodies.NAME". NULL, with a refusal ready to be returned, if the case has not one body at each
- * position; the description has to list the key "bodies.*.position".
- */
-const char *cosim_body_name(const struct cosim_configuration *configuration, int body);
 
 /**
  * Writes the grid on which an input will arrive, and says whether it is known. It is not for a
@@ -429,9 +418,17 @@ double *cosim_output(struct cosim_outputs *outputs,
                      size_t *count);
 
 /**
- * Appends `size` bytes to a state that is being saved; they are copied.
+ * Appends `size` bytes to the state, for save.
  */
 int cosim_blob_write(struct cosim_blob *blob, const void *bytes, size_t size);
+
+/**
+ * Takes the next `size` bytes of the state, for restore, which has to take all of them. COSIM_FAILED,
+ * with a reason ready to be returned, if there are fewer.
+ */
+int cosim_blob_read(struct cosim_blob *blob,
+                    void *bytes,
+                    size_t size);
 
 /**
  * Adds a grid, which is copied. COSIM_FAILED if it cannot be: name, counts, elements without area.
@@ -478,6 +475,15 @@ int cosim_layout_closed_form(struct cosim_layout *layout, const char *key, doubl
  * Adds a line to what `coordinator plan` prints: what the model makes of the case. It is copied.
  */
 int cosim_layout_remark(struct cosim_layout *layout, const char *remark);
+
+/**
+ * Says how far build, solve, save or restore is: `done` of `of` in the program's own measure, `of`
+ * being 0 if nobody knows; `what` is being done, in an ASCII word of at most 31 letters
+ * ("factorising"). From any thread, as often as the program likes.
+ *
+ * Whenever it changes, the deadline of the coordinator starts anew, and the user sees it.
+ */
+int cosim_progress(uint64_t done, uint64_t of, const char *what);
 
 #ifdef __cplusplus
 }  // extern "C"

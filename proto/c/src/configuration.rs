@@ -96,6 +96,16 @@ pub unsafe extern "C" fn cosim_is_transient(configuration: *const CosimConfigura
     })
 }
 
+/// Threads that the program may compute on at the same time, at least 1. Its results must not depend
+/// on it. 0 on failure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_threads(configuration: *const CosimConfiguration<'_>) -> usize {
+    guard("cosim_threads", || {
+        // SAFETY: as the header asks.
+        Ok(unsafe { settings(configuration)? }.configuration.threads)
+    })
+}
+
 /// Whether an effect is active and claimed by this program.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_has_effect(
@@ -263,7 +273,7 @@ mod tests {
                     "origin": [0.0, 0.0, 0.0], "step_i": [1.0, 0.0, 0.0],
                     "step_j": [0.0, 2.0, 0.0], "ni": 5, "nj": 7},
             }],
-            "outputs": ["lower_temperature"], "observed": ["upper_temperature"],
+            "outputs": ["lower_temperature"], "observed": ["upper_temperature"], "threads": 3,
         }))
         .unwrap()
     }
@@ -297,6 +307,7 @@ mod tests {
         let settings = &raw const settings;
         unsafe {
             assert!(!cosim_is_transient(settings));
+            assert_eq!(cosim_threads(settings), 3);
             let effects = [c"friction_heat", c"wear"];
             assert_eq!(effects.map(|e| cosim_has_effect(settings, e.as_ptr())), [true, false]);
             let outputs = [c"lower_temperature", c"upper_temperature", c"pressure"];

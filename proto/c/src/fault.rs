@@ -101,6 +101,12 @@ impl Unsuccessful for bool {
     }
 }
 
+impl Unsuccessful for usize {
+    fn with(_: c_int) -> Self {
+        0
+    }
+}
+
 impl<T> Unsuccessful for *const T {
     fn with(_: c_int) -> Self {
         std::ptr::null()

@@ -3,8 +3,9 @@
 use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
 use crate::grid::CosimGrid;
 use proto::field::FieldSpec;
-use proto::model::{Inputs, Outputs, StepError, first_non_finite};
+use proto::model::{Inputs, Outputs, StateError, StepError, first_non_finite};
 use std::ffi::{c_char, c_int, c_void};
+use std::io::{Read, Write};
 
 /// The inputs of a solve.
 pub struct CosimInputs<'a> {
@@ -18,9 +19,13 @@ pub struct CosimOutputs<'a> {
     pub(crate) fields: &'a [FieldSpec],
 }
 
-/// A state that is being saved.
-pub struct CosimBlob<'a> {
-    pub(crate) bytes: &'a mut Vec<u8>,
+/// A state on its way to or from a file.
+pub struct CosimBlob<'a>(pub(crate) Way<'a>);
+
+/// Which way a state goes.
+pub(crate) enum Way<'a> {
+    Saving(&'a mut dyn Write),
+    Restoring(&'a mut dyn Read),
 }
 
 /// The field of this run with a name.
@@ -144,7 +149,7 @@ pub unsafe extern "C" fn cosim_output(
     })
 }
 
-/// Appends `size` bytes to a state that is being saved; they are copied.
+/// Appends `size` bytes to the state, for save.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_blob_write(
     blob: *mut CosimBlob<'_>,
@@ -153,13 +158,42 @@ pub unsafe extern "C" fn cosim_blob_write(
 ) -> c_int {
     guard("cosim_blob_write", || {
         // SAFETY: the header asks for a blob.
-        let blob = unsafe { exclusive("blob", blob)? };
+        let Way::Saving(into) = &mut unsafe { exclusive("blob", blob)? }.0 else {
+            return Err(Fault::Misused("this state is restored, not saved".to_owned()));
+        };
         if size > 0 {
             // SAFETY: the header asks for `size` bytes, of which there is at least one.
-            unsafe {
-                let first = shared("bytes", bytes.cast::<u8>())?;
-                blob.bytes.extend_from_slice(std::slice::from_raw_parts(first, size));
-            }
+            let bytes =
+                unsafe { std::slice::from_raw_parts(shared("bytes", bytes.cast::<u8>())?, size) };
+            into.write_all(bytes).map_err(|error| Fault::Failed(error.to_string()))?;
+        }
+        Ok(COSIM_OK)
+    })
+}
+
+/// Takes the next `size` bytes of the state, for restore, which has to take all of them. COSIM_FAILED,
+/// with a reason ready to be returned, if there are fewer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_blob_read(
+    blob: *mut CosimBlob<'_>,
+    bytes: *mut c_void,
+    size: usize,
+) -> c_int {
+    guard("cosim_blob_read", || {
+        // SAFETY: the header asks for a blob.
+        let Way::Restoring(from) = &mut unsafe { exclusive("blob", blob)? }.0 else {
+            return Err(Fault::Misused("this state is saved, not restored".to_owned()));
+        };
+        if size > 0 {
+            // SAFETY: the header asks for room for `size` bytes, of which there is at least one;
+            // zeros make them bytes that may be looked at.
+            let bytes = unsafe {
+                let first = std::ptr::from_mut(exclusive("bytes", bytes.cast::<u8>())?);
+                first.write_bytes(0, size);
+                std::slice::from_raw_parts_mut(first, size)
+            };
+            let failed = |error| Fault::Failed(StateError::from(error).0);
+            from.read_exact(bytes).map_err(failed)?;
         }
         Ok(COSIM_OK)
     })
@@ -282,17 +316,27 @@ mod tests {
     }
 
     #[test]
-    fn a_state_grows_by_what_is_written() {
+    fn a_state_is_written_and_read_piece_by_piece() {
         let mut bytes = vec![7];
-        let mut blob = CosimBlob { bytes: &mut bytes };
-        let to = &raw mut blob;
+        let mut saving = CosimBlob(Way::Saving(&mut bytes));
         let number = 1.5_f64;
+        let from = (&raw const number).cast::<c_void>();
         unsafe {
-            let from = (&raw const number).cast::<c_void>();
+            let to = &raw mut saving;
             assert_eq!(cosim_blob_write(to, from, 8), COSIM_OK);
             assert_eq!(cosim_blob_write(to, null(), 0), COSIM_OK);
             assert!(call("save", || cosim_blob_write(to, null(), 1)).is_err());
+            assert!(call("save", || cosim_blob_read(to, null_mut(), 0)).is_err());
         }
-        assert_eq!((bytes[0], &bytes[1..]), (7, 1.5_f64.to_ne_bytes().as_slice()));
+        let (mut back, mut rest) = (0.0_f64, &bytes[1..]);
+        let mut restoring = CosimBlob(Way::Restoring(&mut rest));
+        let (of, into) = (&raw mut restoring, (&raw mut back).cast::<c_void>());
+        unsafe {
+            assert_eq!(cosim_blob_read(of, into, 8), COSIM_OK);
+            let short = call("restore", || cosim_blob_read(of, into, 1)).unwrap_err();
+            assert_eq!(short.to_string(), "it is truncated");
+            assert!(call("restore", || cosim_blob_write(of, from, 8)).is_err());
+        }
+        assert_eq!((bytes[0], back), (7, 1.5));
     }
 }

@@ -47,6 +47,12 @@ pub struct CosimGrid {
     pub elements: *const u32,
 }
 
+/// The name in an array of C's, up to its first zero.
+pub(crate) fn name_of(text: &[c_char; 32]) -> String {
+    let bytes: Vec<u8> = text.iter().take_while(|c| **c != 0).map(|c| *c as u8).collect();
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
 impl CosimGrid {
     /// A view of a grid.
     pub(crate) fn of(grid: &Grid) -> Self {
@@ -80,6 +86,8 @@ impl CosimGrid {
                 view.vertices = q.points.as_flattened().as_ptr();
                 view.elements = q.elements.as_flattened().as_ptr();
             }
+            // No input is on a volume: a kind that no program knows.
+            Shape::Volume(_) => view.kind = 0,
         }
         view
     }
@@ -101,8 +109,7 @@ impl CosimGrid {
             COSIM_QUADRILATERALS => Shape::Quadrilaterals(unsafe { self.surface() }?),
             kind => return Err(Fault::Misused(format!("the grid has the kind {kind}"))),
         };
-        let name = self.name.iter().take_while(|c| **c != 0).map(|c| *c as u8);
-        let name = String::from_utf8_lossy(&name.collect::<Vec<u8>>()).into_owned();
+        let name = name_of(&self.name);
         let grid = Grid { name, revision: self.revision.max(1), shape };
         grid.check().map_err(Fault::Misused)?;
         Ok(grid)

@@ -2,6 +2,7 @@
 
 use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
 use crate::grid::CosimGrid;
+use crate::volume::CosimVolume;
 use proto::accuracy::Simplification;
 use proto::configuration::{FieldOnGrid, Layout};
 use std::ffi::{c_char, c_int};
@@ -34,6 +35,22 @@ pub unsafe extern "C" fn cosim_layout_grid(
         let (layout, grid) =
             unsafe { (exclusive("layout", layout)?, shared("grid", grid)?.copied()?) };
         layout.layout.grids.push(grid);
+        Ok(COSIM_OK)
+    })
+}
+
+/// Adds a volume, which is copied; its geometry is asked for after `build`. COSIM_FAILED if it cannot
+/// be: name, counts.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_volume(
+    layout: *mut CosimLayout,
+    volume: *const CosimVolume,
+) -> c_int {
+    guard("cosim_layout_volume", || {
+        // SAFETY: the header asks for a layout and a volume.
+        let (layout, volume) =
+            unsafe { (exclusive("layout", layout)?, shared("volume", volume)?.announced()?) };
+        layout.layout.grids.push(volume);
         Ok(COSIM_OK)
     })
 }

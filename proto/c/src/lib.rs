@@ -9,7 +9,8 @@
 //! | [`solver`] | the table of callbacks, a step, a report |
 //! | [`fault`] | refusals and failures; no panic crosses |
 //! | [`configuration`], [`layout`] | what a program is given and what it answers |
-//! | [`fields`], [`grid`] | inputs, outputs and state in place; grids |
+//! | [`fields`], [`grid`], [`volume`] | inputs and outputs in place, state piece by piece; grids and volumes |
+//! | [`progress`] | how far it is |
 //!
 //! The header is written from these sources by `tests/header.rs`.
 
@@ -24,7 +25,9 @@ pub mod fields;
 pub mod grid;
 pub mod layout;
 mod participant;
+pub mod progress;
 pub mod solver;
+pub mod volume;
 
 use participant::{LastWords, Program};
 use solver::CosimSolver;

@@ -1,24 +1,28 @@
 //! The callbacks as a [`Solver`], [`Setup`] and [`Model`] of the contract.
 //!
 //! A fault of a callback becomes the error of the trait's method. Where there is none (first outputs,
-//! accept, observe, save, summary, and what is no refusal in configure and build) it unwinds to
+//! accept, observe, summary, and what is no refusal in configure and build) it unwinds to
 //! `cosim_main`, which says it and ends the process, so that the coordinator names the participant
 //! with these last words.
 
 use crate::configuration::CosimConfiguration;
 use crate::fault::{Fault, call, call_text};
-use crate::fields::{CosimBlob, CosimInputs, CosimOutputs};
+use crate::fields::{CosimBlob, CosimInputs, CosimOutputs, Way};
 use crate::layout::CosimLayout;
+use crate::progress;
 use crate::solver::{CosimReport, CosimSolver, CosimStep};
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::Description;
 use proto::field::{FieldKind, FieldSpec};
+use proto::grid::Grid;
 use proto::model::{
-    Inputs, Model, Outputs, Setup, Solver, StateBlob, StateError, Step, StepError, StepReport,
+    Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
+use proto::progress::Progress;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
-use std::ffi::c_void;
+use std::ffi::{CString, c_void};
+use std::io::{self, Read, Write};
 use std::panic::resume_unwind;
 use std::sync::{Mutex, PoisonError};
 
@@ -29,6 +33,25 @@ const CHECKED: &str = "the table was checked when it was read";
 struct Callbacks {
     table: CosimSolver,
     user: *mut c_void,
+}
+
+impl Callbacks {
+    /// An announced volume with the geometry that the program writes.
+    fn geometry(&self, volume: &Grid) -> Result<Grid, Fault> {
+        let name = CString::new(volume.name.as_str()).expect("a grid name is a plain word");
+        let Some(write) = self.table.volume_geometry else {
+            let name = &volume.name;
+            let why = format!("there is no `volume_geometry` that would write volume `{name}`");
+            return Err(Fault::Failed(why));
+        };
+        // What is not written is not finite.
+        let mut values = vec![f64::NAN; 3 * volume.geometry_points()];
+        // SAFETY: the caller answers for the callbacks.
+        call("volume_geometry", || unsafe {
+            write(self.user, name.as_ptr(), values.as_mut_ptr(), values.len())
+        })?;
+        volume.with_geometry(&values, 1).map_err(Fault::Failed)
+    }
 }
 
 /// A program whose description is known.
@@ -125,10 +148,19 @@ impl Solver for Program {
         }
         Ok(Box::new(Prepared {
             callbacks: self.callbacks,
+            volumes: volumes(&layout.layout, configuration),
             layout: layout.layout,
             fields: fields(&self.description, configuration),
         }))
     }
+}
+
+/// The volumes of a layout that a field of this run is on.
+fn volumes(layout: &Layout, configuration: &Configuration) -> Vec<Grid> {
+    let sent = configuration.outputs.iter().chain(&configuration.observed);
+    let volumes = layout.grids.iter().filter(|grid| grid.is_volume());
+    let is_used = |grid: &&Grid| sent.clone().any(|field| layout.grid_of(field) == Some(*grid));
+    volumes.filter(is_used).cloned().collect()
 }
 
 /// Every field that the program may ask for in this run.
@@ -177,6 +209,8 @@ fn refusing(called: Result<(), Fault>) -> Result<(), Refusal> {
 struct Prepared {
     callbacks: Callbacks,
     layout: Layout,
+    /// The announced volumes that a field of this run is on.
+    volumes: Vec<Grid>,
     fields: Vec<FieldSpec>,
 }
 
@@ -185,18 +219,24 @@ impl Setup for Prepared {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+    fn build(self: Box<Self>, progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        progress::report_to(progress);
         let Callbacks { table, user } = self.callbacks;
         if let Some(build) = table.build {
             // SAFETY: the caller answers for the callbacks.
             refusing(call("build", || unsafe { build(user) }))?;
         }
-        Ok(Box::new(Built { callbacks: self.callbacks, fields: self.fields }))
+        let with_geometry = |volume: &Grid| self.callbacks.geometry(volume);
+        let volumes = self.volumes.iter().map(with_geometry).collect::<Result<_, _>>();
+        let volumes = volumes.unwrap_or_else(|fault| end(&fault));
+        Ok(Box::new(Built { callbacks: self.callbacks, volumes, fields: self.fields }))
     }
 }
 
 struct Built {
     callbacks: Callbacks,
+    /// With their geometry; they do not move.
+    volumes: Vec<Grid>,
     fields: Vec<FieldSpec>,
 }
 
@@ -253,6 +293,10 @@ impl Model for Built {
         }
     }
 
+    fn moved_grids(&self) -> &[Grid] {
+        &self.volumes
+    }
+
     fn observe(&mut self, outputs: &mut dyn Outputs) {
         let Callbacks { table, user } = self.callbacks;
         if let Some(observe) = table.observe {
@@ -276,26 +320,21 @@ impl Model for Built {
         }
     }
 
-    fn save(&self, into: &mut StateBlob) {
-        into.0.clear();
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         let Callbacks { table, user } = self.callbacks;
-        if let Some(save) = table.save {
-            let mut blob = CosimBlob { bytes: &mut into.0 };
-            // SAFETY: the caller answers for the callbacks.
-            call("save", || unsafe { save(user, &raw mut blob) })
-                .unwrap_or_else(|fault| end(&fault));
-        }
+        let Some(save) = table.save else { return Ok(()) };
+        let mut blob = CosimBlob(Way::Saving(into));
+        // SAFETY: the caller answers for the callbacks.
+        call("save", || unsafe { save(user, &raw mut blob) })
+            .map_err(|fault| io::Error::other(fault.to_string()))
     }
 
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
         let Callbacks { table, user } = self.callbacks;
-        let (bytes, size) = (from.0.as_ptr().cast::<c_void>(), from.0.len());
-        let Some(restore) = table.restore else {
-            let stateless = || StateError(format!("{size} bytes for a solver without a state"));
-            return if size == 0 { Ok(()) } else { Err(stateless()) };
-        };
+        let Some(restore) = table.restore else { return Ok(()) };
+        let mut blob = CosimBlob(Way::Restoring(from));
         // SAFETY: the caller answers for the callbacks.
-        call("restore", || unsafe { restore(user, bytes, size) })
+        call("restore", || unsafe { restore(user, &raw mut blob) })
             .map_err(|fault| StateError(fault.to_string()))
     }
 }

@@ -5,13 +5,13 @@ use crate::fields::{CosimBlob, CosimInputs, CosimOutputs};
 use crate::layout::CosimLayout;
 use proto::model::{Step, StepReport};
 use std::ffi::{c_char, c_int, c_void};
-use std::mem::MaybeUninit;
+use std::mem::{MaybeUninit, offset_of};
 
 /// Version of this interface. Raised when a program has to be changed, and not only compiled again.
-pub const COSIM_VERSION: u32 = 1;
+pub const COSIM_VERSION: u32 = 2;
 
 /// The smallest table that there has ever been under this version [byte].
-const FIRST_SIZE: usize = size_of::<CosimSolver>();
+const FIRST_SIZE: usize = offset_of!(CosimSolver, volume_geometry);
 
 /// One iteration of one window.
 #[repr(C)]
@@ -124,16 +124,26 @@ pub struct CosimSolver {
         Option<unsafe extern "C" fn(user: *mut c_void, outputs: *mut CosimOutputs<'_>) -> c_int>,
     /// Writes the accepted state with cosim_blob_write(). NULL, together with restore: no state.
     pub save: Option<unsafe extern "C" fn(user: *mut c_void, blob: *mut CosimBlob<'_>) -> c_int>,
-    /// Returns to a saved state, `size` bytes that hold until the callback returns; the run then
-    /// continues bit-identically.
-    pub restore:
-        Option<unsafe extern "C" fn(user: *mut c_void, bytes: *const c_void, size: usize) -> c_int>,
+    /// Returns to a saved state, all of which it reads with cosim_blob_read(); the run then continues
+    /// bit-identically.
+    pub restore: Option<unsafe extern "C" fn(user: *mut c_void, blob: *mut CosimBlob<'_>) -> c_int>,
     /// The program's part of summary.json, a JSON object of sections that are merged over the
     /// participants: {"temperature": {...}}. The text is the program's and stays until destroy.
     /// NULL: none.
     pub summary: Option<unsafe extern "C" fn(user: *mut c_void) -> *const c_char>,
     /// Frees what `user` holds; called once, last.
     pub destroy: Option<unsafe extern "C" fn(user: *mut c_void)>,
+    /// Writes the geometry of the volume of this name, all `count` values, as cosim_volume says.
+    /// Called once, after build, for each volume with an output or observed field of this run. NULL:
+    /// there are no volumes.
+    pub volume_geometry: Option<
+        unsafe extern "C" fn(
+            user: *mut c_void,
+            volume: *const c_char,
+            values: *mut f64,
+            count: usize,
+        ) -> c_int,
+    >,
 }
 
 /// The table with every callback unset, as `{0}` makes it in C.
@@ -230,7 +240,7 @@ mod tests {
             (CosimSolver { configure: None, ..least }, "configure is NULL"),
             (CosimSolver { solve: None, ..least }, "solve is NULL"),
             (CosimSolver { save: Some(save), ..least }, "a state needs both"),
-            (CosimSolver { version: 2, ..least }, "version 2"),
+            (CosimSolver { version: 1, ..least }, "version 1"),
             (CosimSolver { size: 0, ..least }, "size 0"),
             (CosimSolver { size: least.size + 8, ..least }, "sizeof(cosim_solver)"),
         ];

@@ -2,11 +2,13 @@
  * A stateful toy for the system tests: it plays `right` in cases/exchange.toml, keeps a sum that
  * depends on everything it has ever received, and misbehaves when it is asked to.
  */
+#define _POSIX_C_SOURCE 199309L
 #include <cosim.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static const char *const DESCRIPTION = COSIM_JSON({
     "name": "toy", "version": "1", "role": "right", "standalone": true,
@@ -74,6 +76,19 @@ static int build(void *user)
     return fail_if(user, "build");
 }
 
+/* Three seconds of work in a solve, of which one is done when the counting ends. */
+static void work_long(const struct toy *toy)
+{
+    int stuck = strcmp(toy->fault, "stuck") == 0;
+    if (!stuck && strcmp(toy->fault, "long") != 0)
+        return;
+    for (uint64_t done = 0; done < 30; done++) {
+        if (!stuck || done <= 10)
+            cosim_progress(done, 30, "sweeping");
+        nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+    }
+}
+
 static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
                  cosim_outputs *outputs, cosim_report *report)
 {
@@ -84,6 +99,8 @@ static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
     if (!received || !sent)
         return COSIM_FAILED;
     toy->trial = 0.7 * toy->accepted + sin(received[0]) + (step->end - step->start) / 3.0;
+    if (step->window == 3)
+        work_long(toy);
     if (step->window == 3 && strcmp(toy->fault, "unwritten") == 0)
         return COSIM_OK;
     for (size_t i = 0; i < count; i++)
@@ -111,13 +128,10 @@ static int save(void *user, cosim_blob *blob)
     return cosim_blob_write(blob, &toy->accepted, sizeof toy->accepted);
 }
 
-static int restore(void *user, const void *bytes, size_t size)
+static int restore(void *user, cosim_blob *blob)
 {
     struct toy *toy = user;
-    if (size != sizeof toy->accepted)
-        return cosim_fail("the state is of another toy");
-    memcpy(&toy->accepted, bytes, size);
-    return COSIM_OK;
+    return cosim_blob_read(blob, &toy->accepted, sizeof toy->accepted);
 }
 
 static const char *summary(void *user)

@@ -5,9 +5,12 @@ pub use crate::refusal::Refusal;
 use crate::accuracy::Simplification;
 use crate::field::FieldKind;
 use crate::grid::Grid;
+use crate::history::Histories;
 use crate::params::Params;
+use crate::step::Step;
 use crate::text::check_lines;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Steady or transient.
@@ -32,12 +35,22 @@ pub struct Configuration {
     /// The case values this participant reads, in SI units, defaults filled in, nested by table.
     /// `effects` holds a table for every active effect that this participant claims, no other.
     pub case: Params,
+    /// Values of the case that vary; in `case` they have those of the first row.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub histories: Option<Histories>,
     /// Fields it will receive, in the order of [`crate::message::Command::expected`].
     pub inputs: Vec<Input>,
     /// Names of the fields it has to publish in every iteration.
     pub outputs: Vec<String>,
     /// Names of the fields it has to publish when an accepted window is observed.
     pub observed: Vec<String>,
+    /// Threads that it may compute on at the same time. Its results do not depend on it.
+    #[serde(default = "one")]
+    pub threads: usize,
+}
+
+fn one() -> usize {
+    1
 }
 
 /// A field that a participant receives.
@@ -65,6 +78,15 @@ impl Configuration {
         self.case.has(&format!("effects.{name}"))
     }
 
+    /// The case in a window: with the values of its row or instant, where any vary.
+    #[must_use]
+    pub fn case_at(&self, step: &Step) -> Cow<'_, Params> {
+        match &self.histories {
+            Some(histories) => Cow::Owned(histories.at(&self.case, step)),
+            None => Cow::Borrowed(&self.case),
+        }
+    }
+
     /// The grid on which an input arrives.
     #[must_use]
     pub fn input_grid(&self, field: &str) -> Option<&Grid> {
@@ -84,7 +106,7 @@ pub struct Layout {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub inputs: Vec<FieldOnGrid>,
     /// Names of those of the grids that may move when a window is accepted, see
-    /// `moved_grids` of a model.
+    /// `moved_grids` of a model. A volume need not be named.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moving: Vec<String>,
     /// Where the largest value of a field is expected, by its name, as far as that is known before
@@ -129,7 +151,7 @@ impl Layout {
     ///
     /// # Errors
     /// A grid that [`Grid::check`] refuses, two of the same name, an input that is wanted twice or
-    /// on no grid of the layout, a name among those that move that is no grid or stands twice, or a
+    /// on a volume or on no grid of the layout, a name among those that move that is no grid or stands twice, or a
     /// text that is more than one line.
     pub fn check(&self) -> Result<(), String> {
         check_lines("layout", &(&self.remarks, &self.left_out, &self.closed_forms))?;
@@ -143,11 +165,12 @@ impl Layout {
             if self.inputs[..index].iter().any(|other| other.field == *field) {
                 return Err(format!("the input `{field}` is wanted on two grids"));
             }
-            if self.input_grid(field).is_none() {
-                return Err(format!(
-                    "the input `{field}` is wanted on `{grid}`, which is not a grid"
-                ));
-            }
+            let fault = match self.input_grid(field) {
+                Some(wanted) if !wanted.is_volume() => continue,
+                Some(_) => "a volume: fields on volumes are only written out",
+                None => "not a grid",
+            };
+            return Err(format!("the input `{field}` is wanted on `{grid}`, which is {fault}"));
         }
         for (index, name) in self.moving.iter().enumerate() {
             if self.moving[..index].contains(name) || self.grids.iter().all(|g| g.name != *name) {
@@ -157,10 +180,10 @@ impl Layout {
         Ok(())
     }
 
-    /// A grid of this layout may move.
+    /// The geometry of a grid of this layout travels: it may move, or is a volume.
     #[must_use]
     pub fn moves(&self, grid: &Grid) -> bool {
-        self.moving.contains(&grid.name)
+        grid.is_volume() || self.moving.contains(&grid.name)
     }
 
     /// The grid of a field may move.
@@ -200,7 +223,7 @@ pub enum Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::Structured;
+    use crate::grid::{Hexahedra, Structured};
 
     fn wanting(inputs: &[(&str, &str)]) -> Layout {
         let shape = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 3, 2);
@@ -225,6 +248,16 @@ mod tests {
         assert_eq!(nowhere, Err("the input `x` is wanted on `coarse`, which is not a grid".into()));
         let twice = wanting(&[("x", "fine"), ("y", "fine"), ("x", "fine")]).check();
         assert_eq!(twice, Err("the input `x` is wanted on two grids".into()));
+    }
+
+    #[test]
+    fn no_input_is_wanted_on_a_volume() {
+        let mut layout = wanting(&[("x", "body")]);
+        let hexahedra = Hexahedra::Structured { ni: 2, nj: 1, nk: 1 };
+        layout.grids.push(Grid::volume("body", hexahedra));
+        let fault = layout.check().unwrap_err();
+        assert!(fault.contains("`x` is wanted on `body`, which is a volume"), "{fault}");
+        assert!(layout.moves(&layout.grids[1]) && !layout.moves(&layout.grids[0]));
     }
 
     /// A participant that knows of no wishes says and reads what it always did.

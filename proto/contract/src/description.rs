@@ -104,6 +104,10 @@ impl Description {
             let reason = format!("model `{}` answers {other} cases only", model.name);
             return Err(Refusal::new("time.mode", reason, format!("write mode = \"{other}\"")));
         }
+        if let Some(histories) = &given.histories {
+            let refused = |reason: String| Refusal::new("time", reason, "correct the table");
+            histories.check().map_err(refused)?;
+        }
         let active = given.case.get("effects").and_then(serde_json::Value::as_object);
         for name in active.into_iter().flatten().map(|(name, _)| name) {
             self.admit_effect(name, &model.name)?;
@@ -148,6 +152,10 @@ pub struct ModelSpec {
     pub steady: bool,
     /// It can answer a transient case.
     pub transient: bool,
+    /// It can solve a window more than once, always from the accepted state. One that cannot is
+    /// planned only where every window is solved once.
+    #[serde(default = "always", skip_serializing_if = "Clone::clone")]
+    pub rewinds: bool,
     /// Fields it always consumes, by name.
     pub consumes: Vec<String>,
     /// Fields it always can provide, by name.
@@ -157,6 +165,10 @@ pub struct ModelSpec {
     /// What is known of its errors.
     #[serde(default, skip_serializing_if = "Accuracy::is_silent")]
     pub accuracy: Accuracy,
+}
+
+fn always() -> bool {
+    true
 }
 
 /// One participant's part in an effect. Several participants may claim the same effect.
@@ -214,6 +226,10 @@ pub struct KeySpec {
     /// Of all keys with the same word here all or none must be given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub together: Option<String>,
+    /// A case may give a column of a table in the place of one number; whoever reads the key follows it
+    /// through [`Configuration::histories`].
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub varies: bool,
     /// One line for people.
     pub help: String,
 }
@@ -262,6 +278,7 @@ impl KeySpec {
             one_of: None,
             or_none: false,
             together: None,
+            varies: false,
             help: help.to_owned(),
         }
     }
@@ -371,6 +388,13 @@ impl KeySpec {
         self.one_of(group)
     }
 
+    /// It may vary.
+    #[must_use]
+    pub fn varies(mut self) -> Self {
+        self.varies = true;
+        self
+    }
+
     /// All or none of a group.
     #[must_use]
     pub fn together(mut self, group: &str) -> Self {
@@ -398,6 +422,7 @@ mod tests {
             source: "a book".to_owned(),
             steady: true,
             transient,
+            rewinds: true,
             consumes: Vec::new(),
             provides: vec!["pressure".to_owned()],
             keys: Vec::new(),
@@ -445,9 +470,11 @@ mod tests {
             model: model.to_owned(),
             mode,
             case: Params(case),
+            histories: None,
             inputs: Vec::new(),
             outputs: outputs.iter().map(|name| (*name).to_owned()).collect(),
             observed: Vec::new(),
+            threads: 1,
         }
     }
 

@@ -1,19 +1,23 @@
-//! Surface grids: where the values of a field live.
+//! Grids: where the values of a field live.
 //!
 //! A structured grid is a plane patch of equal elements, an unstructured one a surface of
 //! quadrilaterals. Values belong to element centres; the value of element (i, j) of a structured
 //! grid stands at index `j * ni + i` (i runs fastest). For the contact plane `step_i` points along
-//! x, the rolling direction, and `step_j` along y, to the left.
+//! x, the rolling direction, and `step_j` along y, to the left. Fields on volumes of hexahedra are
+//! only written out.
 
 mod geometry;
+mod hexahedron;
 mod quadrilaterals;
 mod structured;
 mod sum;
 mod vector;
+mod volume;
 
 pub use quadrilaterals::Quadrilaterals;
 pub use structured::Structured;
 pub use sum::{blocked_sum, pairwise_sum};
+pub use volume::{Hexahedra, Volume};
 
 use serde::{Deserialize, Serialize};
 
@@ -38,7 +42,8 @@ pub fn check_name(what: &str, name: &str) -> Result<(), String> {
 pub struct Grid {
     /// Name, unique within the participant that owns the grid; at most 31 bytes of ASCII.
     pub name: String,
-    /// Rises by one whenever the geometry changes; the first is 1.
+    /// Rises by one whenever the geometry changes; the first is 1. 0 is a volume that is announced,
+    /// whose geometry is to follow.
     pub revision: u64,
     /// Geometry.
     #[serde(flatten)]
@@ -53,6 +58,8 @@ pub enum Shape {
     Structured(Structured),
     /// Surface of quadrilateral elements.
     Quadrilaterals(Quadrilaterals),
+    /// Hexahedral elements, for fields that are only written out.
+    Volume(Volume),
 }
 
 impl Grid {
@@ -68,30 +75,68 @@ impl Grid {
         Self { name: name.to_owned(), revision: 1, shape: Shape::Quadrilaterals(shape) }
     }
 
+    /// A volume: announced, in revision 0, or with its geometry, in revision 1.
+    #[must_use]
+    pub fn volume(name: &str, shape: impl Into<Volume>) -> Self {
+        let shape = shape.into();
+        let revision = u64::from(!shape.is_announced());
+        Self { name: name.to_owned(), revision, shape: Shape::Volume(shape) }
+    }
+
+    /// What a layout says of the grid: of a volume the elements alone, as its geometry follows.
+    #[must_use]
+    pub fn announced(&self) -> Self {
+        match &self.shape {
+            Shape::Volume(volume) => Self::volume(&self.name, volume.hexahedra()),
+            _ => self.clone(),
+        }
+    }
+
+    /// Fields on it are only written out.
+    #[must_use]
+    pub fn is_volume(&self) -> bool {
+        matches!(self.shape, Shape::Volume(_))
+    }
+
+    /// A volume whose geometry is to follow.
+    #[must_use]
+    pub fn is_announced(&self) -> bool {
+        matches!(&self.shape, Shape::Volume(volume) if volume.is_announced())
+    }
+
     /// Number of points, that is, of elements and of values of a one-component field.
     #[must_use]
     pub fn points(&self) -> usize {
         match &self.shape {
             Shape::Structured(s) => s.points(),
             Shape::Quadrilaterals(q) => q.elements.len(),
+            Shape::Volume(v) => v.hexahedra().elements(),
         }
     }
 
     /// Centre of the element whose value stands at `index` [m].
+    ///
+    /// # Panics
+    /// For a volume that is announced.
     #[must_use]
     pub fn centre(&self, index: usize) -> [f64; 3] {
         match &self.shape {
             Shape::Structured(s) => s.centre(index % s.ni, index / s.ni),
             Shape::Quadrilaterals(q) => q.centre(index),
+            Shape::Volume(v) => v.centre(index),
         }
     }
 
-    /// Area of the element whose value stands at `index` [m²].
+    /// Area of the element whose value stands at `index` [m²]; in a volume its volume [m³].
+    ///
+    /// # Panics
+    /// For a volume that is announced.
     #[must_use]
     pub fn area(&self, index: usize) -> f64 {
         match &self.shape {
             Shape::Structured(s) => s.element_area(),
             Shape::Quadrilaterals(q) => q.area(index),
+            Shape::Volume(v) => v.volume(index),
         }
     }
 
@@ -100,11 +145,13 @@ impl Grid {
     /// vertex (i, j) at `j * (ni + 1) + i`.
     ///
     /// # Errors
-    /// Another length than three values a vertex, or elements that are wrong when moved.
+    /// Another length than three values a vertex, elements that are wrong when moved, or a volume,
+    /// which moves by [`Grid::with_geometry`] alone.
     pub fn displaced(&self, displacement: &[f64]) -> Result<Self, String> {
         let moved = match &self.shape {
             Shape::Structured(s) => Quadrilaterals::from(s).displaced(displacement),
             Shape::Quadrilaterals(q) => q.displaced(displacement),
+            Shape::Volume(_) => Err("it is a volume".to_owned()),
         };
         let shape = moved.map_err(|why| format!("grid `{}`, moved: {why}", self.name))?;
         Ok(Self {
@@ -119,7 +166,8 @@ impl Grid {
     /// # Errors
     /// A name that is no plain word of at most 31 bytes, no points or more than fit, steps that are
     /// not finite or have no length, vertices that are not finite or missing, elements that are not
-    /// convex.
+    /// convex or have no positive volume, a volume that has both or neither of a geometry and the
+    /// revision 0.
     pub fn check(&self) -> Result<(), String> {
         check_name("grid", &self.name)?;
         let name = &self.name;
@@ -128,6 +176,14 @@ impl Grid {
             Shape::Quadrilaterals(q) => {
                 return q.check().map_err(|why| format!("grid `{name}`: {why}"));
             }
+            Shape::Volume(v) if v.is_announced() != (self.revision == 0) => {
+                let revision = self.revision;
+                return Err(format!(
+                    "volume `{name}` has revision {revision}: it is announced in revision 0, and its \
+                     geometry follows with revision 1"
+                ));
+            }
+            Shape::Volume(v) => return v.check().map_err(|why| format!("volume `{name}`: {why}")),
         };
         match s.ni.checked_mul(s.nj) {
             Some(points) if (1..=MOST_POINTS).contains(&points) => {}
@@ -145,16 +201,21 @@ impl Grid {
     pub fn as_structured(&self) -> Option<&Structured> {
         match &self.shape {
             Shape::Structured(s) => Some(s),
-            Shape::Quadrilaterals(_) => None,
+            Shape::Quadrilaterals(_) | Shape::Volume(_) => None,
         }
     }
 
-    /// Surface integral of a one-component field given at the points [unit·m²].
+    /// Surface integral of a one-component field given at the points [unit·m²]; the integral over a
+    /// volume [unit·m³].
+    ///
+    /// # Panics
+    /// For a volume that is announced.
     #[must_use]
     pub fn integrate(&self, values: &[f64]) -> f64 {
         match &self.shape {
             Shape::Structured(s) => s.element_area() * blocked_sum(values),
             Shape::Quadrilaterals(q) => pairwise_sum(0..values.len(), &|n| q.area(n) * values[n]),
+            Shape::Volume(v) => pairwise_sum(0..values.len(), &|n| v.volume(n) * values[n]),
         }
     }
 }
@@ -186,6 +247,25 @@ mod tests {
             grid("contact", 3, 2, f64::NAN),
         ];
         assert!(wrong.iter().all(Result::is_err), "{wrong:?}");
+    }
+
+    #[test]
+    fn a_volume_is_announced_before_its_geometry_comes() {
+        let axis = [0.0, 1.0, 3.0];
+        let grid = Grid::volume("body", Volume::rectilinear([&axis; 3]));
+        assert_eq!((grid.check(), grid.revision, grid.points()), (Ok(()), 1, 8));
+        assert_eq!((grid.centre(1), grid.area(1)), ([2.0, 0.5, 0.5], 2.0));
+        assert_eq!(grid.integrate(&[0.5; 8]), 13.5);
+        let announced = grid.announced();
+        assert_eq!((announced.check(), announced.revision), (Ok(()), 0));
+        let text = serde_json::to_string(&announced).unwrap();
+        let expected = r#"{"name":"body","revision":0,"kind":"volume","hexahedra":"rectilinear","ni":2,"nj":2,"nk":2}"#;
+        assert_eq!(text, expected);
+        assert_eq!(serde_json::from_str::<Grid>(&text).unwrap(), announced);
+        for wrong in [Grid { revision: 0, ..grid }, Grid { revision: 1, ..announced }] {
+            let fault = wrong.check().unwrap_err();
+            assert!(fault.contains("it is announced in revision 0"), "{fault}");
+        }
     }
 
     #[test]

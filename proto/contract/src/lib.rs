@@ -9,6 +9,7 @@
 //! | [`step`] | one solve, and what a model reports of it |
 //! | [`description`] | what a participant says of itself: models, effects, case keys, fields |
 //! | [`configuration`] | what a participant receives: its part of the case, its inputs and outputs |
+//! | [`history`] | case values that vary: columns of a table |
 //! | [`params`] | typed access to the case values inside a configuration |
 //! | [`accuracy`] | what a model says of its errors |
 //! | [`message`] | the fixed layouts of commands, replies and field headers |
@@ -22,6 +23,7 @@ pub mod configuration;
 pub mod description;
 pub mod field;
 pub mod grid;
+pub mod history;
 pub mod message;
 pub mod params;
 mod refusal;

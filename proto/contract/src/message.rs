@@ -3,9 +3,11 @@
 //! All types are `#[repr(C)]`, self-contained (no pointers), with explicit padding, so that C and
 //! Python lay them out alike; the tests pin every size and offset. Text sits in zero-padded ASCII
 //! labels. Variable-length content (configuration, errors, summaries) travels as JSON bytes behind
-//! a [`Command`] or [`Reply`]; field values travel as `[f64]` behind a [`FieldHeader`].
+//! a [`Command`] or [`Reply`]; field values travel as `[f64]` behind a [`FieldHeader`]; a
+//! [`ProgressReport`] stands alone.
 
 use crate::step::{Step, StepReport};
+use crate::text::one_line;
 
 /// The most inputs one participant can have.
 pub const MAX_INPUTS: usize = 16;
@@ -57,7 +59,8 @@ pub enum CommandKind {
     /// Body: [`Topics`]; open the field ports, reply. Nothing is published before every participant
     /// has replied, so that every sample finds all its subscribers.
     Connect = 3,
-    /// Build the model, publish the first outputs, reply.
+    /// Build the model, publish the geometry of the volumes in [`Topics::geometry`] and the first
+    /// outputs, reply.
     Initialise = 4,
     /// Solve one iteration of one window, publish the outputs, reply.
     Solve = 5,
@@ -233,6 +236,34 @@ impl Reply {
     }
 }
 
+/// How far a participant is with the command that it works on, for its heartbeat.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProgressReport {
+    /// Sequence number of the command.
+    pub sequence: u64,
+    /// What is done, in the participant's own measure.
+    pub done: u64,
+    /// What there is to do, in the same measure; 0 if nobody knows.
+    pub of: u64,
+    /// What is being done, in a word ("factorising").
+    pub what: Label<32>,
+}
+
+/// "37 of 60 factorising"; whatever the participant wrote, it is one line.
+impl std::fmt::Display for ProgressReport {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.done)?;
+        if self.of > 0 {
+            write!(f, " of {}", self.of)?;
+        }
+        match one_line(self.what.as_str()) {
+            what if what.is_empty() => Ok(()),
+            what => write!(f, " {what}"),
+        }
+    }
+}
+
 /// Stands before the values of every field: a field never travels unlabelled.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -279,7 +310,8 @@ pub struct Topics {
     /// How inputs vary within a window.
     #[serde(default)]
     pub interpolation: Interpolation,
-    /// The grids of this participant whose geometry it has to publish whenever they move.
+    /// The grids of this participant whose geometry it has to publish whenever they move, and those
+    /// of its volumes that a field of the run is on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub geometry: Vec<GeometryTopic>,
 }
@@ -341,7 +373,7 @@ pub struct StateFile {
     /// for `Save`.
     #[serde(default)]
     pub outputs: Vec<OutputFile>,
-    /// For `Restore`, the grids of [`Topics::geometry`] as they were in the command's step, on which
+    /// For `Restore`, the surfaces of [`Topics::geometry`] as they were in the command's step, on which
     /// the outputs are.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub geometry: Vec<crate::grid::Grid>,
@@ -407,6 +439,30 @@ mod tests {
             offset_of!(Reply, wanted_window),
         ];
         assert_eq!(offsets, [0, 4, 8, 16, 24, 28, 32, 40, 48]);
+    }
+
+    #[test]
+    fn golden_layout_of_progress_report() {
+        assert_eq!((size_of::<ProgressReport>(), align_of::<ProgressReport>()), (56, 8));
+        let offsets = [
+            offset_of!(ProgressReport, sequence),
+            offset_of!(ProgressReport, done),
+            offset_of!(ProgressReport, of),
+            offset_of!(ProgressReport, what),
+        ];
+        assert_eq!(offsets, [0, 8, 16, 24]);
+    }
+
+    #[test]
+    fn progress_reads_as_a_sentence_of_one_line() {
+        let report = |done, of, what: &str| {
+            let what = Label::new(what);
+            ProgressReport { sequence: 1, done, of, what }.to_string()
+        };
+        assert_eq!(report(37, 60, "factorising"), "37 of 60 factorising");
+        assert_eq!(report(37, 0, "assembling"), "37 assembling");
+        assert_eq!(report(3, 4, ""), "3 of 4");
+        assert_eq!(report(1, 2, "\u{1b}[2J"), "1 of 2 \\u{1b}[2J");
     }
 
     #[test]

@@ -9,9 +9,9 @@ transient. The equations are in `conduction.py`; pairs are ordered upper, lower.
 
 from __future__ import annotations
 
-import io
 import math
 from dataclasses import replace
+from typing import BinaryIO
 
 import numpy as np
 from conduction import (
@@ -353,9 +353,9 @@ class StripColumns(Solver):
             low, high = (middle, high) if rise(middle) > target else (low, middle)
         return 0.5 * (low + high)
 
-    def save(self) -> bytes:
-        """The accepted windows and rises."""
-        windows, file = self.accepted, io.BytesIO()
+    def save(self, file: BinaryIO) -> None:
+        """Write the accepted windows and rises."""
+        windows = self.accepted
         np.savez(
             file,
             name=np.array(self.name),
@@ -365,16 +365,15 @@ class StripColumns(Solver):
             flux=np.array([window.flux for window in windows]).reshape(-1, *self.shape),
             rise=np.array(self.rise),
         )
-        return file.getvalue()
 
-    def restore(self, state: bytes) -> None:
+    def restore(self, file: BinaryIO) -> None:
         """Return to a saved state, of this program and this grid."""
         try:
-            with np.load(io.BytesIO(state), allow_pickle=False) as saved:
+            with np.load(file, allow_pickle=False) as saved:
                 name, rise = str(saved["name"]), saved["rise"]
                 parts = [saved[key] for key in ("duration", "speeds", "shares", "flux")]
         except Exception as error:
-            raise StateError(f"{len(state)} bytes are not a complete state") from error
+            raise StateError("it is not complete") from error
         if name != self.name or rise.shape != (2, *self.shape):
             raise StateError(
                 f"it is of {name} on {rise.shape[1:]}, not {self.name} on {self.shape}"

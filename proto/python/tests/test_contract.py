@@ -20,7 +20,7 @@ from cosim import (
     Solver,
     Structured,
 )
-from cosim.messages import PROTOCOL_VERSION, Command, FieldHeader, Reply
+from cosim.messages import PROTOCOL_VERSION, Command, FieldHeader, ProgressReport, Reply
 from cosim.run_dir import RunError, RunInfo
 from cosim.server import to_json
 from cosim.solver import checked_layout, first_non_finite
@@ -29,6 +29,7 @@ from cosim.solver import checked_layout, first_non_finite
 LAYOUTS = [
     (Command, 176, [0, 4, 8, 16, 24, 28, 32, 40, 48]),
     (Reply, 56, [0, 4, 8, 16, 24, 28, 32, 40, 48]),
+    (ProgressReport, 56, [0, 8, 16, 24]),
     (FieldHeader, 176, [0, 4, 8, 16, 24, 32, 36, 40, 48, 56, 64, 96, 112, 144]),
 ]
 

@@ -1,4 +1,5 @@
-//! Grids that move: what a participant publishes of its own, and what it receives of others'.
+//! Grids that move, and volumes, which come to their geometry as if they moved there: what a
+//! participant publishes of its own, and what it receives of others'.
 
 use super::error::PortError;
 use crate::field;
@@ -39,9 +40,28 @@ impl GeometryPort {
         Ok(Self { grid: grid.clone(), writer, header })
     }
 
+    fn is_not_given(&self) -> Result<(), PortError> {
+        let Grid { name, .. } = &self.grid;
+        match (self.grid.is_volume(), self.grid.is_announced()) {
+            (true, false) => Ok(()),
+            (true, true) => Err(PortError::Geometry(format!(
+                "the geometry of the volume `{name}` is not given"
+            ))),
+            (false, _) => {
+                Err(PortError::Geometry(format!("the grid `{name}`, which may move, is not given")))
+            }
+        }
+    }
+
     /// Publishes the grid if it has moved; whether it has.
     fn publish(&mut self, moved: &Grid, step: &Step) -> Result<bool, PortError> {
         self.grid.check_moved(moved).map_err(PortError::Geometry)?;
+        if moved.is_announced() {
+            let name = &moved.name;
+            return Err(PortError::Geometry(format!(
+                "the volume `{name}` is given without geometry"
+            )));
+        }
         if moved.revision == self.grid.revision {
             return Ok(false);
         }
@@ -82,7 +102,8 @@ impl GeometryPorts {
         self.0.iter().try_for_each(|port| port.writer.wait_for_subscribers(deadline))
     }
 
-    /// Publishes those of the grids that have moved, and gives each of these to `moved`.
+    /// Publishes those of the grids that have moved, and gives each of these to `moved`. A volume
+    /// whose geometry is out need not be given again.
     pub(super) fn publish(
         &mut self,
         grids: &[Grid],
@@ -90,12 +111,10 @@ impl GeometryPorts {
         mut moved: impl FnMut(&Grid),
     ) -> Result<(), PortError> {
         for port in &mut self.0 {
-            let name = &port.grid.name;
-            let grid = grids.iter().find(|grid| grid.name == *name).ok_or_else(|| {
-                PortError::Geometry(format!("the grid `{name}`, which may move, is not given"))
-            })?;
-            if port.publish(grid, step)? {
-                moved(grid);
+            match grids.iter().find(|grid| grid.name == port.grid.name) {
+                Some(grid) if port.publish(grid, step)? => moved(grid),
+                Some(_) => {}
+                None => port.is_not_given()?,
             }
         }
         Ok(())

@@ -1,8 +1,10 @@
 //! The participant's heart: a thread that beats while the model computes, and that ends the
 //! process when the coordinator is dead.
 
+use crate::message::ProgressReport;
+use crate::progress::Progress;
 use crate::run_dir::{CoordinatorWatch, RunDir};
-use crate::transport::{Beat, Ringer, TransportError};
+use crate::transport::{Beat, Ringer, Sender, TransportError};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -39,6 +41,30 @@ impl Activity {
     }
 }
 
+/// What a beat says, and where.
+pub(super) struct Voice {
+    /// Index of the participant among the roles of the run.
+    pub(super) index: usize,
+    pub(super) ringer: Ringer,
+    pub(super) activity: Activity,
+    pub(super) progress: Progress,
+    pub(super) reports: Sender<ProgressReport>,
+    /// The last report that has reached the coordinator.
+    pub(super) reported: Option<ProgressReport>,
+}
+
+impl Voice {
+    fn beat(&mut self) -> Result<(), TransportError> {
+        let newest = self.progress.newest();
+        if let Some(report) = newest.filter(|_| newest != self.reported)
+            && self.reports.offer(&report)?
+        {
+            self.reported = newest;
+        }
+        self.ringer.beat(self.index, self.activity.beat())
+    }
+}
+
 /// Beats until dropped.
 pub(super) struct Pulse {
     stop: Option<SyncSender<()>>,
@@ -47,16 +73,13 @@ pub(super) struct Pulse {
 
 impl Pulse {
     pub(super) fn start(
-        ringer: Ringer,
-        index: usize,
-        activity: Activity,
+        mut voice: Voice,
         coordinator: CoordinatorWatch,
         run: Arc<Mutex<Option<RunDir>>>,
     ) -> io::Result<Self> {
         let (stop, stopped) = sync_channel(0);
         let thread = std::thread::Builder::new().name("pulse".to_owned()).spawn(move || {
-            let ring = || ringer.beat(index, activity.beat());
-            beat(&ring, &coordinator, &run, &stopped);
+            beat(&mut voice, &coordinator, &run, &stopped);
         })?;
         Ok(Self { stop: Some(stop), thread: Some(thread) })
     }
@@ -72,7 +95,7 @@ impl Drop for Pulse {
 }
 
 fn beat(
-    ring: &dyn Fn() -> Result<(), TransportError>,
+    voice: &mut Voice,
     coordinator: &CoordinatorWatch,
     run: &Mutex<Option<RunDir>>,
     stopped: &Receiver<()>,
@@ -85,7 +108,7 @@ fn beat(
             drop(run.lock().map(|mut run| run.take()));
             std::process::exit(1);
         }
-        if let Err(error) = ring() {
+        if let Err(error) = voice.beat() {
             tracing::warn!(%error, "the heartbeat does not reach the coordinator");
         }
     }

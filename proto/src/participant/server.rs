@@ -3,16 +3,20 @@
 use super::error::PortError;
 use super::geometry::GeometryPorts;
 use super::ports::{InputPorts, OutputPorts};
-use super::pulse::Activity;
+use super::pulse::{Activity, Voice};
 use crate::configuration::{Configuration, Refusal};
 use crate::field::{self, FieldKind};
 use crate::grid::Grid;
 use crate::message::{
     Command, CommandKind, Failure, Finished, OBSERVE, Reply, StateFile, Status, Topics,
 };
-use crate::model::{Model, Setup, Solver, StateBlob, StateError, Step, StepError};
+use crate::model::{Model, Setup, Solver, StateError, Step, StepError};
+use crate::progress::Progress;
 use crate::run_dir::{RunInfo, peak_resident_memory, processor_seconds};
 use crate::transport::{Doorbell, Endpoint, Receiver, Ringer, Sender, TransportError};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Why a command could not be done. All but a refusal travel as [`Failure`].
@@ -31,7 +35,7 @@ enum CommandError {
     #[error("malformed message: {0}")]
     Json(#[from] serde_json::Error),
     #[error("state file {path}: {error}")]
-    StateFile { path: std::path::PathBuf, error: std::io::Error },
+    StateFile { path: std::path::PathBuf, error: io::Error },
     #[error("{0}")]
     Protocol(String),
     #[error("{0}")]
@@ -78,6 +82,7 @@ pub(super) struct Server<'a> {
     role: String,
     stage: Stage,
     activity: Activity,
+    progress: Progress,
     commands: Receiver<Command>,
     replies: Sender<Reply>,
     coordinator: Ringer,
@@ -100,12 +105,13 @@ impl<'a> Server<'a> {
         coordinator.ring()?;
         let role = role.to_owned();
         let stage = Stage::Joined;
-        let activity = Activity::default();
+        let (activity, progress) = (Activity::default(), Progress::default());
         Ok(Self {
             solver,
             role,
             stage,
             activity,
+            progress,
             commands,
             replies,
             coordinator,
@@ -114,13 +120,16 @@ impl<'a> Server<'a> {
         })
     }
 
-    /// What it is doing, for the heartbeat.
-    pub(super) fn activity(&self) -> Activity {
-        self.activity.clone()
-    }
-
-    pub(super) fn ringer(&self) -> Ringer {
-        self.coordinator.clone()
+    /// What its heart says, as the participant of this index.
+    pub(super) fn voice(&self, index: usize) -> Result<Voice, TransportError> {
+        Ok(Voice {
+            index,
+            ringer: self.coordinator.clone(),
+            activity: self.activity.clone(),
+            progress: self.progress.clone(),
+            reports: self.endpoint.progress_sender(&self.role)?,
+            reported: None,
+        })
     }
 
     /// Answers commands until the run is finished. The heartbeat thread ends the process when the
@@ -131,6 +140,7 @@ impl<'a> Server<'a> {
                 self.doorbell.wait::<_, TransportError>(|| self.commands.receive(), |_, _| ())?;
             let command = *message.header();
             self.activity.busy();
+            self.progress.begin(command.sequence);
             let answer = match self.handle(&command, message.body()) {
                 Ok(answer) => answer,
                 Err(error) => Some(failed(&command, &error)),
@@ -245,9 +255,10 @@ impl<'a> Server<'a> {
         };
         ports.wait_for_subscribers(Instant::now() + patience)?;
         let start = Instant::now();
-        let mut model = setup.build()?;
+        let mut model = setup.build(&self.progress)?;
         let model_time = start.elapsed();
         let step = Step { iteration: 0, ..Step::STEADY };
+        ports.move_to(model.moved_grids(), &step)?;
         ports.outputs.loan()?;
         model.first_outputs(&mut ports.outputs);
         ports.outputs.publish(&step)?;
@@ -343,10 +354,8 @@ impl Running {
     }
 
     fn save(&mut self, done: Reply, file: &StateFile) -> Result<Reply, CommandError> {
-        let mut blob = StateBlob::default();
-        self.model.save(&mut blob);
         let partial = file.path.with_extension("partial");
-        std::fs::write(&partial, &blob.0)
+        write_state(&*self.model, &partial)
             .and_then(|()| std::fs::rename(&partial, &file.path))
             .map_err(|error| CommandError::StateFile { path: file.path.clone(), error })?;
         Ok(done)
@@ -358,9 +367,9 @@ impl Running {
         done: Reply,
         file: &StateFile,
     ) -> Result<Reply, CommandError> {
-        let bytes = std::fs::read(&file.path)
+        let opened = File::open(&file.path)
             .map_err(|error| CommandError::StateFile { path: file.path.clone(), error })?;
-        self.model.restore(&StateBlob(bytes))?;
+        read_state(&mut *self.model, opened)?;
         self.step = command.step();
         let (ports, step) = (&mut self.ports, &self.step);
         ports.move_to(&file.geometry, step)?;
@@ -372,6 +381,23 @@ impl Running {
         ports.outputs.publish(step)?;
         ports.move_to(self.model.moved_grids(), step)?;
         Ok(done)
+    }
+}
+
+/// Streams the accepted state to a file.
+fn write_state(model: &dyn Model, path: &Path) -> io::Result<()> {
+    let mut file = BufWriter::new(File::create(path)?);
+    model.save(&mut file)?;
+    file.flush()
+}
+
+/// Streams a state from a file, to its end.
+fn read_state(model: &mut dyn Model, file: File) -> Result<(), StateError> {
+    let mut file = BufReader::new(file);
+    model.restore(&mut file)?;
+    match file.read(&mut [0])? {
+        0 => Ok(()),
+        _ => Err(StateError("it goes on where the model's ends".to_owned())),
     }
 }
 

@@ -12,7 +12,7 @@ use std::time::SystemTime;
 use toml::Table;
 
 /// The executables, each with the folder of its package and the source of its own.
-const PROGRAMS: [(&str, &str, &str); 13] = [
+const PROGRAMS: [(&str, &str, &str); 15] = [
     ("coordinator", "coordinator", "src/main.rs"),
     ("mech-solver", "mech-solver", "src/main.rs"),
     ("thermal-solver", "thermal-solver", "src/main.rs"),
@@ -20,12 +20,14 @@ const PROGRAMS: [(&str, &str, &str); 13] = [
     ("toy-body", "tests", "src/bin/toy-body.rs"),
     ("toy-future", "tests", "src/bin/toy-future.rs"),
     ("toy-left", "tests", "src/bin/toy-left.rs"),
+    ("toy-long", "tests", "src/bin/toy-long.rs"),
     ("toy-mover", "tests", "src/bin/toy-mover.rs"),
     ("toy-operator", "tests", "src/bin/toy-operator.rs"),
     ("toy-plate", "tests", "src/bin/toy-plate.rs"),
     ("toy-relay", "tests", "src/bin/toy-relay.rs"),
     ("toy-right", "tests", "src/bin/toy-right.rs"),
     ("toy-source", "tests", "src/bin/toy-source.rs"),
+    ("toy-volume", "tests", "src/bin/toy-volume.rs"),
 ];
 
 /// The folder of the executables, `target/PROFILE`.

@@ -7,9 +7,12 @@ use proto::description::{Description, KeySpec, ModelSpec};
 use proto::field::{Body, FieldSpec, Mapping};
 use proto::grid::{Grid, Structured};
 use proto::model::{
-    Inputs, Model, Outputs, Setup, Solver, StateBlob, StateError, Step, StepError, StepReport,
+    Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
 use proto::params::Params;
+use proto::progress::Progress;
+use proto::state::{read_numbers, write_numbers};
+use std::io::{self, Read, Write};
 
 /// What `relay` sends.
 pub const RELAY_VALUE: FieldSpec = field("relay_value");
@@ -80,6 +83,7 @@ impl Linear {
             source: "linear algebra".to_owned(),
             steady: true,
             transient: true,
+            rewinds: true,
             consumes: vec![self.receives().name.to_owned()],
             provides: vec![self.sends().name.to_owned()],
             keys: Vec::new(),
@@ -183,7 +187,7 @@ impl Setup for LinearSetup {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let problem = match self.part {
             Linear::Relay => None,
             Linear::Operator => {
@@ -251,14 +255,11 @@ impl Model for LinearModel {
         }
     }
 
-    fn save(&self, into: &mut StateBlob) {
-        into.0 = self.true_error.to_le_bytes().to_vec();
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        write_numbers(into, [&self.true_error])
     }
 
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        let bytes = from.0.as_slice().try_into();
-        let bytes = bytes.map_err(|_| StateError(format!("{} bytes, not 8", from.0.len())))?;
-        self.true_error = f64::from_le_bytes(bytes);
-        Ok(())
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        Ok(read_numbers(from, [&mut self.true_error])?)
     }
 }

@@ -7,9 +7,11 @@ use proto::description::{Description, KeySpec, ModelSpec};
 use proto::field::{Body, FieldSpec, Mapping};
 use proto::grid::Grid;
 use proto::model::{
-    InputField, Inputs, Model, Outputs, Setup, Solver, StateBlob, StateError, Step, StepError,
-    StepReport,
+    InputField, Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
+use proto::progress::Progress;
+use proto::state::read_bytes;
+use std::io::{self, Read, Write};
 
 /// What `mover` sends \[W/m²\].
 pub const MOVING_FLUX: FieldSpec = FieldSpec {
@@ -81,6 +83,7 @@ impl Moving {
             source: "a closed form".to_owned(),
             steady: false,
             transient: true,
+            rewinds: true,
             consumes: vec![self.receives().name.to_owned()],
             provides,
             keys: Vec::new(),
@@ -174,7 +177,7 @@ impl Setup for MovingSetup {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let grids = self.layout.grids.clone();
         let solved_on = grids[0].clone();
         let (accepted, trial) = (Books::default(), Books::default());
@@ -308,17 +311,15 @@ impl Model for MovingModel {
         }})
     }
 
-    fn save(&self, into: &mut StateBlob) {
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         let Books { windows, revision, error } = self.accepted;
-        into.0 = [windows, revision, error.to_bits()].map(u64::to_le_bytes).as_flattened().to_vec();
+        into.write_all([windows, revision, error.to_bits()].map(u64::to_le_bytes).as_flattened())
     }
 
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        let ([a, b, c], []) = from.0.as_chunks() else {
-            return Err(StateError(format!("{} bytes, not 24", from.0.len())));
-        };
-        let [windows, revision, error] = [a, b, c].map(|bytes| u64::from_le_bytes(*bytes));
-        self.accepted = Books { windows, revision, error: f64::from_bits(error) };
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        let mut next = || read_bytes(from).map(u64::from_le_bytes);
+        let (windows, revision, error) = (next()?, next()?, f64::from_bits(next()?));
+        self.accepted = Books { windows, revision, error };
         if self.setup.part == Moving::Mover {
             self.grids[0] = self.grid_after(windows);
             self.solved_on = self.grid_after(windows - 1);

@@ -127,6 +127,20 @@ fn failures_say_who_when_and_why() {
 }
 
 #[test]
+fn progress_restarts_the_deadline() {
+    let program = Compiled::from(TOY);
+    let command = program.command("right", None);
+    for (fault, code) in [("long", 0), ("stuck", 1)] {
+        let fault = format!("right.fault={fault}");
+        let settings = ["time.end=9", "coupling.solve_deadline=1", &fault];
+        let ended = Place::new().run(&case("exchange.toml"), &with(&settings, &command));
+        assert_eq!(ended.code, Some(code), "{}", ended.stderr);
+        let told = ended.stderr.contains("it stopped at 10 of 30 sweeping: no progress for 1.0 s");
+        assert_eq!(told, code == 1, "{}", ended.stderr);
+    }
+}
+
+#[test]
 fn a_table_that_cannot_be_is_told() {
     let program = Compiled::from(TOY);
     for (word, part) in [

@@ -57,8 +57,8 @@ fn assert_fails((ended, report): &(Ended, Value), check: &str, words: &str) {
 const COARSE: [&str; 2] = ["--set", "mech.resolution=8"];
 
 /// The checks that do not concern a mechanical solver that runs alone.
-const ALONE: [&str; 5] =
-    ["heat-received", "growing-grids", "missing-sample", "wrong-sample", "not-finite"];
+const ALONE: [&str; 6] =
+    ["heat-received", "growing-grids", "volumes", "missing-sample", "wrong-sample", "not-finite"];
 
 /// A solver of ours passes with every model, on coarse grids, in so many settings.
 fn ours_conform(role: &str, name: &str, inapplicable: &[&str], settings: usize) {
@@ -68,10 +68,40 @@ fn ours_conform(role: &str, name: &str, inapplicable: &[&str], settings: usize) 
 
 // Mechanics with temperatures to read: FASTSIM does not support that effect.
 table_of_tests! { ours_conform:
-    the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &[], 3);
-    the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &[], 3);
+    the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &["volumes"], 3);
+    the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &["volumes"], 3);
     the_mechanical_solver_conforms_with_every_model("mech", "wheel-rail.toml", &ALONE, 6);
-    the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &["heat-received"], 4);
+    the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &["heat-received", "volumes"], 4);
+}
+
+/// A volume that stays, and one that moves with every window.
+#[test]
+fn a_participant_with_a_volume_conforms() {
+    let command = [programs().join("toy-volume").display().to_string()];
+    let mut alone = vec!["missing-key"];
+    alone.extend(ALONE.iter().filter(|check| **check != "volumes"));
+    for set in ["volume.hexahedra=rectilinear", "volume.swells=true"] {
+        let options = &["--set", set][..];
+        assert_eq!(assert_conforms("volume", &case("volume.toml"), (options, &command), &alone), 2);
+    }
+    let script = root().join("tests/tests/system/python/volume.py").display().to_string();
+    let compiled = Compiled::from("proto/c/tests/volume.c");
+    let foreign = [vec![interpreter().display().to_string(), script], vec![compiled.path()]];
+    for command in foreign {
+        assert_eq!(assert_conforms("volume", &case("volume.toml"), (&[], &command), &alone), 2);
+    }
+    for (fault, words) in [
+        ("missing", "the geometry of the volume `block` is not given"),
+        ("mirrored", "the volume `block` is given without geometry"),
+    ] {
+        let fault = format!("volume.fault={fault}");
+        let options = ["--only", "volumes", "--set", &fault];
+        assert_fails(
+            &conform("volume", &case("volume.toml"), &options, &command),
+            "volumes",
+            words,
+        );
+    }
 }
 
 /// A first look; in both modes and on grids of 200 000 elements: the target `nightly`.
@@ -80,7 +110,7 @@ fn strip_columns_in_python_conform() {
     let program = root().join("proto/python/examples/strip_columns.py");
     let command = [interpreter(), &program].map(|path| path.display().to_string());
     let quick = (&["--quick"][..], &command[..]);
-    let steady = ["other-end", "no-duration"];
+    let steady = ["other-end", "no-duration", "volumes"];
     let settings = assert_conforms("thermal", &case("falling-friction.toml"), quick, &steady);
     assert_eq!(settings, 1);
 }
@@ -88,7 +118,7 @@ fn strip_columns_in_python_conform() {
 #[test]
 fn the_closed_form_in_c_conforms() {
     let program = Compiled::from("proto/c/examples/closed_form.c");
-    let steady = ["other-end", "no-duration"];
+    let steady = ["other-end", "no-duration", "volumes"];
     let command = [program.path()];
     let settings = assert_conforms("thermal", &case("wheel-rail.toml"), (&[], &command), &steady);
     assert_eq!(settings, 1);
@@ -113,7 +143,7 @@ fn few_processes_are_started_and_fewer_for_a_quick_look() {
     let starts = |options: &[&str], settings: usize| {
         let _ = std::fs::remove_file(folder.path().join("count"));
         let conforms =
-            assert_conforms("thermal", &case("wheel-rail.toml"), (options, &command), &[]);
+            assert_conforms("thermal", &case("wheel-rail.toml"), (options, &command), &["volumes"]);
         assert_eq!(conforms, settings);
         std::fs::read_to_string(folder.path().join("count")).unwrap().lines().count()
     };
@@ -307,6 +337,7 @@ mod every_check_can_fail {
         restore: "the restored process continues differently",
         damaged_state: "in spite of a state truncated to 0 of",
         growing_grids: "too many elements",
+        volumes: "element 0 has the volume -",
         missing_sample: "never came, and it fails with: input `surface_speed` is missing",
         wrong_sample: "in spite of a gap in the sequence numbers",
         not_finite: "NaN in `friction_power` fails with",

@@ -32,6 +32,7 @@ mod faults;
 mod figures;
 mod folders;
 mod implicit;
+mod long_work;
 mod machine;
 mod mapping;
 mod moving;
@@ -48,7 +49,9 @@ mod results;
 mod resume;
 mod stability;
 mod start;
+mod threads;
 mod time;
 mod two_way;
+mod volume;
 
 use tests::harness;

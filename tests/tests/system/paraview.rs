@@ -11,6 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 use tests::moving::{flux, patch};
+use tests::volume::{KINDS, VOLUME_PLACE, VOLUME_TEMPERATURE, block, temperature};
 
 /// Places are told by a corner and a spacing, or by vertices: their rounding, in parts of the largest
 /// coordinate.
@@ -212,7 +213,7 @@ fn surfaces_and_their_export_read_as_they_were_sent() {
     let described = Command::new(programs().join("toy-mover")).arg("--describe").output().unwrap();
     let described: Description = serde_json::from_slice(&described.stdout).unwrap();
     let kind = |name| described.fields.iter().find(|kind| kind.name == name).unwrap().clone();
-    let expected = ["moving_flux", "moving_place"].map(kind);
+    let expected = ["moving_flux", "moving_place"].map(|name| ShownKind::of(&kind(name), None));
     // Ten windows; the patch makes a step after each, and the last fields are on that before it.
     let grid = patch("stretch", 9);
     for seen in [look(&place.out().join("fields")), export(&place).0] {
@@ -228,6 +229,42 @@ fn surfaces_and_their_export_read_as_they_were_sent() {
             let value = data.arrays[0].values[cell][0];
             assert!((value / flux(centre) - 1.0).abs() < ROUNDING, "{value} at {centre:?}");
             assert_eq!(data.arrays[1].values[cell], [centre[0], centre[1], 0.0]);
+        }
+    }
+}
+
+/// The block swells: the last fields are on what it was before it was accepted.
+#[test]
+fn volumes_and_their_export_read_as_they_were_sent() {
+    for (kind, ending) in KINDS.iter().zip([".vtr", ".vts", ".vtu"]) {
+        let place = Place::new();
+        let hexahedra = format!("volume.hexahedra={kind}");
+        let mut more = sets(&[&hexahedra, "volume.swells=true", "output.every=3"]);
+        more.push("--record");
+        place.summary(&case("volume.toml"), &more);
+        let grid = block(kind, 8, 3);
+        for (seen, by_name) in
+            [(look(&place.out().join("fields")), false), (export(&place).0, true)]
+        {
+            assert_opened(&seen);
+            let data = seen.series["volume_block"].last().unwrap();
+            assert!(data.file.ends_with(ending), "{}", data.file);
+            assert_eq!((data.time, data.cells), (4.0, grid.points()));
+            let mut fields = [VOLUME_TEMPERATURE, VOLUME_PLACE];
+            if by_name {
+                fields.reverse();
+            }
+            data.assert_labelled(&kinds(&fields));
+            let array = |field: &FieldSpec| {
+                let name = format!("{} [{}]", field.name, field.unit);
+                data.arrays.iter().find(|array| array.name == name).unwrap()
+            };
+            for point in 0..grid.points() {
+                let (centre, cell) = (grid.centre(point), data.cell(grid.centre(point)));
+                assert_eq!(cell, point, "elements keep their order");
+                assert_eq!(array(&VOLUME_PLACE).values[cell], centre);
+                assert_eq!(array(&VOLUME_TEMPERATURE).values[cell], [temperature(centre, 4)]);
+            }
         }
     }
 }

@@ -204,6 +204,26 @@ table_of_tests! { a_moving_grid_survives:
     a_patch_that_stretches_and_is_heard_on_survives("stretch", "parallel-implicit", (true, "constant"), 17);
 }
 
+/// A volume is not part of a checkpoint: its geometry follows the state of its participant.
+fn a_volume_survives(hexahedra: &str, swells: &str, mut seed: u64) {
+    let (hexahedra, swells) =
+        (format!("volume.hexahedra={hexahedra}"), format!("volume.swells={swells}"));
+    let settings = [
+        hexahedra.as_str(),
+        &swells,
+        "volume.elements=48",
+        "time.end=40",
+        "output.every=3",
+        "output.checkpoint_every=2",
+    ];
+    killed_and_resumed(&case("volume.toml"), &settings, 8, &mut seed);
+}
+
+table_of_tests! { a_volume_survives:
+    a_volume_that_stays_survives("rectilinear", "false", 18);
+    a_volume_that_moves_survives("unstructured", "true", 19);
+}
+
 /// A run of many windows that has been killed after at least two checkpoints.
 fn killed(settings: &[&str]) -> Place {
     let place = Place::new();

@@ -79,6 +79,7 @@ pub fn at_point<'a>(
 /// The steady surface convolution, in units in which an element is passed in unit time.
 ///
 /// The result times share/(β√π) · √(h/V) is the temperature rise of a body [K].
+#[derive(Clone)]
 pub struct Steady {
     stencil: Stencil,
     spectral: Option<Spectral>,

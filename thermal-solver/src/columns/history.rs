@@ -19,7 +19,9 @@
 
 use super::reconstruction::Flux;
 use super::stencil::Segment;
+use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::collections::VecDeque;
+use std::io::{self, Read, Write};
 
 /// Merged windows last no longer than this part of their age.
 const PART_OF_AGE: f64 = 0.25;
@@ -171,42 +173,38 @@ impl History {
         }
     }
 
-    /// Accepted windows in the order in which [`History::restore`] takes them back.
-    pub fn save(&self, bytes: &mut Vec<u8>) {
-        bytes.extend_from_slice(&(self.accepted.len() as u64).to_le_bytes());
+    /// Writes the accepted windows, in the order in which [`History::restore`] reads them.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        into.write_all(&(self.accepted.len() as u64).to_le_bytes())?;
         for Window { drive, heat, flux } in &self.accepted {
-            let [upper, lower] = drive.speeds;
-            let [to_upper, to_lower] = drive.shares;
-            for value in [drive.duration, upper, lower, to_upper, to_lower, *heat] {
-                bytes.extend_from_slice(&value.to_le_bytes());
-            }
-            flux.save(bytes);
+            let ([upper, lower], [to_upper, to_lower]) = (drive.speeds, drive.shares);
+            write_numbers(into, &[drive.duration, upper, lower, to_upper, to_lower, *heat])?;
+            flux.save(into)?;
         }
+        Ok(())
     }
 
-    /// Takes back what [`History::save`] wrote, all of it; `None`, and nothing changed, if it does
-    /// not fit.
-    pub fn restore(&mut self, bytes: &[u8]) -> Option<()> {
-        let (count, mut rest) = bytes.split_first_chunk()?;
+    /// Reads back what [`History::save`] wrote.
+    ///
+    /// # Errors
+    /// It does not fit; then nothing has changed.
+    pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         let mut accepted = VecDeque::with_capacity(self.accepted.capacity());
-        for _ in 0..u64::from_le_bytes(*count) {
+        for _ in 0..u64::from_le_bytes(read_bytes(from)?) {
             let mut window = empty_window(self.columns, self.rows);
             let mut numbers = [0.0; 6];
-            for number in &mut numbers {
-                let (head, tail) = rest.split_first_chunk()?;
-                (*number, rest) = (f64::from_le_bytes(*head), tail);
-            }
+            read_numbers(from, &mut numbers)?;
             let [duration, upper, lower, to_upper, to_lower, heat] = numbers;
             window.drive = Drive { duration, speeds: [upper, lower], shares: [to_upper, to_lower] };
             window.heat = heat;
-            rest = window.flux.restore(rest)?;
+            window.flux.restore(from)?;
             accepted.push_back(window);
         }
-        if !rest.is_empty() {
-            return None;
-        }
         self.accepted = accepted;
-        Some(())
+        Ok(())
     }
 }
 
@@ -313,10 +311,10 @@ mod tests {
         push(&mut history, 0.5, &[2.0; 4], 1.0);
         let before = history.accepted.clone();
         let mut bytes = Vec::new();
-        history.save(&mut bytes);
-        assert!(history.restore(&bytes[..bytes.len() - 1]).is_none());
+        history.save(&mut bytes).unwrap();
+        assert!(history.restore(&mut &bytes[..bytes.len() - 1]).is_err());
         assert_eq!(history.accepted, before);
-        assert_eq!(history.restore(&bytes), Some(()));
+        history.restore(&mut bytes.as_slice()).unwrap();
         assert_eq!(history.accepted, before);
     }
 }

@@ -40,3 +40,4 @@ pub mod moments;
 pub mod reconstruction;
 pub mod spectral;
 pub mod stencil;
+pub mod team;

@@ -20,6 +20,8 @@
 //! edge value is 0, and negative means (cooling) mirror positive ones, so that the reconstruction
 //! of −q is the negative one. An element with mean 0 has no flux at all.
 
+use proto::state::{read_bytes, read_numbers, write_numbers};
+use std::io::{self, Read, Write};
 use std::ops::Range;
 
 /// Values read at once by the inner loops; rows are padded with as many zeros.
@@ -50,6 +52,33 @@ pub struct FluxRow<'a> {
     pub edge: &'a [f64],
     /// First element with a flux, and the one after the last.
     pub support: (usize, usize),
+}
+
+/// Some rows of a [`Flux`] that are to be reconstructed.
+pub struct Piece<'a> {
+    columns: usize,
+    means: &'a [f64],
+    middle: &'a mut [f64],
+    edge: &'a mut [f64],
+    support: &'a mut [(u32, u32)],
+}
+
+impl Piece<'_> {
+    /// Takes over the element means.
+    pub fn reconstruct(self) {
+        let stride = self.columns + 1 + LANES;
+        let coefficients = self.middle.chunks_mut(stride).zip(self.edge.chunks_mut(stride));
+        let rows = self.means.chunks(self.columns).zip(self.support);
+        for ((means, support), (middle, edge)) in rows.zip(coefficients) {
+            *support = support_of(means);
+            if support.1 == 0 {
+                middle.fill(0.0);
+                edge.fill(0.0);
+            } else {
+                reconstruct_row(means, middle, edge);
+            }
+        }
+    }
 }
 
 impl Flux {
@@ -99,19 +128,27 @@ impl Flux {
 
     /// Takes over element means [W/m²], `columns` a row.
     pub fn reconstruct(&mut self, means: &[f64]) {
+        self.pieces(means, self.rows).for_each(Piece::reconstruct);
+    }
+
+    /// The same in pieces of so many rows, which may be reconstructed in any order.
+    pub fn pieces<'a>(
+        &'a mut self,
+        means: &'a [f64],
+        rows: usize,
+    ) -> impl Iterator<Item = Piece<'a>> + Send {
         self.heating = means.iter().fold(true, |all, mean| all & (*mean >= 0.0));
-        for (row, means) in means.chunks_exact(self.columns).enumerate() {
-            let support = support_of(means);
-            let span = self.span(row);
-            let (middle, edge) = (&mut self.middle[span.clone()], &mut self.edge[span]);
-            if support.1 == 0 {
-                middle.fill(0.0);
-                edge.fill(0.0);
-            } else {
-                reconstruct_row(means, middle, edge);
-            }
-            self.support[row] = support;
-        }
+        let (columns, stride) = (self.columns, self.stride);
+        let coefficients =
+            self.middle.chunks_mut(rows * stride).zip(self.edge.chunks_mut(rows * stride));
+        let supports = self.support.chunks_mut(rows).zip(means.chunks(rows * columns));
+        coefficients.zip(supports).map(move |((middle, edge), (support, means))| Piece {
+            columns,
+            means,
+            middle,
+            edge,
+            support,
+        })
     }
 
     /// Turns this flux into the mean of itself over `own` and of `other` over `others` seconds.
@@ -149,37 +186,35 @@ impl Flux {
             + edge[element + 1] * theta * theta
     }
 
-    /// Coefficients and supports, in the order in which [`Flux::restore`] takes them back.
-    pub fn save(&self, bytes: &mut Vec<u8>) {
-        for value in self.middle.iter().chain(&self.edge) {
-            bytes.extend_from_slice(&value.to_le_bytes());
-        }
+    /// Writes coefficients and supports, in the order in which [`Flux::restore`] reads them.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        write_numbers(into, self.middle.iter().chain(&self.edge))?;
         for (first, end) in &self.support {
-            bytes.extend_from_slice(&first.to_le_bytes());
-            bytes.extend_from_slice(&end.to_le_bytes());
+            into.write_all(&first.to_le_bytes())?;
+            into.write_all(&end.to_le_bytes())?;
         }
-        bytes.push(u8::from(self.heating));
+        into.write_all(&[u8::from(self.heating)])
     }
 
-    /// Takes back what [`Flux::save`] wrote and returns the rest; `None` if it is too short or
-    /// a support is not inside the row.
-    pub fn restore<'b>(&mut self, mut bytes: &'b [u8]) -> Option<&'b [u8]> {
-        for value in self.middle.iter_mut().chain(&mut self.edge) {
-            let (head, rest) = bytes.split_first_chunk()?;
-            (*value, bytes) = (f64::from_le_bytes(*head), rest);
-        }
+    /// Reads back what [`Flux::save`] wrote.
+    ///
+    /// # Errors
+    /// It ends too early, or a support is not inside the row.
+    pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        read_numbers(from, self.middle.iter_mut().chain(&mut self.edge))?;
         for support in &mut self.support {
-            for bound in [&mut support.0, &mut support.1] {
-                let (head, rest) = bytes.split_first_chunk()?;
-                (*bound, bytes) = (u32::from_le_bytes(*head), rest);
-            }
+            *support =
+                (u32::from_le_bytes(read_bytes(from)?), u32::from_le_bytes(read_bytes(from)?));
             if support.0 > support.1 || support.1 as usize > self.columns {
-                return None;
+                return Err(io::Error::other("a support is not inside the row"));
             }
         }
-        let (heating, rest) = bytes.split_first()?;
-        self.heating = *heating == 1;
-        Some(rest)
+        let [heating] = read_bytes(from)?;
+        self.heating = heating == 1;
+        Ok(())
     }
 
     /// Number of elements in a row.
@@ -352,11 +387,13 @@ mod tests {
             let mut flux = Flux::zero(4, 3);
             flux.reconstruct(&means);
             let mut bytes = Vec::new();
-            flux.save(&mut bytes);
+            flux.save(&mut bytes).unwrap();
             let mut back = Flux::zero(4, 3);
-            prop_assert_eq!(back.restore(&bytes).map(<[u8]>::len), Some(0));
+            let mut rest = bytes.as_slice();
+            back.restore(&mut rest).unwrap();
+            prop_assert!(rest.is_empty());
             prop_assert_eq!(&back, &flux);
-            prop_assert!(back.restore(&bytes[1..]).is_none());
+            prop_assert!(back.restore(&mut &bytes[1..]).is_err());
         }
     }
 }

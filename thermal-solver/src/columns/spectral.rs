@@ -15,6 +15,7 @@ use std::sync::Arc;
 type Spectrum = Vec<Complex<f64>>;
 
 /// Plans, spectra of the weights and scratch for rows of one length.
+#[derive(Clone)]
 pub struct Spectral {
     columns: usize,
     forward: Arc<dyn RealToComplex<f64>>,

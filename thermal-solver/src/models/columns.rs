@@ -13,12 +13,15 @@ use crate::columns::convolution::{
 use crate::columns::history::{Drive, History, Stage};
 use crate::columns::reconstruction::Flux;
 use crate::columns::stencil::{Part, Stencil};
+use crate::columns::team::{ROWS, Team};
 use crate::search::maximum;
 use proto::accuracy::Accuracy;
 use proto::configuration::Mode;
 use proto::description::ModelSpec;
 use proto::grid::blocked_sum;
 use proto::model::StepError;
+use std::io::{self, Read, Write};
+use std::ops::Range;
 
 /// Its description.
 #[must_use]
@@ -33,6 +36,7 @@ pub fn spec() -> ModelSpec {
             .to_owned(),
         steady: true,
         transient: true,
+        rewinds: true,
         consumes,
         provides,
         keys: vec![resolution(), section_key()],
@@ -45,6 +49,12 @@ const SECONDS_PER_MULTIPLY_ADD: f64 = 0.1e-9;
 const SECONDS_PER_POINT_OVER_FOURIER: f64 = 15e-9;
 const SECONDS_PER_POINT: f64 = 6e-9;
 
+/// What a point costs in the reconstruction of the flux, in its sum, and in the convolution over
+/// Fourier space, in multiply-adds.
+const RECONSTRUCTION: u64 = 30;
+const MEANS: u64 = 10;
+const OVER_FOURIER: u64 = 80;
+
 /// Windows and speeds for which the share of the past in the rises holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PastKey {
@@ -52,14 +62,20 @@ struct PastKey {
     speeds: [f64; 2],
 }
 
-/// The model.
-pub struct Columns {
-    frame: Frame,
-    history: History,
+/// What a thread computes in.
+#[derive(Clone)]
+struct Scratch {
     /// Steady convolution, and the row it writes.
     steady: Steady,
     /// Mean fluxes of a row, or its steady convolution.
     line: Vec<f64>,
+}
+
+/// The model.
+pub struct Columns {
+    frame: Frame,
+    history: History,
+    team: Team<Scratch>,
     row_sums: Vec<f64>,
     /// Transient weights of each body, window by window.
     stencils: [Stencil; 2],
@@ -83,8 +99,10 @@ impl Conduction for Columns {
         Self {
             frame: frame.clone(),
             history: History::new(columns, rows, frame.grid.dx()),
-            steady: Steady::new(columns),
-            line: vec![0.0; columns],
+            team: Team::new(
+                frame.threads,
+                Scratch { steady: Steady::new(columns), line: vec![0.0; columns] },
+            ),
             row_sums: vec![0.0; rows],
             stencils: [Stencil::default(), Stencil::default()],
             past: [past.clone(), past],
@@ -114,18 +132,20 @@ impl Conduction for Columns {
         rise: &mut [Vec<f64>; 2],
     ) -> Result<Work, StepError> {
         let window = self.history.trial_mut();
-        window.flux.reconstruct(flux);
+        let points = flux.len() as u64;
+        let pieces = window.flux.pieces(flux, ROWS);
+        self.team.sweep(points * RECONSTRUCTION, pieces, |_, piece| {
+            piece.reconstruct();
+            0
+        });
         window.drive = *drive;
-        window.heat = heat(&window.flux, &mut self.line, &mut self.row_sums);
+        window.heat = heat(&window.flux, &mut self.team, &mut self.row_sums);
         let heat = drive.shares.map(|share| share * window.heat);
-        let operations = match self.frame.mode {
-            Mode::Steady => self.solve_steady(drive, rise),
-            Mode::Transient => self.solve_transient(drive, rise),
-        };
         let heating = self.history.windows(Stage::Trial).all(|window| window.flux.is_heating());
-        if heating {
-            rise.iter_mut().for_each(|rise| remove_negative_rounding(rise));
-        }
+        let operations = match self.frame.mode {
+            Mode::Steady => self.solve_steady(drive, heating, rise),
+            Mode::Transient => self.solve_transient(drive, heating, rise),
+        };
         Ok(Work { operations, heat })
     }
 
@@ -170,51 +190,63 @@ impl Conduction for Columns {
         Some(Peak { rise, x, row })
     }
 
-    fn save(&self, bytes: &mut Vec<u8>) {
-        self.history.save(bytes);
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        self.history.save(into)
     }
 
-    fn restore(&mut self, bytes: &[u8]) -> Option<()> {
-        self.history.restore(bytes)?;
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        self.history.restore(from)?;
         self.past_key = None;
-        Some(())
+        Ok(())
     }
 }
 
 impl Columns {
     /// One convolution for both bodies: share/(β√π) · √(h/V) times that of unit speed and length.
-    fn solve_steady(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> u64 {
-        let columns = self.frame.grid.ni;
-        let window = self.history.trial_mut();
+    fn solve_steady(&mut self, drive: &Drive, heating: bool, rise: &mut [Vec<f64>; 2]) -> u64 {
+        let (columns, flux) = (self.frame.grid.ni, &self.history.trial_mut().flux);
         let factors: [f64; 2] = std::array::from_fn(|body| {
             let passing = self.frame.grid.dx() / drive.speeds[body];
             drive.shares[body] * self.frame.amplitude(body) * passing.sqrt()
         });
-        let mut work = 0;
-        for row in 0..self.frame.grid.nj {
-            work += self.steady.apply(window.flux.row(row), &mut self.line);
-            for (rise, factor) in rise.iter_mut().zip(factors) {
-                let rise = &mut rise[row * columns..(row + 1) * columns];
-                for (rise, value) in rise.iter_mut().zip(&self.line) {
-                    *rise = factor * value;
+        let [wheel, rail] = rise;
+        let (size, points) = (ROWS * columns, wheel.len() as u64);
+        let each = if columns < CROSSOVER { columns as u64 } else { OVER_FOURIER };
+        let pieces = wheel.chunks_mut(size).zip(rail.chunks_mut(size)).enumerate();
+        self.team.sweep(each * points, pieces, |scratch, (piece, (wheel, rail))| {
+            let rows = wheel.chunks_mut(columns).zip(rail.chunks_mut(columns));
+            let mut work = 0;
+            for (row, (wheel, rail)) in (piece * ROWS..).zip(rows) {
+                work += scratch.steady.apply(flux.row(row), &mut scratch.line);
+                for (rise, factor) in [wheel, rail].into_iter().zip(factors) {
+                    for (rise, value) in rise.iter_mut().zip(&scratch.line) {
+                        *rise = factor * value;
+                    }
+                    if heating {
+                        remove_negative_rounding(rise);
+                    }
                 }
             }
-        }
-        work
+            work
+        })
     }
 
     /// The past's part, kept while only the flux of this window changes, plus this window's.
-    fn solve_transient(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> u64 {
+    fn solve_transient(&mut self, drive: &Drive, heating: bool, rise: &mut [Vec<f64>; 2]) -> u64 {
         let key = PastKey { duration: drive.duration, speeds: drive.speeds };
         let mut work = 0;
         if self.past_key != Some(key) {
             work += self.rebuild_past();
             self.past_key = Some(key);
         }
+        let columns = self.frame.grid.ni;
         for (body, rise) in rise.iter_mut().enumerate() {
             rise.copy_from_slice(&self.past[body]);
-            let parts = self.stencils[body].parts().take(1);
-            work += add_windows(parts, &self.history, self.frame.grid.ni, rise);
+            let parts = Parts { stencil: &self.stencils[body], which: 0..1 };
+            work += parts.add(&mut self.team, &self.history, columns, rise);
+            if heating {
+                remove_negative_rounding(rise);
+            }
         }
         work
     }
@@ -227,36 +259,60 @@ impl Columns {
             self.stencils[body].build(past.map(|(segment, _)| segment), columns, 0.0);
             rise.fill(0.0);
             // The first part is the window on trial: it lasts some time.
-            let parts = self.stencils[body].parts().skip(1);
-            work += add_windows(parts, &self.history, columns, rise);
+            let parts = Parts { stencil: &self.stencils[body], which: 1..usize::MAX };
+            work += parts.add(&mut self.team, &self.history, columns, rise);
         }
         work
     }
 }
 
-/// Adds what windows of the trial state contribute to the rises on the whole grid.
-fn add_windows<'a>(
-    parts: impl Iterator<Item = Part<'a>>,
-    history: &History,
-    columns: usize,
-    rise: &mut [f64],
-) -> u64 {
-    let mut work = 0;
-    for part in parts {
-        let Some(window) = history.window(Stage::Trial, part.segment) else { continue };
-        for (row, rise) in rise.chunks_exact_mut(columns).enumerate() {
-            work += accumulate(&part, window.flux.row(row), rise);
-        }
-    }
-    work
+/// Some parts of a stencil: what windows of the trial state contribute.
+struct Parts<'a> {
+    stencil: &'a Stencil,
+    which: Range<usize>,
 }
 
-/// Sum of the element means [W/m²] of the flux as it is convolved, not as it came.
-fn heat(flux: &Flux, line: &mut [f64], row_sums: &mut [f64]) -> f64 {
-    for (row, sum) in row_sums.iter_mut().enumerate() {
-        flux.means_into(row, line);
-        *sum = blocked_sum(line);
+impl Parts<'_> {
+    fn iter(&self) -> impl Iterator<Item = Part<'_>> {
+        self.stencil.parts().skip(self.which.start).take(self.which.len())
     }
+
+    /// Adds them to the rises on the whole grid.
+    fn add(
+        &self,
+        team: &mut Team<Scratch>,
+        history: &History,
+        columns: usize,
+        rise: &mut [f64],
+    ) -> u64 {
+        let weights: usize = self.iter().map(|part| 2 * part.edge.len()).sum();
+        let operations = (weights * rise.len()) as u64;
+        let pieces = rise.chunks_mut(ROWS * columns).enumerate();
+        team.sweep(operations, pieces, |_, (piece, rise)| {
+            let mut work = 0;
+            for part in self.iter() {
+                let Some(window) = history.window(Stage::Trial, part.segment) else { continue };
+                for (row, rise) in (piece * ROWS..).zip(rise.chunks_mut(columns)) {
+                    work += accumulate(&part, window.flux.row(row), rise);
+                }
+            }
+            work
+        })
+    }
+}
+
+/// Sum of the element means [W/m²] of the flux as it is convolved, not as it came: row by row, in the
+/// same order on any number of threads.
+fn heat(flux: &Flux, team: &mut Team<Scratch>, row_sums: &mut [f64]) -> f64 {
+    let points = (flux.rows() * flux.columns()) as u64;
+    let pieces = row_sums.chunks_mut(ROWS).enumerate();
+    team.sweep(points * MEANS, pieces, |scratch, (piece, sums)| {
+        for (row, sum) in (piece * ROWS..).zip(sums) {
+            flux.means_into(row, &mut scratch.line);
+            *sum = blocked_sum(&scratch.line);
+        }
+        0
+    });
     blocked_sum(row_sums)
 }
 

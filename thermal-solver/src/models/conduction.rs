@@ -3,6 +3,7 @@
 use super::frame::Frame;
 use crate::columns::history::{Drive, Stage};
 use proto::model::StepError;
+use std::io::{self, Read, Write};
 
 /// Expected cost of a model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,10 +72,15 @@ pub trait Conduction: Sized + 'static {
     /// rows in which they are not zero; `None` if nothing is warm.
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak>;
 
-    /// Appends the accepted state.
-    fn save(&self, bytes: &mut Vec<u8>);
+    /// Writes the accepted state.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    fn save(&self, into: &mut dyn Write) -> io::Result<()>;
 
-    /// Takes back what [`Conduction::save`] wrote, all of it; `None`, and nothing changed, if it
-    /// does not fit.
-    fn restore(&mut self, bytes: &[u8]) -> Option<()>;
+    /// Reads back what [`Conduction::save`] wrote.
+    ///
+    /// # Errors
+    /// It does not fit; then nothing has changed.
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()>;
 }

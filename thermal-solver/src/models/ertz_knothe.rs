@@ -33,7 +33,9 @@ use crate::{LOWER, UPPER};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::description::ModelSpec;
 use proto::model::StepError;
+use proto::state::{read_numbers, write_numbers};
 use std::f64::consts::PI;
+use std::io::{self, Read, Write};
 
 const SECONDS_PER_POINT: f64 = 30e-9;
 
@@ -48,6 +50,7 @@ pub fn spec() -> ModelSpec {
             .to_owned(),
         steady: true,
         transient: false,
+        rewinds: true,
         consumes,
         provides,
         keys: vec![section_key()],
@@ -173,30 +176,21 @@ impl Conduction for ErtzKnothe {
         Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, row })
     }
 
-    fn save(&self, bytes: &mut Vec<u8>) {
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         let Field { drive, rows } = &self.accepted;
-        let numbers = drive.speeds.iter().chain(&drive.shares).copied();
-        let rows = rows.iter().flat_map(|row| [row.heat, row.centre, row.semi_axis]);
-        for value in numbers.chain(rows) {
-            bytes.extend_from_slice(&value.to_le_bytes());
-        }
+        write_numbers(into, drive.speeds.iter().chain(&drive.shares))?;
+        rows.iter().try_for_each(|row| write_numbers(into, &[row.heat, row.centre, row.semi_axis]))
     }
 
-    fn restore(&mut self, bytes: &[u8]) -> Option<()> {
-        let (numbers, rest) = bytes.as_chunks();
-        let mut numbers = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes));
-        if !rest.is_empty() || numbers.len() != 4 + 3 * self.accepted.rows.len() {
-            return None;
-        }
-        let mut next = || numbers.next().expect("the count was checked");
-        let Field { drive, rows } = &mut self.accepted;
-        for value in drive.speeds.iter_mut().chain(&mut drive.shares) {
-            *value = next();
-        }
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        let mut accepted = self.accepted.clone();
+        let Field { drive, rows } = &mut accepted;
+        read_numbers(from, drive.speeds.iter_mut().chain(&mut drive.shares))?;
         for row in rows {
-            *row = Ellipse { heat: next(), centre: next(), semi_axis: next() };
+            read_numbers(from, [&mut row.heat, &mut row.centre, &mut row.semi_axis])?;
         }
-        Some(())
+        self.accepted = accepted;
+        Ok(())
     }
 }
 

@@ -28,6 +28,8 @@ pub struct Frame {
     pub grid: Structured,
     /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
     pub section_y: f64,
+    /// Threads to compute on.
+    pub threads: usize,
 }
 
 impl Frame {

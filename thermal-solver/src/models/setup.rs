@@ -13,6 +13,7 @@ use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
 use proto::model::{Model, Setup};
+use proto::progress::Progress;
 
 /// Elements along the larger extent of the grid.
 const RESOLUTION: &str = "thermal.resolution";
@@ -67,7 +68,8 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             let grid = own_grid(given, &arriving)?;
             let moves = given.inputs.iter().any(|i| i.moves && is_heat(i));
             let section_y = section_y(given)?;
-            let known = Frame { scene, partition, mode: given.mode, grid, section_y };
+            let (mode, threads) = (given.mode, given.threads);
+            let known = Frame { scene, partition, mode, grid, section_y, threads };
             layout = lay_out::<C>(&known, given);
             if grid != arriving || moves {
                 layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));
@@ -176,7 +178,7 @@ impl<C: Conduction> Setup for Prepared<C> {
         &self.layout
     }
 
-    fn build(self: Box<Self>) -> Result<Box<dyn Model>, Refusal> {
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         match self.frame {
             Some(frame) => Ok(Box::new(Shell::<C>::new(frame))),
             None => Err(Refusal::new(

@@ -9,9 +9,10 @@ use crate::effects::friction_heat::Partition;
 use proto::configuration::Mode;
 use proto::field::{self, FieldSpec};
 use proto::model::{
-    InputField, Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport,
-    first_non_finite,
+    InputField, Inputs, Model, Outputs, StateError, Step, StepError, StepReport, first_non_finite,
 };
+use proto::state::{read_bytes, read_numbers, write_numbers};
+use std::io::{self, Read, Write};
 
 const STATE_VERSION: u8 = 1;
 
@@ -96,19 +97,6 @@ impl<C: Conduction> Shell<C> {
         header[9..].copy_from_slice(&(self.frame.grid.nj as u64).to_le_bytes());
         header
     }
-
-    /// Reads everything after version and header; `None`, and nothing changed, if it does not fit.
-    fn restore_body(&mut self, mut bytes: &[u8]) -> Option<()> {
-        let mut accepted = self.accepted.clone();
-        for value in accepted.iter_mut().flatten() {
-            let (head, rest) = bytes.split_first_chunk()?;
-            (*value, bytes) = (f64::from_le_bytes(*head), rest);
-        }
-        self.conduction.restore(bytes)?;
-        self.accepted = accepted;
-        self.solved = false;
-        Some(())
-    }
 }
 
 impl<C: Conduction> Model for Shell<C> {
@@ -169,33 +157,29 @@ impl<C: Conduction> Model for Shell<C> {
         summary::temperature(&self.frame, &self.conduction, &self.accepted)
     }
 
-    fn save(&self, into: &mut StateBlob) {
-        into.0.clear();
-        into.0.push(STATE_VERSION);
-        into.0.extend_from_slice(&self.header());
-        for value in self.accepted.iter().flatten() {
-            into.0.extend_from_slice(&value.to_le_bytes());
-        }
-        self.conduction.save(&mut into.0);
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        into.write_all(&[STATE_VERSION])?;
+        into.write_all(&self.header())?;
+        write_numbers(into, self.accepted.iter().flatten())?;
+        self.conduction.save(into)
     }
 
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        let error = |reason: String| Err(StateError(reason));
-        let Some((version, rest)) = from.0.split_first() else {
-            return error("it is empty".to_owned());
-        };
-        if *version != STATE_VERSION {
-            return error(format!("its version is {version}, not {STATE_VERSION}"));
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        let [version] = read_bytes(from)?;
+        if version != STATE_VERSION {
+            return Err(StateError(format!("its version is {version}, not {STATE_VERSION}")));
         }
-        let header = self.header();
-        let Some(body) = rest.strip_prefix(&header) else {
+        if read_bytes(from)? != self.header() {
             let (columns, rows) = (self.frame.grid.ni, self.frame.grid.nj);
-            return error(format!("another model or grid than this one of {columns} x {rows}"));
-        };
-        match self.restore_body(body) {
-            Some(()) => Ok(()),
-            None => error(format!("{} bytes are not a complete state", from.0.len())),
+            let reason = format!("another model or grid than this one of {columns} x {rows}");
+            return Err(StateError(reason));
         }
+        let mut accepted = self.accepted.clone();
+        read_numbers(from, accepted.iter_mut().flatten())?;
+        self.conduction.restore(from)?;
+        self.accepted = accepted;
+        self.solved = false;
+        Ok(())
     }
 }
 

@@ -8,6 +8,7 @@ use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
 use proto::model::{InputField, Inputs, Model, Outputs, Solver, Step, StepError, StepReport};
 use proto::params::Params;
+use proto::progress::Progress;
 use serde_json::{Value, json};
 use thermal_solver::ThermalSolver;
 use thermal_solver::quadrature::integrate;
@@ -63,12 +64,14 @@ pub(crate) fn configuration(
         model: model.to_owned(),
         mode,
         case: Params(case),
+        histories: None,
         inputs: vec![
             input(&field::FRICTION_POWER, Grid::structured("contact", grid)),
             input(&field::SURFACE_SPEED, one_point()),
         ],
         outputs: names(&[&field::LOWER_TEMPERATURE, &field::UPPER_TEMPERATURE]),
         observed: names(&[&field::LOWER_SECTION_TEMPERATURE, &field::UPPER_SECTION_TEMPERATURE]),
+        threads: 1,
     }
 }
 
@@ -121,12 +124,22 @@ pub(crate) struct Run {
 
 impl Run {
     pub(crate) fn new(model: &str, mode: Mode, grid: Structured, case: Value) -> Self {
-        let configuration = configuration(model, mode, grid, case);
+        Self::on(1, model, mode, grid, case)
+    }
+
+    pub(crate) fn on(
+        threads: usize,
+        model: &str,
+        mode: Mode,
+        grid: Structured,
+        case: Value,
+    ) -> Self {
+        let configuration = Configuration { threads, ..configuration(model, mode, grid, case) };
         let setup = ThermalSolver.configure(&configuration).unwrap();
         let layout = setup.layout().clone();
         let poison = vec![f64::NAN; grid.points()];
         Self {
-            model: setup.build().unwrap(),
+            model: setup.build(&Progress::default()).unwrap(),
             layout,
             given: Given {
                 flux: None,

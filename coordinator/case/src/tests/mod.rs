@@ -52,6 +52,7 @@ fn model(name: &str, transient: bool, keys: Vec<KeySpec>) -> ModelSpec {
         source: "test".to_owned(),
         steady: name != "moving-source",
         transient,
+        rewinds: true,
         consumes: Vec::new(),
         provides: vec!["pressure".to_owned()],
         keys,

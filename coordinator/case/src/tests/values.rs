@@ -2,7 +2,7 @@
 
 use super::{GOOD, case, case_with, descriptions, effect, lines, mech, thermal};
 use crate::schema::{ROLE, own_keys};
-use crate::{Control, OutputFields, Place, RawCase, Timing, validate};
+use crate::{Control, Limits, OutputFields, Place, RawCase, Timing, validate};
 use contract::description::KeySpec;
 use contract::field;
 use coupling::map::Method;
@@ -22,14 +22,14 @@ fn settings_have_their_values_and_defaults() {
     ];
     assert_eq!(deadlines, [3600.0, 30.0, 30.0]);
     assert_eq!((plain.output.fields, plain.output.every), (OutputFields::All, None));
-    assert_eq!(plain.limits.shared_memory, None);
+    assert_eq!(plain.limits, Limits { shared_memory: None, threads: None });
     assert_eq!(plain.effects, ["friction_heat", "partial_slip"]);
     let set = case_with(
         GOOD,
         &[
             "time={mode=\"transient\", window=\"1 ms\", end=0.5}",
             "coupling={scheme=\"serial-explicit\", solve_deadline=\"2 min\"}",
-            "limits.shared_memory=64 MB",
+            "limits={shared_memory=\"64 MB\", threads=3}",
             "output={fields=[\"pressure\"], every=3}",
             "thermal.command=[\"python3\", \"t.py\"]",
             "mech.attach=true",
@@ -40,7 +40,7 @@ fn settings_have_their_values_and_defaults() {
     assert_eq!(set.timing, Timing::Transient { window: 0.001, end: 0.5, control });
     assert_eq!(set.coupling.scheme, Scheme::SerialExplicit);
     assert_eq!(set.coupling.solve_deadline, 120.0);
-    assert_eq!(set.limits.shared_memory, Some(64_000_000));
+    assert_eq!(set.limits, Limits { shared_memory: Some(64_000_000), threads: Some(3) });
     assert_eq!(set.output.fields, OutputFields::Named(vec!["pressure".to_owned()]));
     assert_eq!(set.output.every, Some(3));
     assert_eq!(set.participants[1].command.as_ref().map(Vec::len), Some(2));

@@ -15,6 +15,9 @@ pub enum MapError {
     /// A grid is not what [`Grid::check`] lets pass.
     #[error("no mapping from or to an invalid grid: {0}")]
     Grid(String),
+    /// Fields on volumes are only written out.
+    #[error("no mapping from or to `{0}`, which is a volume")]
+    Volume(String),
     /// Columns and vertices are counted with 32 bits.
     #[error("no mapping for grid `{grid}`: {points} points are more than 32 bits can count")]
     Size {
@@ -74,7 +77,7 @@ impl GridMapping {
     /// The mapping from a source grid to a target grid.
     ///
     /// # Errors
-    /// A grid that does not pass its check, or has more than 2³¹ points.
+    /// A grid that does not pass its check, is a volume, or has more than 2³¹ points.
     pub fn between(
         source: &Grid,
         target: &Grid,
@@ -136,7 +139,7 @@ fn surface_of(grid: &Grid) -> Result<Surface, MapError> {
     if points > 1 << 31 {
         return Err(MapError::Size { grid: grid.name.clone(), points });
     }
-    Ok(Surface::of(grid))
+    Surface::of(grid).ok_or_else(|| MapError::Volume(grid.name.clone()))
 }
 
 fn imbalance(from: &[f64], source: &[f64], to: &[f64], target: &[f64]) -> f64 {

@@ -43,11 +43,12 @@ pub(super) struct Foot {
 }
 
 impl Surface {
-    /// The surface of a grid that has passed its check.
-    pub(super) fn of(grid: &Grid) -> Self {
+    /// The surface of a grid that has passed its check; `None` for a volume.
+    pub(super) fn of(grid: &Grid) -> Option<Self> {
         let shape = match &grid.shape {
             Shape::Structured(structured) => Quadrilaterals::from(structured),
             Shape::Quadrilaterals(shape) => shape.clone(),
+            Shape::Volume(_) => return None,
         };
         let count = grid.points();
         let patch = |element: usize| {
@@ -55,7 +56,7 @@ impl Surface {
         };
         let tree = RTree::bulk_load((0..count).map(patch).collect());
         let (starts, at_vertex) = elements_at_vertices(&shape);
-        Self {
+        Some(Self {
             centres: (0..count).map(|n| grid.centre(n).into()).collect(),
             areas: (0..count).map(|n| grid.area(n)).collect(),
             tree,
@@ -63,7 +64,7 @@ impl Surface {
             at_vertex,
             starts,
             shape,
-        }
+        })
     }
 
     /// Corners of an element [m].

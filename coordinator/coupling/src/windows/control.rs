@@ -93,10 +93,10 @@ impl Controller {
     /// At time 0.
     #[must_use]
     pub fn new(windows: Windows) -> Self {
-        let length = match windows {
-            Windows::Steady => 0.0,
-            Windows::Fixed { window, .. } => window,
-            Windows::Adaptive { first, .. } => first,
+        let length = match &windows {
+            Windows::Steady | Windows::Sequence(_) => 0.0,
+            Windows::Fixed { window, .. } => *window,
+            Windows::Adaptive { first, .. } => *first,
         };
         let state = WindowState {
             index: 0,
@@ -133,12 +133,20 @@ impl Controller {
     #[must_use]
     pub fn window(&self) -> Option<Step> {
         let WindowState { index, start, length, .. } = self.state;
-        let over = match self.windows {
-            Windows::Adaptive { end, .. } => start >= end,
-            Windows::Steady | Windows::Fixed { .. } => Some(index) == self.windows.count(),
+        let over = match &self.windows {
+            Windows::Adaptive { end, .. } => start >= *end,
+            Windows::Steady | Windows::Sequence(_) | Windows::Fixed { .. } => {
+                Some(index) == self.windows.count()
+            }
         };
         let (start, end) = self.windows.interval(index, start, length);
         (!over).then_some(Step { window: index, iteration: 0, start, end })
+    }
+
+    /// Passes over the window `step`, which has no answer.
+    pub fn pass_over(&mut self, step: &Step) {
+        self.state.index += 1;
+        self.state.start = step.end;
     }
 
     /// Judges the window `step`, which has been solved: it converged or not, a participant may want

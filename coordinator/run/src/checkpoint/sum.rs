@@ -1,6 +1,11 @@
 //! CRC-64/XZ: reflected, polynomial 0x42F0E1EBA9EA3693 (ECMA-182), all ones before and after. It
 //! tells a truncated or damaged file from a whole one; it is no protection against forgery.
 
+use std::io::{self, Read};
+
+/// Bytes of a stream that are looked at together.
+const PIECE: usize = 1 << 16;
+
 /// The polynomial, reflected.
 const POLYNOMIAL: u64 = 0xC96C_5795_D787_0F42;
 
@@ -28,8 +33,31 @@ const TABLE: [u64; 256] = {
 /// The CRC-64 of some bytes.
 #[must_use]
 pub fn sum(bytes: &[u8]) -> u64 {
+    !further(!0, bytes)
+}
+
+/// Length and CRC-64 of a stream, of which only a piece is in memory at a time.
+///
+/// # Errors
+/// Those of `from`.
+pub(super) fn of_stream(mut from: impl Read) -> io::Result<(u64, u64)> {
+    let (mut length, mut remainder, mut piece) = (0, !0, vec![0; PIECE]);
+    loop {
+        match from.read(&mut piece) {
+            Ok(0) => return Ok((length, !remainder)),
+            Ok(count) => {
+                length += count as u64;
+                remainder = further(remainder, &piece[..count]);
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+fn further(remainder: u64, bytes: &[u8]) -> u64 {
     let step = |sum: u64, byte: &u8| TABLE[(sum as u8 ^ byte) as usize] ^ (sum >> 8);
-    !bytes.iter().fold(!0, step)
+    bytes.iter().fold(remainder, step)
 }
 
 #[cfg(test)]
@@ -41,5 +69,11 @@ mod tests {
     fn the_standard_check_value() {
         assert_eq!(sum(b"123456789"), 0x995D_C9BB_DF19_39FA);
         assert_eq!(sum(b""), 0);
+    }
+
+    #[test]
+    fn a_stream_has_the_sum_of_its_bytes() {
+        let bytes: Vec<u8> = (0..3 * PIECE + 7).map(|i| (i * i) as u8).collect();
+        assert_eq!(of_stream(bytes.as_slice()).unwrap(), (bytes.len() as u64, sum(&bytes)));
     }
 }

@@ -1,9 +1,10 @@
 //! One participant, as the coordinator talks with it: commands go out, replies and heartbeats come in.
 
+use super::advance::Advance;
 use super::patience::Patience;
 use crate::error::RunError;
 use contract::configuration::Refusal;
-use contract::message::{Command, Failure, Reply, Status};
+use contract::message::{Command, Failure, ProgressReport, Reply, Status};
 use proto::transport::{Beat, Message, Receiver, Ringer, Sender, TransportError};
 use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
@@ -20,6 +21,7 @@ pub struct Peer {
     attached: bool,
     commands: Sender<Command>,
     replies: Receiver<Reply>,
+    reports: Receiver<ProgressReport>,
     ringer: Ringer,
     sequence: u64,
     /// A reply to the last command is still to come.
@@ -30,6 +32,10 @@ pub struct Peer {
     /// Heartbeats that say that the last command has been dealt with, and the last one of them.
     dealt_with: u32,
     last_dealt_with: Option<Instant>,
+    /// A heartbeat has come since the reports were looked at.
+    has_beaten: bool,
+    /// How far it is with the last command, if it says so.
+    advance: Option<Advance>,
 }
 
 impl Peer {
@@ -37,7 +43,7 @@ impl Peer {
         (role, program): (&str, String),
         attached: bool,
         commands: Sender<Command>,
-        replies: Receiver<Reply>,
+        (replies, reports): (Receiver<Reply>, Receiver<ProgressReport>),
         ringer: Ringer,
     ) -> Self {
         Self {
@@ -46,6 +52,7 @@ impl Peer {
             attached,
             commands,
             replies,
+            reports,
             ringer,
             sequence: 0,
             owing: Cell::new(false),
@@ -53,6 +60,8 @@ impl Peer {
             silence: Patience::new(),
             dealt_with: 0,
             last_dealt_with: None,
+            has_beaten: false,
+            advance: None,
         }
     }
 
@@ -93,7 +102,7 @@ impl Peer {
         // Silence counts from here: heartbeats are only received while waiting.
         self.silence = Patience::new();
         self.owing.set(ring);
-        (self.dealt_with, self.last_dealt_with) = (0, None);
+        (self.dealt_with, self.last_dealt_with, self.advance) = (0, None, None);
         if ring {
             self.ringer.ring()?;
         }
@@ -129,12 +138,32 @@ impl Peer {
     /// A heartbeat has come.
     pub(super) fn beat_received(&mut self, beat: Beat) {
         self.silence = Patience::new();
+        self.has_beaten = true;
         let now = Instant::now();
         let apart = self.last_dealt_with.is_none_or(|last| now - last >= APART);
         if beat == Beat::idle_after(self.sequence) && apart {
             self.dealt_with += 1;
             self.last_dealt_with = Some(now);
         }
+    }
+
+    /// Its heart has reported that it is further with the last command than before.
+    pub(super) fn has_advanced(&mut self) -> Result<bool, TransportError> {
+        if !std::mem::take(&mut self.has_beaten) {
+            return Ok(false);
+        }
+        let Some(report) = self.reports.receive()?.map(|message| *message.header()) else {
+            return Ok(false);
+        };
+        let current = report.sequence == self.sequence;
+        let next = current.then(|| Advance::after(self.advance, report, Instant::now())).flatten();
+        self.advance = next.or(self.advance);
+        Ok(next.is_some())
+    }
+
+    /// How far it is with the last command, and what is left; `None` if it does not say.
+    pub(super) fn advance(&self) -> Option<(ProgressReport, Option<Duration>)> {
+        self.advance.map(|advance| (advance.newest(), advance.left()))
     }
 
     /// The participant says that it has dealt with the last command. The first such heartbeat may

@@ -43,6 +43,22 @@ impl std::fmt::Display for Phase {
 }
 
 impl Phase {
+    /// What a participant does meanwhile, in a word.
+    #[must_use]
+    pub fn doing(self) -> &'static str {
+        match self {
+            Self::Starting => "starting",
+            Self::Configuring => "configuring",
+            Self::Connecting => "connecting",
+            Self::Initialising => "building",
+            Self::Solving(_) => "solving",
+            Self::Accepting(_) => "accepting",
+            Self::Saving(_) => "saving",
+            Self::Restoring(_) => "restoring",
+            Self::Finishing => "finishing",
+        }
+    }
+
     /// What a command is called in messages.
     #[must_use]
     pub fn of(command: &Command) -> Self {

@@ -4,6 +4,7 @@ use super::peer::Peer;
 use super::phase::Phase;
 use crate::error::{Failure, RunError};
 use crate::supervise::Exit;
+use contract::message::ProgressReport;
 use coupling::ParticipantIndex;
 use proto::transport::TransportError;
 use std::os::unix::process::ExitStatusExt;
@@ -23,7 +24,7 @@ pub enum Stopped {
     ReplyLost(ParticipantIndex),
     /// No heartbeat for so long.
     Silent(ParticipantIndex, Duration),
-    /// No answer for so long, although its heartbeat is received.
+    /// No answer and no progress for so long, although its heartbeat is received.
     Late(ParticipantIndex, Duration),
     /// The exchange with it failed.
     Transport(ParticipantIndex, TransportError),
@@ -57,7 +58,8 @@ impl Stopped {
                  if it may pause for so long",
             ),
             Self::Late(one, patience) => {
-                let (what, fix) = late(phase, patience);
+                let (what, fix) =
+                    late(phase, patience, peers[one].advance().map(|(report, _)| report));
                 failed(one, what, &fix)
             }
             Self::Transport(one, error) => {
@@ -68,7 +70,7 @@ impl Stopped {
 }
 
 /// What and fix for a participant that is alive but has not answered in time.
-fn late(phase: Phase, patience: Duration) -> (String, String) {
+fn late(phase: Phase, patience: Duration, reached: Option<ProgressReport>) -> (String, String) {
     let seconds = patience.as_secs_f64();
     let (what, key) = match phase {
         Phase::Starting => {
@@ -78,7 +80,12 @@ fn late(phase: Phase, patience: Duration) -> (String, String) {
         Phase::Initialising => ("it is still building its model", "coupling.build_deadline"),
         _ => ("no answer", "coupling.solve_deadline"),
     };
-    let what = format!("{what} after {seconds:.1} s; its heartbeat is still received");
+    let what = match reached {
+        None => format!("{what} after {seconds:.1} s; its heartbeat is still received"),
+        Some(reached) => format!(
+            "it stopped at {reached}: no progress for {seconds:.1} s; its heartbeat is still received"
+        ),
+    };
     (what, format!("raise {key} if it needs longer"))
 }
 

@@ -54,7 +54,7 @@ impl<'a> March<'a> {
         checkpoints: Option<Writing>,
     ) -> Self {
         let coupling = coupling(plan, session);
-        let time = Controller::new(plan.windows);
+        let time = Controller::new(plan.windows.clone());
         let recorder = None;
         Self { plan, session, table, fields, counts, checkpoints, recorder, coupling, time }
     }
@@ -75,17 +75,28 @@ impl<'a> March<'a> {
         self.coupling.restore(&mut Reader(coupling)).map_err(|error| {
             RunError::Usage(format!("{error}; the checkpoint is that of another plan"))
         })?;
-        self.time = Controller::resume(self.plan.windows, time.clone());
+        self.time = Controller::resume(self.plan.windows.clone(), time.clone());
         self.fields.resume(series.clone());
         tracing::info!(window = window + 1, time = end, "resumed");
         Ok(())
     }
 
     /// Goes on to the end.
-    pub(super) fn all(&mut self, progress: &mut dyn Progress) -> Result<(), RunError> {
+    pub(super) fn all(&mut self, progress: &dyn Progress) -> Result<(), RunError> {
         while let Some(step) = self.time.window() {
             let _span = tracing::debug_span!("window", step.window, step.start, step.end).entered();
-            let outcome = self.solve(&step)?;
+            let outcome = match self.solve(&step) {
+                Err(error) => {
+                    self.pass_over(&step, error)?;
+                    continue;
+                }
+                Ok(WindowOutcome { not_converged: Some(why), .. }) if self.plan.skips => {
+                    self.session.no_answer();
+                    self.pass_over(&step, why.into())?;
+                    continue;
+                }
+                Ok(outcome) => outcome,
+            };
             let writing = Instant::now();
             let converged = outcome.not_converged.is_none();
             let wanted = self.session.wanted_window();
@@ -99,13 +110,34 @@ impl<'a> March<'a> {
                 }
                 windows::Acceptance::Accept => {
                     self.tell(outcome, wanted, &step)?;
-                    self.accept(&step)?;
-                    self.checkpoint()?;
+                    match self.accept(&step) {
+                        Err(error) => self.unanswered(&step, error)?,
+                        Ok(()) => self.checkpoint()?,
+                    }
                     progress.window(self.counts.windows, step.end);
                 }
             }
             self.counts.output_seconds += writing.elapsed().as_secs_f64();
         }
+        Ok(())
+    }
+
+    /// Goes on after a window without an answer, in a case that passes over such.
+    ///
+    /// # Errors
+    /// The error itself, in any other case.
+    fn pass_over(&mut self, step: &Step, error: RunError) -> Result<(), RunError> {
+        self.unanswered(step, error)?;
+        self.time.pass_over(step);
+        Ok(())
+    }
+
+    fn unanswered(&mut self, step: &Step, error: RunError) -> Result<(), RunError> {
+        if !(self.session.take_unanswered() && self.plan.skips) {
+            return Err(error);
+        }
+        tracing::warn!(row = step.window, "no answer, passed over: {error}");
+        self.counts.skipped += 1;
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 use crate::checkpoint::{Origin, sum};
 use crate::error::RunError;
 use crate::plan::{Participant, Planned};
+use contract::configuration::Configuration;
 use coupling::ParticipantIndex;
 use serde_json::json;
 use std::path::{Path, absolute};
@@ -44,13 +45,14 @@ pub fn origin(planned: &Planned) -> Origin {
 }
 
 /// What a participant is and is given: its description, its version within, its configuration, and
-/// the grids that it makes of it.
+/// the grids that it makes of it. Results do not depend on the number of threads.
 fn identity(participant: &Participant) -> u64 {
     let layout = participant
         .estimate
         .as_ref()
         .map(|layout| json!([layout.grids, layout.fields, layout.inputs, layout.moving]));
-    let all = json!([participant.description, participant.configuration, layout]);
+    let configuration = Configuration { threads: 1, ..participant.configuration.clone() };
+    let all = json!([participant.description, configuration, layout]);
     sum(all.to_string().as_bytes())
 }
 

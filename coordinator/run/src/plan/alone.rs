@@ -15,7 +15,7 @@ impl Display for Shown<'_> {
         let Self(alone) = self;
         let title = alone.title.as_ref().map(|title| format!(" · {title}")).unwrap_or_default();
         writeln!(f, "{}{title}", alone.name)?;
-        writeln!(f, "\ntime       {}", in_time(windows(alone.timing)))?;
+        writeln!(f, "\ntime       {}", in_time(&windows(alone.timing, None)))?;
         writeln!(f, "scheme     {}", alone.coupling.scheme.word())?;
         writeln!(f, "\nprocesses  coordinator")?;
         for one in &alone.participants {

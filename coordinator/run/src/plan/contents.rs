@@ -6,7 +6,8 @@ use case::Case;
 use contract::bodies::Bodies;
 use contract::configuration::{Configuration, Layout, Mode};
 use contract::description::Description;
-use contract::field::FieldKind;
+use contract::field::{FieldKind, GEOMETRY};
+use contract::grid::Grid;
 use contract::message::Interpolation;
 use coupling::ParticipantIndex;
 use coupling::map::Method;
@@ -28,6 +29,8 @@ pub struct Plan {
     pub mode: Mode,
     /// Windows in time.
     pub windows: Windows,
+    /// A window without an answer is passed over; otherwise it ends the run.
+    pub skips: bool,
     /// Coupling scheme, and why this one.
     pub scheme: SchemeChoice,
     /// How an implicit scheme iterates.
@@ -151,6 +154,24 @@ impl Plan {
         keeps.then_some(History { columns, length })
     }
 
+    /// The grids of a participant's layout that a field of the run is on, or is wanted on, and whose
+    /// geometry travels.
+    pub fn travelling<'a>(
+        &'a self,
+        one: ParticipantIndex,
+        layout: &'a Layout,
+    ) -> impl Iterator<Item = &'a Grid> {
+        let is_used = move |grid: &Grid| {
+            self.fields.iter().any(|field| {
+                let name = &field.kind.name;
+                let sent = || layout.grid_of(name) == Some(grid);
+                let wanted = || layout.input_grid(name) == Some(grid);
+                field.producer == one && sent() || field.consumers.contains(&one) && wanted()
+            })
+        };
+        layout.grids.iter().filter(move |grid| layout.moves(grid) && is_used(grid))
+    }
+
     /// Bytes of one sample of a field, as far as its grid is known.
     #[must_use]
     pub fn sample_bytes(&self, field: &Field) -> Option<u64> {
@@ -181,6 +202,12 @@ impl History {
 #[must_use]
 pub fn sample_bytes(points: usize, components: u32) -> u64 {
     points as u64 * u64::from(components) * 8
+}
+
+/// Bytes of the geometry of a grid.
+#[must_use]
+pub fn geometry_bytes(grid: &Grid) -> u64 {
+    sample_bytes(grid.geometry_points(), GEOMETRY.components)
 }
 
 /// Shared memory that one field's topic takes [byte]: its slots, each with headers, and what the

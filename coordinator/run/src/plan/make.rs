@@ -1,7 +1,10 @@
 //! Making a plan: describe, validate, route, estimate.
 
 use super::contents::{Field, Participant, Plan, Planned, SchemeChoice};
+use super::rewind::cannot_rewind;
 use super::route::{self, Candidate};
+use super::threads;
+use super::volume;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::programs::Program;
@@ -10,6 +13,7 @@ use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
 use contract::configuration::{Configuration, Estimate, Input, Layout};
 use contract::description::Description;
 use contract::grid::check_name;
+use contract::history::Histories;
 use contract::message::MAX_INPUTS;
 use coupling::ParticipantIndex;
 use coupling::settings::Scheme;
@@ -217,6 +221,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
     route::feed_back(&mut fields, scheme.scheme);
     refuse(case, unused_tolerances(case, &fields, scheme.scheme))?;
     refuse(case, cannot_go_back(case, &fields, scheme.scheme))?;
+    refuse(case, cannot_rewind(case, running.iter(), scheme.scheme))?;
     let idle = case.idle.iter().map(|role| {
         let description = described.iter().find(|(r, _)| r == role).map(|(_, d)| d);
         let effects = description.into_iter().flat_map(|d| &d.effects);
@@ -224,16 +229,18 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         (role.clone(), format!("no active effect needs it (it serves {})", offers.join(", ")))
     });
     let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
+    let participants = participants(case, &running, &fields, scheme.scheme)?;
     Ok(Plan {
         name: case.name.clone(),
         bodies: case.bodies.clone(),
+        skips: case.timing == (Timing::Sequence { skip: true }),
         title: case.title.clone(),
         mode: case.timing.mode(),
-        windows: windows(case.timing),
+        windows: windows(case.timing, case.histories.as_ref()),
         scheme,
         implicit: case.coupling.implicit.clone(),
         interpolation: case.coupling.interpolation,
-        participants: participants(case, &running, &fields)?,
+        participants,
         idle: idle.collect(),
         effects: route::effects(&offers, case),
         fields,
@@ -282,9 +289,13 @@ fn scheme(
     SchemeChoice { scheme, reason }
 }
 
-pub(super) fn windows(timing: Timing) -> Windows {
+pub(super) fn windows(timing: Timing, histories: Option<&Histories>) -> Windows {
     match timing {
         Timing::Steady => Windows::Steady,
+        Timing::Sequence { .. } => {
+            let times = histories.map(|histories| histories.times.as_slice());
+            Windows::Sequence(times.unwrap_or_default().into())
+        }
         Timing::Transient { window, end, control: Control::Fixed } => {
             Windows::Fixed { window, end }
         }
@@ -332,7 +343,9 @@ fn participants(
     case: &Case,
     running: &TiSlice<ParticipantIndex, Candidate>,
     fields: &[Field],
+    scheme: Scheme,
 ) -> Result<TiVec<ParticipantIndex, Participant>, RunError> {
+    let threads = threads::of_participants(case.limits.threads, scheme, running.len());
     let mut participants = TiVec::new();
     for (index, one) in running.iter_enumerated() {
         let settings = case.participants.iter().find(|p| p.role == one.role);
@@ -359,6 +372,7 @@ fn participants(
                 .map(|f| f.kind.name.clone())
                 .collect()
         };
+        let values = case.values_for(one.description, &one.model.name);
         participants.push(Participant {
             role: one.role.to_owned(),
             program: Program::of_role(one.role, command),
@@ -368,10 +382,12 @@ fn participants(
                 role: one.role.to_owned(),
                 model: one.model.name.clone(),
                 mode: case.timing.mode(),
-                case: case.values_for(one.description, &one.model.name),
+                histories: case.histories_of(&values),
+                case: values,
                 inputs,
                 outputs: own(false),
                 observed: own(true),
+                threads: threads[usize::from(index)],
             },
             estimate: None,
         });
@@ -386,6 +402,8 @@ async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
         fill_input_grids(plan, index);
         fill_input_moves(plan, index);
         estimate_one(case, plan, index).await?;
+        // Before a consumer is asked what it makes of such a grid.
+        refuse(case, volume::consumed(case, plan, index))?;
     }
     for index in plan.participants.keys() {
         if fill_input_moves(plan, index) {

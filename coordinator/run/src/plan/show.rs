@@ -1,8 +1,7 @@
 //! The plan as a person reads it.
 
-use super::contents::Plan;
-use crate::format::bytes;
-use crate::format::seconds;
+use super::contents::{Plan, geometry_bytes};
+use crate::format::{bytes, counted, seconds};
 use coupling::ParticipantIndex;
 use coupling::settings::Implicit;
 use coupling::windows::Windows;
@@ -26,7 +25,7 @@ impl Display for Plan {
 
 impl Plan {
     fn show_time(&self, f: &mut Formatter<'_>) -> Result {
-        writeln!(f, "\ntime       {}", in_time(self.windows))?;
+        writeln!(f, "\ntime       {}", in_time(&self.windows))?;
         let scheme = self.scheme.scheme;
         writeln!(f, "scheme     {}: {}", scheme.word(), self.scheme.reason)?;
         if scheme.is_implicit() {
@@ -55,7 +54,9 @@ impl Plan {
         for p in &self.participants {
             let how = if p.attach { "started by hand" } else { "started" };
             let model = &p.configuration.model;
-            writeln!(f, "           {:10} {model:14} {how}: {}", p.role, p.program.name())?;
+            let threads = counted(p.configuration.threads as u64, "thread");
+            let name = p.program.name();
+            writeln!(f, "           {:10} {model:14} {how}: {name}, {threads}", p.role)?;
             for remark in p.estimate.iter().flat_map(|e| &e.remarks) {
                 writeln!(f, "           {:10} note: {remark}", "")?;
             }
@@ -96,18 +97,34 @@ impl Plan {
             writeln!(f, "{head:10} {:30} {route:24} {size:>12}", self.shown(&field.kind.name))?;
             head = "";
         }
-        for p in &self.participants {
-            for name in p.estimate.iter().flat_map(|layout| &layout.moving) {
-                let name = self.shown(name);
-                writeln!(f, "{:10} grid `{name}` of {} may move between windows", "", p.role)?;
-            }
-        }
+        self.show_grids(f)?;
         let exchanged = self.fields.iter().filter(|f| !f.observed_only());
         let bytes_of = |field| Some(self.sample_bytes(field)? + self.mapped_bytes(field));
         match exchanged.map(bytes_of).sum::<Option<u64>>() {
             Some(total) => writeln!(f, "{:10} exchanged per iteration: {}", "", bytes(total)),
             None => writeln!(f, "{:10} exchanged per iteration: not known before the run", ""),
         }
+    }
+
+    /// The grids that move, and the volumes.
+    fn show_grids(&self, f: &mut Formatter<'_>) -> Result {
+        for (one, p) in self.participants.iter_enumerated() {
+            let Some(layout) = &p.estimate else { continue };
+            for name in &layout.moving {
+                let name = self.shown(name);
+                writeln!(f, "{:10} grid `{name}` of {} may move between windows", "", p.role)?;
+            }
+            for grid in self.travelling(one, layout).filter(|grid| grid.is_volume()) {
+                let (name, elements) = (&grid.name, grid.points());
+                let geometry = bytes(geometry_bytes(grid));
+                writeln!(
+                    f,
+                    "{:10} volume `{name}` of {}: {elements} elements, {geometry} of geometry once",
+                    "", p.role
+                )?;
+            }
+        }
+        Ok(())
     }
 
     fn show_cost(&self, f: &mut Formatter<'_>) -> Result {
@@ -138,20 +155,24 @@ impl Plan {
 }
 
 /// The windows of a run, in words.
-pub(super) fn in_time(windows: Windows) -> String {
+pub(super) fn in_time(windows: &Windows) -> String {
     match windows {
         Windows::Steady => "steady: one window without duration".to_owned(),
+        Windows::Sequence(times) if times.is_empty() => "sequence: the rows of a table".to_owned(),
+        Windows::Sequence(times) => {
+            format!("sequence: {}, each a steady contact", counted(times.len() as u64, "row"))
+        }
         Windows::Fixed { window, end } => {
             let count = windows.count().unwrap_or(0);
-            format!("transient: {count} windows of {} to {}", seconds(window), seconds(end))
+            format!("transient: {count} windows of {} to {}", seconds(*window), seconds(*end))
         }
         Windows::Adaptive { first, tolerance, shortest, longest, end } => format!(
             "transient: adaptive windows of {} to {}, the first of {}, to {}; tolerance \
              {tolerance:e}",
-            seconds(shortest),
-            seconds(longest),
-            seconds(first),
-            seconds(end)
+            seconds(*shortest),
+            seconds(*longest),
+            seconds(*first),
+            seconds(*end)
         ),
     }
 }

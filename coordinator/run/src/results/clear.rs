@@ -147,7 +147,7 @@ fn clear_fields(folder: &Path) -> Result<(), RunError> {
 
 /// `rail_contact` of `rail_contact_000012.vti`.
 fn series_of_image(name: &str) -> Option<&str> {
-    numbered(name, ".vti").or_else(|| numbered(name, ".vtu"))
+    [".vti", ".vtr", ".vts", ".vtu"].into_iter().find_map(|end| numbered(name, end))
 }
 
 /// What stands before the number of a file with this ending.

@@ -45,6 +45,8 @@ pub struct Counts {
     pub windows: u64,
     /// Iterations in all.
     pub iterations: u64,
+    /// Rows of a sequence without an answer, passed over.
+    pub skipped: u64,
     /// Windows accepted that had not converged.
     pub not_converged: u64,
     /// Most iterations in one window.
@@ -201,6 +203,9 @@ fn coupling(of: &Ingredients) -> Value {
     let silent: Vec<&str> = silent.map(|(_, participant)| participant.role.as_str()).collect();
     if !silent.is_empty() {
         section["heat_not_reported_by"] = silent.into();
+    }
+    if of.plan.skips {
+        section["rows_without_answer"] = counts.skipped.into();
     }
     if let Some(repeated) = counts.repeated_windows {
         section["repeated_windows"] = repeated.into();

@@ -1,7 +1,8 @@
 //! Fields as VTK data with a `.pvd` series, for ParaView.
 //!
 //! A structured grid whose steps lie along two axes becomes an image with cell data (`.vti`), any
-//! other an unstructured grid of quadrilaterals (`.vtu`). Every array carries its unit in its name
+//! other an unstructured grid of quadrilaterals (`.vtu`); a volume a rectilinear (`.vtr`) or structured
+//! grid (`.vts`), or an unstructured one of hexahedra. Every array carries its unit in its name
 //! (`pressure [Pa]`) and as VTK's own label, and the field data tell unit, body and meaning of each;
 //! two-component fields become vectors (x, y, 0). The values are appended raw, as little-endian
 //! doubles. A series names only files that are complete, and is replaced as a whole, so that what is
@@ -14,6 +15,7 @@ mod scene;
 mod series;
 mod shown;
 mod unstructured;
+mod volume;
 mod writer;
 
 pub(super) use scene::{FILE as SCENE, is_scene};

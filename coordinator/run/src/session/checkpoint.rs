@@ -15,8 +15,10 @@ use contract::grid::Grid;
 use contract::message::{Command, CommandKind, OutputFile, StateFile};
 use contract::step::Step;
 use coupling::ParticipantIndex;
+use proto::state::write_numbers;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use typed_index_collections::TiVec;
 
 impl Session {
     /// Writes the state after the accepted step into a folder, given by a path that leads
@@ -33,12 +35,11 @@ impl Session {
         }
         for tap in self.taps.iter().filter(|tap| !tap.observed_only) {
             let (name, values) = (values_file(&tap.kind.name), tap.values().unwrap_or_default());
-            let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
             let path = folder.join(&name);
-            std::fs::write(&path, bytes).map_err(|error| file_failure(&path, &error))?;
+            write_values(&path, values).map_err(|error| file_failure(&path, &error))?;
             names.push(name);
         }
-        for moving in &self.moving {
+        for moving in self.moving.iter().filter(|moving| moving.is_exchanged()) {
             let (name, path) = (moving.file(), folder.join(moving.file()));
             let text = serde_json::to_vec(&moving.last).expect("a grid is plain data");
             std::fs::write(&path, text).map_err(|error| file_failure(&path, &error))?;
@@ -55,8 +56,10 @@ impl Session {
     /// solved; `iterate` is what was sent last to the consumers that close the loop.
     pub fn restore(&mut self, step: &Step, folder: &Path, iterate: &[f64]) -> Result<(), RunError> {
         self.peers.phase = Phase::Restoring(*step);
-        let last: TiVec<MovingIndex, Grid> =
-            self.moving.iter().map(|m| read(m, folder)).collect::<Result<_, _>>()?;
+        let exchanged = self.moving.iter_enumerated().filter(|(_, m)| m.is_exchanged());
+        let last = exchanged.map(|(index, m)| Ok((index, m.participant, read(m, folder)?)));
+        let last: Vec<(MovingIndex, ParticipantIndex, Grid)> =
+            last.collect::<Result<_, RunError>>()?;
         for one in self.peers.all().keys() {
             let sent = self.taps.iter().filter(|t| t.producer == one && !t.observed_only);
             let output = |name: &String| OutputFile {
@@ -66,17 +69,15 @@ impl Session {
             let outputs = sent.map(|tap| output(&tap.kind.name)).collect();
             self.record_state(one, folder)?;
             let path = folder.join(state_file(self.peers.all()[one].role()));
-            let own = self.moving.iter().zip(&last).filter(|(m, _)| m.participant == one);
-            let geometry = own.map(|(_, grid)| grid.clone()).collect();
+            let own = last.iter().filter(|(_, owner, _)| *owner == one);
+            let geometry = own.map(|(.., grid)| grid.clone()).collect();
             let file = StateFile { path, outputs, geometry };
             self.command_about(one, CommandKind::Restore, step, &file)?;
         }
         for one in self.peers.all().keys() {
             self.peers.done(one, self.peers.deadlines().solve)?;
-            for (index, grid) in last.iter_enumerated() {
-                if self.moving[index].participant == one {
-                    self.receive_last(index, grid.revision, step)?;
-                }
+            for (index, _, grid) in last.iter().filter(|(_, owner, _)| *owner == one) {
+                self.receive_last(*index, grid.revision, step)?;
             }
             self.collect(one, step, false)?;
         }
@@ -105,6 +106,12 @@ impl Session {
     pub fn continue_counting(&mut self, bytes_exchanged: u64) {
         self.bytes_exchanged = bytes_exchanged;
     }
+}
+
+fn write_values(path: &Path, values: &[f64]) -> io::Result<()> {
+    let mut file = BufWriter::new(File::create(path)?);
+    write_numbers(&mut file, values)?;
+    file.flush()
 }
 
 /// The grid on which a checkpoint's values are.

@@ -48,7 +48,7 @@ impl Session {
         if let Some(grid) = tap.moving.map(|at| &moving[at].grid)
             && grid.revision != tap.grid.revision
         {
-            tap.grid.clone_from(grid);
+            tap.move_to(grid);
         }
     }
 

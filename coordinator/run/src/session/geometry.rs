@@ -1,4 +1,4 @@
-//! The geometry of the grids that move, as it is received.
+//! The geometry of the grids that move, and of volumes, as it is received.
 
 use super::Session;
 use super::index::{MovingIndex, TapIndex};
@@ -19,7 +19,16 @@ impl Session {
         self.moving.position(is)
     }
 
-    /// A participant has grids that move, and therefore answers `Accept`.
+    /// The geometry of every volume of a participant has come.
+    pub(super) fn check_volumes(&self, one: ParticipantIndex) -> Result<(), RunError> {
+        let mut own = self.moving.iter().filter(|moving| moving.participant == one);
+        own.find(|moving| moving.grid.is_announced()).map_or(Ok(()), |moving| {
+            let what = format!("it did not send the geometry of its volume `{}`", moving.grid.name);
+            Err(self.peers.misbehaved(one, what))
+        })
+    }
+
+    /// A participant has grids whose geometry travels, and therefore answers `Accept`.
     pub(super) fn has_moving_grids(&self, participant: ParticipantIndex) -> bool {
         self.moving.iter().any(|moving| moving.participant == participant)
     }

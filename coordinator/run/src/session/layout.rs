@@ -1,6 +1,7 @@
 //! What is demanded of the answer to a configuration.
 
 use contract::configuration::{Configuration, Layout};
+use contract::grid::Grid;
 
 /// What is wrong with a layout as the answer to a configuration, if anything.
 #[must_use]
@@ -12,7 +13,46 @@ pub fn layout_fault(configuration: &Configuration, layout: &Layout) -> Option<St
     if let Some(field) = sent.find(|field| layout.grid_of(field).is_none()) {
         return Some(format!("its layout has no grid for `{field}`"));
     }
+    let on_volume = |field: &&String| layout.grid_of(field).is_some_and(Grid::is_volume);
+    if let Some(field) = configuration.outputs.iter().find(on_volume) {
+        return Some(format!(
+            "`{field}`, which another participant consumes, is on a volume: fields on volumes are \
+             only written out"
+        ));
+    }
     let received = |field: &str| configuration.inputs.iter().any(|i| i.field.name == field);
     let wish = layout.inputs.iter().find(|wish| !received(&wish.field))?;
     Some(format!("it requests a grid for `{}`, which is not an input of it", wish.field))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contract::configuration::{FieldOnGrid, Mode};
+    use contract::grid::Hexahedra;
+
+    #[test]
+    fn what_others_consume_is_on_no_volume() {
+        let mut configuration = Configuration {
+            role: "one".to_owned(),
+            model: "law".to_owned(),
+            mode: Mode::Steady,
+            case: Default::default(),
+            histories: None,
+            threads: 1,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            observed: vec!["inside".to_owned()],
+        };
+        let hexahedra = Hexahedra::Structured { ni: 2, nj: 1, nk: 1 };
+        let layout = Layout {
+            grids: vec![Grid::volume("body", hexahedra)],
+            fields: vec![FieldOnGrid { field: "inside".to_owned(), grid: "body".to_owned() }],
+            ..Layout::default()
+        };
+        assert_eq!(layout_fault(&configuration, &layout), None);
+        std::mem::swap(&mut configuration.outputs, &mut configuration.observed);
+        let fault = layout_fault(&configuration, &layout).unwrap();
+        assert!(fault.contains("`inside`, which another participant consumes, is on a volume"));
+    }
 }

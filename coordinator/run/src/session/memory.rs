@@ -4,9 +4,8 @@
 //! So it is counted before anything is created, and again before a grid that grows needs more.
 
 use crate::error::{Failure, RunError};
-use crate::plan::{Plan, non_matching, sample_bytes, topic_bytes};
+use crate::plan::{Plan, geometry_bytes, non_matching, sample_bytes, topic_bytes};
 use contract::configuration::Layout;
-use contract::field::GEOMETRY;
 use contract::grid::Grid;
 use coupling::ParticipantIndex;
 use proto::run_dir::free_shared_memory;
@@ -78,11 +77,9 @@ fn fields<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a L
 }
 
 fn geometry<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a Layout>) -> u64 {
-    let layouts = plan.participants.keys().filter_map(layout);
-    let moving = layouts.flat_map(|l| l.grids.iter().filter(move |grid| l.moves(grid)));
-    let bytes =
-        |grid: &Grid| topic_bytes(sample_bytes(grid.geometry_points(), GEOMETRY.components));
-    moving.map(bytes).sum()
+    let layouts = plan.participants.keys().filter_map(|one| Some((one, layout(one)?)));
+    let travelling = layouts.flat_map(|(one, layout)| plan.travelling(one, layout));
+    travelling.map(|grid| topic_bytes(geometry_bytes(grid))).sum()
 }
 
 fn check(needed: u64, limit: u64, when: &str) -> Result<(), RunError> {

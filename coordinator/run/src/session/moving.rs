@@ -1,9 +1,10 @@
-//! Grids that move: the coordinator subscribes to the geometry of every one that a field of the run
-//! is on, or is mapped to, on `geometry/ROLE/GRID`.
+//! Grids that move, and volumes: the coordinator subscribes to the geometry of every one that a field
+//! of the run is on, or is mapped to, on `geometry/ROLE/GRID`.
 //!
 //! Geometry is part of the accepted state. A participant publishes it when it has accepted a window
 //! (or has been restored), and replies; so it is known before anybody solves the next one, and holds
-//! through all iterations of it. A run in which nothing moves has no such topic and no such reply.
+//! through all iterations of it. A volume is announced without a geometry, which it is initialised
+//! with. A run without either has no such topic and no such reply.
 
 use crate::record::{Recorder, TopicNumber};
 use contract::field::GEOMETRY;
@@ -13,9 +14,9 @@ use coupling::ParticipantIndex;
 use proto::transport::{Endpoint, FieldReader, FieldSample, TransportError};
 use std::sync::Arc;
 
-/// One grid that may move.
+/// One grid whose geometry travels.
 #[derive(Debug)]
-pub(super) struct MovingGrid {
+pub struct MovingGrid {
     /// Index of the participant whose grid it is.
     pub(super) participant: ParticipantIndex,
     /// As it is accepted, for the next window.
@@ -31,7 +32,11 @@ pub(super) struct MovingGrid {
 }
 
 impl MovingGrid {
-    pub(super) fn open(
+    /// Subscribes to the geometry of a participant's grid.
+    ///
+    /// # Errors
+    /// The topic cannot be opened.
+    pub fn open(
         endpoint: &Endpoint,
         (participant, role): (ParticipantIndex, &str),
         grid: &Grid,
@@ -51,9 +56,34 @@ impl MovingGrid {
         })
     }
 
+    /// As it is known now.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The next sample of a step says how it is now; `None` if none has come.
+    ///
+    /// # Errors
+    /// It cannot be received, or it is not what it should be.
+    pub fn take(&mut self, step: &Step) -> Result<Option<&Grid>, String> {
+        let Some(sample) = self.reader.receive().map_err(|error| error.to_string())? else {
+            return Ok(None);
+        };
+        self.grid = self.moved(&sample, step)?;
+        self.sequence += 1;
+        Ok(Some(&self.grid))
+    }
+
     /// The service on which the geometry of a role's grid travels.
-    pub(super) fn service(role: &str, grid: &str) -> String {
+    #[must_use]
+    pub fn service(role: &str, grid: &str) -> String {
         format!("geometry/{role}/{grid}")
+    }
+
+    /// Values in a checkpoint may be on it; what is on a volume is never exchanged.
+    pub(super) fn is_exchanged(&self) -> bool {
+        !self.grid.is_volume()
     }
 
     /// The file of a checkpoint with the grid on which the values in it are.

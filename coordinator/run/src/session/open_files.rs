@@ -13,8 +13,8 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 /// Files of a process itself and of the run.
 const OWN: u64 = 48;
-/// Files for the commands, replies and doorbell of one participant.
-const PER_PARTICIPANT: u64 = 16;
+/// Files for the commands, replies, progress and doorbell of one participant.
+const PER_PARTICIPANT: u64 = 24;
 /// Files for one topic.
 const PER_TOPIC: u64 = 8;
 /// Files for recording one topic.

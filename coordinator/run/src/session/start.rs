@@ -13,6 +13,7 @@ use super::tap::{Consumer, Tap};
 use crate::error::{Failure, RunError, machine_failure};
 use crate::peers::{Peers, Phase, Seat};
 use crate::plan::{Field, Participant, Plan};
+use crate::progress::Progress;
 use crate::record::Recorder;
 use contract::configuration::{Configuration, Layout};
 use contract::description::Description;
@@ -21,6 +22,7 @@ use contract::message::{Command, CommandKind, Topic, Topics};
 use contract::step::Step;
 use coupling::ParticipantIndex;
 use proto::transport::TransportError;
+use std::rc::Rc;
 use std::sync::Arc;
 use typed_index_collections::{TiSlice, TiVec};
 
@@ -28,17 +30,22 @@ use typed_index_collections::{TiSlice, TiVec};
 /// and the geometry of every grid.
 fn topics_of(plan: &Plan) -> usize {
     let sent_on = |field: &Field| 1 + usize::from(!field.fed_back.is_empty());
-    let grids = plan.participants.iter().filter_map(|p| p.estimate.as_ref());
-    plan.fields.iter().map(sent_on).sum::<usize>() + grids.map(|l| l.moving.len()).sum::<usize>()
+    let layouts = plan.participants.iter().filter_map(|p| p.estimate.as_ref());
+    let moving = layouts.flat_map(|l| l.grids.iter().filter(|grid| l.moves(grid)));
+    plan.fields.iter().map(sent_on).sum::<usize>() + moving.count()
 }
 
 impl Session {
     /// Starts the participants of a plan and brings them to the first window. With a recorder,
-    /// everything that is exchanged is recorded.
+    /// everything that is exchanged is recorded. Long work is shown on the screen.
     ///
     /// # Errors
     /// The machine; a participant that fails, refuses the case or violates the contract.
-    pub fn start(plan: &Plan, recorder: Option<Arc<Recorder>>) -> Result<Self, RunError> {
+    pub fn start(
+        plan: &Plan,
+        recorder: Option<Arc<Recorder>>,
+        screen: &Rc<dyn Progress>,
+    ) -> Result<Self, RunError> {
         // Before anything exists, with what the participants expect; once more with what they say.
         open_files::provide(plan.participants.len(), topics_of(plan), recorder.is_some())?;
         let memory = SharedMemory::check(plan, |index| plan.participants[index].estimate.as_ref())?;
@@ -49,6 +56,7 @@ impl Session {
         };
         let seats: Vec<Seat> = plan.participants.iter().map(seat).collect();
         let mut session = Self::of(Peers::start(&seats, plan.deadlines, recorder)?, memory);
+        session.peers.show_on(screen);
         session.peers.join()?;
         session.peers.phase = Phase::Configuring;
         for (index, participant) in plan.participants.iter_enumerated() {
@@ -76,6 +84,7 @@ impl Session {
             parts: TiVec::new(),
             solved: peers.all().iter().map(|_| SolveRecord::default()).collect(),
             computed_seconds: 0.0,
+            unanswered: false,
             bytes_exchanged: 0,
             peers,
         }
@@ -221,7 +230,7 @@ impl Session {
         Ok(())
     }
 
-    /// Lets everybody build its model and publish its first outputs.
+    /// Lets everybody build its model, publish the geometry of its volumes, and its first outputs.
     fn initialise(&mut self, layouts: &TiSlice<ParticipantIndex, Layout>) -> Result<(), RunError> {
         for one in self.peers.all().keys() {
             self.peers.post(one, Command::new(CommandKind::Initialise), &[], true)?;
@@ -229,8 +238,11 @@ impl Session {
         let before = Step { iteration: 0, ..Step::STEADY };
         for (one, layout) in layouts.iter_enumerated() {
             self.peers.done(one, self.peers.deadlines().build_of(layout))?;
+            self.receive_geometry(one, &before)?;
+            self.check_volumes(one)?;
             self.collect(one, &before, false)?;
         }
+        self.keep_geometry();
         self.make_mappings()?;
         self.parts = self.coupling_parts();
         self.taps.keys().try_for_each(|tap| self.check_finite(tap))

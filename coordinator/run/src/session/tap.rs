@@ -71,6 +71,11 @@ impl Tap {
         Ok(self.values())
     }
 
+    /// Its next samples are on the grid as it is now.
+    pub fn move_to(&mut self, grid: &Grid) {
+        self.grid.clone_from(grid);
+    }
+
     /// Kind of the field.
     #[must_use]
     pub fn kind(&self) -> &FieldKind {

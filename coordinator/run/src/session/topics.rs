@@ -14,22 +14,14 @@ use proto::transport::TransportError;
 use typed_index_collections::TiSlice;
 
 impl Session {
-    /// Listens to the grids that move and that a field of the run is on, or is wanted on.
+    /// Listens to the grids whose geometry travels.
     pub(super) fn open_geometry(
         &mut self,
         plan: &Plan,
         layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Result<(), TransportError> {
         for (one, layout) in layouts.iter_enumerated() {
-            let is_used = |grid: &Grid| {
-                plan.fields.iter().any(|field| {
-                    let name = &field.kind.name;
-                    let sent = || layout.grid_of(name) == Some(grid);
-                    let wanted = || layout.input_grid(name) == Some(grid);
-                    field.producer == one && sent() || field.consumers.contains(&one) && wanted()
-                })
-            };
-            for grid in layout.grids.iter().filter(|grid| layout.moves(grid) && is_used(grid)) {
+            for grid in plan.travelling(one, layout) {
                 let owner = (one, self.peers.all()[one].role());
                 let recorder = self.peers.recorder();
                 self.moving.push(MovingGrid::open(self.peers.endpoint(), owner, grid, recorder)?);

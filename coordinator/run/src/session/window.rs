@@ -28,7 +28,10 @@ impl Session {
         }
         self.keep_geometry();
         for one in self.peers.all().keys().filter(|&one| answers >> usize::from(one) & 1 == 1) {
-            self.peers.done(one, self.peers.deadlines().solve)?;
+            if let Err(error) = self.peers.answered(one, self.peers.deadlines().solve)? {
+                self.unanswered = true;
+                return Err(error);
+            }
             if observing >> usize::from(one) & 1 == 1 {
                 self.collect(one, step, true)?;
             }
@@ -38,6 +41,16 @@ impl Session {
             self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         }
         Ok(())
+    }
+
+    /// The window has no answer that may be accepted.
+    pub fn no_answer(&mut self) {
+        self.unanswered = true;
+    }
+
+    /// The last error was that a participant has no answer: all others go on.
+    pub fn take_unanswered(&mut self) -> bool {
+        std::mem::take(&mut self.unanswered)
     }
 
     fn is_observed(&self, one: ParticipantIndex, observed: Observed) -> bool {
@@ -118,8 +131,15 @@ impl Exchange for Session {
         }
         self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         let mut longest = 0.0_f64;
+        let mut failed = None;
         for &one in participants {
-            let message = self.peers.done(one, self.peers.deadlines().solve)?;
+            let message = match self.peers.answered(one, self.peers.deadlines().solve)? {
+                Ok(message) => message,
+                Err(error) => {
+                    failed.get_or_insert(error);
+                    continue;
+                }
+            };
             let before = self.solved[one];
             let fault = audit::report_fault(message.header(), before.heat_received);
             fault.map_or(Ok(()), |what| Err(self.peers.misbehaved(one, what)))?;
@@ -130,7 +150,8 @@ impl Exchange for Session {
             self.collect(one, step, false)?;
         }
         self.computed_seconds += longest;
-        Ok(())
+        self.unanswered = failed.is_some();
+        failed.map_or(Ok(()), Err)
     }
 
     fn coupling_data(&self) -> &[Part] {

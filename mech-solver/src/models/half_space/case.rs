@@ -5,9 +5,11 @@ use super::gap::Gap;
 use super::geometry::Footprint;
 use crate::effects::subsurface_stress::Sections;
 use crate::effects::temperature_friction::FrictionLaw;
+use crate::ellipse::Ellipse;
 use crate::half_space::extent::sample;
 use crate::half_space::influence::Elasticity;
-use crate::scene::Scene;
+use crate::scene::{GivenPatch, Scene};
+use proto::configuration::{Configuration, Refusal};
 use proto::field;
 use proto::grid::Structured;
 use proto::model::Outputs;
@@ -32,6 +34,31 @@ pub(super) struct Case {
 }
 
 impl Case {
+    /// Becomes the case of another row, whose values these are; grid and materials stay.
+    ///
+    /// # Errors
+    /// As for a case of its own.
+    pub(super) fn follow(
+        &mut self,
+        row: &Configuration,
+        patch: Option<GivenPatch>,
+    ) -> Result<(), Refusal> {
+        let scene = Scene::read(&row.case)?;
+        let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
+        let ellipse = given.map_or_else(|| Ellipse::solve(&scene, None), Ok)?;
+        self.driven = Driven::read(row, &scene, given.as_ref(), Some(&ellipse))?;
+        self.footprint.semi_axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
+        self.footprint.ellipse = Some(ellipse);
+        if let Some(gap) = &mut self.footprint.gap {
+            gap.follow(&scene);
+        }
+        if let Some(law) = &mut self.friction_law {
+            law.follow(scene.friction_coefficient);
+        }
+        self.scene = scene;
+        Ok(())
+    }
+
     /// Hertz's solution holds: smooth second-order surfaces, and tractions that leave the pressure alone.
     pub(super) fn is_hertzian(&self) -> bool {
         let rough = self.footprint.gap.as_ref().is_some_and(Gap::is_rough);

@@ -139,6 +139,42 @@ impl ContactSolver {
         self.set_bound();
     }
 
+    /// Takes the load, the shapes and the friction of another row, and solves the normal contact without
+    /// friction; from the latest pressure if `warm`.
+    pub(super) fn follow(&mut self, case: &Case, warm: bool) -> Result<(), ContactError> {
+        let grid = &case.footprint.grid;
+        if let (Some(normal), Some(gap)) = (&mut self.normal, &case.footprint.gap) {
+            normal.undeformed = sample(grid, &|x, y| gap.distance(x, y));
+            normal.distance.clone_from(&normal.undeformed);
+            normal.prescribed = super::geometry::prescribed(case.scene.load);
+        }
+        self.friction.fill(case.scene.friction_coefficient);
+        if !warm {
+            self.pressure = case.given_pressure();
+        }
+        self.normal_iterations = 0;
+        self.normal_step()?;
+        self.set_bound();
+        self.frictionless = (self.pressure.clone(), self.approach);
+        Ok(())
+    }
+
+    /// Solves for the tractions of steady rolling from a solution that is near.
+    pub(super) fn improve(
+        &mut self,
+        driven: &Driven,
+        mut near: Solution,
+    ) -> Result<Solution, ContactError> {
+        (near.newton_steps, near.operator_applications) = (0, 0);
+        if self.coupling.is_some() {
+            return self.solve(driven, Some(near), None);
+        }
+        let prescribed = self.prescribed(driven);
+        let levels = self.levels.as_mut().expect("partial slip has its operators");
+        levels.improve(&self.bound, &prescribed, None, &mut near)?;
+        Ok(near)
+    }
+
     /// Takes the friction coefficients of a law at the temperatures that come in.
     pub(super) fn set_friction(
         &mut self,

@@ -17,11 +17,12 @@ const SPIN_MOMENT: &str = "motion.spin_moment";
 /// The keys besides the scene's.
 pub(super) fn keys() -> Vec<KeySpec> {
     let mut keys = vec![
-        KeySpec::number(LATERAL_CREEPAGE, "lateral creepage beside a prescribed force"),
+        KeySpec::number(LATERAL_CREEPAGE, "lateral creepage beside a prescribed force").varies(),
         KeySpec::quantity(LATERAL_FORCE, "N", "lateral force on the upper body")
-            .magnitude_below(&["friction.coefficient", "load.normal_force"]),
-        KeySpec::quantity(SPIN_CREEPAGE, "1/m", "spin [rad/m] beside a prescribed force"),
-        KeySpec::quantity(SPIN_MOMENT, "N m", "spin moment on the upper body"),
+            .magnitude_below(&["friction.coefficient", "load.normal_force"])
+            .varies(),
+        KeySpec::quantity(SPIN_CREEPAGE, "1/m", "spin [rad/m] beside a prescribed force").varies(),
+        KeySpec::quantity(SPIN_MOMENT, "N m", "spin moment on the upper body").varies(),
     ];
     keys.extend(shift_keys());
     keys

@@ -189,6 +189,16 @@ impl Gap {
         })
     }
 
+    /// Takes the radii of another row; profiles stay.
+    pub(super) fn follow(&mut self, scene: &Scene) {
+        for (side, body) in self.sides.iter_mut().zip(&scene.bodies) {
+            side.radius = body.radius_x;
+            if let Shape::Curvature(curvature) = &mut side.shape {
+                *curvature = side.up / body.radius_y;
+            }
+        }
+    }
+
     /// The key of the first profile, which errors of shapes name.
     pub(super) fn profile_key(&self) -> &str {
         let measured = self.sides.iter().rev();

@@ -4,7 +4,7 @@
 //! ([`fit_grid`]), and the origin lies at the centre of pressure.
 
 use super::gap::{self, Gap};
-use crate::ellipse::Ellipse;
+use crate::ellipse::{Ellipse, Extent};
 use crate::half_space::extent::{Fitted, Moments, fit_grid};
 use crate::half_space::influence::Elasticity;
 use crate::half_space::normal::{NormalError, Prescribed};
@@ -74,11 +74,13 @@ pub(super) struct Footprint {
     pub(super) remarks: Vec<String>,
 }
 
-/// Finds the extent of the contact and lays a grid over it.
+/// Finds the extent of the contact and lays a grid over it; `extent` is that of all contacts of a case
+/// whose values vary.
 pub(super) fn footprint(
     configuration: &Configuration,
     scene: &Scene,
     given: Option<Ellipse>,
+    extent: Option<&Extent>,
     bodies: &Elasticity,
 ) -> Result<Footprint, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
@@ -95,8 +97,9 @@ pub(super) fn footprint(
             return Err(Refusal::new("contact", reason, "remove [contact], or the others"));
         }
         let ellipse = given.map_or_else(|| Ellipse::solve(scene, None), Ok)?;
-        let semi_axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
-        let dx = dx(semi_axes[0]);
+        let extent = extent.copied().unwrap_or_else(|| ellipse.extent());
+        let semi_axes = [extent.a, extent.b];
+        let dx = dx(extent.finest);
         let dy = lateral.map_or(dx, |count| semi_axes[1] / count);
         let growth = match (rough, bodies.is_coupled()) {
             (_, true) => COUPLED_GROWTH,

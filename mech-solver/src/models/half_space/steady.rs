@@ -2,29 +2,91 @@
 //!
 //! Solved in the first window; the answer is kept, since nothing that it depends on changes. Under the
 //! effect `temperature_friction` it is solved in every iteration, from scratch, so that it depends on
-//! the temperatures that come in and on nothing else.
+//! the temperatures that come in and on nothing else. Of a case whose values vary every window is solved,
+//! from the accepted solution of an earlier one.
 
 use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use crate::effects::temperature_friction::Shortfall;
-use crate::half_space::levels::Motion;
+use crate::half_space::force_search::ForceSearch;
+use crate::half_space::levels::{Motion, Solution};
 use crate::models::names::HALF_SPACE;
-use crate::models::stateless::restore_nothing;
-use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
+use crate::models::varying::{Varying, no_answer};
+use crate::scene::GivenPatch;
+use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
+use std::io::{self, Read, Write};
+
+/// More bytes are no state of this model.
+const MOST_BYTES: usize = 4 << 30;
+
+/// How a model follows values that vary.
+pub(super) struct Following {
+    pub(super) varying: Varying,
+    /// The ellipse that the case gives.
+    pub(super) patch: Option<GivenPatch>,
+    /// A row starts from the solution of the one before.
+    pub(super) warm: bool,
+}
 
 /// The model that runs.
 pub(super) struct Steady {
     case: Case,
+    following: Option<Following>,
     contact: Option<ContactSolver>,
     answer: Option<(Answer, StepReport)>,
+    /// The solution of the last row that has one, and its pressure: where the next one starts.
+    near: Near,
+    accepted: Near,
 }
 
+/// A solution, the pressure under it, and what its forces have taught.
+type Near = Option<(Solution, Vec<f64>, ForceSearch)>;
+
 impl Steady {
-    pub(super) fn new(case: Case) -> Self {
-        Self { case, contact: None, answer: None }
+    pub(super) fn new(case: Case, following: Option<Following>) -> Self {
+        Self { case, following, contact: None, answer: None, near: None, accepted: None }
+    }
+
+    /// The answer of a row, from the accepted solution of an earlier one.
+    fn row(&mut self, step: &Step, inputs: &dyn Inputs) -> Result<(Answer, StepReport), StepError> {
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        let Some(following) = &self.following else { unreachable!("rows are of what varies") };
+        self.case
+            .follow(&following.varying.configuration(step), following.patch)
+            .map_err(no_answer)?;
+        let near = self.accepted.clone().filter(|_| following.warm);
+        let mut contact = match self.contact.take() {
+            Some(contact) => contact,
+            None => ContactSolver::new(&self.case, Motion::SteadyRolling).map_err(no_solution)?,
+        };
+        let near = near.map(|(solution, pressure, search)| {
+            contact.pressure = pressure;
+            *contact.search() = search;
+            solution
+        });
+        let solved = self.solve_row(&mut contact, near, inputs);
+        self.contact = Some(contact);
+        solved
+    }
+
+    fn solve_row(
+        &mut self,
+        contact: &mut ContactSolver,
+        near: Option<Solution>,
+        inputs: &dyn Inputs,
+    ) -> Result<(Answer, StepReport), StepError> {
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        contact.follow(&self.case, near.is_some()).map_err(no_solution)?;
+        if let Some(law) = &self.case.friction_law {
+            contact.set_friction(&self.case, law, inputs)?;
+        }
+        let (answer, report, solution) = self.compute(contact, near).map_err(no_solution)?;
+        self.near =
+            solution.map(|found| (found, contact.pressure.clone(), contact.search().clone()));
+        Ok((answer, report))
     }
 
     /// The solver, with the pressure of no friction.
@@ -38,45 +100,57 @@ impl Steady {
         }
     }
 
-    fn compute(&self, contact: &mut ContactSolver) -> Result<(Answer, StepReport), ContactError> {
+    fn compute(
+        &self,
+        contact: &mut ContactSolver,
+        near: Option<Solution>,
+    ) -> Result<(Answer, StepReport, Option<Solution>), ContactError> {
         let case = &self.case;
         let mut report = StepReport { substeps: 1, ..StepReport::default() };
         let mut pressure_power = None;
+        let mut found = None;
         let mut answer = match case.partial {
             false => Answer::sliding(case, contact),
             true => {
-                let solution = contact.solve(&case.driven, None, None)?;
+                let solution = match near {
+                    Some(near) => contact.improve(&case.driven, near)?,
+                    None => contact.solve(&case.driven, None, None)?,
+                };
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
                 pressure_power = contact.pressure_power(case, &solution.state);
-                Answer::partial(case, contact, &solution, None)
+                let answer = Answer::partial(case, contact, &solution, None);
+                found = Some(solution);
+                answer
             }
         };
         answer.balance = Some(Balance::steady(case, &answer, pressure_power).check()?);
         report.inner_iterations += contact.normal_iterations as u32;
-        Ok((answer, report))
+        Ok((answer, report, found))
     }
 }
 
 impl Model for Steady {
     fn solve(
         &mut self,
-        _step: &Step,
+        step: &Step,
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        let known = self.answer.take().filter(|_| self.case.friction_law.is_none());
+        let fixed = self.case.friction_law.is_none() && self.following.is_none();
+        let known = self.answer.take().filter(|_| fixed);
         let (answer, report) = match known {
             Some(known) => known,
+            None if self.following.is_some() => self.row(step, inputs)?,
             None => {
                 let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
                 let mut contact = self.contact().map_err(no_solution)?;
                 if let Some(law) = &self.case.friction_law {
                     contact.set_friction(&self.case, law, inputs)?;
                 }
-                let found = self.compute(&mut contact).map_err(no_solution)?;
+                let (answer, report, _) = self.compute(&mut contact, None).map_err(no_solution)?;
                 self.contact = Some(contact);
-                found
+                (answer, report)
             }
         };
         answer.write(&answer.friction_power, outputs);
@@ -92,7 +166,11 @@ impl Model for Steady {
         Shortfall::refused(self.contact.as_ref().and_then(|contact| contact.shortfall))
     }
 
-    fn accept(&mut self) {}
+    fn accept(&mut self) {
+        if self.following.is_some() {
+            self.accepted.clone_from(&self.near);
+        }
+    }
 
     fn observe(&mut self, outputs: &mut dyn Outputs) {
         if let Some((answer, _)) = &self.answer {
@@ -107,11 +185,31 @@ impl Model for Steady {
         }
     }
 
-    fn save(&self, into: &mut StateBlob) {
-        into.0.clear();
+    fn save(&self, mut into: &mut dyn Write) -> io::Result<()> {
+        if self.following.is_none() {
+            return Ok(());
+        }
+        let config = bincode::config::standard();
+        let written = bincode::serde::encode_into_std_write(&self.accepted, &mut into, config);
+        written.map(|_| ()).map_err(io::Error::other)
     }
 
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        restore_nothing(HALF_SPACE, from)
+    fn restore(&mut self, mut from: &mut dyn Read) -> Result<(), StateError> {
+        if self.following.is_none() {
+            return Ok(());
+        }
+        let config = bincode::config::standard().with_limit::<MOST_BYTES>();
+        let wrong = |reason: String| StateError(format!("{HALF_SPACE}: {reason}"));
+        let near: Near = bincode::serde::decode_from_std_read(&mut from, config)
+            .map_err(|error| wrong(error.to_string()))?;
+        let count = self.case.footprint.grid.points();
+        let fits = |(solution, pressure, _): &(Solution, Vec<f64>, ForceSearch)| {
+            solution.state.fits(count) && pressure.len() == count
+        };
+        if near.as_ref().is_some_and(|near| !fits(near)) {
+            return Err(wrong("it is a state on another grid".to_owned()));
+        }
+        self.accepted = near;
+        Ok(())
     }
 }

@@ -24,9 +24,10 @@ use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
 use crate::half_space::tangential::TangentialState;
 use crate::models::names::HALF_SPACE;
-use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
+use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::io::{self, Read, Write};
 
 /// A rest of a mechanical step shorter than this share of it is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -90,11 +91,10 @@ impl Memory {
         let Self { solution: Solution { state, .. }, answer, .. } = self;
         let one = [&self.pressure, &answer.pressure, &answer.friction_power];
         let two = [&answer.traction, &answer.slip_velocity];
-        let pairs = [&self.displacement, &state.traction, &state.slip];
-        state.element.len() == count
+        state.fits(count)
             && one.iter().all(|field| field.len() == count)
             && two.iter().all(|field| field.len() == 2 * count)
-            && pairs.iter().all(|pair| pair.iter().all(|field| field.len() == count))
+            && self.displacement.iter().all(|field| field.len() == count)
     }
 }
 
@@ -235,17 +235,19 @@ impl Model for Transient {
         self.case.summary(&self.accepted.answer)
     }
 
-    fn save(&self, into: &mut StateBlob) {
-        into.0 = bincode::serde::encode_to_vec(&self.accepted, bincode::config::standard())
-            .expect("plain numbers in memory can be encoded");
+    fn save(&self, mut into: &mut dyn Write) -> io::Result<()> {
+        let config = bincode::config::standard();
+        bincode::serde::encode_into_std_write(&self.accepted, &mut into, config)
+            .map(|_| ())
+            .map_err(io::Error::other)
     }
 
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
+    fn restore(&mut self, mut from: &mut dyn Read) -> Result<(), StateError> {
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
         let wrong = |reason: String| StateError(format!("{HALF_SPACE}: {reason}"));
-        let (memory, read): (Memory, usize) =
-            bincode::serde::decode_from_slice(&from.0, config).map_err(|e| wrong(e.to_string()))?;
-        if read != from.0.len() || !memory.fits(self.power.len()) {
+        let memory: Memory = bincode::serde::decode_from_std_read(&mut from, config)
+            .map_err(|e| wrong(e.to_string()))?;
+        if !memory.fits(self.power.len()) {
             return Err(wrong("it is a state on another grid".to_owned()));
         }
         self.trial.clone_from(&memory);

@@ -8,13 +8,12 @@ use super::case::Case;
 use super::contact::Contact;
 use super::fields;
 use crate::effects::temperature_friction::{FrictionLaw, Shortfall};
-use crate::models::names::HERTZ_CARTER;
-use crate::models::stateless::restore_nothing;
 use crate::scene::{Drive, Scene};
 use proto::configuration::Refusal;
 use proto::field;
-use proto::model::{Inputs, Model, Outputs, StateBlob, StateError, Step, StepError, StepReport};
+use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::Value;
+use std::io::{self, Read, Write};
 
 /// The model that runs.
 pub(super) struct Heated {
@@ -101,11 +100,11 @@ impl Model for Heated {
         self.case.contact.summary()
     }
 
-    fn save(&self, into: &mut StateBlob) {
-        into.0.clear();
+    fn save(&self, _into: &mut dyn Write) -> io::Result<()> {
+        Ok(())
     }
 
-    fn restore(&mut self, from: &StateBlob) -> Result<(), StateError> {
-        restore_nothing(HERTZ_CARTER, from)
+    fn restore(&mut self, _from: &mut dyn Read) -> Result<(), StateError> {
+        Ok(())
     }
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::fault::{COSIM_FAILED, COSIM_OK, cosim_fail, cosim_refuse};
-use crate::fields::{cosim_blob_write, cosim_output};
+use crate::fields::{cosim_blob_read, cosim_blob_write, cosim_output};
 use crate::solver::{COSIM_VERSION, empty};
 use proto::model::InputField;
 use std::ffi::{c_char, c_int};
@@ -93,12 +93,8 @@ unsafe extern "C" fn save(user: *mut c_void, blob: *mut CosimBlob<'_>) -> c_int 
     }
 }
 
-unsafe extern "C" fn restore(user: *mut c_void, bytes: *const c_void, size: usize) -> c_int {
-    if size != 8 {
-        return unsafe { cosim_fail(c"not eight bytes".as_ptr()) };
-    }
-    unsafe { counter(user).accepted = bytes.cast::<u64>().read_unaligned() };
-    COSIM_OK
+unsafe extern "C" fn restore(user: *mut c_void, blob: *mut CosimBlob<'_>) -> c_int {
+    unsafe { cosim_blob_read(blob, (&raw mut counter(user).accepted).cast(), 8) }
 }
 
 unsafe extern "C" fn summary(user: *mut c_void) -> *const c_char {
@@ -161,7 +157,7 @@ fn program(counter: &mut Counter, table: CosimSolver) -> Program {
 }
 
 fn model(program: &Program) -> Box<dyn Model> {
-    program.configure(&configuration()).unwrap().build().unwrap()
+    program.configure(&configuration()).unwrap().build(&Progress::default()).unwrap()
 }
 
 #[test]
@@ -204,15 +200,15 @@ fn a_window_is_solved_from_the_accepted_state() {
     model.accept();
     model.solve(&step, &Nothing, &mut outputs).unwrap();
     assert_eq!(outputs.0[0], 2.0);
-    let mut blob = StateBlob(vec![1; 100]);
-    model.save(&mut blob);
-    assert_eq!(blob.0, 1_u64.to_ne_bytes());
+    let mut state = Vec::new();
+    model.save(&mut state).unwrap();
+    assert_eq!(state, 1_u64.to_ne_bytes());
     model.accept();
-    model.restore(&blob).unwrap();
+    model.restore(&mut state.as_slice()).unwrap();
     model.solve(&step, &Nothing, &mut outputs).unwrap();
     assert_eq!(outputs.0[0], 2.0);
-    let short = model.restore(&StateBlob(vec![0; 7])).unwrap_err();
-    assert_eq!(short.to_string(), "state does not fit: not eight bytes");
+    let short = model.restore(&mut &state[..7]).unwrap_err();
+    assert_eq!(short.to_string(), "state does not fit: it is truncated");
     assert_eq!(model.summary(), json!({"counter": {"solves": 1}}));
 }
 
@@ -221,6 +217,9 @@ fn faults_become_the_errors_of_the_contract() {
     let mut refusing = Counter { fault: "refuse", ..Counter::default() };
     let refused = program(&mut refusing, table()).configure(&configuration());
     assert_eq!(refused.map(|_| ()).unwrap_err(), Refusal::new("a.b", "no", "yes"));
+    let mut counter = Counter { fault: "save", ..Counter::default() };
+    let saved = model(&program(&mut counter, table())).save(&mut Vec::new());
+    assert_eq!(saved.unwrap_err().to_string(), "told to fail");
     let mut counter = Counter { fault: "solve", ..Counter::default() };
     let program = program(&mut counter, table());
     let solved = model(&program).solve(&Step::STEADY, &Nothing, &mut Number(vec![0.0]));
@@ -231,13 +230,12 @@ fn faults_become_the_errors_of_the_contract() {
 #[test]
 fn faults_without_an_error_unwind_to_main() {
     type Act = fn(&mut dyn Model);
-    let acts: [(&'static str, Act, &str); 9] = [
+    let acts: [(&'static str, Act, &str); 8] = [
         ("configure", |_| (), "told to fail"),
         ("build", |_| (), "told to fail"),
         ("write", |m| m.first_outputs(&mut Number(vec![0.0])), "told to fail"),
         ("write", |m| m.observe(&mut Number(vec![0.0])), "told to fail"),
         ("accept", |m| m.accept(), "told to fail"),
-        ("save", |m| m.save(&mut StateBlob::default()), "told to fail"),
         ("summary", |m| drop(m.summary()), "`summary` returned 2 without a reason"),
         ("list", |m| drop(m.summary()), "`summary` is no JSON object: [1]"),
         ("not-json", |m| drop(m.summary()), "`summary` is not JSON"),
@@ -273,10 +271,9 @@ fn what_is_left_out() {
     assert_eq!(outputs.0, [0.0]);
     model.accept();
     model.observe(&mut outputs);
-    let mut blob = StateBlob(vec![3]);
-    model.save(&mut blob);
-    assert!(blob.0.is_empty() && model.restore(&blob).is_ok());
-    assert!(model.restore(&StateBlob(vec![3])).is_err());
+    let mut state = Vec::new();
+    model.save(&mut state).unwrap();
+    assert!(state.is_empty() && model.restore(&mut state.as_slice()).is_ok());
     assert_eq!(model.summary(), json!({}));
     let observing = Configuration { observed: vec!["number".to_owned()], ..configuration() };
     let refused = program.configure(&observing).map(|_| ()).unwrap_err();

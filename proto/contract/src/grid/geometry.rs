@@ -1,5 +1,5 @@
-//! The geometry of a grid as the values of a field: how a grid that moves travels through shared
-//! memory.
+//! The geometry of a grid as the values of a field: how a grid that moves, and every volume, travels
+//! through shared memory.
 //!
 //! The field is [`crate::field::GEOMETRY`]: three components in metres, component-major, so that
 //! component c of vector n stands at `c * count + n`. The vectors are
@@ -8,9 +8,11 @@
 //! |---|---|---|
 //! | structured | 4 | centre of element (0, 0), step in i, step in j, and (ni, nj, 1), which are no lengths |
 //! | quadrilaterals | vertices | the vertices, in their order |
+//! | volume | see `volume.rs` | |
 //!
-//! A structured grid may move, turn, stretch and grow; it stays structured. Of quadrilaterals only
-//! the vertices move: which of them an element has is fixed for the run.
+//! A structured grid may move, turn, stretch and grow; it stays structured. Of quadrilaterals and
+//! volumes only the vertices move: which of them an element has is fixed for the run. A volume is
+//! announced in revision 0, and comes to its geometry as if it moved there.
 
 use super::{Grid, Quadrilaterals, Shape, Structured};
 
@@ -26,13 +28,15 @@ impl Grid {
         match &self.shape {
             Shape::Structured(_) => VECTORS,
             Shape::Quadrilaterals(q) => q.points.len(),
+            Shape::Volume(v) => v.hexahedra().vectors(),
         }
     }
 
     /// Writes the geometry [m], component-major.
     ///
     /// # Panics
-    /// If `values` does not have three values for each of [`Grid::geometry_points`].
+    /// If `values` does not have three values for each of [`Grid::geometry_points`], or for a volume
+    /// that is announced.
     pub fn encode_geometry(&self, values: &mut [f64]) {
         let count = self.geometry_points();
         assert_eq!(values.len(), COMPONENTS * count, "three values for each vector");
@@ -46,6 +50,7 @@ impl Grid {
                 put(&[s.origin, s.step_i, s.step_j, [s.ni as f64, s.nj as f64, 1.0]]);
             }
             Shape::Quadrilaterals(q) => put(&q.points),
+            Shape::Volume(v) => values.copy_from_slice(v.geometry()),
         }
     }
 
@@ -53,7 +58,7 @@ impl Grid {
     ///
     /// # Errors
     /// A revision that is not above this one's, another number of values, counts that are not
-    /// whole, or a grid that [`Grid::check`] refuses.
+    /// whole, elements of other vertices, or a grid that [`Grid::check`] refuses.
     pub fn with_geometry(&self, values: &[f64], revision: u64) -> Result<Self, String> {
         let (name, count) = (&self.name, self.geometry_points());
         if revision <= self.revision {
@@ -75,10 +80,14 @@ impl Grid {
                 points: (0..count).map(vector).collect(),
                 elements: q.elements.clone(),
             }),
+            Shape::Volume(v) => Shape::Volume(v.with_geometry(values)),
         };
         let moved = Self { name: name.clone(), revision, shape };
         moved.check().map_err(|fault| format!("{fault}, in revision {revision}"))?;
-        Ok(moved)
+        match self.has_elements_of(&moved) {
+            true => Ok(moved),
+            false => Err(format!("the elements of `{name}` have other vertices than before")),
+        }
     }
 
     /// What is wrong with taking `moved` for this grid after it has moved.
@@ -88,23 +97,31 @@ impl Grid {
     /// elements are no longer made of the same vertices.
     pub fn check_moved(&self, moved: &Self) -> Result<(), String> {
         let (name, revision, last) = (&self.name, moved.revision, self.revision);
-        let same_elements = match (&self.shape, &moved.shape) {
-            (Shape::Structured(_), Shape::Structured(_)) => true,
-            (Shape::Quadrilaterals(a), Shape::Quadrilaterals(b)) => {
-                a.elements == b.elements && a.points.len() == b.points.len()
-            }
-            _ => false,
-        };
-        if moved.name != *name || !same_elements {
+        if moved.name == *name && revision == last && self.shape == moved.shape {
+            return Ok(());
+        }
+        if moved.name != *name || !self.has_elements_of(moved) {
             return Err(format!("`{}` is not the grid `{name}`, moved", moved.name));
         }
         if revision < last {
             return Err(format!("grid `{name}` has revision {revision} after {last}"));
         }
-        if revision == last && self.shape != moved.shape {
+        if revision == last {
             return Err(format!("grid `{name}` has moved and still has revision {revision}"));
         }
         moved.check()
+    }
+
+    /// The elements of the other one are made of the same vertices.
+    fn has_elements_of(&self, other: &Self) -> bool {
+        match (&self.shape, &other.shape) {
+            (Shape::Structured(_), Shape::Structured(_)) => true,
+            (Shape::Quadrilaterals(a), Shape::Quadrilaterals(b)) => {
+                a.elements == b.elements && a.points.len() == b.points.len()
+            }
+            (Shape::Volume(a), Shape::Volume(b)) => a.has_elements_of(b),
+            _ => false,
+        }
     }
 }
 
@@ -122,6 +139,7 @@ fn structured(vector: impl Fn(usize) -> [f64; 3]) -> Result<Structured, String> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::Volume;
     use proptest::prelude::*;
 
     fn encoded(grid: &Grid) -> Vec<f64> {
@@ -192,6 +210,33 @@ mod tests {
             q.elements[0].rotate_left(1);
         }
         assert!(surface.check_moved(&moved).is_err(), "other elements");
+    }
+
+    #[test]
+    fn a_volume_comes_to_its_geometry_and_moves() {
+        let corners = |height: f64| {
+            let at = |n: usize| [(n & 1) as f64, (n >> 1 & 1) as f64, (n >> 2) as f64 * height];
+            [0, 1, 2, 3, 4, 5, 6, 7].map(at)
+        };
+        let cube = |height, order| Volume::unstructured(&corners(height), &[order]);
+        let order = [0, 1, 3, 2, 4, 5, 7, 6];
+        let here = Grid::volume("body", cube(1.0, order));
+        let announced = here.announced();
+        assert_eq!(announced.check_moved(&here), Ok(()));
+        assert_eq!(announced.with_geometry(&encoded(&here), 1), Ok(here.clone()));
+        let there = Grid { revision: 2, ..Grid::volume("body", cube(2.0, order)) };
+        assert_eq!(here.with_geometry(&encoded(&there), 2), Ok(there.clone()));
+        assert_eq!(here.check_moved(&there), Ok(()));
+        let turned =
+            Grid { revision: 2, ..Grid::volume("body", cube(2.0, [1, 3, 2, 0, 5, 7, 6, 4])) };
+        assert_eq!(turned.check(), Ok(()));
+        let fault = here.with_geometry(&encoded(&turned), 2).unwrap_err();
+        assert!(fault.contains("other vertices than before"), "{fault}");
+        assert!(here.check_moved(&turned).unwrap_err().contains("not the grid `body`"));
+        let mut values = encoded(&there);
+        values[22..30].fill(0.0);
+        let flat = announced.with_geometry(&values, 1).unwrap_err();
+        assert!(flat.contains("has the volume 0") && flat.contains("in revision 1"), "{flat}");
     }
 
     proptest! {

@@ -22,6 +22,7 @@ from .solver import (
     StepReport,
     first_non_finite,
 )
+from .volumes import Volume
 
 __all__ = [
     "PROTOCOL_VERSION",
@@ -48,6 +49,7 @@ __all__ = [
     "StepError",
     "StepReport",
     "Structured",
+    "Volume",
     "fields",
     "first_non_finite",
     "main",

@@ -9,6 +9,7 @@ from typing import Any
 
 from .fields import FieldKind
 from .grids import Grid
+from .volumes import Volume
 
 
 class Refusal(Exception):
@@ -141,6 +142,8 @@ class Configuration:
     """Names of the fields it has to publish in every iteration."""
     observed: Sequence[str]
     """Names of the fields it has to publish when an accepted window is observed."""
+    threads: int = 1
+    """Threads that it may compute on at the same time. Results must not depend on it."""
 
     @property
     def is_steady(self) -> bool:
@@ -170,6 +173,7 @@ class Configuration:
             inputs=[Input.from_json(given) for given in value["inputs"]],
             outputs=list(value["outputs"]),
             observed=list(value["observed"]),
+            threads=int(value.get("threads", 1)),
         )
 
 
@@ -202,13 +206,16 @@ class Layout:
     """Answer to `configure`: grids, placement of the fields and expected cost."""
 
     grids: list[Grid] = field(default_factory=list)
-    """The grids of the outputs, and those on which inputs are wanted."""
+    """The grids of the outputs, and those on which inputs are wanted; volumes are announced."""
     fields: dict[str, str] = field(default_factory=dict)
     """Name of the grid of each output and observed field."""
     inputs: dict[str, str] = field(default_factory=dict)
     """Name of the grid on which an input is wanted; without a wish it arrives on its producer's."""
     moving: list[str] = field(default_factory=list)
-    """Names of the grids that may move during the run: see `Solver.moved_grids`."""
+    """Names of the grids that may move during the run: see `Solver.moved_grids`.
+
+    A volume need not be named.
+    """
     solve_seconds: float = 0.0
     """Expected processor seconds of one solve."""
     build_seconds: float = 0.0
@@ -236,6 +243,7 @@ class Layout:
             for name, grid_name in placed.items():
                 if self.grid(grid_name) is None:
                     raise ValueError(f"`{name}` is placed on `{grid_name}`, which is not a grid")
+        self._check_volumes()
         for name in self.moving:
             if self.grid(name) is None:
                 raise ValueError(f"`{name}` moves, which is not a grid")
@@ -247,6 +255,16 @@ class Layout:
         for key, exact in self.closed_forms.items():
             if not math.isfinite(exact):
                 raise ValueError(f"the closed form of `{key}` is {exact}")
+
+    def _check_volumes(self) -> None:
+        volumes = [grid for grid in self.grids if isinstance(grid.shape, Volume)]
+        for volume in volumes:
+            if not volume.is_announced:
+                raise ValueError(f"the geometry of `{volume.name}` follows: see `Grid.announced`")
+        names = [volume.name for volume in volumes]
+        for name, grid_name in self.inputs.items():
+            if grid_name in names:
+                raise ValueError(f"the input `{name}` is wanted on the volume `{grid_name}`")
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""

@@ -122,6 +122,8 @@ class Model:
     """Case keys that only this model reads."""
     accuracy: Mapping[str, Any] = field(default_factory=dict)
     """What is known of its errors: `refinement` and `simplifications`, see docs/write-a-solver.md."""
+    rewinds: bool = True
+    """It can solve a window more than once, always from the accepted state."""
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""

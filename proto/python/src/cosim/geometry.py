@@ -1,4 +1,7 @@
-"""Grids that move: what a participant publishes of its own, and what it receives of others'."""
+"""Grids that move, and volumes.
+
+What a participant publishes of its own, and what it receives of others'.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,7 @@ from .grids import Grid
 from .messages import PROTOCOL_VERSION, FieldHeader, text_of
 from .solver import Step
 from .views import Views
+from .volumes import Volume
 
 if TYPE_CHECKING:
     from .transport import Endpoint, FieldWriter, Receiver
@@ -58,6 +62,8 @@ class GeometryPort:
             self.grid.check_moved(moved)
         except ValueError as error:
             raise GeometryError(str(error)) from error
+        if moved.is_announced:
+            raise GeometryError(f"the volume `{moved.name}` is given without geometry")
         if moved.revision == self.grid.revision:
             return False
         values, header = moved.encoded_geometry(), self._header
@@ -104,11 +110,19 @@ class GeometryPorts:
             port.writer.wait_for_subscribers(deadline)
 
     def publish(self, grids: Sequence[Grid], step: Step, moved: Callable[[Grid], None]) -> None:
-        """Publish those of the grids that have moved, and give each of these to `moved`."""
+        """Publish those of the grids that have moved, and give each of these to `moved`.
+
+        A volume whose geometry is out need not be given again.
+        """
         given = {grid.name: grid for grid in grids}
         for port in self._ports:
             grid = given.get(port.grid.name)
             if grid is None:
+                if isinstance(port.grid.shape, Volume):
+                    if port.grid.is_announced:
+                        name = port.grid.name
+                        raise GeometryError(f"the geometry of the volume `{name}` is not given")
+                    continue
                 raise GeometryError(f"the grid `{port.grid.name}`, which may move, is not given")
             if port.publish(grid, step):
                 moved(grid)

@@ -1,8 +1,8 @@
-"""Surface grids: where the values of a field live.
+"""Grids: where the values of a field live.
 
 Values belong to element centres. On a structured grid the value of element (i, j) stands at
 `j * ni + i`; for the contact plane `step_i` points along x, the rolling direction, and `step_j`
-along y, to the left.
+along y, to the left. Fields on volumes (`cosim.volumes`) are only written out.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .volumes import Volume
 
 Array = NDArray[np.float64]
 
@@ -182,10 +184,26 @@ class Grid:
 
     name: str
     """Unique within the participant that owns it; at most 31 bytes of ASCII."""
-    shape: Structured | Quadrilaterals
+    shape: Structured | Quadrilaterals | Volume
     """Geometry."""
-    revision: int = 1
-    """The first is 1."""
+    revision: int = -1
+    """The first is 1; 0, a volume that is announced, whose geometry is to follow."""
+
+    def __post_init__(self) -> None:
+        """Begin with the first revision."""
+        if self.revision < 0:
+            object.__setattr__(self, "revision", 0 if self.is_announced else 1)
+
+    @property
+    def is_announced(self) -> bool:
+        """A volume whose geometry is to follow."""
+        return isinstance(self.shape, Volume) and self.shape.geometry is None
+
+    def announced(self) -> Grid:
+        """What a layout says of the grid: of a volume the elements alone."""
+        if isinstance(self.shape, Volume):
+            return Grid(self.name, self.shape.announced())
+        return self
 
     @property
     def points(self) -> int:
@@ -198,41 +216,50 @@ class Grid:
 
     def areas(self) -> Array:
         """Element areas [m²], shape (points,)."""
-        return self.shape.areas()
+        return self._surface().areas()
 
     def integrate(self, values: Array) -> float:
         """Surface integral of a one-component field [unit m²]; pairwise summation."""
         if isinstance(self.shape, Structured):
             return self.shape.element_area * float(np.sum(values))
-        return float(np.sum(self.shape.areas() * values))
+        return float(np.sum(self.areas() * values))
 
     def check(self) -> None:
         """Raise `ValueError` for what no coordinator would take."""
         check_name("grid", self.name)
+        if isinstance(self.shape, Volume) and self.is_announced != (self.revision == 0):
+            raise ValueError(
+                f"volume `{self.name}` has revision {self.revision}: it is announced in revision "
+                "0, and its geometry follows with revision 1"
+            )
         try:
             self.shape.check()
         except ValueError as why:
             raise ValueError(f"grid `{self.name}` has {why}") from None
 
-    def moved(self, shape: Structured | Quadrilaterals) -> Grid:
+    def moved(self, shape: Structured | Quadrilaterals | Volume) -> Grid:
         """This grid with another geometry, in the next revision.
 
-        Of quadrilaterals only the vertices move.
+        Of quadrilaterals and volumes only the vertices move.
         """
         return Grid(self.name, shape, self.revision + 1)
 
     @property
     def geometry_vectors(self) -> int:
         """Number of vectors of the encoded geometry."""
+        if isinstance(self.shape, Volume):
+            return self.shape.vectors
         return 4 if isinstance(self.shape, Structured) else len(self.shape.points_xyz)
 
     def encoded_geometry(self) -> Array:
         """The geometry as the values of a field [m], shape (3, vectors).
 
         For a structured grid its origin, its steps and (ni, nj, 1), for quadrilaterals their
-        vertices: `proto/src/grid/geometry.rs`.
+        vertices, and for a volume what `Volume.geometry` is: `proto/src/grid/geometry.rs`.
         """
         shape = self.shape
+        if isinstance(shape, Volume):
+            return shape.known()
         if isinstance(shape, Structured):
             counts = (float(shape.ni), float(shape.nj), 1.0)
             return np.array([shape.origin, shape.step_i, shape.step_j, counts]).T
@@ -242,8 +269,10 @@ class Grid:
         """This grid with a geometry of shape (3, vectors); raises `ValueError` for what is none."""
         if revision <= self.revision:
             raise ValueError(f"grid `{self.name}` has revision {revision} after {self.revision}")
-        shape: Structured | Quadrilaterals
-        if isinstance(self.shape, Structured):
+        shape: Structured | Quadrilaterals | Volume
+        if isinstance(self.shape, Volume):
+            shape = self.shape.with_geometry(np.array(values))
+        elif isinstance(self.shape, Structured):
             origin, step_i, step_j = (_vector(values[:, n].tolist()) for n in range(3))
             ni, nj, one = values[:, 3].tolist()
             if not (ni.is_integer() and nj.is_integer() and one == 1.0):
@@ -261,17 +290,28 @@ class Grid:
         if isinstance(self.shape, Quadrilaterals) and isinstance(moved.shape, Quadrilaterals):
             same = same and np.array_equal(self.shape.elements, moved.shape.elements)
             same = same and len(self.shape.points_xyz) == len(moved.shape.points_xyz)
+        if isinstance(self.shape, Volume) and isinstance(moved.shape, Volume):
+            same = same and self.shape.has_elements_of(moved.shape)
         if not same:
             raise ValueError(f"`{moved.name}` is not the grid `{self.name}`, moved")
         if moved.revision < self.revision:
             last = self.revision
             raise ValueError(f"grid `{self.name}` has revision {moved.revision} after {last}")
-        unmoved = moved.geometry_vectors == self.geometry_vectors and np.array_equal(
-            moved.encoded_geometry(), self.encoded_geometry()
-        )
-        if moved.revision == self.revision and not unmoved:
+        if moved.revision == self.revision and not self._is_where(moved):
             raise ValueError(f"grid `{self.name}` has moved and still has revision {self.revision}")
         moved.check()
+
+    def _is_where(self, other: Grid) -> bool:
+        if self.is_announced or other.is_announced:
+            return self.is_announced == other.is_announced
+        return self.geometry_vectors == other.geometry_vectors and np.array_equal(
+            self.encoded_geometry(), other.encoded_geometry()
+        )
+
+    def _surface(self) -> Structured | Quadrilaterals:
+        if isinstance(self.shape, Volume):
+            raise TypeError(f"`{self.name}` is a volume, without areas")
+        return self.shape
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
@@ -280,7 +320,7 @@ class Grid:
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> Grid:
         """As it travelled; raises `KeyError` or `ValueError` for what is no grid."""
-        shape: Structured | Quadrilaterals
+        shape: Structured | Quadrilaterals | Volume
         if value["kind"] == Structured.kind:
             origin, step_i, step_j = (
                 _vector(value[name]) for name in ("origin", "step_i", "step_j")
@@ -290,6 +330,8 @@ class Grid:
             vertices = np.array(value["points"], dtype=np.float64).reshape(-1, 3)
             elements = np.array(value["elements"], dtype=np.uint32).reshape(-1, 4)
             shape = Quadrilaterals(vertices, elements)
+        elif value["kind"] == Volume.kind:
+            shape = Volume.from_json(value)
         else:
             raise ValueError(f"unknown kind of grid `{value['kind']}`")
         return cls(value["name"], shape, int(value["revision"]))

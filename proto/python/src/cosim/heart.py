@@ -2,9 +2,9 @@
 the participant when the coordinator is dead.
 
 A thread of the participant could not do so: it needs the interpreter's lock, which a long call into
-a C library (a factorisation, say) may hold for as long as it takes. The process shares eight bytes
-with the participant, the command that was dealt with last, and ends with it. A participant that is
-stopped (SIGSTOP, a debugger) has no heartbeat.
+a C library (a factorisation, say) may hold for as long as it takes. The process shares a little
+memory with the participant, the command that was dealt with last and how far the one is that is
+worked on, and ends with it. A participant that is stopped (SIGSTOP, a debugger) has no heartbeat.
 
 When the coordinator is dead the process tells the participant, a thread of which leaves the run in
 order and ends the participant. One that holds the interpreter's lock does not come to that: it is
@@ -25,10 +25,11 @@ import threading
 import time
 from contextlib import suppress
 from pathlib import Path
+from typing import ClassVar
 
-from .messages import Beat
+from .messages import Beat, ProgressReport
 from .run_dir import Membership, RunInfo, leave_for
-from .transport import Endpoint, TransportError
+from .transport import Endpoint, ProgressSender, TransportError
 
 #: From one beat, and one look at the coordinator, to the next [s].
 INTERVAL = 0.05
@@ -46,6 +47,29 @@ PR_SET_PDEATHSIG = 1
 log = logging.getLogger(__name__)
 
 
+class Shared(ctypes.Structure):
+    """What the heart knows of the participant."""
+
+    _fields_: ClassVar = [
+        ("command", ctypes.c_uint64),
+        # Reports are written in turn to the two places: the one that counts is not written to.
+        ("reports", ctypes.c_uint64),
+        ("report", ProgressReport * 2),
+    ]
+
+    def tell(self, report: ProgressReport) -> None:
+        """Make this the newest report."""
+        self.report[(self.reports + 1) % 2] = report
+        self.reports += 1
+
+    def newest(self) -> bytes:
+        """The newest report; empty if there is a newer one already, or if it says nothing."""
+        count = self.reports
+        report = ProgressReport.from_buffer_copy(self.report[count % 2])
+        says_something = report.done or report.of or report.what
+        return bytes(report) if says_something and self.reports == count else b""
+
+
 class Heart:
     """Beats until stopped."""
 
@@ -53,7 +77,7 @@ class Heart:
         shared = os.memfd_create("cosim-heart")
         os.ftruncate(shared, mmap.PAGESIZE)
         self._memory = mmap.mmap(shared, mmap.PAGESIZE)
-        self._command = ctypes.c_uint64.from_buffer(self._memory)
+        self._shared, self._sequence = Shared.from_buffer(self._memory), 0
         self._membership, self._stopping = membership, False
         self._news, tell = os.pipe()
         info = membership.info
@@ -68,13 +92,20 @@ class Heart:
         self._thread = threading.Thread(target=self._watch, name="heart", daemon=True)
         self._thread.start()
 
-    def busy(self) -> None:
-        """A command is being worked on."""
-        self._command.value = BUSY
+    def busy(self, command: int) -> None:
+        """The command with this number is being worked on."""
+        self._sequence = command
+        self._shared.tell(ProgressReport(command))
+        self._shared.command = BUSY
+
+    def report(self, done: int, of: int, what: str) -> None:
+        """So much of the command that is worked on is done."""
+        word = what.encode()[:31]
+        self._shared.tell(ProgressReport(self._sequence, done, of, word))
 
     def idle_after(self, command: int) -> None:
         """The command with this number has been dealt with, and its reply, if any, sent."""
-        self._command.value = command
+        self._shared.command = command
 
     def stop(self) -> None:
         """No beat comes after this returns."""
@@ -107,20 +138,30 @@ def main(folder: Path, index: int, shared: int, tell: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     info = RunInfo.read(folder)
     coordinator = os.open(info.folder / "coordinator.lock", os.O_RDONLY)
-    memory = mmap.mmap(shared, mmap.PAGESIZE, prot=mmap.PROT_READ)
+    # `from_buffer` takes memory that may be written, though only the participant does.
+    told = Shared.from_buffer(mmap.mmap(shared, mmap.PAGESIZE))
     endpoint = Endpoint(info)
     ringer = endpoint.ringer("coordinator")
+    reports, reported = endpoint.progress_sender(info.roles[index]), b""
     while os.getppid() == parent:
         if _is_free(coordinator):
             _end(parent, info, tell)
-        command = int.from_bytes(memory[:8], sys.byteorder)
+        command = told.command
         beat = Beat.BUSY if command == BUSY else Beat.idle_after(command)
         if not _is_stopped(parent):
             try:
+                reported = _offer(reports, told.newest(), reported)
                 ringer.beat(index, beat)
             except TransportError as error:
                 log.warning("the heartbeat does not reach the coordinator: %s", error)
         time.sleep(INTERVAL)
+
+
+def _offer(reports: ProgressSender, newest: bytes, reported: bytes) -> bytes:
+    """Send the newest report if it is news; the one that has arrived last."""
+    news = newest and newest != reported
+    arrived = news and reports.offer(ProgressReport.from_buffer_copy(newest))
+    return newest if arrived else reported
 
 
 def _end_with_parent(signal_number: int) -> None:

@@ -103,6 +103,22 @@ class Reply(ctypes.Structure):
         return "cosim.Reply.v2"
 
 
+class ProgressReport(ctypes.Structure):
+    """How far a participant is with the command that it works on, for its heartbeat."""
+
+    _fields_: ClassVar = [
+        ("sequence", ctypes.c_uint64),
+        ("done", ctypes.c_uint64),
+        ("of", ctypes.c_uint64),
+        ("what", ctypes.c_char * 32),
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        """Name under which both sides know the layout."""
+        return "cosim.ProgressReport.v1"
+
+
 class FieldHeader(ctypes.Structure):
     """Stands before the values of every field: a field never travels unlabelled."""
 

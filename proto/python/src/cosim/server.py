@@ -111,6 +111,7 @@ class Server:
         self._finished = False
         self._model_seconds = 0.0
         self._late: Exception | None = None
+        solver.report_to(heart.report)
         self._endpoint = Endpoint(membership.info)
         self._doorbell = self._endpoint.doorbell(role)
         self._replies = self._endpoint.reply_sender(role)
@@ -124,7 +125,7 @@ class Server:
             message = self._doorbell.wait(self._commands.receive)
             command, body = message.header, message.body()
             del message
-            self._heart.busy()
+            self._heart.busy(command.sequence)
             try:
                 answer = self._handle(command, body)
             except Exception as error:
@@ -236,6 +237,7 @@ class Server:
         if type(self._solver).observe is Solver.observe:
             ports = running.observed.items()
             running.unpublished = {name: np.zeros(port.shape) for name, port in ports}
+        running.move_to(self._moved_grids(running), running.step)
         self._write(running.outputs, running.step, self._solver.first_outputs)
         self._running = running
 
@@ -307,9 +309,10 @@ class Server:
         return self._solver.moved_grids() if running.geometry else ()
 
     def _save(self, path: Path) -> None:
-        unfinished, state = path.with_suffix(".partial"), self._solver.save()
+        unfinished = path.with_suffix(".partial")
         try:
-            unfinished.write_bytes(state)
+            with unfinished.open("wb") as file:
+                self._solver.save(file)
             unfinished.rename(path)
         except OSError as error:
             raise StateFileError(f"state file {path}: {error}") from error
@@ -317,10 +320,10 @@ class Server:
     def _restore(self, running: Running, command: Command, file: dict[str, Any]) -> None:
         path = Path(file["path"])
         try:
-            state = path.read_bytes()
+            with path.open("rb") as state:
+                self._solver.restore(state)
         except OSError as error:
             raise StateFileError(f"state file {path}: {error}") from error
-        self._solver.restore(state)
         running.step = _step(command)
         recorded = [Grid.from_json(grid) for grid in file.get("geometry", [])]
         running.move_to(recorded, running.step)

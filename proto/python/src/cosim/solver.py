@@ -10,9 +10,9 @@ starts from the accepted state, and only `accept` moves on.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar
 
 import numpy as np
 
@@ -133,6 +133,8 @@ class Solver:
     fields: ClassVar[Sequence[FieldKind]] = ()
     """Fields that are not in `cosim.fields.TABLE`."""
 
+    _report: Callable[[int, int, str], None] | None = None
+
     def configure(self, configuration: Configuration) -> Layout:
         """Check a configuration; cheap, allocates no field.
 
@@ -168,20 +170,34 @@ class Solver:
         """
 
     def moved_grids(self) -> Sequence[Grid]:
-        """The grids of `Layout.moving` as they are in the accepted state; see `Grid.moved`.
+        """The grids of `Layout.moving` and the volumes, as they are in the accepted state.
 
-        Asked for after `accept` and `restore`. Solves start from these grids until the next one.
+        Asked for after `build`, `accept` and `restore`; see `Grid.moved`. Solves start from these
+        grids until the next one.
         """
         return ()
 
-    def save(self) -> bytes:
-        """The accepted state; empty for a solver without memory."""
-        return b""
+    def save(self, file: BinaryIO) -> None:
+        """Write the accepted state; nothing for a solver without memory."""
 
-    def restore(self, state: bytes) -> None:
+    def restore(self, file: BinaryIO) -> None:
         """Return to a saved state; raises `StateError` if it does not fit."""
-        if state:
-            raise StateError(f"{len(state)} bytes for a solver without memory")
+        if file.read(1):
+            raise StateError("there is one, for a solver without memory")
+
+    def progress(self, done: int, of: int = 0, what: str = "") -> None:
+        """Say how far `build` or `solve` is, as often as you like and from any thread.
+
+        `done` of `of` in any measure, `of` being 0 if nobody knows; `what` is being done, in an
+        ASCII word of at most 31 letters ("factorising"). Whenever it changes the coordinator's
+        deadline starts anew, and the user sees it.
+        """
+        if self._report is not None:
+            self._report(done, of, what)
+
+    def report_to(self, report: Callable[[int, int, str], None]) -> None:
+        """Called by the library: where `progress` goes."""
+        self._report = report
 
     def summary(self) -> dict[str, Any]:
         """Sections of `summary.json` of this solver, such as `{"temperature": {...}}`."""

@@ -20,7 +20,7 @@ from typing import Any, Generic, TypeVar
 
 import iceoryx2 as iox
 
-from .messages import PROTOCOL_VERSION, Beat, Command, FieldHeader, Reply
+from .messages import PROTOCOL_VERSION, Beat, Command, FieldHeader, ProgressReport, Reply
 from .run_dir import RunInfo
 
 #: How long a waiting process polls before it sleeps [s].
@@ -78,7 +78,10 @@ class Endpoint:
         except Exception as error:
             raise _opening(run.prefix, error) from error
 
-    def _topic(self, name: str, element: type, header: type[ctypes.Structure]) -> Any:
+    def _topic(
+        self, name: str, element: type, header: type[ctypes.Structure], *, newest: bool = False
+    ) -> Any:
+        """With `newest` a sample replaces one that was not read."""
         version = iox.AttributeVerifier.new().require(
             iox.AttributeKey.new("cosim.protocol"), iox.AttributeValue.new(str(PROTOCOL_VERSION))
         )
@@ -88,9 +91,9 @@ class Endpoint:
             builder.publish_subscribe(slice_of)
             .user_header(header)
             .payload_alignment(iox.Alignment.new(64))
-            .enable_safe_overflow(False)
+            .enable_safe_overflow(newest)
             .history_size(0)
-            .subscriber_max_buffer_size(QUEUE)
+            .subscriber_max_buffer_size(1 if newest else QUEUE)
             .subscriber_max_borrowed_samples(BORROWED)
             .max_publishers(1)
             .max_subscribers(MAX_MEMBERS)
@@ -138,6 +141,15 @@ class Endpoint:
             return Receiver(topic.subscriber_builder().create(), service, FieldHeader)
         except Exception as error:
             raise _opening(service, error) from error
+
+    def progress_sender(self, role: str) -> ProgressSender:
+        """The way to say how far this participant is."""
+        name = f"progress/{role}"
+        try:
+            topic = self._topic(name, ctypes.c_uint8, ProgressReport, newest=True)
+            return ProgressSender(topic.publisher_builder().create(), name)
+        except Exception as error:
+            raise _opening(name, error) from error
 
     def _bell(self, name: str) -> Any:
         builder = self.node.service_builder(iox.ServiceName.new(name)).event()
@@ -224,6 +236,23 @@ class ReplySender:
         except Exception as error:
             raise _exchange(self._name, error) from error
         _all_reached(self._name, reached, 1)
+
+
+class ProgressSender:
+    """Says how far a participant is."""
+
+    def __init__(self, publisher: Any, name: str) -> None:
+        self._publisher, self._name = publisher, name
+
+    def offer(self, report: ProgressReport) -> bool:
+        """Send a report; whether it has reached the coordinator."""
+        try:
+            sample = self._publisher.loan_slice_uninit(0)
+            ctypes.memmove(sample.user_header_ptr, ctypes.byref(report), ctypes.sizeof(report))
+            reached: int = sample.assume_init().send()
+        except Exception as error:
+            raise _exchange(self._name, error) from error
+        return reached > 0
 
 
 def _all_reached(name: str, reached: int, expected: int) -> None:

@@ -10,7 +10,7 @@ import cosim.run_dir
 import cosim.server
 import cosim.solver
 import numpy as np
-from cosim import Grid, Refusal, StepError, main
+from cosim import FieldKind, Grid, Refusal, StepError, Volume, main
 from cosim.ports import Inputs, PortError
 from cosim.server import ProtocolError, Server
 from strip_columns import StripColumns
@@ -27,7 +27,7 @@ class NoHeart:
     def nothing(self, *_):
         pass
 
-    busy = idle_after = stop = nothing
+    busy = report = idle_after = stop = nothing
 
 
 class Astray(StripColumns):
@@ -47,6 +47,9 @@ class Astray(StripColumns):
             raise
         if FAULT == "estimate" and "--estimate" in sys.argv and self.grid:
             layout.grids.append(Grid("spare", self.grid))
+        if FAULT == "volumes":
+            layout.grids.append(self.moved_grids()[0].announced())
+            layout.fields["depth"] = "inside"
         if FAULT == "configure":
             layout.solve_seconds = float(self.calls)
         return layout
@@ -85,17 +88,21 @@ class Astray(StripColumns):
         if FAULT == "observe":
             self.accepted = []
 
-    def save(self):
+    def moved_grids(self):
+        # Inside out.
+        corners = [(x, y, z) for z in (0.0, -1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)]
+        return [Grid("inside", Volume.structured((1, 1, 1), np.array(corners)))]
+
+    def save(self, file):
         windows = self.accepted
         if FAULT == "restore":
             self.accepted = windows[:1]
-        state = super().save()
+        super().save(file)
         self.accepted = windows
-        return state
 
-    def restore(self, state):
+    def restore(self, file):
         try:
-            super().restore(state)
+            super().restore(file)
         except Exception:
             if FAULT != "damaged-state":
                 raise
@@ -123,6 +130,11 @@ def end():
 match FAULT:
     case "describe":
         Astray.models = (dataclasses.replace(StripColumns.models[0], source=""),)
+    case "volumes":
+        model = StripColumns.models[0]
+        Astray.models = (dataclasses.replace(model, provides=(*model.provides, "depth")),)
+        Astray.fields = (FieldKind("depth", "m", meaning="depth under the surface"),)
+        Volume.check = lambda _: None
     case "version":
         cosim.run_dir.PROTOCOL_VERSION = 999
     case "unknown-model" | "unknown-effect" | "unknown-field":

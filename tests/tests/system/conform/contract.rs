@@ -6,7 +6,8 @@ use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::Description;
 use proto::grid::Grid;
 use proto::message::{
-    Command, CommandKind, Failure, FieldHeader, Finished, Label, Reply, StateFile, Topics,
+    Command, CommandKind, Failure, FieldHeader, Finished, GeometryTopic, Label, ProgressReport,
+    Reply, StateFile, Topics,
 };
 use proto::run_dir::RunInfo;
 use serde::Serialize;
@@ -67,6 +68,10 @@ fn the_examples_are_what_the_code_reads() {
     assert_eq!(layout.check(), Ok(()));
     assert_eq!(layout.grid_of("lower_temperature"), configuration.input_grid("friction_power"));
     assert_eq!(read::<Grid>("Grid").check(), Ok(()));
+    let volume = read::<Grid>("Volume");
+    assert_eq!((volume.check(), volume.points()), (Ok(()), 1_000_000));
+    assert!(volume.is_announced());
+    assert_eq!(read::<GeometryTopic>("GeometryTopic").grid, volume.name);
     assert_eq!(read::<RunInfo>("RunInfo").protocol, proto::PROTOCOL_VERSION);
     assert_eq!(read::<Topics>("Topics").outputs[0].grid, layout.grids[0]);
     assert_eq!(read::<StateFile>("StateFile").outputs.len(), 1);
@@ -136,6 +141,8 @@ fn the_tables_are_the_layouts() {
     let header = layout!(FieldHeader: protocol, components, points, grid_revision, window, iteration,
         reserved, start, end, sequence, name, unit, producer, grid);
     assert_eq!(table("FieldHeader"), header);
+    let progress = layout!(ProgressReport: sequence, done, of, what);
+    assert_eq!(table("ProgressReport"), progress);
 }
 
 #[test]

@@ -13,10 +13,20 @@ from xml.etree import ElementTree
 
 from vtkmodules.vtkCommonCore import vtkDataArray
 from vtkmodules.vtkFiltersCore import vtkCellCenters
-from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLUnstructuredGridReader
+from vtkmodules.vtkIOXML import (
+    vtkXMLImageDataReader,
+    vtkXMLRectilinearGridReader,
+    vtkXMLStructuredGridReader,
+    vtkXMLUnstructuredGridReader,
+)
 
 TABLE = ("array", "unit", "body", "meaning")
-READERS = {".vti": vtkXMLImageDataReader, ".vtu": vtkXMLUnstructuredGridReader}
+READERS = {
+    ".vti": vtkXMLImageDataReader,
+    ".vtr": vtkXMLRectilinearGridReader,
+    ".vts": vtkXMLStructuredGridReader,
+    ".vtu": vtkXMLUnstructuredGridReader,
+}
 
 
 def main() -> None:

@@ -140,11 +140,11 @@ class Moving(Solver):
         if "moving_place" in outputs:
             outputs["moving_place"] = self.solved_on.centres()[:, :2].T
 
-    def save(self):
-        return struct.pack("<QQd", *self.accepted)
+    def save(self, file):
+        file.write(struct.pack("<QQd", *self.accepted))
 
-    def restore(self, state):
-        self.accepted = struct.unpack("<QQd", state)
+    def restore(self, file):
+        self.accepted = struct.unpack("<QQd", file.read(24))
         self.go_on()
 
     def summary(self):

@@ -1,22 +1,53 @@
-//! Quadrilaterals as an unstructured grid.
+//! Quadrilaterals and hexahedra as an unstructured grid.
 
 use super::file::{cell_data, opening, write_values};
 use super::shown::Fields;
-use contract::grid::Quadrilaterals;
+use contract::grid::{Quadrilaterals, Volume};
 use std::io::{self, Write};
 
 /// VTK's number of the quadrilateral.
 const QUAD: u8 = 9;
+/// That of the hexahedron.
+const HEXAHEDRON: u8 = 12;
 
-/// Writes the whole file.
-pub(super) fn write(
+/// Writes the whole file of a surface.
+pub(super) fn write_quadrilaterals(
     surface: &Quadrilaterals,
     out: &mut impl Write,
     fields: &Fields,
     time: f64,
 ) -> io::Result<()> {
-    let (points, cells) = (surface.points.len(), surface.elements.len());
-    let bytes = [3 * 8 * points, 4 * 8 * cells, 8 * cells, cells];
+    let vertices = surface.points.iter().copied();
+    let elements = surface.elements.iter().map(|corners| corners.map(|vertex| vertex as usize));
+    write(QUAD, (vertices, elements), out, fields, time)
+}
+
+/// Writes the whole file of a volume.
+pub(super) fn write_hexahedra(
+    volume: &Volume,
+    out: &mut impl Write,
+    fields: &Fields,
+    time: f64,
+) -> io::Result<()> {
+    let hexahedra = volume.hexahedra();
+    let vertices = (0..hexahedra.vertices()).map(|vertex| volume.vertex(vertex));
+    let elements = (0..hexahedra.elements()).map(|element| volume.corners(element));
+    write(HEXAHEDRON, (vertices, elements), out, fields, time)
+}
+
+/// Elements of one kind, each of so many corners.
+fn write<const CORNERS: usize>(
+    kind: u8,
+    (vertices, elements): (
+        impl ExactSizeIterator<Item = [f64; 3]>,
+        impl ExactSizeIterator<Item = [usize; CORNERS]>,
+    ),
+    out: &mut impl Write,
+    fields: &Fields,
+    time: f64,
+) -> io::Result<()> {
+    let (points, cells) = (vertices.len(), elements.len());
+    let bytes = [3 * 8 * points, CORNERS * 8 * cells, 8 * cells, cells];
     let offset = |array: usize| bytes[..array].iter().map(|bytes| 8 + bytes).sum::<usize>();
     out.write_all(opening("UnstructuredGrid", "", fields, time).as_bytes())?;
     let array = |data: &str, array: usize| {
@@ -35,19 +66,19 @@ pub(super) fn write(
     let begin =
         |array: usize, out: &mut dyn Write| out.write_all(&(bytes[array] as u64).to_le_bytes());
     begin(0, out)?;
-    for coordinate in surface.points.as_flattened() {
+    for coordinate in vertices.flatten() {
         out.write_all(&coordinate.to_le_bytes())?;
     }
     begin(1, out)?;
-    for vertex in surface.elements.as_flattened() {
-        out.write_all(&i64::from(*vertex).to_le_bytes())?;
+    for vertex in elements.flatten() {
+        out.write_all(&(vertex as i64).to_le_bytes())?;
     }
     begin(2, out)?;
     for cell in 1..=cells {
-        out.write_all(&(4 * cell as i64).to_le_bytes())?;
+        out.write_all(&((CORNERS * cell) as i64).to_le_bytes())?;
     }
     begin(3, out)?;
-    out.write_all(&vec![QUAD; cells])?;
+    out.write_all(&vec![kind; cells])?;
     write_values(out, fields, 0..cells)
 }
 
@@ -90,7 +121,7 @@ mod tests {
         let fields: [(_, &[f64]); 2] =
             [(&pressure, &[1e8, -0.1]), (&traction, &[1.0, 2.0, 3.0, 4.0])];
         let mut file = Vec::new();
-        write(&surface, &mut file, &fields, 0.125).unwrap();
+        write_quadrilaterals(&surface, &mut file, &fields, 0.125).unwrap();
         let text = String::from_utf8_lossy(&file);
         assert!(text.contains("<VTKFile type=\"UnstructuredGrid\""), "{text}");
         assert!(text.contains("<Piece NumberOfPoints=\"6\" NumberOfCells=\"2\">"), "{text}");

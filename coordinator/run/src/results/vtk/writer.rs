@@ -4,7 +4,8 @@ use super::image;
 use super::scene::Scene;
 use super::series::{FileSeries, collection};
 use super::shown::{Fields, Shown, ShownKind};
-use super::unstructured;
+use super::unstructured::write_quadrilaterals;
+use super::volume;
 use crate::error::{RunError, file_failure};
 use crate::results::cells::Cells;
 use crate::results::dir::Dir;
@@ -121,14 +122,19 @@ impl FieldWriter {
     ) -> Result<(), RunError> {
         let folder = self.home.path()?;
         let cells = grid.as_structured().and_then(Cells::of);
-        let kind = if cells.is_some() { "vti" } else { "vtu" };
+        let kind = match (&cells, &grid.shape) {
+            (Some(_), _) => "vti",
+            (None, Shape::Volume(v)) => volume::extension(v),
+            (None, _) => "vtu",
+        };
         let file = format!("{name}_{window:06}.{kind}");
         create(&folder.join(&file), |out| match (&cells, &grid.shape) {
             (Some(cells), _) => image::write(cells, out, fields, time),
             (None, Shape::Structured(s)) => {
-                unstructured::write(&Quadrilaterals::from(s), out, fields, time)
+                write_quadrilaterals(&Quadrilaterals::from(s), out, fields, time)
             }
-            (None, Shape::Quadrilaterals(q)) => unstructured::write(q, out, fields, time),
+            (None, Shape::Quadrilaterals(q)) => write_quadrilaterals(q, out, fields, time),
+            (None, Shape::Volume(v)) => volume::write(v, out, fields, time),
         })?;
         if let Some(structured) = grid.as_structured() {
             let path = folder.join(format!("{name}_{window:06}.csv"));

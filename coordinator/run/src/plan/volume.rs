@@ -1,0 +1,45 @@
+//! Fields on volumes are only written out: a case in which a participant consumes one is refused.
+
+use super::contents::{Participant, Plan};
+use case::{Case, Problem};
+use coupling::ParticipantIndex;
+
+/// The fields of a participant that are on a volume, as its estimate says, and that others consume.
+pub(super) fn consumed(case: &Case, plan: &Plan, producer: ParticipantIndex) -> Vec<Problem> {
+    let Participant { role, estimate: Some(layout), .. } = &plan.participants[producer] else {
+        return Vec::new();
+    };
+    let sent = plan.fields.iter().filter(|field| field.producer == producer);
+    let problems = sent.flat_map(|field| {
+        let name = &field.kind.name;
+        let volume = layout.grid_of(name).filter(|grid| grid.is_volume());
+        let on_it = volume.map(|grid| &grid.name).into_iter();
+        on_it.flat_map(|grid| field.consumers.iter().map(move |one| (*one, grid))).map(
+            move |(one, grid)| {
+                let consumer = &plan.participants[one];
+                let reason = format!(
+                    "`{}` consumes `{name}` of `{role}`, which is on the volume `{grid}`: fields on \
+                     volumes are only written out",
+                    consumer.role
+                );
+                let fix = format!(
+                    "choose a model of `{role}` that provides `{name}` on a surface, or one of `{}` \
+                     that does without",
+                    consumer.role
+                );
+                case.problem_at(&asking(case, consumer, name), reason, fix)
+            },
+        )
+    });
+    problems.collect()
+}
+
+/// The key of the case by which a participant consumes a field: an effect, or its model.
+fn asking(case: &Case, consumer: &Participant, field: &str) -> String {
+    let effects = &consumer.description.effects;
+    let mut active = effects.iter().filter(|effect| case.effects.contains(&effect.name));
+    match active.find(|effect| effect.consumes.iter().any(|name| name == field)) {
+        Some(effect) => format!("effects.{}", effect.name),
+        None => format!("{}.model", consumer.role),
+    }
+}

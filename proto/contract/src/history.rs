@@ -1,0 +1,142 @@
+//! Case values that vary: columns of a table over time, or one steady contact after the other.
+
+use crate::params::Params;
+use crate::step::Step;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// The values of every row of a table, by dotted keys of the case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Histories {
+    /// Every window is a row, a steady contact of its own; otherwise rows are instants, with straight
+    /// lines between.
+    pub rows: bool,
+    /// Times of the rows [s], one at least, not falling; rising where rows are instants.
+    pub times: Vec<f64>,
+    /// One value for each row, in SI units, of every key that varies.
+    pub values: BTreeMap<String, Vec<f64>>,
+}
+
+impl Histories {
+    /// What is wrong with histories that came from outside.
+    ///
+    /// # Errors
+    /// No rows, columns of other lengths than the times, values that are not finite, times that fall.
+    pub fn check(&self) -> Result<(), String> {
+        if self.times.is_empty() {
+            return Err("a history has no rows".to_owned());
+        }
+        let rising = match self.rows {
+            true => self.times.is_sorted(),
+            false => self.times.is_sorted_by(|a, b| a < b),
+        };
+        if !rising || self.times.iter().any(|time| !time.is_finite()) {
+            return Err("the times of a history do not rise".to_owned());
+        }
+        for (key, column) in &self.values {
+            if column.len() != self.times.len() {
+                let (found, expected) = (column.len(), self.times.len());
+                return Err(format!("the history of `{key}` has {found} rows, not {expected}"));
+            }
+            if let Some(row) = column.iter().position(|value| !value.is_finite()) {
+                return Err(format!("the history of `{key}` is not finite in row {row}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The case with the values of a row.
+    #[must_use]
+    pub fn at_row(&self, case: &Params, row: usize) -> Params {
+        self.with(case, |column| column[row.min(column.len() - 1)])
+    }
+
+    /// The case with the values at a time [s]; those of the first and the last row hold beyond them.
+    #[must_use]
+    pub fn at_time(&self, case: &Params, time: f64) -> Params {
+        let right = self.times.partition_point(|at| *at <= time);
+        let last = self.times.len() - 1;
+        let (left, right) = (right.saturating_sub(1), right.min(last));
+        let span = self.times[right] - self.times[left];
+        let share = if span > 0.0 { (time - self.times[left]).max(0.0) / span } else { 0.0 };
+        self.with(case, |column| column[left] + share * (column[right] - column[left]))
+    }
+
+    /// The case in a window: that of its row, or of its middle, whose values are means over the window
+    /// to the second order of its length.
+    #[must_use]
+    pub fn at(&self, case: &Params, step: &Step) -> Params {
+        match self.rows {
+            true => self.at_row(case, usize::try_from(step.window).unwrap_or(usize::MAX)),
+            false => self.at_time(case, 0.5 * (step.start + step.end)),
+        }
+    }
+
+    fn with(&self, case: &Params, value: impl Fn(&[f64]) -> f64) -> Params {
+        let mut case = case.clone();
+        for (key, column) in &self.values {
+            put(&mut case.0, key, value(column));
+        }
+        case
+    }
+}
+
+/// Puts a number at a dotted key.
+fn put(at: &mut Value, key: &str, number: f64) {
+    let mut at = at;
+    for part in key.split('.') {
+        if !at.is_object() {
+            *at = Value::Object(serde_json::Map::new());
+        }
+        at = &mut at[part];
+    }
+    *at = number.into();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn histories(rows: bool) -> Histories {
+        let values = [("load.normal_force".to_owned(), vec![1.0, 3.0, 2.0])];
+        Histories { rows, times: vec![0.0, 1.0, 3.0], values: values.into() }
+    }
+
+    fn case() -> Params {
+        Params(json!({"load": {"normal_force": 1.0, "other": 5.0}}))
+    }
+
+    #[test]
+    fn instants_have_straight_lines_between_and_hold_beyond() {
+        let load = |time: f64| histories(false).at_time(&case(), time).number("load.normal_force");
+        for (time, expected) in [(-1.0, 1.0), (0.5, 2.0), (1.0, 3.0), (2.0, 2.5), (9.0, 2.0)] {
+            assert_eq!(load(time), Ok(expected), "{time}");
+        }
+        let step = Step { start: 0.0, end: 1.0, ..Step::STEADY };
+        assert_eq!(histories(false).at(&case(), &step).number("load.normal_force"), Ok(2.0));
+        assert_eq!(histories(false).at(&case(), &step).number("load.other"), Ok(5.0));
+    }
+
+    #[test]
+    fn a_window_is_a_row() {
+        let step = Step { window: 2, start: 3.0, end: 3.0, iteration: 1 };
+        assert_eq!(histories(true).at(&case(), &step).number("load.normal_force"), Ok(2.0));
+    }
+
+    #[test]
+    fn what_came_from_outside_is_checked() {
+        assert_eq!(histories(true).check(), Ok(()));
+        let wrong = |change: fn(&mut Histories)| {
+            let mut histories = histories(false);
+            change(&mut histories);
+            histories.check().unwrap_err()
+        };
+        assert!(wrong(|h| h.times.clear()).contains("no rows"));
+        assert!(wrong(|h| h.times[1] = 0.0).contains("do not rise"));
+        assert!(wrong(|h| h.times.push(9.0)).contains("has 3 rows, not 4"));
+        let nan = |h: &mut Histories| h.values.values_mut().for_each(|c| c[1] = f64::NAN);
+        assert!(wrong(nan).contains("not finite in row 1"));
+    }
+}

@@ -1,0 +1,219 @@
+//! The participant.
+
+use super::{BLOCK, KINDS, block, hexahedra, temperature};
+use proto::accuracy::Accuracy;
+use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::description::{Description, KeySpec, ModelSpec};
+use proto::field::{Body, FieldSpec, Mapping};
+use proto::grid::Grid;
+use proto::model::{
+    Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
+};
+use proto::progress::Progress;
+use proto::state::read_bytes;
+use std::io::{self, Read, Write};
+
+/// What it computes \[K\].
+pub const VOLUME_TEMPERATURE: FieldSpec = FieldSpec {
+    name: "volume_temperature",
+    unit: "K",
+    components: 1,
+    mapping: Mapping::Consistent,
+    body: Body::Interface,
+    meaning: "temperature in the block",
+};
+/// Where its elements are in the window that was accepted last \[m\].
+pub const VOLUME_PLACE: FieldSpec = FieldSpec {
+    name: "volume_place",
+    unit: "m",
+    components: 3,
+    mapping: Mapping::Consistent,
+    body: Body::Interface,
+    meaning: "centres of the block's elements",
+};
+
+/// Ways to break what the contract says of volumes, as words of `volume.fault`.
+const FAULTS: &[&str] = &["none", "missing", "mirrored"];
+
+/// No run has more windows than this.
+const MOST_WINDOWS: u64 = 1_000_000_000;
+
+/// The block.
+#[derive(Clone, Copy, Debug)]
+pub struct Block;
+
+impl Solver for Block {
+    fn description(&self) -> Description {
+        let fields = [VOLUME_TEMPERATURE, VOLUME_PLACE];
+        Description {
+            protocol: proto::PROTOCOL_VERSION,
+            name: "toy-volume".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            role: "volume".to_owned(),
+            standalone: true,
+            estimates: true,
+            models: vec![ModelSpec {
+                name: "law".to_owned(),
+                summary: "a temperature given as a function of place and time".to_owned(),
+                source: "a closed form".to_owned(),
+                steady: true,
+                transient: true,
+                consumes: Vec::new(),
+                provides: fields.map(|field| field.name.to_owned()).to_vec(),
+                keys: Vec::new(),
+                accuracy: Accuracy::default(),
+                rewinds: true,
+            }],
+            effects: Vec::new(),
+            keys: vec![
+                KeySpec::integer("volume.elements", "elements along the block")
+                    .at_least(1.0)
+                    .default_value(8),
+                KeySpec::choice("volume.hexahedra", KINDS, "kind of its elements")
+                    .default_value("structured"),
+                KeySpec::flag("volume.swells", "it grows by a hundredth with every window")
+                    .default_value(false),
+                KeySpec::choice("volume.fault", FAULTS, "way to misbehave").default_value("none"),
+            ],
+            fields: fields.map(|field| field.kind()).to_vec(),
+            renamed: Vec::new(),
+        }
+    }
+
+    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+        let case = &configuration.case;
+        let kind = case.text("volume.hexahedra")?.to_owned();
+        let elements = case.integer("volume.elements")? as usize;
+        let fault = case.text("volume.fault")?.to_owned();
+        let swells = case.get("volume.swells").and_then(serde_json::Value::as_bool) == Some(true);
+        let on_block =
+            |field: FieldSpec| FieldOnGrid { field: field.name.to_owned(), grid: BLOCK.to_owned() };
+        let layout = Layout {
+            grids: vec![Grid::volume(BLOCK, hexahedra(&kind, elements))],
+            fields: vec![on_block(VOLUME_TEMPERATURE), on_block(VOLUME_PLACE)],
+            ..Layout::default()
+        };
+        Ok(Box::new(BlockSetup { kind, elements, swells, fault, layout }))
+    }
+}
+
+#[derive(Clone, Debug)]
+struct BlockSetup {
+    kind: String,
+    elements: usize,
+    swells: bool,
+    fault: String,
+    layout: Layout,
+}
+
+impl BlockSetup {
+    fn block_after(&self, windows: u64) -> Grid {
+        block(&self.kind, self.elements, windows)
+    }
+}
+
+impl Setup for BlockSetup {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let block = self.block_after(0);
+        let grids = match self.fault.as_str() {
+            "missing" => Vec::new(),
+            "mirrored" => vec![mirrored(&block)],
+            _ => vec![block.clone()],
+        };
+        Ok(Box::new(BlockModel { setup: *self, grids, solved_on: block, windows: 0 }))
+    }
+}
+
+/// The block with the values of its geometry negated, and so inside out.
+fn mirrored(block: &Grid) -> Grid {
+    let mut values = vec![0.0; 3 * block.geometry_points()];
+    block.encode_geometry(&mut values);
+    values.iter_mut().for_each(|value| *value = -*value);
+    let counts = block.announced();
+    counts.with_geometry(&values, 1).unwrap_or(counts)
+}
+
+struct BlockModel {
+    setup: BlockSetup,
+    /// The block as it is accepted.
+    grids: Vec<Grid>,
+    /// As it was in the window that was accepted last.
+    solved_on: Grid,
+    /// That are accepted.
+    windows: u64,
+}
+
+impl BlockModel {
+    /// Moves the block to where it is after the accepted windows; where it was. Revisions rise, also
+    /// after a return to an earlier state.
+    fn swell(&mut self) -> Grid {
+        let next = self.setup.block_after(self.windows);
+        let revision = next.revision.max(self.grids[0].revision + 1);
+        std::mem::replace(&mut self.grids[0], Grid { revision, ..next })
+    }
+}
+
+impl Model for BlockModel {
+    fn solve(
+        &mut self,
+        _step: &Step,
+        _inputs: &dyn Inputs,
+        _outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        Ok(StepReport { substeps: 1, work: self.solved_on.points() as u64, ..<_>::default() })
+    }
+
+    fn first_outputs(&mut self, _outputs: &mut dyn Outputs) {}
+
+    fn accept(&mut self) {
+        self.windows += 1;
+        if self.setup.swells {
+            self.solved_on = self.swell();
+        }
+    }
+
+    fn moved_grids(&self) -> &[Grid] {
+        &self.grids
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        let points = self.solved_on.points();
+        if let Some(values) = outputs.get(&VOLUME_TEMPERATURE) {
+            for (n, value) in values.iter_mut().enumerate() {
+                *value = temperature(self.solved_on.centre(n), self.windows);
+            }
+        }
+        if let Some(values) = outputs.get(&VOLUME_PLACE) {
+            for n in 0..points {
+                for (c, coordinate) in self.solved_on.centre(n).into_iter().enumerate() {
+                    values[c * points + n] = coordinate;
+                }
+            }
+        }
+    }
+
+    fn summary(&self) -> serde_json::Value {
+        serde_json::json!({"volume": {"windows": self.windows}})
+    }
+
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        into.write_all(&self.windows.to_le_bytes())
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        let windows = u64::from_le_bytes(read_bytes(from)?);
+        if windows > MOST_WINDOWS {
+            return Err(StateError(format!("{windows} windows")));
+        }
+        self.windows = windows;
+        if self.setup.swells {
+            self.swell();
+            self.solved_on = self.setup.block_after(windows.saturating_sub(1));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,72 @@
+//! The number of threads changes no answer, to the bit: every model of every solver of ours, in every
+//! mode that it offers. A new model is tested by being registered.
+
+use crate::harness::{Place, case, sets};
+use proto::description::{Description, ModelSpec};
+use proto::model::Solver;
+use serde_json::Value;
+
+/// Windows of a transient run.
+const WINDOWS: &str = r#"time={mode="transient", window="20 us", end="100 us"}"#;
+
+/// What a run with so many threads has answered: its fields and figures, without what it took.
+fn answer(threads: usize, name: &str, settings: &[&str]) -> (Vec<u8>, Value) {
+    let limit = format!("limits.threads={threads}");
+    let place = Place::new();
+    let mut summary = place.summary(&case(name), &sets(&[settings, &[&limit]].concat()));
+    summary.as_object_mut().unwrap().remove("cost");
+    let fields = std::fs::read(place.out().join("fields/last.bin")).unwrap();
+    let plan = std::fs::read_to_string(place.out().join("plan.json")).unwrap();
+    let plan: Value = serde_json::from_str(&plan).unwrap();
+    for participant in plan["participants"].as_array().unwrap() {
+        assert_eq!(participant["threads"], threads, "in a serial scheme everybody has all");
+    }
+    (fields, summary)
+}
+
+fn same_answers(role: &str, model: &ModelSpec, name: &str, settings: &[&str]) {
+    let chosen = format!("{role}.model={}", model.name);
+    let modes = [(model.steady, None), (model.transient, Some(WINDOWS))];
+    for (_, mode) in modes.into_iter().filter(|(offered, _)| *offered) {
+        let settings: Vec<&str> =
+            settings.iter().copied().chain([chosen.as_str()]).chain(mode).collect();
+        let (one, two) = (answer(1, name, &settings), answer(2, name, &settings));
+        assert!(one.0 == two.0, "fields of {} with {settings:?}", model.name);
+        assert_eq!(one.1, two.1, "figures of {} with {settings:?}", model.name);
+    }
+}
+
+fn models_of(solver: &Description, name: &str, settings: &[&str]) {
+    assert!(!solver.models.is_empty());
+    solver.models.iter().for_each(|model| same_answers(&solver.role, model, name, settings));
+}
+
+#[test]
+fn mechanical_models_answer_the_same_on_any_number_of_threads() {
+    let coarse = ["mech.resolution=12"];
+    models_of(&mech_solver::MechSolver.description(), "wheel-rail.toml", &coarse);
+}
+
+/// On a grid that is large enough for two threads to share it.
+#[test]
+fn thermal_models_answer_the_same_on_any_number_of_threads() {
+    let fine = ["mech.resolution=100", "coupling.scheme=serial-explicit"];
+    models_of(&thermal_solver::ThermalSolver.description(), "full-slip.toml", &fine);
+}
+
+/// Those that compute at once share the threads, what is over goes to the first, and each has one.
+#[test]
+fn a_parallel_scheme_shares_the_threads() {
+    for (limit, shares) in [(5, [3, 2]), (1, [1, 1])] {
+        let place = Place::new();
+        let limit = format!("limits.threads={limit}");
+        let settings = ["time.end=2", "coupling.scheme=parallel-explicit", &limit];
+        place.summary(&case("exchange.toml"), &sets(&settings));
+        let plan = std::fs::read_to_string(place.out().join("plan.json")).unwrap();
+        let plan: Value = serde_json::from_str(&plan).unwrap();
+        let threads = [0, 1].map(|index| plan["participants"][index]["threads"].as_u64().unwrap());
+        assert_eq!(threads, shares);
+        let text = std::fs::read_to_string(place.out().join("plan.txt")).unwrap();
+        assert!(text.contains(&format!("toy-left, {} thread", shares[0])), "{text}");
+    }
+}
