@@ -11,8 +11,9 @@
 //!
 //! The error that is stated is that of the grid, with its factor of safety, and what the models are
 //! expected to err by. A peak that jumps between elements can agree on two grids by chance; so the
-//! error of a temperature is never taken below that of the power that heats. In a transient case
-//! windows are shortened and lengthened along with the grid.
+//! error of a figure is never taken below that of the figure that drives it, as described: of a
+//! temperature, the power that heats. In a transient case windows are shortened and lengthened along
+//! with the grid.
 
 mod choice;
 mod section;
@@ -22,7 +23,7 @@ pub(crate) use section::{Stated, StatedRun};
 pub(crate) use target::Target;
 
 use crate::study::levels::Level;
-use crate::study::quantity::Quantity;
+use crate::study::quantity::{Quantities, Quantity};
 use crate::study::richardson::{Estimate, Sample};
 use crate::study::{Variant, planned, run, scratch};
 use choice::Choice;
@@ -67,6 +68,7 @@ pub(crate) enum Decision {
 pub(crate) struct Search {
     case: PathBuf,
     target: Target,
+    known: Quantities,
     /// The quantity of the target, and what drives it.
     quantities: Vec<Quantity>,
     level: Level,
@@ -89,6 +91,7 @@ impl Search {
         let window = choice::window(&standing.plan).map(|times| (times, step));
         let mut search = Self {
             case: case.to_owned(),
+            known: Quantities::of_figures(&standing.plan.figures),
             quantities: Vec::new(),
             target,
             level,
@@ -131,7 +134,7 @@ impl Search {
 
     fn note(&mut self, step: usize, summary: &Value, wall_s: f64) -> Result<(), RunError> {
         if self.quantities.is_empty() {
-            self.quantities = self.target.quantities(summary)?;
+            self.quantities = self.target.quantities(summary, &self.known)?;
         }
         let values = self.quantities.iter().map(|one| one.value(summary)).collect();
         self.runs.retain(|run| run.step != step);
@@ -287,7 +290,8 @@ mod tests {
         Search {
             case: PathBuf::new(),
             target: Target { relative: target, quantity: None },
-            quantities: [RISE, POWER].map(Quantity::of).to_vec(),
+            quantities: [RISE, POWER].map(|key| Quantities::default().of(key)).to_vec(),
+            known: Quantities::default(),
             level,
             window: None,
             step: 1,

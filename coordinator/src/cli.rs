@@ -190,7 +190,7 @@ struct RunArguments {
     /// Choose models and resolution, the cheapest expected to meet this error, and state the error.
     #[arg(long, value_name = "ERROR", conflicts_with = "resume", value_parser = accuracy::Target::read_error)]
     accuracy: Option<f64>,
-    /// The quantity that --accuracy means, a dotted key of summary.json [default: the rail's rise].
+    /// The quantity that --accuracy means, a dotted key of summary.json [default: that which participants rank first].
     #[arg(long, value_name = "KEY", requires = "accuracy")]
     quantity: Option<String>,
     /// Go on with the run of this result directory from its last checkpoint.
@@ -512,7 +512,8 @@ fn conclude(
     match outcome.error {
         // It has an answer, if not as accurate as was asked for.
         Some(error @ RunError::Inaccurate { .. }) => {
-            let text = show::text(&outcome.summary, begun.planned.plan.title.as_deref());
+            let plan = &begun.planned.plan;
+            let text = show::text(&outcome.summary, plan.title.as_deref(), &plan.figures);
             let printed = print(screen.quiet, &text);
             Err(begun.report(error.and(written).and(printed)))
         }

@@ -76,6 +76,7 @@ const CHECKS: &[&Check] = &[
     &unruly::OUT_OF_ORDER,
     &leaving::HEART,
     &leaving::COORDINATOR_DIES,
+    &leaving::FIGURES,
     &leaving::FINISH,
 ];
 

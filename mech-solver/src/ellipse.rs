@@ -172,11 +172,6 @@ impl Ellipse {
         Extent { finest: a, smallest: a, a, b }
     }
 
-    /// Rows and columns of elements Δx = Δy = a/resolution that cover the ellipse, odd in number.
-    pub(crate) fn grid(&self, resolution: usize) -> Result<Structured, Refusal> {
-        self.extent().grid(resolution)
-    }
-
     /// What drives the upper body, with a force as its share of f N.
     pub(crate) fn prescribed(&self, scene: &Scene) -> Result<Prescribed, Refusal> {
         let within = |key: &str, value: f64, limit: f64, unit: &str| {

@@ -19,6 +19,7 @@
 
 pub mod effects;
 mod ellipse;
+mod figures;
 pub mod half_space;
 mod keys;
 pub mod models;
@@ -50,6 +51,7 @@ impl Solver for MechSolver {
             effects: effects::EFFECTS.iter().map(|spec| spec()).collect(),
             keys: scene::keys(),
             fields: Vec::new(),
+            figures: figures::figures(),
             renamed: scene::renamed(),
         }
     }

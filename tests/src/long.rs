@@ -70,6 +70,7 @@ impl Solver for Long {
             ],
             fields: vec![LEFT_VALUE.kind(), RIGHT_VALUE.kind()],
             renamed: Vec::new(),
+            figures: Vec::new(),
         }
     }
 

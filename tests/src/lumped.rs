@@ -225,6 +225,7 @@ impl Solver for Lumped {
             effects: Vec::new(),
             keys,
             fields: [SOURCE_FLUX, SECOND_FLUX, BODY_TEMPERATURE].map(|f| f.kind()).into(),
+            figures: Vec::new(),
             renamed: Vec::new(),
         }
     }

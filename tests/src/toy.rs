@@ -147,6 +147,7 @@ impl Solver for Toy {
                     .default_value(0),
             ],
             fields,
+            figures: Vec::new(),
             renamed: Vec::new(),
         }
     }

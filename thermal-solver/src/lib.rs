@@ -16,6 +16,7 @@
 
 pub mod columns;
 pub mod effects;
+mod figures;
 pub mod models;
 pub mod quadrature;
 pub mod reference;
@@ -46,6 +47,7 @@ impl Solver for ThermalSolver {
             effects: effects::REGISTRY.iter().map(|effect| (effect.spec)()).collect(),
             keys: scene::keys(),
             fields: Vec::new(),
+            figures: figures::figures(),
             renamed: Vec::new(),
         }
     }

@@ -41,6 +41,8 @@ pub struct Scene {
     pub materials: [Material; 2],
     /// Initial temperatures of the upper and the lower body [K].
     pub initial_temperatures: [f64; 2],
+    /// Which of the bodies the case leaves at rest.
+    pub at_rest: [bool; 2],
     /// Expected speeds of the surfaces of the upper and the lower body [m/s]; they set the depth of the
     /// sections only, the heat moves with the surface speeds that arrive as an input.
     pub speeds: [f64; 2],
@@ -57,8 +59,10 @@ impl Scene {
             Ok(case.maybe_number(&key)?.unwrap_or(INITIAL_TEMPERATURE))
         };
         let initial_temperatures = [initial(UPPER)?, initial(LOWER)?];
+        let own = |body: usize| case.maybe_number(&names.key(body, "surface_speed"));
+        let at_rest = [own(UPPER)? == Some(0.0), own(LOWER)? == Some(0.0)];
         let speeds = read_speeds(case, &names)?;
-        Ok(Self { names, materials, initial_temperatures, speeds })
+        Ok(Self { names, materials, initial_temperatures, at_rest, speeds })
     }
 }
 

@@ -290,7 +290,7 @@ impl Checker<'_> {
         let key = "case.name";
         let Some(name) = self.values.get(key).and_then(serde_json::Value::as_str) else { return };
         if let Some(reason) = name_fault(name) {
-            let fix = "write a name of letters, digits, `-`, `_` and `.`, such as \"wheel-rail\"";
+            let fix = "write a name of letters, digits, `-`, `_` and `.`, such as \"rolling-1\"";
             self.fault(key, reason, fix);
         }
     }

@@ -73,6 +73,8 @@ pub struct CoordinatorState {
     pub iterate: Vec<f64>,
     /// Length of `iterations.csv` [byte].
     pub table_bytes: u64,
+    /// Length of `history.csv` [byte].
+    pub history_bytes: u64,
     /// The series of field files so far.
     pub series: Vec<FileSeries>,
 }

@@ -2,6 +2,7 @@
 
 mod march;
 mod origin;
+mod tables;
 
 pub use origin::{check_origin, origin};
 
@@ -12,8 +13,8 @@ use crate::plan::{Plan, Planned};
 use crate::plan_file;
 use crate::progress::Progress;
 use crate::record::{Compression, Recorder};
+use crate::results::derived;
 use crate::results::dir::shown;
-use crate::results::iterations::IterationTable;
 use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
@@ -25,6 +26,7 @@ use serde_json::Value;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
+use tables::Tables;
 
 /// How a run ended: its summary, and the error if there was one.
 #[derive(Debug)]
@@ -87,7 +89,8 @@ pub fn run(
         Err(error) => (Vec::new(), Some(place(case, error))),
     };
     let roles = plan.participants.iter().map(|p| p.role.as_str());
-    let sections = Sections::gather(roles.zip(finished.iter().map(|f| &f.summary)));
+    let mut sections = Sections::gather(roles.zip(finished.iter().map(|f| &f.summary)));
+    derived::complete(&mut sections.merged, &plan.figures);
     let not_finite = sections.not_finite.clone();
     let error = error.or(not_finite.map(|(role, key)| RunError::NotFinite { role, key }));
     let (status, reason) = match &error {
@@ -183,7 +186,7 @@ fn finish_recording(
 /// The text for a person.
 #[must_use]
 pub fn report(outcome: &Outcome, plan: &Plan, folder: &ResultFolder) -> String {
-    let text = show::text(&outcome.summary, plan.title.as_deref());
+    let text = show::text(&outcome.summary, plan.title.as_deref(), &plan.figures);
     format!("{text}  results   {}\n", folder.shown().display())
 }
 
@@ -207,7 +210,7 @@ fn perform(
     recorder: Option<Arc<Recorder>>,
 ) -> Result<Vec<Finished>, RunError> {
     let plan = &planned.plan;
-    let mut table = table(plan, folder, from)?;
+    let mut tables = Tables::open(plan, folder, from)?;
     let mut fields = FieldWriter::within(folder.dir().clone(), "fields");
     let starting = Instant::now();
     let session = || Session::start(plan, recorder.clone(), progress);
@@ -221,7 +224,7 @@ fn perform(
             origin: origin(planned),
         });
         let mut march =
-            March::new(plan, &mut session, &mut table, &mut fields, counts, checkpoints);
+            March::new(plan, &mut session, &mut tables, &mut fields, counts, checkpoints);
         march.record(recorder.as_deref());
         if let Some(checkpoint) = from {
             march.resume(checkpoint)?;
@@ -231,26 +234,11 @@ fn perform(
     let looped = tracing::info_span!("windows").in_scope(windows);
     counts.bytes_exchanged = session.bytes_exchanged();
     // Whatever happened, what was written so far stays readable.
-    if let Some(error) = first(looped.err(), table.flush()) {
+    if let Some(error) = first(looped.err(), tables.flush()) {
         return Err(error);
     }
     let finishing = Instant::now();
     let finished = tracing::info_span!("finish").in_scope(|| session.finish());
     counts.finish_seconds = finishing.elapsed().as_secs_f64();
     finished
-}
-
-fn table(
-    plan: &Plan,
-    folder: &ResultFolder,
-    from: Option<&Checkpoint>,
-) -> Result<IterationTable, RunError> {
-    let path = folder.file("iterations.csv");
-    if let Some(checkpoint) = from {
-        return IterationTable::resume(&path, checkpoint.state.table_bytes);
-    }
-    let roles: Vec<&str> = plan.participants.iter().map(|p| p.role.as_str()).collect();
-    let fed_back = plan.fields.iter().filter(|field| !field.fed_back.is_empty());
-    let fields: Vec<String> = fed_back.map(|field| plan.shown(&field.kind.name)).collect();
-    IterationTable::create(&path, &roles, &fields)
 }

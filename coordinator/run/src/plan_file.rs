@@ -4,6 +4,7 @@ use crate::error::RunError;
 use crate::plan::{Effect, Field, Participant, Plan};
 use crate::results::ResultFolder;
 use contract::configuration::Layout;
+use contract::figure::FigureSpec;
 use contract::text::json;
 use coupling::ParticipantIndex;
 use serde::{Deserialize, Serialize};
@@ -45,6 +46,9 @@ pub struct PlanFile {
     pub effects: Vec<EffectPlan>,
     /// Fields that exist at run time.
     pub fields: Vec<FieldPlan>,
+    /// The figures of the summary, with the names of the bodies.
+    #[serde(default)]
+    pub figures: Vec<FigureSpec>,
     /// The plan as `coordinator plan` prints it.
     pub text: String,
 }
@@ -152,6 +156,7 @@ impl PlanFile {
             idle: plan.idle.clone(),
             effects: plan.effects.iter().map(EffectPlan::of).collect(),
             fields: plan.fields.iter().map(|field| FieldPlan::of(field, plan)).collect(),
+            figures: plan.figures.clone(),
             text: plan.to_string(),
         }
     }

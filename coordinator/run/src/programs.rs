@@ -137,10 +137,14 @@ impl Program {
     }
 }
 
-/// How many JSON values a text begins with.
+/// How many JSON values a text begins with, or how many answers are mixed up in it: each has its
+/// `protocol` or is a layout with `grids`, once.
 fn answers(text: &[u8]) -> usize {
     let values = serde_json::Deserializer::from_slice(text).into_iter::<serde::de::IgnoredAny>();
-    values.take_while(Result::is_ok).count()
+    let whole = values.take_while(Result::is_ok).count();
+    let text = String::from_utf8_lossy(text);
+    let mixed = ["\"protocol\":", "\"grids\":"].map(|mark| text.matches(mark).count());
+    mixed.into_iter().fold(whole, usize::max)
 }
 
 /// What a program has to say, up to [`LONGEST_ANSWER`]; beyond that it gets no reader. Its end is the

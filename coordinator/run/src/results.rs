@@ -1,14 +1,18 @@
-//! The result directory: `summary.json`, `iterations.csv`, `fields/`, the case as run, `log.jsonl`.
+//! The result directory: `summary.json`, `iterations.csv`, `history.csv`, `fields/`, the case as run, `log.jsonl`.
 
 pub mod cells;
 pub mod claim;
 mod clear;
+pub mod derived;
 pub mod dir;
+pub mod figures;
 mod folder;
+pub mod history;
 pub mod iterations;
 pub mod last;
 mod line;
 pub mod place;
+mod rows;
 pub mod show;
 pub mod summary;
 pub mod vtk;

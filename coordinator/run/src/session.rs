@@ -10,6 +10,7 @@ mod audit;
 mod checkpoint;
 mod collect;
 mod feedback;
+mod figures;
 mod geometry;
 mod index;
 mod iterates;
@@ -38,6 +39,7 @@ pub use tap::{Consumer, Tap};
 use crate::peers::{EndsFirst, Peers};
 use coupling::{Part, ParticipantIndex};
 use feedback::Feedback;
+use figures::Figures;
 use index::{MappedIndex, MovingIndex, PartIndex, TapIndex};
 use mapped::Mapped;
 use memory::SharedMemory;
@@ -67,6 +69,7 @@ pub struct Session {
     /// The fields of `feedback` as parts of the coupling vector.
     parts: TiVec<PartIndex, Part>,
     solved: TiVec<ParticipantIndex, SolveRecord>,
+    figures: Figures,
     computed_seconds: f64,
     /// A participant has no answer to the window.
     unanswered: bool,
@@ -85,6 +88,13 @@ impl Session {
     #[must_use]
     pub fn solved(&self) -> &TiSlice<ParticipantIndex, SolveRecord> {
         &self.solved
+    }
+
+    /// The figures that the participants gave when the last window was accepted, in the plan's order; NaN
+    /// for those that there are not.
+    #[must_use]
+    pub fn figures(&self) -> &[f64] {
+        self.figures.values()
     }
 
     /// The shortest window that a participant wants from the start of the last one [s].

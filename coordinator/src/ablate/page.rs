@@ -5,7 +5,7 @@ use super::study::{Run, Study};
 use crate::report::bars::Bars;
 use crate::report::page::{Block, Mood, Page, Section};
 use crate::study::output::Shown;
-use crate::study::quantity::Measure;
+use contract::figure::Measure;
 use run::error::RunError;
 use run::format::sentence;
 use std::path::Path;

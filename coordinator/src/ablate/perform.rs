@@ -4,7 +4,7 @@ use super::study::{Run, Study};
 use crate::study::levels::reason;
 use crate::study::output::Kept;
 use crate::study::progress::Steps;
-use crate::study::quantity::Quantity;
+use crate::study::quantity::{Quantities, Quantity};
 use crate::study::spent::Stopwatch;
 use crate::study::{Variant, ends_study, perform, planned};
 use run::error::RunError;
@@ -29,11 +29,12 @@ pub(super) fn study(request: &Request, quiet: bool, scratch: &Path) -> Result<St
     let Request { case, base, .. } = request;
     let standing = planned(case, base)?;
     let plan = standing.plan;
+    let interest = Quantities::of_figures(&plan.figures).of_interest;
     let active: Vec<&str> =
         plan.effects.iter().filter(|effect| effect.active).map(|e| e.name.as_str()).collect();
     let mut steps = Steps::new(quiet, active.len() + 1);
     steps.step("with all effects");
-    let whole = run("", request, base, scratch)?;
+    let whole = run("", request, base, (&interest, scratch))?;
     if let Some(why) = whole.failed {
         return Err(RunError::Usage(format!("the unmodified case does not run: {why}")));
     }
@@ -42,8 +43,8 @@ pub(super) fn study(request: &Request, quiet: bool, scratch: &Path) -> Result<St
         steps.step(&format!("without {effect}"));
         let mut off = base.clone();
         off.unset.push(format!("effects.{effect}"));
-        let mut run = run(effect, request, &off, scratch)?;
-        run.compare(&whole);
+        let mut run = run(effect, request, &off, (&interest, scratch))?;
+        run.compare(&whole, &interest);
         without.push(run);
     }
     steps.finish();
@@ -51,27 +52,32 @@ pub(super) fn study(request: &Request, quiet: bool, scratch: &Path) -> Result<St
         let mut all = without.iter().chain([&whole]);
         all.any(|run| run.values.contains_key(&one.key))
     };
-    let quantities = Quantity::of_interest().into_iter().filter(known).map(|one| one.key);
+    let quantities: Vec<Quantity> = interest.iter().filter(|one| known(one)).cloned().collect();
     Ok(Study {
         schema: Study::SCHEMA,
         case: plan.name.clone(),
         title: plan.title.clone(),
         file: case.display().to_string(),
-        quantities: quantities.collect(),
+        quantities,
         whole,
         without,
     })
 }
 
 /// One run, as often as is asked; what is refused or fails has a reason and no quantities.
-fn run(effect: &str, request: &Request, off: &Variant, scratch: &Path) -> Result<Run, RunError> {
+fn run(
+    effect: &str,
+    request: &Request,
+    off: &Variant,
+    (interest, scratch): (&[Quantity], &Path),
+) -> Result<Run, RunError> {
     let mut run = Run { effect: effect.to_owned(), ..Run::default() };
     let silent = off.with("output.fields", "none");
     for _ in 0..request.repeat {
         let stopwatch = Stopwatch::start();
         let made = planned(&request.case, &silent);
         match made.and_then(|planned| perform(&request.case, &planned, stopwatch.since, scratch)) {
-            Ok(summary) => run.take(&summary, &stopwatch),
+            Ok(summary) => run.take(&summary, interest, &stopwatch),
             Err(error) if ends_study(&error) => return Err(error),
             Err(error) => {
                 run.failed = Some(reason(&error));

@@ -1,8 +1,9 @@
 //! The runs as a table: each effect in a row, what the answer is without it, and what it costs.
 
 use super::study::{Run, Study};
-use crate::study::quantity::{Measure, Quantity};
+use crate::study::quantity::{Quantity, show_change};
 use crate::study::table::{Cell, Column, Failure, Table};
+use contract::figure::Measure;
 use run::format::{number, of_key};
 
 /// Quantities that have a column; all of them are in the file.
@@ -20,16 +21,15 @@ pub(super) fn all(study: &Study) -> Vec<&Run> {
 }
 
 /// The quantities that have a column.
-pub(super) fn quantities(study: &Study) -> impl Iterator<Item = Quantity> {
-    let compared = study.quantities.iter().map(|key| Quantity::of(key));
-    compared.filter(|one| one.measure != Measure::Itself).take(COLUMNS)
+pub(super) fn quantities(study: &Study) -> impl Iterator<Item = &Quantity> {
+    study.quantities.iter().filter(|one| one.measure != Measure::Itself).take(COLUMNS)
 }
 
 /// The table of runs.
 pub(super) fn table(study: &Study) -> Table<'_, Run> {
     let mut columns = vec![Column::text("", name).naming().on_page("run")];
     columns.extend(quantities(study).map(|one| {
-        Column::quantity(one.name.clone(), move |run: &Run| Cell::text(figure(&one, run)))
+        Column::quantity(one.name.clone(), move |run: &Run| Cell::text(figure(one, run)))
     }));
     columns.push(Column::quantity("solve", |run: &Run| Cell::seconds(run.cost.solve_s)));
     columns.push(Column::quantity("of the whole", |run: &Run| {
@@ -55,7 +55,7 @@ fn name(run: &Run) -> String {
 fn figure(one: &Quantity, run: &Run) -> String {
     match (run.values.get(&one.key), run.changes.get(&one.key)) {
         (None, _) => "-".to_owned(),
-        (Some(_), Some(change)) => one.measure.show_change(*change),
+        (Some(_), Some(change)) => show_change(one.measure, *change),
         (Some(value), None) => of_key(&one.key, *value).show(*value, 5),
     }
 }

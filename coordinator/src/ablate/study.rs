@@ -1,8 +1,9 @@
 //! What the study has found: `ablate.json`.
 
 use crate::study::output::Kept;
-use crate::study::quantity::{Measure, Quantity};
+use crate::study::quantity::Quantity;
 use crate::study::spent::{Spent, Stopwatch};
+use contract::figure::Measure;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -18,8 +19,8 @@ pub(crate) struct Study {
     pub title: Option<String>,
     /// The case file.
     pub file: String,
-    /// Keys of the quantities of interest that the runs have.
-    pub quantities: Vec<String>,
+    /// The quantities of interest that the runs have.
+    pub quantities: Vec<Quantity>,
     /// The case as it is.
     pub whole: Run,
     /// The case without each of its effects.
@@ -29,7 +30,7 @@ pub(crate) struct Study {
 impl Kept for Study {
     const COMMAND: &'static str = "ablate";
     const FILE: &'static str = "ablate.json";
-    const SCHEMA: u32 = 1;
+    const SCHEMA: u32 = 2;
 }
 
 /// One run.
@@ -50,23 +51,22 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// Takes the figures of a run, and its cost if it is the least so far.
-    pub(super) fn take(&mut self, summary: &Value, stopwatch: &Stopwatch) {
+    /// Takes these quantities of a run, and its cost if it is the least so far.
+    pub(super) fn take(&mut self, summary: &Value, of: &[Quantity], stopwatch: &Stopwatch) {
         let cost = Spent::of(summary, stopwatch);
         if self.values.is_empty() || cost.solve_s < self.cost.solve_s {
             self.cost = cost;
         }
-        let values = Quantity::of_interest().into_iter();
-        self.values =
-            values.filter_map(|one| Some((one.key.clone(), one.value(summary)?))).collect();
+        let value = |one: &Quantity| Some((one.key.clone(), one.value(summary)?));
+        self.values = of.iter().filter_map(value).collect();
     }
 
     /// Takes the changes of its figures against those of the case as it is.
-    pub(super) fn compare(&mut self, whole: &Self) {
-        let change = |(key, value): (&String, &f64)| {
-            let with = *whole.values.get(key)?;
-            let change = match Quantity::of(key).measure {
-                Measure::Relative if with == *value => 0.0,
+    pub(super) fn compare(&mut self, whole: &Self, quantities: &[Quantity]) {
+        let change = |Quantity { key, measure, .. }: &Quantity| {
+            let (value, with) = (*self.values.get(key)?, *whole.values.get(key)?);
+            let change = match measure {
+                Measure::Relative if with == value => 0.0,
                 // Of what has a sign and keeps it, the size counts.
                 Measure::Relative if value * with > 0.0 => value / with - 1.0,
                 Measure::Relative => (value - with) / with.abs(),
@@ -74,6 +74,6 @@ impl Run {
             };
             change.is_finite().then(|| (key.clone(), change))
         };
-        self.changes = self.values.iter().filter_map(change).collect();
+        self.changes = quantities.iter().filter_map(change).collect();
     }
 }

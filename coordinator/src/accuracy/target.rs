@@ -1,11 +1,9 @@
 //! What is asked for: an error, of a quantity.
 
-use crate::study::quantity::{Measure, Quantity};
+use crate::study::quantity::{Quantities, Quantity};
+use contract::figure::Measure;
 use run::error::RunError;
 use serde_json::Value;
-
-/// What drives the quantities of a section: an error there is an error here.
-const DRIVERS: [(&str, &str); 1] = [("temperature.", "contact.friction_power_w")];
 
 /// A target of accuracy.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,9 +34,13 @@ impl Target {
     ///
     /// # Errors
     /// A summary that does not have the quantity.
-    pub(super) fn quantities(&self, summary: &Value) -> Result<Vec<Quantity>, RunError> {
+    pub(super) fn quantities(
+        &self,
+        summary: &Value,
+        quantities: &Quantities,
+    ) -> Result<Vec<Quantity>, RunError> {
         let there = |quantity: &Quantity| quantity.value(summary).is_some();
-        let known = Quantity::all(summary);
+        let known = quantities.all(summary);
         let suits = |one: &&Quantity| one.measure == Measure::Relative && there(one);
         let first = match &self.quantity {
             Some(key) => known.iter().find(|one| one.key == *key && suits(one)),
@@ -60,16 +62,15 @@ impl Target {
                 keys.join(", ")
             ))
         })?;
-        let drives = |(section, _): &&(&str, &str)| first.key.starts_with(section);
-        let drivers = DRIVERS.iter().filter(drives).map(|(_, key)| Quantity::of(key)).filter(there);
-        let drivers: Vec<Quantity> = drivers.collect();
-        Ok(std::iter::once(first).chain(drivers).collect())
+        let driver = quantities.driver(&first).filter(there);
+        Ok(std::iter::once(first).chain(driver).collect())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use contract::figure::FigureSpec;
     use serde_json::json;
 
     #[test]
@@ -83,14 +84,21 @@ mod tests {
     }
 
     #[test]
-    fn a_temperature_is_watched_with_the_power_that_heats() {
+    fn a_quantity_is_watched_with_what_drives_it() {
+        let figures = [
+            FigureSpec::new("temperature.rail.max_rise_k", "K", "rise")
+                .rank(1)
+                .driven_by("contact.friction_power_w"),
+            FigureSpec::new("contact.friction_power_w", "W", "power").rank(2),
+        ];
+        let known = Quantities::of_figures(&figures);
         let summary = json!({
             "temperature": {"rail": {"max_rise_k": 1.0}},
             "contact": {"friction_power_w": 2.0, "max_pressure_pa": 3.0},
         });
         let keys = |quantity: Option<&str>| -> Result<Vec<String>, RunError> {
             let target = Target { relative: 0.01, quantity: quantity.map(str::to_owned) };
-            Ok(target.quantities(&summary)?.into_iter().map(|one| one.key).collect())
+            Ok(target.quantities(&summary, &known)?.into_iter().map(|one| one.key).collect())
         };
         let both = ["temperature.rail.max_rise_k", "contact.friction_power_w"];
         assert_eq!(keys(None).unwrap(), both);

@@ -8,9 +8,9 @@ use super::solving::same;
 
 pub(super) const ACCEPT: Check = Check {
     name: "accept",
-    demand: "Accept without OBSERVE has no reply, unless the geometry of a grid travels, and publishes \
+    demand: "Accept without a flag has no reply, unless the geometry of a grid travels, and publishes \
              no field; the next window starts from what was solved last, and from nothing else",
-    fix: "flag bit 0 of the command; a second state beside the accepted one",
+    fix: "the flags of the command; a second state beside the accepted one",
     run: accept,
 };
 

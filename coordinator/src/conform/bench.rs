@@ -129,6 +129,7 @@ fn nobody(role: &str) -> Description {
         effects: Vec::new(),
         keys: Vec::new(),
         fields: Vec::new(),
+        figures: Vec::new(),
         renamed: Vec::new(),
     }
 }

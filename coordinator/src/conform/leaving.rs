@@ -6,6 +6,7 @@ use super::fault::{Fault, Seen, broken};
 use super::grids::largest;
 use super::life::Life;
 use super::life::end_of;
+use contract::figure::value;
 use contract::message::Command;
 use contract::message::CommandKind;
 use contract::message::Finished;
@@ -97,6 +98,42 @@ fn coordinator_dies(bench: &Bench) -> Result<Seen, Fault> {
     let solving = life.abandon().ends().map_err(|fault| fault.at("in a solve"))?;
     let ms = |time: Duration| 1e3 * time.as_secs_f64();
     Seen::kept(format!("it ends in {:.0} ms, {:.0} ms in a solve", ms(idle), ms(solving)))
+}
+
+pub(super) const FIGURES: Check = Check {
+    name: "figures",
+    demand: "Accept with FIGURES is answered with a double for every key of `figures` in Connect, in \
+             their order: what the summary has then, NaN for what it does not have",
+    fix: "flag bit 1 of the command; the values of the summary as little-endian doubles",
+    run: figures,
+};
+
+fn figures(bench: &Bench) -> Result<Seen, Fault> {
+    bench.each(|setting| {
+        let keys = &setting.figures;
+        if keys.is_empty() {
+            return Seen::inapplicable("it describes no figures");
+        }
+        let mut life = bench.between(setting)?;
+        let step = life.next(setting);
+        life.solve_with(&step, 0)?;
+        let body = life.accept_with_figures(&step)?;
+        let summary = end(life, true)?;
+        let (given, rest) = body.as_chunks();
+        if given.len() != keys.len() || !rest.is_empty() {
+            let (found, asked) = (body.len(), keys.len());
+            return broken(format!("{found} bytes for {asked} figures"));
+        }
+        for (key, bytes) in keys.iter().zip(given) {
+            let (given, expected) = (f64::from_le_bytes(*bytes), value(&summary, key));
+            let same = expected.map_or(given.is_nan(), |value| value.to_bits() == given.to_bits());
+            if !same {
+                let expected = expected.unwrap_or(f64::NAN);
+                return broken(format!("`{key}` is {given:e} instead of {expected:e}"));
+            }
+        }
+        Seen::kept(format!("{} figures", keys.len() - 1))
+    })
 }
 
 fn finish(bench: &Bench) -> Result<Seen, Fault> {

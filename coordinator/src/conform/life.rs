@@ -17,7 +17,8 @@ use contract::configuration::{Configuration, Layout};
 use contract::field::FieldKind;
 use contract::grid::Grid;
 use contract::message::{
-    Command, CommandKind, FieldHeader, GeometryTopic, OBSERVE, Reply, Status, Topic, Topics,
+    Command, CommandKind, FIGURES, FieldHeader, GeometryTopic, OBSERVE, Reply, Status, Topic,
+    Topics,
 };
 use coupling::ParticipantIndex;
 use ending::{Abandoned, nothing_left};
@@ -158,7 +159,7 @@ impl Life {
     /// Sends a command; its number and the version are put in unless they are given.
     pub(super) fn post(&mut self, command: Command, body: &[u8]) -> Result<(), Fault> {
         let answered = command.kind != CommandKind::Accept as u32
-            || command.flags & OBSERVE != 0
+            || command.flags != 0
             || !self.volumes.is_empty();
         self.peers.send(ParticipantIndex::FIRST, command, body, answered)?;
         Ok(())
@@ -239,6 +240,7 @@ impl Life {
         let mut topics = Topics {
             deadline: self.patience.as_secs_f64(),
             interpolation: setting.interpolation,
+            figures: setting.figures.clone(),
             ..Topics::default()
         };
         let topic = |field: &str, role: &str, grid: &Grid| Topic {
@@ -369,6 +371,15 @@ impl Life {
         let values = collected(observed, step)?;
         self.take_geometry(step)?;
         Ok(values)
+    }
+
+    /// `Accept`, with the figures that it was connected for.
+    pub(super) fn accept_with_figures(&mut self, step: &Step) -> Result<Vec<u8>, Fault> {
+        self.accepted = Some(*step);
+        let command = Command { flags: FIGURES, ..Command::about(CommandKind::Accept, step) };
+        let body = self.ask(command, &[])?.done()?.body;
+        self.none_of_outputs("Accept")?;
+        Ok(body)
     }
 
     /// Exactly one sample of every output, none of an observed field.

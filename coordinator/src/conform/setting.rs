@@ -19,6 +19,9 @@ const WINDOW: &str = "20 us";
 /// Its end, which no check reaches.
 const END: &str = "1 ms";
 
+/// A figure that nobody has.
+const UNKNOWN_FIGURE: &str = "no.such_figure";
+
 /// One model in one mode.
 #[derive(Clone, Debug)]
 pub(super) struct Setting {
@@ -29,6 +32,9 @@ pub(super) struct Setting {
     pub(super) interpolation: Interpolation,
     /// Its model can solve a window more than once.
     pub(super) rewinds: bool,
+    /// Keys of the figures that it is asked for, one that there is not among them; none, if it describes
+    /// none.
+    pub(super) figures: Vec<String>,
     /// Length of a window [s].
     window: f64,
 }
@@ -182,7 +188,11 @@ fn one(
         return Err(RunError::Usage("no active effect of the case needs it".to_owned()));
     };
     let configuration = participant.configuration.clone();
-    Ok(with_inputs(configuration, &plan, recorded))
+    let mut figures = participant.figures.clone();
+    if !figures.is_empty() {
+        figures.push(UNKNOWN_FIGURE.to_owned());
+    }
+    Ok(Setting { figures, ..with_inputs(configuration, &plan, recorded) })
 }
 
 /// Places every input on a grid: as recorded, as its producer estimates, or made up.
@@ -218,6 +228,6 @@ fn with_inputs(
     let model =
         own.and_then(|p| p.description.models.iter().find(|m| m.name == configuration.model));
     let rewinds = model.is_none_or(|model| model.rewinds);
-    let interpolation = plan.interpolation;
-    Setting { configuration, given: all_given, interpolation, rewinds, window }
+    let (figures, interpolation) = (Vec::new(), plan.interpolation);
+    Setting { configuration, given: all_given, interpolation, figures, rewinds, window }
 }

@@ -5,8 +5,9 @@ use super::sweep::{Sweep, WINDOW};
 use crate::study::axis::Axis;
 use crate::study::levels::Level;
 use crate::study::output::Kept;
-use crate::study::quantity::{Measure, Quantity};
+use crate::study::quantity::Quantity;
 use crate::study::richardson::{Estimate, Sample};
+use contract::figure::Measure;
 use run::error::RunError;
 use std::collections::BTreeMap;
 
@@ -56,10 +57,10 @@ fn is_prescribed(key: &str, runs: &[Run]) -> bool {
 
 /// The quantities that the runs have, the one that ranks them first.
 fn quantities(request: &Request, sweep: &Sweep) -> Result<Vec<Quantity>, RunError> {
-    let Sweep { runs, closed_forms, .. } = sweep;
+    let Sweep { runs, closed_forms, known, .. } = sweep;
     let there = |key: &str| runs.iter().any(|run| run.values.contains_key(key));
     let mut all: Vec<Quantity> =
-        Quantity::of_interest().into_iter().filter(|one| there(&one.key)).collect();
+        known.of_interest.iter().filter(|one| there(&one.key)).cloned().collect();
     let kept = |one: &Quantity| one.measure == Measure::Itself || !is_prescribed(&one.key, runs);
     if runs.len() > 1 {
         all.retain(|one| kept(one) || closed_forms.contains_key(&one.key));
@@ -71,7 +72,7 @@ fn quantities(request: &Request, sweep: &Sweep) -> Result<Vec<Quantity>, RunErro
             return Err(RunError::Usage(format!("no run has the quantity `{key}`; {fix}")));
         }
         all.retain(|one| one.key != *key);
-        all.insert(0, Quantity::of(key));
+        all.insert(0, known.of(key));
     }
     match all.is_empty() {
         false => Ok(all),
@@ -261,8 +262,8 @@ fn stops_paying(
     Some(format!(
         "from {key} {} on: there the grid errs by {}, the models by {}",
         enough.level,
-        first.measure.show(grid_error(enough)),
-        first.measure.show(model_error),
+        first.show_error(grid_error(enough)),
+        first.show_error(model_error),
     ))
 }
 

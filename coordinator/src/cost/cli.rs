@@ -22,7 +22,8 @@ pub(crate) struct Arguments {
     /// window, a tolerance; may be given several times.
     #[arg(long, value_name = "KEY=V1,V2")]
     vary: Vec<String>,
-    /// The quantity that ranks the runs, a dotted key of summary.json [default: the rail's rise].
+    /// The quantity that ranks the runs, a dotted key of summary.json [default: the first that is
+    /// described].
     #[arg(long, value_name = "KEY")]
     quantity: Option<String>,
     /// Compare a quantity with this value [default: its closed form, or the finest runs

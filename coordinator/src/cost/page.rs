@@ -6,7 +6,7 @@ use crate::report::page::{Block, Headline, Mood, Page, Section};
 use crate::report::plot::Figure;
 use crate::report::table::Table;
 use crate::study::output::Shown;
-use crate::study::quantity::Measure;
+use contract::figure::Measure;
 use run::error::RunError;
 use run::format::{of_key, seconds};
 use std::path::Path;
@@ -36,7 +36,7 @@ fn of(study: &Study) -> Page {
 fn picks(study: &Study) -> Option<Section> {
     let first = study.quantities.first()?;
     let headline = |pick: &Pick| {
-        let name = format!("{} to {}", first.name, first.measure.show(pick.target));
+        let name = format!("{} to {}", first.name, first.show_error(pick.target));
         match pick.run.map(|index| &study.runs[index]) {
             None => Headline {
                 name,
@@ -50,7 +50,7 @@ fn picks(study: &Study) -> Option<Section> {
                     "{}, {}; errs by {}",
                     study.levels[run.level].name,
                     run.settings_text(),
-                    first.measure.show(run.errors[&first.key])
+                    first.show_error(run.errors[&first.key])
                 ),
             },
         }
@@ -84,7 +84,7 @@ pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
     }
     let known = match reference.uncertainty {
         Some(0.0) => String::new(),
-        Some(off) => format!(", itself known to {}", one.measure.show(off)),
+        Some(off) => format!(", itself known to {}", one.show_error(off)),
         None => ", of unknown error".to_owned(),
     };
     figure.note = format!("Against {}{known}.", reference.source);
@@ -97,7 +97,7 @@ fn references(study: &Study) -> Option<Section> {
         let Some(reference) = &one.reference else { continue };
         let known = match reference.uncertainty {
             Some(0.0) => "exact".to_owned(),
-            Some(off) => one.measure.show(off),
+            Some(off) => one.show_error(off),
             None => "unknown".to_owned(),
         };
         let from = reference.source.clone();

@@ -91,7 +91,7 @@ fn values(study: &Study) -> impl Iterator<Item = Column<'_, Run>> {
 
 fn errors(study: &Study) -> impl Iterator<Item = Column<'_, Run>> {
     study.quantities.iter().enumerate().map(|(n, one)| {
-        let error = |run: &Run| Cell::optional(run.errors.get(&one.key), |v| one.measure.show(v));
+        let error = |run: &Run| Cell::optional(run.errors.get(&one.key), |v| one.show_error(v));
         let head = if n == 0 { "error" } else { &one.name };
         let column = Column::quantity(head, error)
             .on_page(format!("error of {}", one.name))

@@ -42,7 +42,7 @@ fn reference(one: &Compared) -> String {
     let Some(reference) = &one.reference else { return String::new() };
     let within = match reference.uncertainty {
         Some(0.0) => String::new(),
-        Some(off) => format!(" ± {}", one.measure.show(off)),
+        Some(off) => format!(" ± {}", one.show_error(off)),
         None => " ± ?".to_owned(),
     };
     format!(
@@ -77,7 +77,7 @@ fn picks(study: &Study) -> String {
         first.name
     );
     for pick in &study.picks {
-        let target = first.measure.show(pick.target);
+        let target = first.show_error(pick.target);
         let Some(run) = pick.run.map(|index| &study.runs[index]) else {
             let _ = writeln!(out, "  {target:>6}  none of these runs");
             continue;
@@ -87,12 +87,12 @@ fn picks(study: &Study) -> String {
             out,
             "  {target:>6}  {:12} {:>8}   {options}",
             seconds(run.cost.solve_s),
-            first.measure.show(run.errors[&first.key]),
+            first.show_error(run.errors[&first.key]),
         );
     }
     let known = match first.reference.as_ref().map(|reference| reference.uncertainty) {
         None | Some(Some(0.0)) => return out,
-        Some(Some(off)) => format!("known to {}", first.measure.show(off)),
+        Some(Some(off)) => format!("known to {}", first.show_error(off)),
         Some(None) => "from a single grid: its error is not known".to_owned(),
     };
     let _ = writeln!(out, "  the reference itself is {known}");

@@ -3,9 +3,10 @@
 use crate::study::Variant;
 use crate::study::axis::Axis;
 use crate::study::output::Kept;
-use crate::study::quantity::{Measure, Quantity};
+use crate::study::quantity::{Quantity, show_error};
 use crate::study::spent::Spent;
 use contract::accuracy::Simplification;
+use contract::figure::Measure;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -84,6 +85,12 @@ impl Compared {
     pub(crate) fn quantity(&self) -> Quantity {
         let Self { key, name, measure, .. } = self.clone();
         Quantity { key, name, measure }
+    }
+
+    /// An error of it, as it is measured.
+    #[must_use]
+    pub(super) fn show_error(&self, error: f64) -> String {
+        show_error(self.measure, error)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::levels::{Level, Offer, offered, reason};
 use crate::study::progress::Steps;
-use crate::study::quantity::Quantity;
+use crate::study::quantity::Quantities;
 use crate::study::spent::{Spent, Stopwatch};
 use crate::study::{Variant, ends_study, expected_seconds, perform, planned};
 use coupling::windows::Windows;
@@ -35,6 +35,7 @@ pub(super) struct Sweep {
     pub(super) left_out: Vec<(String, String)>,
     /// Quantities that participants know in closed form.
     pub(super) closed_forms: BTreeMap<String, f64>,
+    pub(super) known: Quantities,
     pub(super) name: String,
     pub(super) title: Option<String>,
 }
@@ -72,6 +73,7 @@ pub(super) fn sweep(
         runs: Vec::new(),
         left_out: Vec::new(),
         closed_forms: places.kept.closed_forms().clone(),
+        known: Quantities::of_figures(&standing.plan.figures),
         name: standing.plan.name.clone(),
         title: standing.plan.title.clone(),
         levels,
@@ -217,7 +219,7 @@ impl Sweep {
                 perform(&request.case, &planned, stopwatch.since, places.scratch).map(Ok)
             });
             match made {
-                Ok(Ok(summary)) => run.take(&summary, &stopwatch),
+                Ok(Ok(summary)) => run.take(&summary, &self.known, &stopwatch),
                 Ok(Err(seconds)) => {
                     let limit = request.longest_run;
                     let why = format!("{seconds:.0} s expected, above --longest-run {limit} s");
@@ -268,7 +270,7 @@ impl Run {
     }
 
     /// Takes the quantities of a run, and its times where they are the least so far.
-    fn take(&mut self, summary: &Value, stopwatch: &Stopwatch) {
+    fn take(&mut self, summary: &Value, known: &Quantities, stopwatch: &Stopwatch) {
         let cost = Spent::of(summary, stopwatch);
         if self.values.is_empty() || cost.solve_s < self.cost.solve_s {
             let wall_s = match self.values.is_empty() {
@@ -277,7 +279,7 @@ impl Run {
             };
             self.cost = Spent { wall_s, ..cost };
         }
-        for quantity in Quantity::all(summary) {
+        for quantity in known.all(summary) {
             if let Some(value) = quantity.value(summary) {
                 self.values.insert(quantity.key, value);
             }

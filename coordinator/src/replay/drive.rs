@@ -11,8 +11,8 @@ use contract::description::Description;
 use contract::field::GEOMETRY;
 use contract::grid::Grid;
 use contract::message::{
-    Command, CommandKind, Failure as Unsuccessful, FieldHeader, Finished, OBSERVE, OutputFile,
-    Reply, StateFile, Status, Topics,
+    Command, CommandKind, Failure as Unsuccessful, FieldHeader, Finished, OutputFile, Reply,
+    StateFile, Status, Topics,
 };
 use contract::step::Step;
 use coupling::ParticipantIndex;
@@ -248,7 +248,7 @@ impl<'a> Driver<'a> {
                 self.replay.last_window = self.step.window;
                 self.ask(command, &[])?;
             }
-            CommandKind::Accept if command.flags & OBSERVE == 0 && !self.moves => {
+            CommandKind::Accept if command.flags == 0 && !self.moves => {
                 self.peers.post(ParticipantIndex::FIRST, command, &[], false)?;
             }
             CommandKind::Accept => self.ask(command, &[])?,

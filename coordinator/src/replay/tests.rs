@@ -42,6 +42,7 @@ fn description() -> Description {
         effects: Vec::new(),
         keys: Vec::new(),
         fields: Vec::new(),
+        figures: Vec::new(),
         renamed: Vec::new(),
     }
 }

@@ -4,6 +4,7 @@ mod convergence;
 mod energy;
 mod fields;
 mod headlines;
+mod history;
 mod places;
 mod setup;
 mod temperature;
@@ -47,6 +48,7 @@ fn coupling(results: &Results) -> Option<Section> {
 pub(super) fn all(results: &Results) -> Vec<Section> {
     let sections = [
         headlines::section(results),
+        history::section(results),
         fields::maps(results),
         fields::lines(results),
         coupling(results),

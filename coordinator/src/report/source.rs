@@ -9,8 +9,10 @@ mod table;
 pub(crate) use image::{Field, Image};
 pub(crate) use table::Table;
 
+use contract::figure::FigureSpec;
 use run::error::{RunError, file_failure};
 use run::plan_file::{self, PlanFile};
+use run::results::history;
 use run::results::last::{self, LastFields};
 use run::results::summary::Status;
 use run::results::vtk::FileSeries;
@@ -27,6 +29,8 @@ pub(crate) struct Results {
     pub summary: Value,
     /// Content of `iterations.csv`; empty without one.
     pub iterations: Table,
+    /// Content of `history.csv`; empty without one.
+    pub history: Table,
     /// One for each grid that has been written out.
     pub series: Vec<GridSeries>,
     /// The case as run.
@@ -76,6 +80,7 @@ impl Results {
         let mut results = Self::default();
         results.summary = results.json(folder, "summary.json")?.unwrap_or_default();
         results.iterations = Table::parse(&results.text(&folder.join("iterations.csv"))?);
+        results.history = Table::parse(&results.text(&folder.join(history::FILE))?);
         results.case = results.text(&folder.join("case.toml"))?;
         results.plan = results.json(folder, plan_file::FILE)?;
         results.log = log(&results.text(&folder.join("log.jsonl"))?);
@@ -88,6 +93,12 @@ impl Results {
     #[must_use]
     pub(crate) fn quantity(&self, pointer: &str) -> Option<f64> {
         self.summary.pointer(pointer).and_then(Value::as_f64)
+    }
+
+    /// The figures that the participants have described.
+    #[must_use]
+    pub(crate) fn figures(&self) -> &[FigureSpec] {
+        self.plan.as_ref().map_or(&[], |plan| &plan.figures)
     }
 
     /// A word of the summary, empty without one.

@@ -2,8 +2,8 @@
 
 use super::record::Outcome;
 use super::study::{Limit, Study};
-use crate::study::quantity::Quantity;
 use crate::study::richardson::{Estimate, Sample};
+use contract::figure::value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The figures of a study.
@@ -38,7 +38,7 @@ impl Values {
         }
         let Some(outcomes) = &self.outcomes else { return Some(stand_in(name, key)) };
         match outcomes.get(name) {
-            Some(outcome) => Quantity::of(key).value(&outcome.summary),
+            Some(outcome) => value(&outcome.summary, key),
             None => self.extrapolated(name, key),
         }
     }

@@ -4,7 +4,7 @@
 //! whole sweep. Its factors are dotted keys: of `summary.json`, `field.NAME.min`, `.max` and `.mean`
 //! over all that a participant has sent, and `case.KEY` for a value of the case in SI units.
 
-use crate::study::quantity::Quantity;
+use contract::figure::value;
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ impl PowerProduct {
     /// Its value, or the key that the run does not give.
     pub(super) fn value(&self, quantities: &Value) -> Result<f64, &str> {
         self.0.iter().try_fold(1.0, |product, (key, exponent)| {
-            let factor = Quantity::of(key).value(quantities).ok_or(key.as_str())?;
+            let factor = value(quantities, key).ok_or(key.as_str())?;
             Ok(product * factor.powf(*exponent))
         })
     }

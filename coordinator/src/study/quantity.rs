@@ -1,44 +1,32 @@
-//! The quantities of a summary that studies compare.
+//! The quantities of a summary that studies compare: the figures that participants describe, and any other
+//! number of it.
 
-use run::format::number;
+use contract::figure::{FigureSpec, Measure, value};
+use run::format::{number, words};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// How an error of a quantity is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Measure {
-    /// Relative to its own value.
-    Relative,
-    /// As it is: a place, or what is a ratio already.
-    Absolute,
-    /// Its value is an error itself; nothing is compared.
-    Itself,
+/// An error as it is measured: in per cent, or as it is.
+#[must_use]
+pub(crate) fn show_error(measure: Measure, error: f64) -> String {
+    match measure {
+        Measure::Relative => format!("{} %", number(100.0 * error, 2)),
+        Measure::Absolute | Measure::Itself => number(error, 2),
+    }
 }
 
-impl Measure {
-    /// An error as it is measured: in per cent, or as it is.
-    #[must_use]
-    pub(crate) fn show(self, error: f64) -> String {
-        match self {
-            Self::Relative => format!("{} %", number(100.0 * error, 2)),
-            Self::Absolute | Self::Itself => number(error, 2),
-        }
-    }
-
-    /// A change with its sign, as it is measured.
-    #[must_use]
-    pub(crate) fn show_change(self, change: f64) -> String {
-        match change {
-            0.0 => "same".to_owned(),
-            _ if change > 0.0 => format!("+{}", self.show(change)),
-            _ => self.show(change),
-        }
+/// A change with its sign, as it is measured.
+#[must_use]
+pub(crate) fn show_change(measure: Measure, change: f64) -> String {
+    match change {
+        0.0 => "same".to_owned(),
+        _ if change > 0.0 => format!("+{}", show_error(measure, change)),
+        _ => show_error(measure, change),
     }
 }
 
 /// One quantity of a summary.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Quantity {
     /// Dotted key in `summary.json`.
     pub key: String,
@@ -48,21 +36,20 @@ pub(crate) struct Quantity {
     pub measure: Measure,
 }
 
-/// The quantities that a study reports where a summary has them; the first is what a target of
-/// accuracy means, if nothing else is named.
-const INTEREST: [(&str, &str, Measure); 11] = [
-    ("temperature.rail.max_rise_k", "rail rise", Measure::Relative),
-    ("temperature.rail.x_over_a", "place x/a", Measure::Absolute),
-    ("temperature.rail.penetration_depth_m", "depth to 1/e", Measure::Relative),
-    ("contact.max_pressure_pa", "max pressure", Measure::Relative),
-    ("contact.creepage_xi", "creepage", Measure::Relative),
-    ("contact.friction_power_w", "friction power", Measure::Relative),
-    ("coupling.energy_imbalance", "heat imbalance", Measure::Itself),
-    ("temperature.wheel.max_rise_k", "wheel rise", Measure::Relative),
-    ("contact.creep_force_x_n", "creep force x", Measure::Relative),
-    ("contact.slip_area_ratio", "slip area", Measure::Absolute),
-    ("contact.approach_m", "approach", Measure::Relative),
-];
+/// The quantities that a study knows.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Quantities {
+    /// Those that it reports where a summary has them; the first is what a target of accuracy means, if
+    /// nothing else is named.
+    pub of_interest: Vec<Quantity>,
+    /// What else is described.
+    others: Vec<Quantity>,
+    /// Keys of quantities, and of what drives them: an error there is an error here.
+    drivers: Vec<(String, String)>,
+}
+
+/// The coordinator's own: what participants exchange is audited.
+const IMBALANCE: (&str, &str) = ("coupling.energy_imbalance", "heat imbalance");
 
 /// Sections of a summary that are about the run and not about the contact.
 const NOT_PHYSICAL: [&str; 4] = ["schema", "coupling", "cost", "accuracy"];
@@ -80,48 +67,65 @@ fn numeric_keys(value: &Value, path: &str, keys: &mut Vec<String>) {
     }
 }
 
-impl Quantity {
-    /// The quantities of interest.
+impl Quantities {
+    /// Those of these figures, and the coordinator's own.
     #[must_use]
-    pub(crate) fn of_interest() -> Vec<Self> {
-        let quantity = |(key, name, measure): &(&str, &str, Measure)| Self {
-            key: (*key).to_owned(),
-            name: (*name).to_owned(),
-            measure: *measure,
+    pub(crate) fn of_figures(figures: &[FigureSpec]) -> Self {
+        let quantity = |one: &FigureSpec| Quantity {
+            key: one.key.clone(),
+            name: one.words.clone(),
+            measure: one.measure,
         };
-        INTEREST.iter().map(quantity).collect()
+        let mut ranked: Vec<_> = figures.iter().filter(|one| one.rank.is_some()).collect();
+        ranked.sort_by_key(|one| one.rank);
+        let (key, name) = (IMBALANCE.0.to_owned(), IMBALANCE.1.to_owned());
+        let own = Quantity { key, name, measure: Measure::Itself };
+        let driver = |one: &FigureSpec| Some((one.key.clone(), one.driven_by.clone()?));
+        Self {
+            of_interest: ranked.into_iter().map(quantity).chain([own]).collect(),
+            others: figures.iter().filter(|one| one.rank.is_none()).map(quantity).collect(),
+            drivers: figures.iter().filter_map(driver).collect(),
+        }
     }
 
     /// The quantity of a key; any number of a summary is one.
     #[must_use]
-    pub(crate) fn of(key: &str) -> Self {
-        let known = Self::of_interest().into_iter().find(|quantity| quantity.key == key);
-        let name = || run::format::words(key.rsplit('.').next().unwrap_or(key));
-        let other = || Self { key: key.to_owned(), name: name(), measure: Measure::Relative };
-        known.unwrap_or_else(other)
+    pub(crate) fn of(&self, key: &str) -> Quantity {
+        let mut known = self.of_interest.iter().chain(&self.others);
+        let name = || words(key.rsplit('.').next().unwrap_or(key));
+        let other = || Quantity { key: key.to_owned(), name: name(), measure: Measure::Relative };
+        known.find(|quantity| quantity.key == key).cloned().unwrap_or_else(other)
     }
 
     /// The quantities of interest, and every other quantity of the participants' sections, of a
     /// summary.
     #[must_use]
-    pub(crate) fn all(summary: &Value) -> Vec<Self> {
+    pub(crate) fn all(&self, summary: &Value) -> Vec<Quantity> {
         let mut keys = Vec::new();
         for section in summary.as_object().into_iter().flatten() {
             if !NOT_PHYSICAL.contains(&section.0.as_str()) {
                 numeric_keys(section.1, section.0, &mut keys);
             }
         }
-        let mut all = Self::of_interest();
+        let mut all = self.of_interest.clone();
         keys.retain(|key| all.iter().all(|known| known.key != *key));
-        all.extend(keys.iter().map(|key| Self::of(key)));
+        all.extend(keys.iter().map(|key| self.of(key)));
         all
     }
 
+    /// What an error of a quantity comes from as well.
+    #[must_use]
+    pub(crate) fn driver(&self, of: &Quantity) -> Option<Quantity> {
+        let (_, driver) = self.drivers.iter().find(|(key, _)| *key == of.key)?;
+        Some(self.of(driver))
+    }
+}
+
+impl Quantity {
     /// Its value in a summary.
     #[must_use]
     pub(crate) fn value(&self, summary: &Value) -> Option<f64> {
-        let inner = |value, name: &str| Value::get(value, name);
-        self.key.split('.').try_fold(summary, inner)?.as_f64()
+        value(summary, &self.key)
     }
 
     /// The error of a value against a reference, as its measure says; never negative.
@@ -143,23 +147,32 @@ mod tests {
 
     #[test]
     fn a_change_has_its_sign() {
-        assert_eq!(Measure::Relative.show_change(0.123), "+12 %");
-        assert_eq!(Measure::Relative.show_change(-0.004), "−0.40 %");
-        assert_eq!(Measure::Absolute.show_change(-0.2), "−0.20");
-        assert_eq!(Measure::Relative.show_change(0.0), "same");
+        assert_eq!(show_change(Measure::Relative, 0.123), "+12 %");
+        assert_eq!(show_change(Measure::Relative, -0.004), "−0.40 %");
+        assert_eq!(show_change(Measure::Absolute, -0.2), "−0.20");
+        assert_eq!(show_change(Measure::Relative, 0.0), "same");
     }
 
     #[test]
     fn figures_are_found_and_compared() {
-        let summary = json!({"temperature": {"rail": {"max_rise_k": 220.0, "x_over_a": -0.8}}});
-        let rise = Quantity::of("temperature.rail.max_rise_k");
-        let place = Quantity::of("temperature.rail.x_over_a");
+        let summary = json!({"heat": {"max_rise_k": 220.0, "x_over_a": -0.8}});
+        let figures = [
+            FigureSpec::new("heat.x_over_a", "1", "place").rank(2).absolute(),
+            FigureSpec::new("heat.max_rise_k", "K", "rise").rank(1).driven_by("contact.power_w"),
+            FigureSpec::new("contact.power_w", "W", "power"),
+        ];
+        let known = Quantities::of_figures(&figures);
+        let names: Vec<&str> = known.of_interest.iter().map(|one| one.name.as_str()).collect();
+        assert_eq!(names, ["rise", "place", "heat imbalance"]);
+        let [rise, place] = ["heat.max_rise_k", "heat.x_over_a"].map(|key| known.of(key));
         assert_eq!(rise.value(&summary), Some(220.0));
         assert!((rise.error(220.0, 200.0) - 0.1).abs() < 1e-15);
         assert!((place.error(-0.8, -0.83) - 0.03).abs() < 1e-15);
-        assert_eq!(Quantity::of("contact.creepage_xi").value(&summary), None);
-        assert_eq!(Quantity::of("coupling.energy_imbalance").error(-1e-9, 5.0), 1e-9);
+        assert_eq!(known.driver(&rise), Some(known.of("contact.power_w")));
+        assert_eq!(known.driver(&place), None);
+        assert_eq!(known.of("contact.creepage_xi").value(&summary), None);
+        assert_eq!(known.of("coupling.energy_imbalance").error(-1e-9, 5.0), 1e-9);
         assert_eq!(rise.error(0.0, 0.0), 0.0);
-        assert_eq!(Quantity::of("wear.wear_depth_m").name, "wear depth m");
+        assert_eq!(known.of("wear.wear_depth_m").name, "wear depth m");
     }
 }

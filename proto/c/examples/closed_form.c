@@ -60,6 +60,18 @@ static const char *const DESCRIPTION = COSIM_JSON({
          "required": true, "above": 0, "help": "heat per mass and temperature"},
         {"path": "materials.*.conductivity", "type": "quantity", "unit": "W/(m K)",
          "required": true, "above": 0, "help": "heat flux per temperature gradient"}
+    ],
+    "figures": [
+        {"key": "temperature.*.max_rise_k", "unit": "K", "words": "temperature rise", "line": "*",
+         "style": "signed", "headline": true, "rank": 1,
+         "driven_by": "contact.friction_power_w"},
+        {"key": "temperature.*.x_over_a", "unit": "1", "words": "place x/a", "line": "*",
+         "short": "at x/a", "digits": 4, "measure": "absolute", "rank": 2,
+         "derived": {"ratio": {"of": ["temperature.*.x_m"], "over": "contact.semi_axis_a_m"}}},
+        {"key": "temperature.*.x_m", "unit": "m", "words": "place x", "style": "place",
+         "measure": "absolute"},
+        {"key": "temperature.*.y_m", "unit": "m", "words": "place y", "line": "*", "short": "y",
+         "style": "place", "measure": "absolute"}
     ]
 });
 

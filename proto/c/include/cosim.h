@@ -22,6 +22,16 @@
 #define COSIM_JSON(...) #__VA_ARGS__
 
 /**
+ * Index of the upper body in a pair.
+ */
+#define COSIM_UPPER 0
+
+/**
+ * Index of the lower body in a pair.
+ */
+#define COSIM_LOWER 1
+
+/**
  * Status of a callback or function: done.
  */
 #define COSIM_OK 0
@@ -50,6 +60,21 @@
  * Version of this interface. Raised when a program has to be changed, and not only compiled again.
  */
 #define COSIM_VERSION 2
+
+/**
+ * Kind of a volume: ni x nj x nk boxes between the nodes of three axes.
+ */
+#define COSIM_RECTILINEAR 3
+
+/**
+ * Kind of a volume: ni x nj x nk hexahedra with vertices anywhere.
+ */
+#define COSIM_STRUCTURED_HEXAHEDRA 4
+
+/**
+ * Kind of a volume: hexahedra over shared vertices.
+ */
+#define COSIM_UNSTRUCTURED_HEXAHEDRA 5
 
 /**
  * A state on its way to or from a file.
@@ -201,6 +226,12 @@ typedef struct cosim_solver {
      * Frees what `user` holds; called once, last.
      */
     void (*destroy)(void *user);
+    /**
+     * Writes the geometry of the volume of this name, all `count` values, as cosim_volume says.
+     * Called once, after build, for each volume with an output or observed field of this run. NULL:
+     * there are no volumes.
+     */
+    int (*volume_geometry)(void *user, const char *volume, double *values, size_t count);
 } cosim_solver;
 
 /**
@@ -264,6 +295,48 @@ typedef struct cosim_grid {
      */
     const uint32_t *elements;
 } cosim_grid;
+
+/**
+ * A volume: hexahedra on which fields are only written out. The value of element (i, j, k) stands at
+ * (k nj + j) ni + i.
+ *
+ * Its geometry is what `volume_geometry` of the solver writes: vectors of three components [m], the
+ * first components of all of them, then the second, then the third. Rectilinear: the n-th nodes of
+ * the axes x, y and z, as many as the longest axis has, 0 beyond the last of a shorter one.
+ * Structured: the (ni + 1) (nj + 1) (nk + 1) vertices, i fastest, then j. Unstructured: the vertices,
+ * then for each element its corners a to h, numbers of vertices from 0, as (a, b, c), (d, e, f) and
+ * (g, h, 0). Corners are in VTK's order, with a positive volume.
+ */
+typedef struct cosim_volume {
+    /**
+     * Name, unique among the program's grids: letters, digits, `_` and `-`.
+     */
+    char name[32];
+    /**
+     * COSIM_RECTILINEAR, COSIM_STRUCTURED_HEXAHEDRA or COSIM_UNSTRUCTURED_HEXAHEDRA.
+     */
+    int kind;
+    /**
+     * Number of elements in i; of unstructured hexahedra unused, as nj and nk.
+     */
+    size_t ni;
+    /**
+     * Number of elements in j.
+     */
+    size_t nj;
+    /**
+     * Number of elements in k.
+     */
+    size_t nk;
+    /**
+     * Unstructured: number of vertices.
+     */
+    size_t vertices;
+    /**
+     * Unstructured: number of elements.
+     */
+    size_t elements;
+} cosim_volume;
 
 #ifdef __cplusplus
 extern "C" {
@@ -352,6 +425,13 @@ int cosim_case_flag(const struct cosim_configuration *configuration, const char 
 const char *cosim_case_text(const struct cosim_configuration *configuration, const char *key);
 
 /**
+ * The name that the case gives to a body, COSIM_UPPER or COSIM_LOWER; its values are those under
+ * "bodies.NAME". NULL, with a refusal ready to be returned, if the case has not one body at each
+ * position; the description has to list the key "bodies.*.position".
+ */
+const char *cosim_body_name(const struct cosim_configuration *configuration, int body);
+
+/**
  * Writes the grid on which an input will arrive, and says whether it is known. It is not for a
  * field that is no input of this run, nor as long as its producer has not been configured: then
  * configure answers without grids, and is called again later.
@@ -434,6 +514,13 @@ int cosim_blob_read(struct cosim_blob *blob,
  * Adds a grid, which is copied. COSIM_FAILED if it cannot be: name, counts, elements without area.
  */
 int cosim_layout_grid(struct cosim_layout *layout, const struct cosim_grid *grid);
+
+/**
+ * Adds a volume, which is copied; its geometry is asked for after `build`. COSIM_FAILED if it cannot
+ * be: name, counts.
+ */
+int cosim_layout_volume(struct cosim_layout *layout,
+                        const struct cosim_volume *volume);
 
 /**
  * Says on which of the grids an output, or an observed field, lives. Both names are copied.

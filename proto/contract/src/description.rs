@@ -6,6 +6,7 @@
 use crate::accuracy::Accuracy;
 use crate::configuration::{Configuration, Mode};
 use crate::field::{FieldKind, FieldSpec};
+use crate::figure::FigureSpec;
 use crate::grid::check_name;
 use crate::refusal::Refusal;
 use crate::text::check_lines;
@@ -36,6 +37,9 @@ pub struct Description {
     /// Fields that are not in [`crate::field::TABLE`].
     #[serde(default)]
     pub fields: Vec<FieldKind>,
+    /// The figures of its part of the summary, in the order in which a person reads them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub figures: Vec<FigureSpec>,
     /// Keys of earlier versions, with what stands in their place now.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub renamed: Vec<Renamed>,
@@ -63,7 +67,8 @@ impl Description {
     ///
     /// # Errors
     /// Names that are no plain words, texts that are more than one line, fields without components or
-    /// with a unit that does not fit its label, and expectations of accuracy that make no sense.
+    /// with a unit that does not fit its label, figures that [`FigureSpec::check`] refuses or that stand
+    /// twice, and expectations of accuracy that make no sense.
     pub fn check(&self) -> Result<(), String> {
         check_lines("description", self)?;
         check_name("role", &self.role)?;
@@ -78,6 +83,12 @@ impl Description {
             }
             if !(1..=64).contains(&field.components) {
                 return Err(format!("field `{}` has {} components", field.name, field.components));
+            }
+        }
+        for (index, figure) in self.figures.iter().enumerate() {
+            figure.check()?;
+            if self.figures[..index].iter().any(|other| other.key == figure.key) {
+                return Err(format!("figure `{}` stands twice", figure.key));
             }
         }
         Ok(())
@@ -448,6 +459,7 @@ mod tests {
             effects: vec![effect],
             keys: Vec::new(),
             fields: Vec::new(),
+            figures: Vec::new(),
             renamed: Vec::new(),
         }
     }

@@ -8,6 +8,7 @@
 //! | [`grid`] | the surface grids that fields live on |
 //! | [`step`] | one solve, and what a model reports of it |
 //! | [`description`] | what a participant says of itself: models, effects, case keys, fields |
+//! | [`figure`] | the figures of its summary: what they are, and how they are shown and compared |
 //! | [`configuration`] | what a participant receives: its part of the case, its inputs and outputs |
 //! | [`history`] | case values that vary: columns of a table |
 //! | [`params`] | typed access to the case values inside a configuration |
@@ -22,6 +23,7 @@ pub mod bodies;
 pub mod configuration;
 pub mod description;
 pub mod field;
+pub mod figure;
 pub mod grid;
 pub mod history;
 pub mod message;

@@ -66,8 +66,9 @@ pub enum CommandKind {
     Solve = 5,
     /// The last solve becomes the accepted state. With [`OBSERVE`] the observed fields are
     /// published, on the grids of that solve; after that the geometry of every grid of
-    /// [`Topics::geometry`] that has moved. There is a reply with [`OBSERVE`] and from a
-    /// participant with such grids, otherwise none.
+    /// [`Topics::geometry`] that has moved. With [`FIGURES`] the reply's body are the figures of
+    /// [`Topics::figures`], as little-endian doubles; one that there is not is NaN. There is a reply
+    /// with a flag and from a participant with such grids, otherwise none.
     Accept = 6,
     /// Body: [`StateFile`]; write the accepted state to the file `path`, reply.
     Save = 7,
@@ -103,6 +104,9 @@ impl CommandKind {
 /// Flag of [`Command`] with kind `Accept`: publish the observed fields.
 pub const OBSERVE: u32 = 1;
 
+/// Flag of [`Command`] with kind `Accept`: reply with the figures of the accepted state.
+pub const FIGURES: u32 = 2;
+
 /// From the coordinator to one participant.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -117,7 +121,7 @@ pub struct Command {
     pub window: u64,
     /// Iteration within the window, from 1.
     pub iteration: u32,
-    /// [`OBSERVE`].
+    /// [`OBSERVE`], [`FIGURES`].
     pub flags: u32,
     /// Start of the window [s].
     pub start: f64,
@@ -314,6 +318,9 @@ pub struct Topics {
     /// of its volumes that a field of the run is on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub geometry: Vec<GeometryTopic>,
+    /// Keys of this participant's summary whose values it replies with to `Accept` with [`FIGURES`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub figures: Vec<String>,
 }
 
 /// How the inputs with consistent mapping vary within a window. What is mapped conservatively is a

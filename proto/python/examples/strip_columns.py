@@ -28,6 +28,7 @@ from cosim import (
     Case,
     Configuration,
     Effect,
+    Figure,
     Grid,
     Inputs,
     Key,
@@ -118,8 +119,44 @@ class StripColumns(Solver):
             "m/s",
             "speed at which the body's surface passes through the contact; absent: motion.speed",
             at_least=0.0,
+            varies=True,
         ),
-        Key.quantity("motion.speed", "m/s", "rolling speed", at_least=0.0),
+        Key.quantity("motion.speed", "m/s", "rolling speed", at_least=0.0, varies=True),
+    )
+    figures = (
+        Figure(
+            "temperature.*.max_rise_k",
+            "K",
+            "temperature rise",
+            line="*",
+            style="signed",
+            headline=True,
+            rank=1,
+            driven_by="contact.friction_power_w",
+        ),
+        Figure(
+            "temperature.*.x_over_a",
+            "1",
+            "place x/a",
+            line="*",
+            short="at x/a",
+            digits=4,
+            measure="absolute",
+            rank=2,
+            derived={"ratio": {"of": ["temperature.*.x_m"], "over": "contact.semi_axis_a_m"}},
+        ),
+        Figure("temperature.*.x_m", "m", "place x", style="place", measure="absolute"),
+        Figure("temperature.*.y_m", "m", "place y", "*", "y", style="place", measure="absolute"),
+        Figure(
+            "temperature.*.penetration_depth_m",
+            "m",
+            "depth to 1/e",
+            line="*",
+            short="1/e at depth",
+            digits=3,
+            rank=3,
+            driven_by="contact.friction_power_w",
+        ),
     )
 
     def configure(self, configuration: Configuration) -> Layout:
@@ -387,10 +424,11 @@ class StripColumns(Solver):
 
 def expected_speed(case: Case, body: str) -> float:
     """The body's own surface speed, or the rolling speed; it sets the depth of the section."""
-    own = case.get(f"bodies.{body}.surface_speed", case.get("motion.speed", 0.0))
-    if own <= 0.0:
+    own = f"bodies.{body}.surface_speed"
+    speed = case.number(own if own in case else "motion.speed")
+    if speed <= 0.0:
         raise Refusal("motion.speed", f"{body} does not move", "write a speed above 0 m/s")
-    return float(own)
+    return speed
 
 
 def own_grid(arriving: Structured, resolution: int | None) -> Structured:

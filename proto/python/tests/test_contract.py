@@ -261,3 +261,34 @@ def test_a_run_that_names_what_is_not_its_own_is_not_joined(tmp_path, wrong):
     else:
         with pytest.raises(RunError, match="do not belong to it"):
             RunInfo.read(run)
+
+
+def test_histories_give_the_case_of_a_window():
+    from types import SimpleNamespace
+
+    from cosim import Configuration
+
+    def given(rows):
+        return Configuration.from_json(
+            {
+                "role": "thermal",
+                "model": "short",
+                "mode": "steady",
+                "case": {"load": {"normal_force": 1.0, "other": 5.0}},
+                "inputs": [],
+                "outputs": [],
+                "observed": [],
+                "histories": {
+                    "rows": rows,
+                    "times": [0.0, 1.0, 3.0],
+                    "values": {"load.normal_force": [1.0, 3.0, 2.0]},
+                },
+            }
+        )
+
+    row = given(True).case_at(SimpleNamespace(window=2, start=3.0, end=3.0))
+    assert (row.number("load.normal_force"), row.number("load.other")) == (2.0, 5.0)
+    for start, end, expected in ((0.0, 1.0, 2.0), (1.5, 2.5, 2.5), (8.0, 9.0, 2.0)):
+        instant = given(False).case_at(SimpleNamespace(window=0, start=start, end=end))
+        assert instant.number("load.normal_force") == expected
+    assert given(True).case.number("load.normal_force") == 1.0

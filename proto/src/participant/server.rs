@@ -6,9 +6,10 @@ use super::ports::{InputPorts, OutputPorts};
 use super::pulse::{Activity, Voice};
 use crate::configuration::{Configuration, Refusal};
 use crate::field::{self, FieldKind};
+use crate::figure;
 use crate::grid::Grid;
 use crate::message::{
-    Command, CommandKind, Failure, Finished, OBSERVE, Reply, StateFile, Status, Topics,
+    Command, CommandKind, FIGURES, Failure, Finished, OBSERVE, Reply, StateFile, Status, Topics,
 };
 use crate::model::{Model, Setup, Solver, StateError, Step, StepError};
 use crate::progress::Progress;
@@ -63,12 +64,14 @@ struct Running {
     late: Option<CommandError>,
 }
 
-/// Everything that is received and published.
+/// Everything that is received, published and replied with.
 struct Ports {
     inputs: InputPorts,
     outputs: OutputPorts,
     observed: OutputPorts,
     geometry: GeometryPorts,
+    /// Keys of the figures that are asked for with [`FIGURES`].
+    figures: Vec<String>,
 }
 
 /// What goes back to the coordinator.
@@ -181,11 +184,7 @@ impl<'a> Server<'a> {
             CommandKind::Initialise => self.initialise(done)?,
             CommandKind::Solve => self.running(kind)?.solve(command, done)?,
             CommandKind::Accept => {
-                let observe = command.flags & OBSERVE != 0;
-                match self.running(kind)?.accept(observe, done)? {
-                    Some(reply) => reply,
-                    None => return Ok(None),
-                }
+                return self.running(kind)?.accept(command.flags, done);
             }
             CommandKind::Save => self.running(kind)?.save(done, &serde_json::from_slice(body)?)?,
             CommandKind::Restore => {
@@ -241,6 +240,7 @@ impl<'a> Server<'a> {
             outputs: OutputPorts::open(endpoint, &published, role, kind)?,
             observed: OutputPorts::open(endpoint, &observed, role, kind)?,
             geometry: GeometryPorts::open(endpoint, &topics.geometry, role, &setup.layout().grids)?,
+            figures: topics.figures,
         };
         let patience = Duration::from_secs_f64(topics.deadline.clamp(0.0, 1e6));
         self.stage = Stage::Connected { setup, ports, patience };
@@ -290,7 +290,7 @@ impl Ports {
     /// Publishes the geometry of those of these grids that have moved; samples are on the moved
     /// grids from here on.
     fn move_to(&mut self, grids: &[Grid], step: &Step) -> Result<(), PortError> {
-        let Self { inputs, outputs, observed, geometry } = self;
+        let Self { inputs, outputs, observed, geometry, .. } = self;
         geometry.publish(grids, step, |moved| {
             outputs.moved(moved);
             observed.moved(moved);
@@ -325,12 +325,13 @@ impl Running {
         }
     }
 
-    /// Accepts the last solve; a reply only if something is published.
-    fn accept(&mut self, observe: bool, done: Reply) -> Result<Option<Reply>, CommandError> {
+    /// Accepts the last solve; a reply only if something is published or asked for.
+    fn accept(&mut self, flags: u32, done: Reply) -> Result<Option<Answer>, CommandError> {
         let Self { model, ports, step, late, .. } = self;
         let start = Instant::now();
         let refused = |error| CommandError::Unacceptable { window: step.window, error };
-        let answered = observe || !ports.geometry.is_empty();
+        let (observe, figures) = (flags & OBSERVE != 0, flags & FIGURES != 0);
+        let answered = observe || figures || !ports.geometry.is_empty();
         match model.acceptable().map_err(refused) {
             Ok(()) => model.accept(),
             Err(error) if answered => return Err(error),
@@ -346,11 +347,13 @@ impl Running {
             ports.observed.loan()?;
             model.observe(&mut ports.observed);
         }
+        let body = if figures { of_summary(&model.summary(), &ports.figures) } else { Vec::new() };
         let spent = start.elapsed();
         self.model_time += spent;
         ports.observed.publish(step)?;
         ports.move_to(model.moved_grids(), step)?;
-        Ok(Some(Reply { model_seconds: spent.as_secs_f64(), ..done }))
+        let reply = Reply { model_seconds: spent.as_secs_f64(), ..done };
+        Ok(Some(Answer { reply, body }))
     }
 
     fn save(&mut self, done: Reply, file: &StateFile) -> Result<Reply, CommandError> {
@@ -399,6 +402,12 @@ fn read_state(model: &mut dyn Model, file: File) -> Result<(), StateError> {
         0 => Ok(()),
         _ => Err(StateError("it goes on where the model's ends".to_owned())),
     }
+}
+
+/// The values under these keys of a summary, as they travel.
+fn of_summary(summary: &serde_json::Value, keys: &[String]) -> Vec<u8> {
+    let value = |key: &String| figure::value(summary, key).unwrap_or(f64::NAN);
+    keys.iter().flat_map(|key| value(key).to_le_bytes()).collect()
 }
 
 fn json_answer(

@@ -17,6 +17,7 @@ fn head() -> Head {
         effects: Vec::new(),
         keys: Vec::new(),
         fields: Vec::new(),
+        figures: Vec::new(),
         renamed: Vec::new(),
     };
     let participant = Participant {

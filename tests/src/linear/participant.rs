@@ -144,6 +144,7 @@ impl Solver for Linear {
             .chain(self.own_keys())
             .collect(),
             fields: vec![RELAY_VALUE.kind(), OPERATOR_VALUE.kind()],
+            figures: Vec::new(),
             renamed: Vec::new(),
         }
     }

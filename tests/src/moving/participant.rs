@@ -126,6 +126,7 @@ impl Solver for Moving {
             effects: Vec::new(),
             keys: keys.chain(self.own_keys()).collect(),
             fields: [MOVING_FLUX, MOVING_PLACE, PLATE_TEMPERATURE].map(|f| f.kind()).to_vec(),
+            figures: Vec::new(),
             renamed: Vec::new(),
         }
     }

@@ -77,6 +77,7 @@ impl Solver for Block {
             ],
             fields: fields.map(|field| field.kind()).to_vec(),
             renamed: Vec::new(),
+            figures: Vec::new(),
         }
     }
 

@@ -4,6 +4,7 @@
 use super::code;
 use contract::description::Description;
 use contract::field::TABLE;
+use contract::figure::FigureSpec;
 use mech_solver::MechSolver;
 use proto::model::Solver;
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,46 +15,16 @@ const FOLDERS: [&str; 4] =
     ["coordinator/coupling/src", "coordinator/case/src", "coordinator/run/src", "coordinator/src"];
 
 /// Names that are also words for what the coordinator itself has: columns of tables and of secants;
-/// the geometry of grids.
-const COMMON: [&str; 2] = ["columns", "geometry"];
+/// the geometry of grids; the patches of a surface.
+const COMMON: [&str; 3] = ["columns", "geometry", "patches"];
 
 /// Files that name something all the same: which names, and why.
 const EXCEPTIONS: &[(&str, &[&str], &str)] = &[
-    (
-        "coordinator/case/src/rules.rs",
-        &["rail", "wheel"],
-        "a title as an example, in a message about titles",
-    ),
     ("coordinator/case/src/unit.rs", &["pressure"], "a quantity of physics, with its units"),
-    (
-        "coordinator/run/src/results/show.rs",
-        &["rail", "wheel"],
-        "the last lines on the terminal choose quantities of the summary, if it has them",
-    ),
-    (
-        "coordinator/run/src/results/show/contact.rs",
-        &["friction_power", "pressure", "rail", "slip_velocity", "traction", "wheel"],
-        "the same",
-    ),
     (
         "coordinator/src/conform/given.rs",
         &["surface_speed"],
         "the one field of the contract's table that lies on a grid of one point",
-    ),
-    (
-        "coordinator/src/report/sections/headlines.rs",
-        &["friction_power", "pressure", "rail", "slip_velocity", "traction", "wheel"],
-        "the headlines of a page choose quantities of the summary, if it has them",
-    ),
-    (
-        "coordinator/src/study/quantity.rs",
-        &["friction_power", "pressure", "rail", "wheel"],
-        "the list of quantities that studies compare, if the summary has them",
-    ),
-    (
-        "coordinator/src/accuracy/target.rs",
-        &["friction_power"],
-        "the error of a peak temperature is not taken below that of the power that heats",
     ),
 ];
 
@@ -63,7 +34,9 @@ fn names() -> BTreeSet<String> {
     let of = |description: Description| {
         let models = description.models.into_iter().map(|model| model.name);
         let effects = description.effects.into_iter().map(|effect| effect.name);
-        models.chain(effects).collect::<Vec<_>>()
+        let figure = |figure: FigureSpec| figure.key.rsplit('.').next().map(str::to_owned);
+        let figures = description.figures.into_iter().filter_map(figure);
+        models.chain(effects).chain(figures).collect::<Vec<_>>()
     };
     let solvers = [MechSolver.description(), ThermalSolver.description()].into_iter().flat_map(of);
     let fields = TABLE.iter().map(|field| field.name.to_owned());

@@ -15,7 +15,12 @@ impl Compiled {
         let (lib, root) = (library().display(), root());
         let mut cc = Command::new("cc");
         cc.args(["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-Iproto/c/include", source]);
-        cc.args([format!("-L{lib}"), format!("-Wl,-rpath,{lib}")]).args(["-lcosim", "-lm"]);
+        cc.args([
+            format!("-L{lib}"),
+            format!("-Wl,-rpath,{lib}"),
+            "-Wl,--disable-new-dtags".to_owned(),
+        ])
+        .args(["-lcosim", "-lm"]);
         let built = cc.arg("-o").arg(folder.path().join("solver")).current_dir(root).output();
         let built = built.expect("a C compiler is on the search path as `cc`");
         assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));

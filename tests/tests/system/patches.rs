@@ -55,7 +55,7 @@ fn two_patches_have_a_row_each_and_the_sections() {
         assert!(ended.stdout.contains(told), "{told}: {}", ended.stdout);
     }
     let page = std::fs::read_to_string(place.out().join("report.html")).unwrap();
-    assert!(page.contains("Patches") && page.contains("−20.00"));
+    assert!(page.contains("2 patches") && page.contains("−20.00"));
     let b = number(&patches[0], "/semi_axis_b_m");
     let through_a_patch = |[_, y, _]: &[f64; 3]| (y.abs() - 20e-3).abs() < b;
     for (file, count) in

@@ -80,6 +80,35 @@ fn a_transient_run_writes_a_series() {
     assert_eq!(table.lines().count(), 52);
 }
 
+/// A row for every window, of which the last one has what the summary has.
+#[test]
+fn every_window_leaves_its_figures() {
+    let place = Place::new();
+    let summary = place.summary(&case("cold-start.toml"), &[]);
+    let history = place.table("history.csv");
+    assert_eq!(history.rows.len(), 51);
+    assert_eq!(history.head[..5], ["window", "start_s", "end_s", "status", "iterations"]);
+    let last = history.rows.last().unwrap();
+    assert_eq!(last[3], "completed");
+    for (key, cell) in history.head.iter().zip(last).skip(5) {
+        let found = summary.pointer(&format!("/{}", key.replace('.', "/")));
+        let expected = found.map(|value| value.as_f64().unwrap());
+        assert_eq!(cell.parse().ok(), expected, "{key}");
+    }
+    let rise = history.numbers("temperature.rail.max_rise_k");
+    // Until it is warm, and rounding is all that changes.
+    assert!(rise[..15].is_sorted() && rise[0] < 0.5 * rise[50], "{rise:?}");
+}
+
+/// Whoever describes no figures is not asked for any.
+#[test]
+fn a_run_without_figures_has_a_history_of_its_windows() {
+    let place = Place::new();
+    place.summary(&case("exchange.toml"), &["--set", "time.end=10"]);
+    let history = place.table("history.csv");
+    assert_eq!((history.head.len(), history.rows.len()), (5, 10));
+}
+
 /// A quantity that a model cannot give is absent, never 0.
 #[test]
 fn absent_is_not_zero() {

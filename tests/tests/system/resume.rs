@@ -14,6 +14,8 @@ struct Results {
     fields: Vec<(String, Vec<u8>)>,
     /// The table of iterations without its times.
     table: Table,
+    /// The figures of every window.
+    history: Table,
     /// The summary with the bytes exchanged alone for its cost.
     summary: Value,
 }
@@ -24,7 +26,8 @@ fn results(place: &Place) -> Results {
     let cost = summary.as_object_mut().unwrap().remove("cost").unwrap();
     summary["bytes_exchanged"] = cost["bytes_exchanged"].clone();
     let table = place.table("iterations.csv").of(timeless);
-    Results { fields: field_files(&place.out()), table, summary }
+    let history = place.table("history.csv");
+    Results { fields: field_files(&place.out()), table, history, summary }
 }
 
 fn resume(place: &Place) -> Ended {
@@ -83,6 +86,7 @@ fn killed_and_resumed(case: &str, settings: &[&str], most: u64, seed: &mut u64) 
     let found = results(&place);
     assert_eq!(found.summary, expected.summary, "{settings:?}");
     assert_eq!(found.table, expected.table, "{settings:?}");
+    assert_eq!(found.history, expected.history, "{settings:?}");
     assert!(found.fields == expected.fields, "{settings:?}: a field file differs");
     assert!(
         found.summary["coupling"]["windows"].as_u64()

@@ -82,7 +82,7 @@ pub fn spec() -> EffectSpec {
             KeySpec::choice(
                 PARTITION_KEY,
                 &["equal", "effusivity"],
-                "how the heat is split between the upper and the lower body",
+                "how the heat is split between the bodies",
             )
             .default_value("equal"),
         ],

@@ -61,6 +61,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     }
     let scene = Scene::read(&given.case)?;
     let partition = Partition::read(&given.case)?;
+    refuse_rest(&scene, given.mode)?;
     let mut layout = Layout::default();
     let mut frame = None;
     match heat_grid(given)? {
@@ -82,6 +83,23 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
         None => layout.remarks.push("grid and cost follow the grid of friction_power".to_owned()),
     }
     Ok(Box::new(Prepared::<C> { frame, layout, model: std::marker::PhantomData }))
+}
+
+/// Refuses a steady case with a body at rest: normal to its surface alone, a body whose one place is
+/// heated without end warms without end.
+fn refuse_rest(scene: &Scene, mode: Mode) -> Result<(), Refusal> {
+    let Some(body) = (0..2).find(|body| scene.at_rest[*body] && mode == Mode::Steady) else {
+        return Ok(());
+    };
+    Err(Refusal::new(
+        &scene.names.key(body, "surface_speed"),
+        format!(
+            "`{}` is at rest: one place of it is heated without end, and conduction normal to the \
+             surface has no steady state under that",
+            scene.names.0[body]
+        ),
+        "write time.mode = \"transient\", or a speed above 0 m/s",
+    ))
 }
 
 fn is_heat(input: &Input) -> bool {

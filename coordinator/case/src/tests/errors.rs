@@ -426,21 +426,21 @@ const ROWS: &[BadCase] = &[
         replace: r#"name = "wheel-rail""#,
         by: r#"name = """#,
         errors: &[
-            r#"2:8 case.name: is empty | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: is empty | write a name of letters, digits, `-`, `_` and `.`, such as "rolling-1""#,
         ],
     },
     BadCase {
         replace: r#"name = "wheel-rail""#,
         by: r#"name = "../../evil""#,
         errors: &[
-            r#"2:8 case.name: '/' is not allowed in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: '/' is not allowed in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "rolling-1""#,
         ],
     },
     BadCase {
         replace: r#"name = "wheel-rail""#,
         by: r#"name = "/tmp/abs""#,
         errors: &[
-            r#"2:8 case.name: '/' is not allowed in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: '/' is not allowed in the name of a result folder | write a name of letters, digits, `-`, `_` and `.`, such as "rolling-1""#,
         ],
     },
     BadCase {
@@ -454,28 +454,28 @@ const ROWS: &[BadCase] = &[
         replace: r#"name = "wheel-rail""#,
         by: r#"name = "..""#,
         errors: &[
-            r#"2:8 case.name: starts with a dot | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: starts with a dot | write a name of letters, digits, `-`, `_` and `.`, such as "rolling-1""#,
         ],
     },
     BadCase {
         replace: r#"name = "wheel-rail""#,
         by: r#"name = ".hidden""#,
         errors: &[
-            r#"2:8 case.name: starts with a dot | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: starts with a dot | write a name of letters, digits, `-`, `_` and `.`, such as "rolling-1""#,
         ],
     },
     BadCase {
         replace: r#"name = "wheel-rail""#,
         by: r#"name = " x""#,
         errors: &[
-            r#"2:8 case.name: starts or ends with a space | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: starts or ends with a space | write a name of letters, digits, `-`, `_` and `.`, such as "rolling-1""#,
         ],
     },
     BadCase {
         replace: r#"name = "wheel-rail""#,
         by: r#"name = "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx""#,
         errors: &[
-            r#"2:8 case.name: has 65 bytes, 64 at most | write a name of letters, digits, `-`, `_` and `.`, such as "wheel-rail""#,
+            r#"2:8 case.name: has 65 bytes, 64 at most | write a name of letters, digits, `-`, `_` and `.`, such as "rolling-1""#,
         ],
     },
     BadCase {

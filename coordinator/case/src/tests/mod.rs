@@ -84,6 +84,7 @@ fn description(role: &str, standalone: bool) -> Description {
         effects: Vec::new(),
         keys: Vec::new(),
         fields: Vec::new(),
+        figures: Vec::new(),
         renamed: Vec::new(),
     }
 }

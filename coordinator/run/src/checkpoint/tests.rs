@@ -22,6 +22,7 @@ fn state(next: u64) -> CoordinatorState {
         coupling: vec![1, 2, 3],
         iterate: vec![f64::MIN_POSITIVE, -0.0],
         table_bytes: 99,
+        history_bytes: 33,
         series: Vec::new(),
     }
 }

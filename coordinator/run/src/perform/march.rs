@@ -1,12 +1,14 @@
 //! The windows of a run, one after the other: solved, judged, accepted, written, checkpointed.
 
+use super::tables::Tables;
 use crate::checkpoint::{Checkpoint, Checkpoints, CoordinatorState, Origin};
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
 use crate::progress::Progress;
 use crate::record::Recorder;
-use crate::results::iterations::{IterationRecord, IterationTable};
-use crate::results::summary::Counts;
+use crate::results::history::HistoryRecord;
+use crate::results::iterations::IterationRecord;
+use crate::results::summary::{Counts, Status};
 use crate::results::vtk::{FieldWriter, Shown};
 use crate::session::{HeatBalance, Observed, Receipt, Session, Tap};
 use contract::bodies::Bodies;
@@ -35,7 +37,7 @@ pub(super) struct Writing {
 pub(super) struct March<'a> {
     plan: &'a Plan,
     session: &'a mut Session,
-    table: &'a mut IterationTable,
+    tables: &'a mut Tables,
     fields: &'a mut FieldWriter,
     counts: &'a mut Counts,
     checkpoints: Option<Writing>,
@@ -48,7 +50,7 @@ impl<'a> March<'a> {
     pub(super) fn new(
         plan: &'a Plan,
         session: &'a mut Session,
-        table: &'a mut IterationTable,
+        tables: &'a mut Tables,
         fields: &'a mut FieldWriter,
         counts: &'a mut Counts,
         checkpoints: Option<Writing>,
@@ -56,7 +58,7 @@ impl<'a> March<'a> {
         let coupling = coupling(plan, session);
         let time = Controller::new(plan.windows.clone());
         let recorder = None;
-        Self { plan, session, table, fields, counts, checkpoints, recorder, coupling, time }
+        Self { plan, session, tables, fields, counts, checkpoints, recorder, coupling, time }
     }
 
     /// Tells a recorder what the coordinator makes of each iteration.
@@ -109,8 +111,10 @@ impl<'a> March<'a> {
                     }
                 }
                 windows::Acceptance::Accept => {
+                    let iterations = outcome.iterations;
                     self.tell(outcome, wanted, &step)?;
-                    match self.accept(&step) {
+                    let status = self.status(converged);
+                    match self.accept(&step, status, iterations) {
                         Err(error) => self.unanswered(&step, error)?,
                         Ok(()) => self.checkpoint()?,
                     }
@@ -138,7 +142,8 @@ impl<'a> March<'a> {
         }
         tracing::warn!(row = step.window, "no answer, passed over: {error}");
         self.counts.skipped += 1;
-        Ok(())
+        let (status, iterations) = ("no-answer", self.coupling.step().iteration);
+        self.tables.history.row(&HistoryRecord { step, status, iterations, given: None })
     }
 
     /// A window that is accepted although it has not converged, or although a participant wants a
@@ -163,7 +168,8 @@ impl<'a> March<'a> {
         Ok(())
     }
 
-    fn accept(&mut self, step: &Step) -> Result<(), RunError> {
+    /// Accepts a window that has ended so.
+    fn accept(&mut self, step: &Step, status: &str, iterations: u32) -> Result<(), RunError> {
         let roles: Vec<&str> = self.plan.participants.iter().map(|p| p.role.as_str()).collect();
         audit(&self.session.heat_balance(), &roles, step.window, self.counts)?;
         let done = step.window + 1;
@@ -177,12 +183,14 @@ impl<'a> March<'a> {
             (false, None) => Observed::Nobody,
         };
         self.session.accept(self.coupling.step(), observed)?;
+        let given = Some(self.session.figures());
+        self.tables.history.row(&HistoryRecord { step, status, iterations, given })?;
         if due {
             let wanted = self.session.taps().iter().filter(|tap| tap.wanted());
             let bodies = self.plan.bodies.as_ref();
             let shown: Vec<Shown> = wanted.filter_map(|tap| shown(tap, bodies)).collect();
             self.fields.write(&shown, step.window, step.end)?;
-            self.table.flush()?;
+            self.tables.flush()?;
         }
         self.counts.windows += 1;
         if self.time.is_adaptive() {
@@ -190,6 +198,15 @@ impl<'a> March<'a> {
             self.counts.window_lengths = self.time.state().lengths;
         }
         Ok(())
+    }
+
+    /// How an accepted window has ended.
+    fn status(&self, converged: bool) -> &'static str {
+        match converged {
+            _ if !self.plan.scheme.scheme.is_implicit() => Status::Completed.word(),
+            true => Status::Converged.word(),
+            false => "not-converged",
+        }
     }
 
     /// Writes a checkpoint, if it is time for one and another window follows.
@@ -213,7 +230,8 @@ impl<'a> March<'a> {
             counts: Counts { bytes_exchanged, ..*self.counts },
             coupling,
             iterate: self.coupling.sent().to_vec(),
-            table_bytes: self.table.seal()?,
+            table_bytes: self.tables.iterations.seal()?,
+            history_bytes: self.tables.history.seal()?,
             series: self.fields.series().to_vec(),
         };
         writing.into.complete(&draft, &parts, &state)?;
@@ -232,7 +250,7 @@ impl<'a> March<'a> {
             self.counts.coupling_seconds += coupling_seconds;
             self.counts.iterations += 1;
             let writing = Instant::now();
-            self.table.row(&IterationRecord {
+            self.tables.iterations.row(&IterationRecord {
                 step: self.coupling.step(),
                 residual: self.coupling.residual(),
                 residuals: self.coupling.residuals(),

@@ -7,6 +7,7 @@ use contract::bodies::Bodies;
 use contract::configuration::{Configuration, Layout, Mode};
 use contract::description::Description;
 use contract::field::{FieldKind, GEOMETRY};
+use contract::figure::FigureSpec;
 use contract::grid::Grid;
 use contract::message::Interpolation;
 use coupling::ParticipantIndex;
@@ -43,6 +44,8 @@ pub struct Plan {
     pub idle: Vec<(String, String)>,
     /// Fields that exist at run time.
     pub fields: Vec<Field>,
+    /// The figures of the summary, with the names of the bodies.
+    pub figures: Vec<FigureSpec>,
     /// Every effect that some participant offers.
     pub effects: Vec<Effect>,
     /// Windows between outputs; `None` for the last window only.
@@ -77,6 +80,8 @@ pub struct Participant {
     pub description: Description,
     /// Its configuration; the grids of the inputs are filled in as they become known.
     pub configuration: Configuration,
+    /// Keys of the figures that it is asked for whenever a window is accepted.
+    pub figures: Vec<String>,
     /// What it expects, if it estimates.
     pub estimate: Option<Layout>,
 }

@@ -1,6 +1,7 @@
 //! Making a plan: describe, validate, route, estimate.
 
 use super::contents::{Field, Participant, Plan, Planned, SchemeChoice};
+use super::figures;
 use super::rewind::cannot_rewind;
 use super::route::{self, Candidate};
 use super::threads;
@@ -229,7 +230,8 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         (role.clone(), format!("no active effect needs it (it serves {})", offers.join(", ")))
     });
     let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
-    let participants = participants(case, &running, &fields, scheme.scheme)?;
+    let mut participants = participants(case, &running, &fields, scheme.scheme)?;
+    let figures = figures::gather(participants.iter_mut(), case.bodies.as_ref());
     Ok(Plan {
         name: case.name.clone(),
         bodies: case.bodies.clone(),
@@ -241,6 +243,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         implicit: case.coupling.implicit.clone(),
         interpolation: case.coupling.interpolation,
         participants,
+        figures,
         idle: idle.collect(),
         effects: route::effects(&offers, case),
         fields,
@@ -389,6 +392,7 @@ fn participants(
                 observed: own(true),
                 threads: threads[usize::from(index)],
             },
+            figures: Vec::new(),
             estimate: None,
         });
     }

@@ -25,11 +25,12 @@ pub(super) const REFINED: &str = "refined";
 
 /// Files that a run writes besides the fields and recordings with a number; the summary first, for
 /// without it a run has not come to its end.
-pub(super) const FILES: [&str; 9] = [
+pub(super) const FILES: [&str; 10] = [
     SUMMARY,
     RESERVE,
     LOG,
     "iterations.csv",
+    "history.csv",
     "case.toml",
     "plan.txt",
     "plan.json",

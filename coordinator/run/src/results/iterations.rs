@@ -15,21 +15,12 @@
 //! What an explicit scheme does not have, residuals of fields and the choice of iterates, has no
 //! column.
 
-use crate::error::{RunError, file_failure};
-use crate::results::dir::shown;
-use crate::results::write::fresh;
+use super::rows::{Rows, cell, push};
+use crate::error::RunError;
 use crate::session::{HeatBalance, SolveRecord};
 use contract::step::Step;
 use coupling::accelerate::StepTaken;
-use rustix::fs::OFlags;
-use std::fs::File;
-use std::io::{self, Seek, SeekFrom, Write};
-use std::os::unix::fs::OpenOptionsExt;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-
-/// Longest time for which rows stay in memory while more are written.
-const UNWRITTEN: Duration = Duration::from_secs(1);
+use std::path::Path;
 
 /// What there is to tell of an iteration.
 #[derive(Clone, Copy, Debug)]
@@ -52,29 +43,15 @@ pub struct IterationRecord<'a> {
 
 /// The table being written.
 #[derive(Debug)]
-pub struct IterationTable {
-    file: File,
-    path: PathBuf,
-    /// Rows that are not in the file yet.
-    rows: Vec<u8>,
-    /// Length of the file \[byte\].
-    bytes: u64,
-    flushed: Instant,
-}
+pub struct IterationTable(Rows);
 
 impl IterationTable {
     /// Creates the file and writes its head, for participants of these roles and fields of these
     /// names in the coupling data.
     pub fn create(path: &Path, roles: &[&str], fields: &[String]) -> Result<Self, RunError> {
-        let file = fresh(path).map_err(|error| file_failure(path, &error))?;
-        let mut table = Self::in_file(file, path, 0);
-        head(&mut table.rows, roles, fields).map_err(|error| file_failure(path, &error))?;
-        table.flush()?;
-        Ok(table)
-    }
-
-    fn in_file(file: File, path: &Path, bytes: u64) -> Self {
-        Self { file, path: path.to_owned(), rows: Vec::new(), bytes, flushed: Instant::now() }
+        let mut text = Vec::new();
+        head(&mut text, roles, fields);
+        Rows::create(path, text).map(Self)
     }
 
     /// Opens the table of a run that is resumed, and forgets what comes after its first `bytes`
@@ -83,95 +60,60 @@ impl IterationTable {
     /// # Errors
     /// The file is shorter, or cannot be opened.
     pub fn resume(path: &Path, bytes: u64) -> Result<Self, RunError> {
-        let failed = |error| file_failure(path, &error);
-        let no_link = OFlags::NOFOLLOW.bits().cast_signed();
-        let open = File::options().write(true).custom_flags(no_link).open(path);
-        let mut file = open.map_err(failed)?;
-        let found = file.metadata().map_err(failed)?.len();
-        if found < bytes {
-            let shown = shown(path);
-            let shown = shown.display();
-            return Err(RunError::Usage(format!(
-                "{shown} has {found} bytes, and had {bytes} at the checkpoint; the run cannot be \
-                 resumed without them"
-            )));
-        }
-        file.set_len(bytes).and_then(|()| file.seek(SeekFrom::End(0))).map_err(failed)?;
-        Ok(Self::in_file(file, path, bytes))
+        Rows::resume(path, bytes).map(Self)
     }
 
     /// Flushes everything to the disk; the length of the file \[byte\].
     pub fn seal(&mut self) -> Result<u64, RunError> {
-        self.flush()?;
-        self.file.sync_data().map_err(|error| file_failure(&self.path, &error))?;
-        Ok(self.bytes)
+        self.0.seal()
     }
 
     /// Writes the row of an iteration; it is on disk a second later, if the run goes on.
     pub fn row(&mut self, row: &IterationRecord<'_>) -> Result<(), RunError> {
-        write_row(&mut self.rows, row).map_err(|error| file_failure(&self.path, &error))?;
-        if self.flushed.elapsed() >= UNWRITTEN { self.flush() } else { Ok(()) }
+        self.0.add(|out| write_row(out, row))
     }
 
-    /// Writes what is not in the file yet; on a disk that is full the file ends with the last row that is
-    /// there as a whole.
+    /// Writes what is not in the file yet.
     pub fn flush(&mut self) -> Result<(), RunError> {
-        self.flushed = Instant::now();
-        let written = self.file.write_all(&self.rows);
-        if written.is_ok() {
-            self.bytes += self.rows.len() as u64;
-        }
-        self.rows.clear();
-        written.map_err(|error| {
-            let _ = self.file.set_len(self.bytes);
-            file_failure(&self.path, &error)
-        })
+        self.0.flush()
     }
 }
 
-fn head(out: &mut impl Write, roles: &[&str], fields: &[String]) -> io::Result<()> {
-    write!(out, "window,iteration,start_s,end_s,residual")?;
+fn head(out: &mut Vec<u8>, roles: &[&str], fields: &[String]) {
+    push(out, format_args!("window,iteration,start_s,end_s,residual"));
     for field in fields {
-        write!(out, ",residual_{field}")?;
+        push(out, format_args!(",residual_{field}"));
     }
     if !fields.is_empty() {
-        write!(out, ",relaxation,columns,dropped")?;
+        push(out, format_args!(",relaxation,columns,dropped"));
     }
-    write!(out, ",coupling_s,heat_sent_w,heat_received_w")?;
+    push(out, format_args!(",coupling_s,heat_sent_w,heat_received_w"));
     for role in roles {
-        write!(out, ",{role}_s,{role}_work,{role}_substeps,{role}_inner_iterations")?;
+        let of_role = format_args!(",{role}_s,{role}_work,{role}_substeps,{role}_inner_iterations");
+        push(out, of_role);
     }
-    writeln!(out)
+    out.push(b'\n');
 }
 
-fn write_row(out: &mut impl Write, row: &IterationRecord<'_>) -> io::Result<()> {
-    let step = row.step;
-    write!(out, "{},{},{},{}", step.window, step.iteration, step.start, step.end)?;
-    cell(out, row.residual)?;
+fn write_row(out: &mut Vec<u8>, row: &IterationRecord<'_>) {
+    let Step { window, iteration, start, end } = row.step;
+    push(out, format_args!("{window},{iteration},{start},{end}"));
+    cell(out, row.residual);
     for residual in row.residuals {
-        cell(out, Some(*residual))?;
+        cell(out, Some(*residual));
     }
     if !row.residuals.is_empty() {
-        cell(out, row.taken.relaxation)?;
+        cell(out, row.taken.relaxation);
         match row.taken.columns {
-            Some(columns) => write!(out, ",{columns},{}", row.taken.dropped)?,
-            None => write!(out, ",,")?,
+            Some(columns) => push(out, format_args!(",{columns},{}", row.taken.dropped)),
+            None => push(out, format_args!(",,")),
         }
     }
-    write!(out, ",{:.9}", row.coupling_seconds)?;
-    cell(out, row.heat.sent)?;
-    cell(out, row.heat.received)?;
-    for s in row.solved {
-        write!(out, ",{:.9},{},{},{}", s.model_seconds, s.work, s.substeps, s.inner_iterations)?;
-    }
-    writeln!(out)
-}
-
-/// A number, or nothing.
-fn cell(out: &mut impl Write, value: Option<f64>) -> io::Result<()> {
-    match value {
-        Some(value) => write!(out, ",{value:e}"),
-        None => write!(out, ","),
+    push(out, format_args!(",{:.9}", row.coupling_seconds));
+    cell(out, row.heat.sent);
+    cell(out, row.heat.received);
+    for SolveRecord { model_seconds, work, substeps, inner_iterations, .. } in row.solved {
+        push(out, format_args!(",{model_seconds:.9},{work},{substeps},{inner_iterations}"));
     }
 }
 
@@ -182,7 +124,7 @@ mod tests {
     /// Head and one row, with these fields as coupling data.
     fn table(fields: &[String], residuals: &[f64], taken: StepTaken) -> Vec<String> {
         let mut text = Vec::new();
-        head(&mut text, &["mech", "thermal"], fields).unwrap();
+        head(&mut text, &["mech", "thermal"], fields);
         let row = IterationRecord {
             step: &Step::STEADY,
             residual: residuals.first().copied(),
@@ -192,7 +134,7 @@ mod tests {
             heat: &HeatBalance { sent: Some(1.5), ..HeatBalance::default() },
             solved: &[SolveRecord::default(); 2],
         };
-        write_row(&mut text, &row).unwrap();
+        write_row(&mut text, &row);
         let text = String::from_utf8(text).unwrap();
         let columns: Vec<usize> = text.lines().map(|l| l.split(',').count()).collect();
         assert_eq!(columns[0], columns[1], "{text}");

@@ -1,16 +1,18 @@
 //! The summary as a person reads it.
 
-mod contact;
-mod numbers;
-
+use super::figures::{Entry, Group, List, groups};
 use crate::format::{bytes, counted, number, seconds};
-use numbers::{rise, with_unit};
+use contract::figure::FigureSpec;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// The lines printed at the end of a run. What the summary does not have is left out.
+/// Entries of a list with a line of their own at most.
+const MOST_LISTED: usize = 8;
+
+/// The lines printed at the end of a run, with the figures that are described. What the summary does not
+/// have is left out.
 #[must_use]
-pub fn text(summary: &Value, title: Option<&str>) -> String {
+pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> String {
     let of = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64);
     let word = |pointer: &str| summary.pointer(pointer).and_then(Value::as_str).unwrap_or("");
     let mut out = word("/case").to_owned();
@@ -18,23 +20,11 @@ pub fn text(summary: &Value, title: Option<&str>) -> String {
         let _ = write!(out, " · {title}");
     }
     let _ = writeln!(out, "\n  {}: {}", word("/status"), word("/reason"));
-    line(&mut out, "contact", &contact::extent(summary));
-    for (head, entries) in contact::patches(summary) {
-        line(&mut out, &head, &entries);
-    }
-    line(&mut out, "friction", &contact::friction(summary));
-    for body in ["rail", "wheel"] {
-        let at = |key: &str| of(&format!("/temperature/{body}/{key}"));
-        line(
-            &mut out,
-            body,
-            &[
-                at("max_rise_k").map(rise),
-                at("x_over_a").map(|v| format!("at x/a {v:.4}")),
-                at("y_m").map(|v| format!("y {:.3} mm", v * 1e3)),
-                at("penetration_depth_m").map(|v| format!("1/e at depth {}", with_unit(v, "m", 3))),
-            ],
-        );
+    for group in groups(summary, figures) {
+        match group {
+            Group::Line(one) => line(&mut out, one.name, &texts(&one.entries)),
+            Group::List(list) => entries(&mut out, &list),
+        }
     }
     line(
         &mut out,
@@ -52,6 +42,25 @@ pub fn text(summary: &Value, title: Option<&str>) -> String {
     line(&mut out, "accuracy", &accuracy(summary));
     line(&mut out, "cost", &cost(summary));
     out
+}
+
+/// Figures as they stand on a line, with plain signs and spaces for programs that read them.
+fn texts(entries: &[Entry]) -> Vec<Option<String>> {
+    let plain = |entry: &Entry| entry.text(usize::MAX).replace('\u{a0}', " ").replace('−', "-");
+    entries.iter().map(|entry| Some(plain(entry))).collect()
+}
+
+/// A line for each entry of a list; of many, for those that matter most.
+fn entries(out: &mut String, list: &List) {
+    let shown = list.foremost(MOST_LISTED);
+    for &place in &shown {
+        line(out, &format!("{} {}", list.name, place + 1), &texts(&list.rows[place]));
+    }
+    let more = list.count.saturating_sub(shown.len());
+    if more > 0 {
+        let more = counted(more as u64, &format!("smaller {}", list.name));
+        line(out, "", &[Some(format!("{more}: see summary.json"))]);
+    }
 }
 
 fn imbalance(value: f64) -> String {
@@ -101,17 +110,44 @@ fn line(out: &mut String, head: &str, entries: &[Option<String>]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use contract::figure::Style;
 
     #[test]
     fn what_is_absent_leaves_no_trace() {
         let summary = serde_json::json!({
             "case": "c", "status": "completed", "reason": "done",
-            "temperature": {"rail": {"max_rise_k": 298.2, "x_over_a": -0.829}},
+            "heat": {"disc": {"rise_k": 298.2, "x_over_a": -0.829}},
             "cost": {"wall_s": 0.12, "bytes_exchanged": 64},
         });
-        let text = text(&summary, None);
-        let expected = "c\n  completed: done\n  rail      +298.20 K   at x/a -0.8290\n  \
+        let figure = |key: &str, short: &str| FigureSpec::new(key, "K", "rise").on("disc", short);
+        let figures = [
+            figure("heat.disc.rise_k", "").style(Style::Signed),
+            FigureSpec { unit: "1".to_owned(), ..figure("heat.disc.x_over_a", "at x/a").digits(4) },
+            figure("heat.disc.depth_m", "depth"),
+            figure("heat.pin.rise_k", "").on("pin", ""),
+        ];
+        let text = text(&summary, None, &figures);
+        let expected = "c\n  completed: done\n  disc      +298.20 K   at x/a -0.8290\n  \
                         cost      wall 120.000 ms   64 B exchanged\n";
         assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn of_many_entries_those_that_matter_most_have_a_line() {
+        let each: Vec<Value> =
+            (0..9).map(|place| serde_json::json!({"load_n": 25.0 - f64::from(place)})).collect();
+        let summary = serde_json::json!({"contact": {"patches": 12, "each": each}});
+        let figures = [
+            FigureSpec::new("contact.patches", "1", "number")
+                .on("contact", "patch")
+                .style(Style::Count),
+            FigureSpec::new("contact.each.#.load_n", "N", "load").on("patch", "N").headline(),
+        ];
+        let text = text(&summary, None, &figures);
+        let lines: Vec<&str> = text.lines().skip(2).collect();
+        assert_eq!(lines.len(), 10);
+        assert_eq!(lines[0], "  contact   12 patches");
+        assert_eq!(lines[2], "  patch 2   N 24.000 N");
+        assert_eq!(lines[9], "            4 smaller patches: see summary.json");
     }
 }

@@ -137,8 +137,6 @@ impl Sections {
                 _ => tracing::warn!(role, "its summary is not an object and is left out"),
             }
         }
-        place_over_semi_axis(&mut sections.merged);
-        rise_of_patches(&mut sections.merged);
         sections
     }
 
@@ -251,52 +249,6 @@ fn effects(plan: &Plan, active: bool) -> Vec<&str> {
     plan.effects.iter().filter(|e| e.active == active).map(|e| e.name.as_str()).collect()
 }
 
-/// `x_over_a` of every hottest point, with the semi-axis a of this run.
-fn place_over_semi_axis(sections: &mut Map<String, Value>) {
-    let contact = sections.get("contact");
-    let Some(a) = contact.and_then(|c| c.get("semi_axis_a_m")).and_then(Value::as_f64) else {
-        return;
-    };
-    let bodies = sections.get_mut("temperature").and_then(Value::as_object_mut);
-    for body in bodies.into_iter().flat_map(Map::values_mut).filter_map(Value::as_object_mut) {
-        let place = body.get("x_m").and_then(Value::as_f64).map(|x| x / a);
-        if let Some(place) = place.filter(|place| place.is_finite()) {
-            body.insert("x_over_a".to_owned(), place.into());
-        }
-    }
-}
-
-/// The largest rise of every body in every patch, where a heated strip holds one patch alone.
-fn rise_of_patches(sections: &mut Map<String, Value>) {
-    let number = |of: &Value, key: &str| of.get(key).and_then(Value::as_f64);
-    let bodies = sections.get("temperature").and_then(Value::as_object);
-    let strips: Vec<(String, Vec<Value>)> = bodies
-        .into_iter()
-        .flatten()
-        .filter_map(|(body, figures)| {
-            Some((format!("{body}_max_rise_k"), figures.get("each_strip")?.as_array()?.clone()))
-        })
-        .collect();
-    let Some(contact) = sections.get_mut("contact") else { return };
-    let count = contact.get("patches").and_then(Value::as_u64);
-    let Some(patches) = contact.get_mut("each_patch").and_then(Value::as_array_mut) else { return };
-    if count != Some(patches.len() as u64) {
-        return;
-    }
-    for (key, strip) in strips.iter().flat_map(|(key, all)| all.iter().map(move |one| (key, one))) {
-        let ends = (number(strip, "y_from_m"), number(strip, "y_to_m"));
-        let ((Some(from), Some(to)), Some(rise)) = (ends, strip.get("max_rise_k")) else {
-            continue;
-        };
-        let inside =
-            |patch: &&mut Value| number(patch, "y_m").is_some_and(|y| (from..=to).contains(&y));
-        let mut held: Vec<&mut Value> = patches.iter_mut().filter(inside).collect();
-        if let [Value::Object(patch)] = &mut held[..] {
-            patch.insert(key.clone(), rise.clone());
-        }
-    }
-}
-
 /// The value without what is not finite, which JSON writes as `null`; a list is left out as a
 /// whole. Notes the dotted keys of what is left out.
 fn finite(value: &Value, key: &str, not_finite: &mut Vec<String>) -> Option<Value> {
@@ -340,7 +292,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sections_merge_and_places_are_scaled() {
+    fn sections_merge() {
         let mech = json!({"contact": {"semi_axis_a_m": 0.008}});
         let thermal = json!({
             "temperature": {"rail": {"x_m": -0.004}, "wheel": {}},
@@ -349,23 +301,10 @@ mod tests {
         let sections = Sections::gather([("mech", &mech), ("thermal", &thermal)]);
         let expected = json!({
             "contact": {"semi_axis_a_m": 0.008, "area_m2": 1.0},
-            "temperature": {"rail": {"x_m": -0.004, "x_over_a": -0.5}, "wheel": {}},
+            "temperature": {"rail": {"x_m": -0.004}, "wheel": {}},
         });
         assert_eq!(Value::Object(sections.merged), expected);
         assert_eq!(sections.not_finite, None);
-    }
-
-    #[test]
-    fn a_patch_has_the_rise_of_its_own_strip() {
-        let mech = json!({"contact": {"patches": 3, "each_patch": [
-            {"y_m": -2.0}, {"y_m": 1.0}, {"y_m": 1.2}
-        ]}});
-        let strip = |from: f64, to: f64, rise: f64| json!({"y_from_m": from, "y_to_m": to, "max_rise_k": rise});
-        let strips = [strip(-3.0, -1.0, 5.0), strip(0.5, 2.0, 7.0)];
-        let thermal = json!({"temperature": {"rail": {"each_strip": strips}}});
-        let sections = Sections::gather([("mech", &mech), ("thermal", &thermal)]);
-        let expected = json!([{"y_m": -2.0, "rail_max_rise_k": 5.0}, {"y_m": 1.0}, {"y_m": 1.2}]);
-        assert_eq!(sections.merged["contact"]["each_patch"], expected);
     }
 
     #[test]
@@ -394,13 +333,5 @@ mod tests {
         assert_eq!(Value::Object(sections.merged), json!({"contact": {"n": 1}}));
         let entry = sections.not_finite.unwrap();
         assert_eq!(entry, ("mech".to_owned(), "contact.area_m2".to_owned()));
-    }
-
-    #[test]
-    fn a_patch_without_size_gives_no_place() {
-        let said =
-            json!({"contact": {"semi_axis_a_m": 0.0}, "temperature": {"rail": {"x_m": 1.0}}});
-        let sections = Sections::gather([("mech", &said)]);
-        assert_eq!(Value::Object(sections.merged), said);
     }
 }

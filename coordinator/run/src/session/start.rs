@@ -2,6 +2,7 @@
 
 use super::Session;
 use super::feedback::Feedback;
+use super::figures::Figures;
 use super::layout::layout_fault;
 use super::mapped::Mapped;
 use super::memory::SharedMemory;
@@ -55,7 +56,8 @@ impl Session {
             attach: p.attach,
         };
         let seats: Vec<Seat> = plan.participants.iter().map(seat).collect();
-        let mut session = Self::of(Peers::start(&seats, plan.deadlines, recorder)?, memory);
+        let peers = Peers::start(&seats, plan.deadlines, recorder)?;
+        let mut session = Self::of(plan, peers, memory);
         session.peers.show_on(screen);
         session.peers.join()?;
         session.peers.phase = Phase::Configuring;
@@ -73,7 +75,7 @@ impl Session {
         Ok(session)
     }
 
-    fn of(peers: Peers, memory: SharedMemory) -> Self {
+    fn of(plan: &Plan, peers: Peers, memory: SharedMemory) -> Self {
         Self {
             _guard: peers.end_first(),
             taps: TiVec::new(),
@@ -83,6 +85,7 @@ impl Session {
             memory,
             parts: TiVec::new(),
             solved: peers.all().iter().map(|_| SolveRecord::default()).collect(),
+            figures: Figures::of(plan),
             computed_seconds: 0.0,
             unanswered: false,
             bytes_exchanged: 0,
@@ -216,7 +219,8 @@ impl Session {
             let inputs = consumed.map(|(field, topic)| self.subscribed(one, field, topic, layouts));
             let inputs = inputs.collect();
             let geometry = self.geometry_topics(plan, one, layouts);
-            let topics = Topics { inputs, outputs, deadline, interpolation, geometry };
+            let figures = plan.participants[one].figures.clone();
+            let topics = Topics { inputs, outputs, deadline, interpolation, geometry, figures };
             let body = serde_json::to_vec(&topics).expect("topics are plain data");
             self.peers.post(one, Command::new(CommandKind::Connect), &body, true)?;
         }

@@ -4,14 +4,14 @@ use super::solved::SolveRecord;
 use super::{Observed, Session, audit};
 use crate::error::RunError;
 use crate::peers::Phase;
-use contract::message::{Command, CommandKind, Finished, OBSERVE};
+use contract::message::{Command, CommandKind, FIGURES, Finished, OBSERVE};
 use contract::step::Step;
 use coupling::{Exchange, Part, ParticipantIndex};
 
 impl Session {
     /// Makes the last solve of every participant its accepted state. Fields of those which are
-    /// observed are published and received. Grids that move are where they have moved to
-    /// thereafter.
+    /// observed are published and received, and figures of those which describe any. Grids that move
+    /// are where they have moved to thereafter.
     pub fn accept(&mut self, step: &Step, observed: Observed) -> Result<(), RunError> {
         // Nothing else looks through what was sent last in an explicit scheme before it is kept.
         self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
@@ -19,23 +19,37 @@ impl Session {
         let (mut observing, mut answers) = (0_u64, 0_u64);
         for one in self.peers.all().keys() {
             let observe = self.is_observed(one, observed);
-            let answer = observe || self.has_moving_grids(one);
+            let figures = self.figures.are_asked_of(one);
+            let answer = observe || figures || self.has_moving_grids(one);
             observing |= u64::from(observe) << usize::from(one);
             answers |= u64::from(answer) << usize::from(one);
             let mut command = Command::about(CommandKind::Accept, step);
-            command.flags = if observe { OBSERVE } else { 0 };
+            command.flags = if observe { OBSERVE } else { 0 } | if figures { FIGURES } else { 0 };
             self.peers.post(one, command, &[], answer)?;
         }
         self.keep_geometry();
+        let mut failed = None;
         for one in self.peers.all().keys().filter(|&one| answers >> usize::from(one) & 1 == 1) {
-            if let Err(error) = self.peers.answered(one, self.peers.deadlines().solve)? {
-                self.unanswered = true;
-                return Err(error);
+            let message = match self.peers.answered(one, self.peers.deadlines().solve)? {
+                Ok(message) => message,
+                Err(error) => {
+                    failed.get_or_insert(error);
+                    continue;
+                }
+            };
+            if self.figures.are_asked_of(one) {
+                let taken = self.figures.take(one, message.body());
+                taken.map_err(|what| self.peers.misbehaved(one, what))?;
             }
+            drop(message);
             if observing >> usize::from(one) & 1 == 1 {
                 self.collect(one, step, true)?;
             }
             self.receive_geometry(one, step)?;
+        }
+        if let Some(error) = failed {
+            self.unanswered = true;
+            return Err(error);
         }
         if observing != 0 {
             self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;

@@ -3,43 +3,66 @@
 use crate::report::page::{Block, Headline, Section};
 use crate::report::source::Results;
 use crate::report::table::Table;
-use run::format::{Scale, counted, number, of_key, stem_and_unit, words};
+use contract::figure::FigureSpec;
+use run::format::{Scale, counted, number, sentence, stem_and_unit, words};
+use run::results::figures::{Entry, Group, Line, List, groups};
 use serde_json::Value;
 
-/// Contact, friction, temperature and energy at a glance.
+/// Significant digits of the figures at most.
+const DIGITS: usize = 4;
+
+/// The figures that matter, and the coordinator's own, at a glance; lists as tables.
 pub(super) fn section(results: &Results) -> Option<Section> {
-    let mut all = contact(results);
-    all.extend(friction(results));
-    all.extend(["rail", "wheel"].into_iter().filter_map(|body| temperature(results, body)));
+    let figures = results.figures();
+    let groups = groups(&results.summary, figures);
+    let mut all = Vec::new();
+    let mut lists = Vec::new();
+    for group in &groups {
+        match group {
+            Group::Line(line) => all.extend(of_line(line)),
+            Group::List(list) => lists.push(card(list)),
+        }
+    }
     all.extend(coupling(results));
     if all.is_empty() {
         return None;
     }
-    let patches = patches(results).map(|table| Block::Card("Patches".to_owned(), table));
-    Section::of("Results", std::iter::once(Block::Headlines(all)).chain(patches).collect())
+    Section::of("Results", std::iter::once(Block::Headlines(all)).chain(lists).collect())
 }
 
-/// A row for each patch, if there are several.
-fn patches(results: &Results) -> Option<Table> {
-    let patches = results.summary.pointer("/contact/each_patch")?.as_array()?;
-    let columns = [
-        ("y", "y_m"),
-        ("load", "normal_force_n"),
-        ("a", "semi_axis_a_m"),
-        ("b", "semi_axis_b_m"),
-        ("p0", "max_pressure_pa"),
-        ("rail rise", "rail_max_rise_k"),
-        ("wheel rise", "wheel_max_rise_k"),
-    ];
-    let mut table = Table::new(columns.map(|(name, _)| name), 0);
-    for patch in patches {
-        let shown = |key: &str| {
-            let value = patch.get(key)?.as_f64()?;
-            Some(of_key(key, value).show(value, 4))
-        };
-        table.row(columns.map(|(_, key)| shown(key).unwrap_or_default()));
+/// Those of a line that stand large, each with what follows it on the line.
+fn of_line(line: &Line) -> Vec<Headline> {
+    let mut all: Vec<Headline> = Vec::new();
+    for entry in &line.entries {
+        match all.last_mut() {
+            _ if entry.figure.headline => {
+                let name = sentence(&entry.figure.words);
+                all.push(headline(&name, entry.number(DIGITS), String::new()));
+            }
+            Some(Headline { more, .. }) => {
+                let comma = if more.is_empty() { "" } else { ", " };
+                *more += &format!("{comma}{}", entry.text(DIGITS));
+            }
+            None => {}
+        }
     }
-    Some(table)
+    all
+}
+
+/// A row for each entry of a list.
+fn card(list: &List) -> Block {
+    let names = list.figures.iter().map(|figure| figure.short.clone());
+    let row = |(place, row): (usize, &Vec<Entry>)| {
+        let shown = |&figure: &&FigureSpec| {
+            let entry = row.iter().find(|entry| entry.figure == figure);
+            entry.map(|entry| entry.number(DIGITS)).unwrap_or_default()
+        };
+        let figures = list.figures.iter().map(shown);
+        std::iter::once((place + 1).to_string()).chain(figures).collect()
+    };
+    let head = std::iter::once(list.name.to_owned()).chain(names).collect();
+    let rows = list.rows.iter().enumerate().map(row).collect();
+    Block::Card(counted(list.count as u64, list.name), Table { head, rows, figures_from: 0 })
 }
 
 fn headline(name: &str, value: String, more: String) -> Headline {
@@ -49,71 +72,6 @@ fn headline(name: &str, value: String, more: String) -> Headline {
 /// A quantity of the summary with its unit.
 fn shown(results: &Results, pointer: &str, si: &str, digits: usize) -> Option<String> {
     results.quantity(pointer).map(|value| Scale::of(si, value).show(value, digits))
-}
-
-fn percent(value: f64) -> String {
-    format!("{}\u{a0}%", number(100.0 * value, 4))
-}
-
-fn contact(results: &Results) -> Vec<Headline> {
-    let of = |key: &str, si: &str| shown(results, &format!("/contact/{key}"), si, 4);
-    let with = |word: &str, value: Option<String>| value.map(|v| format!("{word} {v}"));
-    let pressure = of("max_pressure_pa", "Pa").map(|value| {
-        let more = with("under", of("normal_force_n", "N")).unwrap_or_default();
-        headline("Maximum pressure", value, more)
-    });
-    let axis = of("semi_axis_a_m", "m").map(|a| {
-        let more = [with("b", of("semi_axis_b_m", "m")), with("area", of("area_m2", "m2"))];
-        headline("Semi-axis a", a, more.into_iter().flatten().collect::<Vec<_>>().join(", "))
-    });
-    let approach = of("approach_m", "m").map(|v| headline("Approach", v, String::new()));
-    [pressure, axis, approach].into_iter().flatten().collect()
-}
-
-fn friction(results: &Results) -> Vec<Headline> {
-    let of = |key: &str| results.quantity(&format!("/contact/{key}"));
-    let with_unit = |key: &str, si: &str| shown(results, &format!("/contact/{key}"), si, 4);
-    let forces = ["creep_force_x_n", "creep_force_y_n"].map(|key| of(key).unwrap_or(0.0));
-    let normal = of("normal_force_n").filter(|force| *force > 0.0);
-    let ratio = normal.map(|normal| forces[0].hypot(forces[1]) / normal);
-    let coefficient = of("traction_coefficient").map(|value| {
-        let parts = [("x", "creep_force_x_n"), ("y", "creep_force_y_n")];
-        let part = |(axis, key): &(&str, &str)| {
-            let force = of(key).filter(|force| force.abs() > 1e-6 * normal.unwrap_or(0.0))?;
-            Some(format!("{} along {axis}", of_key(key, force).show(force, 4)))
-        };
-        let parts: Vec<String> = parts.iter().filter_map(part).collect();
-        let value = number(ratio.unwrap_or(value.abs()), 4);
-        headline("Traction coefficient |F|/N", value, parts.join(", "))
-    });
-    let creepage = of("creepage_xi").map(|value| {
-        let across = of("creepage_eta").filter(|eta| *eta != 0.0);
-        let spin = of("creepage_phi_per_m").filter(|phi| *phi != 0.0);
-        let slip =
-            of("slip_area_ratio").map(|ratio| format!("{} of the area slips", percent(ratio)));
-        let more = [
-            across.map(|eta| format!("along y {}", percent(eta))),
-            spin.map(|phi| format!("spin {}\u{a0}rad/m", number(phi, 4))),
-            slip,
-        ];
-        let more: Vec<String> = more.into_iter().flatten().collect();
-        headline("Creepage along x", percent(value), more.join(", "))
-    });
-    let power = with_unit("friction_power_w", "W").map(|value| {
-        let slip = with_unit("max_slip_velocity_m_per_s", "m/s").map(|v| format!("slip up to {v}"));
-        headline("Friction power", value, slip.unwrap_or_default())
-    });
-    [coefficient, creepage, power].into_iter().flatten().collect()
-}
-
-fn temperature(results: &Results, body: &str) -> Option<Headline> {
-    let of = |key: &str| format!("/temperature/{body}/{key}");
-    let rise = results.quantity(&of("max_rise_k"))?;
-    let place = results.quantity(&of("x_over_a")).map(|x| format!("at x/a {}", number(x, 3)));
-    let depth = shown(results, &of("penetration_depth_m"), "m", 3).map(|d| format!("1/e at {d}"));
-    let more: Vec<String> = [place, depth].into_iter().flatten().collect();
-    let name = format!("{} temperature rise", if body == "rail" { "Rail" } else { "Wheel" });
-    Some(headline(&name, format!("{}\u{a0}K", number(rise, 4)), more.join(", ")))
 }
 
 fn coupling(results: &Results) -> Vec<Headline> {

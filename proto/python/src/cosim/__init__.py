@@ -6,7 +6,7 @@ are numpy arrays over shared memory, read and written in place.
 
 from . import fields
 from .configuration import Case, Configuration, Input, Layout, Refusal, Simplification
-from .description import Effect, Key, Model
+from .description import Effect, Figure, Key, Model
 from .fields import FieldKind
 from .grids import Array, Grid, Quadrilaterals, Structured
 from .main import main
@@ -31,6 +31,7 @@ __all__ = [
     "Configuration",
     "Effect",
     "FieldKind",
+    "Figure",
     "Grid",
     "Input",
     "Inputs",

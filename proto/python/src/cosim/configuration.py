@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import copy
 import math
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .fields import FieldKind
 from .grids import Grid
 from .volumes import Volume
+
+if TYPE_CHECKING:
+    from .solver import Step
 
 
 class Refusal(Exception):
@@ -125,6 +130,32 @@ class Input:
 
 
 @dataclass(frozen=True)
+class Histories:
+    """Values of the case that vary: one of each key for every row of a table."""
+
+    rows: bool
+    """Every window is a row; otherwise rows are instants, with straight lines between."""
+    times: Sequence[float]
+    """Times of the rows [s]."""
+    values: Mapping[str, Sequence[float]]
+    """The values of every row by dotted key, in SI units."""
+
+    def at(self, step: Step) -> dict[str, float]:
+        """The values in a window: those of its row, or of its middle."""
+        if self.rows:
+            return {key: column[step.window] for key, column in self.values.items()}
+        time = 0.5 * (step.start + step.end)
+        right = bisect_right(self.times, time)
+        left, right = max(right - 1, 0), min(right, len(self.times) - 1)
+        span = self.times[right] - self.times[left]
+        share = max(time - self.times[left], 0.0) / span if span > 0.0 else 0.0
+        return {
+            key: column[left] + share * (column[right] - column[left])
+            for key, column in self.values.items()
+        }
+
+
+@dataclass(frozen=True)
 class Configuration:
     """Sent with `Configure`, and on standard input of `--estimate`."""
 
@@ -142,6 +173,8 @@ class Configuration:
     """Names of the fields it has to publish in every iteration."""
     observed: Sequence[str]
     """Names of the fields it has to publish when an accepted window is observed."""
+    histories: Histories | None = None
+    """Values of the case that vary; in `case` they have those of the first row."""
     threads: int = 1
     """Threads that it may compute on at the same time. Results must not depend on it."""
 
@@ -149,6 +182,19 @@ class Configuration:
     def is_steady(self) -> bool:
         """A single window without duration."""
         return self.mode == "steady"
+
+    def case_at(self, step: Step) -> Case:
+        """The case in a window: with the values of its row or instant, where any vary."""
+        if self.histories is None:
+            return self.case
+        values = copy.deepcopy(dict(self.case.values))
+        for key, number in self.histories.at(step).items():
+            *way, last = key.split(".")
+            table = values
+            for part in way:
+                table = table.setdefault(part, {})
+            table[last] = number
+        return Case(values)
 
     def has_effect(self, name: str) -> bool:
         """An effect is active and claimed by this participant."""
@@ -173,6 +219,7 @@ class Configuration:
             inputs=[Input.from_json(given) for given in value["inputs"]],
             outputs=list(value["outputs"]),
             observed=list(value["observed"]),
+            histories=Histories(**value["histories"]) if "histories" in value else None,
             threads=int(value.get("threads", 1)),
         )
 

@@ -43,6 +43,8 @@ class Key:
     """Of all keys with the same word here exactly one must be given."""
     together: str | None = None
     """Of all keys with the same word here all or none must be given."""
+    varies: bool = False
+    """A case may give a column of a table; see `Configuration.case_at`."""
 
     @classmethod
     def quantity(cls, path: str, unit: str, help: str, **more: Any) -> Key:
@@ -152,6 +154,42 @@ class Effect:
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
         return _with_keys(self)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure of the summary. What is not given is as docs/write-a-solver.md says."""
+
+    key: str
+    """Dotted path in `summary.json`; `*` stands for the name of a body of the case."""
+    unit: str
+    """Its SI unit, "1" for a plain number."""
+    words: str
+    """What it is, in words; the name of the body goes before those of a figure of a body."""
+    line: str | None = None
+    """The line of the terminal that it stands on."""
+    short: str | None = None
+    """Its name on the line."""
+    headline: bool | None = None
+    """It stands large in a report, and what follows on its line small below it."""
+    digits: int | None = None
+    """Significant digits."""
+    style: str | None = None
+    """`number`, `percent`, `signed`, `place` or `count`."""
+    hidden: str | Mapping[str, Any] | None = None
+    """When it is left out of its line: `zero`, `{"below": [KEY]}` or `{"several": KEY}`."""
+    measure: str | None = None
+    """What an error is measured against: `relative`, `absolute` or `itself`."""
+    rank: int | None = None
+    """Its place among the figures that studies compare."""
+    driven_by: str | None = None
+    """Key of a figure whose error is an error of this one, too."""
+    derived: Mapping[str, Any] | None = None
+    """How the coordinator makes it of other figures: `{"ratio": {"of": [KEY], "over": KEY}}`."""
+
+    def to_json(self) -> dict[str, Any]:
+        """As it travels: what is not given is left out."""
+        return {name: given for name, given in asdict(self).items() if given is not None}
 
 
 def _with_keys(spec: Model | Effect) -> dict[str, Any]:

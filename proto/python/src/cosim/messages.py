@@ -20,6 +20,9 @@ MAX_INPUTS = 16
 #: Flag of `Accept`: publish the observed fields, and reply.
 OBSERVE = 1
 
+#: Flag of `Accept`: reply with the figures of the accepted state.
+FIGURES = 2
+
 
 class CommandKind(enum.IntEnum):
     """What a command asks for."""

@@ -20,7 +20,7 @@ from .fields import TABLE
 from .geometry import GeometryError, GeometryPorts, GeometryTopic
 from .grids import Array, Grid
 from .heart import Heart
-from .messages import OBSERVE, PROTOCOL_VERSION, Command, CommandKind, Reply, Status
+from .messages import FIGURES, OBSERVE, PROTOCOL_VERSION, Command, CommandKind, Reply, Status
 from .ports import (
     InputPort,
     Inputs,
@@ -67,6 +67,8 @@ class Connected:
     outputs: dict[str, OutputPort]
     observed: dict[str, OutputPort]
     geometry: GeometryPorts
+    figures: Sequence[str]
+    """Keys of the figures that are asked for with `FIGURES`."""
     patience: float
     """Longest time to wait for the other side's ports [s]."""
 
@@ -79,6 +81,7 @@ class Running:
     outputs: dict[str, OutputPort]
     observed: dict[str, OutputPort]
     geometry: GeometryPorts
+    figures: Sequence[str]
     step: Step
     unpublished: dict[str, Array]
     """What the last solve wrote of observed fields, for a solver that does not observe itself."""
@@ -161,11 +164,10 @@ class Server:
                 self._solve(self._ready(kind), command, done)
             case CommandKind.ACCEPT:
                 running = self._ready(kind)
-                observes = bool(command.flags & OBSERVE)
-                if not observes and not running.geometry:
+                if not command.flags and not running.geometry:
                     self._accept()
                     return None
-                self._accept_answered(running, observes, done)
+                return done, self._accept_answered(running, command.flags, done)
             case CommandKind.SAVE:
                 self._ready(kind)
                 self._save(Path(parse(body)["path"]))
@@ -214,6 +216,7 @@ class Server:
             open_outputs(self._endpoint, published, self._role, kinds),
             open_outputs(self._endpoint, observed, self._role, kinds),
             GeometryPorts(self._endpoint, geometry, self._role, self._grids),
+            [str(key) for key in topics.get("figures", [])],
             min(max(float(topics["deadline"]), 0.0), 1e6),
         )
 
@@ -231,6 +234,7 @@ class Server:
             connected.outputs,
             connected.observed,
             connected.geometry,
+            connected.figures,
             Step(0, 0, 0.0, 0.0),
             {},
         )
@@ -295,14 +299,20 @@ class Server:
         except Exception as error:
             self._late = error
 
-    def _accept_answered(self, running: Running, observes: bool, done: Reply) -> None:
+    def _accept_answered(self, running: Running, flags: int, done: Reply) -> bytes:
         _, done.model_seconds = self._timed(self._solver.accept)
-        if observes:
+        if flags & OBSERVE:
             observe = self._solver.observe
             if running.unpublished:
                 observe = partial(_assign, running.unpublished)
             done.model_seconds += self._write(running.observed, running.step, observe)
         running.move_to(self._moved_grids(running), running.step)
+        return self._figures(running) if flags & FIGURES else b""
+
+    def _figures(self, running: Running) -> bytes:
+        """The figures that are asked for, NaN for one that there is not."""
+        summary, _ = self._timed(self._solver.summary)
+        return np.array([_figure(summary, key) for key in running.figures], "<f8").tobytes()
 
     def _moved_grids(self, running: Running) -> Sequence[Grid]:
         """Asked for only where somebody follows a grid."""
@@ -379,6 +389,13 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def _figure(summary: Any, key: str) -> float:
+    """The number under a dotted key of a summary."""
+    for part in key.split("."):
+        summary = summary.get(part) if isinstance(summary, Mapping) else None
+    return float(summary) if isinstance(summary, int | float | np.number) else math.nan
 
 
 def _assign(values: Mapping[str, Array], outputs: Outputs) -> None:

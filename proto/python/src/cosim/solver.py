@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar
 import numpy as np
 
 from .configuration import Configuration, Layout, Refusal
-from .description import Effect, Key, Model
+from .description import Effect, Figure, Key, Model
 from .fields import FieldKind
 from .grids import Array, Grid, check_name
 from .messages import PROTOCOL_VERSION
@@ -132,6 +132,8 @@ class Solver:
     """Case keys it reads whatever the model; keys of a model or an effect stand there."""
     fields: ClassVar[Sequence[FieldKind]] = ()
     """Fields that are not in `cosim.fields.TABLE`."""
+    figures: ClassVar[Sequence[Figure]] = ()
+    """The figures of its summary, in the order in which a person reads them."""
 
     _report: Callable[[int, int, str], None] | None = None
 
@@ -220,6 +222,7 @@ class Solver:
             "effects": [effect.to_json() for effect in cls.effects],
             "keys": [key.to_json() for key in cls.keys],
             "fields": [kind.to_json() for kind in cls.fields],
+            "figures": [figure.to_json() for figure in cls.figures],
         }
 
 

@@ -1,0 +1,73 @@
+//! The figures of a run: those that its participants describe, for the bodies of its case.
+
+use super::contents::Participant;
+use contract::bodies::{Bodies, LOWER, UPPER};
+use contract::figure::FigureSpec;
+use std::collections::BTreeSet;
+
+/// Takes the figures of all participants, in the plan's order, with the names of the bodies; each
+/// participant is asked for those that it gives. Of two figures of the same key the first counts, as in
+/// the summary. Ranks are places in one list.
+pub(super) fn gather<'a>(
+    participants: impl Iterator<Item = &'a mut Participant>,
+    bodies: Option<&Bodies>,
+) -> Vec<FigureSpec> {
+    let (mut all, mut known) = (Vec::new(), BTreeSet::new());
+    for participant in participants {
+        let described = participant.description.figures.iter();
+        let mut own: Vec<_> = described.flat_map(|figure| of_bodies(figure, bodies)).collect();
+        own.retain(|(_, figure)| known.insert(figure.key.clone()));
+        let given = own.iter().map(|(_, figure)| figure).filter(|figure| figure.is_given());
+        participant.figures = given.map(|figure| figure.key.clone()).collect();
+        all.extend(own);
+    }
+    rank(&mut all);
+    all.into_iter().map(|(_, figure)| figure).collect()
+}
+
+/// The figure of each body, the lower one first; itself, if it is of no body.
+fn of_bodies(figure: &FigureSpec, bodies: Option<&Bodies>) -> Vec<(bool, FigureSpec)> {
+    if !figure.is_of_a_body() {
+        return vec![(false, figure.clone())];
+    }
+    let Some(Bodies(names)) = bodies else { return Vec::new() };
+    [LOWER, UPPER].map(|body| (body == UPPER, figure.of_body(&names[body]))).to_vec()
+}
+
+/// Figures of the upper body come after all others.
+fn rank(figures: &mut [(bool, FigureSpec)]) {
+    let ranked = |(_, (upper, figure)): (usize, &(bool, FigureSpec))| Some((*upper, figure.rank?));
+    let key = |index: usize| ranked((index, &figures[index]));
+    let mut order: Vec<usize> = (0..figures.len()).filter(|&index| key(index).is_some()).collect();
+    order.sort_by_key(|&index| key(index));
+    for (place, index) in order.into_iter().enumerate() {
+        figures[index].1.rank = Some(place);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_of_the_upper_body_come_after_all_others() {
+        let rise = FigureSpec::new("heat.*.rise_k", "K", "rise").rank(1);
+        let power = FigureSpec::new("contact.power_w", "W", "power").rank(2);
+        let other = FigureSpec::new("contact.area_m2", "m2", "area");
+        let bodies = Bodies(["pin".to_owned(), "disc".to_owned()]);
+        let described = [rise, power, other];
+        let mut all: Vec<_> =
+            described.iter().flat_map(|figure| of_bodies(figure, Some(&bodies))).collect();
+        rank(&mut all);
+        let ranks: Vec<_> =
+            all.iter().map(|(_, figure)| (figure.key.as_str(), figure.rank)).collect();
+        let expected = [
+            ("heat.disc.rise_k", Some(0)),
+            ("heat.pin.rise_k", Some(2)),
+            ("contact.power_w", Some(1)),
+            ("contact.area_m2", None),
+        ];
+        assert_eq!(ranks, expected);
+        assert_eq!(of_bodies(&described[0], None), []);
+    }
+}

@@ -1,0 +1,217 @@
+//! The figures of a summary line by line, as their descriptions say.
+
+use crate::format::{Scale, counted, number};
+use contract::figure::{ENTRY, FigureSpec, Hidden, Style, value};
+use serde_json::Value;
+
+/// What is below this share of what it is compared with is rounding.
+const NOTHING: f64 = 1e-6;
+
+/// A figure with its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry<'a> {
+    /// What it is.
+    pub figure: &'a FigureSpec,
+    /// Its value, in the unit of the figure.
+    pub value: f64,
+}
+
+/// Figures that stand on one line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line<'a> {
+    /// What the line is about.
+    pub name: &'a str,
+    /// What stands on it.
+    pub entries: Vec<Entry<'a>>,
+}
+
+/// A list of the summary, with a line for each of its entries.
+#[derive(Clone, Debug, PartialEq)]
+pub struct List<'a> {
+    /// The word for an entry.
+    pub name: &'a str,
+    /// What may be known of an entry.
+    pub figures: Vec<&'a FigureSpec>,
+    /// The figures of each entry, in the order of the list.
+    pub rows: Vec<Vec<Entry<'a>>>,
+    /// How many entries there are, those that are not listed among them.
+    pub count: usize,
+}
+
+/// One line or many.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Group<'a> {
+    /// Figures that there are once.
+    Line(Line<'a>),
+    /// Figures of the entries of a list.
+    List(List<'a>),
+}
+
+/// What a summary has of these figures, in their order.
+#[must_use]
+pub fn groups<'a>(summary: &Value, figures: &'a [FigureSpec]) -> Vec<Group<'a>> {
+    let mut names: Vec<&str> = Vec::new();
+    for name in figures.iter().filter_map(|figure| figure.line.as_deref()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let group = |name: &'a str| {
+        let own: Vec<_> =
+            figures.iter().filter(|figure| figure.line.as_deref() == Some(name)).collect();
+        match own[0].is_of_a_list() {
+            true => list(summary, name, own, figures).map(Group::List),
+            false => line(summary, name, &own).map(Group::Line),
+        }
+    };
+    names.into_iter().filter_map(group).collect()
+}
+
+fn line<'a>(summary: &Value, name: &'a str, figures: &[&'a FigureSpec]) -> Option<Line<'a>> {
+    let there = |&figure: &&'a FigureSpec| Entry::of(figure, value(summary, &figure.key)?, summary);
+    let entries: Vec<_> = figures.iter().filter_map(there).collect();
+    (!entries.is_empty()).then_some(Line { name, entries })
+}
+
+fn list<'a>(
+    summary: &Value,
+    name: &'a str,
+    figures: Vec<&'a FigureSpec>,
+    all: &[FigureSpec],
+) -> Option<List<'a>> {
+    let parts = |figure: &'a FigureSpec| figure.key.split_once(&format!(".{ENTRY}."));
+    let (path, _) = parts(figures[0])?;
+    let rows = summary.pointer(&format!("/{}", path.replace('.', "/")))?.as_array()?;
+    let row = |row: &Value| {
+        let entry = |&figure: &&'a FigureSpec| {
+            let value = row.get(parts(figure)?.1)?.as_f64()?;
+            Entry::of(figure, value, summary)
+        };
+        figures.iter().filter_map(entry).collect()
+    };
+    let counts = |figure: &&FigureSpec| figure.style == Style::Count && figure.short == name;
+    let count = all.iter().find(counts).and_then(|figure| value(summary, &figure.key));
+    let rows: Vec<Vec<Entry>> = rows.iter().map(row).collect();
+    let count = count.map_or(rows.len(), |count| count as usize);
+    Some(List { name, figures, rows, count })
+}
+
+impl<'a> Entry<'a> {
+    /// A figure that is to be seen.
+    fn of(figure: &'a FigureSpec, number: f64, summary: &Value) -> Option<Self> {
+        let other = |key: &String| value(summary, key);
+        let hidden = match &figure.hidden {
+            Hidden::Never => figure.style == Style::Count && number <= 1.0,
+            Hidden::Zero => number == 0.0,
+            Hidden::Below(keys) => {
+                let bound: f64 = keys.iter().map(|key| other(key).unwrap_or(0.0)).product();
+                number.abs() <= NOTHING * bound.abs()
+            }
+            Hidden::Several(key) => other(key).is_some_and(|count| count > 1.0),
+        };
+        (!hidden).then_some(Self { figure, value: number })
+    }
+
+    /// The number with its unit, to so many digits at most.
+    #[must_use]
+    pub fn number(&self, digits: usize) -> String {
+        let Self { figure: FigureSpec { unit, digits: own, style, .. }, value } = *self;
+        let digits = digits.min(*own);
+        let plain = || Scale::of(unit, value).show(value, digits);
+        match style {
+            Style::Number => plain(),
+            Style::Percent => format!("{}\u{a0}%", number(100.0 * value, digits)),
+            Style::Signed if value < 0.0 => plain(),
+            Style::Signed => format!("+{}", plain()),
+            Style::Place => format!("{:.3}\u{a0}mm", 1e3 * value).replace('-', "−"),
+            Style::Count => format!("{value}"),
+        }
+    }
+
+    /// With its name.
+    #[must_use]
+    pub fn text(&self, digits: usize) -> String {
+        let FigureSpec { short, style, .. } = self.figure;
+        match style {
+            Style::Count => counted(self.value as u64, short),
+            _ if short.is_empty() => self.number(digits),
+            _ => format!("{short} {}", self.number(digits)),
+        }
+    }
+}
+
+impl List<'_> {
+    /// The places of the entries that matter most, in their order.
+    #[must_use]
+    pub fn foremost(&self, most: usize) -> Vec<usize> {
+        let weight = |row: usize| {
+            let ranks = |entry: &&Entry| entry.figure.headline;
+            self.rows[row].iter().find(ranks).map_or(0.0, |entry| entry.value)
+        };
+        let mut places: Vec<usize> = (0..self.rows.len()).collect();
+        places.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
+        places.truncate(most);
+        places.sort_unstable();
+        places
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn texts(entries: &[Entry]) -> Vec<String> {
+        entries.iter().map(|entry| entry.text(9).replace('\u{a0}', " ")).collect()
+    }
+
+    #[test]
+    fn a_line_has_what_is_more_than_nothing() {
+        let figure =
+            |key: &str, unit, short| FigureSpec::new(key, unit, "a figure").on("friction", short);
+        let figures = [
+            figure("contact.x_n", "N", "F_x").unless_below(&["contact.n_n"]),
+            figure("contact.y_n", "N", "F_y").unless_below(&["contact.n_n"]),
+            figure("contact.moment_nm", "Nm", "M_z").unless_below(&["contact.n_n", "contact.a_m"]),
+            figure("contact.xi", "1", "ξ").style(Style::Percent).digits(4),
+            figure("contact.eta", "1", "η").unless_zero(),
+            figure("contact.rise_k", "K", "").style(Style::Signed),
+            figure("contact.x_m", "m", "x").style(Style::Place),
+            figure("contact.absent", "1", "absent"),
+        ];
+        let summary = json!({"contact": {
+            "x_n": -2e-9, "y_n": -39642.9, "moment_nm": 7.981, "n_n": 134e3, "a_m": 8e-3,
+            "xi": -0.002, "eta": 0.0, "rise_k": 298.2, "x_m": -3e-20,
+        }});
+        let groups = groups(&summary, &figures);
+        let [Group::Line(line)] = &groups[..] else { panic!("{groups:?}") };
+        assert_eq!(line.name, "friction");
+        let expected =
+            ["F_y −39.643 kN", "M_z 7.9810 N·m", "ξ −0.2000 %", "+298.20 K", "x −0.000 mm"];
+        assert_eq!(texts(&line.entries), expected);
+        assert_eq!(line.entries[0].number(3), "−39.6\u{a0}kN");
+    }
+
+    #[test]
+    fn several_have_a_line_each() {
+        let single = FigureSpec::new("contact.a_m", "m", "size").on("contact", "a");
+        let figures = [
+            FigureSpec::new("contact.count", "1", "number")
+                .on("contact", "part")
+                .style(Style::Count),
+            single.unless_several("contact.count"),
+            FigureSpec::new("contact.each.#.n_n", "N", "load").on("part", "N").headline(),
+        ];
+        let parts: Vec<Value> = [1.0, 3.0, 2.0].map(|load| json!({"n_n": load})).to_vec();
+        let summary = json!({"contact": {"count": 5, "a_m": 1.0, "each": parts}});
+        let all = groups(&summary, &figures);
+        let [Group::Line(line), Group::List(list)] = &all[..] else { panic!("{all:?}") };
+        assert_eq!(texts(&line.entries), ["5 parts"]);
+        assert_eq!((list.name, list.count, list.foremost(2)), ("part", 5, vec![1, 2]));
+        assert_eq!(texts(&list.rows[1]), ["N 3.0000 N"]);
+        let one = json!({"contact": {"count": 1, "a_m": 1.0}});
+        let all = groups(&one, &figures);
+        let [Group::Line(line)] = &all[..] else { panic!("{all:?}") };
+        assert_eq!(texts(&line.entries), ["a 1000.0 mm"]);
+    }
+}

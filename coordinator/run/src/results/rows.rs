@@ -1,0 +1,106 @@
+//! A table of a result folder, written row by row as the run goes.
+
+use crate::error::{RunError, file_failure};
+use crate::results::dir::shown;
+use crate::results::write::fresh;
+use rustix::fs::OFlags;
+use std::fs::File;
+use std::io::{Seek, SeekFrom, Write};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Longest time for which rows stay in memory while more are written.
+const UNWRITTEN: Duration = Duration::from_secs(1);
+
+/// The table being written.
+#[derive(Debug)]
+pub(super) struct Rows {
+    file: File,
+    path: PathBuf,
+    /// Rows that are not in the file yet.
+    unwritten: Vec<u8>,
+    /// Length of the file \[byte\].
+    bytes: u64,
+    flushed: Instant,
+}
+
+impl Rows {
+    /// Creates the file and writes its head.
+    pub(super) fn create(path: &Path, head: Vec<u8>) -> Result<Self, RunError> {
+        let file = fresh(path).map_err(|error| file_failure(path, &error))?;
+        let mut rows = Self { unwritten: head, ..Self::in_file(file, path, 0) };
+        rows.flush()?;
+        Ok(rows)
+    }
+
+    fn in_file(file: File, path: &Path, bytes: u64) -> Self {
+        let (path, unwritten) = (path.to_owned(), Vec::new());
+        Self { file, path, unwritten, bytes, flushed: Instant::now() }
+    }
+
+    /// Opens the table of a run that is resumed, and forgets what comes after its first `bytes`
+    /// bytes.
+    ///
+    /// # Errors
+    /// The file is shorter, or cannot be opened.
+    pub(super) fn resume(path: &Path, bytes: u64) -> Result<Self, RunError> {
+        let failed = |error| file_failure(path, &error);
+        let no_link = OFlags::NOFOLLOW.bits().cast_signed();
+        let open = File::options().write(true).custom_flags(no_link).open(path);
+        let mut file = open.map_err(failed)?;
+        let found = file.metadata().map_err(failed)?.len();
+        if found < bytes {
+            let shown = shown(path);
+            let shown = shown.display();
+            return Err(RunError::Usage(format!(
+                "{shown} has {found} bytes, and had {bytes} at the checkpoint; the run cannot be \
+                 resumed without them"
+            )));
+        }
+        file.set_len(bytes).and_then(|()| file.seek(SeekFrom::End(0))).map_err(failed)?;
+        Ok(Self::in_file(file, path, bytes))
+    }
+
+    /// Flushes everything to the disk; the length of the file \[byte\].
+    pub(super) fn seal(&mut self) -> Result<u64, RunError> {
+        self.flush()?;
+        self.file.sync_data().map_err(|error| file_failure(&self.path, &error))?;
+        Ok(self.bytes)
+    }
+
+    /// Adds a row; it is on disk a second later, if the run goes on.
+    pub(super) fn add(&mut self, write: impl FnOnce(&mut Vec<u8>)) -> Result<(), RunError> {
+        write(&mut self.unwritten);
+        self.unwritten.push(b'\n');
+        if self.flushed.elapsed() >= UNWRITTEN { self.flush() } else { Ok(()) }
+    }
+
+    /// Writes what is not in the file yet; on a disk that is full the file ends with the last row that is
+    /// there as a whole.
+    pub(super) fn flush(&mut self) -> Result<(), RunError> {
+        self.flushed = Instant::now();
+        let written = self.file.write_all(&self.unwritten);
+        if written.is_ok() {
+            self.bytes += self.unwritten.len() as u64;
+        }
+        self.unwritten.clear();
+        written.map_err(|error| {
+            let _ = self.file.set_len(self.bytes);
+            file_failure(&self.path, &error)
+        })
+    }
+}
+
+/// A number after a comma, or nothing.
+pub(super) fn cell(out: &mut Vec<u8>, value: Option<f64>) {
+    match value {
+        Some(value) => push(out, format_args!(",{value:e}")),
+        None => out.push(b','),
+    }
+}
+
+/// Adds text to a row.
+pub(super) fn push(out: &mut Vec<u8>, text: std::fmt::Arguments<'_>) {
+    out.write_fmt(text).expect("memory takes whatever is written");
+}

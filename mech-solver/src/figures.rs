@@ -1,0 +1,109 @@
+//! The figures of the section `contact` of the summary.
+
+use proto::figure::{FigureSpec, Style};
+
+/// Normal force [N].
+const NORMAL_FORCE: &str = "contact.normal_force_n";
+/// Patches of the contact.
+const PATCHES: &str = "contact.patches";
+/// Semi-axis along the rolling direction [m].
+const SEMI_AXIS_A: &str = "contact.semi_axis_a_m";
+
+/// All of them, in the order in which a person reads them. A model without one leaves it out.
+pub(crate) fn figures() -> Vec<FigureSpec> {
+    [extent(), patches(), forces(), motion(), slip()].concat()
+}
+
+/// Size, pressure and load. Of several patches the size is that of each.
+fn extent() -> Vec<FigureSpec> {
+    let figure = |key, unit, words, short| FigureSpec::new(key, unit, words).on("contact", short);
+    vec![
+        figure(PATCHES, "1", "number of patches", "patch").style(Style::Count),
+        figure(SEMI_AXIS_A, "m", "semi-axis along x", "a").unless_several(PATCHES).headline(),
+        figure("contact.semi_axis_b_m", "m", "semi-axis along y", "b").unless_several(PATCHES),
+        figure("contact.max_pressure_pa", "Pa", "maximum pressure", "p0").rank(4).headline(),
+        figure(NORMAL_FORCE, "N", "normal force", "N"),
+        figure("contact.approach_m", "m", "approach", "approach").rank(9).headline(),
+        FigureSpec::new("contact.area_m2", "m2", "contact area"),
+    ]
+}
+
+/// Of each patch, where there are several.
+fn patches() -> Vec<FigureSpec> {
+    let figure = |name: &str, unit, words, short| {
+        FigureSpec::new(&format!("contact.each_patch.#.{name}"), unit, words).on("patch", short)
+    };
+    vec![
+        figure("y_m", "m", "place", "y").style(Style::Place),
+        figure("semi_axis_a_m", "m", "semi-axis along x", "a"),
+        figure("semi_axis_b_m", "m", "semi-axis along y", "b"),
+        figure("max_pressure_pa", "Pa", "maximum pressure", "p0"),
+        figure("normal_force_n", "N", "load", "N").headline(),
+    ]
+}
+
+/// Forces on the upper body; what is rounding against the load stands on no line.
+fn forces() -> Vec<FigureSpec> {
+    const FORCES: [&str; 2] = ["contact.creep_force_x_n", "contact.creep_force_y_n"];
+    const MOMENT: &str = "contact.spin_moment_nm";
+    let figure = |key, unit, words, short| FigureSpec::new(key, unit, words).on("friction", short);
+    vec![
+        figure("contact.traction_ratio", "1", "traction coefficient |F|/N", "|F|/N")
+            .ratio(&FORCES, NORMAL_FORCE)
+            .digits(4)
+            .absolute()
+            .headline(),
+        figure(FORCES[0], "N", "creep force x", "F_x").unless_below(&[NORMAL_FORCE]).rank(7),
+        figure(FORCES[1], "N", "creep force y", "F_y").unless_below(&[NORMAL_FORCE]),
+        figure(MOMENT, "Nm", "spin moment", "M_z").unless_below(&[NORMAL_FORCE, SEMI_AXIS_A]),
+    ]
+}
+
+/// Creepages, or the shift of bodies that do not roll.
+fn motion() -> Vec<FigureSpec> {
+    let figure = |name: &str, unit, words, short| {
+        FigureSpec::new(&format!("contact.{name}"), unit, words).on("friction", short).digits(4)
+    };
+    let percent = Style::Percent;
+    vec![
+        figure("creepage_xi", "1", "creepage along x", "creepage ξ")
+            .style(percent)
+            .rank(5)
+            .headline(),
+        figure("creepage_eta", "1", "creepage along y", "creepage η").style(percent).unless_zero(),
+        figure("creepage_phi_per_m", "rad/m", "spin", "spin φ").unless_zero(),
+        figure("shift_x_m", "m", "shift along x", "shift x").headline(),
+        figure("shift_y_m", "m", "shift along y", "shift y").unless_zero(),
+        figure("turn_rad", "rad", "turn about z", "turn").unless_zero(),
+    ]
+}
+
+/// Slip, and the heat that it makes.
+fn slip() -> Vec<FigureSpec> {
+    let figure = |name: &str, unit, words, short| {
+        FigureSpec::new(&format!("contact.{name}"), unit, words).on("friction", short)
+    };
+    vec![
+        figure("slip_area_ratio", "1", "slip area", "slip area")
+            .style(Style::Percent)
+            .digits(3)
+            .absolute()
+            .rank(8),
+        figure("max_slip_velocity_m_per_s", "m/s", "largest slip velocity", "slip").digits(4),
+        figure("friction_power_w", "W", "friction power", "power").rank(6).headline(),
+        FigureSpec::new("contact.max_traction_pa", "Pa", "largest traction"),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_referred_to_is_described() {
+        let all = figures();
+        for key in [NORMAL_FORCE, PATCHES, SEMI_AXIS_A] {
+            assert!(all.iter().any(|figure| figure.key == key), "{key}");
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Histories: columns of tables, sequences of steady contacts, and rows without an answer.
+
+use crate::harness::{Place, case, sets};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A table in a folder, and the options that make a key of the main case a column of it.
+struct Data {
+    folder: tempfile::TempDir,
+}
+
+impl Data {
+    fn new(text: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("run.csv"), text).unwrap();
+        Self { folder }
+    }
+
+    fn file(&self) -> PathBuf {
+        self.folder.path().join("run.csv")
+    }
+
+    /// `--set key={column of the table}`.
+    fn column(&self, key: &str, name: &str) -> String {
+        format!("{key}={{file=\"{}\",column=\"{name}\"}}", self.file().display())
+    }
+}
+
+/// The rows of a table by the names of its columns.
+pub(crate) fn rows(file: &Path, columns: &[&str]) -> Vec<Vec<f64>> {
+    let text = fs::read_to_string(file).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let at: Vec<usize> = columns
+        .iter()
+        .map(|column| names.iter().position(|name| name == column).expect(column))
+        .collect();
+    let number = |text: &str| if text.is_empty() { f64::NAN } else { text.parse().unwrap() };
+    lines
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            at.iter().map(|index| number(cells[*index])).collect()
+        })
+        .collect()
+}
+
+const RISE: &str = "temperature.rail.max_rise_k";
+const FORCE: &str = "contact.creep_force_x_n";
+const CREEP: &str = "contact.creepage_xi";
+
+/// Every row is the steady contact of its values: as a case of its own has it where the grids are the
+/// same, to the bit when it starts cold, and to the accuracy of the solver when it starts warm.
+#[test]
+fn a_row_is_a_steady_case_of_its_own() {
+    let data = Data::new("t [s], mu\n0, 0.2\n1, 0.3\n2.5, 0.25\n");
+    let column = data.column("motion.traction_coefficient", "mu");
+    for model in ["hertz-carter", "fastsim", "half-space"] {
+        let model = format!("mech.model={model}");
+        let common = [model.as_str(), "mech.resolution=10"];
+        for start in ["cold", "warm"] {
+            let start = format!("mech.start={start}");
+            let place = Place::new();
+            let mut set: Vec<&str> = common.to_vec();
+            set.extend([column.as_str(), "time.mode=sequence", &start]);
+            let summary = place.summary(&case("wheel-rail.toml"), &sets(&set));
+            assert_eq!(summary["coupling"]["windows"], 3);
+            let found = rows(&place.out().join("history.csv"), &[FORCE, CREEP, RISE]);
+            assert_eq!(found.len(), 3);
+            for (mu, row) in ["0.2", "0.3", "0.25"].into_iter().zip(&found) {
+                let alone = format!("motion.traction_coefficient={mu}");
+                let set = [common[0], common[1], &alone];
+                let alone = Place::new().summary(&case("wheel-rail.toml"), &sets(&set));
+                for (key, value) in [FORCE, CREEP, RISE].into_iter().zip(row) {
+                    let expected = key.split('.').fold(&alone, |at, part| &at[part]);
+                    let expected = expected.as_f64().unwrap();
+                    // What the solver leaves of the tractions, 1e-4 of the largest.
+                    let tolerance = if start.ends_with("warm") { 1e-4 } else { 0.0 };
+                    let error = (value / expected - 1.0).abs();
+                    assert!(error <= tolerance, "{model} {start} {mu} {key}: {value} {expected}");
+                }
+            }
+        }
+    }
+}
+
+/// A force beyond friction has no answer: the run ends at its row, or passes over it and says so.
+#[test]
+fn a_row_without_an_answer_ends_the_run_or_is_marked() {
+    let data = Data::new("t [s], mu\n0, 0.2\n1, 0.9\n2, 0.25\n");
+    let column = data.column("motion.traction_coefficient", "mu");
+    let common = ["mech.model=hertz-carter", "mech.resolution=5", "time.mode=sequence", &column];
+    let place = Place::new();
+    let ended = place.run(&case("wheel-rail.toml"), &sets(&common));
+    assert_eq!(ended.code, Some(1));
+    assert!(ended.stderr.contains("in window 1"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("friction limit"), "{}", ended.stderr);
+    let place = Place::new();
+    let skip = [&common[..], &["time.on_failure=skip"]].concat();
+    let summary = place.summary(&case("wheel-rail.toml"), &sets(&skip));
+    assert_eq!(summary["coupling"]["rows_without_answer"], 1);
+    assert_eq!(summary["coupling"]["windows"], 2);
+    let found = rows(&place.out().join("history.csv"), &["window", FORCE]);
+    let [first, second, third] = &found[..] else { panic!("{found:?}") };
+    assert_eq!([first[0], second[0], third[0]], [0.0, 1.0, 2.0]);
+    assert!(first[1] > 0.0 && second[1].is_nan() && third[1] > first[1], "{found:?}");
+}
+
+/// In a transient case values go in straight lines from row to row, and hold beyond the last.
+#[test]
+fn a_transient_case_interpolates() {
+    let data = Data::new("t [ms], Q [kN]\n0, 60\n1, 80\n2, 80\n");
+    let (load, time) = (data.column("load.normal_force", "Q"), data.column("time.history", "t"));
+    let place = Place::new();
+    let set = [
+        "mech.model=hertz-carter",
+        "mech.resolution=5",
+        "time.mode=transient",
+        "time.window=0.25 ms",
+        "time.end=3 ms",
+        &load,
+        &time,
+    ];
+    place.summary(&case("wheel-rail.toml"), &sets(&set));
+    let found = rows(&place.out().join("history.csv"), &["end_s", "contact.normal_force_n"]);
+    assert_eq!(found.len(), 12);
+    for row in found {
+        // The middle of the window.
+        let expected = 60e3 + 20e3 * ((row[0] - 0.125e-3) / 1e-3).min(1.0);
+        assert!((row[1] / expected - 1.0).abs() < 1e-12, "rounding: {row:?} {expected}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_history_is_told() {
+    let data = Data::new("t [s], Q [kN]\n0, 60\n1, -5\n");
+    let good = data.column("load.normal_force", "Q");
+    let told = |set: &[&str], text: &str| {
+        let ended = Place::new().run(&case("wheel-rail.toml"), &sets(set));
+        assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+        assert!(ended.stderr.contains(text), "`{text}` is missing in:\n{}", ended.stderr);
+    };
+    told(&[&good, "time.mode=sequence"], "-5000 N in row 2 is not above 0 N");
+    let data = Data::new("t [s], Q [kN]\n1, 60\n0, 50\n");
+    let (load, time) = (data.column("load.normal_force", "Q"), data.column("time.history", "t"));
+    told(&[&load], "a steady case is one instant");
+    told(&[&load, &time, "time.mode=sequence"], "do not rise");
+    told(&[&data.column("load.normal_force", "q"), "time.mode=sequence"], "did you mean `Q`?");
+    told(&[&data.column("mech.resolution", "Q"), "time.mode=sequence"], "reads one number");
+    let transient = ["time.mode=transient", "time.window=1 ms", "time.end=2 ms"];
+    told(&[&[load.as_str()], &transient[..]].concat(), "time.history");
+}

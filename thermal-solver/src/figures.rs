@@ -1,0 +1,33 @@
+//! The figures of the section `temperature` of the summary, those of a body on a line of its own.
+
+use proto::figure::{FigureSpec, Style};
+
+/// What heats: a temperature is no better known.
+const POWER: &str = "contact.friction_power_w";
+/// Largest rises of the heated strips [K]; a patch has that of its own strip.
+const STRIPS: &str = "temperature.*.each_strip.#.max_rise_k";
+
+/// All of them, in the order in which a person reads them.
+pub(crate) fn figures() -> Vec<FigureSpec> {
+    let figure = |name: &str, unit, words, short| {
+        FigureSpec::new(&format!("temperature.*.{name}"), unit, words)
+            .on("*", short)
+            .driven_by(POWER)
+    };
+    let in_patch = FigureSpec::new("contact.each_patch.#.*_max_rise_k", "K", "temperature rise")
+        .on("patch", "*")
+        .style(Style::Signed)
+        .within(STRIPS, ["y_from_m", "y_to_m"], "y_m", "contact.patches");
+    vec![
+        figure("max_rise_k", "K", "temperature rise", "").style(Style::Signed).rank(1).headline(),
+        figure("x_over_a", "1", "place x/a", "at x/a")
+            .ratio(&["temperature.*.x_m"], "contact.semi_axis_a_m")
+            .digits(4)
+            .absolute()
+            .rank(2),
+        FigureSpec::new("temperature.*.x_m", "m", "place x").style(Style::Place).absolute(),
+        figure("y_m", "m", "place y", "y").style(Style::Place).absolute(),
+        figure("penetration_depth_m", "m", "depth to 1/e", "1/e at depth").digits(3).rank(3),
+        in_patch,
+    ]
+}
