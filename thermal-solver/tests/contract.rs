@@ -149,6 +149,19 @@ fn the_first_grid_is_kept_of_one_that_moves() {
     }
 }
 
+/// Bodies of different initial temperatures exchange heat, which this model leaves out, and says so.
+#[test]
+fn different_initial_temperatures_are_remarked_on() {
+    let remarks = |wheel: f64| {
+        let mut case = steel();
+        case["bodies"]["wheel"]["initial_temperature"] = serde_json::json!(wheel);
+        let given = configuration("columns", Mode::Steady, row(10, -1.0, 1.0), case);
+        ThermalSolver.configure(&given).unwrap().layout().remarks.join("\n")
+    };
+    assert!(remarks(350.0).contains("begin at 350 K and 293.15 K"), "{}", remarks(350.0));
+    assert!(!remarks(293.15).contains("begin at"));
+}
+
 #[test]
 fn a_grid_not_yet_known_can_be_planned_but_not_built() {
     let grid = row(10, -1.0, 1.0);

@@ -8,3 +8,4 @@ mod half_space_model;
 mod hertz_carter;
 mod hot;
 mod profiles;
+mod rows;

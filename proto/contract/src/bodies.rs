@@ -6,6 +6,7 @@
 //! in that place (`wheel_temperature`).
 
 use crate::description::KeySpec;
+use crate::grid::check_name;
 use crate::params::Params;
 use crate::refusal::Refusal;
 use serde::{Deserialize, Serialize};
@@ -44,7 +45,7 @@ impl Bodies {
     /// The bodies of a case.
     ///
     /// # Errors
-    /// There is not one upper and one lower body, and no other.
+    /// There is not one upper and one lower body, and no other; or a name cannot stand in results.
     pub fn read(case: &Params) -> Result<Self, Refusal> {
         let table = case.get(TABLE).and_then(serde_json::Value::as_object);
         let of = |position: &str| -> Vec<&String> {
@@ -64,7 +65,8 @@ impl Bodies {
         }
         match POSITIONS.map(of) {
             [upper, lower] if upper.len() == 1 && lower.len() == 1 => {
-                Ok(Self([upper[0].clone(), lower[0].clone()]))
+                let bodies = Self([upper[0].clone(), lower[0].clone()]);
+                bodies.check_names().map(|()| bodies)
             }
             found => {
                 let (position, names) = POSITIONS
@@ -75,6 +77,21 @@ impl Bodies {
                 Err(not_one(position, names))
             }
         }
+    }
+
+    /// Names become parts of names of fields, files and keys, and none says the other's position.
+    fn check_names(&self) -> Result<(), Refusal> {
+        for (body, name) in self.0.iter().enumerate() {
+            let wrong = match check_name("body", name) {
+                Err(why) => why,
+                Ok(()) if *name == POSITIONS[1 - body] => {
+                    format!("the {} body is called `{name}`", POSITIONS[body])
+                }
+                Ok(()) => continue,
+            };
+            return Err(Refusal::new(&format!("{TABLE}.{name}"), wrong, "choose another name"));
+        }
+        Ok(())
     }
 
     /// The dotted key of a value of a body.
@@ -147,5 +164,9 @@ mod tests {
         assert_eq!(refused(json!({})).reason, "there is no upper body");
         assert_eq!(refused(json!({"a": upper(), "b": upper()})).key, "bodies.b.position");
         assert_eq!(refused(json!({"a": upper(), "b": {}})).key, "bodies.b.position");
+        let lower = || json!({"position": "lower"});
+        assert_eq!(refused(json!({"a b": upper(), "b": lower()})).key, "bodies.a b");
+        assert_eq!(refused(json!({"a": upper(), "upper": lower()})).key, "bodies.upper");
+        assert!(read(json!({"upper": upper(), "lower": lower()})).is_ok());
     }
 }

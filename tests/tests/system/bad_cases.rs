@@ -32,6 +32,26 @@ fn refused(text: &str, parts: &[&str]) {
     place.assert_nothing_left();
 }
 
+/// The tables of version 0.1 are told what to write, each at its place.
+#[test]
+fn old_tables_are_told_what_to_write() {
+    let text = changed(&[
+        ("[bodies.wheel]\nposition = \"upper\"\nradius_x", "[wheel]\nradius"),
+        ("[bodies.rail]\nposition = \"lower\"\nradius_y", "[rail]\ncrown_radius"),
+    ]);
+    let wheel = "write [bodies.wheel] with position = \"upper\", radius_x for radius";
+    let rail = "write [bodies.rail] with position = \"lower\", radius_y for crown_radius";
+    refused(&text, &["wheel: is the spelling of an earlier version", wheel, rail]);
+}
+
+#[test]
+fn there_is_one_body_at_each_position() {
+    let twice = changed(&[("position = \"lower\"", "position = \"upper\"")]);
+    refused(&twice, &["are both the upper body", "write one table [bodies.NAME]"]);
+    let nowhere = changed(&[("position = \"lower\"\n", "")]);
+    refused(&nowhere, &["bodies.rail.position: missing"]);
+}
+
 #[test]
 fn unknown_keys_get_a_suggestion() {
     let text = changed(&[("speed = 38.889 ", "sped = 38.889 ")]);

@@ -172,6 +172,13 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         left_out: along_the_surface_at(frame).into_iter().collect(),
         ..Layout::default()
     };
+    let [upper, lower] = frame.scene.initial_temperatures;
+    if upper != lower {
+        layout.remarks.push(format!(
+            "the bodies begin at {upper} K and {lower} K: heat that flows between them for that is \
+             left out"
+        ));
+    }
     for body in [LOWER, UPPER] {
         if asked(SECTIONS[body]) {
             layout.grids.push(frame.section_grid(body));

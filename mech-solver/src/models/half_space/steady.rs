@@ -53,15 +53,18 @@ impl Steady {
     /// The answer of a row, from the accepted solution of an earlier one.
     fn row(&mut self, step: &Step, inputs: &dyn Inputs) -> Result<(Answer, StepReport), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
-        let Some(following) = &self.following else { unreachable!("rows are of what varies") };
-        self.case
-            .follow(&following.varying.configuration(step), following.patch)
-            .map_err(no_answer)?;
-        let near = self.accepted.clone().filter(|_| following.warm);
+        // Its operators are those of the case as configured, whichever row comes first.
         let mut contact = match self.contact.take() {
             Some(contact) => contact,
             None => ContactSolver::new(&self.case, Motion::SteadyRolling).map_err(no_solution)?,
         };
+        let Some(following) = &self.following else { unreachable!("rows are of what varies") };
+        let near = self.accepted.clone().filter(|_| following.warm);
+        let row = following.varying.configuration(step);
+        if let Err(refusal) = self.case.follow(&row, following.patch) {
+            self.contact = Some(contact);
+            return Err(no_answer(refusal));
+        }
         let near = near.map(|(solution, pressure, search)| {
             contact.pressure = pressure;
             *contact.search() = search;

@@ -1,0 +1,72 @@
+//! Cases whose values vary: rows of a sequence, solved again, from a saved state, without an answer.
+
+use crate::common::{NoInputs, Store, configuration, driven, paper};
+use mech_solver::MechSolver;
+use proto::configuration::{Configuration, Layout};
+use proto::history::Histories;
+use proto::model::{Model, Solver, Step, StepError, StepReport};
+use proto::progress::Progress;
+use serde_json::json;
+
+/// Traction coefficients and loads of four rows; the third has none that friction carries.
+fn rows(model: &str) -> Configuration {
+    let mut case = driven(paper(), "traction_coefficient", 0.2);
+    case["mech"] = json!({"model": model, "resolution": 8});
+    let values = [
+        ("motion.traction_coefficient".to_owned(), vec![0.2, 0.35, 0.9, 0.3]),
+        ("load.normal_force".to_owned(), vec![134e3, 120e3, 120e3, 150e3]),
+    ];
+    let times = vec![0.0, 1.0, 2.0, 3.0];
+    let histories = Some(Histories { rows: true, times, values: values.into() });
+    Configuration { histories, ..configuration(&case) }
+}
+
+struct Sequence {
+    model: Box<dyn Model>,
+    layout: Layout,
+    outputs: Vec<String>,
+}
+
+impl Sequence {
+    fn new(model: &str) -> Self {
+        let configuration = rows(model);
+        let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
+        let layout = setup.layout().clone();
+        let model = setup.build(&Progress::default()).expect("a checked case builds");
+        Self { model, layout, outputs: configuration.outputs }
+    }
+
+    fn row(&mut self, window: u64) -> Result<(Store, StepReport), StepError> {
+        let mut store = Store::for_layout(&self.layout, &self.outputs);
+        let step = Step { window, ..Step::STEADY };
+        let report = self.model.solve(&step, &NoInputs, &mut store)?;
+        Ok((store, report))
+    }
+}
+
+/// A row solved again, or from a saved state, is the same to the bit; one without an answer leaves the
+/// next one as if it had not been.
+#[test]
+fn rows_depend_on_what_was_accepted_alone() {
+    for model in ["hertz-carter", "fastsim", "half-space"] {
+        let mut one = Sequence::new(model);
+        one.row(0).unwrap();
+        one.model.accept();
+        let (first, _) = one.row(1).unwrap();
+        let (again, _) = one.row(1).unwrap();
+        assert!(first.0 == again.0, "{model}");
+        one.model.accept();
+        let mut state = Vec::new();
+        one.model.save(&mut state).unwrap();
+        let refused = one.row(2).err().expect("a force beyond friction has no answer");
+        assert!(matches!(refused, StepError::NoSolution(_)), "{model}: {refused}");
+        let (last, _) = one.row(3).unwrap();
+        let mut other = Sequence::new(model);
+        other.model.restore(&mut state.as_slice()).unwrap();
+        let (restored, _) = other.row(3).unwrap();
+        assert!(last.0 == restored.0, "{model}");
+        if model == "half-space" {
+            assert!(other.model.restore(&mut &state[..state.len() / 2]).is_err());
+        }
+    }
+}
