@@ -1,7 +1,7 @@
 //! What the case says of the bodies, motion, load and friction, as plain structs in SI units.
 
 use crate::keys::CheckedParams;
-use proto::bodies::{Bodies, LOWER, UPPER, position_key};
+use proto::bodies::{Bodies, LOWER, UPPER, position_key, surface_speed_key};
 use proto::configuration::Refusal;
 use proto::description::{KeySpec, Renamed};
 use proto::params::Params;
@@ -168,13 +168,7 @@ fn body_keys() -> Vec<KeySpec> {
         )
         .varies(),
         KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
-        KeySpec::quantity(
-            "bodies.*.surface_speed",
-            "m/s",
-            "speed at which the body's surface passes through the contact; absent: motion.speed",
-        )
-        .at_least(0.0)
-        .varies(),
+        surface_speed_key(),
         KeySpec::quantity("materials.*.youngs_modulus", "Pa", "Young's modulus")
             .required()
             .above(0.0),

@@ -2,6 +2,7 @@
 
 use proto::bodies::{
     Bodies, INITIAL_TEMPERATURE, LOWER, UPPER, initial_temperature_key, position_key,
+    surface_speed_key,
 };
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
@@ -95,13 +96,7 @@ pub fn keys() -> Vec<KeySpec> {
         position_key(),
         KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
         initial_temperature_key(),
-        KeySpec::quantity(
-            "bodies.*.surface_speed",
-            "m/s",
-            "speed at which the body's surface passes through the contact; absent: motion.speed",
-        )
-        .at_least(0.0)
-        .varies(),
+        surface_speed_key(),
         property("density", "kg/m3", "mass per volume"),
         property("specific_heat", "J/(kg K)", "heat per mass and temperature"),
         property("conductivity", "W/(m K)", "heat flux per temperature gradient"),

@@ -30,8 +30,11 @@ pub(super) struct DataTable {
 impl DataTable {
     /// Reads a file.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
-        let bytes =
-            std::fs::metadata(path).map_err(|error| format!("cannot be read: {error}"))?.len();
+        let found = std::fs::metadata(path).map_err(|error| format!("cannot be read: {error}"))?;
+        if !found.is_file() {
+            return Err("is no file".to_owned());
+        }
+        let bytes = found.len();
         if bytes > MOST_BYTES {
             return Err(format!("has {bytes} bytes, more than a table may"));
         }

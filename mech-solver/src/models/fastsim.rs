@@ -39,7 +39,7 @@ use crate::keys::CheckedParams;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::names::FASTSIM;
 use crate::models::precomputed::{self, Precomputed};
-use crate::models::row_by_row::{Computed, RowByRow};
+use crate::models::row_by_row::RowByRow;
 use crate::models::varying::Varying;
 use crate::reference::kalker::{self, CreepCoefficients};
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
@@ -162,11 +162,11 @@ fn compute(
     problem: &Problem,
     wanted: &[&'static FieldSpec],
     grid: Structured,
-) -> Result<Computed, Refusal> {
+) -> Result<Precomputed, Refusal> {
     let contact = problem.solve();
     contact.check_power()?;
     let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
-    Ok(Computed {
+    Ok(Precomputed {
         summary: contact.summary(),
         work: cells(problem) as u64,
         fields: wanted.iter().map(values).collect(),
@@ -266,7 +266,6 @@ impl Setup for Prepared {
             };
             return Ok(Box::new(RowByRow::new(varying, Box::new(compute))));
         }
-        let Computed { summary, work, fields } = compute(&first, &wanted, grid)?;
-        Ok(Box::new(Precomputed { summary, work, fields }))
+        Ok(Box::new(compute(&first, &wanted, grid)?))
     }
 }

@@ -27,7 +27,7 @@ use crate::keys::CheckedParams;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::names::HERTZ_CARTER;
 use crate::models::precomputed::{self, Precomputed};
-use crate::models::row_by_row::{Computed, RowByRow};
+use crate::models::row_by_row::RowByRow;
 use crate::models::varying::Varying;
 use crate::scene::{Drive, GivenPatch, Scene, given_patch_keys};
 use case::Case;
@@ -173,7 +173,7 @@ impl Setup for Prepared {
                 Ellipse::refuse_rest(scene)?;
                 let contact = Contact::solve(scene, Ellipse::solve(scene, given)?, law, partial)?;
                 let (summary, work) = (contact.summary(), grid.points() as u64);
-                Ok(Computed { summary, work, fields: all(&wanted, &contact, grid) })
+                Ok(Precomputed { summary, work, fields: all(&wanted, &contact, grid) })
             };
             return Ok(Box::new(RowByRow::new(varying, Box::new(compute))));
         }

@@ -69,7 +69,8 @@ pub(super) struct Precomputed {
 }
 
 impl Precomputed {
-    fn write(&self, outputs: &mut dyn Outputs) {
+    /// Copies the fields that are asked for.
+    pub(super) fn write(&self, outputs: &mut dyn Outputs) {
         for (spec, values) in &self.fields {
             if let Some(place) = outputs.get(spec) {
                 place.copy_from_slice(values);

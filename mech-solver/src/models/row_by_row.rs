@@ -1,31 +1,21 @@
 //! Models without memory whose case varies: their fields are computed in every window.
 
+use super::precomputed::Precomputed;
 use super::varying::{Varying, no_answer};
 use crate::scene::Scene;
 use proto::configuration::Refusal;
-use proto::field::FieldSpec;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 
-/// What a scene gives.
-pub(super) struct Computed {
-    /// The model's part of `summary.json`.
-    pub(super) summary: Value,
-    /// Its measure of work.
-    pub(super) work: u64,
-    /// The fields that are asked for.
-    pub(super) fields: Vec<(&'static FieldSpec, Vec<f64>)>,
-}
-
 /// How a model computes a scene.
-pub(super) type Compute = Box<dyn Fn(&Scene) -> Result<Computed, Refusal>>;
+pub(super) type Compute = Box<dyn Fn(&Scene) -> Result<Precomputed, Refusal>>;
 
 /// The model that runs.
 pub(super) struct RowByRow {
     varying: Varying,
     compute: Compute,
-    trial: Option<Computed>,
+    trial: Option<Precomputed>,
     accepted: Value,
 }
 
@@ -35,10 +25,8 @@ impl RowByRow {
     }
 
     fn write(&self, outputs: &mut dyn Outputs) {
-        for (spec, values) in self.trial.iter().flat_map(|computed| &computed.fields) {
-            if let Some(place) = outputs.get(spec) {
-                place.copy_from_slice(values);
-            }
+        if let Some(computed) = &self.trial {
+            computed.write(outputs);
         }
     }
 }

@@ -37,6 +37,13 @@ pub fn initial_temperature_key() -> KeySpec {
         .default_value(INITIAL_TEMPERATURE)
 }
 
+/// The key of the speed at which the surface of a body passes through the contact.
+#[must_use]
+pub fn surface_speed_key() -> KeySpec {
+    let help = "speed at which the body's surface passes through the contact; absent: motion.speed";
+    KeySpec::quantity("bodies.*.surface_speed", "m/s", help).at_least(0.0).varies()
+}
+
 /// The names that a case gives to the upper and the lower body.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Bodies(pub [String; 2]);

@@ -149,6 +149,7 @@ fn few_processes_are_started_and_fewer_for_a_quick_look() {
         std::fs::read_to_string(folder.path().join("count")).unwrap().lines().count()
     };
     let all = starts(&[], 3);
+    // Each of the checks that begin with a run of their own, once or twice in each setting.
     assert!(all <= 56, "{all} processes for three settings");
     let _ = std::fs::remove_file(folder.path().join("count"));
     let (ended, report) = conform("thermal", &case("wheel-rail.toml"), &["--quick"], &command);

@@ -105,6 +105,47 @@ fn a_row_without_an_answer_ends_the_run_or_is_marked() {
     assert!(first[1] > 0.0 && second[1].is_nan() && third[1] > first[1], "{found:?}");
 }
 
+/// The summary is that of the last row with an answer.
+#[test]
+fn a_last_row_without_an_answer_leaves_the_summary_of_the_one_before() {
+    let data = Data::new("mu\n0.2\n0.9\n");
+    let column = data.column("motion.traction_coefficient", "mu");
+    let common = ["mech.resolution=5", "time.mode=sequence", "time.on_failure=skip", &column];
+    for model in ["mech.model=hertz-carter", "mech.model=fastsim", "mech.model=half-space"] {
+        let place = Place::new();
+        let summary =
+            place.summary(&case("wheel-rail.toml"), &sets(&[&common[..], &[model]].concat()));
+        assert_eq!(summary["coupling"]["rows_without_answer"], 1, "{model}");
+        let carried = summary["contact"]["traction_coefficient"].as_f64().unwrap();
+        assert!(
+            (carried / 0.2 - 1.0).abs() < 1e-4,
+            "tolerance of the tractions, {model}: {carried}"
+        );
+    }
+}
+
+/// Two iterations are too few for friction that falls with temperature, in every row.
+#[test]
+fn a_sequence_without_any_answer_has_failed() {
+    let data = Data::new("V [m/s]\n38\n39\n");
+    let place = Place::new();
+    let set = [
+        "mech.model=half-space",
+        "mech.resolution=8",
+        "time.mode=sequence",
+        "time.on_failure=skip",
+        "coupling.max_iterations=2",
+        &data.column("motion.speed", "V"),
+    ];
+    let ended = place.run(&case("falling-friction.toml"), &sets(&set));
+    assert_eq!(ended.code, Some(3), "{}", ended.stderr);
+    assert!(ended.stderr.contains("not converged in window 1"), "{}", ended.stderr);
+    let summary = fs::read_to_string(place.out().join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["status"], "failed");
+    assert_eq!(summary["coupling"]["rows_without_answer"], 2);
+}
+
 /// In a transient case values go in straight lines from row to row, and hold beyond the last.
 #[test]
 fn a_transient_case_interpolates() {

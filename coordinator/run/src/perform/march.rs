@@ -143,7 +143,10 @@ impl<'a> March<'a> {
         tracing::warn!(row = step.window, "no answer, passed over: {error}");
         self.counts.skipped += 1;
         let (status, iterations) = ("no-answer", self.coupling.step().iteration);
-        self.tables.history.row(&HistoryRecord { step, status, iterations, given: None })
+        self.tables.history.row(&HistoryRecord { step, status, iterations, given: None })?;
+        // Of a sequence without any answer there are no results.
+        let over = Some(step.window + 1) == self.plan.windows.count();
+        if over && self.counts.windows == 0 { Err(error) } else { Ok(()) }
     }
 
     /// A window that is accepted although it has not converged, or although a participant wants a

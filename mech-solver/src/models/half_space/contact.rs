@@ -159,22 +159,6 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// Solves for the tractions of steady rolling from a solution that is near.
-    pub(super) fn improve(
-        &mut self,
-        driven: &Driven,
-        mut near: Solution,
-    ) -> Result<Solution, ContactError> {
-        (near.newton_steps, near.operator_applications) = (0, 0);
-        if self.coupling.is_some() {
-            return self.solve(driven, Some(near), None);
-        }
-        let prescribed = self.prescribed(driven);
-        let levels = self.levels.as_mut().expect("partial slip has its operators");
-        levels.improve(&self.bound, &prescribed, None, &mut near)?;
-        Ok(near)
-    }
-
     /// Takes the friction coefficients of a law at the temperatures that come in.
     pub(super) fn set_friction(
         &mut self,
@@ -234,13 +218,14 @@ impl ContactSolver {
     ) -> Result<Solution, ContactError> {
         let prescribed = self.prescribed(driven);
         let levels = self.levels.as_mut().expect("partial slip has its operators");
+        let solved = near.is_none() && history.is_none();
         let mut solution = match (near, history) {
             (Some(near), _) => near,
             (None, Some(_)) => Solution::new(TangentialState::at_rest(&self.bound, [0.0; 3])),
             (None, None) => levels.solve(&self.bound, &prescribed)?,
         };
         if self.coupling.is_none() {
-            if history.is_some() {
+            if !solved {
                 levels.improve(&self.bound, &prescribed, history, &mut solution)?;
             }
             return Ok(solution);

@@ -68,7 +68,7 @@ impl Steady {
         let near = near.map(|(solution, pressure, search)| {
             contact.pressure = pressure;
             *contact.search() = search;
-            solution
+            Solution::new(solution.state)
         });
         let solved = self.solve_row(&mut contact, near, inputs);
         self.contact = Some(contact);
@@ -115,10 +115,7 @@ impl Steady {
         let mut answer = match case.partial {
             false => Answer::sliding(case, contact),
             true => {
-                let solution = match near {
-                    Some(near) => contact.improve(&case.driven, near)?,
-                    None => contact.solve(&case.driven, None, None)?,
-                };
+                let solution = contact.solve(&case.driven, near, None)?;
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
                 pressure_power = contact.pressure_power(case, &solution.state);
@@ -141,7 +138,8 @@ impl Model for Steady {
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
         let fixed = self.case.friction_law.is_none() && self.following.is_none();
-        let known = self.answer.take().filter(|_| fixed);
+        // What a row without an answer leaves is the answer of an earlier one.
+        let known = if fixed { self.answer.take() } else { None };
         let (answer, report) = match known {
             Some(known) => known,
             None if self.following.is_some() => self.row(step, inputs)?,
