@@ -2,7 +2,8 @@
 //! case gives under `[contact]`, with the grid that covers it and the friction limit it sets.
 
 use crate::reference::hertz;
-use crate::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, RESOLUTION, SPEED, Scene};
+use crate::resolution::{MOST, RESOLUTION};
+use crate::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene};
 use crate::strips::semi_ellipse::SemiEllipse;
 use crate::strips::{Lateral, StripField, Strips};
 use proto::bodies::{LOWER, UPPER};
@@ -141,8 +142,8 @@ impl Ellipse {
     }
 
     fn refuse_beyond_floating_point(&self, scene: &Scene) -> Result<(), Refusal> {
-        // The area of an element is the root of its square.
-        let squared_area = (self.semi_axis_a / scene.resolution as f64).powi(4);
+        // The area of the smallest element is the root of its square.
+        let squared_area = (self.semi_axis_a / MOST as f64).powi(4);
         let size = [squared_area, self.semi_axis_b, self.max_pressure, self.normal_force];
         if size.iter().all(|value| value.is_normal()) {
             return Ok(());

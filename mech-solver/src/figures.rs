@@ -25,6 +25,10 @@ fn extent() -> Vec<FigureSpec> {
         figure(NORMAL_FORCE, "N", "normal force", "N"),
         figure("contact.approach_m", "m", "approach", "approach").rank(9).headline(),
         FigureSpec::new("contact.area_m2", "m2", "contact area"),
+        figure("contact.limited_area_ratio", "1", "area at the largest pressure", "at limit")
+            .style(Style::Percent)
+            .digits(3)
+            .absolute(),
     ]
 }
 

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`models`] | the models by name, one module a fidelity level |
 //! | [`effects`] | the effects by name, one file an effect |
+//! | [`terms`] | what effects contribute to a contact, kind by kind |
 //! | [`reference`] | closed forms, shared by models, tests and reports |
 //! | [`scene`] | the case values every model reads, as plain structs |
 //!
@@ -15,7 +16,7 @@
 //! negative.
 //!
 //! Adding an effect takes its file under `effects/` and one line in [`effects::EFFECTS`]; adding a
-//! model likewise under `models/` and in [`models::MODELS`], with its name in [`models::names`].
+//! model likewise under `models/` and in [`models::MODELS`].
 
 pub mod effects;
 mod ellipse;
@@ -26,12 +27,16 @@ pub mod models;
 #[cfg(test)]
 mod quadrature;
 pub mod reference;
+mod resolution;
 pub mod scene;
 mod slip;
 mod strips;
+mod support;
+pub mod terms;
 
+use effects::{EFFECTS, Effect};
 use proto::configuration::{Configuration, Refusal};
-use proto::description::{Description, EffectSpec};
+use proto::description::{Description, names};
 use proto::model::{Setup, Solver};
 
 /// The mechanics program: every model and every effect of this crate.
@@ -48,7 +53,7 @@ impl Solver for MechSolver {
             standalone: true,
             estimates: true,
             models: models::MODELS.iter().map(|model| (model.spec)()).collect(),
-            effects: effects::EFFECTS.iter().map(|spec| spec()).collect(),
+            effects: EFFECTS.iter().map(|effect| effect.spec(support::models_of(effect))).collect(),
             keys: scene::keys(),
             fields: Vec::new(),
             figures: figures::figures(),
@@ -61,22 +66,21 @@ impl Solver for MechSolver {
     /// the model nor an active effect provides, and what the model itself refuses.
     fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
         let model = models::find(&configuration.model)?;
-        let active = effects::active(configuration)?;
+        let active = support::active(configuration)?;
         let mut provided = (model.spec)().provides;
-        provided.extend(active.into_iter().flat_map(|effect| effect.provides));
+        provided.extend(active.iter().flat_map(|effect| names(effect.provides)));
         for field in configuration.outputs.iter().chain(&configuration.observed) {
             if !provided.contains(field) {
                 return Err(not_provided(field, &configuration.model));
             }
         }
-        (model.configure)(configuration)
+        (model.configure)(configuration, effects::terms(&active, configuration)?)
     }
 }
 
 fn not_provided(field: &str, model: &str) -> Refusal {
-    let specs = effects::EFFECTS.iter().map(|spec| spec());
-    let provides = |effect: &EffectSpec| effect.provides.iter().any(|name| name == field);
-    match specs.into_iter().find(provides) {
+    let provides = |effect: &&Effect| effect.provides.iter().any(|spec| spec.name == field);
+    match EFFECTS.iter().find(provides) {
         Some(effect) => Refusal::new(
             &format!("effects.{}", effect.name),
             format!("the field `{field}` is requested, but the effect that provides it is off"),

@@ -104,8 +104,6 @@ pub struct Scene {
     pub load: Load,
     /// Friction coefficient f [-].
     pub friction_coefficient: f64,
-    /// Elements per semi-axis a.
-    pub resolution: usize,
 }
 
 /// A contact ellipse given by the case in place of the Hertz solution.
@@ -142,12 +140,6 @@ pub fn keys() -> Vec<KeySpec> {
             .varies()
             .required()
             .above(0.0),
-    );
-    keys.push(
-        KeySpec::integer(RESOLUTION, "elements per semi-axis a: dx = dy = a/resolution")
-            .default_value(40)
-            .at_least(1.0)
-            .at_most(2000.0),
     );
     keys
 }
@@ -194,8 +186,6 @@ pub fn renamed() -> Vec<Renamed> {
 
 pub(crate) const NORMAL_FORCE: &str = "load.normal_force";
 pub(crate) const APPROACH: &str = "load.approach";
-/// Key of the elements per semi-axis.
-pub(crate) const RESOLUTION: &str = "mech.resolution";
 
 /// Group of the alternatives that drive the upper body; none of them where surface speeds do.
 pub(crate) const DRIVE: &str = "motion.drive";
@@ -288,8 +278,6 @@ impl Scene {
             speeds,
             load: read_load(&case)?,
             friction_coefficient: case.number("friction.coefficient")?,
-            resolution: usize::try_from(case.integer(RESOLUTION)?)
-                .expect("the key's range is positive and small"),
         })
     }
 
@@ -520,7 +508,6 @@ mod tests {
         let scene = Scene::read(&Params(case())).unwrap();
         assert_eq!(scene.bodies[UPPER].material.youngs_modulus, 210e9);
         assert_eq!(scene.bodies[LOWER].material.poisson_ratio, 0.5);
-        assert_eq!(scene.resolution, 40);
         assert_eq!(scene.bodies[UPPER].radius_y, f64::INFINITY);
         assert_eq!(scene.relative_radius_x(), 0.46);
         assert_eq!(scene.drive, Drive::TractionCoefficient(0.58));
@@ -551,7 +538,6 @@ mod tests {
             refused(|c| c["bodies"]["rail"]["material"] = json!("wood")).key,
             "materials.wood.youngs_modulus"
         );
-        assert_eq!(refused(|c| c["mech"] = json!({"resolution": 2001})).key, "mech.resolution");
         assert_eq!(refused(|c| c["motion"] = json!({"speed": 1.0})).key, "motion");
         let two = refused(|c| c["motion"]["creepage"] = json!({"xi": 0.0}));
         assert_eq!(two.key, "motion.creepage");

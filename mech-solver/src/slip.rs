@@ -1,10 +1,9 @@
-//! How a contact slips: what the models decide and the effects compute with.
+//! How a contact slips: what the models of strips decide.
 //!
 //! Slip velocities are V · s · g(ξ), with ξ = −X = −x/a_y of every strip, from −1 at the leading
 //! to +1 at the trailing edge.
 
 use crate::reference::carter;
-use crate::strips::StripDensity;
 
 /// Where the contact slips, and how fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +27,30 @@ pub(crate) enum Slip {
 }
 
 impl Slip {
+    /// The slip at a prescribed force ratio r = |F|/(f N) in [0, 1].
+    pub(crate) fn at_force_ratio(force_ratio: f64, prefactor: f64) -> Self {
+        Self::at_fraction(carter::slip_fraction(force_ratio), prefactor)
+    }
+
+    /// The slip at a prescribed magnitude s of the creepage; s ≥ A is full slip, s + A ξ.
+    pub(crate) fn at_creep(creep: f64, prefactor: f64) -> Self {
+        if creep >= prefactor {
+            Self::Sliding { creep, gradient: prefactor }
+        } else {
+            Self::at_fraction(creep / prefactor, prefactor)
+        }
+    }
+
+    fn at_fraction(fraction: f64, prefactor: f64) -> Self {
+        if fraction == 0.0 {
+            Self::Adhesion
+        } else if fraction < 1.0 {
+            Self::Partial { fraction, prefactor }
+        } else {
+            Self::Sliding { creep: prefactor, gradient: prefactor }
+        }
+    }
+
     /// Share of the contact area that slips [-].
     pub(crate) fn area_ratio(&self) -> f64 {
         match *self {
@@ -68,16 +91,17 @@ impl Slip {
     }
 }
 
-/// Slip s + A ξ of a contact that slides everywhere.
-pub(crate) struct SlidingSlip {
-    /// Mean slip s [-].
-    pub(crate) creep: f64,
-    /// Gradient A [-].
-    pub(crate) gradient: f64,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl StripDensity for SlidingSlip {
-    fn cumulative(&self, u: f64) -> f64 {
-        u * (self.creep + self.gradient * (1.0 - 0.5 * u))
+    #[test]
+    fn limits_of_creep_and_force() {
+        assert_eq!(Slip::at_force_ratio(0.0, 0.01), Slip::Adhesion);
+        assert_eq!(Slip::at_creep(0.0, 0.01), Slip::Adhesion);
+        assert_eq!(Slip::at_force_ratio(1.0, 0.01), Slip::Sliding { creep: 0.01, gradient: 0.01 });
+        assert_eq!(Slip::at_creep(0.01, 0.01), Slip::Sliding { creep: 0.01, gradient: 0.01 });
+        assert_eq!(Slip::at_creep(0.03, 0.01), Slip::Sliding { creep: 0.03, gradient: 0.01 });
+        assert_eq!(Slip::at_creep(0.005, 0.01), Slip::Partial { fraction: 0.5, prefactor: 0.01 });
     }
 }

@@ -1,46 +1,93 @@
-//! The effects by name. An effect is a file of this folder, with its law and its code, and one line
+//! The effects by name. An effect is a file of this folder, with its law and its terms, and one line
 //! in [`EFFECTS`]. An effect that a case does not name leaves no trace at run time.
 
 pub mod friction_heat;
 pub mod partial_slip;
+pub mod pressure_limit;
 pub mod roughness;
 pub mod subsurface_stress;
 pub mod temperature_friction;
 pub mod third_body_layer;
 
+use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};
-use proto::description::EffectSpec;
+use proto::description::{EffectSpec, KeySpec, names};
+use proto::field::FieldSpec;
 
 /// Every effect of this crate.
-pub const EFFECTS: &[fn() -> EffectSpec] = &[
-    friction_heat::spec,
-    partial_slip::spec,
-    roughness::spec,
-    subsurface_stress::spec,
-    temperature_friction::spec,
-    third_body_layer::spec,
+pub const EFFECTS: &[Effect] = &[
+    friction_heat::EFFECT,
+    partial_slip::EFFECT,
+    pressure_limit::EFFECT,
+    roughness::EFFECT,
+    subsurface_stress::EFFECT,
+    temperature_friction::EFFECT,
+    third_body_layer::EFFECT,
 ];
 
-/// The active effects of a configuration.
-///
-/// # Errors
-/// Refuses an effect that is not in [`EFFECTS`] or that the chosen model does not support.
-pub fn active(configuration: &Configuration) -> Result<Vec<EffectSpec>, Refusal> {
-    let table = configuration.case.get("effects").and_then(serde_json::Value::as_object);
-    table.into_iter().flatten().map(|(name, _)| supported(name, &configuration.model)).collect()
+/// An effect of the list.
+pub struct Effect {
+    /// Name in the case file.
+    pub name: &'static str,
+    /// Its law in a line.
+    pub law: &'static str,
+    /// Where the law comes from.
+    pub source: &'static str,
+    /// The kinds of terms that it makes.
+    pub kinds: &'static [Kind],
+    /// The fields that it consumes.
+    pub consumes: &'static [&'static FieldSpec],
+    /// The fields that it provides.
+    pub provides: &'static [&'static FieldSpec],
+    /// The keys of its table.
+    pub keys: fn() -> Vec<KeySpec>,
+    /// Makes its terms; refuses values that are missing or out of range.
+    pub(crate) terms: fn(&Configuration) -> Result<Terms, Refusal>,
 }
 
-fn supported(name: &str, model: &str) -> Result<EffectSpec, Refusal> {
-    let key = format!("effects.{name}");
-    let mut specs = EFFECTS.iter().map(|spec| spec());
-    let Some(effect) = specs.find(|effect| effect.name == name) else {
-        let known: Vec<_> = EFFECTS.iter().map(|spec| spec().name).collect();
-        let reason = "there is no such effect in the mechanics";
-        return Err(Refusal::new(&key, reason, format!("known are {}", known.join(", "))));
-    };
-    if effect.models.iter().any(|supporting| supporting == model) {
-        return Ok(effect);
+impl Effect {
+    /// What the description says of it, with the models that support it.
+    #[must_use]
+    pub fn spec(&self, models: Vec<String>) -> EffectSpec {
+        EffectSpec {
+            name: self.name.to_owned(),
+            law: self.law.to_owned(),
+            source: self.source.to_owned(),
+            models,
+            consumes: names(self.consumes),
+            provides: names(self.provides),
+            keys: (self.keys)(),
+        }
     }
-    let fix = format!("choose one of {} or remove the effect", effect.models.join(", "));
-    Err(Refusal::new(&key, format!("the model `{model}` does not support it"), fix))
+}
+
+/// The terms of some effects of a configuration.
+pub(crate) fn terms(
+    effects: &[&'static Effect],
+    configuration: &Configuration,
+) -> Result<Terms, Refusal> {
+    let mut terms = Terms::default();
+    for effect in effects {
+        terms.join(effect.name, effect.kinds, (effect.terms)(configuration)?);
+    }
+    Ok(terms)
+}
+
+/// The effects that make terms of a kind, by name.
+pub(crate) fn of_kind(kind: Kind) -> impl Iterator<Item = &'static str> {
+    EFFECTS.iter().filter(move |effect| effect.kinds.contains(&kind)).map(|effect| effect.name)
+}
+
+/// What a case lacks that needs an effect of this kind, and has none.
+pub(crate) fn lacking(kind: Kind, reason: &str) -> Refusal {
+    let names: Vec<_> = of_kind(kind).collect();
+    let fix: Vec<_> = names.iter().map(|name| format!("[effects.{name}]")).collect();
+    let key = format!("effects.{}", names.first().copied().unwrap_or_default());
+    Refusal::new(&key, reason, format!("add {}", fix.join(" or ")))
+}
+
+/// How a sentence begins that says what holds without the effects of a kind.
+pub(crate) fn without(kind: Kind) -> String {
+    let names: Vec<_> = of_kind(kind).map(|name| format!("effects.{name}")).collect();
+    if names.is_empty() { String::new() } else { format!("without {}: ", names.join(" and ")) }
 }

@@ -13,15 +13,26 @@
 //! Source: Persson et al., J. Phys.: Condens. Matter 17 (2005) R1–R62, for self-affine surfaces;
 //! Longuet-Higgins, Phil. Trans. R. Soc. A 250 (1957) 157–174, for the sum of waves.
 
+use super::Effect;
 use crate::keys::CheckedParams;
-use crate::models::names::HALF_SPACE;
+use crate::terms::{GapTerm, Kind, State, Terms};
 use proto::configuration::{Configuration, Refusal};
-use proto::description::{EffectSpec, KeySpec};
+use proto::description::KeySpec;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// Name in the case file.
-pub const NAME: &str = "roughness";
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "roughness",
+    law: "heights from a map or of a self-affine surface, added to the undeformed distance",
+    source: "Persson et al., J. Phys.: Condens. Matter 17 (2005) R1-R62; Longuet-Higgins, Phil. \
+             Trans. R. Soc. A 250 (1957) 157-174",
+    kinds: &[Kind::Gap],
+    consumes: &[],
+    provides: &[],
+    keys,
+    terms,
+};
 
 /// Waves of a self-affine surface.
 const WAVES: usize = 400;
@@ -55,26 +66,9 @@ fn keys() -> Vec<KeySpec> {
     ]
 }
 
-/// What the description says of this effect.
-#[must_use]
-pub fn spec() -> EffectSpec {
-    EffectSpec {
-        name: NAME.to_owned(),
-        law: "heights from a map or of a self-affine surface, added to the undeformed distance"
-            .to_owned(),
-        source: "Persson et al., J. Phys.: Condens. Matter 17 (2005) R1-R62; Longuet-Higgins, \
-                 Phil. Trans. R. Soc. A 250 (1957) 157-174"
-            .to_owned(),
-        models: vec![HALF_SPACE.to_owned()],
-        consumes: Vec::new(),
-        provides: Vec::new(),
-        keys: keys(),
-    }
-}
-
 /// Heights of a rough surface.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Roughness {
+#[derive(Debug, PartialEq)]
+enum Roughness {
     /// Points of a regular map, continued periodically.
     Map(HeightMap),
     /// A sum of waves.
@@ -82,8 +76,8 @@ pub enum Roughness {
 }
 
 /// A regular map of heights.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HeightMap {
+#[derive(Debug, PartialEq)]
+struct HeightMap {
     columns: usize,
     spacing: f64,
     heights: Vec<f64>,
@@ -91,7 +85,7 @@ pub struct HeightMap {
 
 /// One wave of a self-affine surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wave {
+struct Wave {
     /// Wave numbers along x and y [rad/m].
     wave_number: [f64; 2],
     /// Phase [rad].
@@ -100,14 +94,13 @@ pub struct Wave {
     amplitude: f64,
 }
 
-/// The roughness of a configuration; `None` when the effect is off.
-///
-/// # Errors
-/// The effect is on and its values are missing or out of range, or the file is no height map.
-pub(crate) fn read(configuration: &Configuration) -> Result<Option<Roughness>, Refusal> {
-    if !configuration.has_effect(NAME) {
-        return Ok(None);
-    }
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    Ok(Terms { gap: vec![Box::new(read(configuration)?)], ..Terms::default() })
+}
+
+/// The roughness of a configuration; refused if values are missing or out of range, or the file is no
+/// height map.
+fn read(configuration: &Configuration) -> Result<Roughness, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
     if case.has(FILE) {
         let path = case.text(FILE)?;
@@ -120,7 +113,7 @@ pub(crate) fn read(configuration: &Configuration) -> Result<Option<Roughness>, R
         }
         let text = std::fs::read(Path::new(path)).map_err(|error| wrong(error.to_string()))?;
         let map = HeightMap::parse(&text, case.number(SPACING)?, case.number(SCALE)?);
-        return map.map(|map| Some(Roughness::Map(map))).map_err(wrong);
+        return map.map(Roughness::Map).map_err(wrong);
     }
     let (longest, shortest) = (case.number(LONGEST)?, case.number(SHORTEST)?);
     if shortest >= longest {
@@ -132,13 +125,13 @@ pub(crate) fn read(configuration: &Configuration) -> Result<Option<Roughness>, R
     }
     let seed = case.integer(SEED)?.unsigned_abs();
     let waves = self_affine(case.number(RMS)?, case.number(HURST)?, [longest, shortest], seed);
-    Ok(Some(Roughness::Waves(waves)))
+    Ok(Roughness::Waves(waves))
 }
 
-impl Roughness {
-    /// Height at a point [m].
-    #[must_use]
-    pub fn height(&self, x: f64, y: f64) -> f64 {
+impl State for Roughness {}
+
+impl GapTerm for Roughness {
+    fn height(&self, x: f64, y: f64) -> f64 {
         match self {
             Self::Map(map) => map.height(x, y),
             Self::Waves(waves) => {
@@ -153,11 +146,9 @@ impl Roughness {
 }
 
 impl HeightMap {
-    /// Reads rows of numbers, separated by commas or blanks; `#` begins a comment.
-    ///
-    /// # Errors
-    /// What is wrong, after the file's name.
-    pub fn parse(text: &[u8], spacing: f64, scale: f64) -> Result<Self, String> {
+    /// Reads rows of numbers, separated by commas or blanks; `#` begins a comment. The error is what
+    /// is wrong, after the file's name.
+    fn parse(text: &[u8], spacing: f64, scale: f64) -> Result<Self, String> {
         let text = std::str::from_utf8(text).map_err(|_| "is not text".to_owned())?;
         let (mut columns, mut heights) = (0, Vec::new());
         for (line, row) in text.lines().enumerate() {

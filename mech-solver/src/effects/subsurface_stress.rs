@@ -6,23 +6,34 @@
 //!
 //! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5.
 
+use super::Effect;
 use crate::half_space::subsurface::{Section, SurfaceLoad};
 use crate::keys::CheckedParams;
-use crate::models::names::HALF_SPACE;
 use crate::scene::Scene;
+use crate::terms::{Accepted, Kind, Observation, Place, State, Terms};
 use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};
-use proto::description::{EffectSpec, KeySpec, names};
+use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::Outputs;
 use serde_json::{Value, json};
 
-/// Name in the case file.
-pub const NAME: &str = "subsurface_stress";
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "subsurface_stress",
+    law: "von Mises stress sqrt(3 J2) and largest shear stress (s1 - s3)/2 of the elastic half-spaces \
+          in a vertical section",
+    source: "Johnson, Contact Mechanics (1985) par. 3.2, 3.6; Love, Phil. Trans. R. Soc. A 228 (1929)",
+    kinds: &[Kind::Observation],
+    consumes: &[],
+    provides: &[&VON_MISES[0], &VON_MISES[1], &MAX_SHEAR[0], &MAX_SHEAR[1]],
+    keys,
+    terms,
+};
 
 /// Names of the grids of both bodies.
-pub(crate) const GRIDS: [&str; 2] = ["upper_stress_section", "lower_stress_section"];
+const GRIDS: [&str; 2] = ["upper_stress_section", "lower_stress_section"];
 const VON_MISES: [FieldSpec; 2] = [field::UPPER_SECTION_VON_MISES, field::LOWER_SECTION_VON_MISES];
 const MAX_SHEAR: [FieldSpec; 2] = [field::UPPER_SECTION_MAX_SHEAR, field::LOWER_SECTION_MAX_SHEAR];
 
@@ -53,37 +64,28 @@ fn keys() -> Vec<KeySpec> {
     ]
 }
 
-/// What the description says of this effect.
-#[must_use]
-pub fn spec() -> EffectSpec {
-    let fields = [&VON_MISES[0], &VON_MISES[1], &MAX_SHEAR[0], &MAX_SHEAR[1]];
-    EffectSpec {
-        name: NAME.to_owned(),
-        law: "von Mises stress sqrt(3 J2) and largest shear stress (s1 - s3)/2 of the elastic \
-              half-spaces in a vertical section"
-            .to_owned(),
-        source:
-            "Johnson, Contact Mechanics (1985) par. 3.2, 3.6; Love, Phil. Trans. R. Soc. A 228 \
-                 (1929)"
-                .to_owned(),
-        models: vec![HALF_SPACE.to_owned()],
-        consumes: Vec::new(),
-        provides: names(&fields),
-        keys: keys(),
-    }
-}
-
 /// The sections that a case asks for.
-#[derive(Clone, Debug)]
-pub(crate) struct Sections {
-    contact: Structured,
-    y: f64,
-    depths: Vec<f64>,
+#[derive(Debug)]
+struct Sections {
+    /// Depth [m]; `None` for what suits the contact.
+    depth: Option<f64>,
+    layers: usize,
+    /// Lateral coordinate [m]; `None` for that of the highest pressure.
+    y: Option<f64>,
     /// What the case calls the bodies.
     names: Bodies,
     /// Poisson's ratios of both bodies.
     poisson: [f64; 2],
+    on: Option<Plane>,
     results: Option<[Fields; 2]>,
+}
+
+/// Where the sections lie.
+#[derive(Debug)]
+struct Plane {
+    contact: Structured,
+    y: f64,
+    depths: Vec<f64>,
 }
 
 /// The stresses of one body, depth after depth [Pa].
@@ -93,63 +95,60 @@ struct Fields {
     max_shear: Vec<f64>,
 }
 
-impl Sections {
-    /// The sections of a configuration; `None` when the effect is off. The highest pressure without
-    /// friction is at `peak_y` [m].
-    ///
-    /// # Errors
-    /// The effect is on and a value is out of range.
-    pub(crate) fn read(
-        configuration: &Configuration,
-        scene: &Scene,
-        contact: Structured,
-        [a, b]: [f64; 2],
-        peak_y: f64,
-    ) -> Result<Option<Self>, Refusal> {
-        if !configuration.has_effect(NAME) {
-            return Ok(None);
-        }
-        let case = CheckedParams::new(&configuration.case, keys());
-        let depth = case.maybe_number(DEPTH_KEY)?.unwrap_or(DEPTH * a.max(b));
-        let layers = usize::try_from(case.integer(LAYERS)?).expect("the key's range is positive");
-        let step = depth / layers as f64;
-        Ok(Some(Self {
-            contact,
-            y: case.maybe_number(LATERAL)?.unwrap_or(peak_y),
-            depths: (0..layers).map(|k| (k as f64 + 0.5) * step).collect(),
-            names: scene.names.clone(),
-            poisson: scene.materials().map(|material| material.poisson_ratio),
-            results: None,
-        }))
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let case = CheckedParams::new(&configuration.case, keys());
+    let scene = Scene::read(&configuration.case)?;
+    let sections = Sections {
+        depth: case.maybe_number(DEPTH_KEY)?,
+        layers: usize::try_from(case.integer(LAYERS)?).expect("the key's range is positive"),
+        y: case.maybe_number(LATERAL)?,
+        poisson: scene.materials().map(|material| material.poisson_ratio),
+        names: scene.names,
+        on: None,
+        results: None,
+    };
+    Ok(Terms { observations: vec![Box::new(sections)], ..Terms::default() })
+}
+
+impl State for Sections {}
+
+impl Observation for Sections {
+    fn place(&mut self, place: &Place) {
+        let [a, b] = place.semi_axes;
+        let step = self.depth.unwrap_or(DEPTH * a.max(b)) / self.layers as f64;
+        self.on = Some(Plane {
+            contact: place.grid,
+            y: self.y.unwrap_or(place.peak_y),
+            depths: (0..self.layers).map(|k| (k as f64 + 0.5) * step).collect(),
+        });
     }
 
-    /// The grid of a body's section and the fields on it: the upper one lies above the contact, the
-    /// lower one below.
-    pub(crate) fn grid_of(&self, spec: &FieldSpec) -> Option<&'static str> {
-        let body = (0..2).find(|body| [VON_MISES[*body], MAX_SHEAR[*body]].contains(spec))?;
+    /// The section of the upper body lies above the contact, that of the lower one below.
+    fn grids(&self) -> Vec<(&'static str, Structured)> {
+        let Some(Plane { contact, y, depths }) = &self.on else { return Vec::new() };
+        let step = 2.0 * depths[0];
+        let grid = |up: f64| Structured {
+            origin: [contact.x(0), *y, up * depths[0]],
+            step_i: contact.step_i,
+            step_j: [0.0, 0.0, up * step],
+            ni: contact.ni,
+            nj: depths.len(),
+        };
+        vec![(GRIDS[0], grid(1.0)), (GRIDS[1], grid(-1.0))]
+    }
+
+    fn grid_of(&self, field: &FieldSpec) -> Option<&'static str> {
+        let body = (0..2).find(|body| [VON_MISES[*body], MAX_SHEAR[*body]].contains(field))?;
         Some(GRIDS[body])
     }
 
-    /// The grids of both bodies.
-    pub(crate) fn grids(&self) -> [(&'static str, Structured); 2] {
-        let step = 2.0 * self.depths[0];
-        let grid = |up: f64| Structured {
-            origin: [self.contact.x(0), self.y, up * self.depths[0]],
-            step_i: self.contact.step_i,
-            step_j: [0.0, 0.0, up * step],
-            ni: self.contact.ni,
-            nj: self.depths.len(),
-        };
-        [(GRIDS[0], grid(1.0)), (GRIDS[1], grid(-1.0))]
-    }
-
-    /// Computes the stresses under a pressure and the tractions on the upper body, x then y [Pa].
-    pub(crate) fn compute(&mut self, pressure: &[f64], traction: &[f64]) {
-        let turned: Vec<f64> = traction.iter().map(|value| -value).collect();
-        let on = [traction, &turned];
+    fn observe(&mut self, accepted: &Accepted<'_>) {
+        let Some(Plane { contact, y, depths }) = &self.on else { return };
+        let turned: Vec<f64> = accepted.traction.iter().map(|value| -value).collect();
+        let on = [accepted.traction, &turned];
         self.results = Some(std::array::from_fn(|body| {
-            let load = SurfaceLoad::new(&self.contact, pressure, on[body]);
-            let mut section = Section::new(&self.contact, self.poisson[body], self.y, &self.depths);
+            let load = SurfaceLoad::new(contact, accepted.pressure, on[body]);
+            let mut section = Section::new(contact, self.poisson[body], *y, depths);
             let zeros = vec![0.0; section.points()];
             let mut fields = Fields { von_mises: zeros.clone(), max_shear: zeros };
             section.equivalents(&load, &mut fields.von_mises, &mut fields.max_shear);
@@ -157,8 +156,7 @@ impl Sections {
         }));
     }
 
-    /// Writes the fields that are asked for.
-    pub(crate) fn write(&self, outputs: &mut dyn Outputs) {
+    fn write(&self, outputs: &mut dyn Outputs) {
         for (body, fields) in self.results.iter().flatten().enumerate() {
             for (spec, values) in
                 [(&VON_MISES[body], &fields.von_mises), (&MAX_SHEAR[body], &fields.max_shear)]
@@ -170,12 +168,12 @@ impl Sections {
         }
     }
 
-    /// The section `stress` of `summary.json`: the largest values and where they are.
-    pub(crate) fn summary(&self) -> Option<Value> {
-        let results = self.results.as_ref()?;
+    /// The largest values and where they are.
+    fn summary(&self) -> Option<(&'static str, Value)> {
+        let (Plane { contact, y, depths }, results) = (self.on.as_ref()?, self.results.as_ref()?);
         let largest = |values: &[f64]| {
             let (at, value) = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-            Some((*value, self.contact.x(at % self.contact.ni), self.depths[at / self.contact.ni]))
+            Some((*value, contact.x(at % contact.ni), depths[at / contact.ni]))
         };
         let body = |fields: &Fields| {
             let (von_mises, x, depth) = largest(&fields.von_mises)?;
@@ -183,7 +181,7 @@ impl Sections {
             Some(json!({
                 "max_von_mises_pa": von_mises, "von_mises_x_m": x, "von_mises_depth_m": depth,
                 "max_shear_pa": shear, "shear_x_m": shear_x, "shear_depth_m": shear_depth,
-                "section_y_m": self.y,
+                "section_y_m": y,
             }))
         };
         let names = &self.names.0;
@@ -191,6 +189,6 @@ impl Sections {
             .iter()
             .zip(results)
             .filter_map(|(name, fields)| Some((name.clone(), body(fields)?)));
-        Some(Value::Object(both.collect()))
+        Some(("stress", Value::Object(both.collect())))
     }
 }

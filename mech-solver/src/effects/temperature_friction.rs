@@ -11,23 +11,34 @@
 //! On its way the loop may be hotter than where it settles, and friction carry less than the force that
 //! is prescribed. Such an iterate is answered with the force that it carries while all slips, which
 //! joins the answers below the limit, so that the loop may cool and find the force again. It is no
-//! solution: as an accepted state it is refused, with both forces ([`Shortfall`]).
+//! solution: as an accepted state it is refused, with both forces.
 //!
 //! Source: Ertz & Bucher, Vehicle System Dynamics 37 supplement (2002) 675–684, for friction that
 //! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over the
 //! slip velocity.
 
+use super::Effect;
 use crate::keys::CheckedParams;
-use crate::models::names::{HALF_SPACE, HERTZ_CARTER};
+use crate::terms::{FrictionTerm, Kind, State, Terms};
 use proto::configuration::{Configuration, Refusal};
-use proto::description::{EffectSpec, KeySpec, names};
+use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::{Inputs, StepError, first_non_finite};
 use std::path::Path;
 
-/// Name in the case file.
-pub const NAME: &str = "temperature_friction";
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "temperature_friction",
+    law: "f(T) = f_inf + (f_0 - f_inf) exp(-T/T_c), or a table; T the mean rise of both surfaces",
+    source: "Ertz & Bucher, Vehicle System Dynamics 37 suppl. (2002) 675-684; Polach, Wear 258 \
+             (2005) 992-1000",
+    kinds: &[Kind::Friction],
+    consumes: &[&SURFACES[0], &SURFACES[1]],
+    provides: &[],
+    keys,
+    terms,
+};
 
 const LIMIT: &str = "effects.temperature_friction.limit";
 const DECAY: &str = "effects.temperature_friction.decay_temperature";
@@ -55,52 +66,11 @@ fn keys() -> Vec<KeySpec> {
     ]
 }
 
-/// What the description says of this effect.
-#[must_use]
-pub fn spec() -> EffectSpec {
-    EffectSpec {
-        name: NAME.to_owned(),
-        law: "f(T) = f_inf + (f_0 - f_inf) exp(-T/T_c), or a table; T the mean rise of both \
-              surfaces"
-            .to_owned(),
-        source:
-            "Ertz & Bucher, Vehicle System Dynamics 37 suppl. (2002) 675-684; Polach, Wear 258 \
-                 (2005) 992-1000"
-                .to_owned(),
-        models: [HERTZ_CARTER, HALF_SPACE].map(str::to_owned).to_vec(),
-        consumes: names(&[&SURFACES[0], &SURFACES[1]]),
-        provides: Vec::new(),
-        keys: keys(),
-    }
-}
-
-/// A force that friction does not carry at the temperatures of an iterate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Shortfall {
-    /// What is prescribed [N].
-    pub(crate) asked: f64,
-    /// What the answer has [N].
-    pub(crate) carried: f64,
-}
-
-impl Shortfall {
-    /// The error of a state that would be accepted so.
-    pub(crate) fn refused(shortfall: Option<Self>) -> Result<(), StepError> {
-        let Some(Self { asked, carried }) = shortfall else { return Ok(()) };
-        Err(StepError::NoSolution(format!(
-            "the contact is too hot for the force: {asked:.6e} N are prescribed, and at these \
-             temperatures friction carries {carried:.6e} N; prescribe less, or motion.creepage"
-        )))
-    }
-}
-
 /// How friction depends on temperature.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum FrictionLaw {
+#[derive(Debug, PartialEq)]
+enum FrictionLaw {
     /// f_∞ + (f_0 − f_∞) e^{−T/T_c}.
     Decay {
-        /// f_0 [-].
-        cold: f64,
         /// f_∞ [-].
         hot: f64,
         /// T_c [K].
@@ -115,48 +85,29 @@ pub(crate) enum FrictionLaw {
     },
 }
 
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    Ok(Terms { friction: vec![Box::new(read(configuration)?)], ..Terms::default() })
+}
+
+fn read(configuration: &Configuration) -> Result<FrictionLaw, Refusal> {
+    let case = CheckedParams::new(&configuration.case, keys());
+    if case.has(TABLE) {
+        let path = case.text(TABLE)?;
+        let points = read_table(Path::new(path)).map_err(|reason| {
+            let fix = "give lines of two numbers, temperature rising";
+            Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
+        })?;
+        let clamp = case.text(BEYOND)? == "clamp";
+        return Ok(FrictionLaw::Table { points, clamp });
+    }
+    Ok(FrictionLaw::Decay { hot: case.number(LIMIT)?, scale: case.number(DECAY)? })
+}
+
 impl FrictionLaw {
-    /// The law of a configuration; `None` when the effect is off.
-    ///
-    /// # Errors
-    /// The effect is on and its values are missing or out of range.
-    pub(crate) fn read(
-        configuration: &Configuration,
-        friction: f64,
-    ) -> Result<Option<Self>, Refusal> {
-        if !configuration.has_effect(NAME) {
-            return Ok(None);
-        }
-        let case = CheckedParams::new(&configuration.case, keys());
-        if case.has(TABLE) {
-            let path = case.text(TABLE)?;
-            let points = read_table(Path::new(path)).map_err(|reason| {
-                let fix = "give lines of two numbers, temperature rising";
-                Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
-            })?;
-            let clamp = case.text(BEYOND)? == "clamp";
-            return Ok(Some(Self::Table { points, clamp }));
-        }
-        Ok(Some(Self::Decay {
-            cold: friction,
-            hot: case.number(LIMIT)?,
-            scale: case.number(DECAY)?,
-        }))
-    }
-
-    /// Takes another friction coefficient of the case.
-    pub(crate) fn follow(&mut self, friction: f64) {
-        if let Self::Decay { cold, .. } = self {
-            *cold = friction;
-        }
-    }
-
-    /// f(T); `None` beyond the table.
-    pub(crate) fn coefficient(&self, temperature: f64) -> Option<f64> {
+    /// f(T) of a friction coefficient f_0; `None` beyond the table.
+    fn coefficient(&self, cold: f64, temperature: f64) -> Option<f64> {
         match self {
-            Self::Decay { cold, hot, scale } => {
-                Some(hot + (cold - hot) * (-temperature / scale).exp())
-            }
+            Self::Decay { hot, scale } => Some(hot + (cold - hot) * (-temperature / scale).exp()),
             Self::Table { points, clamp } => {
                 let right = points.partition_point(|(at, _)| *at <= temperature);
                 let (first, last) = (points[0], points[points.len() - 1]);
@@ -174,40 +125,26 @@ impl FrictionLaw {
             }
         }
     }
+}
 
-    /// Friction coefficients at the centres of a grid's elements.
-    ///
-    /// # Errors
-    /// A temperature is missing, not finite, not on a structured grid along x and y, or beyond the
-    /// table. The grid may be another one in every solve.
-    pub(crate) fn on_grid(
-        &self,
+impl State for FrictionLaw {}
+
+impl FrictionTerm for FrictionLaw {
+    /// The grid of the temperatures may be another one in every solve; it is structured along x and y.
+    fn apply(
+        &mut self,
         inputs: &dyn Inputs,
         grid: &Structured,
-        friction: &mut Vec<f64>,
+        friction: &mut [f64],
     ) -> Result<(), StepError> {
-        friction.clear();
-        friction.resize(grid.points(), 0.0);
-        for surface in &SURFACES {
-            let missing = || StepError::MissingInput { field: surface.name.to_owned() };
-            let input = inputs.get(surface).ok_or_else(missing)?;
-            if let Some(index) = first_non_finite(input.values) {
-                let (field, value) = (surface.name.to_owned(), input.values[index]);
-                return Err(StepError::NonFiniteInput { field, index, value });
-            }
-            let Some(from) = input.grid.as_structured().filter(|from| is_along_axes(from)) else {
-                let name = surface.name;
-                let reason = format!("`{name}` is not on a structured grid along x and y");
-                return Err(StepError::NoSolution(reason));
+        let surfaces = [surface(inputs, &SURFACES[0])?, surface(inputs, &SURFACES[1])?];
+        for (index, friction) in friction.iter_mut().enumerate() {
+            let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
+            let mean = |sum: f64, (from, values): &(&Structured, &[f64])| {
+                sum + 0.5 * bilinear(from, values, x, y)
             };
-            for (index, sum) in friction.iter_mut().enumerate() {
-                let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
-                *sum += 0.5 * bilinear(from, input.values, x, y);
-            }
-        }
-        for value in friction.iter_mut() {
-            let temperature = value.max(0.0);
-            *value = self.coefficient(temperature).ok_or_else(|| {
+            let temperature = surfaces.iter().fold(0.0, mean).max(0.0);
+            *friction = self.coefficient(*friction, temperature).ok_or_else(|| {
                 StepError::NoSolution(format!(
                     "the contact temperature rise of {temperature:.1} K is beyond the table of \
                      {TABLE}; extend it, or write {BEYOND} = \"clamp\""
@@ -215,6 +152,31 @@ impl FrictionLaw {
             })?;
         }
         Ok(())
+    }
+
+    fn shortfall(&self) -> &'static str {
+        "the contact is too hot for the force"
+    }
+}
+
+/// The temperatures of a surface and their grid.
+fn surface<'a>(
+    inputs: &'a dyn Inputs,
+    surface: &FieldSpec,
+) -> Result<(&'a Structured, &'a [f64]), StepError> {
+    let missing = || StepError::MissingInput { field: surface.name.to_owned() };
+    let input = inputs.get(surface).ok_or_else(missing)?;
+    if let Some(index) = first_non_finite(input.values) {
+        let (field, value) = (surface.name.to_owned(), input.values[index]);
+        return Err(StepError::NonFiniteInput { field, index, value });
+    }
+    match input.grid.as_structured().filter(|from| is_along_axes(from)) {
+        Some(grid) => Ok((grid, input.values)),
+        None => {
+            let name = surface.name;
+            let reason = format!("`{name}` is not on a structured grid along x and y");
+            Err(StepError::NoSolution(reason))
+        }
     }
 }
 
@@ -281,9 +243,9 @@ mod tests {
 
     #[test]
     fn decay_from_cold_to_hot() {
-        let law = FrictionLaw::Decay { cold: 0.6, hot: 0.2, scale: 100.0 };
-        assert_eq!(law.coefficient(0.0), Some(0.6));
-        let value = law.coefficient(100.0).unwrap();
+        let law = FrictionLaw::Decay { hot: 0.2, scale: 100.0 };
+        assert_eq!(law.coefficient(0.6, 0.0), Some(0.6));
+        let value = law.coefficient(0.6, 100.0).unwrap();
         assert!((value - (0.2 + 0.4 / std::f64::consts::E)).abs() < 1e-15);
     }
 
@@ -291,11 +253,14 @@ mod tests {
     fn table_lines_and_ends() {
         let points = parse_table(b"# rise, f\n0, 0.5\n100 0.3\n200\t0.2 # hot\n").unwrap();
         let law = |clamp| FrictionLaw::Table { points: points.clone(), clamp };
-        assert_eq!(law(false).coefficient(50.0), Some(0.4));
-        assert_eq!(law(false).coefficient(200.0), Some(0.2));
-        assert_eq!((law(false).coefficient(201.0), law(false).coefficient(-1.0)), (None, None));
-        assert_eq!(law(true).coefficient(1e9), Some(0.2));
-        assert_eq!(law(true).coefficient(-1.0), Some(0.5));
+        assert_eq!(law(false).coefficient(0.6, 50.0), Some(0.4));
+        assert_eq!(law(false).coefficient(0.6, 200.0), Some(0.2));
+        assert_eq!(
+            (law(false).coefficient(0.6, 201.0), law(false).coefficient(0.6, -1.0)),
+            (None, None)
+        );
+        assert_eq!(law(true).coefficient(0.6, 1e9), Some(0.2));
+        assert_eq!(law(true).coefficient(0.6, -1.0), Some(0.5));
         for (text, part) in
             [("", "no line"), ("1,2\n1,2", "line 2"), ("1", "line 1"), ("0,0", "above 0")]
         {
@@ -329,21 +294,21 @@ mod tests {
     /// rather than misread.
     #[test]
     fn friction_follows_a_grid_that_moves() {
-        let law = FrictionLaw::Table { points: vec![(0.0, 1.0), (10.0, 2.0)], clamp: false };
+        let mut law = FrictionLaw::Table { points: vec![(0.0, 1.0), (10.0, 2.0)], clamp: false };
         let own = Structured::contact_plane(0.0, 0.0, 0.5, 0.5, 3, 2);
-        let mut friction = Vec::new();
+        let mut friction = vec![0.6; 6];
         for shift in [0.0, 0.25] {
             let mut shape = Structured::contact_plane(shift - 1.0, -1.0, 0.5, 0.5, 7, 7);
             let values = (0..49).map(|k| 2.0 + shape.x(k % 7)).collect();
             let mut surfaces = Surfaces(proto::grid::Grid::structured("contact", shape), values);
-            law.on_grid(&surfaces, &own, &mut friction).unwrap();
+            law.apply(&surfaces, &own, &mut friction).unwrap();
             for (k, found) in friction.iter().enumerate() {
                 let expected = 1.0 + 0.1 * (2.0 + own.x(k % 3));
                 assert!((found - expected).abs() < 1e-14, "rounding: {found} {expected}");
             }
             shape.step_i = [0.3, 0.4, 0.0];
             surfaces.0 = proto::grid::Grid::structured("contact", shape);
-            let refused = law.on_grid(&surfaces, &own, &mut friction).unwrap_err();
+            let refused = law.apply(&surfaces, &own, &mut friction).unwrap_err();
             assert!(refused.to_string().contains("along x and y"), "{refused}");
         }
     }
@@ -354,11 +319,11 @@ mod tests {
         let own = Structured::contact_plane(0.0, 0.0, 0.5, 0.5, 3, 2);
         let grid = proto::grid::Grid::structured("contact", own);
         let surfaces = Surfaces(grid, vec![-1e6; 6]);
-        let decay = FrictionLaw::Decay { cold: 0.6, hot: 0.0, scale: 10.0 };
+        let decay = FrictionLaw::Decay { hot: 0.0, scale: 10.0 };
         let table = FrictionLaw::Table { points: vec![(0.0, 0.6), (10.0, 0.2)], clamp: false };
-        for law in [decay, table] {
-            let mut friction = Vec::new();
-            law.on_grid(&surfaces, &own, &mut friction).unwrap();
+        for mut law in [decay, table] {
+            let mut friction = vec![0.6; 6];
+            law.apply(&surfaces, &own, &mut friction).unwrap();
             assert_eq!(friction, [0.6; 6]);
         }
     }
@@ -368,7 +333,7 @@ mod tests {
         fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..100), t in -1e6f64..1e6) {
             if let Ok(points) = parse_table(&bytes) {
                 let law = FrictionLaw::Table { points, clamp: true };
-                prop_assert!(law.coefficient(t).is_some_and(|f| f > 0.0));
+                prop_assert!(law.coefficient(0.6, t).is_some_and(|f| f > 0.0));
             }
         }
     }

@@ -29,7 +29,7 @@ pub struct Fitted {
 /// elements unchanged, at the sides that the contact touches, and by the rows beside it in which the
 /// deformed bodies would penetrate each other: it is cut only where the gap has opened beyond the
 /// approach. The shapes are known for the lateral coordinates `within` [m]; where these have no end,
-/// rows beside the grid are not looked at.
+/// rows beside the grid are not looked at. The pressure has an upper bound, which may be infinite [Pa].
 ///
 /// # Errors
 /// Those of [`NormalSolver::solve`], a contact that needs more than `limit` elements, and one that
@@ -41,11 +41,13 @@ pub fn fit_grid(
     prescribed: Prescribed,
     within: [f64; 2],
     limit: usize,
+    pressure_bound: f64,
 ) -> Result<Fitted, NormalError> {
     let mut pressure = vec![0.0; grid.points()];
     for enlargements in 0.. {
         let influence = Influence { dx: grid.dx(), dy: grid.dy(), elasticity: *bodies };
         let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
+        solver.pressure_bound = pressure_bound;
         let contact = solver.solve(&sample(&grid, distance), prescribed, &mut pressure)?;
         if !contact.touches_edge {
             let outside = Outside { grid: &grid, pressure: &pressure, influence: &influence };
@@ -253,7 +255,8 @@ mod tests {
     #[test]
     fn a_small_grid_grows_to_the_same_solution() {
         let gap = |x: f64, y: f64| 0.5 / 0.46 * x * x + 0.5 / 0.3 * y * y;
-        let fit = |start, limit| fit_grid(start, &steel(), &gap, LOAD, EVERYWHERE, limit);
+        let fit =
+            |start, limit| fit_grid(start, &steel(), &gap, LOAD, EVERYWHERE, limit, f64::INFINITY);
         let whole = fit(grid(13, 13, 8e-4), 10_000).unwrap();
         assert_eq!((whole.enlargements, whole.grid), (0, grid(13, 13, 8e-4)));
         let small = Structured::contact_plane(-2.4e-3, -0.8e-3, 8e-4, 8e-4, 9, 4);
@@ -263,7 +266,8 @@ mod tests {
         assert!((grown.contact.approach / whole.contact.approach - 1.0).abs() < 1e-9);
         let refused = fit(small, 200).unwrap_err();
         assert!(matches!(refused, NormalError::GridLimit { limit: 200, .. }));
-        let end = fit_grid(small, &steel(), &gap, LOAD, [-1e-3, 1.0], 10_000).unwrap_err();
+        let end =
+            fit_grid(small, &steel(), &gap, LOAD, [-1e-3, 1.0], 10_000, f64::INFINITY).unwrap_err();
         assert_eq!(end, NormalError::EndOfShape);
     }
 

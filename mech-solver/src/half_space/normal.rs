@@ -17,6 +17,11 @@
 //! Under a given load δ is chosen in every step so that Σ z = 0, with w = M 1 on C:
 //! z = M(−h − u) + δ w. Steps thus keep the load; after a cut it is restored by scaling p.
 //!
+//! The pressure may have an upper bound p̂, [`NormalSolver::pressure_bound`], at which e ≤ 0: what the
+//! bodies still interpenetrate there they have yielded. Elements at the bound leave C like those without
+//! pressure, and come back when they open. A given load is then found over the approach
+//! ([`mod@bounded`]), unless the pressure stays below the bound.
+//!
 //! Source: E. A. H. Vollebregt, The bound-constrained conjugate gradient method for non-negative
 //! matrices, J. Optim. Theory Appl. 162 (2014) 931; I. A. Polonsky and L. M. Keer, Wear 231 (1999)
 //! 206, for the given load. Deviation: the load is held by the preconditioned projection above
@@ -35,6 +40,7 @@
 //! a and b are those of [`super::extent::Moments`]. Elements that the edge of the
 //! contact cuts carry pressure too, so the number of elements in C is too large by first order.
 
+mod bounded;
 mod error;
 
 pub use super::prescribed::Prescribed;
@@ -72,6 +78,8 @@ pub struct NormalSolver {
     pub tolerance: f64,
     /// Iterations after which it gives up.
     pub iteration_limit: usize,
+    /// Largest pressure p̂ that the bodies carry [Pa]; infinite unless set.
+    pub pressure_bound: f64,
     convolution: Convolution,
     flexibility: Spectrum,
     preconditioner: Spectrum,
@@ -130,6 +138,7 @@ impl NormalSolver {
         Self {
             tolerance: Self::TOLERANCE,
             iteration_limit: Self::ITERATION_LIMIT,
+            pressure_bound: f64::INFINITY,
             convolution,
             flexibility,
             preconditioner,
@@ -188,6 +197,19 @@ impl NormalSolver {
             pressure.fill(0.0);
             return Ok(separated(prescribed, closest));
         }
+        if self.pressure_bound < f64::INFINITY {
+            return self.bounded(distance, prescribed, pressure);
+        }
+        self.run(distance, prescribed, pressure)
+    }
+
+    /// Iterates from this pressure.
+    fn run(
+        &mut self,
+        distance: &[f64],
+        prescribed: Prescribed,
+        pressure: &mut [f64],
+    ) -> Result<NormalContact, NormalError> {
         self.start(distance, prescribed, pressure);
         let mut progress = Progress::start();
         while !self.iterate(distance, prescribed, pressure, &mut progress) {
@@ -210,8 +232,9 @@ impl NormalSolver {
             initial_pressure::fill(distance, prescribed, self.area, self.compliance, pressure);
         }
         restore_load(prescribed, self.area, pressure);
-        for (flag, value) in self.work.in_contact.iter_mut().zip(pressure.iter()) {
-            *flag = *value > 0.0;
+        for (flag, value) in self.work.in_contact.iter_mut().zip(pressure.iter_mut()) {
+            *value = value.min(self.pressure_bound);
+            *flag = *value > 0.0 && *value < self.pressure_bound;
         }
         self.work.direction.fill(0.0);
         self.work.residual.fill(0.0);
@@ -244,7 +267,8 @@ impl NormalSolver {
         false
     }
 
-    /// Adds elements without pressure that interpenetrate to C; returns the largest penetration.
+    /// Adds elements without pressure that interpenetrate, and elements at the bound that open, to C;
+    /// returns by how much at most.
     fn release(
         &mut self,
         distance: &[f64],
@@ -264,10 +288,11 @@ impl NormalSolver {
         let (mut violation, mut count) = (0.0_f64, 0);
         for (at, flag) in work.in_contact.iter_mut().enumerate() {
             let penetration = approach - distance[at] - work.displacement[at];
-            if !*flag && penetration > 0.0 {
+            let wrong = if pressure[at] < self.pressure_bound { penetration } else { -penetration };
+            if !*flag && wrong > 0.0 {
                 *flag = true;
                 progress.new_contact = true;
-                violation = violation.max(penetration);
+                violation = violation.max(wrong);
             }
             count += usize::from(*flag);
         }
@@ -325,7 +350,7 @@ impl NormalSolver {
         }
     }
 
-    /// Goes along d, cuts negative pressures and restores the load.
+    /// Goes along d, cuts pressures that leave their bounds and restores the load.
     fn advance(&mut self, prescribed: Prescribed, pressure: &mut [f64], progress: &mut Progress) {
         let work = &mut self.work;
         self.convolution.apply(&self.flexibility, &work.direction, &mut work.image);
@@ -336,8 +361,8 @@ impl NormalSolver {
         for (at, value) in pressure.iter_mut().enumerate() {
             work.displacement[at] += length * work.image[at];
             *value += length * work.direction[at];
-            if *value <= 0.0 && work.in_contact[at] {
-                *value = 0.0;
+            if (*value <= 0.0 || *value >= self.pressure_bound) && work.in_contact[at] {
+                *value = value.clamp(0.0, self.pressure_bound);
                 work.in_contact[at] = false;
                 progress.new_contact = true;
                 progress.stale = true;

@@ -33,18 +33,20 @@ mod flexibility;
 mod march;
 mod sliding;
 
-use crate::effects::partial_slip;
+use crate::effects;
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::keys::CheckedParams;
+use crate::models::ModelEntry;
 use crate::models::expected::{STUDY, refinement};
-use crate::models::names::FASTSIM;
 use crate::models::precomputed::{self, Precomputed};
 use crate::models::row_by_row::RowByRow;
 use crate::models::varying::Varying;
 use crate::reference::kalker::{self, CreepCoefficients};
+use crate::resolution;
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
+use crate::terms::{Kind, Terms};
 use contact::Problem;
-use flexibility::{Flexibilities, Kind};
+use flexibility::Flexibilities;
 use march::Lattice;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::{Configuration, Layout, Refusal};
@@ -63,13 +65,19 @@ const SECONDS_PER_CELL: f64 = 4e-8;
 /// Passes that the creepage for a prescribed force takes, about.
 const PASSES: usize = 25;
 
+/// Its entry in the list.
+pub(super) const MODEL: ModelEntry =
+    ModelEntry { name: "fastsim", spec, takes: &[Kind::Adhesion, Kind::HeatShare], configure };
+/// Elements per semi-axis, unless the case says otherwise.
+const RESOLUTION: usize = 40;
+
 /// What the description says of this model.
-#[must_use]
-pub fn spec() -> ModelSpec {
+fn spec() -> ModelSpec {
     let mut keys = given_patch_keys();
     keys.push(flexibility_key());
+    keys.push(resolution::key(RESOLUTION));
     ModelSpec {
-        name: FASTSIM.to_owned(),
+        name: MODEL.name.to_owned(),
         summary: "Hertz ellipse and Kalker's simplified theory (FASTSIM), all three creepages"
             .to_owned(),
         source:
@@ -84,14 +92,14 @@ pub fn spec() -> ModelSpec {
         keys,
         accuracy: Accuracy {
             refinement: Some(refinement(2.0, 0.024)),
-            simplifications: vec![Simplification::with(
-                partial_slip::NAME,
-                "a foundation of springs stands for the elastic half-space",
-                0.4,
-                STUDY,
-            )],
+            simplifications: effects::of_kind(Kind::Adhesion).map(springs_for_half_space).collect(),
         },
     }
+}
+
+fn springs_for_half_space(effect: &str) -> Simplification {
+    let what = "a foundation of springs stands for the elastic half-space";
+    Simplification::with(effect, what, 0.4, STUDY)
 }
 
 fn flexibility_key() -> KeySpec {
@@ -108,19 +116,23 @@ fn flexibility_key() -> KeySpec {
 /// # Errors
 /// Refuses a case that is incomplete or out of range, bodies whose contact is no ellipse, a
 /// negative Poisson's ratio, a force beyond f N, and a grid that is too large.
-pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let given = GivenPatch::read(&configuration.case)?;
     let case = CheckedParams::new(&configuration.case, vec![flexibility_key()]);
-    let kind = if case.text(FLEXIBILITY)? == "three" { Kind::Three } else { Kind::Single };
-    let partial = configuration.has_effect(partial_slip::NAME);
+    let kind = match case.text(FLEXIBILITY)? {
+        "three" => flexibility::Kind::Three,
+        _ => flexibility::Kind::Single,
+    };
+    let resolution = resolution::read(&configuration.case, RESOLUTION)?;
     let varying = Varying::of(configuration);
     let extent = match &varying {
         Some(varying) => varying.extent(given)?,
         None => Ellipse::solve(&scene, given)?.extent(),
     };
-    let grid = extent.grid(scene.resolution)?;
-    let (problem, coefficients) = problem(&scene, given, kind, partial, &grid)?;
+    let grid = extent.grid(resolution)?;
+    let asked = Asked { given, kind, resolution, partial: terms.adhesion };
+    let (problem, coefficients) = problem(&scene, &asked, &grid)?;
     let wanted = precomputed::wanted_fields(configuration);
     let mut layout = precomputed::layout(&wanted, grid, build_seconds(&problem, wanted.len()));
     if let Some(varying) = &varying {
@@ -129,17 +141,28 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     }
     layout.remarks.extend(remarks(&scene, &problem, given, &coefficients));
     layout.closed_forms = problem.ellipse.closed_forms();
-    Ok(Box::new(Prepared { problem, given, varying, grid, wanted, layout }))
+    Ok(Box::new(Prepared { problem, asked, terms, varying, grid, wanted, layout }))
+}
+
+/// What a case asks for besides its scene.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    /// The ellipse that the case gives.
+    given: Option<GivenPatch>,
+    kind: flexibility::Kind,
+    /// Elements per semi-axis.
+    resolution: usize,
+    /// Surfaces may stick.
+    partial: bool,
 }
 
 /// The problem of a scene, whose fields are wanted on this grid.
 fn problem(
     scene: &Scene,
-    given: Option<GivenPatch>,
-    kind: Kind,
-    partial: bool,
+    asked: &Asked,
     grid: &Structured,
 ) -> Result<(Problem, CreepCoefficients), Refusal> {
+    let Asked { given, kind, resolution, partial } = *asked;
     let ellipse = Ellipse::solve(scene, given)?;
     Ellipse::refuse_rest(scene)?;
     let coefficients = coefficients(scene, &ellipse)?;
@@ -149,7 +172,7 @@ fn problem(
         prescribed: ellipse.prescribed(scene)?,
         flexibilities: Flexibilities::new(&coefficients, axes, scene.combined_shear_modulus()),
         kind,
-        lattice: lattice(&ellipse, grid, scene.resolution),
+        lattice: lattice(&ellipse, grid, resolution),
         friction_coefficient: scene.friction_coefficient,
         speeds: scene.speeds,
         partial,
@@ -162,10 +185,11 @@ fn compute(
     problem: &Problem,
     wanted: &[&'static FieldSpec],
     grid: Structured,
+    terms: &Terms,
 ) -> Result<Precomputed, Refusal> {
     let contact = problem.solve();
     contact.check_power()?;
-    let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid));
+    let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid, terms));
     Ok(Precomputed {
         summary: contact.summary(),
         work: cells(problem) as u64,
@@ -232,8 +256,9 @@ fn remarks(
     }
     if !problem.partial && matches!(problem.prescribed, Prescribed::ForceRatio(_)) {
         remarks.push(format!(
-            "without effects.partial_slip the whole contact slides: it carries {:.6e} N, \
-             f N, and not the prescribed force, for which the simplified theory sets the creepage",
+            "{}the whole contact slides: it carries {:.6e} N, f N, and not the prescribed force, \
+             for which the simplified theory sets the creepage",
+            effects::without(Kind::Adhesion),
             problem.friction_coefficient * ellipse.normal_force
         ));
     }
@@ -243,7 +268,8 @@ fn remarks(
 /// A checked case.
 struct Prepared {
     problem: Problem,
-    given: Option<GivenPatch>,
+    asked: Asked,
+    terms: Terms,
     /// The values that vary, if any do.
     varying: Option<Varying>,
     grid: Structured,
@@ -257,15 +283,14 @@ impl Setup for Prepared {
     }
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { problem: first, given, varying, grid, wanted, .. } = *self;
+        let Self { problem: first, asked, terms, varying, grid, wanted, .. } = *self;
         if let Some(varying) = varying {
-            let Problem { kind, partial, .. } = first;
             let compute = move |scene: &Scene| {
-                let (problem, _) = problem(scene, given, kind, partial, &grid)?;
-                compute(&problem, &wanted, grid)
+                let (problem, _) = problem(scene, &asked, &grid)?;
+                compute(&problem, &wanted, grid, &terms)
             };
             return Ok(Box::new(RowByRow::new(varying, Box::new(compute))));
         }
-        Ok(Box::new(compute(&first, &wanted, grid)?))
+        Ok(Box::new(compute(&first, &wanted, grid, &terms)?))
     }
 }

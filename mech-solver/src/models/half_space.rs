@@ -23,17 +23,17 @@ mod power;
 mod steady;
 mod transient;
 
-use crate::effects::subsurface_stress::Sections;
-use crate::effects::temperature_friction::FrictionLaw;
-use crate::effects::{partial_slip, third_body_layer};
+use crate::effects;
 use crate::ellipse::Ellipse;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
+use crate::models::ModelEntry;
 use crate::models::expected::refinement;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID};
-use crate::models::names::HALF_SPACE;
 use crate::models::varying::Varying;
+use crate::resolution;
 use crate::scene::{GivenPatch, Scene, given_patch_keys};
+use crate::terms::{Kind, Place, Terms};
 use case::Case;
 use drive::Driven;
 use proto::accuracy::Accuracy;
@@ -76,16 +76,34 @@ fn rolling_key() -> KeySpec {
     .default_value("steady")
 }
 
+/// Its entry in the list.
+pub(super) const MODEL: ModelEntry = ModelEntry {
+    name: "half-space",
+    spec,
+    takes: &[
+        Kind::Gap,
+        Kind::Friction,
+        Kind::PressureBound,
+        Kind::Adhesion,
+        Kind::Layer,
+        Kind::HeatShare,
+        Kind::Observation,
+    ],
+    configure,
+};
+/// Elements per semi-axis, unless the case says otherwise.
+const RESOLUTION: usize = 40;
+
 /// What the description says of this model.
-#[must_use]
-pub fn spec() -> ModelSpec {
+fn spec() -> ModelSpec {
     let mut keys = given_patch_keys();
     keys.extend(geometry::keys());
     keys.extend(drive::keys());
     keys.push(rolling_key());
     keys.push(start_key());
+    keys.push(resolution::key(RESOLUTION));
     ModelSpec {
-        name: HALF_SPACE.to_owned(),
+        name: MODEL.name.to_owned(),
         summary: "elastic half-spaces by boundary elements: exact partial slip, all creepages"
             .to_owned(),
         source: "Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990) ch. 4; \
@@ -106,7 +124,7 @@ pub fn spec() -> ModelSpec {
 /// # Errors
 /// A case that is incomplete or out of range, shapes that do not touch or too steeply, a force
 /// beyond f N, a grid that is too large.
-pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let patch = GivenPatch::read(&configuration.case)?;
     let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
@@ -114,16 +132,23 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let bodies = Elasticity::of_pair(&upper, &lower);
     let varying = Varying::of(configuration);
     let extent = varying.as_ref().map(|varying| varying.extent(patch)).transpose()?;
-    let footprint = geometry::footprint(configuration, &scene, given, extent.as_ref(), &bodies)?;
-    let driven = Driven::read(configuration, &scene, given.as_ref(), footprint.ellipse.as_ref())?;
+    let shapes = geometry::Shapes {
+        scene: &scene,
+        given,
+        extent: extent.as_ref(),
+        bodies: &bodies,
+        terms: &terms,
+        resolution: resolution::read(&configuration.case, RESOLUTION)?,
+    };
+    let footprint = geometry::footprint(configuration, &shapes)?;
+    let ellipse = footprint.ellipse.as_ref();
+    let driven = Driven::read(configuration, &scene, given.as_ref(), ellipse, terms.adhesion)?;
     let (grid, semi_axes) = (footprint.grid, footprint.semi_axes);
-    let peak_y = footprint.peak_y.unwrap_or(0.0);
+    let place = Place { grid, semi_axes, peak_y: footprint.peak_y.unwrap_or(0.0) };
+    terms.observations.iter_mut().for_each(|term| term.place(&place));
     let case = Case {
-        sections: Sections::read(configuration, &scene, grid, semi_axes, peak_y)?,
-        friction_law: FrictionLaw::read(configuration, scene.friction_coefficient)?,
-        partial: configuration.has_effect(partial_slip::NAME),
-        layer: third_body_layer::flexibility(configuration)?,
-        memory: memory(configuration, &scene)?,
+        memory: memory(configuration, &scene, terms.adhesion)?,
+        terms,
         shift_duration: 0.0,
         scene,
         bodies,
@@ -137,6 +162,9 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
             "remove [contact], or give both bodies the same material",
         ));
     }
+    if let Some(effect) = case.terms.effect_of(Kind::PressureBound) {
+        refuse_bound(&case, effect)?;
+    }
     let mut layout = layout(configuration, &case);
     if let (Some(varying), Some(extent)) = (&varying, &extent) {
         refuse_varying(&case)?;
@@ -146,6 +174,19 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     let warm = CheckedParams::new(&configuration.case, vec![start_key()]).text(START)? == "warm";
     let following = varying.map(|varying| Following { varying, patch, warm });
     Ok(Box::new(Prepared { case, following, layout }))
+}
+
+/// Refuses a bound of the pressure where the power balance would need what yields.
+fn refuse_bound(case: &Case, effect: &str) -> Result<(), Refusal> {
+    if !case.bodies.is_coupled() {
+        return Ok(());
+    }
+    Err(Refusal::new(
+        &format!("effects.{effect}"),
+        "bodies of different elastic constants slip under their pressure, and the power of what \
+         yields is not in the balance",
+        "give both bodies the same material, or remove the effect",
+    ))
 }
 
 /// Refuses what does not follow histories.
@@ -169,11 +210,10 @@ fn refuse_varying(case: &Case) -> Result<(), Refusal> {
 }
 
 /// Whether the tractions of one step matter to the next.
-fn memory(configuration: &Configuration, scene: &Scene) -> Result<bool, Refusal> {
+fn memory(configuration: &Configuration, scene: &Scene, partial: bool) -> Result<bool, Refusal> {
     let case = CheckedParams::new(&configuration.case, vec![rolling_key()]);
     let transient = case.text(ROLLING)? == "transient";
     let rolls = scene.speeds.rolling > 0.0;
-    let partial = configuration.has_effect(partial_slip::NAME);
     if transient && configuration.mode == Mode::Steady {
         return Err(Refusal::new(
             ROLLING,
@@ -182,11 +222,8 @@ fn memory(configuration: &Configuration, scene: &Scene) -> Result<bool, Refusal>
         ));
     }
     if (transient || !rolls) && !partial {
-        return Err(Refusal::new(
-            "effects.partial_slip",
-            "a contact that slides everywhere has no tractions to build up",
-            "add [effects.partial_slip]",
-        ));
+        let reason = "a contact that slides everywhere has no tractions to build up";
+        return Err(effects::lacking(Kind::Adhesion, reason));
     }
     Ok(transient || !rolls)
 }
@@ -197,9 +234,9 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         let mut asked = configuration.outputs.iter().chain(&configuration.observed);
         asked.any(|name| name == spec.name)
     };
-    let sections = case.sections.as_ref();
+    let observations = &case.terms.observations;
     let on = |spec: &FieldSpec| match *spec {
-        _ if let Some(grid) = sections.and_then(|sections| sections.grid_of(spec)) => grid,
+        _ if let Some(grid) = observations.iter().find_map(|term| term.grid_of(spec)) => grid,
         field::SURFACE_SPEED => RIGID_GRID,
         field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
         _ => CONTACT_GRID,
@@ -213,7 +250,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
     let mut grids =
         vec![(CONTACT_GRID, grid), (PASSAGE_GRID, case.passage_grid()), (RIGID_GRID, whole)];
-    grids.extend(sections.into_iter().flat_map(Sections::grids));
+    grids.extend(observations.iter().flat_map(|term| term.grids()));
     let used = |name: &str| fields.iter().any(|on| on.grid == name);
     let elements = grid.points() as f64;
     let how = match case.memory {
@@ -234,12 +271,13 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
                  does not hold"
         )
     });
-    let idle = (case.layer > 0.0 && !case.partial).then(|| {
-        "third_body_layer changes nothing without partial_slip: all of the contact slides"
-            .to_owned()
+    let layer = case.terms.effect_of(Kind::Layer).filter(|_| !case.terms.adhesion);
+    let idle = layer.map(|layer| {
+        format!("{layer} changes nothing {}", effects::without(Kind::Adhesion))
+            + "all of the contact slides"
     });
     let seconds = SECONDS * elements.powf(1.15);
-    let once = !case.memory && case.friction_law.is_none();
+    let once = !case.memory && case.terms.friction.is_empty();
     let peak =
         case.footprint.peak_y.map(|y| (field::FRICTION_POWER.name.to_owned(), [0.0, y, 0.0]));
     let smooth = case.footprint.ellipse.as_ref().filter(|_| case.is_hertzian());

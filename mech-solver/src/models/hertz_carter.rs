@@ -9,7 +9,7 @@
 //!
 //! Fields are element means, see `strips`. The model is quasi-static and has no memory: its answer
 //! is the same in every window of a transient case. It is computed once, when the model is built; a
-//! solve copies it to the outputs that are asked for. Under the effect `temperature_friction` it is
+//! solve copies it to the outputs that are asked for. Where friction depends on what comes in it is
 //! computed in every iteration ([`heated`]).
 //!
 //! Deviations from the sources: the strips of an elliptic patch share one prefactor A and take ξ
@@ -20,16 +20,17 @@ mod contact;
 mod fields;
 mod heated;
 
-use crate::effects::partial_slip;
-use crate::effects::temperature_friction::FrictionLaw;
+use crate::effects;
 use crate::ellipse::Ellipse;
 use crate::keys::CheckedParams;
+use crate::models::ModelEntry;
 use crate::models::expected::{STUDY, refinement};
-use crate::models::names::HERTZ_CARTER;
 use crate::models::precomputed::{self, Precomputed};
 use crate::models::row_by_row::RowByRow;
 use crate::models::varying::Varying;
+use crate::resolution;
 use crate::scene::{Drive, GivenPatch, Scene, given_patch_keys};
+use crate::terms::{Kind, Terms};
 use case::Case;
 use contact::{Contact, CreepLaw};
 use heated::Heated;
@@ -45,13 +46,23 @@ const CREEP_LAW: &str = "motion.creep_law";
 /// Time to compute one value, measured [s].
 const SECONDS_PER_VALUE: f64 = 7e-8;
 
+/// Its entry in the list.
+pub(super) const MODEL: ModelEntry = ModelEntry {
+    name: "hertz-carter",
+    spec,
+    takes: &[Kind::Friction, Kind::Adhesion, Kind::HeatShare],
+    configure,
+};
+/// Elements per semi-axis, unless the case says otherwise.
+const RESOLUTION: usize = 40;
+
 /// What the description says of this model.
-#[must_use]
-pub fn spec() -> ModelSpec {
+fn spec() -> ModelSpec {
     let mut keys = given_patch_keys();
     keys.push(creep_law_key());
+    keys.push(resolution::key(RESOLUTION));
     ModelSpec {
-        name: HERTZ_CARTER.to_owned(),
+        name: MODEL.name.to_owned(),
         summary: "Hertz ellipse and Carter strips in closed form, longitudinal creepage only"
             .to_owned(),
         source:
@@ -66,14 +77,14 @@ pub fn spec() -> ModelSpec {
         keys,
         accuracy: Accuracy {
             refinement: Some(refinement(2.0, 0.005)),
-            simplifications: vec![Simplification::with(
-                partial_slip::NAME,
-                "Carter's line contact in strips stands for the elastic half-space",
-                0.55,
-                STUDY,
-            )],
+            simplifications: effects::of_kind(Kind::Adhesion).map(strips_for_half_space).collect(),
         },
     }
+}
+
+fn strips_for_half_space(effect: &str) -> Simplification {
+    let what = "Carter's line contact in strips stands for the elastic half-space";
+    Simplification::with(effect, what, 0.55, STUDY)
 }
 
 fn creep_law_key() -> KeySpec {
@@ -90,7 +101,7 @@ fn creep_law_key() -> KeySpec {
 /// # Errors
 /// Refuses a case that is incomplete or out of range, lateral creepage and spin, bodies whose
 /// contact is no ellipse, a force beyond f N, and a grid that is too large.
-pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let given = GivenPatch::read(&configuration.case)?;
     let case = CheckedParams::new(&configuration.case, vec![creep_law_key()]);
@@ -98,17 +109,18 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
         "carter-radius" => CreepLaw::Radius,
         _ => CreepLaw::Pressure,
     };
-    let partial = configuration.has_effect(partial_slip::NAME);
+    let partial = terms.adhesion;
+    let resolution = resolution::read(&configuration.case, RESOLUTION)?;
     Ellipse::refuse_rest(&scene)?;
     let contact = Contact::solve(&scene, Ellipse::solve(&scene, given)?, law, partial)?;
     let varying = Varying::of(configuration);
     let extent = varying.as_ref().map(|varying| varying.extent(given)).transpose()?;
-    let grid = extent.unwrap_or(contact.ellipse.extent()).grid(scene.resolution)?;
+    let grid = extent.unwrap_or(contact.ellipse.extent()).grid(resolution)?;
     let wanted = precomputed::wanted_fields(configuration);
     let values: usize = wanted.iter().map(|spec| precomputed::count(spec, &grid)).sum();
     let mut layout = precomputed::layout(&wanted, grid, SECONDS_PER_VALUE * values as f64);
-    let friction = FrictionLaw::read(configuration, scene.friction_coefficient)?;
-    if friction.is_some() {
+    let follows = terms.effect_of(Kind::Friction);
+    if follows.is_some() {
         layout.remarks = vec!["the fields are computed in every iteration".to_owned()];
     }
     if let (Some(varying), Some(extent)) = (&varying, &extent) {
@@ -117,15 +129,15 @@ pub(crate) fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>,
     }
     layout.remarks.extend(remarks(&scene, &contact, given, partial));
     layout.closed_forms = contact.ellipse.closed_forms();
-    if varying.is_some() && friction.is_some() {
+    if let (Some(effect), Some(_)) = (follows, &varying) {
         return Err(Refusal::new(
-            "effects.temperature_friction",
-            "this model does not follow histories and temperatures at once",
+            &format!("effects.{effect}"),
+            "this model does not follow histories and what friction depends on at once",
             "choose the model half-space, or give numbers in the place of columns",
         ));
     }
-    let case = Case { scene, contact, law, partial, grid, wanted };
-    Ok(Box::new(Prepared { case, given, friction, varying, layout }))
+    let case = Case { scene, contact, law, terms, grid, wanted };
+    Ok(Box::new(Prepared { case, given, varying, layout }))
 }
 
 fn remarks(
@@ -138,8 +150,9 @@ fn remarks(
     remarks.extend(given.and_then(|_| contact.ellipse.remark(scene)));
     if !partial && !matches!(scene.drive, Drive::Creepage { .. }) {
         remarks.push(format!(
-            "without effects.partial_slip the whole contact slides: it carries {:.6e} N, \
-             f N, and not the prescribed force, from which the creep law takes the creepage",
+            "{}the whole contact slides: it carries {:.6e} N, f N, and not the prescribed force, \
+             from which the creep law takes the creepage",
+            effects::without(Kind::Adhesion),
             contact.creep_force()
         ));
     }
@@ -150,8 +163,6 @@ fn remarks(
 struct Prepared {
     case: Case,
     given: Option<GivenPatch>,
-    /// How friction depends on temperature, if it does.
-    friction: Option<FrictionLaw>,
     /// The values that vary, if any do.
     varying: Option<Varying>,
     layout: Layout,
@@ -163,21 +174,22 @@ impl Setup for Prepared {
     }
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { case, given, friction, varying, .. } = *self;
-        if let Some(law) = friction {
-            return Ok(Box::new(Heated::new(case, law)));
+        let Self { case, given, varying, .. } = *self;
+        if !case.terms.friction.is_empty() {
+            return Ok(Box::new(Heated::new(case)));
         }
-        let Case { contact, grid, wanted, law, partial, .. } = case;
+        let Case { contact, grid, wanted, law, terms, .. } = case;
         if let Some(varying) = varying {
             let compute = move |scene: &Scene| {
                 Ellipse::refuse_rest(scene)?;
-                let contact = Contact::solve(scene, Ellipse::solve(scene, given)?, law, partial)?;
+                let ellipse = Ellipse::solve(scene, given)?;
+                let contact = Contact::solve(scene, ellipse, law, terms.adhesion)?;
                 let (summary, work) = (contact.summary(), grid.points() as u64);
-                Ok(Precomputed { summary, work, fields: all(&wanted, &contact, grid) })
+                Ok(Precomputed { summary, work, fields: all(&wanted, &contact, grid, &terms) })
             };
             return Ok(Box::new(RowByRow::new(varying, Box::new(compute))));
         }
-        let fields = all(&wanted, &contact, grid);
+        let fields = all(&wanted, &contact, grid, &terms);
         let (summary, work) = (contact.summary(), grid.points() as u64);
         Ok(Box::new(Precomputed { summary, work, fields }))
     }
@@ -188,6 +200,7 @@ fn all(
     wanted: &[&'static FieldSpec],
     contact: &Contact,
     grid: Structured,
+    terms: &Terms,
 ) -> Vec<(&'static FieldSpec, Vec<f64>)> {
-    wanted.iter().map(|spec| (*spec, fields::values(spec, contact, grid))).collect()
+    wanted.iter().map(|spec| (*spec, fields::values(spec, contact, grid, terms))).collect()
 }

@@ -1,4 +1,4 @@
-//! When the power of a contact adds up.
+//! Friction power, and when the power of a contact adds up.
 
 /// Largest imbalance of power that is accepted: above what the turns of pressure and tractions of
 /// different bodies leave, 2e-7 in the worst of a thousand contacts.
@@ -10,4 +10,11 @@ pub(crate) fn power_imbalance(taken: f64, given: f64, exchanged: f64) -> f64 {
     const FAINT: f64 = f64::MIN_POSITIVE / f64::EPSILON;
     let off = (taken - given).abs();
     if off <= FAINT && exchanged <= FAINT { 0.0 } else { off / exchanged }
+}
+
+/// Friction power density −p_t · v of a traction and a slip velocity, both means over one element
+/// of a solution that makes their product exact.
+pub(super) fn power_density(traction: [f64; 2], slip_velocity: [f64; 2]) -> f64 {
+    // Subtracting from zero turns −0 into 0.
+    0.0 - (traction[0] * slip_velocity[0] + traction[1] * slip_velocity[1])
 }

@@ -16,7 +16,9 @@
 //! over all elements equals the exact surface integral to rounding, at every resolution. Rows at ±y
 //! are copies of each other. The cost is proportional to the number of elements.
 
+pub(crate) mod carter;
 pub(crate) mod semi_ellipse;
+pub(crate) mod sliding;
 
 use proto::grid::Structured;
 

@@ -78,13 +78,14 @@ fn support_agrees_with_configure() {
         for effect in &description.effects {
             let mut case = paper();
             case["effects"] = json!({ effect.name.clone(): {} });
-            // An effect's required parameters are numbers, of its alternatives one is; any small
-            // positive one will do.
-            let a_number = |key: &&KeySpec| matches!(key.kind, KeyKind::Quantity { .. });
+            // An effect's required parameters are quantities, of its alternatives one is: a pressure of
+            // 1 GPa, of any other unit a small positive number.
             let needed = |key: &&KeySpec| key.required || key.one_of.is_some();
-            for key in effect.keys.iter().filter(needed).filter(a_number) {
+            for key in effect.keys.iter().filter(needed) {
+                let KeyKind::Quantity { unit } = &key.kind else { continue };
                 let name = key.path.rsplit('.').next().unwrap();
-                case["effects"][&effect.name][name] = json!(1e-14);
+                let value = if unit == "Pa" { 1e9 } else { 1e-14 };
+                case["effects"][&effect.name][name] = json!(value);
             }
             let mut configuration = configuration(&case);
             configuration.model = model.name.clone();
@@ -219,4 +220,30 @@ fn unknown_names_are_refused() {
     let mut field = configuration(&paper());
     field.observed.push("lower_temperature".to_owned());
     assert_eq!(refusal(&field).key, "mech.model");
+}
+
+/// In every model the share that is not heat is taken from the heat that is provided, and from nothing
+/// else. Tolerance: rounding of a product.
+#[test]
+fn the_heat_is_a_share_of_the_friction_power() {
+    for model in description().models {
+        let mut case = paper();
+        case["mech"] = json!({"model": model.name, "resolution": 8});
+        let whole = run(&case);
+        case["effects"]["friction_heat"] = json!({"heat_share": 0.9});
+        let part = run(&case);
+        assert_eq!(part.contact, whole.contact, "{}", model.name);
+        for (part, whole) in
+            part.fields["friction_power"].iter().zip(&whole.fields["friction_power"])
+        {
+            assert_eq!(*part, 0.9 * whole, "{}", model.name);
+        }
+        for field in ["pressure", "traction", "slip_velocity", "surface_speed"] {
+            assert_eq!(part.fields[field], whole.fields[field], "{}: {field}", model.name);
+        }
+        case["effects"]["friction_heat"] = json!({"heat_share": 1.1});
+        let mut beyond = configuration(&case);
+        beyond.model.clone_from(&model.name);
+        assert_eq!(refusal(&beyond).key, "effects.friction_heat.heat_share");
+    }
 }

@@ -82,6 +82,7 @@ an_effect_that_is_off_leaves_no_trace! {
     an_effect_that_is_off_leaves_no_trace_in_rolling("wheel-rail.toml", &[]);
     an_effect_that_is_off_leaves_no_trace_in_a_third_body("third-body.toml", &[]);
     an_effect_that_is_off_leaves_no_trace_on_rough_surfaces("rough.toml", &[]);
+    an_effect_that_is_off_leaves_no_trace_in_yielding("rough-limited.toml", &[]);
     an_effect_that_is_off_leaves_no_trace_in_a_loop("falling-friction.toml", &["friction_heat"]);
 }
 

@@ -170,3 +170,55 @@ fn reports_that_it_did_not_converge() {
     };
     assert!(residual > tolerance && error.to_string().contains("did not converge"));
 }
+
+/// A bound that the pressure does not reach changes nothing, to the bit; one that it reaches holds, and
+/// the conditions of contact with it: p = p̂ only where the bodies would penetrate each other. Tolerance:
+/// ten times the iteration's residual, for the largest against the mean square.
+#[test]
+fn a_bound_of_the_pressure() {
+    let grid = square(41);
+    let (load, rough) = (1000.0, roughness(2e-7));
+    for gap in [&(|x: f64, y: f64| x * x + y * y) as &dyn Fn(f64, f64) -> f64, &rough] {
+        let distance = sample(&grid, gap);
+        let solve = |bound: f64| {
+            let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence(1e-4, 1e-4));
+            solver.pressure_bound = bound;
+            let mut pressure = vec![0.0; grid.points()];
+            let contact = solver.solve(&distance, Prescribed::Load(load), &mut pressure).unwrap();
+            (pressure, contact, solver.displacement().to_vec())
+        };
+        let (free, free_contact, _) = solve(f64::INFINITY);
+        let largest = free.iter().copied().fold(0.0, f64::max);
+        assert_eq!(solve(1.001 * largest).0, free);
+        for share in [0.9, 0.5, 0.4] {
+            let bound = share * largest;
+            let (pressure, contact, displacement) = solve(bound);
+            assert!((contact.normal_force / load - 1.0).abs() < 1e-8, "{contact:?}");
+            assert!(!contact.touches_edge && contact.approach > free_contact.approach);
+            let scale = displacement.iter().copied().fold(0.0, f64::max);
+            let tolerance = 10.0 * NormalSolver::TOLERANCE * scale;
+            for ((p, h), u) in pressure.iter().zip(&distance).zip(&displacement) {
+                let gap = h + u - contact.approach;
+                assert!((0.0..=bound).contains(p), "{p}");
+                assert!(*p == bound || gap >= -tolerance, "p = {p} Pa, gap = {gap} m");
+                assert!(*p == 0.0 || gap <= tolerance, "p = {p} Pa, gap = {gap} m");
+            }
+            assert!(pressure.contains(&bound));
+        }
+    }
+}
+
+/// Under a bound far below what elasticity asks for the contact is all at the bound: its area is N/p̂.
+/// Tolerance: the free elements of its edge.
+#[test]
+fn a_contact_that_yields_everywhere_has_the_area_of_its_load() {
+    let (grid, load, bound) = (square(101), 2000.0, 1e8);
+    let distance = sample(&grid, &|x, y| x * x + y * y);
+    let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence(1e-4, 1e-4));
+    solver.pressure_bound = bound;
+    let mut pressure = vec![0.0; grid.points()];
+    let contact = solver.solve(&distance, Prescribed::Load(load), &mut pressure).unwrap();
+    let area = contact.contact_elements as f64 * grid.element_area();
+    assert!((area / (load / bound) - 1.0).abs() < 0.05, "{area}");
+    assert!(!contact.touches_edge);
+}

@@ -3,9 +3,8 @@
 use super::flexibility::{Creepage, Flexibilities, Kind};
 use super::march::{Cell, Lattice, March, Strip, norm};
 use super::sliding::Sliding;
-use crate::effects::friction_heat;
 use crate::ellipse::{Ellipse, Prescribed};
-use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_imbalance};
+use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_density, power_imbalance};
 use crate::models::summary::extend;
 use crate::scene::Speeds;
 use proto::configuration::Refusal;
@@ -29,7 +28,7 @@ pub(super) struct Problem {
     pub(super) friction_coefficient: f64,
     /// Speeds of rolling and of the surfaces.
     pub(super) speeds: Speeds,
-    /// The effect `partial_slip` is active.
+    /// Surfaces may stick.
     pub(super) partial: bool,
 }
 
@@ -120,7 +119,7 @@ fn increasing_root(function: impl Fn(f64) -> f64, most: f64, ends: [f64; 2]) -> 
 /// How the tractions follow from the creepage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Tangential {
-    /// With the effect `partial_slip`.
+    /// With a stick zone.
     Partial(March),
     /// Without.
     Sliding(Sliding),
@@ -168,7 +167,7 @@ impl Totals {
         self.force[0] += x * length;
         self.force[1] += lateral * length;
         self.moment += (cell.middle() * lateral - y * x) * length;
-        self.power += friction_heat::power_density(cell.traction, cell.slip) * length;
+        self.power += power_density(cell.traction, cell.slip) * length;
         self.slip_area += if cell.slips { length } else { 0.0 };
         self.largest_traction = self.largest_traction.max(cell.largest_traction);
         self.largest_slip = self.largest_slip.max(norm(cell.slip));

@@ -6,13 +6,19 @@
 
 use super::contact::Contact;
 use super::march::{Cell, Strip};
-use crate::effects::friction_heat;
+use crate::models::power_balance::power_density;
 use crate::models::precomputed::count;
+use crate::terms::Terms;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 
 /// Values of a field that the model or one of its effects provides, component-major.
-pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> Vec<f64> {
+pub(super) fn values(
+    spec: &FieldSpec,
+    contact: &Contact,
+    grid: Structured,
+    terms: &Terms,
+) -> Vec<f64> {
     let mut values = vec![0.0; count(spec, &grid)];
     let speeds = contact.problem.speeds;
     let speed = speeds.rolling;
@@ -23,9 +29,11 @@ pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> V
         field::SLIP_VELOCITY => {
             spread(contact, grid, &mut values, |cell| cell.slip.map(at_speed));
         }
-        field::FRICTION_POWER => spread(contact, grid, &mut values, |cell| {
-            [at_speed(friction_heat::power_density(cell.traction, cell.slip))]
-        }),
+        field::FRICTION_POWER => {
+            let power = |cell: &Cell| [at_speed(power_density(cell.traction, cell.slip))];
+            spread(contact, grid, &mut values, power);
+            terms.keep_heat(&mut values);
+        }
         field::SURFACE_SPEED => {
             values.copy_from_slice(&speeds.of_surfaces(contact.creepage[0]));
         }

@@ -3,12 +3,12 @@
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::ContactSolver;
-use crate::effects::subsurface_stress::Sections;
 use crate::half_space::area::contact_area;
 use crate::half_space::extent::Moments;
 use crate::half_space::levels::Solution;
 use crate::half_space::patches::{Patch, patches};
 use crate::half_space::tangential::{Creepage, ElementState};
+use crate::terms::{Accepted, Terms};
 use proto::field;
 use proto::grid::Structured;
 use proto::model::Outputs;
@@ -155,6 +155,12 @@ impl Answer {
         if let Some(approach) = self.approach {
             figures["approach_m"] = approach.into();
         }
+        let bound = case.terms.pressure_bound();
+        if bound < f64::INFINITY {
+            let count = |from: f64| self.pressure.iter().filter(|p| **p >= from).count() as f64;
+            let touching = count(f64::MIN_POSITIVE);
+            figures["limited_area_ratio"] = (count(bound) / touching).into();
+        }
         if patches.len() > 1 {
             let all = heaviest(patches, MOST_LISTED);
             figures["each_patch"] = all.iter().map(|patch| patch_figures(patch, grid)).collect();
@@ -185,8 +191,9 @@ impl Answer {
         sums
     }
 
-    /// Writes the fields that are asked for; the friction power is the mean over the window.
-    pub(super) fn write(&self, friction_power: &[f64], outputs: &mut dyn Outputs) {
+    /// Writes the fields that are asked for; the friction power is the mean over the window, and of it
+    /// what becomes heat.
+    pub(super) fn write(&self, terms: &Terms, friction_power: &[f64], outputs: &mut dyn Outputs) {
         let fields: [(_, &[f64]); 5] = [
             (&field::PRESSURE, &self.pressure),
             (&field::TRACTION, &self.traction),
@@ -197,6 +204,9 @@ impl Answer {
         for (spec, values) in fields {
             if let Some(place) = outputs.get(spec) {
                 place.copy_from_slice(values);
+                if *spec == field::FRICTION_POWER {
+                    terms.keep_heat(place);
+                }
             }
         }
     }
@@ -205,18 +215,19 @@ impl Answer {
 impl Case {
     /// Writes what is observed of an accepted window.
     pub(super) fn observe(&mut self, answer: &Answer, power: &[f64], outputs: &mut dyn Outputs) {
-        answer.write(power, outputs);
-        if let Some(sections) = &mut self.sections {
-            sections.compute(&answer.pressure, &answer.traction);
-            sections.write(outputs);
+        answer.write(&self.terms, power, outputs);
+        let accepted = Accepted { pressure: &answer.pressure, traction: &answer.traction };
+        for term in &mut self.terms.observations {
+            term.observe(&accepted);
+            term.write(outputs);
         }
     }
 
     /// The sections of `summary.json`.
     pub(super) fn summary(&self, answer: &Answer) -> Value {
         let mut summary = json!({ "contact": answer.figures(self) });
-        if let Some(stress) = self.sections.as_ref().and_then(Sections::summary) {
-            summary["stress"] = stress;
+        for (section, figures) in self.terms.observations.iter().filter_map(|term| term.summary()) {
+            summary[section] = figures;
         }
         summary
     }

@@ -1,34 +1,28 @@
 //! A case that has been checked, and how particles pass through its contact.
 
 use super::drive::Driven;
-use super::gap::Gap;
 use super::geometry::Footprint;
-use crate::effects::subsurface_stress::Sections;
-use crate::effects::temperature_friction::FrictionLaw;
 use crate::ellipse::Ellipse;
 use crate::half_space::extent::sample;
 use crate::half_space::influence::Elasticity;
 use crate::scene::{GivenPatch, Scene};
+use crate::terms::Terms;
 use proto::configuration::{Configuration, Refusal};
 use proto::field;
 use proto::grid::Structured;
 use proto::model::Outputs;
 
 /// A checked case.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Case {
     pub(super) scene: Scene,
     pub(super) bodies: Elasticity,
     pub(super) driven: Driven,
-    pub(super) partial: bool,
-    pub(super) layer: f64,
-    /// How friction depends on temperature, if it does.
-    pub(super) friction_law: Option<FrictionLaw>,
+    /// The terms of the active effects.
+    pub(super) terms: Terms,
     pub(super) footprint: Footprint,
     /// The tractions of one step matter to the next.
     pub(super) memory: bool,
-    /// Vertical sections in which stresses are wanted.
-    pub(super) sections: Option<Sections>,
     /// Duration of a shift, known when the window is [s].
     pub(super) shift_duration: f64,
 }
@@ -46,23 +40,27 @@ impl Case {
         let scene = Scene::read(&row.case)?;
         let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
         let ellipse = given.map_or_else(|| Ellipse::solve(&scene, None), Ok)?;
-        self.driven = Driven::read(row, &scene, given.as_ref(), Some(&ellipse))?;
+        self.driven =
+            Driven::read(row, &scene, given.as_ref(), Some(&ellipse), self.terms.adhesion)?;
         self.footprint.semi_axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
         self.footprint.ellipse = Some(ellipse);
         if let Some(gap) = &mut self.footprint.gap {
             gap.follow(&scene);
         }
-        if let Some(law) = &mut self.friction_law {
-            law.follow(scene.friction_coefficient);
-        }
         self.scene = scene;
         Ok(())
     }
 
-    /// Hertz's solution holds: smooth second-order surfaces, and tractions that leave the pressure alone.
+    /// Hertz's solution holds: smooth second-order surfaces, and neither terms nor tractions that change
+    /// the pressure.
     pub(super) fn is_hertzian(&self) -> bool {
-        let rough = self.footprint.gap.as_ref().is_some_and(Gap::is_rough);
-        !rough && !self.bodies.is_coupled()
+        self.terms.leave_hertz() && !self.bodies.is_coupled()
+    }
+
+    /// Undeformed distance at the elements' centres, if it is not the pressure that is given [m].
+    pub(super) fn distance(&self) -> Option<Vec<f64>> {
+        let gap = self.footprint.gap.as_ref()?;
+        Some(sample(&self.footprint.grid, &|x, y| gap.distance(x, y) + self.terms.height(x, y)))
     }
 
     /// What a particle goes through in a step.

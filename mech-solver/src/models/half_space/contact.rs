@@ -6,14 +6,13 @@
 use super::balance::{PowerError, PressurePower};
 use super::case::Case;
 use super::drive::Driven;
-use crate::effects::temperature_friction::{FrictionLaw, Shortfall};
 use crate::half_space::coupling::Coupling;
-use crate::half_space::extent::sample;
 use crate::half_space::force_search::{self, ForceSearch};
 use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
 use crate::half_space::tangential::TangentialState;
+use crate::models::shortfall::Shortfall;
 use proto::model::{Inputs, StepError};
 
 /// Change of the pressure, over the largest, at which it rests: far below the error of any grid.
@@ -65,7 +64,7 @@ pub(super) struct ContactSolver {
     /// Slip s₀ without tractions.
     slip_history: [Vec<f64>; 2],
     bound: Vec<f64>,
-    /// Friction follows the temperature.
+    /// Friction depends on what comes in.
     heated: bool,
     /// The force of the last solve is not the prescribed one.
     pub(super) shortfall: Option<Shortfall>,
@@ -87,27 +86,24 @@ impl ContactSolver {
         let grid = &case.footprint.grid;
         let influence = Influence { dx: grid.dx(), dy: grid.dy(), elasticity: case.bodies };
         let coupled = case.bodies.is_coupled();
-        let normal = case.footprint.gap.as_ref().map(|gap| {
-            let undeformed = sample(grid, &|x, y| gap.distance(x, y));
-            Normal {
-                solver: NormalSolver::new(grid.ni, grid.nj, &influence),
-                prescribed: super::geometry::prescribed(case.scene.load),
-                distance: undeformed.clone(),
-                undeformed,
-            }
+        let normal = case.distance().map(|undeformed| {
+            let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
+            solver.pressure_bound = case.terms.pressure_bound();
+            let prescribed = super::geometry::prescribed(case.scene.load);
+            Normal { solver, prescribed, distance: undeformed.clone(), undeformed }
         });
         let contact = Contact {
             bodies: case.bodies,
-            layer: case.layer,
+            layer: case.terms.layer(),
             semi_axes: case.footprint.semi_axes,
             motion,
-            tolerance: if case.friction_law.is_some() { LOOP_TOLERANCE } else { TOLERANCE },
+            tolerance: if case.terms.friction.is_empty() { TOLERANCE } else { LOOP_TOLERANCE },
         };
         let zeros = vec![0.0; grid.points()];
         let mut solver = Self {
             normal,
-            levels: case.partial.then(|| Levels::new(grid, &contact)),
-            coupling: (case.partial && coupled).then(|| {
+            levels: case.terms.adhesion.then(|| Levels::new(grid, &contact)),
+            coupling: (case.terms.adhesion && coupled).then(|| {
                 let rolling = motion == Motion::SteadyRolling;
                 Coupling::new(&influence, grid.ni, grid.nj, rolling)
             }),
@@ -119,7 +115,7 @@ impl ContactSolver {
             normal_iterations: 0,
             slip_history: [zeros.clone(), zeros.clone()],
             bound: zeros,
-            heated: case.friction_law.is_some(),
+            heated: !case.terms.friction.is_empty(),
             shortfall: None,
         };
         solver.normal_step()?;
@@ -142,9 +138,8 @@ impl ContactSolver {
     /// Takes the load, the shapes and the friction of another row, and solves the normal contact without
     /// friction; from the latest pressure if `warm`.
     pub(super) fn follow(&mut self, case: &Case, warm: bool) -> Result<(), ContactError> {
-        let grid = &case.footprint.grid;
-        if let (Some(normal), Some(gap)) = (&mut self.normal, &case.footprint.gap) {
-            normal.undeformed = sample(grid, &|x, y| gap.distance(x, y));
+        if let (Some(normal), Some(undeformed)) = (&mut self.normal, case.distance()) {
+            normal.undeformed = undeformed;
             normal.distance.clone_from(&normal.undeformed);
             normal.prescribed = super::geometry::prescribed(case.scene.load);
         }
@@ -159,14 +154,17 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// Takes the friction coefficients of a law at the temperatures that come in.
+    /// Takes the friction coefficients that depend on what comes in.
     pub(super) fn set_friction(
         &mut self,
-        case: &Case,
-        law: &FrictionLaw,
+        case: &mut Case,
         inputs: &dyn Inputs,
     ) -> Result<(), StepError> {
-        law.on_grid(inputs, &case.footprint.grid, &mut self.friction)?;
+        if case.terms.friction.is_empty() {
+            return Ok(());
+        }
+        let (coefficient, grid) = (case.scene.friction_coefficient, &case.footprint.grid);
+        case.terms.friction(coefficient, inputs, grid, &mut self.friction)?;
         self.set_bound();
         Ok(())
     }
@@ -241,7 +239,7 @@ impl ContactSolver {
         Err(ContactError::Unsettled { change })
     }
 
-    /// What is prescribed at the latest pressure; where friction follows the temperature, of a force
+    /// What is prescribed at the latest pressure; where friction depends on what comes in, of a force
     /// beyond it what it carries.
     fn prescribed(&mut self, driven: &Driven) -> force_search::Prescribed {
         let mut prescribed = driven.at(self.normal_force());

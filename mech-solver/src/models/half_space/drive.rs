@@ -1,6 +1,5 @@
 //! What drives the upper body, component by component: a force, or a creepage.
 
-use crate::effects::partial_slip;
 use crate::ellipse::Ellipse;
 use crate::half_space::force_search::Prescribed;
 use crate::keys::CheckedParams;
@@ -47,12 +46,13 @@ pub(super) struct Driven {
 
 impl Driven {
     /// Reads and checks it. `given` is the ellipse that the case gives, `ellipse` the contact where it
-    /// is one.
+    /// is one; without `partial` all slides.
     pub(super) fn read(
         configuration: &Configuration,
         scene: &Scene,
         given: Option<&Ellipse>,
         ellipse: Option<&Ellipse>,
+        partial: bool,
     ) -> Result<Self, Refusal> {
         refuse_wrong_motion(configuration, scene)?;
         let case = CheckedParams::new(&configuration.case, keys());
@@ -75,7 +75,6 @@ impl Driven {
             // Known when the contact is solved.
             (None, Load::Approach(_)) => None,
         };
-        let partial = configuration.has_effect(partial_slip::NAME);
         if let Some(normal_force) = normal_force {
             driven.refuse_beyond_friction(scene.friction_coefficient, normal_force, partial)?;
         }

@@ -1,12 +1,11 @@
-//! The undeformed distance of the bodies.
+//! The undeformed distance of the smooth bodies.
 //!
-//! h(x, y) = x²/(2R₁(y)) + x²/(2R₂(y)) + z₁(y − s₁) − z₂(y − s₂) + roughness, less the smallest value
-//! of the part without roughness; z₁ and z₂ are the lateral shapes of the upper and the lower body, s
+//! h(x, y) = x²/(2R₁(y)) + x²/(2R₂(y)) + z₁(y − s₁) − z₂(y − s₂), less its smallest value; z₁ and z₂
+//! are the lateral shapes of the upper and the lower body, s
 //! their lateral shifts. A round body with a measured profile has the radius R₁(y) = R + z₁(0) −
 //! z₁(y − s₁), and R₂(y) = R + z₂(y − s₂) − z₂(0). The distance is taken along z, which is the contact
 //! normal for small contact angles only; a steeper contact is refused.
 
-use crate::effects::roughness::{self, Roughness};
 use crate::half_space::curve::Curve;
 use crate::half_space::extent::Fitted;
 use crate::half_space::patches::patches;
@@ -169,15 +168,9 @@ pub(super) struct Gap {
     closest: f64,
     /// Lateral coordinate of the origin [m].
     pub(super) origin: f64,
-    roughness: Option<Roughness>,
 }
 
 impl Gap {
-    /// There is roughness on the surfaces.
-    pub(super) fn is_rough(&self) -> bool {
-        self.roughness.is_some()
-    }
-
     /// Reads the shapes.
     pub(super) fn read(configuration: &Configuration, scene: &Scene) -> Result<Self, Refusal> {
         let case = CheckedParams::new(&configuration.case, keys());
@@ -185,7 +178,6 @@ impl Gap {
             sides: [Side::read(&case, scene, UPPER)?, Side::read(&case, scene, LOWER)?],
             closest: 0.0,
             origin: 0.0,
-            roughness: roughness::read(configuration)?,
         })
     }
 
@@ -206,7 +198,7 @@ impl Gap {
         &measured.next().unwrap_or(&self.sides[LOWER]).key
     }
 
-    /// Both bodies have curvatures, so that without roughness the contact is Hertz's.
+    /// Both bodies have curvatures, so that without terms of the gap the contact is Hertz's.
     pub(super) fn is_quadric(&self) -> bool {
         self.sides.iter().all(|side| matches!(side.shape, Shape::Curvature(_)))
     }
@@ -215,16 +207,11 @@ impl Gap {
         self.sides[UPPER].height(y) - self.sides[LOWER].height(y)
     }
 
-    pub(super) fn smooth(&self, x: f64, y: f64) -> f64 {
+    /// Undeformed distance at (x, y) from the origin [m].
+    pub(super) fn distance(&self, x: f64, y: f64) -> f64 {
         let y = y + self.origin;
         let [upper, lower] = self.sides.each_ref().map(|side| 0.5 * x * x / side.radius(y));
         upper + lower + self.lateral(y) - self.closest
-    }
-
-    /// Undeformed distance at (x, y) from the origin [m].
-    pub(super) fn distance(&self, x: f64, y: f64) -> f64 {
-        let rough = self.roughness.as_ref().map_or(0.0, |roughness| roughness.height(x, y));
-        self.smooth(x, y) + rough
     }
 
     /// The lateral range in which both shapes are known.

@@ -10,7 +10,9 @@ use crate::half_space::influence::Elasticity;
 use crate::half_space::normal::{NormalError, Prescribed};
 use crate::half_space::patches::{Patch, patches};
 use crate::keys::CheckedParams;
-use crate::scene::{Load, RESOLUTION, Scene};
+use crate::resolution::RESOLUTION;
+use crate::scene::{Load, Scene};
+use crate::terms::Terms;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
@@ -74,26 +76,38 @@ pub(super) struct Footprint {
     pub(super) remarks: Vec<String>,
 }
 
-/// Finds the extent of the contact and lays a grid over it; `extent` is that of all contacts of a case
-/// whose values vary.
+/// What touches.
+#[derive(Clone, Copy)]
+pub(super) struct Shapes<'a> {
+    pub(super) scene: &'a Scene,
+    /// The ellipse that the case gives.
+    pub(super) given: Option<Ellipse>,
+    /// That of all contacts of a case whose values vary.
+    pub(super) extent: Option<&'a Extent>,
+    pub(super) bodies: &'a Elasticity,
+    /// Those of the gap change the shapes.
+    pub(super) terms: &'a Terms,
+    /// Elements per semi-axis.
+    pub(super) resolution: usize,
+}
+
+/// Finds the extent of the contact and lays a grid over it.
 pub(super) fn footprint(
     configuration: &Configuration,
-    scene: &Scene,
-    given: Option<Ellipse>,
-    extent: Option<&Extent>,
-    bodies: &Elasticity,
+    shapes: &Shapes<'_>,
 ) -> Result<Footprint, Refusal> {
+    let Shapes { scene, given, extent, bodies, terms, resolution } = *shapes;
     let case = CheckedParams::new(&configuration.case, keys());
     let lateral = match case.has(LATERAL_RESOLUTION) {
         true => Some(case.integer(LATERAL_RESOLUTION)? as f64),
         false => None,
     };
-    let dx = |a: f64| a / scene.resolution as f64;
+    let dx = |a: f64| a / resolution as f64;
     let mut gap = Gap::read(configuration, scene)?;
-    let rough = gap.is_rough();
+    let rough = !terms.leave_hertz();
     if given.is_some() || gap.is_quadric() {
         if given.is_some() && (rough || !gap.is_quadric()) {
-            let reason = "a given pressure leaves no room for profiles or roughness";
+            let reason = "a given pressure leaves no room for profiles or effects that change it";
             return Err(Refusal::new("contact", reason, "remove [contact], or the others"));
         }
         let ellipse = given.map_or_else(|| Ellipse::solve(scene, None), Ok)?;
@@ -113,7 +127,7 @@ pub(super) fn footprint(
         let smooth_grid = lay([reach(semi_axes[0], dx), reach(semi_axes[1], dy)], [dx, dy])?;
         let (grid, peak_y) = match rough {
             true => {
-                let fitted = fit(&gap, scene, bodies, smooth_grid)?;
+                let fitted = fit(&gap, shapes, smooth_grid)?;
                 (fitted.grid, Some(highest(&fitted)))
             }
             false => (smooth_grid, None),
@@ -137,7 +151,7 @@ pub(super) fn footprint(
     let mut grid = lay([elements(x_range, dx), elements(y_range, dy)], [dx, dy])?;
     let mut peak_y = highest(&coarse) - centre[1];
     if rough {
-        let fitted = fit(&gap, scene, bodies, grid)?;
+        let fitted = fit(&gap, shapes, grid)?;
         (grid, peak_y) = (fitted.grid, highest(&fitted));
     }
     let (gap, peak_y) = (Some(gap), Some(peak_y));
@@ -223,11 +237,12 @@ pub(super) fn prescribed(load: Load) -> Prescribed {
     }
 }
 
-fn fit(gap: &Gap, scene: &Scene, bodies: &Elasticity, grid: Structured) -> Result<Fitted, Refusal> {
-    let distance = |x: f64, y: f64| gap.distance(x, y);
+fn fit(gap: &Gap, shapes: &Shapes<'_>, grid: Structured) -> Result<Fitted, Refusal> {
+    let Shapes { scene, bodies, terms, .. } = *shapes;
+    let distance = |x: f64, y: f64| gap.distance(x, y) + terms.height(x, y);
     let within = gap.range().map(|end| end - gap.origin);
-    fit_grid(grid, bodies, &distance, prescribed(scene.load), within, MOST_ELEMENTS)
-        .map_err(refused)
+    let (load, bound) = (prescribed(scene.load), terms.pressure_bound());
+    fit_grid(grid, bodies, &distance, load, within, MOST_ELEMENTS, bound).map_err(refused)
 }
 
 fn refused(error: NormalError) -> Refusal {
@@ -250,15 +265,17 @@ fn coarse_contact(
     };
     let side = estimate / COARSE;
     let [first, last] = gap.range().map(|end| end - gap.origin);
-    let smooth = |x: f64, y: f64| gap.smooth(x, y);
+    let smooth = |x: f64, y: f64| gap.distance(x, y);
     let mut rows = side;
     loop {
         // Where to begin; the grid grows to wherever the gap closes.
         let reach = |y: f64| y.clamp(low - 40.0 * estimate, low + 40.0 * estimate) / rows;
         let grid = lay([[-COARSE, COARSE], [reach(first) + 1.0, reach(last) - 1.0]], [side, rows])?;
         let load = prescribed(scene.load);
-        let fitted = fit_grid(grid, bodies, &smooth, load, [first, last], MOST_COARSE_ELEMENTS)
-            .map_err(|error| no_coarse_contact(gap, error))?;
+        let within = [first, last];
+        let fitted =
+            fit_grid(grid, bodies, &smooth, load, within, MOST_COARSE_ELEMENTS, f64::INFINITY)
+                .map_err(|error| no_coarse_contact(gap, error))?;
         let fewest = of_weight(&fitted).map(|patch| patch.row_count()).min();
         let too_many = NARROWER * fitted.grid.points() as f64 > MOST_COARSE_ELEMENTS as f64;
         if too_many || fewest.is_none_or(|rows| rows >= COARSE_ROWS) {

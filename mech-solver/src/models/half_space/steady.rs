@@ -1,18 +1,17 @@
 //! Steady rolling, or sliding without partial slip: no memory.
 //!
-//! Solved in the first window; the answer is kept, since nothing that it depends on changes. Under the
-//! effect `temperature_friction` it is solved in every iteration, from scratch, so that it depends on
-//! the temperatures that come in and on nothing else. Of a case whose values vary every window is solved,
+//! Solved in the first window; the answer is kept, since nothing that it depends on changes. Where
+//! friction depends on what comes in it is solved in every iteration, from scratch, so that it depends
+//! on that and on nothing else. Of a case whose values vary every window is solved,
 //! from the accepted solution of an earlier one.
 
 use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
-use crate::effects::temperature_friction::Shortfall;
 use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
-use crate::models::names::HALF_SPACE;
+use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Varying, no_answer};
 use crate::scene::GivenPatch;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
@@ -83,9 +82,7 @@ impl Steady {
     ) -> Result<(Answer, StepReport), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         contact.follow(&self.case, near.is_some()).map_err(no_solution)?;
-        if let Some(law) = &self.case.friction_law {
-            contact.set_friction(&self.case, law, inputs)?;
-        }
+        contact.set_friction(&mut self.case, inputs)?;
         let (answer, report, solution) = self.compute(contact, near).map_err(no_solution)?;
         self.near =
             solution.map(|found| (found, contact.pressure.clone(), contact.search().clone()));
@@ -112,7 +109,7 @@ impl Steady {
         let mut report = StepReport { substeps: 1, ..StepReport::default() };
         let mut pressure_power = None;
         let mut found = None;
-        let mut answer = match case.partial {
+        let mut answer = match case.terms.adhesion {
             false => Answer::sliding(case, contact),
             true => {
                 let solution = contact.solve(&case.driven, near, None)?;
@@ -137,7 +134,7 @@ impl Model for Steady {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        let fixed = self.case.friction_law.is_none() && self.following.is_none();
+        let fixed = self.case.terms.friction.is_empty() && self.following.is_none();
         // What a row without an answer leaves is the answer of an earlier one.
         let known = if fixed { self.answer.take() } else { None };
         let (answer, report) = match known {
@@ -146,15 +143,13 @@ impl Model for Steady {
             None => {
                 let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
                 let mut contact = self.contact().map_err(no_solution)?;
-                if let Some(law) = &self.case.friction_law {
-                    contact.set_friction(&self.case, law, inputs)?;
-                }
+                contact.set_friction(&mut self.case, inputs)?;
                 let (answer, report, _) = self.compute(&mut contact, None).map_err(no_solution)?;
                 self.contact = Some(contact);
                 (answer, report)
             }
         };
-        answer.write(&answer.friction_power, outputs);
+        answer.write(&self.case.terms, &answer.friction_power, outputs);
         self.answer = Some((answer, report));
         Ok(report)
     }
@@ -164,13 +159,15 @@ impl Model for Steady {
     }
 
     fn acceptable(&self) -> Result<(), StepError> {
-        Shortfall::refused(self.contact.as_ref().and_then(|contact| contact.shortfall))
+        let shortfall = self.contact.as_ref().and_then(|contact| contact.shortfall);
+        Shortfall::refused(shortfall, &self.case.terms)
     }
 
     fn accept(&mut self) {
         if self.following.is_some() {
             self.accepted.clone_from(&self.near);
         }
+        self.case.terms.accept();
     }
 
     fn observe(&mut self, outputs: &mut dyn Outputs) {
@@ -187,6 +184,7 @@ impl Model for Steady {
     }
 
     fn save(&self, mut into: &mut dyn Write) -> io::Result<()> {
+        self.case.terms.save(into)?;
         if self.following.is_none() {
             return Ok(());
         }
@@ -196,11 +194,12 @@ impl Model for Steady {
     }
 
     fn restore(&mut self, mut from: &mut dyn Read) -> Result<(), StateError> {
+        self.case.terms.restore(from)?;
         if self.following.is_none() {
             return Ok(());
         }
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
-        let wrong = |reason: String| StateError(format!("{HALF_SPACE}: {reason}"));
+        let wrong = |reason: String| StateError(format!("{}: {reason}", super::MODEL.name));
         let near: Near = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|error| wrong(error.to_string()))?;
         let count = self.case.footprint.grid.points();

@@ -19,11 +19,10 @@ use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
-use crate::effects::temperature_friction::Shortfall;
 use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
 use crate::half_space::tangential::TangentialState;
-use crate::models::names::HALF_SPACE;
+use crate::models::shortfall::Shortfall;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -206,12 +205,10 @@ impl Model for Transient {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        if let Some(law) = &self.case.friction_law {
-            self.contact.set_friction(&self.case, law, inputs)?;
-        }
+        self.contact.set_friction(&mut self.case, inputs)?;
         let report = self.advance(step.duration());
         let report = report.map_err(|error| StepError::NoSolution(error.to_string()))?;
-        self.trial.answer.write(&self.power, outputs);
+        self.trial.answer.write(&self.case.terms, &self.power, outputs);
         Ok(report)
     }
 
@@ -220,11 +217,12 @@ impl Model for Transient {
     }
 
     fn acceptable(&self) -> Result<(), StepError> {
-        Shortfall::refused(self.shortfall)
+        Shortfall::refused(self.shortfall, &self.case.terms)
     }
 
     fn accept(&mut self) {
         self.accepted.clone_from(&self.trial);
+        self.case.terms.accept();
     }
 
     fn observe(&mut self, outputs: &mut dyn Outputs) {
@@ -236,6 +234,7 @@ impl Model for Transient {
     }
 
     fn save(&self, mut into: &mut dyn Write) -> io::Result<()> {
+        self.case.terms.save(into)?;
         let config = bincode::config::standard();
         bincode::serde::encode_into_std_write(&self.accepted, &mut into, config)
             .map(|_| ())
@@ -243,8 +242,9 @@ impl Model for Transient {
     }
 
     fn restore(&mut self, mut from: &mut dyn Read) -> Result<(), StateError> {
+        self.case.terms.restore(from)?;
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
-        let wrong = |reason: String| StateError(format!("{HALF_SPACE}: {reason}"));
+        let wrong = |reason: String| StateError(format!("{}: {reason}", super::MODEL.name));
         let memory: Memory = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|e| wrong(e.to_string()))?;
         if !memory.fits(self.power.len()) {

@@ -2,6 +2,7 @@
 
 use super::contact::{Contact, CreepLaw};
 use crate::scene::Scene;
+use crate::terms::Terms;
 use proto::field::FieldSpec;
 use proto::grid::Structured;
 
@@ -10,7 +11,8 @@ pub(super) struct Case {
     pub(super) scene: Scene,
     pub(super) contact: Contact,
     pub(super) law: CreepLaw,
-    pub(super) partial: bool,
+    /// The terms of the active effects.
+    pub(super) terms: Terms,
     pub(super) grid: Structured,
     /// The fields that this run asks for.
     pub(super) wanted: Vec<&'static FieldSpec>,

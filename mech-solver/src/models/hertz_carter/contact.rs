@@ -1,8 +1,6 @@
 //! The contact as a whole: ellipse, forces and creepage, all in closed form.
 
-use crate::effects::partial_slip;
 use crate::ellipse::{Ellipse, Prescribed};
-use crate::models::names::HERTZ_CARTER;
 use crate::models::summary::extend;
 use crate::reference::carter;
 use crate::scene::{Scene, Speeds};
@@ -145,7 +143,7 @@ impl Amount {
             if value == 0.0 {
                 return Ok(());
             }
-            let reason = format!("{} takes longitudinal creepage only", HERTZ_CARTER);
+            let reason = format!("{} takes longitudinal creepage only", super::MODEL.name);
             Err(Refusal::new(key, reason, "write 0, or remove the key"))
         };
         match ellipse.prescribed(scene)? {
@@ -169,9 +167,9 @@ impl Amount {
         let (creep, with_stick) = match self {
             Self::ForceRatio(ratio) => {
                 let ratio = ratio.abs();
-                (carter::creep(prefactor, ratio), partial_slip::at_force_ratio(ratio, prefactor))
+                (carter::creep(prefactor, ratio), Slip::at_force_ratio(ratio, prefactor))
             }
-            Self::Creep(creep) => (creep.abs(), partial_slip::at_creep(creep.abs(), prefactor)),
+            Self::Creep(creep) => (creep.abs(), Slip::at_creep(creep.abs(), prefactor)),
         };
         if partial {
             with_stick

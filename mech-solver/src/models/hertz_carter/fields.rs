@@ -1,18 +1,24 @@
 //! The fields of the contact as element means.
 
 use super::contact::Contact;
-use crate::effects::friction_heat;
-use crate::effects::partial_slip::{CarterSlip, CarterTraction};
 use crate::ellipse::Ellipse;
 use crate::models::precomputed::{count, points};
-use crate::slip::{SlidingSlip, Slip};
+use crate::slip::Slip;
+use crate::strips::carter::{CarterPower, CarterSlip, CarterTraction};
 use crate::strips::semi_ellipse::SemiEllipse;
+use crate::strips::sliding::{SlidingPower, SlidingSlip};
 use crate::strips::{Lateral, StripField, Strips};
+use crate::terms::Terms;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 
 /// Values of a field that the model or one of its effects provides, component-major.
-pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> Vec<f64> {
+pub(super) fn values(
+    spec: &FieldSpec,
+    contact: &Contact,
+    grid: Structured,
+    terms: &Terms,
+) -> Vec<f64> {
     let Ellipse { semi_axis_a, semi_axis_b, .. } = contact.ellipse;
     let strips = Strips::new(semi_axis_a, semi_axis_b, grid);
     let mut values = vec![0.0; count(spec, &grid)];
@@ -24,7 +30,8 @@ pub(super) fn values(spec: &FieldSpec, contact: &Contact, grid: Structured) -> V
         field::SLIP_VELOCITY => write_slip_velocity(&strips, contact, first),
         field::FRICTION_POWER => {
             let amplitude = contact.largest_bound() * contact.speeds.rolling;
-            friction_heat::write_power(&strips, &contact.slip, amplitude, first);
+            write_power(&strips, &contact.slip, amplitude, first);
+            terms.keep_heat(first);
         }
         field::SURFACE_SPEED => {
             values.copy_from_slice(&contact.speeds.of_surfaces(contact.creepage_xi()));
@@ -60,6 +67,22 @@ fn write_slip_velocity(strips: &Strips, contact: &Contact, means: &mut [f64]) {
         }
         Slip::Sliding { creep, gradient } => {
             let density = SlidingSlip { creep, gradient };
+            strips.write_means(&StripField { density, amplitude, lateral }, means);
+        }
+    }
+}
+
+/// Writes the element means of the friction power density [W/m²]; `amplitude` is f p_0 V [W/m²].
+fn write_power(strips: &Strips, slip: &Slip, amplitude: f64, means: &mut [f64]) {
+    let lateral = Lateral::Elliptic;
+    match *slip {
+        Slip::Adhesion => means.fill(0.0),
+        Slip::Partial { fraction, prefactor } => {
+            let (density, amplitude) = (CarterPower { fraction }, amplitude * prefactor);
+            strips.write_means(&StripField { density, amplitude, lateral }, means);
+        }
+        Slip::Sliding { creep, gradient } => {
+            let density = SlidingPower { creep, gradient };
             strips.write_means(&StripField { density, amplitude, lateral }, means);
         }
     }

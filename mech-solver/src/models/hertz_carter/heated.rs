@@ -1,13 +1,13 @@
-//! The contact under the effect `temperature_friction`.
+//! The contact whose friction depends on what comes in.
 //!
-//! Carter's strips know one friction coefficient: the mean of f(T) over the contact, weighted with
+//! Carter's strips know one friction coefficient: the mean of f over the contact, weighted with
 //! the pressure, which keeps the force f N of a contact that slides. It is solved anew in every
 //! iteration.
 
 use super::case::Case;
 use super::contact::Contact;
 use super::fields;
-use crate::effects::temperature_friction::{FrictionLaw, Shortfall};
+use crate::models::shortfall::Shortfall;
 use crate::scene::{Drive, Scene};
 use proto::configuration::Refusal;
 use proto::field;
@@ -18,7 +18,6 @@ use std::io::{self, Read, Write};
 /// The model that runs.
 pub(super) struct Heated {
     case: Case,
-    law: FrictionLaw,
     pressure: Vec<f64>,
     friction: Vec<f64>,
     /// The force of the last solve is not the prescribed one.
@@ -26,15 +25,16 @@ pub(super) struct Heated {
 }
 
 impl Heated {
-    pub(super) fn new(case: Case, law: FrictionLaw) -> Self {
-        let pressure = fields::values(&field::PRESSURE, &case.contact, case.grid);
-        Self { law, pressure, friction: Vec::new(), shortfall: None, case }
+    pub(super) fn new(case: Case) -> Self {
+        let pressure = fields::values(&field::PRESSURE, &case.contact, case.grid, &case.terms);
+        Self { pressure, friction: Vec::new(), shortfall: None, case }
     }
 
     fn write(&self, outputs: &mut dyn Outputs) {
         for spec in &self.case.wanted {
             if let Some(place) = outputs.get(spec) {
-                place.copy_from_slice(&fields::values(spec, &self.case.contact, self.case.grid));
+                let Case { contact, grid, terms, .. } = &self.case;
+                place.copy_from_slice(&fields::values(spec, contact, *grid, terms));
             }
         }
     }
@@ -66,15 +66,16 @@ impl Model for Heated {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        self.law.on_grid(inputs, &self.case.grid, &mut self.friction)?;
+        let Case { terms, scene, grid, .. } = &mut self.case;
+        terms.friction(scene.friction_coefficient, inputs, grid, &mut self.friction)?;
         let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
         let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
         let normal_force = self.case.contact.ellipse.normal_force;
         let (drive, shortfall) = carried(self.case.scene.drive, friction, normal_force);
         self.shortfall = shortfall;
         let scene = Scene { friction_coefficient: friction, drive, ..self.case.scene.clone() };
-        let Case { contact, law, partial, .. } = &mut self.case;
-        *contact = Contact::solve(&scene, contact.ellipse, *law, *partial).map_err(
+        let Case { contact, law, terms, .. } = &mut self.case;
+        *contact = Contact::solve(&scene, contact.ellipse, *law, terms.adhesion).map_err(
             |Refusal { reason, fix, .. }| StepError::NoSolution(format!("{reason}; {fix}")),
         )?;
         self.write(outputs);
@@ -87,10 +88,12 @@ impl Model for Heated {
     }
 
     fn acceptable(&self) -> Result<(), StepError> {
-        Shortfall::refused(self.shortfall)
+        Shortfall::refused(self.shortfall, &self.case.terms)
     }
 
-    fn accept(&mut self) {}
+    fn accept(&mut self) {
+        self.case.terms.accept();
+    }
 
     fn observe(&mut self, outputs: &mut dyn Outputs) {
         self.write(outputs);
@@ -100,11 +103,11 @@ impl Model for Heated {
         self.case.contact.summary()
     }
 
-    fn save(&self, _into: &mut dyn Write) -> io::Result<()> {
-        Ok(())
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        self.case.terms.save(into)
     }
 
-    fn restore(&mut self, _from: &mut dyn Read) -> Result<(), StateError> {
-        Ok(())
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        self.case.terms.restore(from)
     }
 }

@@ -1,0 +1,39 @@
+//! Effect `pressure_limit`: the pressure does not exceed the hardness of the softer body.
+//!
+//! 0 ≤ p ≤ H. Where the elastic half-space would carry more, the surface yields until neighbours have
+//! taken the rest over. Nothing of it is remembered, neither the imprint nor residual stress, so that
+//! it stands for the first passage, and is not called plasticity.
+//!
+//! Source: Almqvist, Sahlin, Larsson & Glavatskih, Tribology International 40 (2007) 574–579, with H
+//! three times the yield stress or so: Tabor, *The Hardness of Metals* (1951).
+
+use super::Effect;
+use crate::keys::CheckedParams;
+use crate::terms::{Kind, Terms};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "pressure_limit",
+    law: "0 <= p <= H: pressure beyond the hardness H goes to the elements around",
+    source: "Almqvist et al., Tribology International 40 (2007) 574-579; Tabor, The Hardness of \
+             Metals (1951)",
+    kinds: &[Kind::PressureBound],
+    consumes: &[],
+    provides: &[],
+    keys,
+    terms,
+};
+
+const HARDNESS: &str = "effects.pressure_limit.hardness";
+
+fn keys() -> Vec<KeySpec> {
+    let help = "largest pressure H that the softer body carries";
+    vec![KeySpec::quantity(HARDNESS, "Pa", help).required().above(0.0)]
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let case = CheckedParams::new(&configuration.case, keys());
+    Ok(Terms { pressure_bounds: vec![case.number(HARDNESS)?], ..Terms::default() })
+}

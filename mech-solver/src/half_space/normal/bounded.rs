@@ -1,0 +1,77 @@
+//! Normal contact whose pressure has an upper bound p̂.
+//!
+//! Under a given approach the iteration holds both bounds. The load N(δ) then carried grows with the
+//! approach, without a jump, and is as large as asked for at one δ: it is found between two approaches
+//! by secants whose resting end counts half (Illinois), each solve from the pressure of the one before.
+//! If the pressure of the contact without a bound stays below it, that is the solution.
+
+use super::{NormalContact, NormalError, NormalSolver, Prescribed};
+
+/// Difference of the load that is left, over the load: that of the iteration.
+const TOLERANCE: f64 = 1e-9;
+/// Approaches tried at most.
+const MOST_STEPS: usize = 80;
+/// Growth of the penetration while the load is too small, at least.
+const GROWTH: f64 = 1.05;
+
+impl NormalSolver {
+    /// Solves within the bound.
+    pub(super) fn bounded(
+        &mut self,
+        distance: &[f64],
+        prescribed: Prescribed,
+        pressure: &mut [f64],
+    ) -> Result<NormalContact, NormalError> {
+        let Prescribed::Load(load) = prescribed else {
+            return self.run(distance, prescribed, pressure);
+        };
+        let bound = std::mem::replace(&mut self.pressure_bound, f64::INFINITY);
+        let free = self.run(distance, prescribed, pressure);
+        self.pressure_bound = bound;
+        let free = free?;
+        match pressure.iter().all(|value| *value <= bound) {
+            true => Ok(free),
+            false => self.search(distance, load, pressure, &free),
+        }
+    }
+
+    /// Finds the approach under which the load is carried, from that of the contact without a bound.
+    fn search(
+        &mut self,
+        distance: &[f64],
+        load: f64,
+        pressure: &mut [f64],
+        free: &NormalContact,
+    ) -> Result<NormalContact, NormalError> {
+        let closest = distance.iter().copied().fold(f64::INFINITY, f64::min);
+        let (mut iterations, mut convolutions) = (free.iterations, free.convolutions);
+        let [mut low, mut high]: [Option<(f64, f64)>; 2] = [None, None];
+        let (mut penetration, mut side) = (free.approach - closest, 0);
+        let mut residual = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let approach = Prescribed::Approach(closest + penetration);
+            let found = self.run(distance, approach, pressure)?;
+            iterations += found.iterations;
+            convolutions += found.convolutions;
+            let missing = load - found.normal_force;
+            residual = missing.abs() / load;
+            // Of a grid that is too small nothing more can be had.
+            if residual <= TOLERANCE || (found.touches_edge && missing > 0.0) {
+                return Ok(NormalContact { iterations, convolutions, ..found });
+            }
+            let (end, other) =
+                if missing > 0.0 { (&mut low, &mut high) } else { (&mut high, &mut low) };
+            *end = Some((penetration, missing));
+            if let Some((_, other)) = other.as_mut().filter(|_| side * missing.signum() as i32 > 0)
+            {
+                *other *= 0.5;
+            }
+            side = missing.signum() as i32;
+            penetration = match (low, high) {
+                (Some((a, below)), Some((b, above))) => a + (b - a) * (below / (below - above)),
+                _ => penetration * (load / found.normal_force).max(GROWTH),
+            };
+        }
+        Err(NormalError::NotConverged { iterations, residual, tolerance: TOLERANCE })
+    }
+}

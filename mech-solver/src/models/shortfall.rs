@@ -1,0 +1,29 @@
+//! A prescribed force that friction does not carry, where friction follows what comes in.
+//!
+//! An iterate of a coupling loop may be beyond what it settles at. It is answered with the force that
+//! friction carries, so that the loop may come back; as an accepted state it is refused.
+
+use crate::terms::Terms;
+use proto::model::StepError;
+
+/// A force that friction does not carry in an iterate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shortfall {
+    /// What is prescribed [N].
+    pub(super) asked: f64,
+    /// What the answer has [N].
+    pub(super) carried: f64,
+}
+
+impl Shortfall {
+    /// The error of a state that would be accepted so.
+    pub(super) fn refused(shortfall: Option<Self>, terms: &Terms) -> Result<(), StepError> {
+        let Some(Self { asked, carried }) = shortfall else { return Ok(()) };
+        let why = terms.friction.iter().map(|term| term.shortfall());
+        Err(StepError::NoSolution(format!(
+            "{}: {asked:.6e} N are prescribed, and in this state friction carries {carried:.6e} N; \
+             prescribe less, or motion.creepage",
+            why.collect::<Vec<_>>().join(", and ")
+        )))
+    }
+}

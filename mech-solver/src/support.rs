@@ -1,0 +1,103 @@
+//! Which model supports which effect: the one that takes all kinds of terms that the effect makes.
+
+use crate::effects::{EFFECTS, Effect};
+use crate::models::{MODELS, ModelEntry};
+use proto::configuration::{Configuration, Refusal};
+
+/// A model supports an effect.
+fn supports(model: &ModelEntry, effect: &Effect) -> bool {
+    effect.kinds.iter().all(|kind| model.takes.contains(kind))
+}
+
+/// Names of the models that support an effect.
+pub(crate) fn models_of(effect: &Effect) -> Vec<String> {
+    let supporting = MODELS.iter().filter(|model| supports(model, effect));
+    supporting.map(|model| model.name.to_owned()).collect()
+}
+
+/// The effects of a configuration.
+///
+/// # Errors
+/// Refuses an effect that is not in [`EFFECTS`] or that the chosen model does not support.
+pub(crate) fn active(configuration: &Configuration) -> Result<Vec<&'static Effect>, Refusal> {
+    let table = configuration.case.get("effects").and_then(serde_json::Value::as_object);
+    table.into_iter().flatten().map(|(name, _)| supported(name, &configuration.model)).collect()
+}
+
+fn supported(name: &str, model: &str) -> Result<&'static Effect, Refusal> {
+    let key = format!("effects.{name}");
+    let Some(effect) = EFFECTS.iter().find(|effect| effect.name == name) else {
+        let known: Vec<_> = EFFECTS.iter().map(|effect| effect.name).collect();
+        let reason = "there is no such effect in the mechanics";
+        return Err(Refusal::new(&key, reason, format!("known are {}", known.join(", "))));
+    };
+    let models = models_of(effect);
+    if models.iter().any(|supporting| supporting == model) {
+        return Ok(effect);
+    }
+    let fix = format!("choose one of {} or remove the effect", models.join(", "));
+    Err(Refusal::new(&key, format!("the model `{model}` does not support it"), fix))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::terms::{Kind, Terms};
+    use proto::configuration::Mode;
+    use proto::description::KeyKind;
+    use proto::params::Params;
+    use serde_json::json;
+
+    /// The kinds of the lists in which there is something.
+    fn made(terms: &Terms) -> Vec<Kind> {
+        let lists = [
+            (Kind::Gap, terms.gap.len()),
+            (Kind::Friction, terms.friction.len()),
+            (Kind::PressureBound, terms.pressure_bounds.len()),
+            (Kind::Adhesion, usize::from(terms.adhesion)),
+            (Kind::Layer, terms.layers.len()),
+            (Kind::HeatShare, terms.heat_shares.len()),
+            (Kind::Observation, terms.observations.len()),
+        ];
+        lists.iter().filter(|(_, count)| *count > 0).map(|(kind, _)| *kind).collect()
+    }
+
+    /// Every effect makes terms of the kinds that it declares, and of no other. Its quantities are the
+    /// least that it needs, but for a share of the heat.
+    #[test]
+    fn effects_make_the_kinds_that_they_declare() {
+        for effect in EFFECTS {
+            let mut table = json!({});
+            for key in (effect.keys)().iter().filter(|key| key.required || key.one_of.is_some()) {
+                if let KeyKind::Quantity { .. } = key.kind {
+                    table[key.path.rsplit('.').next().unwrap()] = json!(1e-6);
+                }
+            }
+            if effect.kinds.contains(&Kind::HeatShare) {
+                table["heat_share"] = json!(0.5);
+            }
+            let body = |position: &str| json!({"position": position, "material": "steel"});
+            let case = json!({
+                "bodies": {"one": body("upper"), "other": body("lower")},
+                "materials": {"steel": {"youngs_modulus": 210e9, "poisson_ratio": 0.3}},
+                "motion": {"speed": 1.0, "creepage": {"xi": 0.0}},
+                "load": {"normal_force": 1.0},
+                "friction": {"coefficient": 0.5},
+                "effects": {effect.name: table},
+            });
+            let configuration = Configuration {
+                role: "mech".to_owned(),
+                model: "any".to_owned(),
+                mode: Mode::Steady,
+                case: Params(case),
+                histories: None,
+                inputs: Vec::new(),
+                outputs: Vec::new(),
+                observed: Vec::new(),
+                threads: 1,
+            };
+            let terms = crate::effects::terms(&[effect], &configuration).unwrap();
+            assert_eq!(made(&terms), effect.kinds, "{}", effect.name);
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! What effects contribute to a contact: terms of a few kinds.
+//!
+//! The registry entry of an effect makes its terms ([`crate::effects`]); the model that runs holds the
+//! terms of all active effects, a list a kind, and takes each kind in one place. A list without terms
+//! costs nothing.
+//!
+//! | [`Kind`] | a term is | it enters |
+//! |---|---|---|
+//! | `Gap` | heights [m] | the undeformed distance, to which they are added |
+//! | `Friction` | a law for the friction coefficients of the elements | the traction bound, before every solve |
+//! | `PressureBound` | a largest pressure [Pa], of several the smallest | the normal contact |
+//! | `Adhesion` | that surfaces may stick | the tangential contact; without it all of the contact slides |
+//! | `Layer` | a tangential flexibility [m/Pa], in series | the displacement difference |
+//! | `HeatShare` | a factor | the friction power that is provided as heat |
+//! | `Observation` | fields and figures of an accepted contact | the outputs and the summary |
+//!
+//! A model declares the kinds that it takes, an effect those that it makes; a model supports the
+//! effects all of whose kinds it takes.
+
+use proto::field::FieldSpec;
+use proto::grid::Structured;
+use proto::model::{Inputs, Outputs, StateError, StepError};
+use serde_json::Value;
+use std::fmt::Debug;
+use std::io::{self, Read, Write};
+
+/// The kinds of terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Heights of the surfaces.
+    Gap,
+    /// Friction coefficients of the elements.
+    Friction,
+    /// Largest pressure.
+    PressureBound,
+    /// Surfaces that may stick.
+    Adhesion,
+    /// Tangential flexibility between the surfaces.
+    Layer,
+    /// Part of the friction power that becomes heat.
+    HeatShare,
+    /// What is computed of an accepted contact.
+    Observation,
+}
+
+/// State of a term. A term without any leaves all of it out.
+pub(crate) trait State {
+    /// The last solve becomes the accepted state.
+    fn accept(&mut self) {}
+
+    /// Writes the accepted state.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    fn save(&self, _into: &mut dyn Write) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Reads back what [`State::save`] wrote.
+    ///
+    /// # Errors
+    /// It does not fit.
+    fn restore(&mut self, _from: &mut dyn Read) -> Result<(), StateError> {
+        Ok(())
+    }
+}
+
+/// A term of the undeformed distance.
+pub(crate) trait GapTerm: State + Debug {
+    /// Height at a place from the origin of the undeformed contact [m]; positive opens the gap.
+    fn height(&self, x: f64, y: f64) -> f64;
+}
+
+/// A term of the friction law.
+pub(crate) trait FrictionTerm: State + Debug {
+    /// Changes the friction coefficients of the elements of a grid, which enter as those of the case
+    /// and of the terms before.
+    ///
+    /// # Errors
+    /// An input is missing or unusable, or the law has no value for it.
+    fn apply(
+        &mut self,
+        inputs: &dyn Inputs,
+        grid: &Structured,
+        friction: &mut [f64],
+    ) -> Result<(), StepError>;
+
+    /// Why friction may carry less than a prescribed force.
+    fn shortfall(&self) -> &'static str;
+}
+
+/// The contact as it was accepted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Accepted<'a> {
+    /// Pressure [Pa].
+    pub(crate) pressure: &'a [f64],
+    /// Tractions on the upper body, x then y [Pa].
+    pub(crate) traction: &'a [f64],
+}
+
+/// Where a contact is solved.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    /// The contact's grid.
+    pub(crate) grid: Structured,
+    /// Semi-axes, or what comes near them [m].
+    pub(crate) semi_axes: [f64; 2],
+    /// Lateral coordinate of the highest pressure without friction [m].
+    pub(crate) peak_y: f64,
+}
+
+/// Fields and figures of an accepted contact.
+pub(crate) trait Observation: State + Debug {
+    /// Learns where the contact is solved; comes before all else.
+    fn place(&mut self, place: &Place);
+
+    /// Grids of its own, by name.
+    fn grids(&self) -> Vec<(&'static str, Structured)>;
+
+    /// Which of them a field is on; `None` for the fields of others.
+    fn grid_of(&self, field: &FieldSpec) -> Option<&'static str>;
+
+    /// Computes from an accepted contact.
+    fn observe(&mut self, accepted: &Accepted<'_>);
+
+    /// Writes those of its fields that are asked for.
+    fn write(&self, outputs: &mut dyn Outputs);
+
+    /// Its section of `summary.json`, by name; `None` before anything was observed.
+    fn summary(&self) -> Option<(&'static str, Value)>;
+}
+
+/// The terms of all active effects.
+#[derive(Debug, Default)]
+pub(crate) struct Terms {
+    /// The active effects, with the kinds that they make.
+    pub(crate) effects: Vec<(&'static str, &'static [Kind])>,
+    pub(crate) gap: Vec<Box<dyn GapTerm>>,
+    pub(crate) friction: Vec<Box<dyn FrictionTerm>>,
+    pub(crate) pressure_bounds: Vec<f64>,
+    pub(crate) adhesion: bool,
+    pub(crate) layers: Vec<f64>,
+    pub(crate) heat_shares: Vec<f64>,
+    pub(crate) observations: Vec<Box<dyn Observation>>,
+}
+
+impl Terms {
+    /// Adds the terms of one more effect.
+    pub(crate) fn join(&mut self, name: &'static str, kinds: &'static [Kind], more: Self) {
+        self.effects.push((name, kinds));
+        self.gap.extend(more.gap);
+        self.friction.extend(more.friction);
+        self.pressure_bounds.extend(more.pressure_bounds);
+        self.adhesion |= more.adhesion;
+        self.layers.extend(more.layers);
+        self.heat_shares.extend(more.heat_shares);
+        self.observations.extend(more.observations);
+    }
+
+    /// The first active effect that makes terms of a kind.
+    pub(crate) fn effect_of(&self, kind: Kind) -> Option<&'static str> {
+        self.effects.iter().find(|(_, kinds)| kinds.contains(&kind)).map(|(name, _)| *name)
+    }
+
+    /// Sum of the heights at a place [m].
+    pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
+        self.gap.iter().map(|term| term.height(x, y)).sum()
+    }
+
+    /// Friction coefficients on a grid, from that of the case.
+    ///
+    /// # Errors
+    /// Those of [`FrictionTerm::apply`].
+    pub(crate) fn friction(
+        &mut self,
+        coefficient: f64,
+        inputs: &dyn Inputs,
+        grid: &Structured,
+        friction: &mut Vec<f64>,
+    ) -> Result<(), StepError> {
+        friction.clear();
+        friction.resize(grid.points(), coefficient);
+        self.friction.iter_mut().try_for_each(|term| term.apply(inputs, grid, friction))
+    }
+
+    /// The smallest of the largest pressures; infinite without one [Pa].
+    pub(crate) fn pressure_bound(&self) -> f64 {
+        self.pressure_bounds.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The pressure of smooth bodies stays that of Hertz.
+    pub(crate) fn leave_hertz(&self) -> bool {
+        self.gap.is_empty() && self.pressure_bounds.is_empty()
+    }
+
+    /// Flexibility of all layers together [m/Pa].
+    pub(crate) fn layer(&self) -> f64 {
+        self.layers.iter().sum()
+    }
+
+    /// Leaves of a friction power what becomes heat.
+    pub(crate) fn keep_heat(&self, power: &mut [f64]) {
+        for share in &self.heat_shares {
+            power.iter_mut().for_each(|power| *power *= share);
+        }
+    }
+
+    fn states(&self) -> impl Iterator<Item = &dyn State> {
+        let gap = self.gap.iter().map(|term| &**term as &dyn State);
+        let friction = self.friction.iter().map(|term| &**term as &dyn State);
+        gap.chain(friction).chain(self.observations.iter().map(|term| &**term as &dyn State))
+    }
+
+    fn states_mut(&mut self) -> impl Iterator<Item = &mut dyn State> {
+        let gap = self.gap.iter_mut().map(|term| &mut **term as &mut dyn State);
+        let friction = self.friction.iter_mut().map(|term| &mut **term as &mut dyn State);
+        let observations = self.observations.iter_mut().map(|term| &mut **term as &mut dyn State);
+        gap.chain(friction).chain(observations)
+    }
+
+    /// The last solve becomes the accepted state of every term.
+    pub(crate) fn accept(&mut self) {
+        self.states_mut().for_each(State::accept);
+    }
+
+    /// Writes the accepted states, one after the other.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    pub(crate) fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        self.states().try_for_each(|term| term.save(into))
+    }
+
+    /// Reads back what [`Terms::save`] wrote.
+    ///
+    /// # Errors
+    /// It does not fit.
+    pub(crate) fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        self.states_mut().try_for_each(|term| term.restore(from))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proto::state::{read_numbers, write_numbers};
+
+    /// A height that grows with every accepted state.
+    #[derive(Debug)]
+    struct Growing {
+        height: f64,
+        by: f64,
+    }
+
+    impl State for Growing {
+        fn accept(&mut self) {
+            self.height += self.by;
+        }
+
+        fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+            write_numbers(into, [&self.height])
+        }
+
+        fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+            Ok(read_numbers(from, [&mut self.height])?)
+        }
+    }
+
+    impl GapTerm for Growing {
+        fn height(&self, _x: f64, _y: f64) -> f64 {
+            self.height
+        }
+    }
+
+    /// Terms of two effects in one list: their contributions add up, their states are accepted, saved
+    /// and restored one after the other, and a state that is cut off is refused.
+    #[test]
+    fn terms_add_up_and_keep_their_states() {
+        let growing = |by: f64| -> Box<dyn GapTerm> { Box::new(Growing { height: 0.0, by }) };
+        let mut terms = Terms::default();
+        let one = Terms { gap: vec![growing(1.0)], layers: vec![2.0], ..Terms::default() };
+        let other = Terms {
+            gap: vec![growing(10.0)],
+            layers: vec![3.0],
+            pressure_bounds: vec![5.0, 4.0],
+            heat_shares: vec![0.5],
+            ..Terms::default()
+        };
+        assert!(terms.leave_hertz() && terms.pressure_bound() == f64::INFINITY);
+        terms.join("one", &[Kind::Gap, Kind::Layer], one);
+        terms.join("other", &[Kind::PressureBound], other);
+        assert_eq!((terms.layer(), terms.pressure_bound(), terms.adhesion), (5.0, 4.0, false));
+        assert_eq!(terms.effect_of(Kind::PressureBound), Some("other"));
+        assert!(!terms.leave_hertz());
+        let mut power = [4.0, 0.0];
+        terms.keep_heat(&mut power);
+        assert_eq!(power, [2.0, 0.0]);
+        terms.accept();
+        terms.accept();
+        let mut saved = Vec::new();
+        terms.save(&mut saved).unwrap();
+        terms.accept();
+        assert_eq!(terms.height(0.0, 0.0), 33.0);
+        terms.restore(&mut saved.as_slice()).unwrap();
+        assert_eq!(terms.height(0.0, 0.0), 22.0);
+        assert!(terms.restore(&mut &saved[..9]).is_err());
+    }
+}
