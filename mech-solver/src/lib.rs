@@ -20,6 +20,7 @@
 
 pub mod effects;
 mod ellipse;
+pub mod entry;
 mod figures;
 pub mod half_space;
 mod keys;
@@ -34,7 +35,8 @@ mod strips;
 mod support;
 pub mod terms;
 
-use effects::{EFFECTS, Effect};
+use effects::EFFECTS;
+use entry::Effect;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{Description, names};
 use proto::model::{Setup, Solver};

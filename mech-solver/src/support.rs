@@ -1,7 +1,8 @@
 //! Which model supports which effect: the one that takes all kinds of terms that the effect makes.
 
-use crate::effects::{EFFECTS, Effect};
-use crate::models::{MODELS, ModelEntry};
+use crate::effects::EFFECTS;
+use crate::entry::{Effect, ModelEntry};
+use crate::models::MODELS;
 use proto::configuration::{Configuration, Refusal};
 
 /// A model supports an effect.

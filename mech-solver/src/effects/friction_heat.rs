@@ -11,7 +11,7 @@
 //!
 //! Source: Naeimi et al., eq. 1; Kennedy, Wear 100 (1984) 453–476, for the share.
 
-use super::Effect;
+use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};

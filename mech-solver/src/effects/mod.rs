@@ -9,10 +9,9 @@ pub mod subsurface_stress;
 pub mod temperature_friction;
 pub mod third_body_layer;
 
+use crate::entry::Effect;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};
-use proto::description::{EffectSpec, KeySpec, names};
-use proto::field::FieldSpec;
 
 /// Every effect of this crate.
 pub const EFFECTS: &[Effect] = &[
@@ -24,42 +23,6 @@ pub const EFFECTS: &[Effect] = &[
     temperature_friction::EFFECT,
     third_body_layer::EFFECT,
 ];
-
-/// An effect of the list.
-pub struct Effect {
-    /// Name in the case file.
-    pub name: &'static str,
-    /// Its law in a line.
-    pub law: &'static str,
-    /// Where the law comes from.
-    pub source: &'static str,
-    /// The kinds of terms that it makes.
-    pub kinds: &'static [Kind],
-    /// The fields that it consumes.
-    pub consumes: &'static [&'static FieldSpec],
-    /// The fields that it provides.
-    pub provides: &'static [&'static FieldSpec],
-    /// The keys of its table.
-    pub keys: fn() -> Vec<KeySpec>,
-    /// Makes its terms; refuses values that are missing or out of range.
-    pub(crate) terms: fn(&Configuration) -> Result<Terms, Refusal>,
-}
-
-impl Effect {
-    /// What the description says of it, with the models that support it.
-    #[must_use]
-    pub fn spec(&self, models: Vec<String>) -> EffectSpec {
-        EffectSpec {
-            name: self.name.to_owned(),
-            law: self.law.to_owned(),
-            source: self.source.to_owned(),
-            models,
-            consumes: names(self.consumes),
-            provides: names(self.provides),
-            keys: (self.keys)(),
-        }
-    }
-}
 
 /// The terms of some effects of a configuration.
 pub(crate) fn terms(

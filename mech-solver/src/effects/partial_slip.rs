@@ -4,7 +4,7 @@
 //! slip. Without the effect the whole contact slides. How a model finds the stick zone is its own
 //! matter: Carter's strips, a march over springs, or the elastic half-space.
 
-use super::Effect;
+use crate::entry::Effect;
 use crate::terms::{Kind, Terms};
 
 /// What the registry says of it.

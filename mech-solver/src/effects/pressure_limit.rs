@@ -7,7 +7,7 @@
 //! Source: Almqvist, Sahlin, Larsson & Glavatskih, Tribology International 40 (2007) 574–579, with H
 //! three times the yield stress or so: Tabor, *The Hardness of Metals* (1951).
 
-use super::Effect;
+use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};

@@ -6,7 +6,7 @@
 //!
 //! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5.
 
-use super::Effect;
+use crate::entry::Effect;
 use crate::half_space::subsurface::{Section, SurfaceLoad};
 use crate::keys::CheckedParams;
 use crate::scene::Scene;

@@ -17,7 +17,7 @@
 //! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over the
 //! slip velocity.
 
-use super::Effect;
+use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::terms::{FrictionTerm, Kind, State, Terms};
 use proto::configuration::{Configuration, Refusal};

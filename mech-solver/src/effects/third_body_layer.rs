@@ -6,7 +6,7 @@
 //! Source: Vollebregt, *Numerical modeling of measured railway creep versus creep-force curves*,
 //! Wear 314 (2014) 87–95; Kalker (1990) §4.
 
-use super::Effect;
+use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};

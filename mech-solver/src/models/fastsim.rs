@@ -5,7 +5,7 @@
 //! flexibility follows from Kalker's linear theory ([`crate::reference::kalker`]), and Coulomb's law
 //! holds with the bound f · 2N/(π a b) · (1 − x²/a² − y²/b²). The parabola is for the traction only:
 //! its stick zone is what the springs can follow up to the leading edge, and it is up to 4/3 of f
-//! times the pressure of Hertz, which the field `pressure` gives. Without the effect `partial_slip`
+//! times the pressure of Hertz, which the field `pressure` gives. Without terms of adhesion
 //! the whole contact slides, with f times Hertz's pressure.
 //!
 //! A prescribed longitudinal force is met by ξ alone, η = φ = 0; it is monotone in ξ, from 0 to f N
@@ -35,8 +35,8 @@ mod sliding;
 
 use crate::effects;
 use crate::ellipse::{Ellipse, Prescribed};
+use crate::entry::ModelEntry;
 use crate::keys::CheckedParams;
-use crate::models::ModelEntry;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::precomputed::{self, Precomputed};
 use crate::models::row_by_row::RowByRow;

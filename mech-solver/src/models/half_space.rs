@@ -3,7 +3,7 @@
 //! Normal problem on the undeformed distance of the bodies ([`gap`]), or the elliptic pressure
 //! that the case gives under `[contact]`; then the tangential problem: steady rolling ([`steady`]), or
 //! rolling and shifting with memory ([`transient`]). Of longitudinal, lateral and spin creepage each
-//! may be prescribed itself or by its force ([`drive`]). Without the effect `partial_slip` the whole
+//! may be prescribed itself or by its force ([`drive`]). Without terms of adhesion the whole
 //! contact slides: traction f p_n against the rigid slip, which is all the slip there is.
 //!
 //! Pressure and traction are constant in an element and belong to the grid `contact`. Slip and
@@ -25,9 +25,9 @@ mod transient;
 
 use crate::effects;
 use crate::ellipse::Ellipse;
+use crate::entry::ModelEntry;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
-use crate::models::ModelEntry;
 use crate::models::expected::refinement;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID};
 use crate::models::varying::Varying;

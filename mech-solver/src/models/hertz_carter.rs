@@ -1,7 +1,7 @@
 //! Model `hertz-carter`: Hertz's ellipse and Carter's strips, in closed form.
 //!
 //! Normal: [`crate::reference::hertz`], or the ellipse that the case gives under `[contact]`.
-//! Tangential, longitudinal creepage or force only: with the effect `partial_slip` Carter's strips
+//! Tangential, longitudinal creepage or force only: with terms of adhesion Carter's strips
 //! ([`crate::reference::carter`]) with one of the creep laws `carter-radius` and `carter-pressure`;
 //! without it the whole contact slides, with the traction f p_n and the same slip V s everywhere,
 //! where s is the prescribed creepage or what the creep law gives at the prescribed force (that is
@@ -22,8 +22,8 @@ mod heated;
 
 use crate::effects;
 use crate::ellipse::Ellipse;
+use crate::entry::ModelEntry;
 use crate::keys::CheckedParams;
-use crate::models::ModelEntry;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::precomputed::{self, Precomputed};
 use crate::models::row_by_row::RowByRow;

@@ -15,23 +15,8 @@ mod varying;
 
 pub use grids::{CONTACT_GRID, RIGID_GRID};
 
-use crate::terms::{Kind, Terms};
-use proto::configuration::{Configuration, Refusal};
-use proto::description::ModelSpec;
-use proto::model::Setup;
-
-/// One model of the crate.
-pub struct ModelEntry {
-    /// Name in the case file.
-    pub name: &'static str,
-    /// What the description says of it.
-    pub spec: fn() -> ModelSpec,
-    /// The kinds of terms that it takes.
-    pub takes: &'static [Kind],
-    /// Checks a configuration that names it, and whose effects and fields it provides, with the terms
-    /// of the effects.
-    pub(crate) configure: fn(&Configuration, Terms) -> Result<Box<dyn Setup>, Refusal>,
-}
+use crate::entry::ModelEntry;
+use proto::configuration::Refusal;
 
 /// Every model of this crate, cheapest first.
 pub const MODELS: &[ModelEntry] = &[hertz_carter::MODEL, fastsim::MODEL, half_space::MODEL];

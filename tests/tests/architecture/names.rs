@@ -1,5 +1,6 @@
 //! The coordinator's code names no body, field, effect or model: what it says of them comes from the
-//! descriptions and summaries of participants.
+//! descriptions and summaries of participants. In the mechanics no file outside `effects` names an effect:
+//! models know kinds of terms.
 
 use super::code;
 use contract::description::Description;
@@ -53,10 +54,10 @@ fn has(text: &str, name: &str) -> bool {
     })
 }
 
-/// What each file names, in its texts and by its identifiers.
-fn named() -> Named {
-    let (root, names, mut all) = (root(), names(), Named::new());
-    for file in FOLDERS.iter().flat_map(|folder| code::files(&root.join(folder))) {
+/// What each file of some folders names, in its texts and by its identifiers.
+fn named(folders: &[&str], names: &BTreeSet<String>) -> Named {
+    let (root, mut all) = (root(), Named::new());
+    for file in folders.iter().flat_map(|folder| code::files(&root.join(folder))) {
         let refers = code::references(&code::read(&file));
         let words = refers.paths.into_iter().flatten().map(|word| word.to_lowercase());
         let texts: Vec<String> = refers.texts.into_iter().chain(words).collect();
@@ -75,5 +76,14 @@ fn the_coordinator_names_no_physics() {
         ((*file).to_owned(), names.iter().map(|name| (*name).to_owned()).collect())
     };
     let expected: Named = EXCEPTIONS.iter().map(listed).collect();
-    assert_eq!(named(), expected, "files and names, as found and as listed");
+    assert_eq!(named(&FOLDERS, &names()), expected, "files and names, as found and as listed");
+}
+
+#[test]
+fn models_of_the_mechanics_name_no_effect() {
+    let effects = MechSolver.description().effects.into_iter().map(|effect| effect.name);
+    let mut found = named(&["mech-solver/src"], &effects.collect());
+    assert!(!found.is_empty(), "the effects name themselves");
+    found.retain(|file, _| !file.starts_with("mech-solver/src/effects/"));
+    assert_eq!(found, Named::new());
 }

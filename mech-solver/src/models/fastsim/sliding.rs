@@ -1,4 +1,4 @@
-//! A contact that slides everywhere, for runs without the effect `partial_slip`.
+//! A contact that slides everywhere, for runs without terms of adhesion.
 //!
 //! The traction is f p_n, Hertz's pressure, against the rigid slip (ξ − φ y, η + φ x), and the
 //! springs play no part. On a strip the bound's mean over a cell is exact; its sum over the strips

@@ -1,10 +1,12 @@
 //! What drives the upper body, component by component: a force, or a creepage.
 
+use crate::effects;
 use crate::ellipse::Ellipse;
 use crate::half_space::force_search::Prescribed;
 use crate::keys::CheckedParams;
 use crate::reference::carter;
 use crate::scene::{Drive, Load, SPEED, Scene, shift_keys};
+use crate::terms::Kind;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::KeySpec;
 
@@ -127,11 +129,11 @@ impl Driven {
         let [along, across, spin] = self.components;
         let known = |component: Component| matches!(component, Component::Creepage(_));
         if !known(across) || !known(spin) || (!known(along) && ellipse.is_none()) {
-            return Err(Refusal::new(
-                "motion",
-                "a contact that slides everywhere has the force f N, whatever is prescribed",
-                "add [effects.partial_slip], or prescribe motion.creepage",
-            ));
+            let reason =
+                "a contact that slides everywhere has the force f N, whatever is prescribed";
+            let Refusal { fix, .. } = effects::lacking(Kind::Adhesion, reason);
+            let fix = format!("{fix}, or prescribe motion.creepage");
+            return Err(Refusal::new("motion", reason, fix));
         }
         let (false, Some(ellipse)) = (known(along), ellipse) else { return Ok(self) };
         let friction = scene.friction_coefficient;

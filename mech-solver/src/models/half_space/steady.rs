@@ -199,7 +199,7 @@ impl Model for Steady {
             return Ok(());
         }
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
-        let wrong = |reason: String| StateError(format!("{}: {reason}", super::MODEL.name));
+        let wrong = |reason: String| StateError(format!("half-space: {reason}"));
         let near: Near = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|error| wrong(error.to_string()))?;
         let count = self.case.footprint.grid.points();

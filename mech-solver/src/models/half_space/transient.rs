@@ -244,7 +244,7 @@ impl Model for Transient {
     fn restore(&mut self, mut from: &mut dyn Read) -> Result<(), StateError> {
         self.case.terms.restore(from)?;
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
-        let wrong = |reason: String| StateError(format!("{}: {reason}", super::MODEL.name));
+        let wrong = |reason: String| StateError(format!("half-space: {reason}"));
         let memory: Memory = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|e| wrong(e.to_string()))?;
         if !memory.fits(self.power.len()) {

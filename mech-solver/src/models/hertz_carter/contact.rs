@@ -143,7 +143,7 @@ impl Amount {
             if value == 0.0 {
                 return Ok(());
             }
-            let reason = format!("{} takes longitudinal creepage only", super::MODEL.name);
+            let reason = "hertz-carter takes longitudinal creepage only";
             Err(Refusal::new(key, reason, "write 0, or remove the key"))
         };
         match ellipse.prescribed(scene)? {
