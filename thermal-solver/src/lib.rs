@@ -7,6 +7,7 @@
 //! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |
 //! | [`mod@reference`] | closed forms that tests, reports and documentation share |
 //! | [`scene`] | what is read from the case: materials and speed |
+//! | [`window`] | a window of time: how its heat enters the bodies |
 //! | [`quadrature`], [`search`] | Gauss–Legendre rule; maximum and root of a function |
 //!
 //! Conventions: x is the rolling direction, y to the left, z up, origin at the centre of the
@@ -22,6 +23,7 @@ pub mod quadrature;
 pub mod reference;
 pub mod scene;
 pub mod search;
+pub mod window;
 
 pub use proto::bodies::{LOWER, UPPER};
 

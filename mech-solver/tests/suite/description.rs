@@ -247,3 +247,16 @@ fn the_heat_is_a_share_of_the_friction_power() {
         assert_eq!(refusal(&beyond).key, "effects.friction_heat.heat_share");
     }
 }
+
+/// The effect that the guide shows is the one that runs.
+#[test]
+fn the_guide_to_effects_shows_the_code_that_runs() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let read = |path: &str| std::fs::read_to_string(format!("{root}/{path}")).unwrap();
+    let guide = read("docs/add-an-effect.md");
+    let (_, after) = guide.split_once("<!-- ").unwrap();
+    let (path, after) = after.split_once(" -->\n```rust\n").unwrap();
+    let (code, _) = after.split_once("```").unwrap();
+    assert!(code.lines().count() > 20, "{code}");
+    assert!(read(path).ends_with(code), "{path} is another than the guide has");
+}

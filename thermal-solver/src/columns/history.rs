@@ -19,23 +19,13 @@
 
 use super::reconstruction::Flux;
 use super::stencil::Segment;
+use crate::window::{Drive, Stage};
 use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 
 /// Merged windows last no longer than this part of their age.
 const PART_OF_AGE: f64 = 0.25;
-
-/// How the windows' flux enters the bodies; pairs are (upper, lower).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive {
-    /// Length of the window [s]; infinite in steady motion.
-    pub duration: f64,
-    /// Surface speeds [m/s].
-    pub speeds: [f64; 2],
-    /// Shares of the heat [-].
-    pub shares: [f64; 2],
-}
 
 /// A window: mean flux of the interface and how it enters the bodies.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,15 +36,6 @@ pub struct Window {
     pub heat: f64,
     /// The flux.
     pub flux: Flux,
-}
-
-/// The stage of a window that a question is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// The last solve.
-    Trial,
-    /// The last accepted one.
-    Accepted,
 }
 
 /// Accepted windows, newest first, and the one on trial.

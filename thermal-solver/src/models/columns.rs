@@ -1,20 +1,22 @@
 //! Model `columns`: one-dimensional conduction with the exact kernel, for any heat flux in space
 //! and time. Equations and discretisation: [`crate::columns`].
 
-use super::conduction::{Conduction, Cost, Peak, Work};
+use super::conduction::{Conduction, Cost, Work};
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
 use super::normal_only::along_the_surface;
 use super::setup::{resolution, section_key};
+use super::summary::Peak;
 use crate::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
 };
-use crate::columns::history::{Drive, History, Stage};
+use crate::columns::history::History;
 use crate::columns::reconstruction::Flux;
 use crate::columns::stencil::{Part, Stencil};
 use crate::columns::team::{ROWS, Team};
 use crate::search::maximum;
+use crate::window::{Drive, Stage};
 use proto::accuracy::Accuracy;
 use proto::configuration::Mode;
 use proto::description::ModelSpec;

@@ -1,7 +1,11 @@
-//! A way to conduct heat: what differs from one model to the next.
+//! A way to conduct heat whose surface temperatures are on the grid of the heat flux: what differs from
+//! one such model to the next. [`super::shell`] makes a model of it. A model with other unknowns
+//! implements [`proto::model::Model`] itself, with the same helpers beside it: [`super::setup`],
+//! [`super::inputs`] and [`super::summary`].
 
 use super::frame::Frame;
-use crate::columns::history::{Drive, Stage};
+use super::summary::Peak;
+use crate::window::{Drive, Stage};
 use proto::model::StepError;
 use std::io::{self, Read, Write};
 
@@ -23,18 +27,7 @@ pub struct Work {
     pub heat: [f64; 2],
 }
 
-/// The hottest place of a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Peak {
-    /// Temperature rise [K].
-    pub rise: f64,
-    /// Its x [m], between the element centres.
-    pub x: f64,
-    /// Its row.
-    pub row: usize,
-}
-
-/// A way to conduct heat: the part of a model that differs from one to the next.
+/// A way to conduct heat on the grid of the heat flux.
 pub trait Conduction: Sized + 'static {
     /// It can answer a transient case.
     const TRANSIENT: bool;

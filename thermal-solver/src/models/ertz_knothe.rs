@@ -17,18 +17,17 @@
 
 use super::conduction::Conduction;
 use super::conduction::Cost;
-use super::conduction::Peak;
 use super::conduction::Work;
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
 use super::normal_only::along_the_surface;
 use super::setup::section_key;
-use crate::columns::history::Drive;
-use crate::columns::history::Stage;
+use super::summary::Peak;
 use crate::columns::reconstruction::Flux;
 use crate::columns::reconstruction::FluxRow;
 use crate::reference::polynomial;
+use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::description::ModelSpec;

@@ -1,19 +1,22 @@
-//! The models, cheapest first: one file a model, one line in the list here, its name in [`names`].
+//! The models, cheapest first: one file a model, one entry in the list here, its name in [`names`].
 //!
-//! What models have in common, checking inputs, splitting heat, writing outputs, the summary and
-//! the state, is in [`shell`]; a model answers for the physics only, through
-//! [`conduction::Conduction`].
+//! What models have in common stands beside them: [`setup`] checks a configuration and lays out the
+//! grids, [`inputs`] checks what comes in and splits the heat, [`summary`] fills the summary. A model
+//! whose surface temperatures are on the grid of the heat flux answers for the physics only, through
+//! [`conduction::Conduction`]; [`shell`] does the rest. Any other implements
+//! [`proto::model::Model`] with these helpers.
 
 pub mod columns;
 pub mod conduction;
 pub mod ertz_knothe;
 pub mod fields;
 pub mod frame;
+mod inputs;
 pub mod names;
 mod normal_only;
 pub mod setup;
 pub mod shell;
-pub mod summary;
+mod summary;
 
 use proto::configuration::{Configuration, Refusal};
 use proto::description::ModelSpec;

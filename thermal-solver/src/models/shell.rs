@@ -1,16 +1,14 @@
-//! What models have in common: inputs, partition of the heat, outputs, state.
+//! The model round a [`Conduction`]: inputs, outputs, state.
 
 use super::conduction::Conduction;
 use super::fields::{SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
-use super::summary;
-use crate::columns::history::{Drive, Stage};
-use crate::effects::friction_heat::Partition;
-use proto::configuration::Mode;
-use proto::field::{self, FieldSpec};
-use proto::model::{
-    InputField, Inputs, Model, Outputs, StateError, Step, StepError, StepReport, first_non_finite,
-};
+use super::inputs::{checked, drive};
+use super::summary::{self, Peak, Solution};
+use crate::window::Stage;
+use proto::field;
+use proto::grid::Structured;
+use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
@@ -37,45 +35,6 @@ impl<C: Conduction> Shell<C> {
             solved: false,
             frame,
         }
-    }
-
-    fn drive(&self, step: &Step, speeds: &[f64]) -> Result<Drive, StepError> {
-        let speeds = [speeds[0], speeds[1]];
-        for (speed, body) in speeds.iter().zip(&self.frame.scene.names.0) {
-            self.refuse_rest(body, *speed)?;
-        }
-        let duration = match self.frame.mode {
-            Mode::Steady => f64::INFINITY,
-            Mode::Transient => step.duration(),
-        };
-        if duration > 0.0 {
-            let shares = self.frame.partition.shares(&self.frame.scene.materials, speeds);
-            return Ok(Drive { duration, speeds, shares });
-        }
-        Err(StepError::NoSolution(format!("a transient window lasts {duration} s")))
-    }
-
-    /// Refuses a speed at which there is no answer: normal to its surface alone, a body whose one place
-    /// is heated without end warms without end.
-    fn refuse_rest(&self, body: &str, speed: f64) -> Result<(), StepError> {
-        let why = match self.frame.mode {
-            _ if speed > 0.0 => return Ok(()),
-            _ if speed < 0.0 => format!("is {speed} m/s: heat is carried downstream, towards -x"),
-            Mode::Steady => {
-                "is 0 m/s: one place of it is heated without end, and conduction normal \
-                             to the surface has no steady state under that; write \
-                             time.mode = \"transient\""
-                    .to_owned()
-            }
-            Mode::Transient if self.frame.partition == Partition::Effusivity => {
-                "is 0 m/s: the partition by effusivity and speed gives a body at rest no heat; \
-                 write effects.friction_heat.partition = \"equal\""
-                    .to_owned()
-            }
-            Mode::Transient => return Ok(()),
-        };
-        let name = field::SURFACE_SPEED.name;
-        Err(StepError::NoSolution(format!("`{name}` of `{body}` {why}")))
     }
 
     fn write_sections(&mut self, stage: Stage, outputs: &mut dyn Outputs) {
@@ -108,8 +67,7 @@ impl<C: Conduction> Model for Shell<C> {
     ) -> Result<StepReport, StepError> {
         self.solved = false;
         let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
-        let speeds = checked(inputs, &field::SURFACE_SPEED, 1)?;
-        let drive = self.drive(step, speeds.values)?;
+        let drive = drive(&self.frame, step, inputs)?;
         let work = self.conduction.solve(&drive, flux.values, &mut self.trial)?;
         self.solved = true;
         for (surface, rise) in SURFACES.iter().zip(&self.trial) {
@@ -154,7 +112,7 @@ impl<C: Conduction> Model for Shell<C> {
     }
 
     fn summary(&self) -> serde_json::Value {
-        summary::temperature(&self.frame, &self.conduction, &self.accepted)
+        summary::temperature(&self.frame.scene.names, self)
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
@@ -183,26 +141,24 @@ impl<C: Conduction> Model for Shell<C> {
     }
 }
 
-/// An input that is there, of the right length and finite.
-fn checked<'a>(
-    inputs: &'a dyn Inputs,
-    spec: &FieldSpec,
-    points: usize,
-) -> Result<InputField<'a>, StepError> {
-    let field = || spec.name.to_owned();
-    let Some(input) = inputs.get(spec) else {
-        return Err(StepError::MissingInput { field: field() });
-    };
-    let expected = points * spec.components as usize;
-    if input.values.len() != expected {
-        let (name, got) = (spec.name, input.values.len());
-        return Err(StepError::NoSolution(format!("`{name}` has {got} values, not {expected}")));
+impl<C: Conduction> Solution for Shell<C> {
+    fn grid(&self) -> &Structured {
+        &self.frame.grid
     }
-    match first_non_finite(input.values) {
-        Some(index) => {
-            let value = input.values[index];
-            Err(StepError::NonFiniteInput { field: field(), index, value })
-        }
-        None => Ok(input),
+
+    fn surface(&self, body: usize) -> &[f64] {
+        &self.accepted[body]
+    }
+
+    fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
+        self.conduction.peak(body, rise)
+    }
+
+    fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
+        self.conduction.rise_at(body, row, x, self.frame.depth(body, depth))
+    }
+
+    fn depth_scale(&self, body: usize) -> f64 {
+        self.frame.level_spacing(body)
     }
 }

@@ -1,40 +1,72 @@
 //! The thermal part of `summary.json`.
 
-use super::conduction::{Conduction, Peak};
-use super::frame::Frame;
 use crate::search::root_of_decreasing;
 use crate::{LOWER, UPPER};
+use proto::bodies::Bodies;
+use proto::grid::Structured;
 use serde_json::{Map, Value, json};
 
 /// Strips listed at most: the first of them all.
 const MOST_STRIPS: usize = 32;
 
+/// The hottest place of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// Temperature rise [K].
+    pub rise: f64,
+    /// Its x [m], between the element centres.
+    pub x: f64,
+    /// Its row.
+    pub row: usize,
+}
+
+/// An accepted state as the summary asks for it. A body is upper or lower.
+pub(super) trait Solution {
+    /// The grid of the surface temperatures.
+    fn grid(&self) -> &Structured;
+
+    /// Rises of a surface [K].
+    fn surface(&self, body: usize) -> &[f64];
+
+    /// The hottest place of a body among the rows in which these rises are not zero; `None` if nothing
+    /// is warm.
+    fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak>;
+
+    /// Rise [K] at any x [m] of a row, at a depth below the surface [m].
+    fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;
+
+    /// A depth over which rises change [m].
+    fn depth_scale(&self, body: usize) -> f64;
+}
+
 /// `{"temperature": {NAME: {...}, NAME: {...}}}`, with the names of the case. Where nothing is warm there
 /// is no hottest place: the rise is 0, and places and depth are absent. Several heated strips, between which the
 /// surface is cold, have their own hottest places besides.
-pub fn temperature<C: Conduction>(frame: &Frame, conduction: &C, rise: &[Vec<f64>; 2]) -> Value {
+pub(super) fn temperature(names: &Bodies, solution: &dyn Solution) -> Value {
+    let grid = solution.grid();
     let section = |body: usize| {
-        let Some(peak) = conduction.peak(body, &rise[body]) else {
+        let rise = solution.surface(body);
+        let Some(peak) = solution.peak(body, rise) else {
             return json!({"max_rise_k": 0.0});
         };
-        let mut section = place(frame, peak);
-        if let Some(depth) = penetration(frame, conduction, body, peak) {
+        let mut section = place(grid, peak);
+        if let Some(depth) = penetration(solution, body, peak) {
             section.insert("penetration_depth_m".to_owned(), json!(depth));
         }
-        let strips = strips(frame.grid.ni, &rise[body]);
+        let strips = strips(grid.ni, rise);
         if strips.len() > 1 {
             let strips = strips.iter().take(MOST_STRIPS);
-            let each = strips.filter_map(|rows| strip(frame, conduction, body, &rise[body], *rows));
+            let each = strips.filter_map(|rows| strip(solution, body, *rows));
             section.insert("each_strip".to_owned(), Value::Array(each.collect()));
         }
         Value::Object(section)
     };
-    let [upper, lower] = &frame.scene.names.0;
+    let [upper, lower] = &names.0;
     json!({"temperature": {lower: section(LOWER), upper: section(UPPER)}})
 }
 
-fn place(frame: &Frame, peak: Peak) -> Map<String, Value> {
-    let figures = [("max_rise_k", peak.rise), ("x_m", peak.x), ("y_m", frame.grid.y(peak.row))];
+fn place(grid: &Structured, peak: Peak) -> Map<String, Value> {
+    let figures = [("max_rise_k", peak.rise), ("x_m", peak.x), ("y_m", grid.y(peak.row))];
     figures.into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect()
 }
 
@@ -53,35 +85,22 @@ fn strips(columns: usize, rise: &[f64]) -> Vec<[usize; 2]> {
 }
 
 /// The sides and the hottest place of a strip.
-fn strip<C: Conduction>(
-    frame: &Frame,
-    conduction: &C,
-    body: usize,
-    rise: &[f64],
-    [first, last]: [usize; 2],
-) -> Option<Value> {
-    let columns = frame.grid.ni;
+fn strip(solution: &dyn Solution, body: usize, [first, last]: [usize; 2]) -> Option<Value> {
+    let (grid, rise) = (solution.grid(), solution.surface(body));
     let mut own = vec![0.0; rise.len()];
-    let range = first * columns..(last + 1) * columns;
+    let range = first * grid.ni..(last + 1) * grid.ni;
     own[range.clone()].copy_from_slice(&rise[range]);
-    let mut figures = place(frame, conduction.peak(body, &own)?);
-    let half = 0.5 * frame.grid.dy();
-    figures.insert("y_from_m".to_owned(), json!(frame.grid.y(first) - half));
-    figures.insert("y_to_m".to_owned(), json!(frame.grid.y(last) + half));
+    let mut figures = place(grid, solution.peak(body, &own)?);
+    let half = 0.5 * grid.dy();
+    figures.insert("y_from_m".to_owned(), json!(grid.y(first) - half));
+    figures.insert("y_to_m".to_owned(), json!(grid.y(last) + half));
     Some(Value::Object(figures))
 }
 
 /// Depth [m] below the hottest place where the rise has fallen to 1/e, by bisection with the exact
 /// depth dependence of the model.
-fn penetration<C: Conduction>(
-    frame: &Frame,
-    conduction: &C,
-    body: usize,
-    peak: Peak,
-) -> Option<f64> {
+fn penetration(solution: &dyn Solution, body: usize, peak: Peak) -> Option<f64> {
     let target = peak.rise / std::f64::consts::E;
-    let excess = |distance: f64| {
-        conduction.rise_at(body, peak.row, peak.x, frame.depth(body, distance)) - target
-    };
-    root_of_decreasing(frame.level_spacing(body), excess)
+    let excess = |depth: f64| solution.rise_at(body, peak.row, peak.x, depth) - target;
+    root_of_decreasing(solution.depth_scale(body), excess)
 }

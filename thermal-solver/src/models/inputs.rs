@@ -1,0 +1,78 @@
+//! What comes in: checked inputs, and how the heat of a window enters the bodies.
+
+use super::frame::Frame;
+use crate::effects::friction_heat::Partition;
+use crate::window::Drive;
+use proto::configuration::Mode;
+use proto::field::{self, FieldSpec};
+use proto::model::{InputField, Inputs, Step, StepError, first_non_finite};
+
+/// How the heat of a window enters the bodies, whose surface speeds are an input.
+///
+/// # Errors
+/// The input is missing or unusable, a speed at which heat conducted normal to the surface has no
+/// answer, and a transient window without duration.
+pub(super) fn drive(frame: &Frame, step: &Step, inputs: &dyn Inputs) -> Result<Drive, StepError> {
+    let speeds = checked(inputs, &field::SURFACE_SPEED, 1)?.values;
+    let speeds = [speeds[0], speeds[1]];
+    for (speed, body) in speeds.iter().zip(&frame.scene.names.0) {
+        refuse_rest(frame, body, *speed)?;
+    }
+    let duration = match frame.mode {
+        Mode::Steady => f64::INFINITY,
+        Mode::Transient => step.duration(),
+    };
+    if duration > 0.0 {
+        let shares = frame.partition.shares(&frame.scene.materials, speeds);
+        return Ok(Drive { duration, speeds, shares });
+    }
+    Err(StepError::NoSolution(format!("a transient window lasts {duration} s")))
+}
+
+/// Refuses a speed at which there is no answer: normal to its surface alone, a body whose one place
+/// is heated without end warms without end.
+fn refuse_rest(frame: &Frame, body: &str, speed: f64) -> Result<(), StepError> {
+    let why = match frame.mode {
+        _ if speed > 0.0 => return Ok(()),
+        _ if speed < 0.0 => format!("is {speed} m/s: heat is carried downstream, towards -x"),
+        Mode::Steady => "is 0 m/s: one place of it is heated without end, and conduction normal \
+                         to the surface has no steady state under that; write \
+                         time.mode = \"transient\""
+            .to_owned(),
+        Mode::Transient if frame.partition == Partition::Effusivity => {
+            "is 0 m/s: the partition by effusivity and speed gives a body at rest no heat; \
+             write effects.friction_heat.partition = \"equal\""
+                .to_owned()
+        }
+        Mode::Transient => return Ok(()),
+    };
+    let name = field::SURFACE_SPEED.name;
+    Err(StepError::NoSolution(format!("`{name}` of `{body}` {why}")))
+}
+
+/// An input that is there, of the right length and finite.
+///
+/// # Errors
+/// It is not.
+pub(super) fn checked<'a>(
+    inputs: &'a dyn Inputs,
+    spec: &FieldSpec,
+    points: usize,
+) -> Result<InputField<'a>, StepError> {
+    let field = || spec.name.to_owned();
+    let Some(input) = inputs.get(spec) else {
+        return Err(StepError::MissingInput { field: field() });
+    };
+    let expected = points * spec.components as usize;
+    if input.values.len() != expected {
+        let (name, got) = (spec.name, input.values.len());
+        return Err(StepError::NoSolution(format!("`{name}` has {got} values, not {expected}")));
+    }
+    match first_non_finite(input.values) {
+        Some(index) => {
+            let value = input.values[index];
+            Err(StepError::NonFiniteInput { field: field(), index, value })
+        }
+        None => Ok(input),
+    }
+}
