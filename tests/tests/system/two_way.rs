@@ -92,7 +92,7 @@ fn refused_where_it_would_be_accepted(model: &str) {
     for part in [
         "mech (mech-solver) failed while accepting window 0",
         "the answer of window 0 cannot be accepted: the contact is too hot for the force",
-        "6.700000e4 N are prescribed, and at these temperatures friction carries",
+        "6.700000e4 N are prescribed, and in this state friction carries",
     ] {
         assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
     }
