@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`models`] | the models, cheapest first, and their registry list |
 //! | [`columns`] | heat conduction normal to the surface with the exact Abel kernel: the numerics |
+//! | [`moving_source`] | heat conduction in three dimensions under a moving flux: the numerics |
 //! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |
 //! | [`mod@reference`] | closed forms that tests, reports and documentation share |
 //! | [`scene`] | what is read from the case: materials and speed |
@@ -19,6 +20,7 @@ pub mod columns;
 pub mod effects;
 mod figures;
 pub mod models;
+pub mod moving_source;
 pub mod quadrature;
 pub mod reference;
 pub mod scene;

@@ -10,8 +10,8 @@
 //! Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421–432, for the iteration; Kalker (1990)
 //! §4.2.
 
-use super::convolution::{Convolution, Spectrum};
 use super::influence::Influence;
+use numerics::convolution::{Convolution, Spectrum};
 
 /// The operators A_tz and A_zt on one grid.
 #[derive(Debug)]

@@ -3,7 +3,6 @@
 //! | module | what |
 //! |---|---|
 //! | [`influence`] | displacement of an element's centre by a unit traction on another element |
-//! | [`convolution`] | sums of influence over the grid by Fourier transforms |
 //! | [`normal`] | the normal contact by bound-constrained conjugate gradients |
 //! | [`area`] | area of a contact, finer than its elements |
 //! | [`extent`] | a grid that grows until the contact fits; moments of a pressure |
@@ -11,22 +10,20 @@
 //! | [`patches`] | the patches of a pressure: load, place and size of each |
 //! | [`coupling`] | what normal and tangential contact do to each other when the bodies differ |
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
-//! | [`gmres`] | Krylov solver for a few iterations on tall vectors |
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
 //! | [`force_search`] | the creepages at which prescribed forces are met |
 //! | [`levels`] | the tangential problem by continuation in resolution |
 //! | [`subsurface`] | stresses inside a body, at points and on vertical sections |
 //!
 //! A field on nx × ny elements is a slice of nx·ny values, row after row: element (i, j) has the
-//! index j·nx + i, i along x and j along y.
+//! index j·nx + i, i along x and j along y. Sums of influence over the grid are convolutions of
+//! [`numerics::convolution`].
 
 pub mod area;
-pub mod convolution;
 pub mod coupling;
 pub mod curve;
 pub mod extent;
 pub mod force_search;
-pub mod gmres;
 pub mod influence;
 mod initial_pressure;
 pub mod levels;

@@ -46,9 +46,9 @@ mod error;
 pub use super::prescribed::Prescribed;
 pub use error::NormalError;
 
-use super::convolution::{Complex64, Convolution, Spectrum};
 use super::influence::Influence;
 use super::initial_pressure;
+use numerics::convolution::{Complex64, Convolution, Spectrum};
 
 /// A solved normal contact; the pressure is in the caller's field.
 #[derive(Clone, Copy, Debug, PartialEq)]

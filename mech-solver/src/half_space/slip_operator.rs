@@ -28,8 +28,8 @@
 //! discretisation; Vollebregt, Wear 314 (2014) for Fourier preconditioning of the shift problem.
 //! The damped shift is this project's.
 
-use super::convolution::{Convolution, Spectrum};
 use super::influence::Influence;
+use numerics::convolution::{Convolution, Spectrum};
 
 /// Memory of the damped shift, in semi-axes.
 const MEMORY: f64 = 1.5;

@@ -28,8 +28,8 @@
 //! Sources: Kalker (1990) for the problem; Alart & Curnier (1991) and Hüeber & Wohlmuth (2005) for
 //! Newton methods on Coulomb friction. The combination is this project's.
 
-use super::gmres::{Achieved, Gmres, Preconditioned};
 use super::slip_operator::SlipOperator;
+use numerics::gmres::{Achieved, Gmres, Preconditioned};
 use serde::{Deserialize, Serialize};
 
 /// Newton steps after which a solve is given up.

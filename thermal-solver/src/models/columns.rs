@@ -5,7 +5,7 @@ use super::conduction::{Conduction, Cost, Work};
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
-use super::normal_only::along_the_surface;
+use super::normal_only::{along_the_surface, along_the_surface_at};
 use super::setup::{resolution, section_key};
 use super::summary::Peak;
 use crate::columns::convolution::{
@@ -17,7 +17,7 @@ use crate::columns::stencil::{Part, Stencil};
 use crate::columns::team::{ROWS, Team};
 use crate::search::maximum;
 use crate::window::{Drive, Stage};
-use proto::accuracy::Accuracy;
+use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;
 use proto::description::ModelSpec;
 use proto::grid::blocked_sum;
@@ -90,6 +90,7 @@ pub struct Columns {
 
 impl Conduction for Columns {
     const TRANSIENT: bool = true;
+    const AT_REST: bool = false;
     const STATE_TAG: u8 = 2;
 
     fn new(frame: &Frame) -> Self {
@@ -127,6 +128,10 @@ impl Conduction for Columns {
         }
     }
 
+    fn left_out(frame: &Frame) -> Option<Simplification> {
+        along_the_surface_at(frame)
+    }
+
     fn solve(
         &mut self,
         drive: &Drive,
@@ -156,17 +161,9 @@ impl Conduction for Columns {
         self.past_key = None;
     }
 
-    fn level(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
-        let past = self.history.past(stage, body, self.frame.amplitude(body));
-        self.level.build(past.map(|(segment, _)| segment), rise.len(), depth);
-        rise.fill(0.0);
-        for part in self.level.parts() {
-            if let Some(window) = self.history.window(stage, part.segment) {
-                accumulate(&part, window.flux.row(row), rise);
-            }
-        }
-        if self.history.windows(stage).all(|window| window.flux.is_heating()) {
-            remove_negative_rounding(rise);
+    fn section(&mut self, stage: Stage, body: usize, row: usize, depths: &[f64], rise: &mut [f64]) {
+        for (depth, rise) in depths.iter().zip(rise.chunks_exact_mut(self.frame.grid.ni)) {
+            self.level_at(stage, body, row, *depth, rise);
         }
     }
 
@@ -265,6 +262,21 @@ impl Columns {
             work += parts.add(&mut self.team, &self.history, columns, rise);
         }
         work
+    }
+
+    /// Rises along a row at a depth.
+    fn level_at(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
+        let past = self.history.past(stage, body, self.frame.amplitude(body));
+        self.level.build(past.map(|(segment, _)| segment), rise.len(), depth);
+        rise.fill(0.0);
+        for part in self.level.parts() {
+            if let Some(window) = self.history.window(stage, part.segment) {
+                accumulate(&part, window.flux.row(row), rise);
+            }
+        }
+        if self.history.windows(stage).all(|window| window.flux.is_heating()) {
+            remove_negative_rounding(rise);
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 use super::frame::Frame;
 use super::summary::Peak;
 use crate::window::{Drive, Stage};
+use proto::accuracy::Simplification;
 use proto::model::StepError;
 use std::io::{self, Read, Write};
 
@@ -31,6 +32,8 @@ pub struct Work {
 pub trait Conduction: Sized + 'static {
     /// It can answer a transient case.
     const TRANSIENT: bool;
+    /// It can answer for a body at rest in a steady case.
+    const AT_REST: bool;
     /// Marks its states among those of other models.
     const STATE_TAG: u8;
 
@@ -42,6 +45,9 @@ pub trait Conduction: Sized + 'static {
 
     /// Remarks for the plan.
     fn remarks(frame: &Frame) -> Vec<String>;
+
+    /// What it leaves out in this case beyond what its description says.
+    fn left_out(frame: &Frame) -> Option<Simplification>;
 
     /// Surface rises of the upper and the lower body [K] at the end of a window with the mean power density
     /// `flux` [W/m²], from the accepted state.
@@ -55,8 +61,9 @@ pub trait Conduction: Sized + 'static {
     /// The last solve becomes the accepted state.
     fn accept(&mut self);
 
-    /// Rise [K] of a body along a row at the depth c = z/(2√κ) [√s], at the element centres.
-    fn level(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]);
+    /// Rises [K] of a body along a row at some depths c = z/(2√κ) [√s], at the element centres, depth
+    /// after depth.
+    fn section(&mut self, stage: Stage, body: usize, row: usize, depths: &[f64], rise: &mut [f64]);
 
     /// Rise [K] of a body in the accepted state at any x [m] of a row, at the depth c [√s].
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;

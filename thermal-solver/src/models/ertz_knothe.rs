@@ -21,7 +21,7 @@ use super::conduction::Work;
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
-use super::normal_only::along_the_surface;
+use super::normal_only::{along_the_surface, along_the_surface_at};
 use super::setup::section_key;
 use super::summary::Peak;
 use crate::columns::reconstruction::Flux;
@@ -101,6 +101,7 @@ pub struct ErtzKnothe {
 
 impl Conduction for ErtzKnothe {
     const TRANSIENT: bool = false;
+    const AT_REST: bool = false;
     const STATE_TAG: u8 = 1;
 
     fn new(frame: &Frame) -> Self {
@@ -127,6 +128,10 @@ impl Conduction for ErtzKnothe {
         vec!["each row of the heat flux becomes the ellipse with its moments".to_owned()]
     }
 
+    fn left_out(frame: &Frame) -> Option<Simplification> {
+        along_the_surface_at(frame)
+    }
+
     fn solve(
         &mut self,
         drive: &Drive,
@@ -149,12 +154,14 @@ impl Conduction for ErtzKnothe {
         std::mem::swap(&mut self.trial, &mut self.accepted);
     }
 
-    fn level(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
+    fn section(&mut self, stage: Stage, body: usize, row: usize, depths: &[f64], rise: &mut [f64]) {
         let field = match stage {
             Stage::Trial => &self.trial,
             Stage::Accepted => &self.accepted,
         };
-        field.along(&self.frame, body, row, depth, rise);
+        for (depth, rise) in depths.iter().zip(rise.chunks_exact_mut(self.frame.grid.ni)) {
+            field.along(&self.frame, body, row, *depth, rise);
+        }
     }
 
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {

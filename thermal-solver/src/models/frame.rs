@@ -44,13 +44,14 @@ impl Frame {
 
     /// Distance [m] from one level of a body's section to the next. The last is at 4√(2κL/V) with
     /// L half the length of the grid: even where the whole grid has been heated evenly, the rise
-    /// there is below 0.2 per cent of the surface's.
+    /// there is below 0.2 per cent of the surface's. It is no deeper than 4 L, where heat spreads to all
+    /// sides.
     #[must_use]
     pub fn level_spacing(&self, body: usize) -> f64 {
         let half_length = 0.5 * self.grid.ni as f64 * self.grid.dx();
         let diffusivity = self.scene.materials[body].diffusivity();
         let depth = 4.0 * (2.0 * diffusivity * half_length / self.scene.speeds[body]).sqrt();
-        depth / (LEVELS - 1) as f64
+        depth.min(4.0 * half_length) / (LEVELS - 1) as f64
     }
 
     /// Depth c = z/(2√κ) [√s] in a body at the distance z [m] from its surface.

@@ -10,13 +10,17 @@ use proto::model::{InputField, Inputs, Step, StepError, first_non_finite};
 /// How the heat of a window enters the bodies, whose surface speeds are an input.
 ///
 /// # Errors
-/// The input is missing or unusable, a speed at which heat conducted normal to the surface has no
-/// answer, and a transient window without duration.
-pub(super) fn drive(frame: &Frame, step: &Step, inputs: &dyn Inputs) -> Result<Drive, StepError> {
+/// The input is missing or unusable, a body at rest whose model has no answer for it, and a transient window without duration.
+pub(super) fn drive(
+    frame: &Frame,
+    at_rest: bool,
+    step: &Step,
+    inputs: &dyn Inputs,
+) -> Result<Drive, StepError> {
     let speeds = checked(inputs, &field::SURFACE_SPEED, 1)?.values;
     let speeds = [speeds[0], speeds[1]];
     for (speed, body) in speeds.iter().zip(&frame.scene.names.0) {
-        refuse_rest(frame, body, *speed)?;
+        refuse_rest(frame, at_rest, body, *speed)?;
     }
     let duration = match frame.mode {
         Mode::Steady => f64::INFINITY,
@@ -31,20 +35,22 @@ pub(super) fn drive(frame: &Frame, step: &Step, inputs: &dyn Inputs) -> Result<D
 
 /// Refuses a speed at which there is no answer: normal to its surface alone, a body whose one place
 /// is heated without end warms without end.
-fn refuse_rest(frame: &Frame, body: &str, speed: f64) -> Result<(), StepError> {
+fn refuse_rest(frame: &Frame, at_rest: bool, body: &str, speed: f64) -> Result<(), StepError> {
     let why = match frame.mode {
         _ if speed > 0.0 => return Ok(()),
         _ if speed < 0.0 => format!("is {speed} m/s: heat is carried downstream, towards -x"),
-        Mode::Steady => "is 0 m/s: one place of it is heated without end, and conduction normal \
+        Mode::Steady if !at_rest => {
+            "is 0 m/s: one place of it is heated without end, and conduction normal \
                          to the surface has no steady state under that; write \
                          time.mode = \"transient\""
-            .to_owned(),
-        Mode::Transient if frame.partition == Partition::Effusivity => {
+                .to_owned()
+        }
+        _ if frame.partition == Partition::Effusivity => {
             "is 0 m/s: the partition by effusivity and speed gives a body at rest no heat; \
              write effects.friction_heat.partition = \"equal\""
                 .to_owned()
         }
-        Mode::Transient => return Ok(()),
+        _ => return Ok(()),
     };
     let name = field::SURFACE_SPEED.name;
     Err(StepError::NoSolution(format!("`{name}` of `{body}` {why}")))

@@ -12,6 +12,7 @@ pub mod ertz_knothe;
 pub mod fields;
 pub mod frame;
 mod inputs;
+pub mod moving_source;
 pub mod names;
 mod normal_only;
 pub mod setup;
@@ -44,6 +45,11 @@ pub const REGISTRY: &[Entry] = &[
         name: names::COLUMNS,
         spec: columns::spec,
         configure: setup::configure::<columns::Columns>,
+    },
+    Entry {
+        name: names::MOVING_SOURCE,
+        spec: moving_source::spec,
+        configure: setup::configure::<moving_source::MovingSource>,
     },
 ];
 

@@ -4,5 +4,7 @@
 pub const ERTZ_KNOTHE: &str = "ertz-knothe";
 /// Columns with the exact kernel.
 pub const COLUMNS: &str = "columns";
+/// Half-spaces under a moving flux, in three dimensions.
+pub const MOVING_SOURCE: &str = "moving-source";
 /// All of them, cheapest first.
-pub const ALL: [&str; 2] = [ERTZ_KNOTHE, COLUMNS];
+pub const ALL: [&str; 3] = [ERTZ_KNOTHE, COLUMNS, MOVING_SOURCE];

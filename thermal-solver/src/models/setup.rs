@@ -3,7 +3,6 @@
 use super::conduction::Conduction;
 use super::fields::{SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
-use super::normal_only::along_the_surface_at;
 use super::shell::Shell;
 use crate::effects::friction_heat::{self, Partition};
 use crate::scene::Scene;
@@ -61,7 +60,9 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     }
     let scene = Scene::read(&given.case)?;
     let partition = Partition::read(&given.case)?;
-    refuse_rest(&scene, given.mode)?;
+    if !C::AT_REST {
+        refuse_rest(&scene, given.mode)?;
+    }
     let mut layout = Layout::default();
     let mut frame = None;
     match heat_grid(given)? {
@@ -169,7 +170,7 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         solve_seconds: cost.solve_seconds,
         memory_bytes: cost.memory_bytes,
         remarks: C::remarks(frame),
-        left_out: along_the_surface_at(frame).into_iter().collect(),
+        left_out: C::left_out(frame).into_iter().collect(),
         ..Layout::default()
     };
     let [upper, lower] = frame.scene.initial_temperatures;

@@ -38,14 +38,13 @@ impl<C: Conduction> Shell<C> {
     }
 
     fn write_sections(&mut self, stage: Stage, outputs: &mut dyn Outputs) {
-        let (row, columns) = (self.frame.section_row(), self.frame.grid.ni);
+        let row = self.frame.section_row();
         for (body, section) in SECTIONS.iter().enumerate() {
             let Some(values) = outputs.get(section) else { continue };
             let spacing = self.frame.level_spacing(body);
-            for (level, rise) in values.chunks_exact_mut(columns).take(LEVELS).enumerate() {
-                let depth = self.frame.depth(body, level as f64 * spacing);
-                self.conduction.level(stage, body, row, depth, rise);
-            }
+            let depth = |level: usize| self.frame.depth(body, level as f64 * spacing);
+            let depths: [f64; LEVELS] = std::array::from_fn(depth);
+            self.conduction.section(stage, body, row, &depths, values);
         }
     }
 
@@ -67,7 +66,7 @@ impl<C: Conduction> Model for Shell<C> {
     ) -> Result<StepReport, StepError> {
         self.solved = false;
         let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
-        let drive = drive(&self.frame, step, inputs)?;
+        let drive = drive(&self.frame, C::AT_REST, step, inputs)?;
         let work = self.conduction.solve(&drive, flux.values, &mut self.trial)?;
         self.solved = true;
         for (surface, rise) in SURFACES.iter().zip(&self.trial) {

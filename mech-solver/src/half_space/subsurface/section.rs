@@ -13,7 +13,7 @@
 //! Corners are shared: the antiderivatives on an edge line between two rows are evaluated once.
 
 use super::{Element, Stress, SurfaceLoad, UnitStresses};
-use crate::half_space::convolution::{Complex64, smooth_size};
+use numerics::convolution::{Complex64, smooth_size};
 use proto::grid::Structured;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::collections::BTreeMap;

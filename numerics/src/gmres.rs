@@ -145,7 +145,7 @@ fn copy_scaled(into: &mut Vec<f64>, from: &[f64], factor: f64) {
 }
 
 /// Σ x_i y_i in independent lanes.
-pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
+fn dot(x: &[f64], y: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let (xs, ys) = (x.chunks_exact(8), y.chunks_exact(8));
     let tail: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(a, b)| a * b).sum();

@@ -191,6 +191,29 @@ impl Convolution {
         self.rows_out(0, output);
     }
 
+    /// Sum of the convolutions of two fields, each with its own kernel.
+    ///
+    /// # Panics
+    /// If a field or a spectrum belongs to another grid.
+    pub fn apply_sum(&mut self, kernels: [&Spectrum; 2], input: [&[f64]; 2], output: &mut [f64]) {
+        self.check(&kernels, &input, &[output]);
+        self.rows_in(0, input[0]);
+        self.rows_in(1, input[1]);
+        for first in (0..self.columns()).step_by(BLOCK) {
+            let count = BLOCK.min(self.columns() - first);
+            let range = first * self.padded_y..(first + count) * self.padded_y;
+            self.gather(0, first, count);
+            self.gather(1, first, count);
+            let [block, other] = &mut self.block;
+            let [one, two] = kernels.map(|kernel| &kernel.values[range.clone()]);
+            for (((x, y), a), b) in block.iter_mut().zip(other.iter()).zip(one).zip(two) {
+                *x = a * *x + b * y;
+            }
+            self.scatter(0, first, count);
+        }
+        self.rows_out(0, output);
+    }
+
     /// Convolution of a vector field with a tensor of kernels, out_r = Σ_c kernels[r][c] ∗ in_c.
     ///
     /// # Panics
@@ -306,7 +329,8 @@ impl Convolution {
 }
 
 /// Smallest number from `least` on with the prime factors 2, 3 and 5 only.
-pub(super) fn smooth_size(least: usize) -> usize {
+#[must_use]
+pub fn smooth_size(least: usize) -> usize {
     let smooth = |size: &usize| {
         let strip = |mut rest: usize, prime: usize| {
             while rest.is_multiple_of(prime) {

@@ -1,0 +1,9 @@
+//! Numerics without physics, which both solvers use.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`convolution`] | sums of a kernel over a grid by Fourier transforms |
+//! | [`gmres`] | Krylov solver for a few iterations on tall vectors |
+
+pub mod convolution;
+pub mod gmres;
