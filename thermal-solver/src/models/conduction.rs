@@ -34,6 +34,8 @@ pub trait Conduction: Sized + 'static {
     const TRANSIENT: bool;
     /// It can answer for a body at rest in a steady case.
     const AT_REST: bool;
+    /// It finds what flows between the surfaces where they touch.
+    const EXCHANGES: bool;
     /// Marks its states among those of other models.
     const STATE_TAG: u8;
 

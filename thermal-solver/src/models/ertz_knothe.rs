@@ -102,6 +102,7 @@ pub struct ErtzKnothe {
 impl Conduction for ErtzKnothe {
     const TRANSIENT: bool = false;
     const AT_REST: bool = false;
+    const EXCHANGES: bool = false;
     const STATE_TAG: u8 = 1;
 
     fn new(frame: &Frame) -> Self {

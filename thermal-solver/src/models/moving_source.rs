@@ -9,9 +9,11 @@ use super::setup::{resolution, section_key};
 use super::summary::Peak;
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::reconstruction::Flux;
+use crate::moving_source::exchange::Exchange;
 use crate::moving_source::half_space::{Contracted, HalfSpace, convolution};
 use crate::search::maximum;
 use crate::window::{Drive, Stage};
+use crate::{LOWER, UPPER};
 use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::description::ModelSpec;
@@ -42,6 +44,10 @@ pub fn spec() -> ModelSpec {
 
 /// Time of a solve over the elements of the grid, both bodies, measured [s].
 const SECONDS_PER_POINT: f64 = 4e-6;
+/// Difference of the temperatures, over the highest, at which what flows between the surfaces is found.
+const SETTLED: f64 = 1e-7;
+/// Corrections of it at most.
+const MOST_CORRECTIONS: usize = 40;
 /// Memory over the elements of the grid: spectra and fields on padded grids [byte].
 const BYTES_PER_POINT: u64 = 400;
 
@@ -70,6 +76,8 @@ pub struct MovingSource {
     convolution: Convolution,
     fields: [Vec<f64>; 3],
     line: Vec<f64>,
+    /// What flows between the surfaces of two bodies, with the speeds that it is for.
+    exchange: Option<([f64; 2], Exchange)>,
     trial: State,
     accepted: State,
     /// What was asked for last.
@@ -79,6 +87,7 @@ pub struct MovingSource {
 impl Conduction for MovingSource {
     const TRANSIENT: bool = false;
     const AT_REST: bool = true;
+    const EXCHANGES: bool = true;
     const STATE_TAG: u8 = 3;
 
     fn new(frame: &Frame) -> Self {
@@ -95,6 +104,7 @@ impl Conduction for MovingSource {
             convolution: convolution(&frame.grid),
             fields: Default::default(),
             line: vec![0.0; columns],
+            exchange: None,
             trial: cold.clone(),
             accepted: cold,
             row: RefCell::new(None),
@@ -125,17 +135,18 @@ impl Conduction for MovingSource {
     ) -> Result<Work, StepError> {
         let mut work = Work::default();
         self.row.get_mut().take_if(|row| row.stage == Stage::Trial);
-        for (body, rise) in rise.iter_mut().enumerate() {
+        for body in 0..2 {
             work.operations += self.pass_at(body, drive.speeds[body]);
             let share = drive.shares[body];
             let means = &mut self.trial.means[body];
             means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
-            self.trial.flux[body].reconstruct(means);
-            work.heat[body] = heat(&self.trial.flux[body], &mut self.line);
-            let Some(half_space) = &self.trial.bodies[body] else { continue };
-            let flux = &self.trial.flux[body];
-            half_space.surface(flux, &mut self.convolution, &mut self.fields, rise);
-            work.operations += rise.len() as u64;
+        }
+        work.operations += self.warm(rise);
+        if let Some(resistance) = self.frame.partition.resistance() {
+            work.operations += self.settle(resistance, drive.speeds, flux, rise)?;
+        }
+        for (flux, (heat, rise)) in self.trial.flux.iter().zip(work.heat.iter_mut().zip(rise)) {
+            *heat = heat_of(flux, &mut self.line);
             if flux.is_heating() {
                 remove_negative_rounding(rise);
             }
@@ -212,6 +223,69 @@ impl Conduction for MovingSource {
 }
 
 impl MovingSource {
+    /// Rises of both surfaces under the element means of the trial.
+    fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> u64 {
+        for (body, rise) in rise.iter_mut().enumerate() {
+            let flux = &mut self.trial.flux[body];
+            flux.reconstruct(&self.trial.means[body]);
+            if let Some(half_space) = &self.trial.bodies[body] {
+                half_space.surface(flux, &mut self.convolution, &mut self.fields, rise);
+            }
+        }
+        2 * rise[0].len() as u64
+    }
+
+    /// Finds what flows between the surfaces where friction heats them, until their temperatures differ by
+    /// what the resistance asks for.
+    fn settle(
+        &mut self,
+        resistance: f64,
+        speeds: [f64; 2],
+        flux: &[f64],
+        rise: &mut [Vec<f64>; 2],
+    ) -> Result<u64, StepError> {
+        let touching = touching(flux, self.frame.grid.ni);
+        let mut flows = vec![0.0; touching.len()];
+        let mut correction = flows.clone();
+        let mut work = 0;
+        for _ in 0..MOST_CORRECTIONS {
+            let error = |(at, flow): (&usize, &f64)| {
+                rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow
+            };
+            let errors: Vec<f64> = touching.iter().zip(&flows).map(error).collect();
+            let largest = errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()));
+            let warmest = rise.iter().flatten().fold(0.0_f64, |most, rise| most.max(rise.abs()));
+            if largest <= SETTLED * warmest {
+                return Ok(work);
+            }
+            self.pair(resistance, speeds);
+            let Some((_, exchange)) = &mut self.exchange else { unreachable!("a pair is made") };
+            let products =
+                exchange.correct(&mut self.convolution, &touching, &errors, &mut correction);
+            for ((at, flow), more) in touching.iter().zip(&mut flows).zip(&correction) {
+                *flow += more;
+                self.trial.means[UPPER][*at] -= more;
+                self.trial.means[LOWER][*at] += more;
+            }
+            work += self.warm(rise) + (products * flux.len()) as u64;
+        }
+        Err(StepError::NoSolution(format!(
+            "the heat that flows between the surfaces was not found in {MOST_CORRECTIONS} \
+             corrections; write another effects.friction_heat.partition or thermal.resolution"
+        )))
+    }
+
+    /// Makes the operator of what flows between the bodies at these speeds.
+    fn pair(&mut self, resistance: f64, speeds: [f64; 2]) {
+        if self.exchange.as_ref().is_some_and(|(at, _)| *at == speeds) {
+            return;
+        }
+        if let [Some(upper), Some(lower)] = &self.trial.bodies {
+            let exchange = Exchange::new(&self.frame.grid, [upper, lower], resistance);
+            self.exchange = Some((speeds, exchange));
+        }
+    }
+
     /// Lets a body pass at a speed; its share of the work.
     fn pass_at(&mut self, body: usize, speed: f64) -> u64 {
         let known = |half_space: &Option<Rc<HalfSpace>>| {
@@ -257,8 +331,23 @@ impl MovingSource {
     }
 }
 
+/// The elements where the surfaces rub: in every row from the first that is heated to the last.
+fn touching(flux: &[f64], columns: usize) -> Vec<usize> {
+    let mut touching = Vec::new();
+    for (row, values) in flux.chunks_exact(columns).enumerate() {
+        let heated = |value: &f64| *value != 0.0;
+        let (Some(first), Some(last)) =
+            (values.iter().position(heated), values.iter().rposition(heated))
+        else {
+            continue;
+        };
+        touching.extend((first..=last).map(|i| row * columns + i));
+    }
+    touching
+}
+
 /// Sum of the element means of a flux as it is convolved [W/m²].
-fn heat(flux: &Flux, line: &mut [f64]) -> f64 {
+fn heat_of(flux: &Flux, line: &mut [f64]) -> f64 {
     let sums: Vec<f64> = (0..flux.rows())
         .map(|row| {
             flux.means_into(row, line);

@@ -60,6 +60,14 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     }
     let scene = Scene::read(&given.case)?;
     let partition = Partition::read(&given.case)?;
+    if !C::EXCHANGES && partition.resistance().is_some() {
+        return Err(Refusal::new(
+            friction_heat::PARTITION_KEY,
+            format!("model `{}` splits heat by one share everywhere", given.model),
+            "write \"effusivity\", which is the same at high speed, or [thermal] model = \
+             \"moving-source\"",
+        ));
+    }
     if !C::AT_REST {
         refuse_rest(&scene, given.mode)?;
     }

@@ -82,6 +82,12 @@ impl HalfSpace {
         self.speed
     }
 
+    /// Spectrum of the influence of an element's middle coefficient [m²·K/W].
+    #[must_use]
+    pub fn of_middle(&self) -> &Spectrum {
+        &self.spectra[0]
+    }
+
     /// Multiply-adds that the influence has taken.
     #[must_use]
     pub fn work(&self) -> u64 {

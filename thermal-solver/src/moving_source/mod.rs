@@ -29,4 +29,5 @@
 
 pub mod ages;
 pub mod element;
+pub mod exchange;
 pub mod half_space;
