@@ -9,9 +9,13 @@ use proto::accuracy::Simplification;
 /// integral of e^x K₀(x)), so 0.28/√Pe at a sharp edge; where the flux is smooth the heat from ahead
 /// and behind nearly cancels, and some 1/Pe is left.
 pub(super) fn along_the_surface() -> Simplification {
-    let source = "Jaeger, Proc. R. Soc. NSW 76 (1942) 203-224, at Pe = 10 000";
+    let source = "model `moving-source` at Pe = 10 000 (docs/theory/moving-source.md)";
     Simplification::always("no conduction along the surface", AT_HIGH_SPEED, source)
 }
+
+/// Where the error was measured over the speed.
+const BY_SPEED: &str = "model `moving-source`: 0.86/Pe, 1 % at Pe = 87 and 10 % at 8.5 \
+                        (docs/theory/moving-source.md)";
 
 /// The error of it at the speeds of railways \[-\].
 const AT_HIGH_SPEED: f64 = 2e-4;
@@ -25,6 +29,6 @@ pub(super) fn along_the_surface_at(frame: &Frame) -> Option<Simplification> {
     let more = inverse - AT_HIGH_SPEED;
     (more > 0.0).then(|| {
         let what = format!("no conduction along the surface, at Pe = {:.3}", 1.0 / inverse);
-        Simplification::always(&what, more, "Jaeger, Proc. R. Soc. NSW 76 (1942) 203-224: 1/Pe")
+        Simplification::always(&what, more, BY_SPEED)
     })
 }
