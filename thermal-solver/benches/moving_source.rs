@@ -4,6 +4,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use proto::grid::Structured;
 use std::hint::black_box;
 use thermal_solver::columns::reconstruction::Flux;
+use thermal_solver::moving_source::ages::Stretch;
 use thermal_solver::moving_source::half_space::{HalfSpace, convolution};
 
 fn bench(criterion: &mut Criterion) {
@@ -17,10 +18,11 @@ fn bench(criterion: &mut Criterion) {
         for peclet in [0.0, 10.0, 1e4] {
             let name = format!("influence at Pe = {peclet}");
             group.bench_function(BenchmarkId::new(name, n), |bencher| {
-                bencher.iter(|| HalfSpace::new(&grid, 1.0, 1.0, 2.0 * peclet, &mut plan));
+                let body = HalfSpace::new(&grid, 1.0, 1.0, Stretch::steady(2.0 * peclet));
+                bencher.iter(|| body.influence(&mut plan));
             });
         }
-        let body = HalfSpace::new(&grid, 1.0, 1.0, 20.0, &mut plan);
+        let body = HalfSpace::new(&grid, 1.0, 1.0, Stretch::steady(20.0)).influence(&mut plan);
         let mut flux = Flux::zero(n, n);
         let ellipse = |at: usize| {
             let (x, y) = (grid.x(at % n), grid.y(at / n));
@@ -31,7 +33,7 @@ fn bench(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new("solve", n), |bencher| {
             bencher.iter(|| {
                 flux.reconstruct(black_box(&means));
-                body.surface(&flux, &mut plan, &mut fields, &mut rise);
+                body.add(&flux, &mut plan, &mut fields, &mut rise);
             });
         });
     }

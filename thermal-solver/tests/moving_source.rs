@@ -179,3 +179,112 @@ fn a_state_is_whole() {
     assert!(again == saved);
     assert!(other.model.restore(&mut &saved[..saved.len() - 1]).is_err());
 }
+
+/// A disc at rest under a flux that is switched on: T = 2q√(κt)/λ (1/√π − ierfc(a/√(4κt))) in its middle
+/// (Carslaw & Jaeger, 10.5), whatever the windows are. Tolerance: elements that the edge cuts.
+#[test]
+fn a_disc_that_is_switched_on() {
+    let (n, q, radius) = (16, 1e7, 4e-3);
+    let side = radius / f64::from(n);
+    let from = -f64::from(n) * side;
+    let count = 2 * n as usize + 1;
+    let grid = Structured::contact_plane(from, from, side, side, count, count);
+    let place = |k: usize| (k as f64 - 7.5) / 16.0 * side;
+    let mean = |at: usize| {
+        let (x, y) = (grid.x(at % count), grid.y(at / count));
+        let inside = |k: &usize| (x + place(k % 16)).hypot(y + place(k / 16)) < radius;
+        2.0 * q * (0..256).filter(inside).count() as f64 / 256.0
+    };
+    let flux: Vec<f64> = (0..grid.points()).map(mean).collect();
+    let mut run = Run::new("moving-source", Mode::Transient, grid, steel());
+    run.given.speeds = vec![0.0; 2];
+    let mut time = 0.0;
+    for duration in [1e-3, 1e-3, 5e-3, 0.1, 0.2, 2.0, 10.0] {
+        run.advance(&flux, duration);
+        time += duration;
+        let spread = (4.0 * DIFFUSIVITY * time).sqrt();
+        let far = radius / spread;
+        let ierfc = (-far * far).exp() / std::f64::consts::PI.sqrt() - far * libm::erfc(far);
+        let expected = q * spread / 50.0 * (1.0 / std::f64::consts::PI.sqrt() - ierfc);
+        let found = run.rail()[grid.points() / 2];
+        assert!((found / expected - 1.0).abs() < 2e-3, "{time}: {found} {expected}");
+    }
+}
+
+/// A flux that lasts ends in the steady state. Tolerance: the quadrature of the ages, panel by panel.
+#[test]
+fn a_lasting_flux_ends_in_the_steady_state() {
+    let grid = plane(8);
+    let flux = ellipse(&grid, 1e8);
+    let (speed, passing) = (0.2, 2.5 * SEMI_AXIS / 0.2);
+    let mut steady = Run::steady("moving-source", grid);
+    steady.given.speeds = vec![speed; 2];
+    steady.advance(&flux, f64::INFINITY);
+    let mut run = Run::new("moving-source", Mode::Transient, grid, steel());
+    run.given.speeds = vec![speed; 2];
+    for duration in [0.01, 0.04, 0.05, 0.1, 0.2, 0.5, 1.0].map(|part| part * passing) {
+        run.advance(&flux, duration);
+    }
+    let warmest = steady.rail().iter().copied().fold(0.0, f64::max);
+    for (one, other) in run.rail().iter().zip(steady.rail()) {
+        assert!((one - other).abs() < 1e-7 * warmest, "{one} {other}");
+    }
+    let (one, other) = (run.summary("rail", "max_rise_k"), steady.summary("rail", "max_rise_k"));
+    assert!((one.unwrap() / other.unwrap() - 1.0).abs() < 1e-7);
+}
+
+/// A flux that comes and goes at a speed at which heat goes straight down is what columns make of it.
+/// Tolerance: 2/Pe of the highest rise so far.
+#[test]
+fn at_high_speed_it_is_columns_in_time_too() {
+    let grid = plane(8);
+    let flux = ellipse(&grid, 1e8);
+    let mut case = steel();
+    case["motion"]["speed"] = json!(10.0);
+    let peclet = 10.0 * SEMI_AXIS / (2.0 * DIFFUSIVITY);
+    let mut runs = ["moving-source", "columns"]
+        .map(|model| Run::new(model, Mode::Transient, grid, case.clone()));
+    let mut warmest = 0.0;
+    for step in 0..30 {
+        let part = 1.0 + 0.8 * (0.7 * f64::from(step)).sin();
+        let now: Vec<f64> = flux.iter().map(|q| part * q).collect();
+        for run in &mut runs {
+            run.given.speeds = vec![10.0; 2];
+            run.advance(&now, 2e-4);
+        }
+        let [source, columns] = &runs;
+        warmest = columns.rail().iter().copied().fold(warmest, f64::max);
+        for (one, other) in source.rail().iter().zip(columns.rail()) {
+            assert!((one - other).abs() < 2.0 * warmest / peclet, "{step}: {one} {other}");
+        }
+    }
+}
+
+/// A model that is restored on the way goes on like the one that was saved, to the bit.
+#[test]
+fn a_restored_history_goes_on() {
+    let grid = plane(6);
+    let flux = ellipse(&grid, 1e8);
+    let case = case(&json!({"partition": "continuity"}), 20.0);
+    let new = || {
+        let mut run = Run::new("moving-source", Mode::Transient, grid, case.clone());
+        run.given.speeds = vec![0.0, 0.4];
+        run
+    };
+    let window = |run: &mut Run, step: i32| {
+        let part = 1.0 + 0.5 * f64::from(step).sin();
+        let now: Vec<f64> = flux.iter().map(|q| part * q).collect();
+        run.advance(&now, 1e-3);
+    };
+    let mut one = new();
+    (0..12).for_each(|step| window(&mut one, step));
+    let mut saved = Vec::new();
+    one.model.save(&mut saved).unwrap();
+    let mut other = new();
+    other.model.restore(&mut saved.as_slice()).unwrap();
+    (12..20).for_each(|step| window(&mut one, step));
+    other.time = 12e-3;
+    (12..20).for_each(|step| window(&mut other, step));
+    assert_eq!(one.surfaces.0, other.surfaces.0);
+    assert_eq!(one.model.summary(), other.model.summary());
+}

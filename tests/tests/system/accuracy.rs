@@ -127,10 +127,13 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
     refused(&["--accuracy", "5%", "--quantity", "contact.slip_area_ratio"], &["fractions"]);
     let fine = ["--accuracy", "5%", "--set", "mech.resolution=80"];
     refused(&fine, &["--accuracy chooses mech.resolution"]);
-    // Heat spreads along the surface at Pe = 2.6, and no model here knows of it.
+    // Heat spreads along the surface at Pe = 2.6.
     let slow = ["--accuracy", "5%", "--set", "motion.speed=0.01"];
-    refused(&slow, &["no models are expected to meet", "conduction along the surface, at Pe"]);
+    let columns = [&slow[..], &["--set", "thermal.model=columns"]].concat();
+    refused(&columns, &["no models are expected to meet", "conduction along the surface, at Pe"]);
     refused(&["--quantity", "contact.area_m2"], &["--accuracy"]);
+    let summary = Place::new().summary(&case("wheel-rail.toml"), &slow);
+    assert_eq!(summary["accuracy"]["models"], "half-space + moving-source");
 }
 
 /// The result directory is that of any run: a recording and a report come with it.

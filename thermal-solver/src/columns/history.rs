@@ -26,6 +26,8 @@ use std::io::{self, Read, Write};
 
 /// Merged windows last no longer than this part of their age.
 const PART_OF_AGE: f64 = 0.25;
+/// Widths √(4κτ) beyond which nothing has spread.
+const SPREAD: f64 = 6.0;
 
 /// A window: mean flux of the interface and how it enters the bodies.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,15 +45,18 @@ pub struct History {
     columns: usize,
     rows: usize,
     element_length: f64,
+    /// Diffusivity with which heat spreads along the surface [m²/s]; 0 where it goes straight down.
+    diffusivity: f64,
     trial: Window,
     accepted: VecDeque<Window>,
     spare: Vec<Window>,
 }
 
 impl History {
-    /// Nothing has happened yet, on `rows` rows of `columns` elements of some length [m].
+    /// Nothing has happened yet, on `rows` rows of `columns` elements of some length [m], along which
+    /// heat spreads with a diffusivity [m²/s].
     #[must_use]
-    pub fn new(columns: usize, rows: usize, element_length: f64) -> Self {
+    pub fn new(columns: usize, rows: usize, element_length: f64, diffusivity: f64) -> Self {
         let expected = Self::expected_windows(columns);
         let mut spare = Vec::with_capacity(expected);
         spare.push(empty_window(columns, rows));
@@ -59,6 +64,7 @@ impl History {
             columns,
             rows,
             element_length,
+            diffusivity,
             trial: empty_window(columns, rows),
             accepted: VecDeque::with_capacity(expected),
             spare,
@@ -118,16 +124,22 @@ impl History {
         self.merge();
     }
 
-    /// Drops windows whose material leaves the grid, in both bodies, by the end of the trial.
+    /// Drops windows whose material leaves the grid, in both bodies, with what has spread from it, by the
+    /// end of the trial.
     fn forget(&mut self) {
         let length = self.columns as f64 * self.element_length;
-        let mut passed = [0.0; 2];
+        let (mut passed, mut age) = ([0.0; 2], 0.0);
         let needed = self.windows(Stage::Trial).take_while(|window| {
             let before = f64::min(passed[0], passed[1]);
+            let spread = match self.diffusivity > 0.0 {
+                true => SPREAD * (4.0 * self.diffusivity * age).sqrt(),
+                false => 0.0,
+            };
             for (way, speed) in passed.iter_mut().zip(window.drive.speeds) {
                 *way += speed * window.drive.duration;
             }
-            before < length
+            age += window.drive.duration;
+            before < length + spread
         });
         let keep = needed.count() - 1;
         self.spare.extend(self.accepted.drain(keep..));
@@ -232,7 +244,7 @@ mod tests {
     #[test]
     fn short_windows_stay_bounded_and_cover_the_grid() {
         let (columns, h, speed) = (16, 1e-3, 1.0);
-        let mut history = History::new(columns, 1, h);
+        let mut history = History::new(columns, 1, h, 0.0);
         let mut most = 0;
         for _ in 0..60_000 {
             push(&mut history, 1e-6, &[1.0; 16], speed);
@@ -248,7 +260,7 @@ mod tests {
 
     #[test]
     fn merging_keeps_heat_time_and_way() {
-        let mut history = History::new(4, 1, 1.0);
+        let mut history = History::new(4, 1, 1.0, 0.0);
         let (mut heat, mut way, mut time) = ([0.0; 2], [0.0; 2], 0.0);
         for step in 0..300 {
             let amount = 1.0 + f64::from(step % 5);
@@ -275,7 +287,7 @@ mod tests {
 
     #[test]
     fn long_windows_and_steady_motion_forget_the_rest() {
-        let mut history = History::new(4, 1, 1.0);
+        let mut history = History::new(4, 1, 1.0, 0.0);
         for _ in 0..3 {
             push(&mut history, 10.0, &[1.0; 4], 1.0);
         }
@@ -287,7 +299,7 @@ mod tests {
 
     #[test]
     fn a_truncated_state_changes_nothing() {
-        let mut history = History::new(4, 1, 1.0);
+        let mut history = History::new(4, 1, 1.0, 0.0);
         push(&mut history, 0.5, &[1.0; 4], 1.0);
         push(&mut history, 0.5, &[2.0; 4], 1.0);
         let before = history.accepted.clone();

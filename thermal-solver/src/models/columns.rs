@@ -102,7 +102,7 @@ impl Conduction for Columns {
         };
         Self {
             frame: frame.clone(),
-            history: History::new(columns, rows, frame.grid.dx()),
+            history: History::new(columns, rows, frame.grid.dx(), 0.0),
             team: Team::new(
                 frame.threads,
                 Scratch { steady: Steady::new(columns), line: vec![0.0; columns] },

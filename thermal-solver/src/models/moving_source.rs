@@ -1,5 +1,9 @@
 //! Model `moving-source`: conduction in all directions into half-spaces under a moving flux, at any speed
-//! down to rest. Equations and discretisation: [`crate::moving_source`].
+//! down to rest, steady and transient. Equations and discretisation: [`crate::moving_source`].
+//!
+//! In time the flux of every window is held constant over it. What earlier windows leave is the sum of
+//! their influences, each over its own ages; they are merged as they grow old ([`crate::columns::history`]),
+//! and what they leave is kept while only the flux of the newest window changes.
 
 use super::conduction::{Conduction, Cost, Work};
 use super::fields::fields;
@@ -8,18 +12,20 @@ use super::names;
 use super::setup::{resolution, section_key};
 use super::summary::Peak;
 use crate::columns::convolution::remove_negative_rounding;
+use crate::columns::history::History;
 use crate::columns::reconstruction::Flux;
+use crate::moving_source::ages::Stretch;
 use crate::moving_source::exchange::Exchange;
-use crate::moving_source::half_space::{Contracted, HalfSpace, convolution};
+use crate::moving_source::half_space::{Contracted, HalfSpace, Influence, convolution};
 use crate::search::maximum;
 use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
 use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
+use proto::configuration::Mode;
 use proto::description::ModelSpec;
 use proto::grid::blocked_sum;
 use proto::model::StepError;
-use proto::state::{read_numbers, write_numbers};
 use std::cell::RefCell;
 use std::io::{self, Read, Write};
 use std::rc::Rc;
@@ -33,41 +39,52 @@ pub fn spec() -> ModelSpec {
         summary: "heat conduction in three dimensions into half-spaces, at any speed".to_owned(),
         source: "Carslaw & Jaeger, Conduction of Heat in Solids, 10.4 and 10.7".to_owned(),
         steady: true,
-        transient: false,
+        transient: true,
         rewinds: true,
         consumes,
         provides,
         keys: vec![resolution(), section_key()],
-        accuracy: Accuracy { refinement: None, simplifications: Vec::new() },
+        accuracy: Accuracy { refinement: None, simplifications: vec![by_quadrature()] },
     }
+}
+
+/// All that is not exact besides the flux, whose grid is another's.
+fn by_quadrature() -> Simplification {
+    let source = "closed forms in the tests of moving_source (docs/theory/moving-source.md)";
+    Simplification::always("ages and elements by Gauss's rule", 1e-9, source)
 }
 
 /// Time of a solve over the elements of the grid, both bodies, measured [s].
 const SECONDS_PER_POINT: f64 = 4e-6;
 /// Difference of the temperatures, over the highest, at which what flows between the surfaces is found.
 const SETTLED: f64 = 1e-7;
+/// Windows of the past in a transient case, about.
+const WINDOWS: usize = 100;
 /// Corrections of it at most.
 const MOST_CORRECTIONS: usize = 40;
 /// Memory over the elements of the grid: spectra and fields on padded grids [byte].
 const BYTES_PER_POINT: u64 = 400;
 
-/// What is known of both bodies.
-#[derive(Clone)]
-struct State {
-    bodies: [Option<Rc<HalfSpace>>; 2],
-    /// Element means of the flux into each body [W/m²].
-    means: [Vec<f64>; 2],
-    flux: [Flux; 2],
+/// A body: its past, and what the newest window does to its surface.
+struct Body {
+    history: History,
+    /// Rises that earlier windows leave at the end of this one [K], and the window for which.
+    past: Vec<f64>,
+    past_of: Option<Stretch>,
+    newest: Option<(Stretch, Rc<Influence>)>,
+    /// Element means of the flux into it [W/m²].
+    means: Vec<f64>,
 }
 
-/// The flux into a body, contracted to a row; kept from one question to the next.
+/// The fluxes of a state into a body, contracted to a row, newest first; kept from one question to the
+/// next.
 struct Row {
     stage: Stage,
     body: usize,
     row: usize,
-    contracted: Contracted,
-    /// The place asked for last [m], and what every age adds there.
-    place: Option<(f64, Vec<f64>)>,
+    windows: Vec<(HalfSpace, Contracted)>,
+    /// The place asked for last [m], and what every age of every window adds there.
+    place: Option<(f64, Vec<Vec<f64>>)>,
 }
 
 /// The model.
@@ -76,46 +93,51 @@ pub struct MovingSource {
     convolution: Convolution,
     fields: [Vec<f64>; 3],
     line: Vec<f64>,
-    /// What flows between the surfaces of two bodies, with the speeds that it is for.
-    exchange: Option<([f64; 2], Exchange)>,
-    trial: State,
-    accepted: State,
-    /// What was asked for last.
+    bodies: [Body; 2],
+    /// What flows between the surfaces, with the windows that it is for.
+    exchange: Option<([Stretch; 2], Exchange)>,
     row: RefCell<Option<Row>>,
 }
 
 impl Conduction for MovingSource {
-    const TRANSIENT: bool = false;
+    const TRANSIENT: bool = true;
     const AT_REST: bool = true;
     const EXCHANGES: bool = true;
     const STATE_TAG: u8 = 3;
 
     fn new(frame: &Frame) -> Self {
         let (columns, rows) = (frame.grid.ni, frame.grid.nj);
-        let zeros = vec![0.0; columns * rows];
-        let flux = Flux::zero(columns, rows);
-        let cold = State {
-            bodies: [None, None],
-            means: [zeros.clone(), zeros],
-            flux: [flux.clone(), flux],
+        let body = |body: usize| Body {
+            history: {
+                let diffusivity = frame.scene.materials[body].diffusivity();
+                History::new(columns, rows, frame.grid.dx(), diffusivity)
+            },
+            past: vec![0.0; columns * rows],
+            past_of: None,
+            newest: None,
+            means: vec![0.0; columns * rows],
         };
         Self {
             frame: frame.clone(),
             convolution: convolution(&frame.grid),
             fields: Default::default(),
             line: vec![0.0; columns],
+            bodies: [body(UPPER), body(LOWER)],
             exchange: None,
-            trial: cold.clone(),
-            accepted: cold,
             row: RefCell::new(None),
         }
     }
 
     fn cost(frame: &Frame) -> Cost {
         let points = frame.grid.points();
+        let windows = match frame.mode {
+            Mode::Steady => 1,
+            Mode::Transient => WINDOWS,
+        };
         Cost {
-            solve_seconds: points as f64 * SECONDS_PER_POINT,
-            memory_bytes: points as u64 * BYTES_PER_POINT,
+            solve_seconds: (points * windows) as f64 * SECONDS_PER_POINT,
+            memory_bytes: points as u64 * BYTES_PER_POINT
+                + 2 * windows as u64 * Flux::bytes(frame.grid.ni, frame.grid.nj),
         }
     }
 
@@ -136,18 +158,20 @@ impl Conduction for MovingSource {
         let mut work = Work::default();
         self.row.get_mut().take_if(|row| row.stage == Stage::Trial);
         for body in 0..2 {
-            work.operations += self.pass_at(body, drive.speeds[body]);
+            work.operations += self.pass(body, drive);
             let share = drive.shares[body];
-            let means = &mut self.trial.means[body];
+            let means = &mut self.bodies[body].means;
             means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
         }
         work.operations += self.warm(rise);
         if let Some(resistance) = self.frame.partition.resistance() {
-            work.operations += self.settle(resistance, drive.speeds, flux, rise)?;
+            work.operations += self.settle(resistance, flux, rise)?;
         }
-        for (flux, (heat, rise)) in self.trial.flux.iter().zip(work.heat.iter_mut().zip(rise)) {
-            *heat = heat_of(flux, &mut self.line);
-            if flux.is_heating() {
+        for (body, (heat, rise)) in self.bodies.iter_mut().zip(work.heat.iter_mut().zip(rise)) {
+            let window = body.history.trial_mut();
+            window.heat = heat_of(&window.flux, &mut self.line);
+            *heat = window.heat;
+            if body.history.windows(Stage::Trial).all(|window| window.flux.is_heating()) {
                 remove_negative_rounding(rise);
             }
         }
@@ -155,26 +179,41 @@ impl Conduction for MovingSource {
     }
 
     fn accept(&mut self) {
-        self.accepted.clone_from(&self.trial);
-        let row = self.row.get_mut().take_if(|row| row.stage == Stage::Trial);
+        for body in &mut self.bodies {
+            body.history.accept();
+            body.past_of = None;
+        }
+        // Older windows may have been merged.
+        let same = self.frame.mode == Mode::Steady;
+        let row = self.row.get_mut().take_if(|row| same && row.stage == Stage::Trial);
         *self.row.get_mut() = row.map(|row| Row { stage: Stage::Accepted, ..row });
     }
 
     fn section(&mut self, stage: Stage, body: usize, row: usize, depths: &[f64], rise: &mut [f64]) {
         rise.fill(0.0);
-        self.on_row(stage, body, row, |half_space, row| {
-            half_space.section(&row.contracted, depths, rise);
+        self.on_row(stage, body, row, |row| {
+            for (half_space, contracted) in &row.windows {
+                half_space.section(contracted, depths, rise);
+            }
         });
+        if self.bodies[body].history.windows(stage).all(|window| window.flux.is_heating()) {
+            remove_negative_rounding(rise);
+        }
     }
 
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
         let mut rise = 0.0;
-        self.on_row(Stage::Accepted, body, row, |half_space, row| {
+        self.on_row(Stage::Accepted, body, row, |row| {
+            let windows = &row.windows;
+            let shares = || windows.iter().map(|(half_space, flux)| half_space.shares_at(flux, x));
             let (_, shares) = match row.place.take_if(|(at, _)| *at == x) {
                 Some(place) => row.place.insert(place),
-                None => row.place.insert((x, half_space.shares_at(&row.contracted, x))),
+                None => row.place.insert((x, shares().collect())),
             };
-            rise = half_space.rise_below(shares, depth);
+            let of = |((half_space, _), shares): (&(HalfSpace, _), &Vec<f64>)| {
+                half_space.rise_below(shares, depth)
+            };
+            rise = windows.iter().zip(shares.iter()).map(of).sum();
         });
         rise
     }
@@ -193,43 +232,28 @@ impl Conduction for MovingSource {
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
-        let State { bodies, means, .. } = &self.accepted;
-        for (body, means) in bodies.iter().zip(means) {
-            // A body without a speed has not been heated.
-            let speed = body.as_ref().map_or(f64::NAN, |body| body.speed());
-            write_numbers(into, std::iter::once(&speed).chain(means))?;
-        }
-        Ok(())
+        self.bodies.iter().try_for_each(|body| body.history.save(into))
     }
 
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        let mut speeds = [f64::NAN; 2];
-        let mut means = self.accepted.means.clone();
-        for (speed, means) in speeds.iter_mut().zip(&mut means) {
-            read_numbers(from, std::iter::once(speed).chain(means))?;
+        self.row.get_mut().take();
+        for body in &mut self.bodies {
+            body.history.restore(from)?;
+            body.past_of = None;
         }
-        for (body, speed) in speeds.into_iter().enumerate() {
-            if speed >= 0.0 {
-                self.pass_at(body, speed);
-            } else {
-                self.trial.bodies[body] = None;
-            }
-            self.trial.flux[body].reconstruct(&means[body]);
-        }
-        self.trial.means = means;
-        self.accept();
         Ok(())
     }
 }
 
 impl MovingSource {
-    /// Rises of both surfaces under the element means of the trial.
+    /// Rises of both surfaces under the element means of the newest window.
     fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> u64 {
-        for (body, rise) in rise.iter_mut().enumerate() {
-            let flux = &mut self.trial.flux[body];
-            flux.reconstruct(&self.trial.means[body]);
-            if let Some(half_space) = &self.trial.bodies[body] {
-                half_space.surface(flux, &mut self.convolution, &mut self.fields, rise);
+        for (body, rise) in self.bodies.iter_mut().zip(rise.iter_mut()) {
+            rise.copy_from_slice(&body.past);
+            let window = body.history.trial_mut();
+            window.flux.reconstruct(&body.means);
+            if let Some((_, influence)) = &body.newest {
+                influence.add(&window.flux, &mut self.convolution, &mut self.fields, rise);
             }
         }
         2 * rise[0].len() as u64
@@ -240,7 +264,6 @@ impl MovingSource {
     fn settle(
         &mut self,
         resistance: f64,
-        speeds: [f64; 2],
         flux: &[f64],
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
@@ -258,14 +281,14 @@ impl MovingSource {
             if largest <= SETTLED * warmest {
                 return Ok(work);
             }
-            self.pair(resistance, speeds);
+            self.pair(resistance);
             let Some((_, exchange)) = &mut self.exchange else { unreachable!("a pair is made") };
             let products =
                 exchange.correct(&mut self.convolution, &touching, &errors, &mut correction);
             for ((at, flow), more) in touching.iter().zip(&mut flows).zip(&correction) {
                 *flow += more;
-                self.trial.means[UPPER][*at] -= more;
-                self.trial.means[LOWER][*at] += more;
+                self.bodies[UPPER].means[*at] -= more;
+                self.bodies[LOWER].means[*at] += more;
             }
             work += self.warm(rise) + (products * flux.len()) as u64;
         }
@@ -275,60 +298,102 @@ impl MovingSource {
         )))
     }
 
-    /// Makes the operator of what flows between the bodies at these speeds.
-    fn pair(&mut self, resistance: f64, speeds: [f64; 2]) {
-        if self.exchange.as_ref().is_some_and(|(at, _)| *at == speeds) {
+    /// Makes the operator of what flows between the bodies in the newest window.
+    fn pair(&mut self, resistance: f64) {
+        let [Some((upper, of_upper)), Some((lower, of_lower))] =
+            self.bodies.each_ref().map(|body| body.newest.as_ref())
+        else {
             return;
-        }
-        if let [Some(upper), Some(lower)] = &self.trial.bodies {
-            let exchange = Exchange::new(&self.frame.grid, [upper, lower], resistance);
-            self.exchange = Some((speeds, exchange));
+        };
+        let windows = [*upper, *lower];
+        if self.exchange.as_ref().is_none_or(|(of, _)| *of != windows) {
+            let exchange = Exchange::new(&self.frame.grid, [of_upper, of_lower], resistance);
+            self.exchange = Some((windows, exchange));
         }
     }
 
-    /// Lets a body pass at a speed; its share of the work.
-    fn pass_at(&mut self, body: usize, speed: f64) -> u64 {
-        let known = |half_space: &Option<Rc<HalfSpace>>| {
-            half_space.as_ref().is_some_and(|half_space| half_space.speed() == speed)
-        };
-        let materials = &self.frame.scene.materials;
-        if known(&self.trial.bodies[body]) {
-            return 0;
+    /// Lets a body pass in the newest window, and sums up what earlier ones leave; the work that it took.
+    fn pass(&mut self, body: usize, drive: &Drive) -> u64 {
+        let speed = drive.speeds[body];
+        let stretch = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
+        let window = self.bodies[body].history.trial_mut();
+        window.drive = Drive { duration: drive.duration, speeds: [speed; 2], shares: [1.0; 2] };
+        let mut work = self.newest(body, stretch);
+        if self.bodies[body].past_of == Some(stretch) {
+            return work;
         }
-        let other = 1 - body;
-        if materials[body] == materials[other] && known(&self.trial.bodies[other]) {
-            self.trial.bodies[body] = self.trial.bodies[other].clone();
-            return 0;
+        let material = &self.frame.scene.materials[body];
+        let (diffusivity, effusivity) = (material.diffusivity(), material.effusivity());
+        let Body { history, past, past_of, .. } = &mut self.bodies[body];
+        past.fill(0.0);
+        for (stretch, flux) in stretches(history, Stage::Trial).skip(1) {
+            let half_space = HalfSpace::new(&self.frame.grid, diffusivity, effusivity, stretch);
+            let influence = half_space.influence(&mut self.convolution);
+            influence.add(flux, &mut self.convolution, &mut self.fields, past);
+            work += influence.work() + past.len() as u64;
         }
-        let (diffusivity, effusivity) =
-            (materials[body].diffusivity(), materials[body].effusivity());
-        let grid = &self.frame.grid;
-        let made = HalfSpace::new(grid, diffusivity, effusivity, speed, &mut self.convolution);
-        let work = made.work();
-        self.trial.bodies[body] = Some(Rc::new(made));
+        *past_of = Some(stretch);
         work
     }
 
-    /// Asks a body about a row, whose contracted flux is kept.
-    fn on_row(
-        &self,
-        stage: Stage,
-        body: usize,
-        row: usize,
-        ask: impl FnOnce(&HalfSpace, &mut Row),
-    ) {
-        let state = if stage == Stage::Trial { &self.trial } else { &self.accepted };
-        let Some(half_space) = &state.bodies[body] else { return };
+    /// Makes the influence of the newest window, unless it is known, from the other body if it must be.
+    fn newest(&mut self, body: usize, stretch: Stretch) -> u64 {
+        let materials = &self.frame.scene.materials;
+        let known = |body: &Body| match &body.newest {
+            Some((of, influence)) if *of == stretch => Some(Rc::clone(influence)),
+            _ => None,
+        };
+        let other = 1 - body;
+        let alike = materials[body] == materials[other];
+        let found =
+            known(&self.bodies[body]).or_else(|| known(&self.bodies[other]).filter(|_| alike));
+        let (influence, work) = match found {
+            Some(influence) => (influence, 0),
+            None => {
+                let (grid, material) = (&self.frame.grid, &materials[body]);
+                let (diffusivity, effusivity) = (material.diffusivity(), material.effusivity());
+                let half_space = HalfSpace::new(grid, diffusivity, effusivity, stretch);
+                let influence = half_space.influence(&mut self.convolution);
+                let work = influence.work();
+                (Rc::new(influence), work)
+            }
+        };
+        self.bodies[body].newest = Some((stretch, influence));
+        work
+    }
+
+    /// Asks about a row of a body, whose contracted fluxes are kept.
+    fn on_row(&self, stage: Stage, body: usize, row: usize, ask: impl FnOnce(&mut Row)) {
         let mut kept = self.row.borrow_mut();
         let kept = match &mut *kept {
             Some(kept) if (kept.stage, kept.body, kept.row) == (stage, body, row) => kept,
             other => {
-                let contracted = half_space.contract(&state.flux[body], row);
-                other.insert(Row { stage, body, row, contracted, place: None })
+                let material = &self.frame.scene.materials[body];
+                let (diffusivity, effusivity) = (material.diffusivity(), material.effusivity());
+                let contracted = |(stretch, flux): (Stretch, &Flux)| {
+                    let grid = &self.frame.grid;
+                    let half_space = HalfSpace::new(grid, diffusivity, effusivity, stretch);
+                    let contracted = half_space.contract(flux, row);
+                    (half_space, contracted)
+                };
+                let windows =
+                    stretches(&self.bodies[body].history, stage).map(contracted).collect();
+                other.insert(Row { stage, body, row, windows, place: None })
             }
         };
-        ask(half_space, kept);
+        ask(kept);
     }
+}
+
+/// The windows of a state as stretches of the past, newest first, with their fluxes.
+fn stretches(history: &History, stage: Stage) -> impl Iterator<Item = (Stretch, &Flux)> {
+    let newest = Stretch { from: 0.0, to: 0.0, way: 0.0, speed: 0.0 };
+    history.windows(stage).scan(newest, |before, window| {
+        let (from, way) = (before.to, before.way_at(before.to));
+        let (to, speed) = (from + window.drive.duration, window.drive.speeds[0]);
+        *before = Stretch { from, to, way, speed };
+        Some((*before, &window.flux))
+    })
 }
 
 /// The elements where the surfaces rub: in every row from the first that is heated to the last.

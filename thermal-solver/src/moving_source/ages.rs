@@ -1,4 +1,4 @@
-//! Ages and weights for ∫₀^∞ f(τ) dτ/√τ.
+//! Ages and weights for ∫ f(τ) dτ/√τ over a stretch of the past, in which the surface passes at one speed.
 //!
 //! With r = √τ it is 2 ∫ f(r²) dr. What f knows of an element is how the Gaussian of width
 //! s = √(4κτ) about the way Vτ covers it, so that f changes over τ itself, and over s/V: panels are as long
@@ -19,6 +19,33 @@ pub struct Age {
     pub weight: f64,
 }
 
+/// A stretch of the past.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Its youngest age [s].
+    pub from: f64,
+    /// Its oldest age, which may be infinite [s].
+    pub to: f64,
+    /// How far the surface has gone since its youngest age [m].
+    pub way: f64,
+    /// Speed of the surface [m/s].
+    pub speed: f64,
+}
+
+impl Stretch {
+    /// All of the past, at one speed [m/s].
+    #[must_use]
+    pub fn steady(speed: f64) -> Self {
+        Self { from: 0.0, to: f64::INFINITY, way: 0.0, speed }
+    }
+
+    /// How far the surface has gone since an age in it [m].
+    #[must_use]
+    pub fn way_at(&self, age: f64) -> f64 {
+        self.way + self.speed * (age - self.from)
+    }
+}
+
 /// Length of a panel over its age, and over s/V.
 const LONGEST: f64 = 3.0;
 /// Widths s beyond which a Gaussian is nothing.
@@ -27,24 +54,32 @@ pub const REACH: f64 = 6.0;
 const OLDEST: f64 = 1e12;
 
 /// The ages for elements of this size [m] on a grid of this length [m], for a body of this diffusivity
-/// [m²/s] at this speed [m/s].
+/// [m²/s] in a stretch of the past; without an end it begins now.
 #[must_use]
-pub fn ages(diffusivity: f64, speed: f64, element: [f64; 2], length: f64) -> Vec<Age> {
+pub fn ages(diffusivity: f64, stretch: &Stretch, element: [f64; 2], length: f64) -> Vec<Age> {
+    let speed = stretch.speed;
     let smallest = element[0].min(element[1]);
     let spread = |age: f64| (4.0 * diffusivity * age).sqrt();
     let to_spread = smallest * smallest / (4.0 * diffusivity);
     let first = (to_spread / 250.0).min(element[0] / (20.0 * speed));
     let oldest = OLDEST * length * length / diffusivity;
-    let last = left_at(diffusivity, speed, length + element[0]).min(oldest);
-    let mut ages = Vec::new();
-    let (mut from, mut to) = (0.0, first);
+    let endless = stretch.to == f64::INFINITY;
+    let last = match endless {
+        true => left_at(diffusivity, speed, length + element[0]).min(oldest),
+        false => stretch.to,
+    };
+    let next = |from: f64| match from > 0.0 {
+        true => from + (LONGEST * from).min(LONGEST * spread(from) / speed),
+        false => first,
+    };
+    let (mut ages, mut from) = (Vec::new(), stretch.from);
     while from < last {
-        let panel = points(f64::sqrt(from), f64::sqrt(to));
+        let to = if endless { next(from) } else { next(from).min(last) };
+        let panel = points(from.sqrt(), to.sqrt());
         ages.extend(panel.map(|(root, weight)| Age { age: root * root, weight: 2.0 * weight }));
         from = to;
-        to = from + (LONGEST * from).min(LONGEST * spread(from) / speed);
     }
-    if last == oldest {
+    if endless && last == oldest {
         // Beyond it f is proportional to 1/age.
         ages.push(Age { age: from, weight: 2.0 * from.sqrt() });
     }
@@ -66,12 +101,15 @@ mod tests {
     /// which is π. Tolerance: Gauss's rule.
     #[test]
     fn integrals_of_known_functions() {
-        let fast = ages(1e-5, 30.0, [1e-4, 1e-4], 0.02);
+        let fast = ages(1e-5, &Stretch::steady(30.0), [1e-4, 1e-4], 0.02);
         let last = fast.last().unwrap().age;
         let sum: f64 = fast.iter().map(|age| age.weight).sum();
         assert!((sum / (2.0 * last.sqrt()) - 1.0).abs() < 0.02, "{sum} {last}");
-        let rest = ages(1e-5, 0.0, [1e-4, 1e-4], 0.02);
+        let rest = ages(1e-5, &Stretch::steady(0.0), [1e-4, 1e-4], 0.02);
         let integral: f64 = rest.iter().map(|one| one.weight / (1.0 + one.age)).sum();
         assert!((integral / std::f64::consts::PI - 1.0).abs() < 1e-9, "{integral}");
+        let stretch = Stretch { from: 0.5, to: 2.0, way: 0.1, speed: 1.0 };
+        let part: f64 = ages(1e-5, &stretch, [1e-4, 1e-4], 0.02).iter().map(|one| one.weight).sum();
+        assert!((part - 2.0 * (2f64.sqrt() - 0.5f64.sqrt())).abs() < 1e-14, "{part}");
     }
 }

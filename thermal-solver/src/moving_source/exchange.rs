@@ -13,7 +13,7 @@
 //! inverse of its symbol, cut to the places of contact, for a preconditioner. In steady motion A is not
 //! symmetric.
 
-use super::half_space::HalfSpace;
+use super::half_space::Influence;
 use numerics::convolution::{Complex64, Convolution, Spectrum};
 use numerics::gmres::{Gmres, Preconditioned};
 use proto::grid::Structured;
@@ -40,8 +40,8 @@ pub struct Exchange {
 impl Exchange {
     /// Of two bodies on a grid whose contact has this resistance 1/h [m²·K/W].
     #[must_use]
-    pub fn new(grid: &Structured, bodies: [&HalfSpace; 2], resistance: f64) -> Self {
-        let both = bodies.map(HalfSpace::of_middle);
+    pub fn new(grid: &Structured, bodies: [&Influence; 2], resistance: f64) -> Self {
+        let both = bodies.map(Influence::of_middle);
         let influence = Spectrum::combine(both, |[upper, lower]| MIDDLE * (upper + lower));
         let largest = influence.values().map(|value| value.norm()).fold(0.0, f64::max);
         let floor = FLOOR * (resistance + largest);

@@ -1,6 +1,6 @@
-//! A half-space whose surface passes at a speed under a flux on a grid.
+//! A half-space whose surface passes under a flux on a grid.
 
-use super::ages::{Age, REACH, ages};
+use super::ages::{Age, REACH, Stretch, ages};
 use super::element::{parabolas, shares};
 use crate::columns::reconstruction::Flux;
 use numerics::convolution::{Convolution, Spectrum};
@@ -8,16 +8,22 @@ use proto::grid::Structured;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// A body: how its surface warms under a flux on a grid.
+/// A body in a stretch of the past: how it warms, and spreads, what it received then.
 #[derive(Clone, Debug)]
 pub struct HalfSpace {
     grid: Structured,
     diffusivity: f64,
-    speed: f64,
+    stretch: Stretch,
     /// 1/(β√π) [m²·K·√s/J].
     amplitude: f64,
     ages: Vec<Age>,
-    /// Spectra of the influence of middle coefficients and of edge values.
+}
+
+/// The influence of a flux in a stretch on the surface, over Fourier space.
+#[derive(Clone, Debug)]
+pub struct Influence {
+    columns: usize,
+    /// Spectra of middle coefficients and of edge values.
     spectra: [Spectrum; 2],
     work: u64,
 }
@@ -44,54 +50,32 @@ pub fn convolution(grid: &Structured) -> Convolution {
 }
 
 impl HalfSpace {
-    /// A body of this diffusivity κ [m²/s] and effusivity β [J/(m²·K·√s)] at the speed V ≥ 0 [m/s].
+    /// A body of this diffusivity κ [m²/s] and effusivity β [J/(m²·K·√s)] in a stretch of the past.
     #[must_use]
-    pub fn new(
-        grid: &Structured,
-        diffusivity: f64,
-        effusivity: f64,
-        speed: f64,
-        convolution: &mut Convolution,
-    ) -> Self {
-        let element = [grid.dx(), grid.dy()];
-        let ages = ages(diffusivity, speed, element, grid.ni as f64 * grid.dx());
-        let mut body = Self {
+    pub fn new(grid: &Structured, diffusivity: f64, effusivity: f64, stretch: Stretch) -> Self {
+        let (element, length) = ([grid.dx(), grid.dy()], grid.ni as f64 * grid.dx());
+        Self {
             grid: *grid,
             diffusivity,
-            speed,
+            stretch,
             amplitude: 1.0 / (effusivity * PI.sqrt()),
-            ages,
-            spectra: [convolution.spectrum(|_, _| 0.0), convolution.spectrum(|_, _| 0.0)],
-            work: 0,
-        };
-        let [middle, edge] = body.influence();
-        let columns = grid.ni as i32;
+            ages: ages(diffusivity, &stretch, element, length),
+        }
+    }
+
+    /// Its influence on the surface.
+    #[must_use]
+    pub fn influence(&self, convolution: &mut Convolution) -> Influence {
+        let (tables, work) = self.tables();
+        let (columns, rows_apart) = (self.grid.ni as i32, 2 * self.grid.ni);
         // The target's index less the source's is what the convolution asks for.
         let of = |table: &[f64], di: i32, dj: i32| {
             let (offset, row) = (columns - di, dj.unsigned_abs() as usize);
             let inside = (1..=2 * columns).contains(&offset);
-            if inside { table[row * 2 * grid.ni + offset as usize - 1] } else { 0.0 }
+            if inside { table[row * rows_apart + offset as usize - 1] } else { 0.0 }
         };
-        body.spectra = [&middle, &edge].map(|table| convolution.spectrum(|i, j| of(table, i, j)));
-        body
-    }
-
-    /// The surface speed [m/s].
-    #[must_use]
-    pub fn speed(&self) -> f64 {
-        self.speed
-    }
-
-    /// Spectrum of the influence of an element's middle coefficient [m²·K/W].
-    #[must_use]
-    pub fn of_middle(&self) -> &Spectrum {
-        &self.spectra[0]
-    }
-
-    /// Multiply-adds that the influence has taken.
-    #[must_use]
-    pub fn work(&self) -> u64 {
-        self.work
+        let spectra = tables.each_ref().map(|table| convolution.spectrum(|i, j| of(table, i, j)));
+        Influence { columns: self.grid.ni, spectra, work }
     }
 
     /// Number of ages.
@@ -106,11 +90,11 @@ impl HalfSpace {
     }
 
     /// Influence of the element and of the edge with the offset d = source − target along x, from
-    /// −(n_x − 1) on, and rows apart [m²·K/W].
-    fn influence(&mut self) -> [Vec<f64>; 2] {
+    /// −(n_x − 1) on, and rows apart [m²·K/W], and the multiply-adds that it has taken.
+    fn tables(&self) -> ([Vec<f64>; 2], u64) {
         let (columns, rows) = (self.grid.ni, self.grid.nj);
         let zeros = vec![0.0; 2 * columns * rows];
-        let mut tables = [zeros.clone(), zeros];
+        let (mut tables, mut work) = ([zeros.clone(), zeros], 0);
         let first = 1 - columns as i64;
         for Age { age, weight } in &self.ages {
             let along = self.along(*age, 0.0, first..columns as i64 + 1);
@@ -127,9 +111,9 @@ impl HalfSpace {
                     line.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
                 }
             }
-            self.work += (2 * across.len() * along.middle.len()) as u64;
+            work += (2 * across.len() * along.middle.len()) as u64;
         }
-        tables
+        (tables, work)
     }
 
     /// Shares of the rows 0, 1, 2 … away from the target's, up to where they end.
@@ -144,7 +128,7 @@ impl HalfSpace {
     /// `ahead` [m] of an element's centre; those that are not zero.
     fn along(&self, age: f64, ahead: f64, offsets: Range<i64>) -> Along {
         let (width, side) = (self.width(age), self.grid.dx());
-        let way = ahead + self.speed * age;
+        let way = ahead + self.stretch.way_at(age);
         let place = |offset: i64| ((offset as f64 - 0.5) * side - way) / width;
         let reach = REACH * width;
         let low = ((way - reach) / side + 0.5).floor().max(offsets.start as f64 - 1.0) as i64;
@@ -169,34 +153,6 @@ impl HalfSpace {
             }
         }
         along
-    }
-
-    /// Surface rises of a flux on the grid [K]; `fields` is room for both coefficients and the result, of
-    /// the convolution's size each.
-    pub fn surface(
-        &self,
-        flux: &Flux,
-        convolution: &mut Convolution,
-        fields: &mut [Vec<f64>; 3],
-        rise: &mut [f64],
-    ) {
-        let (columns, rows) = (self.grid.ni, self.grid.nj);
-        let [middle, edge, result] = fields;
-        for field in [&mut *middle, &mut *edge, &mut *result] {
-            field.resize((columns + 1) * rows, 0.0);
-        }
-        for (row, (middle, edge)) in
-            middle.chunks_exact_mut(columns + 1).zip(edge.chunks_exact_mut(columns + 1)).enumerate()
-        {
-            let from = flux.row(row);
-            middle[..columns].copy_from_slice(&from.middle[..columns]);
-            middle[columns] = 0.0;
-            edge.copy_from_slice(&from.edge[..=columns]);
-        }
-        let [of_middle, of_edge] = &self.spectra;
-        convolution.apply_sum([of_middle, of_edge], [middle, edge], result);
-        let lines = result.chunks_exact(columns + 1).zip(rise.chunks_exact_mut(columns));
-        lines.for_each(|(from, to)| to.copy_from_slice(&from[..columns]));
     }
 
     /// Contracts a flux to a row.
@@ -274,6 +230,49 @@ impl HalfSpace {
     }
 }
 
+impl Influence {
+    /// Multiply-adds that it has taken.
+    #[must_use]
+    pub fn work(&self) -> u64 {
+        self.work
+    }
+
+    /// Spectrum of the influence of an element's middle coefficient [m²·K/W].
+    #[must_use]
+    pub fn of_middle(&self) -> &Spectrum {
+        &self.spectra[0]
+    }
+
+    /// Adds the surface rises of a flux on the grid [K]; `fields` is room for both coefficients and the
+    /// result.
+    pub fn add(
+        &self,
+        flux: &Flux,
+        convolution: &mut Convolution,
+        fields: &mut [Vec<f64>; 3],
+        rise: &mut [f64],
+    ) {
+        let (columns, rows) = (self.columns, flux.rows());
+        let [middle, edge, result] = fields;
+        for field in [&mut *middle, &mut *edge, &mut *result] {
+            field.resize((columns + 1) * rows, 0.0);
+        }
+        let lines = middle.chunks_exact_mut(columns + 1).zip(edge.chunks_exact_mut(columns + 1));
+        for (row, (middle, edge)) in lines.enumerate() {
+            let from = flux.row(row);
+            middle[..columns].copy_from_slice(&from.middle[..columns]);
+            middle[columns] = 0.0;
+            edge.copy_from_slice(&from.edge[..=columns]);
+        }
+        let [of_middle, of_edge] = &self.spectra;
+        convolution.apply_sum([of_middle, of_edge], [middle, edge], result);
+        let lines = result.chunks_exact(columns + 1).zip(rise.chunks_exact_mut(columns));
+        for (from, to) in lines {
+            to.iter_mut().zip(from).for_each(|(sum, value)| *sum += value);
+        }
+    }
+}
+
 impl Along {
     /// Sum over the coefficients of a row, seen from a target.
     fn dot(&self, target: i64, middle: &[f64], edge: &[f64]) -> f64 {
@@ -305,9 +304,8 @@ mod tests {
 
     /// A body of conductivity 1 under a flux at this Péclet number Va/2κ, a = 1.
     fn heated(peclet: f64, grid: Structured, flux: impl Fn(f64, f64) -> f64) -> Heated {
-        let speed = 2.0 * peclet;
         let mut convolution = convolution(&grid);
-        let body = HalfSpace::new(&grid, 1.0, 1.0, speed, &mut convolution);
+        let body = HalfSpace::new(&grid, 1.0, 1.0, Stretch::steady(2.0 * peclet));
         let means: Vec<f64> = (0..grid.points())
             .map(|at| {
                 let (x, y) = (grid.x(at % grid.ni), grid.y(at / grid.ni));
@@ -322,7 +320,8 @@ mod tests {
         let mut reconstructed = Flux::zero(grid.ni, grid.nj);
         reconstructed.reconstruct(&means);
         let (mut rise, mut fields) = (vec![0.0; grid.points()], Default::default());
-        body.surface(&reconstructed, &mut convolution, &mut fields, &mut rise);
+        let influence = body.influence(&mut convolution);
+        influence.add(&reconstructed, &mut convolution, &mut fields, &mut rise);
         Heated { body, grid, flux: reconstructed, rise }
     }
 

@@ -22,6 +22,9 @@
 //! convolution over Fourier space ([`half_space`]). Rises at single places and in depth come from the same
 //! sum, with the flux contracted to a row of the grid.
 //!
+//! In time the flux of every window is constant over it, and contributes over its own ages, from the
+//! youngest to the oldest.
+//!
 //! # Errors
 //!
 //! The ages and the elements' integrals leave some 1e-9 of the largest rise. What remains is the

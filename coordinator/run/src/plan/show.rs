@@ -1,11 +1,14 @@
 //! The plan as a person reads it.
 
-use super::contents::{Plan, geometry_bytes};
+use super::contents::{Participant, Plan, geometry_bytes};
 use crate::format::{bytes, counted, seconds};
 use coupling::ParticipantIndex;
 use coupling::settings::Implicit;
 use coupling::windows::Windows;
 use std::fmt::{Display, Formatter, Result};
+
+/// Smaller relative errors of a model are not listed.
+const SHOWN: f64 = 5e-5;
 
 impl Display for Plan {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -60,9 +63,25 @@ impl Plan {
             for remark in p.estimate.iter().flat_map(|e| &e.remarks) {
                 writeln!(f, "           {:10} note: {remark}", "")?;
             }
+            self.show_left_out(p, f)?;
         }
         for (role, why) in &self.idle {
             writeln!(f, "           {role:10} not started: {why}")?;
+        }
+        Ok(())
+    }
+
+    /// What a model leaves out with these effects, and in this very case, with its size.
+    fn show_left_out(&self, p: &Participant, f: &mut Formatter<'_>) -> Result {
+        let active = |name: &str| self.effects.iter().any(|e| e.active && e.name == name);
+        let models = p.description.models.iter();
+        let model = models.filter(|model| model.name == p.configuration.model);
+        let always = model.flat_map(|model| &model.accuracy.simplifications);
+        let here = p.estimate.iter().flat_map(|layout| &layout.left_out);
+        let all = always.filter(|one| one.applies(&active)).chain(here);
+        for one in all.filter(|one| one.error >= SHOWN) {
+            let (what, percent, source) = (&one.what, 100.0 * one.error, &one.source);
+            writeln!(f, "           {:10} leaves out: {what}, {percent:.2} %: {source}", "")?;
         }
         Ok(())
     }
