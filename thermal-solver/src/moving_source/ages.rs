@@ -2,7 +2,9 @@
 //!
 //! With r = √τ it is 2 ∫ f(r²) dr. What f knows of an element is how the Gaussian of width
 //! s = √(4κτ) about the way Vτ covers it, so that f changes over τ itself, and over s/V: panels are as long
-//! as the shorter of three times either. The first one ends where neither has reached the end of an
+//! as the shorter of three times either. At high speed, where s is a small part of an element, f is the
+//! flux itself on the way, a parabola from each edge to the next: then panels of half an element
+//! will do, and their number does not grow with the speed. The first one ends where neither has reached the end of an
 //! element. Without speed f falls like 1/τ in the end, and what is left beyond the last age has a closed
 //! form; with speed it ends when the material has left the grid.
 //!
@@ -48,6 +50,8 @@ impl Stretch {
 
 /// Length of a panel over its age, and over s/V.
 const LONGEST: f64 = 3.0;
+/// A panel shorter than this part of half an element is joined to the next.
+const SHORT: f64 = 1e-3;
 /// Widths s beyond which a Gaussian is nothing.
 pub const REACH: f64 = 6.0;
 /// The oldest age over the time in which heat spreads over the grid.
@@ -68,9 +72,12 @@ pub fn ages(diffusivity: f64, stretch: &Stretch, element: [f64; 2], length: f64)
         true => left_at(diffusivity, speed, length + element[0]).min(oldest),
         false => stretch.to,
     };
-    let next = |from: f64| match from > 0.0 {
-        true => from + (LONGEST * from).min(LONGEST * spread(from) / speed),
-        false => first,
+    let half_element = 0.5 * element[0] / speed;
+    let next = |from: f64| {
+        let blurred = LONGEST * spread(from) / speed;
+        let sharp = ((from / half_element + SHORT).floor() + 1.0) * half_element - from;
+        let step = if blurred < half_element { sharp } else { blurred };
+        if from > 0.0 { from + step.min(LONGEST * from) } else { first }
     };
     let (mut ages, mut from) = (Vec::new(), stretch.from);
     while from < last {
