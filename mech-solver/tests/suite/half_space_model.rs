@@ -648,3 +648,28 @@ fn refusals_of_the_geometry() {
         assert!(refusal.reason.contains(reason), "{refusal}");
     }
 }
+
+/// A contact that yields at 1 GPa carries its load on a larger area, nowhere above that, and friction
+/// takes what the forces give. Tolerances: the search of the approach; rounding of sums.
+#[test]
+fn a_contact_that_yields() {
+    let elastic = run(&half_space(12));
+    let mut case = half_space(12);
+    case["effects"]["pressure_limit"] = json!({"hardness": 1e9});
+    let limited = run(&case);
+    assert_eq!(limited.number("max_pressure_pa"), 1e9);
+    assert_close(limited.number("normal_force_n"), 134e3, 1e-8);
+    assert!(limited.number("area_m2") > 1.1 * elastic.number("area_m2"));
+    let share = limited.number("limited_area_ratio");
+    // All at the limit it would be N/H over the area.
+    assert!(share > 0.5 && share < 134e3 / 1e9 / limited.number("area_m2"), "{share}");
+    assert!(elastic.contact.get("limited_area_ratio").is_none());
+    assert_close(limited.number("friction_power_w"), power_of_the_forces(&limited, 38.889), 1e-9);
+    case["effects"]["pressure_limit"] = json!({"hardness": 5e9});
+    let beyond = run(&case);
+    assert_eq!(beyond.number("limited_area_ratio"), 0.0);
+    assert_close(beyond.number("max_pressure_pa"), elastic.number("max_pressure_pa"), 1e-4);
+    case["materials"]["soft"] = json!({"youngs_modulus": 70e9, "poisson_ratio": 0.3});
+    case["bodies"]["rail"]["material"] = json!("soft");
+    assert_eq!(crate::common::refusal(&configuration(&case)).key, "effects.pressure_limit");
+}

@@ -146,3 +146,23 @@ fn the_answer_is_a_run_like_any_other() {
         assert!(place.out().join(file).is_file(), "{file}");
     }
 }
+
+/// A plan names what a model leaves out, in general and in its case, with its size and source; nothing
+/// of a model that leaves out nothing of weight.
+#[test]
+fn a_plan_says_what_models_leave_out() {
+    let place = Place::new();
+    let plan = |model: &str| {
+        let set = format!("thermal.model={model}");
+        let ended = place.start(&["plan", &case("slow-rolling.toml"), "--set", &set]).wait();
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        ended.stdout
+    };
+    let columns = plan("columns");
+    for line in ["leaves out: no conduction along the surface, 0.02 %", "at Pe = 13.488, 7.39 %: "]
+    {
+        assert!(columns.contains(line), "`{line}` is missing in:\n{columns}");
+    }
+    let source = plan("moving-source");
+    assert!(!source.contains("leaves out"), "{source}");
+}
