@@ -55,7 +55,7 @@ fn steady_steps_do_not_allocate() {
     // Below and above the crossover to Fourier space.
     for columns in [41, 321] {
         let grid = Structured::contact_plane(-8e-3, -1e-3, 2e-4, 2e-4, columns, 11);
-        for model in ["ertz-knothe", "columns"] {
+        for model in ["ertz-knothe", "columns", "moving-source"] {
             assert_eq!(allocations(&mut Run::steady(model, grid), 1, 5, 0.0), 0, "{model}");
         }
     }

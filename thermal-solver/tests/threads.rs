@@ -9,8 +9,15 @@ use proto::grid::Structured;
 use support::{Run, steel};
 
 /// Rises of both bodies and the work of every window.
-fn answers(threads: usize, mode: Mode, grid: Structured, windows: usize) -> Vec<Vec<u64>> {
-    let mut run = Run::on(threads, "columns", mode, grid, steel());
+fn answers(
+    model: &str,
+    threads: usize,
+    mode: Mode,
+    grid: Structured,
+    windows: usize,
+) -> Vec<Vec<u64>> {
+    let mut run = Run::on(threads, model, mode, grid, steel());
+    run.given.speeds = vec![0.9 * support::SPEED, support::SPEED];
     let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<u64>>();
     let mut all = Vec::new();
     for window in 0..windows {
@@ -29,9 +36,12 @@ fn results_are_the_same_on_any_number_of_threads() {
     let steady = Structured::contact_plane(-8e-3, -6e-3, 2e-5, 2e-5, 501, 403);
     let transient = Structured::contact_plane(-8e-3, -6e-3, 1e-4, 1e-4, 161, 121);
     for (mode, grid, windows) in [(Mode::Steady, steady, 1), (Mode::Transient, transient, 6)] {
-        let one = answers(1, mode, grid, windows);
-        for threads in [2, 3, 8] {
-            assert!(answers(threads, mode, grid, windows) == one, "{mode:?}, {threads} threads");
+        for model in ["columns", "moving-source"] {
+            let one = answers(model, 1, mode, grid, windows);
+            for threads in [2, 3, 8] {
+                let several = answers(model, threads, mode, grid, windows);
+                assert!(several == one, "{model}, {mode:?}, {threads} threads");
+            }
         }
     }
 }

@@ -17,6 +17,7 @@ use crate::columns::reconstruction::Flux;
 use crate::moving_source::ages::Stretch;
 use crate::moving_source::exchange::Exchange;
 use crate::moving_source::half_space::{Contracted, HalfSpace, Influence, convolution};
+use crate::scene::Material;
 use crate::search::maximum;
 use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
@@ -24,11 +25,12 @@ use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;
 use proto::description::ModelSpec;
-use proto::grid::blocked_sum;
+use proto::grid::{Structured, blocked_sum};
 use proto::model::StepError;
 use std::cell::RefCell;
 use std::io::{self, Read, Write};
-use std::rc::Rc;
+use std::sync::Arc;
+use std::thread;
 
 /// Its description.
 #[must_use]
@@ -58,6 +60,11 @@ fn by_quadrature() -> Simplification {
 const SECONDS_PER_POINT: f64 = 4e-6;
 /// Difference of the temperatures, over the highest, at which what flows between the surfaces is found.
 const SETTLED: f64 = 1e-7;
+/// Operations of a body, counted as multiply-adds, that are worth a thread.
+const WORTH: usize = 1_500_000;
+/// Operations over the elements in making an influence, and in a convolution.
+const INFLUENCE: usize = 500;
+const TRANSFORMS: usize = 60;
 /// Windows of the past in a transient case, about.
 const WINDOWS: usize = 100;
 /// Corrections of it at most.
@@ -67,13 +74,100 @@ const BYTES_PER_POINT: u64 = 400;
 
 /// A body: its past, and what the newest window does to its surface.
 struct Body {
+    /// Upper or lower.
+    body: usize,
+    grid: Structured,
+    material: Material,
+    convolution: Convolution,
+    fields: [Vec<f64>; 3],
     history: History,
     /// Rises that earlier windows leave at the end of this one [K], and the window for which.
     past: Vec<f64>,
     past_of: Option<Stretch>,
-    newest: Option<(Stretch, Rc<Influence>)>,
+    newest: Option<(Stretch, Arc<Influence>)>,
     /// Element means of the flux into it [W/m²].
     means: Vec<f64>,
+}
+
+impl Body {
+    fn new(frame: &Frame, body: usize) -> Self {
+        let (grid, material) = (frame.grid, frame.scene.materials[body]);
+        let (columns, rows) = (grid.ni, grid.nj);
+        Self {
+            body,
+            convolution: convolution(&grid),
+            fields: Default::default(),
+            history: History::new(columns, rows, grid.dx(), material.diffusivity()),
+            past: vec![0.0; columns * rows],
+            past_of: None,
+            newest: None,
+            means: vec![0.0; columns * rows],
+            grid,
+            material,
+        }
+    }
+
+    fn half_space(&self, stretch: Stretch) -> HalfSpace {
+        let (diffusivity, effusivity) = (self.material.diffusivity(), self.material.effusivity());
+        HalfSpace::new(&self.grid, diffusivity, effusivity, stretch)
+    }
+
+    /// Makes the influence of the newest window, unless it is known; the work.
+    fn meet(&mut self, stretch: Stretch) -> u64 {
+        if self.newest.as_ref().is_some_and(|(of, _)| *of == stretch) {
+            return 0;
+        }
+        let influence = self.half_space(stretch).influence(&mut self.convolution);
+        let work = influence.work();
+        self.newest = Some((stretch, Arc::new(influence)));
+        work
+    }
+
+    /// Passes in the newest window, and sums up what earlier ones leave, unless both are known; the work.
+    fn pass(&mut self, stretch: Stretch) -> u64 {
+        let mut work = self.meet(stretch);
+        if self.past_of == Some(stretch) {
+            return work;
+        }
+        self.history.trial_mut().drive =
+            Drive { duration: stretch.to, speeds: [stretch.speed; 2], shares: [1.0; 2] };
+        self.past.fill(0.0);
+        for (stretch, flux) in stretches(&self.history, Stage::Trial).skip(1) {
+            let influence = self.half_space(stretch).influence(&mut self.convolution);
+            influence.add(flux, &mut self.convolution, &mut self.fields, &mut self.past);
+            work += influence.work() + self.past.len() as u64;
+        }
+        self.past_of = Some(stretch);
+        work
+    }
+
+    /// Rises of the surface under the element means of the newest window.
+    fn warm(&mut self, rise: &mut [f64]) {
+        rise.copy_from_slice(&self.past);
+        let window = self.history.trial_mut();
+        window.flux.reconstruct(&self.means);
+        if let Some((_, influence)) = &self.newest {
+            influence.add(&window.flux, &mut self.convolution, &mut self.fields, rise);
+        }
+    }
+}
+
+/// Does something to both bodies, on a thread each if it is worth one.
+fn both(
+    threads: usize,
+    bodies: &mut [Body; 2],
+    rise: &mut [Vec<f64>; 2],
+    each: impl Fn(&mut Body, &mut [f64]) -> u64 + Sync,
+) -> u64 {
+    let ([upper, lower], [of_upper, of_lower]) = (bodies, rise);
+    if threads < 2 {
+        return each(upper, of_upper) + each(lower, of_lower);
+    }
+    thread::scope(|scope| {
+        let other = scope.spawn(|| each(lower, of_lower));
+        let own = each(upper, of_upper);
+        own + other.join().expect("a body panics on this thread as on its own")
+    })
 }
 
 /// The fluxes of a state into a body, contracted to a row, newest first; kept from one question to the
@@ -90,13 +184,22 @@ struct Row {
 /// The model.
 pub struct MovingSource {
     frame: Frame,
-    convolution: Convolution,
-    fields: [Vec<f64>; 3],
-    line: Vec<f64>,
     bodies: [Body; 2],
+    row_sums: Vec<f64>,
+    line: Vec<f64>,
     /// What flows between the surfaces, with the windows that it is for.
     exchange: Option<([Stretch; 2], Exchange)>,
+    flows: Flows,
     row: RefCell<Option<Row>>,
+}
+
+/// What flows between the surfaces: where, how much, what is wrong with it and by how much it changes.
+#[derive(Default)]
+struct Flows {
+    touching: Vec<usize>,
+    flows: Vec<f64>,
+    errors: Vec<f64>,
+    correction: Vec<f64>,
 }
 
 impl Conduction for MovingSource {
@@ -106,24 +209,13 @@ impl Conduction for MovingSource {
     const STATE_TAG: u8 = 3;
 
     fn new(frame: &Frame) -> Self {
-        let (columns, rows) = (frame.grid.ni, frame.grid.nj);
-        let body = |body: usize| Body {
-            history: {
-                let diffusivity = frame.scene.materials[body].diffusivity();
-                History::new(columns, rows, frame.grid.dx(), diffusivity)
-            },
-            past: vec![0.0; columns * rows],
-            past_of: None,
-            newest: None,
-            means: vec![0.0; columns * rows],
-        };
         Self {
             frame: frame.clone(),
-            convolution: convolution(&frame.grid),
-            fields: Default::default(),
-            line: vec![0.0; columns],
-            bodies: [body(UPPER), body(LOWER)],
+            bodies: [Body::new(frame, UPPER), Body::new(frame, LOWER)],
+            row_sums: vec![0.0; frame.grid.nj],
+            line: vec![0.0; frame.grid.ni],
             exchange: None,
+            flows: Flows::default(),
             row: RefCell::new(None),
         }
     }
@@ -157,19 +249,17 @@ impl Conduction for MovingSource {
     ) -> Result<Work, StepError> {
         let mut work = Work::default();
         self.row.get_mut().take_if(|row| row.stage == Stage::Trial);
-        for body in 0..2 {
-            work.operations += self.pass(body, drive);
-            let share = drive.shares[body];
-            let means = &mut self.bodies[body].means;
-            means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
+        for (body, share) in self.bodies.iter_mut().zip(drive.shares) {
+            body.means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
         }
+        work.operations += self.pass(drive, rise);
         work.operations += self.warm(rise);
         if let Some(resistance) = self.frame.partition.resistance() {
             work.operations += self.settle(resistance, flux, rise)?;
         }
         for (body, (heat, rise)) in self.bodies.iter_mut().zip(work.heat.iter_mut().zip(rise)) {
             let window = body.history.trial_mut();
-            window.heat = heat_of(&window.flux, &mut self.line);
+            window.heat = heat_of(&window.flux, &mut self.row_sums, &mut self.line);
             *heat = window.heat;
             if body.history.windows(Stage::Trial).all(|window| window.flux.is_heating()) {
                 remove_negative_rounding(rise);
@@ -246,17 +336,42 @@ impl Conduction for MovingSource {
 }
 
 impl MovingSource {
+    /// Threads for what takes so many operations a body.
+    fn threads(&self, operations: usize) -> usize {
+        if operations < WORTH { 1 } else { self.frame.threads }
+    }
+
+    /// Lets both bodies pass in the newest window; bodies alike have one influence.
+    fn pass(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> u64 {
+        let stretch = |speed: f64| Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
+        let [upper, lower] = drive.speeds.map(stretch);
+        let mut work = 0;
+        if upper == lower && self.bodies[UPPER].material == self.bodies[LOWER].material {
+            work += self.bodies[UPPER].meet(upper);
+            self.bodies[LOWER].newest = self.bodies[UPPER].newest.clone();
+        }
+        let known = |body: &Body, stretch: Stretch| {
+            let met = body.newest.as_ref().is_some_and(|(of, _)| *of == stretch);
+            met && body.past_of == Some(stretch)
+        };
+        if known(&self.bodies[UPPER], upper) && known(&self.bodies[LOWER], lower) {
+            return work;
+        }
+        let threads = self.threads(INFLUENCE * self.frame.grid.points());
+        work += both(threads, &mut self.bodies, rise, |body, _| {
+            body.pass(if body.body == UPPER { upper } else { lower })
+        });
+        work
+    }
+
     /// Rises of both surfaces under the element means of the newest window.
     fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> u64 {
-        for (body, rise) in self.bodies.iter_mut().zip(rise.iter_mut()) {
-            rise.copy_from_slice(&body.past);
-            let window = body.history.trial_mut();
-            window.flux.reconstruct(&body.means);
-            if let Some((_, influence)) = &body.newest {
-                influence.add(&window.flux, &mut self.convolution, &mut self.fields, rise);
-            }
-        }
-        2 * rise[0].len() as u64
+        let points = self.frame.grid.points();
+        let threads = self.threads(TRANSFORMS * points);
+        both(threads, &mut self.bodies, rise, |body, rise| {
+            body.warm(rise);
+            points as u64
+        })
     }
 
     /// Finds what flows between the surfaces where friction heats them, until their temperatures differ by
@@ -267,25 +382,21 @@ impl MovingSource {
         flux: &[f64],
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
-        let touching = touching(flux, self.frame.grid.ni);
-        let mut flows = vec![0.0; touching.len()];
-        let mut correction = flows.clone();
+        let mut found = std::mem::take(&mut self.flows);
+        found.touch(flux, self.frame.grid.ni);
         let mut work = 0;
         for _ in 0..MOST_CORRECTIONS {
-            let error = |(at, flow): (&usize, &f64)| {
-                rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow
-            };
-            let errors: Vec<f64> = touching.iter().zip(&flows).map(error).collect();
-            let largest = errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()));
+            let largest = found.judge(resistance, rise);
             let warmest = rise.iter().flatten().fold(0.0_f64, |most, rise| most.max(rise.abs()));
             if largest <= SETTLED * warmest {
+                self.flows = found;
                 return Ok(work);
             }
-            self.pair(resistance);
-            let Some((_, exchange)) = &mut self.exchange else { unreachable!("a pair is made") };
-            let products =
-                exchange.correct(&mut self.convolution, &touching, &errors, &mut correction);
-            for ((at, flow), more) in touching.iter().zip(&mut flows).zip(&correction) {
+            let exchange = pair(&mut self.exchange, &self.frame.grid, &self.bodies, resistance);
+            let Flows { touching, flows, errors, correction } = &mut found;
+            let convolution = &mut self.bodies[UPPER].convolution;
+            let products = exchange.correct(convolution, touching, errors, correction);
+            for ((at, flow), more) in touching.iter().zip(flows).zip(&*correction) {
                 *flow += more;
                 self.bodies[UPPER].means[*at] -= more;
                 self.bodies[LOWER].means[*at] += more;
@@ -298,86 +409,19 @@ impl MovingSource {
         )))
     }
 
-    /// Makes the operator of what flows between the bodies in the newest window.
-    fn pair(&mut self, resistance: f64) {
-        let [Some((upper, of_upper)), Some((lower, of_lower))] =
-            self.bodies.each_ref().map(|body| body.newest.as_ref())
-        else {
-            return;
-        };
-        let windows = [*upper, *lower];
-        if self.exchange.as_ref().is_none_or(|(of, _)| *of != windows) {
-            let exchange = Exchange::new(&self.frame.grid, [of_upper, of_lower], resistance);
-            self.exchange = Some((windows, exchange));
-        }
-    }
-
-    /// Lets a body pass in the newest window, and sums up what earlier ones leave; the work that it took.
-    fn pass(&mut self, body: usize, drive: &Drive) -> u64 {
-        let speed = drive.speeds[body];
-        let stretch = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
-        let window = self.bodies[body].history.trial_mut();
-        window.drive = Drive { duration: drive.duration, speeds: [speed; 2], shares: [1.0; 2] };
-        let mut work = self.newest(body, stretch);
-        if self.bodies[body].past_of == Some(stretch) {
-            return work;
-        }
-        let material = &self.frame.scene.materials[body];
-        let (diffusivity, effusivity) = (material.diffusivity(), material.effusivity());
-        let Body { history, past, past_of, .. } = &mut self.bodies[body];
-        past.fill(0.0);
-        for (stretch, flux) in stretches(history, Stage::Trial).skip(1) {
-            let half_space = HalfSpace::new(&self.frame.grid, diffusivity, effusivity, stretch);
-            let influence = half_space.influence(&mut self.convolution);
-            influence.add(flux, &mut self.convolution, &mut self.fields, past);
-            work += influence.work() + past.len() as u64;
-        }
-        *past_of = Some(stretch);
-        work
-    }
-
-    /// Makes the influence of the newest window, unless it is known, from the other body if it must be.
-    fn newest(&mut self, body: usize, stretch: Stretch) -> u64 {
-        let materials = &self.frame.scene.materials;
-        let known = |body: &Body| match &body.newest {
-            Some((of, influence)) if *of == stretch => Some(Rc::clone(influence)),
-            _ => None,
-        };
-        let other = 1 - body;
-        let alike = materials[body] == materials[other];
-        let found =
-            known(&self.bodies[body]).or_else(|| known(&self.bodies[other]).filter(|_| alike));
-        let (influence, work) = match found {
-            Some(influence) => (influence, 0),
-            None => {
-                let (grid, material) = (&self.frame.grid, &materials[body]);
-                let (diffusivity, effusivity) = (material.diffusivity(), material.effusivity());
-                let half_space = HalfSpace::new(grid, diffusivity, effusivity, stretch);
-                let influence = half_space.influence(&mut self.convolution);
-                let work = influence.work();
-                (Rc::new(influence), work)
-            }
-        };
-        self.bodies[body].newest = Some((stretch, influence));
-        work
-    }
-
     /// Asks about a row of a body, whose contracted fluxes are kept.
     fn on_row(&self, stage: Stage, body: usize, row: usize, ask: impl FnOnce(&mut Row)) {
         let mut kept = self.row.borrow_mut();
         let kept = match &mut *kept {
             Some(kept) if (kept.stage, kept.body, kept.row) == (stage, body, row) => kept,
             other => {
-                let material = &self.frame.scene.materials[body];
-                let (diffusivity, effusivity) = (material.diffusivity(), material.effusivity());
+                let of = &self.bodies[body];
                 let contracted = |(stretch, flux): (Stretch, &Flux)| {
-                    let grid = &self.frame.grid;
-                    let half_space = HalfSpace::new(grid, diffusivity, effusivity, stretch);
+                    let half_space = of.half_space(stretch);
                     let contracted = half_space.contract(flux, row);
                     (half_space, contracted)
                 };
-                let windows =
-                    stretches(&self.bodies[body].history, stage).map(contracted).collect();
+                let windows = stretches(&of.history, stage).map(contracted).collect();
                 other.insert(Row { stage, body, row, windows, place: None })
             }
         };
@@ -385,39 +429,66 @@ impl MovingSource {
     }
 }
 
-/// The windows of a state as stretches of the past, newest first, with their fluxes.
+/// The windows of a state as stretches of the past, newest first, with their fluxes; before a window
+/// without end there is nothing.
 fn stretches(history: &History, stage: Stage) -> impl Iterator<Item = (Stretch, &Flux)> {
     let newest = Stretch { from: 0.0, to: 0.0, way: 0.0, speed: 0.0 };
     history.windows(stage).scan(newest, |before, window| {
         let (from, way) = (before.to, before.way_at(before.to));
         let (to, speed) = (from + window.drive.duration, window.drive.speeds[0]);
         *before = Stretch { from, to, way, speed };
-        Some((*before, &window.flux))
+        (from < f64::INFINITY).then_some((*before, &window.flux))
     })
 }
 
-/// The elements where the surfaces rub: in every row from the first that is heated to the last.
-fn touching(flux: &[f64], columns: usize) -> Vec<usize> {
-    let mut touching = Vec::new();
-    for (row, values) in flux.chunks_exact(columns).enumerate() {
-        let heated = |value: &f64| *value != 0.0;
-        let (Some(first), Some(last)) =
-            (values.iter().position(heated), values.iter().rposition(heated))
-        else {
-            continue;
-        };
-        touching.extend((first..=last).map(|i| row * columns + i));
+/// The operator of what flows between the bodies in their newest windows.
+fn pair<'a>(
+    kept: &'a mut Option<([Stretch; 2], Exchange)>,
+    grid: &Structured,
+    bodies: &[Body; 2],
+    resistance: f64,
+) -> &'a mut Exchange {
+    let [(upper, of_upper), (lower, of_lower)] =
+        bodies.each_ref().map(|body| body.newest.as_ref().expect("both have passed"));
+    let windows = [*upper, *lower];
+    let known = kept.take_if(|(of, _)| *of == windows);
+    let make = || (windows, Exchange::new(grid, [of_upper, of_lower], resistance));
+    &mut kept.insert(known.unwrap_or_else(make)).1
+}
+
+impl Flows {
+    /// Nothing flows yet between the elements where the surfaces rub: in every row from the first that is
+    /// heated to the last.
+    fn touch(&mut self, flux: &[f64], columns: usize) {
+        self.touching.clear();
+        for (row, values) in flux.chunks_exact(columns).enumerate() {
+            let heated = |value: &f64| *value != 0.0;
+            let ends = (values.iter().position(heated), values.iter().rposition(heated));
+            if let (Some(first), Some(last)) = ends {
+                self.touching.extend((first..=last).map(|i| row * columns + i));
+            }
+        }
+        for values in [&mut self.flows, &mut self.correction] {
+            values.clear();
+            values.resize(self.touching.len(), 0.0);
+        }
     }
-    touching
+
+    /// The errors T_u − T_l − g/h [K]; the largest.
+    fn judge(&mut self, resistance: f64, rise: &[Vec<f64>; 2]) -> f64 {
+        let error =
+            |(at, flow): (&usize, &f64)| rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow;
+        self.errors.clear();
+        self.errors.extend(self.touching.iter().zip(&self.flows).map(error));
+        self.errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()))
+    }
 }
 
 /// Sum of the element means of a flux as it is convolved [W/m²].
-fn heat_of(flux: &Flux, line: &mut [f64]) -> f64 {
-    let sums: Vec<f64> = (0..flux.rows())
-        .map(|row| {
-            flux.means_into(row, line);
-            blocked_sum(line)
-        })
-        .collect();
-    blocked_sum(&sums)
+fn heat_of(flux: &Flux, row_sums: &mut [f64], line: &mut [f64]) -> f64 {
+    for (row, sum) in row_sums.iter_mut().enumerate() {
+        flux.means_into(row, line);
+        *sum = blocked_sum(line);
+    }
+    blocked_sum(row_sums)
 }
