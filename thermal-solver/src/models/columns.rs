@@ -7,7 +7,7 @@ use super::frame::Frame;
 use super::names;
 use super::normal_only::{along_the_surface, along_the_surface_at};
 use super::setup::{resolution, section_key};
-use super::summary::Peak;
+use super::summary::{Peak, hottest};
 use crate::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
 };
@@ -15,7 +15,6 @@ use crate::columns::history::History;
 use crate::columns::reconstruction::Flux;
 use crate::columns::stencil::{Part, Stencil};
 use crate::columns::team::{ROWS, Team};
-use crate::search::maximum;
 use crate::window::{Drive, Stage};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;
@@ -178,16 +177,7 @@ impl Conduction for Columns {
     }
 
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
-        let grid = &self.frame.grid;
-        let hottest = (0..rise.len()).reduce(|a, b| if rise[b] > rise[a] { b } else { a })?;
-        if rise[hottest] <= 0.0 {
-            return None;
-        }
-        let (row, column) = (hottest / grid.ni, hottest % grid.ni);
-        let low = grid.x(column.saturating_sub(1));
-        let high = grid.x((column + 1).min(grid.ni - 1));
-        let (x, rise) = maximum(low, high, |x| self.rise_at(body, row, x, 0.0));
-        Some(Peak { rise, x, row })
+        hottest(&self.frame.grid, rise, |row, x| self.rise_at(body, row, x, 0.0))
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {

@@ -10,7 +10,7 @@ use super::fields::fields;
 use super::frame::Frame;
 use super::names;
 use super::setup::{resolution, section_key};
-use super::summary::Peak;
+use super::summary::{Peak, hottest};
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::history::History;
 use crate::columns::reconstruction::Flux;
@@ -18,7 +18,6 @@ use crate::moving_source::ages::Stretch;
 use crate::moving_source::exchange::Exchange;
 use crate::moving_source::half_space::{Contracted, HalfSpace, Influence, convolution};
 use crate::scene::Material;
-use crate::search::maximum;
 use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
 use numerics::convolution::Convolution;
@@ -309,16 +308,7 @@ impl Conduction for MovingSource {
     }
 
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
-        let grid = &self.frame.grid;
-        let hottest = (0..rise.len()).reduce(|a, b| if rise[b] > rise[a] { b } else { a })?;
-        if rise[hottest] <= 0.0 {
-            return None;
-        }
-        let (row, column) = (hottest / grid.ni, hottest % grid.ni);
-        let low = grid.x(column.saturating_sub(1));
-        let high = grid.x((column + 1).min(grid.ni - 1));
-        let (x, rise) = maximum(low, high, |x| self.rise_at(body, row, x, 0.0));
-        Some(Peak { rise, x, row })
+        hottest(&self.frame.grid, rise, |row, x| self.rise_at(body, row, x, 0.0))
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {

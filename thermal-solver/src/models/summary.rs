@@ -1,6 +1,6 @@
 //! The thermal part of `summary.json`.
 
-use crate::search::root_of_decreasing;
+use crate::search::{maximum, root_of_decreasing};
 use crate::{LOWER, UPPER};
 use proto::bodies::Bodies;
 use proto::grid::Structured;
@@ -37,6 +37,23 @@ pub(super) trait Solution {
 
     /// A depth over which rises change [m].
     fn depth_scale(&self, body: usize) -> f64;
+}
+
+/// The hottest place of a surface with these rises [K]: along the row of its hottest element, by the rises
+/// `rise_at(row, x)` between the neighbours' centres.
+pub(super) fn hottest(
+    grid: &Structured,
+    rise: &[f64],
+    rise_at: impl Fn(usize, f64) -> f64,
+) -> Option<Peak> {
+    let hottest = (0..rise.len()).reduce(|a, b| if rise[b] > rise[a] { b } else { a })?;
+    if rise[hottest] <= 0.0 {
+        return None;
+    }
+    let (row, column) = (hottest / grid.ni, hottest % grid.ni);
+    let (low, high) = (grid.x(column.saturating_sub(1)), grid.x((column + 1).min(grid.ni - 1)));
+    let (x, rise) = maximum(low, high, |x| rise_at(row, x));
+    Some(Peak { rise, x, row })
 }
 
 /// `{"temperature": {NAME: {...}, NAME: {...}}}`, with the names of the case. Where nothing is warm there

@@ -368,6 +368,7 @@ mod tests {
             (1e4, 0.008_729, -0.6522),
         ] {
             let (found, at) = peak_of(peclet, [1.0, b], 32, hertz);
+            println!("Pe = {peclet}: {found:.6} at {at:.4}");
             assert!((found / rise - 1.0).abs() < 1e-3, "Pe = {peclet}: {found}");
             assert!((at - x).abs() < 1e-3, "Pe = {peclet}: at {at}");
         }
