@@ -18,6 +18,7 @@
 
 pub mod columns;
 pub mod effects;
+pub mod fe;
 mod figures;
 pub mod models;
 pub mod moving_source;

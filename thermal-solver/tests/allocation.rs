@@ -4,11 +4,12 @@
 
 mod support;
 
+use proto::configuration::Mode;
 use proto::grid::Structured;
 use proto::model::Step;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use support::Run;
+use support::{Run, steel};
 
 struct Counting;
 
@@ -55,7 +56,7 @@ fn steady_steps_do_not_allocate() {
     // Below and above the crossover to Fourier space.
     for columns in [41, 321] {
         let grid = Structured::contact_plane(-8e-3, -1e-3, 2e-4, 2e-4, columns, 11);
-        for model in ["ertz-knothe", "columns", "moving-source"] {
+        for model in ["ertz-knothe", "columns", "moving-source", "fe"] {
             assert_eq!(allocations(&mut Run::steady(model, grid), 1, 5, 0.0), 0, "{model}");
         }
     }
@@ -66,7 +67,10 @@ fn transient_steps_do_not_allocate_once_the_grid_has_been_crossed() {
     let grid = Structured::contact_plane(-8e-3, -1e-3, 2e-4, 2e-4, 21, 3);
     for duration in [4.1e-7, 4.1e-6, 4.1e-5] {
         let crossing = (21.0 * 2e-4 / support::SPEED / duration) as usize;
-        let mut run = Run::transient(grid);
-        assert_eq!(allocations(&mut run, 2 * crossing + 2, 200, duration), 0, "{duration}");
+        for model in ["columns", "fe"] {
+            let mut run = Run::new(model, Mode::Transient, grid, steel());
+            let made = allocations(&mut run, 2 * crossing + 2, 200, duration);
+            assert_eq!(made, 0, "{model} {duration}");
+        }
     }
 }

@@ -178,7 +178,7 @@ fn refusals_name_key_and_fix() {
     let refused = |model: &str, mode, grid, case| {
         ThermalSolver.configure(&configuration(model, mode, grid, case)).err().unwrap()
     };
-    assert_eq!(refused("fe", Mode::Steady, grid, steel()).key, "thermal.model");
+    assert_eq!(refused("spectral", Mode::Steady, grid, steel()).key, "thermal.model");
     assert_eq!(refused("ertz-knothe", Mode::Transient, grid, steel()).key, "time.mode");
     let mut case = steel();
     case["effects"] = serde_json::json!({});

@@ -36,7 +36,7 @@ fn results_are_the_same_on_any_number_of_threads() {
     let steady = Structured::contact_plane(-8e-3, -6e-3, 2e-5, 2e-5, 501, 403);
     let transient = Structured::contact_plane(-8e-3, -6e-3, 1e-4, 1e-4, 161, 121);
     for (mode, grid, windows) in [(Mode::Steady, steady, 1), (Mode::Transient, transient, 6)] {
-        for model in ["columns", "moving-source"] {
+        for model in ["columns", "moving-source", "fe"] {
             let one = answers(model, 1, mode, grid, windows);
             for threads in [2, 3, 8] {
                 let several = answers(model, threads, mode, grid, windows);

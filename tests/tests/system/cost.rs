@@ -65,8 +65,8 @@ fn the_front_and_the_picks_are_the_cheapest_and_closest() {
     let more =
         ["--vary", "mech.resolution=5,10,20", "--vary", "mech.model=hertz-carter,half-space"];
     let study = study(&place, "wheel-rail.toml", &more);
-    assert_eq!(study["levels"].as_array().unwrap().len(), 6);
-    assert_eq!(runs(&study).len(), 18);
+    assert_eq!(study["levels"].as_array().unwrap().len(), 8);
+    assert_eq!(runs(&study).len(), 24);
     let place_of = |run: &Value| {
         (run["cost"]["solve_s"].as_f64().unwrap(), run["errors"][RISE].as_f64().unwrap())
     };

@@ -20,6 +20,7 @@
 //! edge value is 0, and negative means (cooling) mirror positive ones, so that the reconstruction
 //! of −q is the negative one. An element with mean 0 has no flux at all.
 
+use proto::grid::blocked_sum;
 use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 use std::ops::Range;
@@ -228,6 +229,15 @@ impl Flux {
     pub fn rows(&self) -> usize {
         self.rows
     }
+}
+
+/// Sum of the element means of a flux as its parabolas have them [W/m²].
+pub fn sum_of_means(flux: &Flux, row_sums: &mut [f64], line: &mut [f64]) -> f64 {
+    for (row, sum) in row_sums.iter_mut().enumerate() {
+        flux.means_into(row, line);
+        *sum = blocked_sum(line);
+    }
+    blocked_sum(row_sums)
 }
 
 fn support_of(means: &[f64]) -> (u32, u32) {

@@ -36,6 +36,8 @@ pub trait Conduction: Sized + 'static {
     const AT_REST: bool;
     /// It finds what flows between the surfaces where they touch.
     const EXCHANGES: bool;
+    /// It has elements of its own ([`crate::fe::block`]).
+    const ELEMENTS: bool = false;
     /// Marks its states among those of other models.
     const STATE_TAG: u8;
 
@@ -63,8 +65,8 @@ pub trait Conduction: Sized + 'static {
     /// The last solve becomes the accepted state.
     fn accept(&mut self);
 
-    /// Rises [K] of a body along a row at some depths c = z/(2√κ) [√s], at the element centres, depth
-    /// after depth.
+    /// Rises [K] of a body along a row at some depths c = z/(2√κ) [√s], at the element centres and those of
+    /// the [`Frame::behind`] columns behind them, depth after depth.
     fn section(&mut self, stage: Stage, body: usize, row: usize, depths: &[f64], rise: &mut [f64]);
 
     /// Rise [K] of a body in the accepted state at any x [m] of a row, at the depth c [√s].

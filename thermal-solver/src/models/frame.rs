@@ -2,6 +2,7 @@
 
 use crate::UPPER;
 use crate::effects::friction_heat::Partition;
+use crate::fe::block::Elements;
 use crate::scene::Scene;
 use proto::configuration::Mode;
 use proto::grid::{Grid, Structured};
@@ -28,6 +29,8 @@ pub struct Frame {
     pub grid: Structured,
     /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
     pub section_y: f64,
+    /// Elements of a model that has its own.
+    pub elements: Option<Elements>,
     /// Threads to compute on.
     pub threads: usize,
 }
@@ -66,15 +69,23 @@ impl Frame {
         1.0 / (self.scene.materials[body].effusivity() * std::f64::consts::PI.sqrt())
     }
 
+    /// Columns of the sections behind the grid.
+    #[must_use]
+    pub fn behind(&self) -> usize {
+        self.elements.map_or(0, |elements| elements.behind(&self.grid))
+    }
+
     /// The grid of a body's section.
     pub(super) fn section_grid(&self, body: usize) -> Grid {
         let spacing = self.level_spacing(body);
         let up = if body == UPPER { spacing } else { -spacing };
+        let mut origin = self.grid.centre(0, self.section_row());
+        origin[0] -= self.behind() as f64 * self.grid.dx();
         let shape = Structured {
-            origin: self.grid.centre(0, self.section_row()),
+            origin,
             step_i: self.grid.step_i,
             step_j: [0.0, 0.0, up],
-            ni: self.grid.ni,
+            ni: self.grid.ni + self.behind(),
             nj: LEVELS,
         };
         Grid::structured(SECTION_GRIDS[body], shape)

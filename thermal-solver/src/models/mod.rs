@@ -9,9 +9,11 @@
 pub mod columns;
 pub mod conduction;
 pub mod ertz_knothe;
+pub mod fe;
 pub mod fields;
 pub mod frame;
 mod inputs;
+mod interface;
 pub mod moving_source;
 pub mod names;
 mod normal_only;
@@ -51,6 +53,7 @@ pub const REGISTRY: &[Entry] = &[
         spec: moving_source::spec,
         configure: setup::configure::<moving_source::MovingSource>,
     },
+    Entry { name: names::FE, spec: fe::spec, configure: setup::configure::<fe::FiniteElements> },
 ];
 
 /// Prepares the model that a configuration names.

@@ -8,14 +8,14 @@
 use super::conduction::{Conduction, Cost, Work};
 use super::fields::fields;
 use super::frame::Frame;
+use super::interface::{Interface, Rubbing, both};
 use super::names;
 use super::setup::{resolution, section_key};
 use super::summary::{Peak, hottest};
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::history::History;
-use crate::columns::reconstruction::Flux;
+use crate::columns::reconstruction::{Flux, sum_of_means};
 use crate::moving_source::ages::Stretch;
-use crate::moving_source::exchange::Exchange;
 use crate::moving_source::half_space::{Contracted, HalfSpace, Influence, convolution};
 use crate::scene::Material;
 use crate::window::{Drive, Stage};
@@ -24,12 +24,11 @@ use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;
 use proto::description::ModelSpec;
-use proto::grid::{Structured, blocked_sum};
+use proto::grid::Structured;
 use proto::model::StepError;
 use std::cell::RefCell;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
-use std::thread;
 
 /// Its description.
 #[must_use]
@@ -57,8 +56,6 @@ fn by_quadrature() -> Simplification {
 
 /// Time of a solve over the elements of the grid, both bodies, measured [s].
 const SECONDS_PER_POINT: f64 = 4e-6;
-/// Difference of the temperatures, over the highest, at which what flows between the surfaces is found.
-const SETTLED: f64 = 1e-7;
 /// Operations of a body, counted as multiply-adds, that are worth a thread.
 const WORTH: usize = 1_500_000;
 /// Operations over the elements in making an influence, and in a convolution.
@@ -66,8 +63,6 @@ const INFLUENCE: usize = 500;
 const TRANSFORMS: usize = 60;
 /// Windows of the past in a transient case, about.
 const WINDOWS: usize = 100;
-/// Corrections of it at most.
-const MOST_CORRECTIONS: usize = 40;
 /// Memory over the elements of the grid: spectra and fields on padded grids [byte].
 const BYTES_PER_POINT: u64 = 400;
 
@@ -140,6 +135,10 @@ impl Body {
         work
     }
 
+    fn newest(&self) -> &(Stretch, Arc<Influence>) {
+        self.newest.as_ref().expect("the body has passed")
+    }
+
     /// Rises of the surface under the element means of the newest window.
     fn warm(&mut self, rise: &mut [f64]) {
         rise.copy_from_slice(&self.past);
@@ -149,24 +148,6 @@ impl Body {
             influence.add(&window.flux, &mut self.convolution, &mut self.fields, rise);
         }
     }
-}
-
-/// Does something to both bodies, on a thread each if it is worth one.
-fn both(
-    threads: usize,
-    bodies: &mut [Body; 2],
-    rise: &mut [Vec<f64>; 2],
-    each: impl Fn(&mut Body, &mut [f64]) -> u64 + Sync,
-) -> u64 {
-    let ([upper, lower], [of_upper, of_lower]) = (bodies, rise);
-    if threads < 2 {
-        return each(upper, of_upper) + each(lower, of_lower);
-    }
-    thread::scope(|scope| {
-        let other = scope.spawn(|| each(lower, of_lower));
-        let own = each(upper, of_upper);
-        own + other.join().expect("a body panics on this thread as on its own")
-    })
 }
 
 /// The fluxes of a state into a body, contracted to a row, newest first; kept from one question to the
@@ -186,19 +167,8 @@ pub struct MovingSource {
     bodies: [Body; 2],
     row_sums: Vec<f64>,
     line: Vec<f64>,
-    /// What flows between the surfaces, with the windows that it is for.
-    exchange: Option<([Stretch; 2], Exchange)>,
-    flows: Flows,
+    interface: Interface,
     row: RefCell<Option<Row>>,
-}
-
-/// What flows between the surfaces: where, how much, what is wrong with it and by how much it changes.
-#[derive(Default)]
-struct Flows {
-    touching: Vec<usize>,
-    flows: Vec<f64>,
-    errors: Vec<f64>,
-    correction: Vec<f64>,
 }
 
 impl Conduction for MovingSource {
@@ -213,8 +183,7 @@ impl Conduction for MovingSource {
             bodies: [Body::new(frame, UPPER), Body::new(frame, LOWER)],
             row_sums: vec![0.0; frame.grid.nj],
             line: vec![0.0; frame.grid.ni],
-            exchange: None,
-            flows: Flows::default(),
+            interface: Interface::default(),
             row: RefCell::new(None),
         }
     }
@@ -251,14 +220,17 @@ impl Conduction for MovingSource {
         for (body, share) in self.bodies.iter_mut().zip(drive.shares) {
             body.means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
         }
-        work.operations += self.pass(drive, rise);
-        work.operations += self.warm(rise);
+        work.operations += self.pass(drive, rise)?;
+        work.operations += self.warm(rise)?;
         if let Some(resistance) = self.frame.partition.resistance() {
-            work.operations += self.settle(resistance, flux, rise)?;
+            let mut interface = std::mem::take(&mut self.interface);
+            let settled = interface.settle(&self.frame.grid.clone(), resistance, flux, self, rise);
+            self.interface = interface;
+            work.operations += settled?;
         }
         for (body, (heat, rise)) in self.bodies.iter_mut().zip(work.heat.iter_mut().zip(rise)) {
             let window = body.history.trial_mut();
-            window.heat = heat_of(&window.flux, &mut self.row_sums, &mut self.line);
+            window.heat = sum_of_means(&window.flux, &mut self.row_sums, &mut self.line);
             *heat = window.heat;
             if body.history.windows(Stage::Trial).all(|window| window.flux.is_heating()) {
                 remove_negative_rounding(rise);
@@ -325,6 +297,32 @@ impl Conduction for MovingSource {
     }
 }
 
+impl Rubbing for MovingSource {
+    fn flow(&mut self, at: &[usize], more: &[f64]) {
+        for (at, more) in at.iter().zip(more) {
+            self.bodies[UPPER].means[*at] -= more;
+            self.bodies[LOWER].means[*at] += more;
+        }
+    }
+
+    fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
+        let points = self.frame.grid.points();
+        let threads = self.threads(TRANSFORMS * points);
+        both(threads, &mut self.bodies, rise, |body, rise| {
+            body.warm(rise);
+            Ok(points as u64)
+        })
+    }
+
+    fn windows(&self) -> [Stretch; 2] {
+        self.bodies.each_ref().map(|body| body.newest().0)
+    }
+
+    fn influences(&self, _: &mut Convolution) -> [Arc<Influence>; 2] {
+        self.bodies.each_ref().map(|body| Arc::clone(&body.newest().1))
+    }
+}
+
 impl MovingSource {
     /// Threads for what takes so many operations a body.
     fn threads(&self, operations: usize) -> usize {
@@ -332,7 +330,7 @@ impl MovingSource {
     }
 
     /// Lets both bodies pass in the newest window; bodies alike have one influence.
-    fn pass(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> u64 {
+    fn pass(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
         let stretch = |speed: f64| Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
         let [upper, lower] = drive.speeds.map(stretch);
         let mut work = 0;
@@ -345,58 +343,13 @@ impl MovingSource {
             met && body.past_of == Some(stretch)
         };
         if known(&self.bodies[UPPER], upper) && known(&self.bodies[LOWER], lower) {
-            return work;
+            return Ok(work);
         }
         let threads = self.threads(INFLUENCE * self.frame.grid.points());
-        work += both(threads, &mut self.bodies, rise, |body, _| {
-            body.pass(if body.body == UPPER { upper } else { lower })
+        let passed = both(threads, &mut self.bodies, rise, |body, _| {
+            Ok(body.pass(if body.body == UPPER { upper } else { lower }))
         });
-        work
-    }
-
-    /// Rises of both surfaces under the element means of the newest window.
-    fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> u64 {
-        let points = self.frame.grid.points();
-        let threads = self.threads(TRANSFORMS * points);
-        both(threads, &mut self.bodies, rise, |body, rise| {
-            body.warm(rise);
-            points as u64
-        })
-    }
-
-    /// Finds what flows between the surfaces where friction heats them, until their temperatures differ by
-    /// what the resistance asks for.
-    fn settle(
-        &mut self,
-        resistance: f64,
-        flux: &[f64],
-        rise: &mut [Vec<f64>; 2],
-    ) -> Result<u64, StepError> {
-        let mut found = std::mem::take(&mut self.flows);
-        found.touch(flux, self.frame.grid.ni);
-        let mut work = 0;
-        for _ in 0..MOST_CORRECTIONS {
-            let largest = found.judge(resistance, rise);
-            let warmest = rise.iter().flatten().fold(0.0_f64, |most, rise| most.max(rise.abs()));
-            if largest <= SETTLED * warmest {
-                self.flows = found;
-                return Ok(work);
-            }
-            let exchange = pair(&mut self.exchange, &self.frame.grid, &self.bodies, resistance);
-            let Flows { touching, flows, errors, correction } = &mut found;
-            let convolution = &mut self.bodies[UPPER].convolution;
-            let products = exchange.correct(convolution, touching, errors, correction);
-            for ((at, flow), more) in touching.iter().zip(flows).zip(&*correction) {
-                *flow += more;
-                self.bodies[UPPER].means[*at] -= more;
-                self.bodies[LOWER].means[*at] += more;
-            }
-            work += self.warm(rise) + (products * flux.len()) as u64;
-        }
-        Err(StepError::NoSolution(format!(
-            "the heat that flows between the surfaces was not found in {MOST_CORRECTIONS} \
-             corrections; write another effects.friction_heat.partition or thermal.resolution"
-        )))
+        Ok(work + passed?)
     }
 
     /// Asks about a row of a body, whose contracted fluxes are kept.
@@ -429,56 +382,4 @@ fn stretches(history: &History, stage: Stage) -> impl Iterator<Item = (Stretch, 
         *before = Stretch { from, to, way, speed };
         (from < f64::INFINITY).then_some((*before, &window.flux))
     })
-}
-
-/// The operator of what flows between the bodies in their newest windows.
-fn pair<'a>(
-    kept: &'a mut Option<([Stretch; 2], Exchange)>,
-    grid: &Structured,
-    bodies: &[Body; 2],
-    resistance: f64,
-) -> &'a mut Exchange {
-    let [(upper, of_upper), (lower, of_lower)] =
-        bodies.each_ref().map(|body| body.newest.as_ref().expect("both have passed"));
-    let windows = [*upper, *lower];
-    let known = kept.take_if(|(of, _)| *of == windows);
-    let make = || (windows, Exchange::new(grid, [of_upper, of_lower], resistance));
-    &mut kept.insert(known.unwrap_or_else(make)).1
-}
-
-impl Flows {
-    /// Nothing flows yet between the elements where the surfaces rub: in every row from the first that is
-    /// heated to the last.
-    fn touch(&mut self, flux: &[f64], columns: usize) {
-        self.touching.clear();
-        for (row, values) in flux.chunks_exact(columns).enumerate() {
-            let heated = |value: &f64| *value != 0.0;
-            let ends = (values.iter().position(heated), values.iter().rposition(heated));
-            if let (Some(first), Some(last)) = ends {
-                self.touching.extend((first..=last).map(|i| row * columns + i));
-            }
-        }
-        for values in [&mut self.flows, &mut self.correction] {
-            values.clear();
-            values.resize(self.touching.len(), 0.0);
-        }
-    }
-
-    /// The errors T_u − T_l − g/h [K]; the largest.
-    fn judge(&mut self, resistance: f64, rise: &[Vec<f64>; 2]) -> f64 {
-        let error =
-            |(at, flow): (&usize, &f64)| rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow;
-        self.errors.clear();
-        self.errors.extend(self.touching.iter().zip(&self.flows).map(error));
-        self.errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()))
-    }
-}
-
-/// Sum of the element means of a flux as it is convolved [W/m²].
-fn heat_of(flux: &Flux, row_sums: &mut [f64], line: &mut [f64]) -> f64 {
-    for (row, sum) in row_sums.iter_mut().enumerate() {
-        flux.means_into(row, line);
-        *sum = blocked_sum(line);
-    }
-    blocked_sum(row_sums)
 }

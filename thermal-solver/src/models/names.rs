@@ -6,5 +6,7 @@ pub const ERTZ_KNOTHE: &str = "ertz-knothe";
 pub const COLUMNS: &str = "columns";
 /// Half-spaces under a moving flux, in three dimensions.
 pub const MOVING_SOURCE: &str = "moving-source";
+/// Finite elements of both bodies.
+pub const FE: &str = "fe";
 /// All of them, cheapest first.
-pub const ALL: [&str; 3] = [ERTZ_KNOTHE, COLUMNS, MOVING_SOURCE];
+pub const ALL: [&str; 4] = [ERTZ_KNOTHE, COLUMNS, MOVING_SOURCE, FE];

@@ -5,6 +5,7 @@ use super::fields::{SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
 use crate::effects::friction_heat::{self, Partition};
+use crate::fe::block::Elements;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};
@@ -16,6 +17,9 @@ use proto::progress::Progress;
 
 /// Elements along the larger extent of the grid.
 const RESOLUTION: &str = "thermal.resolution";
+
+/// Elements across the grid.
+const RESOLUTION_ACROSS: &str = "thermal.resolution_across";
 
 const SECTION_Y: &str = "thermal.section_y";
 
@@ -40,6 +44,14 @@ fn section_y(given: &Configuration) -> Result<f64, Refusal> {
 pub fn resolution() -> KeySpec {
     let help = "elements along the larger extent of the heat flux's grid; absent: its grid";
     KeySpec::integer(RESOLUTION, help).at_least(2.0).at_most(1e5)
+}
+
+/// The key for elements of another width than length.
+#[must_use]
+pub fn resolution_across() -> KeySpec {
+    let help =
+        "elements across the heat flux's grid; absent: as wide as they are long, or its grid";
+    KeySpec::integer(RESOLUTION_ACROSS, help).at_least(1.0).at_most(1e5)
 }
 
 /// Checks a configuration for a model.
@@ -79,7 +91,8 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             let moves = given.inputs.iter().any(|i| i.moves && is_heat(i));
             let section_y = section_y(given)?;
             let (mode, threads) = (given.mode, given.threads);
-            let known = Frame { scene, partition, mode, grid, section_y, threads };
+            let elements = if C::ELEMENTS { Some(Elements::read(&given.case)?) } else { None };
+            let known = Frame { scene, partition, mode, grid, section_y, elements, threads };
             layout = lay_out::<C>(&known, given);
             if grid != arriving || moves {
                 layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));
@@ -139,15 +152,17 @@ fn heat_grid(given: &Configuration) -> Result<Option<Structured>, Refusal> {
 /// The grid that the case asks for: on the patch of the arriving grid, elements as square as whole
 /// numbers of them allow.
 fn own_grid(given: &Configuration, arriving: &Structured) -> Result<Structured, Refusal> {
-    if !given.case.has(RESOLUTION) {
-        return Ok(*arriving);
-    }
-    let along = given.case.integer(RESOLUTION)? as f64;
     let counts = [arriving.ni, arriving.nj];
     let extents = [counts[0] as f64 * arriving.dx(), counts[1] as f64 * arriving.dy()];
-    let largest = extents[0].max(extents[1]);
-    // Rounding must not make one more of what is whole.
-    let elements = extents.map(|extent| (along * extent / largest * (1.0 - 1e-12)).ceil());
+    let mut elements = counts.map(|count| count as f64);
+    if given.case.has(RESOLUTION) {
+        let (along, largest) = (given.case.integer(RESOLUTION)? as f64, extents[0].max(extents[1]));
+        // Rounding must not make one more of what is whole.
+        elements = extents.map(|extent| (along * extent / largest * (1.0 - 1e-12)).ceil());
+    }
+    if given.case.has(RESOLUTION_ACROSS) {
+        elements[1] = given.case.integer(RESOLUTION_ACROSS)? as f64;
+    }
     let [ni, nj] = elements.map(|count| count as usize);
     if [ni, nj] == counts {
         return Ok(*arriving);

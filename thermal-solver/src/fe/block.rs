@@ -1,0 +1,201 @@
+//! The block of a body that is meshed: how far behind the contact, across and in depth, and how finely.
+//!
+//! Depth and surroundings follow how far heat spreads while the material passes, s = √(4κ(L + w)/V) with half
+//! the length L of the heat flux's grid and the wake w: 3.5 of it, where a step of heat has fallen to 1e-6. Where
+//! that is more than [`FAR`] times L, at low speed or rest, the block ends there, and what is beyond
+//! lets out heat as a half-space does that is warmed from its middle: T falls like 1/r, so that
+//! ∂T/∂n = −T/r.
+
+use super::mesh::{Axis, surroundings};
+use super::scheme::{Scheme, WORDS};
+use super::transient::Columns;
+use crate::scene::Material;
+use proto::configuration::Refusal;
+use proto::description::KeySpec;
+use proto::grid::Structured;
+use proto::params::Params;
+
+/// Spreads of heat over which a block is deep and goes sideways.
+const SPREADS: f64 = 3.5;
+/// Half lengths of the heat flux's grid at which a block ends at the latest.
+pub const FAR: f64 = 100.0;
+/// Half lengths at which it ends behind and in front in transient cases, whose columns are even.
+const FAR_ALONG: f64 = 5.0;
+/// Growth of elements beside the rows of the heat flux.
+const GROWTH: f64 = 1.3;
+/// Layers in a penetration depth by the first one.
+const LAYERS: f64 = 20.0;
+/// Growth of the layers in depth.
+const RATIO: f64 = 1.2;
+/// Lengths of diffusion along that count in front of the contact.
+const AHEAD: f64 = 10.0;
+
+const FIRST_LAYER: &str = "thermal.first_layer";
+const LAYER_RATIO: &str = "thermal.layer_ratio";
+const DEPTH: &str = "thermal.depth";
+const WAKE: &str = "thermal.wake";
+const SCHEME: &str = "thermal.scheme";
+const STEP: &str = "thermal.step";
+
+/// What a case says of the elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elements {
+    /// Thickness of the first layer [m].
+    pub first_layer: Option<f64>,
+    /// Thickness of a layer over that of the one above it.
+    pub ratio: f64,
+    /// Depth of the block [m].
+    pub depth: Option<f64>,
+    /// How far the block goes behind the middle of the heat flux's grid [m].
+    pub wake: Option<f64>,
+    /// Scheme in time.
+    pub scheme: Scheme,
+    /// Longest step [s].
+    pub step: f64,
+}
+
+impl Default for Elements {
+    fn default() -> Self {
+        Self {
+            first_layer: None,
+            ratio: RATIO,
+            depth: None,
+            wake: None,
+            scheme: Scheme::CrankNicolson,
+            step: f64::INFINITY,
+        }
+    }
+}
+
+/// The keys that [`Elements::read`] reads.
+#[must_use]
+pub fn keys() -> Vec<KeySpec> {
+    let first = "thickness of the first layer of elements; absent: a twentieth of the depth to which heat \
+                 goes while the contact passes";
+    vec![
+        KeySpec::quantity(FIRST_LAYER, "m", first).above(0.0),
+        KeySpec::number(LAYER_RATIO, "thickness of a layer over that of the one above it")
+            .at_least(1.0)
+            .at_most(3.0)
+            .default_value(RATIO),
+        KeySpec::quantity(DEPTH, "m", "depth of the elements; absent: as far as heat goes").above(0.0),
+        KeySpec::quantity(
+            WAKE,
+            "m",
+            "how far the elements go behind the contact; absent: five times half the length of the \
+             heat flux's grid",
+        )
+        .above(0.0),
+        KeySpec::choice(SCHEME, &WORDS, "scheme in time of transient cases")
+            .default_value("crank-nicolson"),
+        KeySpec::quantity(
+            STEP,
+            "s",
+            "longest step in time; absent: the passage of an element, or the window of a body at rest",
+        )
+        .above(0.0),
+    ]
+}
+
+impl Elements {
+    /// Reads them.
+    ///
+    /// # Errors
+    /// A scheme that is none.
+    pub fn read(case: &Params) -> Result<Self, Refusal> {
+        let scheme = if case.has(SCHEME) { case.text(SCHEME)? } else { "crank-nicolson" };
+        let scheme = Scheme::find(scheme).ok_or_else(|| {
+            let fix = format!("write one of {}", WORDS.join(", "));
+            Refusal::new(SCHEME, format!("`{scheme}` is not a scheme"), fix)
+        })?;
+        Ok(Self {
+            first_layer: case.maybe_number(FIRST_LAYER)?,
+            ratio: case.maybe_number(LAYER_RATIO)?.unwrap_or(RATIO),
+            depth: case.maybe_number(DEPTH)?,
+            wake: case.maybe_number(WAKE)?,
+            scheme,
+            step: case.maybe_number(STEP)?.unwrap_or(f64::INFINITY),
+        })
+    }
+
+    /// How far the block goes behind the middle of a grid [m].
+    fn wake(&self, grid: &Structured) -> f64 {
+        self.wake.unwrap_or(5.0 * half_length(grid))
+    }
+
+    /// Columns behind those of a grid.
+    #[must_use]
+    pub fn behind(&self, grid: &Structured) -> usize {
+        let more = (self.wake(grid) - half_length(grid)) / grid.dx();
+        (more * (1.0 - 1e-12)).ceil().max(2.0) as usize
+    }
+}
+
+/// The mesh of a body, axis by axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Across.
+    pub across: Axis,
+    /// Node across of the first row of the heat flux.
+    pub first_row: usize,
+    /// In depth.
+    pub depth: Axis,
+    /// Along.
+    pub columns: Columns,
+}
+
+impl Block {
+    /// The block of a body below a grid of the heat flux, at the speed that is expected [m/s]; 0 at rest.
+    #[must_use]
+    pub fn new(grid: &Structured, material: &Material, speed: f64, elements: &Elements) -> Self {
+        let half = half_length(grid);
+        let kappa = material.diffusivity();
+        let passing = (half + elements.wake(grid)) / speed;
+        let spread = SPREADS * (4.0 * kappa * passing).sqrt();
+        let (reach, far) = (spread.min(FAR * half), spread > FAR * half);
+        let penetration = (2.0 * kappa * half / speed).sqrt().min(half);
+        let first = elements.first_layer.unwrap_or(penetration / LAYERS);
+        let depth = Axis::graded(first, elements.ratio, elements.depth.unwrap_or(reach));
+        let beyond = |distance: f64| if far { 1.0 / distance } else { 0.0 };
+        let bottom = beyond(depth.places[depth.len() - 1]);
+        let beside = surroundings(grid.dy(), GROWTH, reach);
+        let half_width = 0.5 * grid.nj as f64 * grid.dy();
+        let side = beyond(half_width + beside.iter().sum::<f64>());
+        let rows = std::iter::repeat_n(grid.dy(), grid.nj);
+        let widths = beside.iter().rev().copied().chain(rows).chain(beside.iter().copied());
+        let edge = grid.y(0) - 0.5 * grid.dy() - beside.iter().sum::<f64>();
+        Self {
+            across: Axis::middles(edge, widths.collect()).ending([side; 2]),
+            first_row: beside.len(),
+            depth: depth.ending([0.0, bottom]),
+            columns: columns(grid, kappa, speed, elements),
+        }
+    }
+
+    /// Nodes.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.columns.count() * self.across.len() * self.depth.len()
+    }
+}
+
+fn columns(grid: &Structured, kappa: f64, speed: f64, elements: &Elements) -> Columns {
+    let (half, h) = (half_length(grid), grid.dx());
+    let far = (FAR_ALONG * half / h).ceil();
+    let front = (AHEAD * kappa / (speed * h)).ceil() + 2.0;
+    let slow = front > far;
+    let behind = elements.behind(grid) as f64;
+    let [behind, front] = if slow { [behind.max(far), far] } else { [behind, front] };
+    let beyond = |columns: f64| if slow { 1.0 / (half + columns * h) } else { 0.0 };
+    Columns {
+        h,
+        heated: grid.ni,
+        behind: behind as usize,
+        front: front as usize,
+        ends: [beyond(behind), beyond(front)],
+    }
+}
+
+fn half_length(grid: &Structured) -> f64 {
+    0.5 * grid.ni as f64 * grid.dx()
+}

@@ -1,0 +1,121 @@
+//! The mesh of a body along one axis: nodes, the length that each stands for, the gaps between them, and
+//! what is beyond the ends.
+//!
+//! Products of three of these are the mesh of hexahedra: trilinear elements with the vertices for
+//! integration points, whose mass is lumped and whose conductance couples a node to its six neighbours. The
+//! matrix is an M-matrix whatever the aspect ratio of the elements, so that no node becomes colder than all
+//! that is round it.
+
+/// Nodes along an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Places of the nodes [m], ascending.
+    pub places: Vec<f64>,
+    /// Length that each node stands for [m].
+    pub widths: Vec<f64>,
+    /// Conductance beyond the first and the last node over the conductivity [1/m]: 0 insulates.
+    pub ends: [f64; 2],
+}
+
+impl Axis {
+    /// A node in the middle of each of these lengths, the first of which begins at `from`; insulated.
+    #[must_use]
+    pub fn middles(from: f64, widths: Vec<f64>) -> Self {
+        let mut edge = from;
+        let place = |width: &f64| {
+            edge += width;
+            edge - 0.5 * width
+        };
+        Self { places: widths.iter().map(place).collect(), widths, ends: [0.0; 2] }
+    }
+
+    /// Nodes from the surface on, the first layer so thick, each later one by `ratio` thicker, until a depth
+    /// is reached; insulated.
+    ///
+    /// Places are c(rʲ − 1) with the ratio r, and each node stands for what is between c(r^(j−½) − 1) and
+    /// c(r^(j+½) − 1), not for half of the layers beside it: the two stagger as the steps and dual steps of an
+    /// optimal grid do (D. Ingerman, V. Druskin, L. Knizhnerman, Comm. Pure Appl. Math. 53 (2000) 1039–1066).
+    /// What a flux makes of the surface is then exact to 1e-4 with eight layers and r = 2, where halves of
+    /// layers leave 2e-3 with 25 and r = 1.15; in depth both are of second order in ln r.
+    #[must_use]
+    pub fn graded(first: f64, ratio: f64, depth: f64) -> Self {
+        let grown = depth * (ratio - 1.0) / first;
+        let layers = if grown < 1e-9 { depth / first } else { grown.ln_1p() / ratio.ln() };
+        // Rounding must not make one more of what is whole.
+        let layers = (layers * (1.0 - 1e-12)).ceil().max(1.0) as usize;
+        let at = |steps: f64| {
+            let rate = steps * ratio.ln();
+            if ratio == 1.0 { first * steps } else { first * rate.exp_m1() / (ratio - 1.0) }
+        };
+        let face = |j: usize| at((j as f64 - 0.5).clamp(0.0, layers as f64));
+        let width = |j: usize| {
+            let below = if j == layers { at(layers as f64) } else { face(j + 1) };
+            below - face(j)
+        };
+        Self {
+            places: (0..=layers).map(|j| at(j as f64)).collect(),
+            widths: (0..=layers).map(width).collect(),
+            ends: [0.0; 2],
+        }
+    }
+
+    /// The same with these conductances over the conductivity beyond the ends [1/m].
+    #[must_use]
+    pub fn ending(self, ends: [f64; 2]) -> Self {
+        Self { ends, ..self }
+    }
+
+    /// Nodes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// It has no node.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// Conductance from a node to the next one over the conductivity [1/m], the ends included: `len() + 1`
+    /// values.
+    #[must_use]
+    pub fn conductances(&self) -> Vec<f64> {
+        let between = self.places.windows(2).map(|pair| 1.0 / (pair[1] - pair[0]));
+        std::iter::once(self.ends[0]).chain(between).chain([self.ends[1]]).collect()
+    }
+}
+
+/// Widths beside a row of even ones, each by `ratio` wider than the one before, until they reach so far.
+#[must_use]
+pub fn surroundings(even: f64, ratio: f64, reach: f64) -> Vec<f64> {
+    let (mut widths, mut far) = (Vec::new(), 0.0);
+    let mut width = even;
+    while far < reach {
+        widths.push(width);
+        far += width;
+        width *= ratio;
+    }
+    widths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_stand_for_all_of_the_axis() {
+        let axis = Axis::middles(-1.0, vec![0.5, 0.5, 2.0]);
+        assert_eq!(axis.places, [-0.75, -0.25, 1.0]);
+        let even = Axis::graded(1.0, 1.0, 3.0).ending([0.0, 3.0]);
+        assert_eq!(even.places, [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(even.widths, [0.5, 1.0, 1.0, 0.5]);
+        assert_eq!(even.conductances(), [0.0, 1.0, 1.0, 1.0, 3.0]);
+        let axis = Axis::graded(1.0, 2.0, 7.0);
+        let whole: f64 = axis.widths.iter().sum();
+        // Rounding of a logarithm and its inverse.
+        assert!((axis.places[3] - 7.0).abs() < 1e-14 && axis.len() == 4, "{axis:?}");
+        assert!((whole - 7.0).abs() < 1e-14 && (axis.widths[1] - 2_f64.sqrt()).abs() < 1e-14);
+        assert_eq!(surroundings(1.0, 2.0, 4.0), [1.0, 2.0, 4.0]);
+    }
+}

@@ -1,0 +1,270 @@
+//! Model `fe`: finite elements of both bodies, extruded from the heat flux's grid and graded in depth, steady
+//! in the moving frame and in time. Equations and discretisation: [`crate::fe`].
+
+use super::conduction::{Conduction, Cost, Work};
+use super::fields::fields;
+use super::frame::Frame;
+use super::interface::{Interface, Rubbing, both};
+use super::names;
+use super::setup::{resolution, resolution_across, section_key};
+use super::summary::{Peak, hottest};
+use crate::columns::convolution::remove_negative_rounding;
+use crate::fe::block::{Block, Elements, keys};
+use crate::fe::body::{Below, Body};
+use crate::moving_source::ages::Stretch;
+use crate::moving_source::half_space::{HalfSpace, Influence};
+use crate::window::{Drive, Stage};
+use crate::{LOWER, UPPER};
+use numerics::convolution::Convolution;
+use proto::accuracy::{Accuracy, Simplification};
+use proto::configuration::Mode;
+use proto::description::ModelSpec;
+use proto::model::StepError;
+use std::cell::RefCell;
+use std::io::{self, Read, Write};
+use std::sync::Arc;
+
+/// Its description.
+#[must_use]
+pub fn spec() -> ModelSpec {
+    let (consumes, provides) = fields();
+    let mut own = vec![resolution(), resolution_across(), section_key()];
+    own.extend(keys());
+    ModelSpec {
+        name: names::FE.to_owned(),
+        summary: "finite elements of both bodies, graded in depth, at any speed".to_owned(),
+        source:
+            "Lynch, Rice & Thomas, Numer. Math. 6 (1964) 185-199; Ingerman, Druskin & Knizhnerman, \
+                 Comm. Pure Appl. Math. 53 (2000) 1039-1066"
+                .to_owned(),
+        steady: true,
+        transient: true,
+        rewinds: true,
+        consumes,
+        provides,
+        keys: own,
+        accuracy: Accuracy { refinement: None, simplifications: vec![by_layers()] },
+    }
+}
+
+/// What the layers leave, whose number is not a resolution.
+fn by_layers() -> Simplification {
+    let source = "the ellipse of heat against model `columns` (docs/theory/fe.md)";
+    Simplification::always("layers of elements in depth", 1e-5, source)
+}
+
+/// Time of a step over its unknowns, measured [s].
+const SECONDS_PER_UNKNOWN: f64 = 3e-9;
+/// Memory over the unknowns in time: two states [byte].
+const BYTES_PER_UNKNOWN: u64 = 16;
+/// Memory over the elements of the grid [byte].
+const BYTES_PER_POINT: u64 = 200;
+/// Unknowns that are worth a thread.
+const WORTH: usize = 100_000;
+/// Steps of a window, about.
+const STEPS: f64 = 5.0;
+
+/// The model.
+pub struct FiniteElements {
+    frame: Frame,
+    bodies: [Body; 2],
+    windows: [Stretch; 2],
+    interface: Interface,
+    row_sums: Vec<f64>,
+    line: Vec<f64>,
+    threads: usize,
+    /// What is below a row of a body's state, kept from one question to the next.
+    below: RefCell<Option<(Stage, usize, usize, Below)>>,
+}
+
+fn elements(frame: &Frame) -> Elements {
+    frame.elements.unwrap_or_default()
+}
+
+/// The speed for which a body's elements are laid out.
+fn expected_speed(frame: &Frame, body: usize) -> f64 {
+    if frame.scene.at_rest[body] { 0.0 } else { frame.scene.speeds[body] }
+}
+
+/// Unknowns of both bodies.
+fn unknowns(frame: &Frame) -> usize {
+    let of = |body: usize| {
+        let material = &frame.scene.materials[body];
+        let block =
+            Block::new(&frame.grid, material, expected_speed(frame, body), &elements(frame));
+        match frame.mode {
+            Mode::Steady => frame.grid.ni * block.across.len() * block.depth.len(),
+            Mode::Transient => block.nodes(),
+        }
+    };
+    of(UPPER) + of(LOWER)
+}
+
+impl Conduction for FiniteElements {
+    const TRANSIENT: bool = true;
+    const AT_REST: bool = true;
+    const EXCHANGES: bool = true;
+    const ELEMENTS: bool = true;
+    const STATE_TAG: u8 = 4;
+
+    fn new(frame: &Frame) -> Self {
+        let body = |body: usize| {
+            let (material, speed) = (&frame.scene.materials[body], expected_speed(frame, body));
+            let steady = frame.mode == Mode::Steady;
+            Body::new(&frame.grid, material, speed, &elements(frame), steady)
+        };
+        Self {
+            bodies: [body(UPPER), body(LOWER)],
+            windows: [Stretch::steady(0.0); 2],
+            interface: Interface::default(),
+            row_sums: vec![0.0; frame.grid.nj],
+            line: vec![0.0; frame.grid.ni],
+            threads: if unknowns(frame) < WORTH { 1 } else { frame.threads },
+            below: RefCell::new(None),
+            frame: frame.clone(),
+        }
+    }
+
+    fn cost(frame: &Frame) -> Cost {
+        let (unknowns, points) = (unknowns(frame), frame.grid.points() as u64);
+        let (steps, bytes) = match frame.mode {
+            Mode::Steady => (1.0, 0),
+            Mode::Transient => (STEPS, BYTES_PER_UNKNOWN),
+        };
+        Cost {
+            solve_seconds: steps * unknowns as f64 * SECONDS_PER_UNKNOWN,
+            memory_bytes: points * BYTES_PER_POINT + unknowns as u64 * bytes,
+        }
+    }
+
+    fn remarks(frame: &Frame) -> Vec<String> {
+        let of = |body: usize| {
+            let material = &frame.scene.materials[body];
+            let speed = expected_speed(frame, body);
+            let block = Block::new(&frame.grid, material, speed, &elements(frame));
+            let (layers, depth) = (block.depth.len() - 1, &block.depth.places);
+            format!(
+                "elements of `{}`: {} along, {} across, {layers} layers from {:.3} to {:.3} mm of depth",
+                frame.scene.names.0[body],
+                frame.grid.ni + frame.behind(),
+                block.across.len(),
+                1e3 * depth[1],
+                1e3 * depth[layers]
+            )
+        };
+        vec![of(LOWER), of(UPPER)]
+    }
+
+    fn left_out(_: &Frame) -> Option<Simplification> {
+        None
+    }
+
+    fn solve(
+        &mut self,
+        drive: &Drive,
+        flux: &[f64],
+        rise: &mut [Vec<f64>; 2],
+    ) -> Result<Work, StepError> {
+        let mut work = Work::default();
+        self.below.get_mut().take_if(|(stage, ..)| *stage == Stage::Trial);
+        for (body, speed) in drive.speeds.into_iter().enumerate() {
+            let share = drive.shares[body];
+            let own = &mut self.bodies[body];
+            own.means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
+            own.pass(drive.duration, speed);
+            self.windows[body] = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
+        }
+        work.operations += self.warm(rise)?;
+        if let Some(resistance) = self.frame.partition.resistance() {
+            let (mut interface, grid) = (std::mem::take(&mut self.interface), self.frame.grid);
+            let settled = interface.settle(&grid, resistance, flux, self, rise);
+            self.interface = interface;
+            work.operations += settled?;
+        }
+        for (body, heat) in self.bodies.iter().zip(&mut work.heat) {
+            *heat = body.heat(&mut self.row_sums, &mut self.line);
+        }
+        Ok(work)
+    }
+
+    fn accept(&mut self) {
+        self.bodies.iter_mut().for_each(Body::accept);
+        let trial = self.below.get_mut().take_if(|(stage, ..)| *stage == Stage::Trial);
+        *self.below.get_mut() =
+            trial.map(|(_, body, row, below)| (Stage::Accepted, body, row, below));
+    }
+
+    fn section(&mut self, stage: Stage, body: usize, row: usize, depths: &[f64], rise: &mut [f64]) {
+        let (h, behind) = (self.frame.grid.dx(), self.frame.behind());
+        let first = self.frame.grid.x(0) - behind as f64 * h;
+        let scale = 2.0 * self.frame.scene.materials[body].diffusivity().sqrt();
+        self.on_row(stage, body, row, |below| {
+            let levels = rise.chunks_exact_mut(self.frame.grid.ni + behind);
+            for (depth, rise) in depths.iter().zip(levels) {
+                below.level(depth * scale, h, first, rise);
+            }
+        });
+        if self.bodies[body].is_heated(stage) {
+            remove_negative_rounding(rise);
+        }
+    }
+
+    fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
+        let scale = 2.0 * self.frame.scene.materials[body].diffusivity().sqrt();
+        let h = self.frame.grid.dx();
+        self.on_row(Stage::Accepted, body, row, |below| below.at(x, h, depth * scale))
+    }
+
+    fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
+        hottest(&self.frame.grid, rise, |row, x| self.rise_at(body, row, x, 0.0))
+    }
+
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        self.bodies.iter().try_for_each(|body| body.save(into))
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        self.below.get_mut().take();
+        self.bodies.iter_mut().try_for_each(|body| body.restore(from))
+    }
+}
+
+impl Rubbing for FiniteElements {
+    fn flow(&mut self, at: &[usize], more: &[f64]) {
+        for (at, more) in at.iter().zip(more) {
+            self.bodies[UPPER].means[*at] -= more;
+            self.bodies[LOWER].means[*at] += more;
+        }
+    }
+
+    fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
+        both(self.threads, &mut self.bodies, rise, |body, rise| Ok(body.warm(rise)))
+    }
+
+    fn windows(&self) -> [Stretch; 2] {
+        self.windows
+    }
+
+    fn influences(&self, convolution: &mut Convolution) -> [Arc<Influence>; 2] {
+        [UPPER, LOWER].map(|body| {
+            let material = &self.frame.scene.materials[body];
+            let (diffusivity, effusivity) = (material.diffusivity(), material.effusivity());
+            let (grid, window) = (&self.frame.grid, self.windows[body]);
+            let half_space = HalfSpace::new(grid, diffusivity, effusivity, window);
+            Arc::new(half_space.influence(convolution))
+        })
+    }
+}
+
+impl FiniteElements {
+    /// Asks about a row of a body, of which what is below is kept.
+    fn on_row<A>(&self, stage: Stage, body: usize, row: usize, ask: impl FnOnce(&Below) -> A) -> A {
+        let mut kept = self.below.borrow_mut();
+        let key = (stage, body, row);
+        if !kept.as_ref().is_some_and(|(stage, body, row, _)| (*stage, *body, *row) == key) {
+            *kept = Some((stage, body, row, self.bodies[body].below(stage, row)));
+        }
+        let (.., below) = kept.as_ref().expect("it has just been made");
+        ask(below)
+    }
+}
