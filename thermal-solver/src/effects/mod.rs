@@ -1,7 +1,14 @@
 //! The effects that the thermal participant takes part in: one file an effect, one line here.
 
+pub mod convection;
 pub mod friction_heat;
+pub mod radiation;
+pub mod temperature_material;
 
+use crate::fe::body::Nature;
+use crate::fe::conductor::Surroundings;
+use crate::scene::Scene;
+use proto::configuration::{Configuration, Refusal};
 use proto::description::EffectSpec;
 
 /// An effect of the list.
@@ -14,7 +21,41 @@ pub struct Effect {
 }
 
 /// All effects.
-pub const REGISTRY: &[Effect] = &[Effect { name: friction_heat::NAME, spec: friction_heat::spec }];
+pub const REGISTRY: &[Effect] = &[
+    Effect { name: friction_heat::NAME, spec: friction_heat::spec },
+    Effect { name: temperature_material::NAME, spec: temperature_material::spec },
+    Effect { name: convection::NAME, spec: convection::spec },
+    Effect { name: radiation::NAME, spec: radiation::spec },
+];
+
+/// What the upper and the lower body are made of, and what is round them, with the effects that the case
+/// names.
+pub fn natures(given: &Configuration, scene: &Scene) -> Result<[Nature; 2], Refusal> {
+    let case = &given.case;
+    let mut surroundings = Surroundings::default();
+    if given.has_effect(convection::NAME) {
+        surroundings.convection = convection::read(case)?;
+    }
+    if given.has_effect(radiation::NAME) {
+        surroundings.radiation = radiation::read(case)?;
+    }
+    let (mut points, mut clamps) = ([Vec::new(), Vec::new()], false);
+    if given.has_effect(temperature_material::NAME) {
+        (points, clamps) = temperature_material::read(case, scene)?;
+    }
+    let (materials, initial) = (&scene.materials, &scene.initial_temperatures);
+    let bodies = points.into_iter().zip(materials.iter().zip(initial));
+    let natures: Vec<Nature> = bodies
+        .map(|(points, (material, initial))| Nature {
+            material: *material,
+            points,
+            initial: *initial,
+            clamps,
+            surroundings,
+        })
+        .collect();
+    Ok(natures.try_into().expect("two bodies"))
+}
 
 #[cfg(test)]
 mod tests {

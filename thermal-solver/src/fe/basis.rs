@@ -69,15 +69,21 @@ impl Basis {
     }
 
     /// Rises [K] at the nodes in depth, node after node, from amplitudes column after column.
-    pub fn in_depth(&self, amplitudes: &[f64], rise: &mut [f64]) {
-        let size = self.size();
+    #[must_use]
+    pub fn rises(&self, amplitudes: &[f64]) -> Vec<f64> {
+        let (size, nodes) = (self.size(), self.depth.len());
         let columns = amplitudes.len() / size;
-        for (k, rise) in rise.chunks_exact_mut(columns).enumerate() {
-            for (rise, amplitudes) in rise.iter_mut().zip(amplitudes.chunks_exact(size)) {
-                let part = |mode: usize| self.depth.shape(mode)[k] * self.top[mode];
-                *rise = (0..self.depth.len()).map(|mode| part(mode) * amplitudes[mode]).sum();
+        let mut rises = vec![0.0; columns * nodes];
+        let mut shapes = vec![0.0; nodes];
+        for (k, rises) in rises.chunks_exact_mut(columns).enumerate() {
+            for (mode, shape) in shapes.iter_mut().enumerate() {
+                *shape = self.depth.shape(mode)[k] * self.top[mode];
+            }
+            for (rise, amplitudes) in rises.iter_mut().zip(amplitudes.chunks_exact(size)) {
+                *rise = shapes.iter().zip(amplitudes).map(|(shape, a)| shape * a).sum();
             }
         }
+        rises
     }
 }
 

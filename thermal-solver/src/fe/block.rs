@@ -36,6 +36,20 @@ const DEPTH: &str = "thermal.depth";
 const WAKE: &str = "thermal.wake";
 const SCHEME: &str = "thermal.scheme";
 const STEP: &str = "thermal.step";
+const SOLVER: &str = "thermal.solver";
+const SOLVERS: [&str; 3] = ["auto", "iterative", "direct"];
+
+/// How the equations of the elements are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Solver {
+    /// In the modes of the mesh where properties are constant, by iterations otherwise.
+    #[default]
+    Auto,
+    /// By Newton's method and conjugate gradients.
+    Iterative,
+    /// By Newton's method and a sparse factorisation.
+    Direct,
+}
 
 /// What a case says of the elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +66,8 @@ pub struct Elements {
     pub scheme: Scheme,
     /// Longest step [s].
     pub step: f64,
+    /// How the equations are solved.
+    pub solver: Solver,
 }
 
 impl Default for Elements {
@@ -63,6 +79,7 @@ impl Default for Elements {
             wake: None,
             scheme: Scheme::CrankNicolson,
             step: f64::INFINITY,
+            solver: Solver::Auto,
         }
     }
 }
@@ -94,6 +111,8 @@ pub fn keys() -> Vec<KeySpec> {
             "longest step in time; absent: the passage of an element, or the window of a body at rest",
         )
         .above(0.0),
+        KeySpec::choice(SOLVER, &SOLVERS, "how the equations of the elements are solved")
+            .default_value("auto"),
     ]
 }
 
@@ -101,14 +120,25 @@ impl Elements {
     /// Reads them.
     ///
     /// # Errors
-    /// A scheme that is none.
+    /// A scheme or a solver that is none.
     pub fn read(case: &Params) -> Result<Self, Refusal> {
         let scheme = if case.has(SCHEME) { case.text(SCHEME)? } else { "crank-nicolson" };
         let scheme = Scheme::find(scheme).ok_or_else(|| {
             let fix = format!("write one of {}", WORDS.join(", "));
             Refusal::new(SCHEME, format!("`{scheme}` is not a scheme"), fix)
         })?;
+        let solver = if case.has(SOLVER) { case.text(SOLVER)? } else { "auto" };
+        let solver = match solver {
+            "auto" => Solver::Auto,
+            "iterative" => Solver::Iterative,
+            "direct" => Solver::Direct,
+            other => {
+                let fix = format!("write one of {}", SOLVERS.join(", "));
+                return Err(Refusal::new(SOLVER, format!("`{other}` is not a solver"), fix));
+            }
+        };
         Ok(Self {
+            solver,
             first_layer: case.maybe_number(FIRST_LAYER)?,
             ratio: case.maybe_number(LAYER_RATIO)?.unwrap_or(RATIO),
             depth: case.maybe_number(DEPTH)?,

@@ -1,26 +1,31 @@
-//! A body of constant properties: its temperatures under the flux of a window, steady and in time.
+//! A body: its temperatures under the flux of a window, steady and in time, of constant properties in the modes
+//! of its mesh, otherwise node by node.
 
 use super::basis::Basis;
-use super::block::{Block, Elements};
+use super::block::{Block, Elements, Solver};
+use super::conductor::{Surroundings, Took};
 use super::creep::{Creep, Position};
+use super::law::{Law, Point};
 use super::scheme::Scheme;
 use super::steady::{self, Steady};
 use super::transient::{Mesh, ModeFlux, ModeState};
+use super::varying::{self, Given};
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::reconstruction::Flux;
 use crate::scene::Material;
 use crate::window::Stage;
 use proto::grid::Structured;
+use proto::model::StepError;
 use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
 /// Columns on either side of a place that say what is there.
-const BESIDE: usize = 2;
+pub(super) const BESIDE: usize = 2;
 
 /// A body.
 pub struct Body {
     grid: Structured,
-    material: Material,
+    nature: Nature,
     elements: Elements,
     block: Block,
     /// Element means of the flux into it [W/m²].
@@ -33,10 +38,59 @@ pub struct Body {
     scratch: steady::Scratch,
 }
 
-/// Steady or in time.
+/// Steady or in time, in modes or node by node.
 enum Motion {
     Steady(Box<Held>),
     Transient(Box<Marched>),
+    VaryingSteady(Box<varying::Swept>),
+    VaryingTransient(Box<varying::Marched>),
+}
+
+/// What a body is made of, and what is round it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nature {
+    /// Its properties while it is cold.
+    pub material: Material,
+    /// The points of its properties over temperature, if they depend on it.
+    pub points: Vec<Point>,
+    /// Its temperature while it is cold [K].
+    pub initial: f64,
+    /// What is beyond the points counts as their ends.
+    pub clamps: bool,
+    /// What is round its free surface.
+    pub surroundings: Surroundings,
+}
+
+impl Nature {
+    /// It is solved in the modes of its mesh, unless another solver is asked for.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        self.points.is_empty() && self.surroundings.is_none()
+    }
+
+    fn law(&self) -> Law {
+        let Material { density, specific_heat, conductivity } = self.material;
+        match self.points.as_slice() {
+            [] => Law::constant(conductivity, density * specific_heat, self.initial),
+            points => Law::new(points, self.initial),
+        }
+    }
+
+    /// Why these rises cannot be [K].
+    fn refuses(&self, rises: [f64; 2]) -> Option<String> {
+        let [Some(first), Some(last)] = [self.points.first(), self.points.last()] else {
+            return None;
+        };
+        let [cold, hot] = rises.map(|rise| self.initial + rise);
+        let beyond = (hot > last.temperature).then_some(hot);
+        let beyond =
+            beyond.or((cold < first.temperature).then_some(cold)).filter(|_| !self.clamps)?;
+        Some(format!(
+            "{beyond:.1} K is beyond the table of properties, which is from {} to {} K; extend it, or write \
+             effects.temperature_material.beyond = \"clamp\"",
+            first.temperature, last.temperature
+        ))
+    }
 }
 
 /// A body in steady motion is known by its flux and its speed.
@@ -85,38 +139,36 @@ impl Body {
     #[must_use]
     pub fn new(
         grid: &Structured,
-        material: &Material,
+        nature: &Nature,
         expected_speed: f64,
         elements: &Elements,
         steady: bool,
     ) -> Self {
-        let block = Block::new(grid, material, expected_speed, elements);
-        let basis = Basis::new(&block.across, &block.depth, block.first_row, grid.nj);
-        let modes = basis.across.len();
-        let (motion, columns) = if steady {
-            let held = Held { basis, prepared: None, speed: expected_speed, accepted: None };
-            (Motion::Steady(Box::new(held)), grid.ni)
-        } else {
-            let mesh = Mesh::new(basis, block.columns, material);
-            let (accepted, columns) = (State::cold(&mesh, elements.scheme), block.columns.count());
-            let marched = Marched {
-                mesh,
-                creep: Creep::default(),
-                trial: accepted.clone(),
-                accepted,
-                scratch: Default::default(),
-                heating: [true; 2],
-            };
-            (Motion::Transient(Box::new(marched)), columns)
+        let block = Block::new(grid, &nature.material, expected_speed, elements);
+        let in_modes = nature.is_constant() && elements.solver == Solver::Auto;
+        let given = || {
+            let (law, surroundings) = (nature.law(), nature.surroundings);
+            Given { block: &block, grid, law, surroundings, elements }
+        };
+        let (motion, columns) = match (in_modes, steady) {
+            (true, true) => (Motion::Steady(Box::new(Held::new(&block, grid.nj))), grid.ni),
+            (true, false) => {
+                let marched = Marched::new(&block, grid.nj, nature, elements.scheme);
+                (Motion::Transient(Box::new(marched)), block.columns.count())
+            }
+            (false, true) => (Motion::VaryingSteady(Box::new(varying::Swept::new(&given()))), 0),
+            (false, false) => {
+                (Motion::VaryingTransient(Box::new(varying::Marched::new(&given()))), 0)
+            }
         };
         Self {
             grid: *grid,
-            material: *material,
+            nature: nature.clone(),
             elements: *elements,
             means: vec![0.0; grid.points()],
             flux: Flux::zero(grid.ni, grid.nj),
             motion,
-            surfaces: vec![0.0; modes * columns],
+            surfaces: vec![0.0; block.across.len() * columns],
             rows: Vec::new(),
             scratch: steady::Scratch::default(),
             block,
@@ -124,13 +176,16 @@ impl Body {
     }
 
     /// Prepares a window of this duration [s] at this speed [m/s].
-    pub fn pass(&mut self, duration: f64, speed: f64) {
+    ///
+    /// # Errors
+    /// The motion is too slow for how it is solved.
+    pub fn pass(&mut self, duration: f64, speed: f64) -> Result<(), StepError> {
         match &mut self.motion {
             Motion::Steady(held) => {
                 held.speed = speed;
                 if held.prepared.as_ref().is_none_or(|(of, _)| *of != speed) {
                     let (columns, h) = (self.grid.ni, self.grid.dx());
-                    let steady = Steady::new(&held.basis, &self.material, columns, h, speed);
+                    let steady = Steady::new(&held.basis, &self.nature.material, columns, h, speed);
                     held.prepared = Some((speed, steady));
                 }
             }
@@ -140,11 +195,26 @@ impl Body {
                 let window = [duration, speed / h, self.elements.step];
                 creep.plan(&accepted.position, window, columns, self.elements.scheme);
             }
+            Motion::VaryingSteady(swept) => {
+                if let Some(fourier) = swept.too_slow(speed) {
+                    return Err(StepError::NoSolution(format!(
+                        "heat spreads over {fourier:.2} elements squared while the surface passes one at \
+                         {speed} m/s, and the march downstream needs 0.2; write time.mode = \"transient\", \
+                         a smaller thermal.resolution, or a higher speed"
+                    )));
+                }
+                swept.pass(speed);
+            }
+            Motion::VaryingTransient(marched) => marched.pass(duration, speed, self.elements.step),
         }
+        Ok(())
     }
 
     /// Rises of the surface [K] at the end of the window under the element means; the work.
-    pub fn warm(&mut self, rise: &mut [f64]) -> u64 {
+    ///
+    /// # Errors
+    /// There is no solution, or it is hotter than what is known of the material.
+    pub fn warm(&mut self, rise: &mut [f64]) -> Result<u64, StepError> {
         self.flux.reconstruct(&self.means);
         rise.fill(0.0);
         let (flux, scratch) = (&self.flux, &mut self.scratch);
@@ -160,7 +230,7 @@ impl Body {
                 if flux.is_heating() {
                     remove_negative_rounding(rise);
                 }
-                (basis.across.len() * basis.size() * columns) as u64
+                Ok((basis.across.len() * basis.size() * columns) as u64)
             }
             Motion::Transient(marched) => {
                 let work = marched.march(flux, scratch, &mut self.surfaces);
@@ -177,7 +247,20 @@ impl Body {
                 if marched.heating[0] && flux.is_heating() {
                     remove_negative_rounding(rise);
                 }
-                work
+                Ok(work)
+            }
+            Motion::VaryingSteady(swept) => {
+                let took = swept.warm(flux, rise).map_err(|change| {
+                    StepError::NoSolution(format!(
+                        "the march downstream does not settle: it changes by {change:.3e} W/m; write a \
+                         higher speed or time.mode = \"transient\""
+                    ))
+                })?;
+                check(&self.nature, swept.extremes(), took)
+            }
+            Motion::VaryingTransient(marched) => {
+                let took = marched.warm(flux, rise);
+                check(&self.nature, marched.extremes(), took)
             }
         }
     }
@@ -196,6 +279,8 @@ impl Body {
                 marched.heating[0] &= self.flux.is_heating();
                 std::mem::swap(&mut marched.trial, &mut marched.accepted);
             }
+            Motion::VaryingSteady(swept) => swept.accept(),
+            Motion::VaryingTransient(marched) => marched.accept(),
         }
     }
 
@@ -203,28 +288,37 @@ impl Body {
     #[must_use]
     pub fn below(&self, stage: Stage, row: usize) -> Below {
         let h = self.grid.dx();
-        let (basis, amplitudes, first) = match &self.motion {
+        let behind = self.elements.behind(&self.grid) as f64;
+        let along = self.block.columns.behind as f64;
+        // How far the first column is behind the first element, in elements.
+        let (rises, first) = match &self.motion {
             Motion::Steady(held) => {
-                let behind = self.elements.behind(&self.grid);
+                let material = &self.nature.material;
                 let amplitudes =
-                    held.below(stage, &self.flux, &self.grid, &self.material, row, behind);
-                (&held.basis, amplitudes, self.grid.x(0) - behind as f64 * h)
+                    held.below(stage, &self.flux, &self.grid, material, row, behind as usize);
+                (held.basis.rises(&amplitudes), behind)
             }
             Motion::Transient(marched) => {
-                let mesh = &marched.mesh;
                 let state = match stage {
                     Stage::Trial => &marched.trial,
                     Stage::Accepted => &marched.accepted,
                 };
-                let first =
-                    self.grid.x(0) + (state.position.front - mesh.columns.behind as f64) * h;
-                (&mesh.basis, mesh.below(&state.amplitudes, row), first)
+                let amplitudes = marched.mesh.below(&state.amplitudes, row);
+                (marched.mesh.basis.rises(&amplitudes), along - state.position.front)
+            }
+            Motion::VaryingSteady(swept) => (swept.below(stage, row), behind),
+            Motion::VaryingTransient(marched) => {
+                let (rises, front) = marched.below(stage, row);
+                (rises, along - front)
             }
         };
-        let columns = amplitudes.len() / basis.size();
-        let mut rises = vec![0.0; columns * basis.depth.len()];
-        basis.in_depth(&amplitudes, &mut rises);
-        Below { rises, columns, first, depths: self.block.depth.places.clone() }
+        let depths = self.block.depth.places.clone();
+        Below {
+            columns: rises.len() / depths.len(),
+            rises,
+            first: self.grid.x(0) - first * h,
+            depths,
+        }
     }
 
     /// Sum of the element means of the flux as the elements receive it [W/m²].
@@ -244,6 +338,8 @@ impl Body {
                 marched.heating[0] && self.flux.is_heating()
             }
             (Motion::Transient(marched), Stage::Accepted) => marched.heating[0],
+            // Its equations are solved to their own tolerance.
+            (Motion::VaryingSteady(_) | Motion::VaryingTransient(_), _) => false,
         }
     }
 
@@ -263,6 +359,8 @@ impl Body {
                 into.write_all(&[u8::from(marched.heating[0])])?;
                 marched.accepted.save(into)
             }
+            Motion::VaryingSteady(swept) => swept.save(into),
+            Motion::VaryingTransient(marched) => marched.save(into),
         }
     }
 
@@ -271,9 +369,9 @@ impl Body {
     /// # Errors
     /// It does not fit; then nothing has changed.
     pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        let [mark] = read_bytes(from)?;
         match &mut self.motion {
             Motion::Steady(held) => {
+                let [mark] = read_bytes(from)?;
                 let mut accepted = None;
                 if mark == 1 {
                     let (mut speed, mut flux) = ([0.0], Flux::zero(self.grid.ni, self.grid.nj));
@@ -284,17 +382,33 @@ impl Body {
                 held.accepted = accepted;
             }
             Motion::Transient(marched) => {
+                let [mark] = read_bytes(from)?;
                 let mut accepted = marched.accepted.clone();
                 accepted.restore(from)?;
                 marched.accepted = accepted;
                 marched.heating[0] = mark == 1;
             }
+            Motion::VaryingSteady(swept) => swept.restore(from)?,
+            Motion::VaryingTransient(marched) => marched.restore(from)?,
         }
         Ok(())
     }
 }
 
+/// The work of a solve, if its rises can be.
+fn check(nature: &Nature, extremes: [f64; 2], took: Took) -> Result<u64, StepError> {
+    match nature.refuses(extremes) {
+        Some(why) => Err(StepError::NoSolution(why)),
+        None => Ok((took.newton + took.iterations) as u64),
+    }
+}
+
 impl Held {
+    fn new(block: &Block, rows: usize) -> Self {
+        let basis = Basis::new(&block.across, &block.depth, block.first_row, rows);
+        Self { basis, prepared: None, speed: 0.0, accepted: None }
+    }
+
     fn below(
         &self,
         stage: Stage,
@@ -324,6 +438,20 @@ impl Held {
 }
 
 impl Marched {
+    fn new(block: &Block, rows: usize, nature: &Nature, scheme: Scheme) -> Self {
+        let basis = Basis::new(&block.across, &block.depth, block.first_row, rows);
+        let mesh = Mesh::new(basis, block.columns, &nature.material);
+        let accepted = State::cold(&mesh, scheme);
+        Self {
+            mesh,
+            creep: Creep::default(),
+            trial: accepted.clone(),
+            accepted,
+            scratch: Default::default(),
+            heating: [true; 2],
+        }
+    }
+
     /// Takes all modes through the window; writes them on the surface, and counts the work.
     fn march(&mut self, flux: &Flux, scratch: &mut steady::Scratch, surfaces: &mut [f64]) -> u64 {
         let Self { mesh, creep, trial, accepted, scratch: own, .. } = self;
@@ -377,23 +505,12 @@ impl State {
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
-        let Position { front, shifted, step, steps } = self.position;
-        write_numbers(into, &[front, step])?;
-        into.write_all(&(shifted as u64).to_le_bytes())?;
-        into.write_all(&steps.to_le_bytes())?;
+        self.position.save(into)?;
         write_numbers(into, self.amplitudes.iter().chain(&self.before).chain(&self.fluxes))
     }
 
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        let mut numbers = [0.0; 2];
-        read_numbers(from, &mut numbers)?;
-        let [front, step] = numbers;
-        let shifted = u64::from_le_bytes(read_bytes(from)?) as usize;
-        let steps = u64::from_le_bytes(read_bytes(from)?);
-        if shifted > 1 || !(0.0..1.0).contains(&front) {
-            return Err(io::Error::other("its mesh is at no place"));
-        }
-        self.position = Position { front, shifted, step, steps };
+        self.position = Position::restore(from)?;
         let own = self.amplitudes.iter_mut().chain(&mut self.before).chain(&mut self.fluxes);
         read_numbers(from, own)
     }
@@ -426,7 +543,7 @@ impl Below {
 
 /// Rises at the middles of elements from those of columns that are `front` of an element in front of them,
 /// the first being that [`BESIDE`] behind the first element.
-fn place(columns: &[f64], front: f64, rise: &mut [f64]) {
+pub(super) fn place(columns: &[f64], front: f64, rise: &mut [f64]) {
     if front == 0.0 {
         let count = rise.len();
         rise.copy_from_slice(&columns[BESIDE..BESIDE + count]);

@@ -1,6 +1,8 @@
 //! How the mesh of a body creeps through the moving frame in a window, step by step.
 
 use super::scheme::{Coefficients, Scheme};
+use proto::state::{read_bytes, read_numbers, write_numbers};
+use std::io::{self, Read, Write};
 
 /// Parts of an element that are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -18,6 +20,34 @@ pub struct Position {
     pub step: f64,
     /// Steps since the body was cold.
     pub steps: u64,
+}
+
+impl Position {
+    /// Writes it.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        write_numbers(into, &[self.front, self.step])?;
+        into.write_all(&(self.shifted as u64).to_le_bytes())?;
+        into.write_all(&self.steps.to_le_bytes())
+    }
+
+    /// Reads back what [`Position::save`] wrote.
+    ///
+    /// # Errors
+    /// It ends too early, or is no position.
+    pub fn restore(from: &mut dyn Read) -> io::Result<Self> {
+        let mut numbers = [0.0; 2];
+        read_numbers(from, &mut numbers)?;
+        let [front, step] = numbers;
+        let shifted = u64::from_le_bytes(read_bytes(from)?) as usize;
+        let steps = u64::from_le_bytes(read_bytes(from)?);
+        if shifted > 1 || !(0.0..1.0).contains(&front) {
+            return Err(io::Error::other("its mesh is at no place"));
+        }
+        Ok(Self { front, shifted, step, steps })
+    }
 }
 
 /// One step.

@@ -98,7 +98,7 @@ impl ModeFlux<'_> {
     }
 
     /// Means over elements that are in front of their places by so much, from the column `behind` the flux on.
-    fn means(&self, front: f64, behind: usize, means: &mut [f64]) {
+    pub fn means(&self, front: f64, behind: usize, means: &mut [f64]) {
         let whole = front.floor();
         let theta = front - whole;
         let first = whole as isize - behind as isize;

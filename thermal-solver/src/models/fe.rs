@@ -109,9 +109,9 @@ impl Conduction for FiniteElements {
 
     fn new(frame: &Frame) -> Self {
         let body = |body: usize| {
-            let (material, speed) = (&frame.scene.materials[body], expected_speed(frame, body));
+            let (nature, speed) = (&frame.natures[body], expected_speed(frame, body));
             let steady = frame.mode == Mode::Steady;
-            Body::new(&frame.grid, material, speed, &elements(frame), steady)
+            Body::new(&frame.grid, nature, speed, &elements(frame), steady)
         };
         Self {
             bodies: [body(UPPER), body(LOWER)],
@@ -171,7 +171,7 @@ impl Conduction for FiniteElements {
             let share = drive.shares[body];
             let own = &mut self.bodies[body];
             own.means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
-            own.pass(drive.duration, speed);
+            own.pass(drive.duration, speed)?;
             self.windows[body] = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
         }
         work.operations += self.warm(rise)?;
@@ -238,7 +238,7 @@ impl Rubbing for FiniteElements {
     }
 
     fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
-        both(self.threads, &mut self.bodies, rise, |body, rise| Ok(body.warm(rise)))
+        both(self.threads, &mut self.bodies, rise, Body::warm)
     }
 
     fn windows(&self) -> [Stretch; 2] {

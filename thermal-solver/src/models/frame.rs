@@ -3,6 +3,7 @@
 use crate::UPPER;
 use crate::effects::friction_heat::Partition;
 use crate::fe::block::Elements;
+use crate::fe::body::Nature;
 use crate::scene::Scene;
 use proto::configuration::Mode;
 use proto::grid::{Grid, Structured};
@@ -29,6 +30,8 @@ pub struct Frame {
     pub grid: Structured,
     /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
     pub section_y: f64,
+    /// What the upper and the lower body are made of, with all effects.
+    pub natures: [Nature; 2],
     /// Elements of a model that has its own.
     pub elements: Option<Elements>,
     /// Threads to compute on.

@@ -5,6 +5,7 @@ use super::fields::{SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
 use crate::effects::friction_heat::{self, Partition};
+use crate::effects::natures;
 use crate::fe::block::Elements;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
@@ -92,7 +93,9 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             let section_y = section_y(given)?;
             let (mode, threads) = (given.mode, given.threads);
             let elements = if C::ELEMENTS { Some(Elements::read(&given.case)?) } else { None };
-            let known = Frame { scene, partition, mode, grid, section_y, elements, threads };
+            let natures = natures(given, &scene)?;
+            let known =
+                Frame { scene, partition, mode, grid, section_y, natures, elements, threads };
             layout = lay_out::<C>(&known, given);
             if grid != arriving || moves {
                 layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));

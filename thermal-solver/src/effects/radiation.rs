@@ -1,0 +1,45 @@
+//! Effect `radiation`: the free surface radiates εσ (T⁴ − T∞⁴) to what is round it.
+//!
+//! The surface is free where no heat enters it in the row of elements: before the contact, beside and behind it.
+//! Temperatures are absolute. Source: Carslaw & Jaeger, Conduction of Heat in Solids, 1.9.
+
+use crate::models::names;
+use proto::bodies::INITIAL_TEMPERATURE;
+use proto::configuration::Refusal;
+use proto::description::{EffectSpec, KeySpec, names as field_names};
+use proto::field;
+use proto::params::Params;
+
+/// Name in the case file.
+pub const NAME: &str = "radiation";
+
+const EMISSIVITY: &str = "effects.radiation.emissivity";
+const TEMPERATURE: &str = "effects.radiation.temperature";
+
+/// The thermal participant's part of the effect.
+#[must_use]
+pub fn spec() -> EffectSpec {
+    EffectSpec {
+        name: NAME.to_owned(),
+        law: "q = eps sigma (T^4 - T_round^4) leaves the surface where it is free".to_owned(),
+        source: "Carslaw & Jaeger, Conduction of Heat in Solids, 1.9".to_owned(),
+        models: vec![names::FE.to_owned()],
+        consumes: field_names(&[&field::FRICTION_POWER]),
+        provides: Vec::new(),
+        keys: vec![
+            KeySpec::number(EMISSIVITY, "emissivity of the surface")
+                .required()
+                .above(0.0)
+                .at_most(1.0),
+            KeySpec::quantity(TEMPERATURE, "K", "temperature of what is round")
+                .default_value(INITIAL_TEMPERATURE)
+                .at_least(0.0),
+        ],
+    }
+}
+
+/// Emissivity [-] and temperature of what is round [K].
+pub fn read(case: &Params) -> Result<[f64; 2], Refusal> {
+    let temperature = case.maybe_number(TEMPERATURE)?.unwrap_or(INITIAL_TEMPERATURE);
+    Ok([case.number(EMISSIVITY)?, temperature])
+}
