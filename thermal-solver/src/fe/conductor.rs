@@ -378,18 +378,18 @@ impl Conductor {
     /// Factors the lines in depth of the matrix, with all of the diagonal.
     #[inline(always)]
     fn factor(&self, theta: f64, memory: &mut Memory) {
-        let [nx, ny, nz] = self.counts;
-        let [_, wy, wz] = &self.widths;
+        let [nx, _, nz] = self.counts;
+        let [_, across, layers] = &self.widths;
         let [gx, gy, gz] = &self.between;
         let (wx, gx) = (&self.widths[0][..nx], &gx[..nx + 1]);
         let Memory { diagonal, gain, factor, .. } = memory;
-        for j in 0..ny {
-            for k in 0..nz {
+        for (j, wy) in across.iter().enumerate() {
+            for (k, wz) in layers.iter().enumerate() {
                 let start = (j * nz + k) * nx;
-                let beside = theta * (wz[k] * (gy[j] + gy[j + 1]) + wy[j] * (gz[k] + gz[k + 1]));
-                let along = theta * wy[j] * wz[k];
-                let up = if k > 0 { theta * wy[j] * gz[k] } else { 0.0 };
-                let down = if k + 1 < nz { theta * wy[j] * gz[k + 1] } else { 0.0 };
+                let beside = theta * (wz * (gy[j] + gy[j + 1]) + wy * (gz[k] + gz[k + 1]));
+                let along = theta * wy * wz;
+                let up = if k > 0 { theta * wy * gz[k] } else { 0.0 };
+                let down = if k + 1 < nz { theta * wy * gz[k + 1] } else { 0.0 };
                 let (done, own) = factor.split_at_mut(start);
                 let (above, own) = (&done[start - if k > 0 { nx } else { 0 }..], &mut own[..nx]);
                 let (diagonal, gain) = (&diagonal[start..start + nx], &mut gain[start..start + nx]);
@@ -523,23 +523,19 @@ impl Conductor {
 
     /// The correction by elimination.
     fn eliminate(&self, theta: f64, memory: &mut Memory) {
-        let [nx, ny, nz] = self.counts;
+        let [nx, _, nz] = self.counts;
         let [wx, wy, wz] = &self.widths;
         let [gx, gy, gz] = &self.between;
         let Memory { direct, diagonal, residual, correction, .. } = memory;
         let direct = direct.as_mut().expect("it is asked for");
-        for j in 0..ny {
-            for k in 0..nz {
-                for i in 0..nx {
-                    let node = (j * nz + k) * nx + i;
-                    let areas = [wy[j] * wz[k], wx[i] * wz[k], wx[i] * wy[j]];
-                    let ends = [[gx[i], gx[i + 1]], [gy[j], gy[j + 1]], [gz[k], gz[k + 1]]];
-                    let part = |axis: usize| theta * areas[axis] * (ends[axis][0] + ends[axis][1]);
-                    let next = |axis: usize| theta * areas[axis] * ends[axis][1];
-                    let own = diagonal[node] + part(0) + part(1) + part(2);
-                    direct.set(node, own, [next(0), next(1), next(2)]);
-                }
-            }
+        for (node, own) in diagonal.iter().enumerate() {
+            let [i, j, k] = [node % nx, node / (nx * nz), node / nx % nz];
+            let areas = [wy[j] * wz[k], wx[i] * wz[k], wx[i] * wy[j]];
+            let ends = [[gx[i], gx[i + 1]], [gy[j], gy[j + 1]], [gz[k], gz[k + 1]]];
+            let part = |axis: usize| theta * areas[axis] * (ends[axis][0] + ends[axis][1]);
+            let next = |axis: usize| theta * areas[axis] * ends[axis][1];
+            let own = own + part(0) + part(1) + part(2);
+            direct.set(node, own, [next(0), next(1), next(2)]);
         }
         direct.solve(residual, correction);
     }

@@ -126,12 +126,12 @@ impl Scratch {
         for row in 0..basis.rows {
             let part = basis.part(mode, row);
             let FluxRow { middle, edge, support: (first, end) } = flux.row(row);
-            for i in first..end {
-                self.middle[i] += part * middle[i];
-            }
             // The edges of an element are zero where it has no flux.
-            for i in first..end + usize::from(end > first) {
-                self.edge[i] += part * edge[i];
+            let edges = first..end + usize::from(end > first);
+            for (to, from, span) in
+                [(&mut self.middle, middle, first..end), (&mut self.edge, edge, edges)]
+            {
+                to[span.clone()].iter_mut().zip(&from[span]).for_each(|(to, q)| *to += part * q);
             }
         }
     }

@@ -1,4 +1,5 @@
-//! `moving-source` through the contract: the paper's case, what flows between the surfaces, its state.
+//! The models in three dimensions through the contract: the paper's case, what flows between the surfaces, their
+//! states.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -13,6 +14,9 @@ use support::*;
 use thermal_solver::ThermalSolver;
 
 const B: f64 = 6.01e-3;
+
+/// The models of this kind.
+const MODELS: [&str; 2] = ["moving-source", "fe"];
 
 /// An element and more all round the ellipse, square elements.
 fn plane(per_semi_axis: usize) -> Structured {
@@ -45,17 +49,19 @@ fn figure(run: &Run, body: &str, key: &str) -> f64 {
 /// kernel in three dimensions. Tolerance: the grid, of which half the elements leave 4 times the error.
 #[test]
 fn the_papers_ellipse() {
-    let mut rises = [0.0; 2];
-    for (rise, n) in rises.iter_mut().zip([24, 48]) {
-        let grid = plane(n);
-        let mut run = Run::steady("moving-source", grid);
-        run.try_solve(&ellipse(&grid, 3.8e8), f64::INFINITY).unwrap();
-        run.model.accept();
-        *rise = figure(&run, "rail", "max_rise_k");
+    for model in MODELS {
+        let mut rises = [0.0; 2];
+        for (rise, n) in rises.iter_mut().zip([24, 48]) {
+            let grid = plane(n);
+            let mut run = Run::steady(model, grid);
+            run.try_solve(&ellipse(&grid, 3.8e8), f64::INFINITY).unwrap();
+            run.model.accept();
+            *rise = figure(&run, "rail", "max_rise_k");
+        }
+        let error = (rises[1] - rises[0]).abs();
+        assert!(error < 1e-3 * 261.85, "{model} {rises:?}");
+        assert!((rises[1] - 261.850).abs() < error, "{model} {rises:?}");
     }
-    let error = (rises[1] - rises[0]).abs();
-    assert!(error < 1e-3 * 261.85, "{rises:?}");
-    assert!((rises[1] - 261.850).abs() < error, "{rises:?}");
 }
 
 /// A case with another material below, and how the surfaces share the heat.
@@ -73,10 +79,13 @@ struct Shared {
     heat: f64,
 }
 
-fn shared(partition: &Value, conductivity: f64, speeds: [f64; 2]) -> Shared {
+fn shared(model: &str, partition: &Value, conductivity: f64, speeds: [f64; 2]) -> Shared {
     let grid = plane(12);
-    let case = case(partition, conductivity);
-    let mut run = Run::new("moving-source", Mode::Steady, grid, case);
+    let mut case = case(partition, conductivity);
+    for (body, speed) in ["wheel", "rail"].into_iter().zip(speeds) {
+        case["bodies"][body]["surface_speed"] = json!(speed);
+    }
+    let mut run = Run::new(model, Mode::Steady, grid, case);
     run.given.speeds = speeds.to_vec();
     let flux = ellipse(&grid, 1e8);
     let report = run.try_solve(&flux, f64::INFINITY).unwrap();
@@ -100,16 +109,17 @@ impl Shared {
 #[test]
 fn surfaces_that_touch_have_one_temperature() {
     let continuity = json!({"partition": "continuity"});
-    for (conductivity, speeds) in
-        [(50.0, [2.0; 2]), (50.0, [0.0, 2.0]), (0.05, [2.0; 2]), (5e4, [38.0, 40.0])]
+    let hard = [(50.0, [2.0; 2]), (50.0, [0.0, 2.0]), (0.05, [2.0; 2]), (5e4, [38.0, 40.0])];
+    for (model, (conductivity, speeds)) in
+        MODELS.iter().flat_map(|model| hard.map(|of| (model, of)))
     {
-        let shared = shared(&continuity, conductivity, speeds);
+        let shared = shared(model, &continuity, conductivity, speeds);
         let [upper, lower] = shared.surfaces();
         let warmest = upper.iter().chain(lower).copied().fold(0.0, f64::max);
         let flux = shared.run.given.flux.as_ref().unwrap();
         let rubbing = flux.iter().zip(upper.iter().zip(lower)).filter(|(q, _)| **q > 0.0);
         for (_, (upper, lower)) in rubbing {
-            assert!((upper - lower).abs() <= 1e-7 * warmest, "{conductivity} {speeds:?}");
+            assert!((upper - lower).abs() <= 1e-7 * warmest, "{model} {conductivity} {speeds:?}");
         }
         assert!(shared.heat > 0.0 && warmest > 0.0);
     }
@@ -120,34 +130,54 @@ fn surfaces_that_touch_have_one_temperature() {
 #[test]
 fn continuity_is_the_split_by_effusivity_at_high_speed() {
     let speeds = [20.0, 45.0];
-    let of = |partition: &str| {
-        let shared = shared(&json!({"partition": partition}), 200.0, speeds);
-        ["wheel", "rail"].map(|body| figure(&shared.run, body, "max_rise_k"))
-    };
-    let (continuity, effusivity) = (of("continuity"), of("effusivity"));
-    let peclet = 20.0 * SEMI_AXIS / (2.0 * 4.0 * DIFFUSIVITY);
-    for (one, other) in continuity.iter().zip(effusivity) {
-        assert!((one / other - 1.0).abs() < 1.0 / peclet, "{continuity:?} {effusivity:?}");
+    for model in MODELS {
+        let of = |partition: &str| {
+            let shared = shared(model, &json!({"partition": partition}), 200.0, speeds);
+            ["wheel", "rail"].map(|body| figure(&shared.run, body, "max_rise_k"))
+        };
+        let (continuity, effusivity) = (of("continuity"), of("effusivity"));
+        let peclet = 20.0 * SEMI_AXIS / (2.0 * 4.0 * DIFFUSIVITY);
+        for (one, other) in continuity.iter().zip(effusivity) {
+            assert!((one / other - 1.0).abs() < 1.0 / peclet, "{model} {continuity:?}");
+        }
+        let alike = shared(model, &json!({"partition": "continuity"}), 50.0, [0.3; 2]);
+        let equal = shared(model, &json!({"partition": "equal"}), 50.0, [0.3; 2]);
+        assert_eq!(alike.surfaces(), equal.surfaces());
     }
-    let alike = shared(&json!({"partition": "continuity"}), 50.0, [0.3; 2]);
-    let equal = shared(&json!({"partition": "equal"}), 50.0, [0.3; 2]);
-    assert_eq!(alike.surfaces(), equal.surfaces());
 }
 
 /// A conductance lies between halves and one temperature, and what flows follows from the difference.
 #[test]
 fn a_conductance_lies_between() {
     let speeds = [0.2, 2.0];
-    let wheel =
-        |partition: Value| figure(&shared(&partition, 50.0, speeds).run, "wheel", "max_rise_k");
-    let halves = wheel(json!({"partition": "equal"}));
-    let one = wheel(json!({"partition": "continuity"}));
-    let by = |h: f64| wheel(json!({"partition": "conductance", "conductance": h}));
-    let found = [1e-3, 1e3, 1e5, 1e7, 1e13].map(by);
-    assert!(found.windows(2).all(|pair| pair[0] > pair[1]), "{found:?}");
-    // Of the iteration.
-    assert!((found[0] / halves - 1.0).abs() < 1e-6, "{found:?} {halves}");
-    assert!((found[4] / one - 1.0).abs() < 1e-5, "{found:?} {one}");
+    for model in MODELS {
+        let wheel = |partition: Value| {
+            figure(&shared(model, &partition, 50.0, speeds).run, "wheel", "max_rise_k")
+        };
+        let halves = wheel(json!({"partition": "equal"}));
+        let one = wheel(json!({"partition": "continuity"}));
+        let by = |h: f64| wheel(json!({"partition": "conductance", "conductance": h}));
+        let found = [1e-3, 1e3, 1e5, 1e7, 1e13].map(by);
+        assert!(found.windows(2).all(|pair| pair[0] > pair[1]), "{model} {found:?}");
+        // Of the iteration.
+        assert!((found[0] / halves - 1.0).abs() < 1e-6, "{model} {found:?} {halves}");
+        assert!((found[4] / one - 1.0).abs() < 1e-5, "{model} {found:?} {one}");
+    }
+}
+
+/// What flows between the bodies is the same by both models, which discretise it independently. Tolerance:
+/// elements of twelve a semi-axis.
+#[test]
+fn both_models_let_the_same_flow() {
+    for (partition, speeds) in [("continuity", [0.0, 2.0]), ("continuity", [0.4, 2.0])] {
+        let rises = MODELS.map(|model| {
+            let shared = shared(model, &json!({"partition": partition}), 20.0, speeds);
+            ["wheel", "rail"].map(|body| figure(&shared.run, body, "max_rise_k"))
+        });
+        for (one, other) in rises[0].iter().zip(rises[1]) {
+            assert!((one / other - 1.0).abs() < 5e-3, "{speeds:?} {rises:?}");
+        }
+    }
 }
 
 #[test]
@@ -167,17 +197,20 @@ fn models_with_one_share_refuse_what_flows_between() {
 /// A restored model gives the summary and the sections of the saved one, to the bit.
 #[test]
 fn a_state_is_whole() {
-    let one = shared(&json!({"partition": "continuity"}), 5.0, [0.5, 2.0]);
-    let mut saved = Vec::new();
-    one.run.model.save(&mut saved).unwrap();
-    let case = case(&json!({"partition": "continuity"}), 5.0);
-    let mut other = Run::new("moving-source", Mode::Steady, plane(12), case);
-    other.model.restore(&mut saved.as_slice()).unwrap();
-    assert_eq!(one.run.model.summary(), other.model.summary());
-    let mut again = Vec::new();
-    other.model.save(&mut again).unwrap();
-    assert!(again == saved);
-    assert!(other.model.restore(&mut &saved[..saved.len() - 1]).is_err());
+    for model in MODELS {
+        let one = shared(model, &json!({"partition": "continuity"}), 5.0, [0.5, 2.0]);
+        let mut saved = Vec::new();
+        one.run.model.save(&mut saved).unwrap();
+        let mut other = shared(model, &json!({"partition": "continuity"}), 5.0, [0.5, 2.0]).run;
+        other.try_solve(&vec![1e6; other.grid().points()], f64::INFINITY).unwrap();
+        other.model.accept();
+        other.model.restore(&mut saved.as_slice()).unwrap();
+        assert_eq!(one.run.model.summary(), other.model.summary());
+        let mut again = Vec::new();
+        other.model.save(&mut again).unwrap();
+        assert!(again == saved);
+        assert!(other.model.restore(&mut &saved[..saved.len() - 1]).is_err());
+    }
 }
 
 /// A disc at rest under a flux that is switched on: T = 2q√(κt)/λ (1/√π − ierfc(a/√(4κt))) in its middle
@@ -260,31 +293,43 @@ fn at_high_speed_it_is_columns_in_time_too() {
     }
 }
 
-/// A model that is restored on the way goes on like the one that was saved, to the bit.
+/// A model that is restored on the way goes on like the one that was saved, to the bit, whatever its scheme and its
+/// solver.
 #[test]
 fn a_restored_history_goes_on() {
     let grid = plane(6);
     let flux = ellipse(&grid, 1e8);
-    let case = case(&json!({"partition": "continuity"}), 20.0);
-    let new = || {
-        let mut run = Run::new("moving-source", Mode::Transient, grid, case.clone());
-        run.given.speeds = vec![0.0, 0.4];
-        run
-    };
-    let window = |run: &mut Run, step: i32| {
-        let part = 1.0 + 0.5 * f64::from(step).sin();
-        let now: Vec<f64> = flux.iter().map(|q| part * q).collect();
-        run.advance(&now, 1e-3);
-    };
-    let mut one = new();
-    (0..12).for_each(|step| window(&mut one, step));
-    let mut saved = Vec::new();
-    one.model.save(&mut saved).unwrap();
-    let mut other = new();
-    other.model.restore(&mut saved.as_slice()).unwrap();
-    (12..20).for_each(|step| window(&mut one, step));
-    other.time = 12e-3;
-    (12..20).for_each(|step| window(&mut other, step));
-    assert_eq!(one.surfaces.0, other.surfaces.0);
-    assert_eq!(one.model.summary(), other.model.summary());
+    let of =
+        [("moving-source", None), ("fe", None), ("fe", Some("bdf2")), ("fe", Some("iterative"))];
+    for (model, option) in of {
+        let mut case = case(&json!({"partition": "continuity"}), 20.0);
+        case["bodies"]["wheel"]["surface_speed"] = json!(0.2);
+        case["bodies"]["rail"]["surface_speed"] = json!(0.4);
+        match option {
+            Some("iterative") => case["thermal"]["solver"] = json!("iterative"),
+            Some(scheme) => case["thermal"]["scheme"] = json!(scheme),
+            None => {}
+        }
+        let new = || {
+            let mut run = Run::new(model, Mode::Transient, grid, case.clone());
+            run.given.speeds = vec![0.2, 0.4];
+            run
+        };
+        let window = |run: &mut Run, step: i32| {
+            let part = 1.0 + 0.5 * f64::from(step).sin();
+            let now: Vec<f64> = flux.iter().map(|q| part * q).collect();
+            run.advance(&now, 1e-3);
+        };
+        let mut one = new();
+        (0..12).for_each(|step| window(&mut one, step));
+        let mut saved = Vec::new();
+        one.model.save(&mut saved).unwrap();
+        let mut other = new();
+        other.model.restore(&mut saved.as_slice()).unwrap();
+        (12..20).for_each(|step| window(&mut one, step));
+        other.time = 12e-3;
+        (12..20).for_each(|step| window(&mut other, step));
+        assert_eq!(one.surfaces.0, other.surfaces.0, "{model} {option:?}");
+        assert_eq!(one.model.summary(), other.model.summary(), "{model} {option:?}");
+    }
 }

@@ -1,0 +1,289 @@
+//! `fe` through the contract: its accuracy in time and in steady motion, its solvers against each other, properties
+//! over temperature.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
+
+mod support;
+
+use proto::configuration::Mode;
+use proto::grid::Structured;
+use proto::model::Solver;
+use serde_json::{Value, json};
+use std::io::Write;
+use support::*;
+use thermal_solver::ThermalSolver;
+use thermal_solver::reference::ellipse::surface;
+
+const B: f64 = 6.01e-3;
+/// Flux into a body in the middle of the ellipse [W/m²].
+const PEAK: f64 = 1.9e8;
+
+/// Elements of this length, from 4.3 semi-axes behind the contact to 1.25 in front of it, in so many rows over 1.25 semi-axes
+/// on either side.
+fn plane(h: f64, rows: usize) -> Structured {
+    let (width, columns) = (2.5 * B / (rows - 1) as f64, (0.044 / h).round() as usize);
+    let from = 1.25 * SEMI_AXIS - (columns - 1) as f64 * h;
+    Structured::contact_plane(from, -1.25 * B, h, width, columns, rows)
+}
+
+/// A hundred and ten columns of 0.4 mm.
+fn coarse() -> Structured {
+    plane(0.4e-3, 36)
+}
+
+/// Element means of twice the flux into a body, which takes half of it.
+fn heat(grid: &Structured) -> Vec<f64> {
+    let place = |k: usize| (k as f64 - 15.5) / 32.0;
+    let mean = |at: usize| {
+        let value = |k: usize| {
+            let x = (grid.x(at % grid.ni) + place(k % 32) * grid.dx()) / SEMI_AXIS;
+            let y = (grid.y(at / grid.ni) + place(k / 32) * grid.dy()) / B;
+            (1.0 - x * x - y * y).max(0.0).sqrt()
+        };
+        2.0 * PEAK * (0..1024).map(value).sum::<f64>() / 1024.0
+    };
+    (0..grid.points()).map(mean).collect()
+}
+
+/// Straight down, the exact rise under the ellipse: the mean of `places` places across each element. An element receives
+/// the mean of the flux across it, and its rise is the mean; at the rim, where an ellipse ends between two rows,
+/// that is not the rise of its middle.
+fn exact(grid: &Structured, places: usize) -> Vec<f64> {
+    let at = |x: f64, y: f64| {
+        let part = (1.0 - (y / B).powi(2)).max(0.0).sqrt();
+        if part == 0.0 {
+            return 0.0;
+        }
+        let half = SEMI_AXIS * part;
+        let scale = PEAK * part / effusivity() * (half / (std::f64::consts::PI * SPEED)).sqrt();
+        scale * surface(-x / half)
+    };
+    let mean = |element: usize| {
+        let (x, y) = (grid.x(element % grid.ni), grid.y(element / grid.ni));
+        let place = |k: usize| (k as f64 + 0.5) / places as f64 - 0.5;
+        (0..places).map(|k| at(x, y + place(k) * grid.dy())).sum::<f64>() / places as f64
+    };
+    (0..grid.points()).map(mean).collect()
+}
+
+fn with(more: Value) -> Value {
+    let mut case = steel();
+    case["thermal"] = more;
+    case
+}
+
+/// Errors over the exact rise: L2, largest, of the peak.
+fn errors(found: &[f64], exact: &[f64]) -> [f64; 3] {
+    let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+    let l2 = squares(&mut found.iter().zip(exact).map(|(a, b)| a - b))
+        / squares(&mut exact.iter().copied());
+    [l2, difference(found, exact), largest(found) / largest(exact) - 1.0]
+}
+
+/// A hundred steps of an element each from cold: L2 below 0.2 % of the exact rises, and nothing colder than
+/// at first. The peak of the exact solution in between is 261.872 K.
+#[test]
+fn the_papers_ellipse_in_a_hundred_steps() {
+    let grid = coarse();
+    let (heat, middles, exact) = (heat(&grid), exact(&grid, 1), exact(&grid, 32));
+    for scheme in ["crank-nicolson", "bdf2", "backward-euler"] {
+        let case =
+            with(json!({"first_layer": 4e-6, "layer_ratio": 1.12, "wake": 1e-3, "scheme": scheme}));
+        let mut run = Run::new("fe", Mode::Transient, grid, case);
+        let passing = grid.dx() / SPEED;
+        for _ in 0..grid.ni {
+            run.advance(&heat, passing);
+        }
+        let [l2, most, peak] = errors(run.rail(), &exact);
+        println!(
+            "{scheme}: L2 {:.3} % (of the middles of elements {:.3} %), largest {:.3} %, peak {:.3} %, hottest {:.3} K at x/a {:.4}",
+            1e2 * l2,
+            1e2 * errors(run.rail(), &middles)[0],
+            1e2 * most,
+            1e2 * peak,
+            run.summary("rail", "max_rise_k").unwrap(),
+            run.summary("rail", "x_m").unwrap() / SEMI_AXIS
+        );
+        let aim = if scheme == "crank-nicolson" { 2e-3 } else { 1.1e-2 };
+        assert!(l2 < aim, "{scheme} {l2}");
+        let coldest = run.rail().iter().fold(0.0_f64, |least, rise| least.min(*rise));
+        assert!(coldest >= 0.0, "{coldest}");
+    }
+}
+
+/// T λ/(q₀ a) of the hottest place under the ellipse at Pe = V a/2κ. Tolerance: 0.1 %, of elements of a/40.
+#[test]
+fn any_speed_down_to_rest() {
+    let side = SEMI_AXIS / 40.0;
+    let (half_x, half_y) = (41, (B / side).ceil() as usize + 1);
+    let from = [-(half_x as f64) * side, -(half_y as f64) * side];
+    let (columns, rows) = (2 * half_x + 1, 2 * half_y + 1);
+    let grid = Structured::contact_plane(from[0], from[1], side, side, columns, rows);
+    let heat = heat(&grid);
+    for (peclet, place, expected) in [
+        (0.0, 0.0, 0.678_185),
+        (10.0, -0.5737, 0.254_120),
+        (100.0, -0.6446, 0.086_553),
+        (1e4, -0.652, 0.008_729),
+    ] {
+        let speed = 2.0 * DIFFUSIVITY * peclet / SEMI_AXIS;
+        let mut case = steel();
+        case["bodies"]["wheel"]["surface_speed"] = json!(speed);
+        case["bodies"]["rail"]["surface_speed"] = json!(speed);
+        if speed == 0.0 {
+            // Something must move for the scene; the wheel alone does.
+            case["bodies"]["wheel"]["surface_speed"] = json!(1.0);
+        }
+        let mut run = Run::new("fe", Mode::Steady, grid, case);
+        run.given.speeds = vec![if speed == 0.0 { 1.0 } else { speed }, speed];
+        run.advance(&heat, f64::INFINITY);
+        let found = run.summary("rail", "max_rise_k").unwrap() * 50.0 / (PEAK * SEMI_AXIS);
+        let at = run.summary("rail", "x_m").unwrap() / SEMI_AXIS;
+        println!("Pe {peclet}: {found:.6} ({expected}) at x/a {at:.4} ({place})");
+        assert!((found / expected - 1.0).abs() < 1e-3, "{peclet}: {found} {expected}");
+        assert!((at - place).abs() < 0.02, "{peclet}: {at} {place}");
+    }
+}
+
+/// Modes, iterations and elimination solve the same equations; a window that is no whole number of elements, two
+/// speeds. Tolerance: of the iterations.
+#[test]
+fn three_solvers_agree() {
+    let grid = Structured::contact_plane(-9e-3, -2e-3, 1e-3, 5e-4, 18, 9);
+    let heat = heat(&grid);
+    for scheme in ["crank-nicolson", "bdf2", "backward-euler"] {
+        let mut found = ["auto", "iterative", "direct"].map(|solver| {
+            let case =
+                with(json!({"solver": solver, "scheme": scheme, "layer_ratio": 1.6, "wake": 0.02}));
+            let mut run = Run::new("fe", Mode::Transient, grid, case);
+            run.given.speeds = vec![20.0, 41.0];
+            for duration in [1e-5, 7e-5, 7e-5, 3e-4, 1e-6, 1.0] {
+                run.advance(&heat, duration);
+            }
+            run
+        });
+        let sections = found.each_mut().map(Run::sections);
+        for (other, section) in found[1..].iter().zip(&sections[1..]) {
+            for surface in [Run::rail, Run::wheel] {
+                assert!(difference(surface(other), surface(&found[0])) < 1e-8, "{scheme}");
+            }
+            for ((_, one), (_, other)) in sections[0].0.iter().zip(&section.0) {
+                assert!(difference(other, one) < 1e-8, "{scheme}");
+            }
+        }
+    }
+}
+
+/// Steady, the march downstream is what the exact march along is, within the steps of the former.
+#[test]
+fn marching_downstream_is_the_steady_state() {
+    let grid = coarse();
+    let heat = heat(&grid);
+    let of = |solver: &str, speed: f64| {
+        let mut case = with(json!({"solver": solver}));
+        case["motion"]["speed"] = json!(speed);
+        let mut run = Run::new("fe", Mode::Steady, grid, case);
+        run.given.speeds = vec![speed; 2];
+        run.advance(&heat, f64::INFINITY);
+        run
+    };
+    // The second is slow enough for conduction along to be 0.2 % of the peak.
+    for speed in [SPEED, 1.6] {
+        let [modes, iterative, direct] = ["auto", "iterative", "direct"].map(|s| of(s, speed));
+        assert!(difference(direct.rail(), iterative.rail()) < 1e-8);
+        let apart = difference(iterative.rail(), modes.rail());
+        assert!(apart < 1e-2, "{speed} {apart}");
+        let [one, other] =
+            [&modes, &iterative].map(|run| run.summary("rail", "max_rise_k").unwrap());
+        assert!((one / other - 1.0).abs() < 1e-3, "{speed} {one} {other}");
+    }
+    let mut slow = of("iterative", 1.6);
+    slow.given.speeds = vec![1e-3; 2];
+    let refused = slow.try_solve(&heat, f64::INFINITY).unwrap_err().to_string();
+    assert!(refused.contains("march downstream"), "{refused}");
+}
+
+/// A table of properties in a file, and a case with it.
+fn tabled(lines: &str, more: Value) -> (tempfile::NamedTempFile, Value) {
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    file.write_all(lines.as_bytes()).unwrap();
+    let mut case = with(more);
+    case["materials"]["steel"]["thermal_table"] = json!(file.path());
+    case["effects"]["temperature_material"] = json!({});
+    (file, case)
+}
+
+/// λ and c that fall by 5e-4 of themselves a kelvin leave κ as it is: by Kirchhoff's transform the rise T is
+/// T + γT²/2 = θ with the rise θ of constant properties. 261.872 K becomes 281.71 K; steady and in time.
+/// Tolerance 0.1 %.
+#[test]
+fn kirchhoffs_transform() {
+    let line = |rise: f64| {
+        let part = 1.0 - 5e-4 * rise;
+        format!("{} {} {}\n", 293.15 + rise, 50.0 * part, 419.5 * part)
+    };
+    let table = line(-100.0) + &line(600.0);
+    let grid = plane(0.25e-3, 62);
+    let (heat, exact) = (heat(&grid), exact(&grid, 32));
+    let expected: Vec<f64> =
+        exact.iter().map(|rise| (1.0 - (1.0 - 1e-3 * rise).sqrt()) / 5e-4).collect();
+    let (_file, case) = tabled(&table, json!({"wake": 1e-3}));
+    let mut steady = Run::new("fe", Mode::Steady, grid, case.clone());
+    steady.advance(&heat, f64::INFINITY);
+    let mut run = Run::new("fe", Mode::Transient, grid, case);
+    for _ in 0..grid.ni {
+        run.advance(&heat, grid.dx() / SPEED);
+    }
+    for run in [&steady, &run] {
+        let [l2, ..] = errors(run.rail(), &expected);
+        let peak = run.summary("rail", "max_rise_k").unwrap();
+        println!("hottest {peak:.3} K, L2 {:.3} %", 1e2 * l2);
+        assert!((peak / 281.71 - 1.0).abs() < 1e-3 && l2 < 2e-3, "{peak} {l2}");
+    }
+}
+
+/// A table of one line is constant properties; one that ends below the peak is refused, or clamped if the case
+/// says so.
+#[test]
+fn what_a_table_says_beyond_its_lines() {
+    let grid = coarse();
+    let heat = heat(&grid);
+    let constant = {
+        let mut run = Run::new("fe", Mode::Steady, grid, with(json!({"solver": "iterative"})));
+        run.advance(&heat, f64::INFINITY);
+        run
+    };
+    let (_file, mut case) = tabled("293.15 50 419.5\n", json!({}));
+    case["effects"]["temperature_material"] = json!({"beyond": "clamp"});
+    let mut run = Run::new("fe", Mode::Steady, grid, case);
+    run.advance(&heat, f64::INFINITY);
+    assert!(difference(run.rail(), constant.rail()) < 1e-8);
+    let (_file, case) = tabled("200 50 419.5\n400, 48, 450 \n", json!({}));
+    let mut run = Run::new("fe", Mode::Steady, grid, case);
+    let refused = run.try_solve(&heat, f64::INFINITY).unwrap_err().to_string();
+    assert!(refused.contains("beyond the table") && refused.contains("clamp"), "{refused}");
+    let (_file, case) = tabled("300 50 419.5\n400, 48, 450 \n", json!({}));
+    let mut given = configuration("fe", Mode::Steady, grid, case);
+    given.case.0["effects"]["temperature_material"] = json!({});
+    let refusal = ThermalSolver.configure(&given).err().unwrap();
+    assert!(refusal.key == "materials.steel.thermal_table", "{refusal:?}");
+}
+
+/// Air and what is round it take heat from the wake, more of it the more they may, and none from a contact
+/// whose elements are all heated.
+#[test]
+fn free_surfaces_cool() {
+    let grid = coarse();
+    let heat = heat(&grid);
+    let wake = |h: f64| {
+        let mut case = steel();
+        case["effects"]["convection"] = json!({"coefficient": h, "temperature": 293.15});
+        case["effects"]["radiation"] = json!({"emissivity": 0.9, "temperature": 293.15});
+        let mut run = Run::new("fe", Mode::Steady, grid, case);
+        run.advance(&heat, f64::INFINITY);
+        let row = 18 * grid.ni;
+        run.rail()[row]
+    };
+    let found = [1.0, 1e4, 1e5].map(wake);
+    assert!(found.windows(2).all(|pair| pair[0] > 1.01 * pair[1]), "{found:?}");
+}
