@@ -5,8 +5,8 @@ pub mod friction_heat;
 pub mod radiation;
 pub mod temperature_material;
 
-use crate::fe::body::Nature;
 use crate::fe::conductor::Surroundings;
+use crate::fe::nature::Nature;
 use crate::scene::Scene;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::EffectSpec;

@@ -62,10 +62,9 @@ impl Basis {
         self.across.shape(mode)[self.first_row + row]
     }
 
-    /// Adds what some modes across, from `first` on, are on the surface to the rises of rows of `columns`
-    /// [K].
-    pub fn add_modes(&self, first: usize, columns: usize, surfaces: &[f64], rise: &mut [f64]) {
-        Arch::new().dispatch(Sum { basis: self, first, columns, surfaces, rise });
+    /// Adds what the modes across are on the surface to the rises of rows of `columns` [K].
+    pub fn add_modes(&self, columns: usize, surfaces: &[f64], rise: &mut [f64]) {
+        Arch::new().dispatch(Sum { basis: self, columns, surfaces, rise });
     }
 
     /// Rises [K] at the nodes in depth, node after node, from amplitudes column after column.
@@ -90,7 +89,6 @@ impl Basis {
 /// A surface as the sum of modes across, four at a time.
 struct Sum<'a> {
     basis: &'a Basis,
-    first: usize,
     columns: usize,
     surfaces: &'a [f64],
     rise: &'a mut [f64],
@@ -101,11 +99,11 @@ impl NullaryFnOnce for Sum<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { basis, first, columns, surfaces, rise } = self;
+        let Self { basis, columns, surfaces, rise } = self;
         for (row, rise) in rise.chunks_exact_mut(columns).enumerate() {
             for (group, surfaces) in surfaces.chunks(4 * columns).enumerate() {
                 let mut modes = surfaces.chunks_exact(columns);
-                let shape = |mode: usize| match first + 4 * group + mode {
+                let shape = |mode: usize| match 4 * group + mode {
                     mode if mode < basis.across.len() => basis.shape(mode, row),
                     _ => 0.0,
                 };

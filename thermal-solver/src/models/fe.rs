@@ -9,8 +9,10 @@ use super::names;
 use super::setup::{resolution, resolution_across, section_key};
 use super::summary::{Peak, hottest};
 use crate::columns::convolution::remove_negative_rounding;
+use crate::columns::reconstruction::sum_of_means;
 use crate::fe::block::{Block, Elements, keys};
-use crate::fe::body::{Below, Body};
+use crate::fe::body::Body;
+use crate::fe::section::Below;
 use crate::moving_source::ages::Stretch;
 use crate::moving_source::half_space::{HalfSpace, Influence};
 use crate::window::{Drive, Stage};
@@ -171,7 +173,7 @@ impl Conduction for FiniteElements {
             let share = drive.shares[body];
             let own = &mut self.bodies[body];
             own.means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
-            own.pass(drive.duration, speed)?;
+            own.motion.pass(drive.duration, speed)?;
             self.windows[body] = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
         }
         work.operations += self.warm(rise)?;
@@ -182,13 +184,13 @@ impl Conduction for FiniteElements {
             work.operations += settled?;
         }
         for (body, heat) in self.bodies.iter().zip(&mut work.heat) {
-            *heat = body.heat(&mut self.row_sums, &mut self.line);
+            *heat = sum_of_means(body.motion.flux(), &mut self.row_sums, &mut self.line);
         }
         Ok(work)
     }
 
     fn accept(&mut self) {
-        self.bodies.iter_mut().for_each(Body::accept);
+        self.bodies.iter_mut().for_each(|body| body.motion.accept());
         let trial = self.below.get_mut().take_if(|(stage, ..)| *stage == Stage::Trial);
         *self.below.get_mut() =
             trial.map(|(_, body, row, below)| (Stage::Accepted, body, row, below));
@@ -204,7 +206,7 @@ impl Conduction for FiniteElements {
                 below.level(depth * scale, h, first, rise);
             }
         });
-        if self.bodies[body].is_heated(stage) {
+        if self.bodies[body].motion.is_heated(stage) {
             remove_negative_rounding(rise);
         }
     }
@@ -220,12 +222,12 @@ impl Conduction for FiniteElements {
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
-        self.bodies.iter().try_for_each(|body| body.save(into))
+        self.bodies.iter().try_for_each(|body| body.motion.save(into))
     }
 
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.below.get_mut().take();
-        self.bodies.iter_mut().try_for_each(|body| body.restore(from))
+        self.bodies.iter_mut().try_for_each(|body| body.motion.restore(from))
     }
 }
 
@@ -238,7 +240,7 @@ impl Rubbing for FiniteElements {
     }
 
     fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
-        both(self.threads, &mut self.bodies, rise, Body::warm)
+        both(self.threads, &mut self.bodies, rise, |body, rise| body.motion.warm(&body.means, rise))
     }
 
     fn windows(&self) -> [Stretch; 2] {

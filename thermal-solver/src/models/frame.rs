@@ -3,7 +3,7 @@
 use crate::UPPER;
 use crate::effects::friction_heat::Partition;
 use crate::fe::block::Elements;
-use crate::fe::body::Nature;
+use crate::fe::nature::Nature;
 use crate::scene::Scene;
 use proto::configuration::Mode;
 use proto::grid::{Grid, Structured};

@@ -1,0 +1,71 @@
+//! How a body's temperatures follow from the flux into it: what differs from one way to solve for them to the
+//! next. [`super::body`] chooses.
+
+use super::block::{Block, Elements};
+use super::nature::Nature;
+use crate::columns::reconstruction::Flux;
+use crate::window::Stage;
+use proto::grid::Structured;
+use proto::model::StepError;
+use std::io::{self, Read, Write};
+
+/// What a way to solve is made for.
+#[derive(Clone, Copy)]
+pub struct Given<'a> {
+    /// The grid of the heat flux.
+    pub grid: &'a Structured,
+    /// What the body is made of.
+    pub nature: &'a Nature,
+    /// Its mesh.
+    pub block: &'a Block,
+    /// What the case says of the elements.
+    pub elements: &'a Elements,
+}
+
+/// Rises below a row.
+pub struct Rises {
+    /// Node after node in depth, column after column [K].
+    pub values: Vec<f64>,
+    /// How far the first column is behind the first element, in elements.
+    pub behind: f64,
+}
+
+/// A way to solve, with its states.
+pub trait Motion: Send {
+    /// Prepares a window of this duration [s], infinite in steady motion, at this speed [m/s].
+    ///
+    /// # Errors
+    /// The speed is none that it can solve for.
+    fn pass(&mut self, duration: f64, speed: f64) -> Result<(), StepError>;
+
+    /// Rises of the surface [K] at the end of the window, from the accepted state, under these element means of
+    /// the flux [W/m²]; the work.
+    ///
+    /// # Errors
+    /// There is no solution.
+    fn warm(&mut self, means: &[f64], rise: &mut [f64]) -> Result<u64, StepError>;
+
+    /// The flux of the last solve.
+    fn flux(&self) -> &Flux;
+
+    /// The last solve becomes the accepted state.
+    fn accept(&mut self);
+
+    /// Rises below a row of a state.
+    fn below(&self, stage: Stage, row: usize) -> Rises;
+
+    /// A state in which anything below zero is rounding.
+    fn is_heated(&self, stage: Stage) -> bool;
+
+    /// Writes the accepted state.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    fn save(&self, into: &mut dyn Write) -> io::Result<()>;
+
+    /// Reads back what [`Motion::save`] wrote.
+    ///
+    /// # Errors
+    /// It does not fit; then nothing has changed.
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()>;
+}

@@ -1,0 +1,111 @@
+//! What is below a row of a surface, and values between nodes.
+
+/// Columns on either side of a place that say what is there.
+pub const BESIDE: usize = 2;
+
+/// Rises below a row: node after node in depth, column after column.
+#[derive(Clone, Debug)]
+pub struct Below {
+    /// Rises [K].
+    pub rises: Vec<f64>,
+    /// Columns.
+    pub columns: usize,
+    /// Place of the first column [m].
+    pub first: f64,
+    /// Depths of the nodes [m].
+    pub depths: Vec<f64>,
+}
+
+impl Below {
+    /// Rises [K] at a depth [m], column after column, at places as far apart from `first` [m] on.
+    pub fn level(&self, depth: f64, h: f64, first: f64, rise: &mut [f64]) {
+        let at_node = |k: usize, column: usize| self.rises[k * self.columns + column];
+        let column = |column: usize| interpolate(&self.depths, depth, |k| at_node(k, column));
+        let values: Vec<f64> = (0..self.columns).map(column).collect();
+        for (i, rise) in rise.iter_mut().enumerate() {
+            *rise = between(&values, (first - self.first) / h + i as f64);
+        }
+    }
+
+    /// Rise [K] at a place [m] and a depth [m].
+    #[must_use]
+    pub fn at(&self, place: f64, h: f64, depth: f64) -> f64 {
+        let at = (place - self.first) / h;
+        let from = (at.floor() as isize - 1).clamp(0, self.columns as isize - 1) as usize;
+        let to = (from + 4).min(self.columns);
+        let column = |column: usize| {
+            interpolate(&self.depths, depth, |k| self.rises[k * self.columns + column])
+        };
+        let values: Vec<f64> = (from..to).map(column).collect();
+        between(&values, at - from as f64)
+    }
+}
+
+/// Rises at the middles of elements from those of columns that are `front` of an element in front of them,
+/// the first being that [`BESIDE`] behind the first element.
+pub fn place(columns: &[f64], front: f64, rise: &mut [f64]) {
+    if front == 0.0 {
+        let count = rise.len();
+        rise.copy_from_slice(&columns[BESIDE..BESIDE + count]);
+        return;
+    }
+    for (i, rise) in rise.iter_mut().enumerate() {
+        *rise = between(columns, (i + BESIDE) as f64 - front);
+    }
+}
+
+/// A value between even ones, by the cubic through the four round it, within their range; that of the end
+/// beyond the ends.
+fn between(values: &[f64], at: f64) -> f64 {
+    let last = values.len() - 1;
+    let at = at.clamp(0.0, last as f64);
+    let low = at.floor();
+    let theta = at - low;
+    let four: [f64; 4] =
+        std::array::from_fn(|k| values[(low as usize + k).saturating_sub(1).min(last)]);
+    if theta == 0.0 {
+        return four[1];
+    }
+    let [a, b, c, d] = four;
+    let cubic = b + theta
+        * (c - a / 3.0 - b / 2.0 - d / 6.0
+            + theta * ((a + c) / 2.0 - b + theta * ((d - a) / 6.0 + (b - c) / 2.0)));
+    let range = |pick: fn(f64, f64) -> f64| four.into_iter().reduce(pick).expect("four values");
+    cubic.clamp(range(f64::min), range(f64::max))
+}
+
+/// A value between uneven ones, by the cubic through the four round it, within the range of the two beside it.
+fn interpolate(places: &[f64], at: f64, value: impl Fn(usize) -> f64) -> f64 {
+    let last = places.len() - 1;
+    if at >= places[last] {
+        return value(last);
+    }
+    let next = places.partition_point(|place| *place <= at).clamp(1, last);
+    let first = next.saturating_sub(2).min(last.saturating_sub(3));
+    let nodes = first..=(first + 3).min(last);
+    let lagrange = |k: usize| {
+        let others = nodes.clone().filter(|other| *other != k);
+        others.map(|other| (at - places[other]) / (places[k] - places[other])).product::<f64>()
+    };
+    let cubic: f64 = nodes.clone().map(|k| lagrange(k) * value(k)).sum();
+    let (above, below) = (value(next - 1), value(next));
+    cubic.clamp(above.min(below), above.max(below))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cubic is met between even and uneven places; rounding.
+    #[test]
+    fn cubics_are_interpolated_exactly() {
+        let cubic = |x: f64| x * (1.0 + x * (0.2 + 0.1 * x));
+        let even: Vec<f64> = (0..9).map(|i| cubic(f64::from(i))).collect();
+        let places = [0.0, 0.5, 1.5, 4.0, 7.0, 8.0];
+        for at in [1.25, 2.0, 3.9, 5.5, 6.999] {
+            assert!((between(&even, at) - cubic(at)).abs() < 1e-12 * cubic(8.0));
+            let uneven = interpolate(&places, at, |k| cubic(places[k]));
+            assert!((uneven - cubic(at)).abs() < 1e-12 * cubic(8.0), "{at}");
+        }
+    }
+}
