@@ -414,13 +414,13 @@ impl Conductor {
     /// Solves the lines: out = P⁻¹ r.
     #[inline(always)]
     fn solve_lines(&self, theta: f64, memory: &mut Memory) {
-        let [nx, ny, nz] = self.counts;
+        let [nx, _, nz] = self.counts;
         let (wx, wy, gz) = (&self.widths[0][..nx], &self.widths[1], &self.between[2]);
         let Memory { gain, factor, residual, preconditioned: out, .. } = memory;
-        for j in 0..ny {
-            for k in 0..nz {
+        for (j, wy) in wy.iter().enumerate() {
+            for (k, gz) in gz[..nz].iter().enumerate() {
                 let start = (j * nz + k) * nx;
-                let up = if k > 0 { theta * wy[j] * gz[k] } else { 0.0 };
+                let up = if k > 0 { theta * wy * gz } else { 0.0 };
                 let (done, own) = out.split_at_mut(start);
                 let (own, residual) = (&mut own[..nx], &residual[start..start + nx]);
                 let above = if k > 0 { &done[start - nx..start] } else { residual };
