@@ -188,6 +188,14 @@ fn models_with_one_share_refuse_what_flows_between() {
         let refusal = ThermalSolver.configure(&given).err().unwrap();
         assert_eq!(refusal.key, "effects.friction_heat.partition");
     }
+    let given = configuration(
+        "fe",
+        Mode::Transient,
+        plane(4),
+        case(&json!({"partition": "continuity"}), 50.0),
+    );
+    let refusal = ThermalSolver.configure(&given).err().unwrap();
+    assert!(refusal.reason.contains("of this mode"), "{refusal:?}");
     let case = case(&json!({"partition": "conductance"}), 50.0);
     let given = configuration("moving-source", Mode::Steady, plane(4), case);
     let refusal = ThermalSolver.configure(&given).err().unwrap();
@@ -302,7 +310,8 @@ fn a_restored_history_goes_on() {
     let of =
         [("moving-source", None), ("fe", None), ("fe", Some("bdf2")), ("fe", Some("iterative"))];
     for (model, option) in of {
-        let mut case = case(&json!({"partition": "continuity"}), 20.0);
+        let exchanges = if model == "fe" { "effusivity" } else { "continuity" };
+        let mut case = case(&json!({"partition": exchanges}), 20.0);
         case["bodies"]["wheel"]["surface_speed"] = json!(0.2);
         case["bodies"]["rail"]["surface_speed"] = json!(0.4);
         match option {

@@ -101,7 +101,9 @@ impl Sources<'_> {
 
     fn lines(&self, spec: &LineSpec) -> Result<Vec<(String, Points, Style)>, String> {
         match spec {
-            LineSpec::Along { name, run, .. } | LineSpec::Depth { name, run, .. } => self
+            LineSpec::Along { name, run, .. }
+            | LineSpec::Depth { name, run, .. }
+            | LineSpec::Surface { name, run, .. } => self
                 .members(run)
                 .iter()
                 .map(|member| Ok((member.filled(name), self.field(spec, member)?, Style::Line)))
@@ -138,6 +140,11 @@ impl Sources<'_> {
                 let column = image.through_largest(&field);
                 let (_, points) = column.ok_or_else(|| format!("{grid} is not a section"))?;
                 (points, x_per, y_per)
+            }
+            LineSpec::Surface { grid, field, x_per, y_per, .. } => {
+                let (image, field) = self.image(&member.run, grid, field)?;
+                let points = image.along_surface(&field);
+                (points.ok_or_else(|| format!("{grid} is not a section"))?, x_per, y_per)
             }
             LineSpec::Curve { .. } | LineSpec::Printed { .. } => return Ok(Vec::new()),
         };

@@ -214,6 +214,23 @@ pub(crate) enum LineSpec {
         #[serde(default)]
         y_per: Divisor,
     },
+    /// A field of a section along its surface, which goes on behind the contact where a model has a wake.
+    Surface {
+        /// What it is.
+        name: String,
+        /// Run or family.
+        run: String,
+        /// Participant and grid.
+        grid: String,
+        /// The field.
+        field: String,
+        /// What the places are divided by.
+        #[serde(default)]
+        x_per: Divisor,
+        /// What the values are divided by.
+        #[serde(default)]
+        y_per: Divisor,
+    },
     /// One point for each run of a family.
     Curve {
         /// What it is.
@@ -248,9 +265,10 @@ impl LineSpec {
     #[must_use]
     pub(crate) fn run(&self) -> Option<&str> {
         match self {
-            Self::Along { run, .. } | Self::Depth { run, .. } | Self::Curve { run, .. } => {
-                Some(run)
-            }
+            Self::Along { run, .. }
+            | Self::Depth { run, .. }
+            | Self::Surface { run, .. }
+            | Self::Curve { run, .. } => Some(run),
             Self::Printed { .. } => None,
         }
     }

@@ -133,7 +133,7 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
     refused(&columns, &["no models are expected to meet", "conduction along the surface, at Pe"]);
     refused(&["--quantity", "contact.area_m2"], &["--accuracy"]);
     let summary = Place::new().summary(&case("wheel-rail.toml"), &slow);
-    assert_eq!(summary["accuracy"]["models"], "half-space + moving-source");
+    assert_eq!(summary["accuracy"]["models"], "half-space + fe");
 }
 
 /// The result directory is that of any run: a recording and a report come with it.

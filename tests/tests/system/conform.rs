@@ -68,8 +68,8 @@ fn ours_conform(role: &str, name: &str, inapplicable: &[&str], settings: usize) 
 
 // Mechanics with temperatures to read: FASTSIM does not support that effect.
 table_of_tests! { ours_conform:
-    the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &["volumes"], 6);
-    the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &["volumes"], 6);
+    the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &["volumes"], 7);
+    the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &["volumes"], 7);
     the_mechanical_solver_conforms_with_every_model("mech", "wheel-rail.toml", &ALONE, 6);
     the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &["heat-received", "volumes"], 4);
 }
@@ -148,9 +148,9 @@ fn few_processes_are_started_and_fewer_for_a_quick_look() {
         assert_eq!(conforms, settings);
         std::fs::read_to_string(folder.path().join("count")).unwrap().lines().count()
     };
-    let all = starts(&[], 6);
+    let all = starts(&[], 7);
     // Each of the checks that begin with a run of their own, once or twice in each setting.
-    assert!(all <= 112, "{all} processes for six settings");
+    assert!(all <= 131, "{all} processes for seven settings");
     let _ = std::fs::remove_file(folder.path().join("count"));
     let (ended, report) = conform("thermal", &case("wheel-rail.toml"), &["--quick"], &command);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);

@@ -25,6 +25,9 @@ const FAR_ALONG: f64 = 5.0;
 const GROWTH: f64 = 1.3;
 /// Layers in a penetration depth by the first one.
 const LAYERS: f64 = 20.0;
+/// First layers in the depth √(κh/V) to which heat goes while one element passes: what begins to be heated is
+/// resolved, too.
+const LAYERS_OF_AN_ELEMENT: f64 = 8.0;
 /// Growth of the layers in depth.
 const RATIO: f64 = 1.2;
 /// Lengths of diffusion along that count in front of the contact.
@@ -88,7 +91,7 @@ impl Default for Elements {
 #[must_use]
 pub fn keys() -> Vec<KeySpec> {
     let first = "thickness of the first layer of elements; absent: a twentieth of the depth to which heat \
-                 goes while the contact passes";
+                 goes while the contact passes, an eighth of that while an element does, the smaller";
     vec![
         KeySpec::quantity(FIRST_LAYER, "m", first).above(0.0),
         KeySpec::number(LAYER_RATIO, "thickness of a layer over that of the one above it")
@@ -184,7 +187,9 @@ impl Block {
         let spread = SPREADS * (4.0 * kappa * passing).sqrt();
         let (reach, far) = (spread.min(FAR * half), spread > FAR * half);
         let penetration = (2.0 * kappa * half / speed).sqrt().min(half);
-        let first = elements.first_layer.unwrap_or(penetration / LAYERS);
+        let passing = (kappa * grid.dx() / speed).sqrt().min(2.0 * grid.dx());
+        let first = (penetration / LAYERS).min(passing / LAYERS_OF_AN_ELEMENT);
+        let first = elements.first_layer.unwrap_or(first);
         let depth = Axis::graded(first, elements.ratio, elements.depth.unwrap_or(reach));
         let beyond = |distance: f64| if far { 1.0 / distance } else { 0.0 };
         let bottom = beyond(depth.places[depth.len() - 1]);

@@ -27,8 +27,8 @@ pub struct Body {
 }
 
 impl Body {
-    /// A cold body below a grid of the heat flux, in steady motion or in time, its elements laid out for a
-    /// speed [m/s].
+    /// A cold body below a grid of the heat flux, its elements laid out for a speed [m/s], in steady motion or in
+    /// time.
     #[must_use]
     pub fn new(
         grid: &Structured,
@@ -53,11 +53,12 @@ impl Body {
     /// Rises below a row of a state.
     #[must_use]
     pub fn below(&self, stage: Stage, row: usize) -> Below {
-        let Rises { values, behind } = self.motion.below(stage, row);
+        let Rises { values, behind, dense } = self.motion.below(stage, row);
         Below {
             columns: values.len() / self.depths.len(),
             rises: values,
             first: self.grid.x(0) - behind * self.grid.dx(),
+            spacing: self.grid.dx() / dense as f64,
             depths: self.depths.clone(),
         }
     }

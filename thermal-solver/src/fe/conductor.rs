@@ -26,7 +26,7 @@ const MOST_NEWTON: usize = 30;
 /// Iterations of conjugate gradients at most.
 const MOST_ITERATIONS: usize = 500;
 /// Reduction of the residual by conjugate gradients in a step of Newton's method.
-const REDUCTION: f64 = 1e-4;
+const REDUCTION: f64 = 1e-8;
 
 /// What a free surface exchanges with its surroundings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

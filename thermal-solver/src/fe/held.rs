@@ -98,7 +98,7 @@ impl Motion for Held {
             Some((of, steady)) if *of == speed => steady.below(&self.basis, flux, row, self.behind),
             _ => self.prepare(speed).below(&self.basis, flux, row, self.behind),
         };
-        Rises { values: self.basis.rises(&amplitudes), behind: self.behind as f64 }
+        Rises { values: self.basis.rises(&amplitudes), behind: self.behind as f64 + 0.5, dense: 2 }
     }
 
     fn is_heated(&self, stage: Stage) -> bool {

@@ -138,7 +138,7 @@ impl Motion for Marched {
         let state = self.state(stage);
         let amplitudes = self.mesh.below(&state.amplitudes, row);
         let behind = self.mesh.columns.behind as f64 - state.position.front;
-        Rises { values: self.mesh.basis.rises(&amplitudes), behind }
+        Rises { values: self.mesh.basis.rises(&amplitudes), behind, dense: 1 }
     }
 
     fn is_heated(&self, stage: Stage) -> bool {

@@ -2,8 +2,8 @@
 //!
 //! Conduction, ρc(T) ∂T/∂t = ∇·(λ(T) ∇T) in material that passes under the contact at the speed V towards −x, with
 //! the flux q into the surface z = 0. The mesh of a body is a product of three axes ([`mesh`]): columns along,
-//! as long as the elements of the heat flux, rows across, and layers in depth that are graded from a twentieth of
-//! the depth to which heat goes while the contact passes ([`block`]). Hexahedra are trilinear, integrated at
+//! as long as the elements of the heat flux, rows across, and layers in depth that are graded from a small part of
+//! the depth to which heat goes while an element passes ([`block`]). Hexahedra are trilinear, integrated at
 //! their vertices: mass is lumped, and a node is coupled to its six neighbours.
 //!
 //! | module | what |

@@ -26,8 +26,10 @@ pub struct Given<'a> {
 pub struct Rises {
     /// Node after node in depth, column after column [K].
     pub values: Vec<f64>,
-    /// How far the first column is behind the first element, in elements.
+    /// How far the first column is behind the middle of the first element, in elements.
     pub behind: f64,
+    /// Columns in an element.
+    pub dense: usize,
 }
 
 /// A way to solve, with its states.

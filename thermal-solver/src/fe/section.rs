@@ -12,6 +12,8 @@ pub struct Below {
     pub columns: usize,
     /// Place of the first column [m].
     pub first: f64,
+    /// Distance from one column to the next [m].
+    pub spacing: f64,
     /// Depths of the nodes [m].
     pub depths: Vec<f64>,
 }
@@ -23,14 +25,14 @@ impl Below {
         let column = |column: usize| interpolate(&self.depths, depth, |k| at_node(k, column));
         let values: Vec<f64> = (0..self.columns).map(column).collect();
         for (i, rise) in rise.iter_mut().enumerate() {
-            *rise = between(&values, (first - self.first) / h + i as f64);
+            *rise = between(&values, (first + i as f64 * h - self.first) / self.spacing);
         }
     }
 
     /// Rise [K] at a place [m] and a depth [m].
     #[must_use]
-    pub fn at(&self, place: f64, h: f64, depth: f64) -> f64 {
-        let at = (place - self.first) / h;
+    pub fn at(&self, place: f64, depth: f64) -> f64 {
+        let at = (place - self.first) / self.spacing;
         let from = (at.floor() as isize - 1).clamp(0, self.columns as isize - 1) as usize;
         let to = (from + 4).min(self.columns);
         let column = |column: usize| {
@@ -54,8 +56,8 @@ pub fn place(columns: &[f64], front: f64, rise: &mut [f64]) {
     }
 }
 
-/// A value between even ones, by the cubic through the four round it, within their range; that of the end
-/// beyond the ends.
+/// A value between even ones, by the cubic through the four round it, between the two beside it where the four rise or
+/// fall; that of the end beyond the ends.
 fn between(values: &[f64], at: f64) -> f64 {
     let last = values.len() - 1;
     let at = at.clamp(0.0, last as f64);
@@ -70,8 +72,11 @@ fn between(values: &[f64], at: f64) -> f64 {
     let cubic = b + theta
         * (c - a / 3.0 - b / 2.0 - d / 6.0
             + theta * ((a + c) / 2.0 - b + theta * ((d - a) / 6.0 + (b - c) / 2.0)));
-    let range = |pick: fn(f64, f64) -> f64| four.into_iter().reduce(pick).expect("four values");
-    cubic.clamp(range(f64::min), range(f64::max))
+    let rising = [b - a, c - b, d - c];
+    if rising.iter().all(|rise| *rise >= 0.0) || rising.iter().all(|rise| *rise <= 0.0) {
+        return cubic.clamp(b.min(c), b.max(c));
+    }
+    cubic
 }
 
 /// A value between uneven ones, by the cubic through the four round it, within the range of the two beside it.

@@ -95,12 +95,12 @@ impl Steady {
         }
     }
 
-    /// Amplitudes below a row of the flux, summed over the modes across: those of `behind` columns behind the
-    /// flux and of its own, column after column.
+    /// Amplitudes below a row of the flux, summed over the modes across: at the downstream edge and in the middle
+    /// of `behind` elements behind the flux and of its own, one after the other.
     #[must_use]
     pub fn below(&self, basis: &Basis, flux: &Flux, row: usize, behind: usize) -> Vec<f64> {
         let columns = behind + self.columns;
-        let mut sums = vec![0.0; columns * basis.size()];
+        let mut sums = vec![0.0; 2 * columns * basis.size()];
         let mut scratch = Scratch::default();
         for (mode, march) in self.marches.iter().enumerate() {
             scratch.project(basis, mode, flux);
@@ -200,7 +200,7 @@ impl March {
         }
     }
 
-    /// Adds `shape` times the amplitudes at the middles of the elements to `sums`, element after element.
+    /// Adds `shape` times the amplitudes at the downstream edge and in the middle of each element to `sums`.
     fn below(&self, columns: usize, shape: f64, at: impl Fn(usize) -> [f64; 3], sums: &mut [f64]) {
         let size = self.gain.len();
         let mut amplitude = vec![0.0; size];
@@ -208,8 +208,8 @@ impl March {
             let [l, m, r] = at(i);
             let centre = 0.25 * (l + 2.0 * m + r);
             let own = [[centre, 0.5 * (m + r), r], [centre, 0.5 * (l + m), l]];
-            let sums = &mut sums[i * size..(i + 1) * size];
-            for (mode, sum) in sums.iter_mut().enumerate() {
+            let (edge, middle) = sums[2 * i * size..2 * (i + 1) * size].split_at_mut(size);
+            for (mode, sum) in middle.iter_mut().enumerate() {
                 let mut value = self.down.half[mode] * amplitude[mode];
                 for (halves, own) in self.halves.iter().zip(own) {
                     for (weight, own) in halves.iter().zip(own) {
@@ -219,14 +219,19 @@ impl March {
                 *sum += shape * self.gain[mode] * value;
             }
             self.down.advance(&mut amplitude, [l, m, r]);
+            for (mode, sum) in edge.iter_mut().enumerate() {
+                *sum += shape * self.gain[mode] * amplitude[mode];
+            }
         }
         let Some(up) = &self.up else { return };
         amplitude.fill(0.0);
         for i in 0..columns {
             let [l, m, r] = at(i);
-            let sums = &mut sums[i * size..(i + 1) * size];
-            for (mode, sum) in sums.iter_mut().enumerate() {
-                *sum += shape * self.gain[mode] * up.half[mode] * amplitude[mode];
+            let (edge, middle) = sums[2 * i * size..2 * (i + 1) * size].split_at_mut(size);
+            for (mode, (edge, middle)) in edge.iter_mut().zip(middle).enumerate() {
+                let part = shape * self.gain[mode] * amplitude[mode];
+                *edge += part;
+                *middle += up.half[mode] * part;
             }
             up.advance(&mut amplitude, [r, m, l]);
         }

@@ -235,7 +235,7 @@ impl Motion for Stepped {
         let start = (self.first_row + row) * size;
         let rise = |value: &f64| self.block.law.rise(*value);
         let values = state.now[start..start + size].iter().map(rise).collect();
-        Rises { values, behind: self.columns.behind as f64 - state.position.front }
+        Rises { values, behind: self.columns.behind as f64 - state.position.front, dense: 1 }
     }
 
     /// What is below zero is what the iterations leave.

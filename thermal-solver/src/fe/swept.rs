@@ -233,7 +233,7 @@ impl Motion for Swept {
         let layer = |k: usize| (0..state.len() / size).map(move |column| (k, column));
         let all = (0..size / across).flat_map(layer);
         let values = all.map(|(k, column)| self.block.law.rise(at(k, column))).collect();
-        Rises { values, behind: self.behind as f64 }
+        Rises { values, behind: self.behind as f64, dense: 1 }
     }
 
     /// What is below zero is what the iterations leave.

@@ -105,7 +105,7 @@ fn unknowns(frame: &Frame) -> usize {
 impl Conduction for FiniteElements {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
-    const EXCHANGES: bool = true;
+    const EXCHANGES: &'static [Mode] = &[Mode::Steady];
     const ELEMENTS: bool = true;
     const STATE_TAG: u8 = 4;
 
@@ -213,8 +213,7 @@ impl Conduction for FiniteElements {
 
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
         let scale = 2.0 * self.frame.scene.materials[body].diffusivity().sqrt();
-        let h = self.frame.grid.dx();
-        self.on_row(Stage::Accepted, body, row, |below| below.at(x, h, depth * scale))
+        self.on_row(Stage::Accepted, body, row, |below| below.at(x, depth * scale))
     }
 
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {

@@ -174,7 +174,7 @@ pub struct MovingSource {
 impl Conduction for MovingSource {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
-    const EXCHANGES: bool = true;
+    const EXCHANGES: &'static [Mode] = &[Mode::Steady, Mode::Transient];
     const STATE_TAG: u8 = 3;
 
     fn new(frame: &Frame) -> Self {

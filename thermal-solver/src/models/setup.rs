@@ -73,10 +73,11 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     }
     let scene = Scene::read(&given.case)?;
     let partition = Partition::read(&given.case)?;
-    if !C::EXCHANGES && partition.resistance().is_some() {
+    if partition.resistance().is_some() && !C::EXCHANGES.contains(&given.mode) {
+        let others = if C::EXCHANGES.is_empty() { "" } else { " in cases of this mode" };
         return Err(Refusal::new(
             friction_heat::PARTITION_KEY,
-            format!("model `{}` splits heat by one share everywhere", given.model),
+            format!("model `{}` splits heat by one share everywhere{others}", given.model),
             "write \"effusivity\", which is the same at high speed, or [thermal] model = \
              \"moving-source\"",
         ));

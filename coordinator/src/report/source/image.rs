@@ -75,6 +75,20 @@ impl Image {
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         Some((self.middle(along, column), points))
     }
+
+    /// The row of cells nearest to the origin of the plane's second axis, the surface of a section: place \[m\] and
+    /// value of each cell.
+    #[must_use]
+    pub(crate) fn along_surface(&self, field: &Field) -> Option<Vec<[f64; 2]>> {
+        let [along, upright] = self.plane()?;
+        let columns = self.cells[along];
+        let from_surface = |row: &usize| self.middle(upright, *row).abs();
+        let row =
+            (0..self.cells[upright]).min_by(|a, b| from_surface(a).total_cmp(&from_surface(b)))?;
+        let point =
+            |column: usize| [self.middle(along, column), field.values[row * columns + column]];
+        Some((0..columns).map(point).collect())
+    }
 }
 
 impl Field {
