@@ -51,7 +51,8 @@ pub fn spec() -> ModelSpec {
 
 /// What the layers leave, whose number is not a resolution.
 fn by_layers() -> Simplification {
-    let source = "wheel-rail and falling-friction against model `moving-source` (docs/theory/fe.md)";
+    let source =
+        "wheel-rail and falling-friction against model `moving-source` (docs/theory/fe.md)";
     Simplification::always("layers of elements in depth", 5e-5, source)
 }
 
