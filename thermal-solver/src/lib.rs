@@ -51,7 +51,7 @@ impl Solver for ThermalSolver {
             models: models::REGISTRY.iter().map(|model| (model.spec)()).collect(),
             effects: effects::REGISTRY.iter().map(|effect| (effect.spec)()).collect(),
             keys: scene::keys(),
-            fields: Vec::new(),
+            fields: effects::volume_temperature::VOLUMES.map(|field| field.kind()).to_vec(),
             figures: figures::figures(),
             renamed: Vec::new(),
         }

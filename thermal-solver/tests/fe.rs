@@ -6,13 +6,15 @@
 mod support;
 
 use proto::configuration::Mode;
-use proto::grid::Structured;
+use proto::grid::{Grid, Structured};
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::io::Write;
 use support::*;
 use thermal_solver::ThermalSolver;
+use thermal_solver::effects::volume_temperature::VOLUMES;
 use thermal_solver::reference::ellipse::surface;
+use thermal_solver::{LOWER, UPPER};
 
 const B: f64 = 6.01e-3;
 /// Flux into a body in the middle of the ellipse [W/m²].
@@ -286,4 +288,54 @@ fn free_surfaces_cool() {
     };
     let found = [1.0, 1e4, 1e5].map(wake);
     assert!(found.windows(2).all(|pair| pair[0] > 1.01 * pair[1]), "{found:?}");
+}
+
+/// Every element of both bodies is written out: the uppermost layer is the surface, the volume is the mesh's, and with no
+/// effect of that name there is no such grid. Steady and in time, in modes and node by node.
+#[test]
+fn every_element_is_written_out() {
+    let grid = Structured::contact_plane(-9e-3, -2e-3, 1e-3, 5e-4, 18, 9);
+    let heat = heat(&grid);
+    for (mode, solver) in [Mode::Steady, Mode::Transient]
+        .into_iter()
+        .flat_map(|mode| ["auto", "iterative"].map(|s| (mode, s)))
+    {
+        let mut case = with(json!({"solver": solver, "wake": 0.02, "layer_ratio": 1.5}));
+        assert_eq!(Run::new("fe", mode, grid, case.clone()).layout.grids.len(), 3);
+        case["effects"]["volume_temperature"] = json!({});
+        let mut run = Run::new("fe", mode, grid, case);
+        run.advance(&heat, 7e-5);
+        for (body, surface) in
+            [UPPER, LOWER].into_iter().zip([run.wheel().to_vec(), run.rail().to_vec()])
+        {
+            let name = VOLUMES[body].name;
+            let announced = run.layout.grid_of(name).unwrap();
+            assert!(announced.is_announced());
+            let volume = run.model.moved_grids().iter().find(|grid| grid.name == announced.name);
+            let volume = volume.unwrap().clone();
+            let mut wanted = Wanted(vec![(name, vec![f64::NAN; volume.points()])]);
+            run.model.observe(&mut wanted);
+            let values = wanted.of(&VOLUMES[body]);
+            let columns = volume.points() / (grid.nj * layers(&volume));
+            let top = if body == LOWER { (layers(&volume) - 1) * grid.nj * columns } else { 0 };
+            for row in 0..grid.nj {
+                let start = top + (row + 1) * columns - grid.ni;
+                let found = &values[start..start + grid.ni];
+                let expected = &surface[row * grid.ni..(row + 1) * grid.ni];
+                assert!(difference(found, expected) < 1e-9 || largest(expected) == 0.0, "{solver}");
+            }
+            let centre = volume.centre(top + columns - grid.ni);
+            assert!((centre[0] - grid.x(0)).abs() < 1e-12 && (centre[1] - grid.y(0)).abs() < 1e-12);
+            assert!((centre[2] < 0.0) == (body == LOWER));
+        }
+    }
+}
+
+/// Layers of nodes of a volume, whose elements are counted along, across and in depth.
+fn layers(volume: &Grid) -> usize {
+    let centre = |element: usize| volume.centre(element)[2];
+    let mut depths: Vec<f64> = (0..volume.points()).map(centre).collect();
+    depths.sort_by(f64::total_cmp);
+    depths.dedup();
+    depths.len()
 }

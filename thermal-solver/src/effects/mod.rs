@@ -4,6 +4,7 @@ pub mod convection;
 pub mod friction_heat;
 pub mod radiation;
 pub mod temperature_material;
+pub mod volume_temperature;
 
 use crate::fe::conductor::Surroundings;
 use crate::fe::nature::Nature;
@@ -26,6 +27,7 @@ pub const REGISTRY: &[Effect] = &[
     Effect { name: temperature_material::NAME, spec: temperature_material::spec },
     Effect { name: convection::NAME, spec: convection::spec },
     Effect { name: radiation::NAME, spec: radiation::spec },
+    Effect { name: volume_temperature::NAME, spec: volume_temperature::spec },
 ];
 
 /// What the upper and the lower body are made of, and what is round them, with the effects that the case
@@ -73,7 +75,8 @@ mod tests {
                 assert!(models::REGISTRY.iter().any(|known| known.name == model), "{model}");
             }
             for field in spec.consumes.iter().chain(&spec.provides) {
-                assert!(proto::field::find(field).is_some(), "{field}");
+                let own = volume_temperature::VOLUMES.iter().any(|spec| spec.name == field);
+                assert!(own || proto::field::find(field).is_some(), "{field}");
             }
         }
     }

@@ -8,6 +8,7 @@ use super::summary::Peak;
 use crate::window::{Drive, Stage};
 use proto::accuracy::Simplification;
 use proto::configuration::Mode;
+use proto::grid::Grid;
 use proto::model::StepError;
 use std::io::{self, Read, Write};
 
@@ -72,6 +73,14 @@ pub trait Conduction: Sized + 'static {
 
     /// Rise [K] of a body in the accepted state at any x [m] of a row, at the depth c [√s].
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;
+
+    /// The elements of a body, for a model that has some.
+    fn volume(_: &Frame, _body: usize) -> Option<Grid> {
+        None
+    }
+
+    /// Rises [K] of a body's elements in the accepted state.
+    fn rises_in(&self, _body: usize, _rises: &mut [f64]) {}
 
     /// The hottest place of a body in the accepted state, whose surface rises are given, among the
     /// rows in which they are not zero; `None` if nothing is warm.

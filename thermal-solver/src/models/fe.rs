@@ -10,8 +10,10 @@ use super::setup::{resolution, resolution_across, section_key};
 use super::summary::{Peak, hottest};
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::reconstruction::sum_of_means;
-use crate::fe::block::{Block, Elements, keys};
+use crate::effects::volume_temperature::VOLUMES;
+use crate::fe::block::{Block, Elements, Solver, keys};
 use crate::fe::body::Body;
+use crate::fe::nature::Nature;
 use crate::fe::section::Below;
 use crate::moving_source::ages::Stretch;
 use crate::moving_source::half_space::{HalfSpace, Influence};
@@ -20,7 +22,8 @@ use crate::{LOWER, UPPER};
 use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;
-use proto::description::ModelSpec;
+use proto::description::{ModelSpec, names as names_of};
+use proto::grid::{Grid, Volume};
 use proto::model::StepError;
 use std::cell::RefCell;
 use std::io::{self, Read, Write};
@@ -30,6 +33,8 @@ use std::sync::Arc;
 #[must_use]
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
+    let provides =
+        provides.into_iter().chain(names_of(&[&VOLUMES[LOWER], &VOLUMES[UPPER]])).collect();
     let mut own = vec![resolution(), resolution_across(), section_key()];
     own.extend(keys());
     ModelSpec {
@@ -56,14 +61,18 @@ fn by_layers() -> Simplification {
     Simplification::always("layers of elements in depth", 5e-5, source)
 }
 
-/// Time of a step over its unknowns, measured [s].
-const SECONDS_PER_UNKNOWN: f64 = 3e-9;
-/// Memory over the unknowns in time: two states [byte].
-const BYTES_PER_UNKNOWN: u64 = 16;
+/// Time of a step over its unknowns, measured [s]: in modes, and node by node.
+const SECONDS_PER_UNKNOWN: [f64; 2] = [2.5e-9, 20e-9];
+/// Marches of a steady body node by node, about.
+const MARCHES: f64 = 3.0;
+/// Memory over the unknowns [byte]: two states in time, and what a step node by node computes in.
+const BYTES_PER_UNKNOWN: [u64; 2] = [16, 120];
 /// Memory over the elements of the grid [byte].
 const BYTES_PER_POINT: u64 = 200;
 /// Unknowns that are worth a thread.
 const WORTH: usize = 100_000;
+/// Names of the grids of the bodies' elements, upper and lower.
+const VOLUME_GRIDS: [&str; 2] = ["upper_elements", "lower_elements"];
 /// Steps of a window, about.
 const STEPS: f64 = 5.0;
 
@@ -89,16 +98,23 @@ fn expected_speed(frame: &Frame, body: usize) -> f64 {
     if frame.scene.at_rest[body] { 0.0 } else { frame.scene.speeds[body] }
 }
 
+/// Both bodies are solved for in the modes of their meshes.
+fn is_modal(frame: &Frame) -> bool {
+    elements(frame).solver == Solver::Auto && frame.natures.iter().all(Nature::is_constant)
+}
+
 /// Unknowns of both bodies.
 fn unknowns(frame: &Frame) -> usize {
     let of = |body: usize| {
         let material = &frame.scene.materials[body];
         let block =
             Block::new(&frame.grid, material, expected_speed(frame, body), &elements(frame));
-        match frame.mode {
-            Mode::Steady => frame.grid.ni * block.across.len() * block.depth.len(),
-            Mode::Transient => block.nodes(),
-        }
+        let columns = match (frame.mode, is_modal(frame)) {
+            (Mode::Steady, true) => frame.grid.ni,
+            (Mode::Steady, false) => frame.grid.ni + frame.behind(),
+            (Mode::Transient, _) => block.columns.count(),
+        };
+        columns * block.across.len() * block.depth.len()
     };
     of(UPPER) + of(LOWER)
 }
@@ -130,12 +146,19 @@ impl Conduction for FiniteElements {
 
     fn cost(frame: &Frame) -> Cost {
         let (unknowns, points) = (unknowns(frame), frame.grid.points() as u64);
-        let (steps, bytes) = match frame.mode {
-            Mode::Steady => (1.0, 0),
-            Mode::Transient => (STEPS, BYTES_PER_UNKNOWN),
+        let by_modes = is_modal(frame);
+        let node_by_node = usize::from(!by_modes);
+        let steps = match (frame.mode, by_modes) {
+            (Mode::Transient, _) => STEPS,
+            (Mode::Steady, true) => 1.0,
+            (Mode::Steady, false) => MARCHES,
+        };
+        let bytes = match (frame.mode, by_modes) {
+            (Mode::Steady, true) => 0,
+            _ => BYTES_PER_UNKNOWN[node_by_node],
         };
         Cost {
-            solve_seconds: steps * unknowns as f64 * SECONDS_PER_UNKNOWN,
+            solve_seconds: steps * unknowns as f64 * SECONDS_PER_UNKNOWN[node_by_node],
             memory_bytes: points * BYTES_PER_POINT + unknowns as u64 * bytes,
         }
     }
@@ -147,11 +170,11 @@ impl Conduction for FiniteElements {
             let block = Block::new(&frame.grid, material, speed, &elements(frame));
             let (layers, depth) = (block.depth.len() - 1, &block.depth.places);
             format!(
-                "elements of `{}`: {} along, {} across, {layers} layers from {:.3} to {:.3} mm of depth",
+                "elements of `{}`: {} along, {} across, {layers} layers from {:.2} µm to {:.3} mm of depth",
                 frame.scene.names.0[body],
                 frame.grid.ni + frame.behind(),
                 block.across.len(),
-                1e3 * depth[1],
+                1e6 * depth[1],
                 1e3 * depth[layers]
             )
         };
@@ -215,6 +238,45 @@ impl Conduction for FiniteElements {
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
         let scale = 2.0 * self.frame.scene.materials[body].diffusivity().sqrt();
         self.on_row(Stage::Accepted, body, row, |below| below.at(x, depth * scale))
+    }
+
+    /// What each node stands for, of the rows of the heat flux: boxes between the faces of columns, rows and
+    /// layers, from the deepest to the uppermost.
+    fn volume(frame: &Frame, body: usize) -> Option<Grid> {
+        let (grid, material) = (&frame.grid, &frame.scene.materials[body]);
+        let block = Block::new(grid, material, expected_speed(frame, body), &elements(frame));
+        let faces = |first: f64, width: f64, count: usize| -> Vec<f64> {
+            (0..=count).map(|face| first + (face as f64 - 0.5) * width).collect()
+        };
+        let behind = frame.behind();
+        let x = faces(grid.x(0) - behind as f64 * grid.dx(), grid.dx(), grid.ni + behind);
+        let y = faces(grid.y(0), grid.dy(), grid.nj);
+        let mut z = vec![0.0];
+        for width in &block.depth.widths {
+            z.push(z[z.len() - 1] + width);
+        }
+        if body == LOWER {
+            z = z.iter().rev().map(|depth| 0.0 - depth).collect();
+        }
+        Some(Grid::volume(VOLUME_GRIDS[body], Volume::rectilinear([&x, &y, &z])))
+    }
+
+    fn rises_in(&self, body: usize, rises: &mut [f64]) {
+        let (grid, behind) = (&self.frame.grid, self.frame.behind());
+        let (h, columns) = (grid.dx(), grid.ni + behind);
+        let first = grid.x(0) - behind as f64 * h;
+        for row in 0..grid.nj {
+            let below = self.bodies[body].below(Stage::Accepted, row);
+            let layers = below.depths.len();
+            for (layer, depth) in below.depths.iter().enumerate() {
+                let k = if body == LOWER { layers - 1 - layer } else { layer };
+                let start = (k * grid.nj + row) * columns;
+                below.level(*depth, h, first, &mut rises[start..start + columns]);
+            }
+        }
+        if self.bodies[body].motion.is_heated(Stage::Accepted) {
+            remove_negative_rounding(rises);
+        }
     }
 
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {

@@ -6,6 +6,7 @@ use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::natures;
+use crate::effects::volume_temperature::VOLUMES;
 use crate::fe::block::Elements;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
@@ -212,6 +213,12 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
             layout.grids.push(frame.section_grid(body));
             layout.fields.push(on(SECTIONS[body], SECTION_GRIDS[body]));
         }
+        if asked(&VOLUMES[body])
+            && let Some(grid) = C::volume(frame, body)
+        {
+            layout.fields.push(on(&VOLUMES[body], &grid.name));
+            layout.grids.push(grid.announced());
+        }
     }
     layout
 }
@@ -233,7 +240,12 @@ impl<C: Conduction> Setup for Prepared<C> {
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         match self.frame {
-            Some(frame) => Ok(Box::new(Shell::<C>::new(frame))),
+            Some(frame) => {
+                let asked = |body: &usize| self.layout.grid_of(VOLUMES[*body].name).is_some();
+                let volumes = [LOWER, UPPER].into_iter().filter(asked);
+                let volumes = volumes.filter_map(|body| C::volume(&frame, body)).collect();
+                Ok(Box::new(Shell::<C>::new(frame, volumes)))
+            }
             None => Err(Refusal::new(
                 "effects.friction_heat",
                 "the grid of `friction_power` is not known",

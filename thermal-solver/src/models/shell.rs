@@ -5,9 +5,10 @@ use super::fields::{SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
 use super::inputs::{checked, drive};
 use super::summary::{self, Peak, Solution};
+use crate::effects::volume_temperature::VOLUMES;
 use crate::window::Stage;
 use proto::field;
-use proto::grid::Structured;
+use proto::grid::{Grid, Structured};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
@@ -21,18 +22,21 @@ pub struct Shell<C> {
     trial: [Vec<f64>; 2],
     accepted: [Vec<f64>; 2],
     solved: bool,
+    /// The elements of the bodies that are written out.
+    volumes: Vec<Grid>,
 }
 
 impl<C: Conduction> Shell<C> {
     /// A model in its cold state.
     #[must_use]
-    pub fn new(frame: Frame) -> Self {
+    pub fn new(frame: Frame, volumes: Vec<Grid>) -> Self {
         let zero = vec![0.0; frame.grid.points()];
         Self {
             conduction: C::new(&frame),
             trial: [zero.clone(), zero.clone()],
             accepted: [zero.clone(), zero],
             solved: false,
+            volumes,
             frame,
         }
     }
@@ -86,7 +90,7 @@ impl<C: Conduction> Model for Shell<C> {
     }
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        for spec in SURFACES.iter().chain(&SECTIONS) {
+        for spec in SURFACES.into_iter().chain(SECTIONS).chain(&VOLUMES) {
             if let Some(values) = outputs.get(spec) {
                 values.fill(0.0);
             }
@@ -108,6 +112,15 @@ impl<C: Conduction> Model for Shell<C> {
             }
         }
         self.write_sections(Stage::Accepted, outputs);
+        for (body, volume) in VOLUMES.iter().enumerate() {
+            if let Some(values) = outputs.get(volume) {
+                self.conduction.rises_in(body, values);
+            }
+        }
+    }
+
+    fn moved_grids(&self) -> &[Grid] {
+        &self.volumes
     }
 
     fn summary(&self) -> serde_json::Value {

@@ -11,6 +11,7 @@ use proto::params::Params;
 use proto::progress::Progress;
 use serde_json::{Value, json};
 use thermal_solver::ThermalSolver;
+use thermal_solver::effects::volume_temperature::VOLUMES;
 use thermal_solver::quadrature::integrate;
 
 /// Tables 1 and 2 of the paper.
@@ -59,6 +60,11 @@ pub(crate) fn configuration(
         peak: None,
     };
     let names = |specs: &[&FieldSpec]| specs.iter().map(|s| s.name.to_owned()).collect();
+    let mut observed: Vec<String> =
+        names(&[&field::LOWER_SECTION_TEMPERATURE, &field::UPPER_SECTION_TEMPERATURE]);
+    if !case["effects"]["volume_temperature"].is_null() {
+        observed.extend(VOLUMES.map(|volume| volume.name.to_owned()));
+    }
     Configuration {
         role: "thermal".to_owned(),
         model: model.to_owned(),
@@ -70,7 +76,7 @@ pub(crate) fn configuration(
             input(&field::SURFACE_SPEED, one_point()),
         ],
         outputs: names(&[&field::LOWER_TEMPERATURE, &field::UPPER_TEMPERATURE]),
-        observed: names(&[&field::LOWER_SECTION_TEMPERATURE, &field::UPPER_SECTION_TEMPERATURE]),
+        observed,
         threads: 1,
     }
 }

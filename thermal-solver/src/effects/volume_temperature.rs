@@ -1,0 +1,43 @@
+//! Effect `volume_temperature`: the temperature rise of every element of both bodies is written out, for ParaView.
+//!
+//! Elements are those of the heat flux's rows, from behind the contact to its front, down to the last layer.
+//! It changes no answer, and costs what is written.
+
+use crate::models::names;
+use proto::description::{EffectSpec, names as field_names};
+use proto::field::{self, Body, FieldSpec, Mapping};
+
+/// Name in the case file.
+pub const NAME: &str = "volume_temperature";
+
+/// Temperature rises of the upper and the lower body.
+pub const VOLUMES: [FieldSpec; 2] = [
+    volume(
+        "upper_volume_temperature",
+        Body::Upper,
+        "temperature rise of the upper body's elements",
+    ),
+    volume(
+        "lower_volume_temperature",
+        Body::Lower,
+        "temperature rise of the lower body's elements",
+    ),
+];
+
+const fn volume(name: &'static str, body: Body, meaning: &'static str) -> FieldSpec {
+    FieldSpec { name, unit: "K", components: 1, mapping: Mapping::Consistent, body, meaning }
+}
+
+/// The thermal participant's part of the effect.
+#[must_use]
+pub fn spec() -> EffectSpec {
+    EffectSpec {
+        name: NAME.to_owned(),
+        law: "the temperature rise of every element of both bodies".to_owned(),
+        source: "docs/theory/fe.md".to_owned(),
+        models: vec![names::FE.to_owned()],
+        consumes: field_names(&[&field::FRICTION_POWER]),
+        provides: field_names(&[&VOLUMES[1], &VOLUMES[0]]),
+        keys: Vec::new(),
+    }
+}
