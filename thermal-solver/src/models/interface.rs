@@ -1,9 +1,8 @@
 //! What flows between the surfaces of two bodies where friction heats them, found by corrections.
 //!
 //! A model says what its surfaces become under what flows; the corrections come from half-spaces in the same
-//! windows ([`crate::moving_source::exchange`]), which another model need only resemble: what each correction has
-//! done to the errors is measured, and the next one begins with the combination of all of them that leaves least
-//! (D. G. Anderson, J. ACM 12 (1965) 547–560), for equations as linear as these a GMRES iteration.
+//! windows ([`crate::moving_source::exchange`]), which another model need only resemble: what each correction
+//! leaves is measured by the model itself.
 
 use crate::moving_source::ages::Stretch;
 use crate::moving_source::exchange::Exchange;
@@ -16,17 +15,13 @@ use std::sync::Arc;
 
 /// Difference of the temperatures, over the highest, at which what flows between the surfaces is found.
 const SETTLED: f64 = 1e-7;
-/// Difference at which it is found if four corrections have not brought it down by half: what an element's flux does to a
-/// surface whose nodes are between its elements is not all seen there.
-const SEEN: f64 = 1e-4;
 /// Corrections of it at most.
 const MOST_CORRECTIONS: usize = 40;
 
 /// The bodies of a model, as their interface sees them.
 pub(super) trait Rubbing {
-    /// Adds what flows between the surfaces to the flux means of both bodies, from the upper into the
-    /// lower one, at these elements [W/m²].
-    fn flow(&mut self, at: &[usize], more: &[f64]);
+    /// Element means of the flux into the upper and the lower body [W/m²].
+    fn means(&mut self) -> [&mut [f64]; 2];
 
     /// Surfaces under the flux means; the work.
     fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError>;
@@ -48,8 +43,6 @@ pub(super) struct Interface {
     flows: Vec<f64>,
     errors: Vec<f64>,
     correction: Vec<f64>,
-    /// What corrections have done to the errors, orthonormal, and those corrections.
-    done: Vec<[Vec<f64>; 2]>,
 }
 
 impl Interface {
@@ -64,20 +57,19 @@ impl Interface {
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
         self.touch(flux, grid.ni);
-        self.done.clear();
-        let (mut work, mut last) = (0, [f64::INFINITY; 4]);
+        let mut work = 0;
         for _ in 0..MOST_CORRECTIONS {
-            let before = std::mem::take(&mut self.errors);
             let largest = self.judge(resistance, rise);
-            self.learn(before);
             let warmest = rise.iter().flatten().fold(0.0_f64, |most, rise| most.max(rise.abs()));
-            let still = largest > 0.5 * last[0] && largest <= SEEN * warmest;
-            if largest <= SETTLED * warmest || still {
+            if largest <= SETTLED * warmest {
                 return Ok(work);
             }
-            last = [last[1], last[2], last[3], largest];
             work += self.correct(grid, resistance, bodies) * flux.len() as u64;
-            bodies.flow(&self.touching, &self.correction);
+            let [upper, lower] = bodies.means();
+            for (at, more) in self.touching.iter().zip(&self.correction) {
+                upper[*at] -= more;
+                lower[*at] += more;
+            }
             work += bodies.warm(rise)?;
         }
         Err(StepError::NoSolution(format!(
@@ -112,25 +104,6 @@ impl Interface {
         self.errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()))
     }
 
-    /// Learns from the errors before the last correction what that has done.
-    fn learn(&mut self, mut before: Vec<f64>) {
-        if before.len() != self.errors.len() || self.flows.iter().all(|flow| *flow == 0.0) {
-            return;
-        }
-        before.iter_mut().zip(&self.errors).for_each(|(before, now)| *before = now - *before);
-        let mut by = self.correction.clone();
-        for [change, correction] in &self.done {
-            let part = dot(&before, change);
-            add(-part, change, &mut before);
-            add(-part, correction, &mut by);
-        }
-        let size = dot(&before, &before).sqrt();
-        if size > 0.0 {
-            before.iter_mut().chain(&mut by).for_each(|value| *value /= size);
-            self.done.push([before, by]);
-        }
-    }
-
     /// Makes a correction of the errors; the products that it took.
     fn correct(&mut self, grid: &Structured, resistance: f64, bodies: &dyn Rubbing) -> u64 {
         let windows = bodies.windows();
@@ -140,28 +113,11 @@ impl Interface {
             let influences = bodies.influences(plan);
             Exchange::new(grid, influences.each_ref().map(|one| &**one), resistance)
         });
-        let mut left = self.errors.clone();
-        let parts: Vec<f64> = self.done.iter().map(|[change, _]| -dot(&left, change)).collect();
-        for (part, [change, _]) in parts.iter().zip(&self.done) {
-            add(*part, change, &mut left);
-        }
-        let products = exchange.correct(plan, &self.touching, &left, &mut self.correction);
-        for (part, [_, correction]) in parts.iter().zip(&self.done) {
-            add(*part, correction, &mut self.correction);
-        }
+        let products = exchange.correct(plan, &self.touching, &self.errors, &mut self.correction);
         self.flows.iter_mut().zip(&self.correction).for_each(|(flow, more)| *flow += more);
         self.exchange = Some((windows, exchange));
         products as u64
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// to += part · what.
-fn add(part: f64, what: &[f64], to: &mut [f64]) {
-    to.iter_mut().zip(what).for_each(|(to, what)| *to += part * what);
 }
 
 /// Does something to both bodies, on a thread each if there are two; the work of both.

@@ -298,11 +298,8 @@ impl Conduction for MovingSource {
 }
 
 impl Rubbing for MovingSource {
-    fn flow(&mut self, at: &[usize], more: &[f64]) {
-        for (at, more) in at.iter().zip(more) {
-            self.bodies[UPPER].means[*at] -= more;
-            self.bodies[LOWER].means[*at] += more;
-        }
+    fn means(&mut self) -> [&mut [f64]; 2] {
+        self.bodies.each_mut().map(|body| body.means.as_mut_slice())
     }
 
     fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
