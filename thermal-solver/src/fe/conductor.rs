@@ -95,17 +95,23 @@ pub struct Took {
     pub iterations: usize,
     /// What is left of the residual over the right-hand side.
     pub residual: f64,
-    /// Sum of the residual [W]: heat that is missing in the balance.
-    pub missing: f64,
 }
 
 impl Took {
+    /// The equation is solved to its tolerance.
+    #[must_use]
+    pub fn is_solved(&self) -> bool {
+        self.residual <= SOLVED
+    }
+
     /// Adds what another step took.
     pub fn add(&mut self, other: Self) {
         self.newton += other.newton;
         self.iterations += other.iterations;
-        self.residual = self.residual.max(other.residual);
-        self.missing += other.missing;
+        // One that is no number stays.
+        if !(other.residual <= self.residual) {
+            self.residual = other.residual;
+        }
     }
 }
 
@@ -463,9 +469,8 @@ impl NullaryFnOnce for Solve<'_> {
         loop {
             block.residual(request, now, memory);
             let left = dot(&memory.residual, &memory.residual).sqrt();
-            took.residual = if scale > 0.0 { left / scale } else { left };
-            if left <= SOLVED * scale || took.newton == MOST_NEWTON {
-                took.missing = memory.residual.iter().sum();
+            took.residual = if left == 0.0 { 0.0 } else { left / scale };
+            if took.is_solved() || took.newton == MOST_NEWTON {
                 return took;
             }
             took.newton += 1;

@@ -66,6 +66,23 @@ pub struct Step {
     pub middle: f64,
 }
 
+impl Step {
+    /// What columns receive in the step under these means of the flux, and those of the step before where the
+    /// scheme remembers them: it makes of the heat of both what it makes of the differences of temperature that
+    /// they cause.
+    pub fn receive(&self, means: &[f64], last: &mut [f64], heat: &mut [f64]) {
+        let [new, _, old] = self.by.a;
+        heat.copy_from_slice(means);
+        if old != 0.0 {
+            let before = last[self.shifts[0]..].iter().copied().chain(std::iter::repeat(0.0));
+            for (heat, before) in heat.iter_mut().zip(before) {
+                *heat = new * *heat + old * self.over_last * before;
+            }
+        }
+        last.copy_from_slice(&means[..last.len()]);
+    }
+}
+
 /// The steps of a window.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Creep {

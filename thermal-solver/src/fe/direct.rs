@@ -30,8 +30,6 @@ pub struct Direct {
     right: Vec<f64>,
     factor_memory: MemBuffer,
     solve_memory: MemBuffer,
-    /// Factorisations so far.
-    pub factorisations: usize,
 }
 
 impl Direct {
@@ -95,7 +93,6 @@ impl Direct {
             factor_memory: MemBuffer::new(factor_memory),
             solve_memory: MemBuffer::new(solve_memory),
             symbolic,
-            factorisations: 0,
         }
     }
 
@@ -131,7 +128,6 @@ impl Direct {
                 )
                 .expect("a matrix of conduction is positive definite");
             self.factored.clone_from(&self.values);
-            self.factorisations += 1;
         }
         for (place, value) in self.order.iter().zip(right) {
             self.right[*place] = *value;
@@ -148,12 +144,6 @@ impl Direct {
         for (place, out) in self.order.iter().zip(out) {
             *out = self.right[*place];
         }
-    }
-
-    /// Numbers of the factor, and its bytes.
-    #[must_use]
-    pub fn bytes(&self) -> usize {
-        size_of::<f64>() * (self.factor.len() + 2 * self.values.len())
     }
 }
 

@@ -11,6 +11,9 @@
 const STEPS: usize = 8192;
 /// What is added to a number so that its last bits are the nearest whole one.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
+/// What is taken from a place before it is rounded to the node below it: less than a half, so that what is next to a
+/// node counts from that node, on either side.
+const BELOW: f64 = 0.5 - 1.0 / 1024.0;
 /// How far beyond its lines a table is continued [K].
 const BEYOND: f64 = 3000.0;
 
@@ -28,7 +31,8 @@ pub struct Point {
 /// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Law {
-    first: f64,
+    /// Number of the node at Θ = 0.
+    zero: f64,
     inverse_step: f64,
     step: f64,
     heats: Box<[Node; STEPS]>,
@@ -37,7 +41,7 @@ pub struct Law {
     points: Vec<Point>,
 }
 
-/// A node of a table: a function, its slope, and by how much that is larger at the next node.
+/// A node of a table: a function, its slope, and the slope of that towards the next node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(32))]
 struct Node {
@@ -78,8 +82,9 @@ impl Law {
         let zero = corners.iter().position(|corner| *corner == initial).expect("it is a corner");
         let origin = potentials[zero];
         potentials.iter_mut().for_each(|potential| *potential -= origin);
-        let first = potentials[0];
-        let step = (potentials[potentials.len() - 1] - first) / STEPS as f64;
+        let (lowest, highest) = (potentials[0], potentials[potentials.len() - 1]);
+        let step = (highest - lowest) / (STEPS - 1) as f64;
+        let zero = (-lowest / step).ceil();
         let temperature = |potential: f64| {
             let next = potentials.partition_point(|p| *p <= potential).clamp(1, corners.len() - 1);
             let (low, high) = (at(corners[next - 1]).0, at(corners[next]).0);
@@ -89,25 +94,21 @@ impl Law {
                 + 2.0 * rest / (low + (low * low + 2.0 * slope * rest).max(0.0).sqrt())
         };
         let slopes = |of: &dyn Fn(f64, f64) -> f64| {
-            let slope = |i: usize| {
-                let (conductivity, capacity) = at(temperature(first + i as f64 * step));
+            let slope = |node: usize| {
+                let (conductivity, capacity) = at(temperature((node as f64 - zero) * step));
                 of(conductivity, capacity)
             };
-            tabulate(step, slope)
+            tabulate(step, zero as usize, slope)
         };
-        let mut law = Self {
-            first,
+        Self {
+            zero,
             inverse_step: 1.0 / step,
             step,
             heats: slopes(&|conductivity, capacity| capacity / conductivity),
             rises: slopes(&|conductivity, _| 1.0 / conductivity),
             initial,
             points: points.to_vec(),
-        };
-        let (heat, rise) = (law.held(0.0).heat, law.rise(0.0));
-        law.heats.iter_mut().for_each(|node| node.value -= heat);
-        law.rises.iter_mut().for_each(|node| node.value -= rise);
-        law
+        }
     }
 
     /// Of constant properties.
@@ -122,27 +123,22 @@ impl Law {
         self.initial
     }
 
-    /// First and last temperature of the points [K].
-    #[must_use]
-    pub fn range(&self) -> [f64; 2] {
-        [self.points[0].temperature, self.points[self.points.len() - 1].temperature]
-    }
-
     /// Conductivity of the cold body [W/(m·K)].
     #[must_use]
     pub fn conductivity(&self) -> f64 {
         properties(&self.points, self.initial).0
     }
 
-    /// A function and its slope where Θ is this.
+    /// A function and its slope where Θ is this. Counted from Θ = 0, where a node is, so that what is nearly
+    /// cold has all its digits.
     #[inline(always)]
     fn look_up(&self, table: &[Node; STEPS], potential: f64) -> [f64; 2] {
-        let at = (potential - self.first) * self.inverse_step;
-        let whole = (at - 0.5).clamp(0.0, (STEPS - 1) as f64) + WHOLE;
+        let at = potential * self.inverse_step + self.zero;
+        let whole = (at - BELOW).clamp(0.0, (STEPS - 1) as f64) + WHOLE;
         let Node { value, slope, bend } = table[whole.to_bits() as usize % STEPS];
-        let part = at - (whole - WHOLE);
-        let more = part * bend;
-        [value + self.step * part * (slope + 0.5 * more), slope + more]
+        let rest = potential - ((whole - WHOLE) - self.zero) * self.step;
+        let more = rest * bend;
+        [value + rest * (slope + 0.5 * more), slope + more]
     }
 
     /// Heat that a place with this Θ [W/m] holds.
@@ -181,15 +177,19 @@ impl Law {
     }
 }
 
-/// Nodes of a function with these slopes.
-fn tabulate(step: f64, slope: impl Fn(usize) -> f64) -> Box<[Node; STEPS]> {
+/// Nodes of a function with these slopes that is zero at one of them.
+fn tabulate(step: f64, zero: usize, slope: impl Fn(usize) -> f64) -> Box<[Node; STEPS]> {
+    let slopes: Vec<f64> = (0..=STEPS).map(slope).collect();
     let mut nodes = Box::new([Node::default(); STEPS]);
-    let (mut value, mut own) = (0.0, slope(0));
-    for (i, node) in nodes.iter_mut().enumerate() {
-        let next = slope(i + 1);
-        *node = Node { value, slope: own, bend: next - own };
-        value += 0.5 * step * (own + next);
-        own = next;
+    for (node, pair) in nodes.iter_mut().zip(slopes.windows(2)) {
+        (node.slope, node.bend) = (pair[0], (pair[1] - pair[0]) / step);
+    }
+    let between = |node: usize| 0.5 * step * (slopes[node] + slopes[node + 1]);
+    for node in zero + 1..STEPS {
+        nodes[node].value = nodes[node - 1].value + between(node - 1);
+    }
+    for node in (0..zero).rev() {
+        nodes[node].value = nodes[node + 1].value - between(node);
     }
     nodes
 }
@@ -231,13 +231,13 @@ mod tests {
         }
     }
 
-    /// Constant properties are met to rounding, far beyond any table.
+    /// Constant properties are met to rounding, far beyond any table, and however little a place has warmed.
     #[test]
     fn constant_properties_are_exact() {
         let law = Law::constant(50.0, 3e6, 300.0);
-        for rise in [-250.0, 0.0, 1e-3, 2500.0] {
-            assert!((law.rise(50.0 * rise) - rise).abs() < 1e-12 * 2500.0);
-            assert!((law.held(50.0 * rise).heat - 3e6 * rise).abs() < 1e-12 * 3e6 * 2500.0);
+        for rise in [-250.0, 0.0, 1e-30, 1e-3, 2500.0_f64] {
+            assert!((law.rise(50.0 * rise) - rise).abs() <= 1e-12 * rise.abs());
+            assert!((law.held(50.0 * rise).heat - 3e6 * rise).abs() <= 1e-12 * 3e6 * rise.abs());
         }
     }
 }

@@ -40,8 +40,15 @@ impl Nature {
     /// The work of a solve whose coldest and hottest rises are these [K].
     ///
     /// # Errors
-    /// They are beyond what is known of the material.
+    /// The equations are not solved, or the rises are beyond what is known of the material.
     pub fn check(&self, extremes: [f64; 2], took: Took) -> Result<u64, StepError> {
+        if !took.is_solved() {
+            return Err(StepError::NoSolution(format!(
+                "the equations of the elements are not solved: the residual is {:.1e} after {} steps of Newton's \
+                 method; write thermal.solver = \"direct\", or a smaller thermal.step",
+                took.residual, took.newton
+            )));
+        }
         let work = (took.newton + took.iterations) as u64;
         let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else {
             return Ok(work);

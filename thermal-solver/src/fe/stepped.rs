@@ -144,7 +144,6 @@ impl Stepped {
     /// The heat that the surface nodes receive in a step, and which of them are free.
     fn receive(&mut self, step: &Step) {
         let columns = self.columns.count();
-        let [new, _, old] = step.by.a;
         for row in 0..self.rows {
             let of = row * columns..(row + 1) * columns;
             let FluxRow { middle, edge, support } = self.flux.row(row);
@@ -152,18 +151,9 @@ impl Stepped {
             ModeFlux { middle, edge }.means(step.middle, self.columns.behind, &mut self.means);
             let node = (self.first_row + row) * columns;
             let surface = &mut self.surface[node..node + columns];
-            surface.copy_from_slice(&self.means);
-            if !self.trial.fluxes.is_empty() {
-                let last = &mut self.trial.fluxes[of];
-                let shift = step.shifts[0];
-                let before = last[shift..].iter().copied().chain(std::iter::repeat(0.0));
-                if old != 0.0 {
-                    for (heat, before) in surface.iter_mut().zip(before) {
-                        *heat = new * *heat + old * step.over_last * before;
-                    }
-                }
-                last.copy_from_slice(&self.means);
-            }
+            let remembered =
+                of.start.min(self.trial.fluxes.len())..of.end.min(self.trial.fluxes.len());
+            step.receive(&self.means, &mut self.trial.fluxes[remembered], surface);
             let area = self.columns.h * self.widths[self.first_row + row];
             surface.iter_mut().for_each(|heat| *heat *= area);
             // A node is in the contact while it is in the middle of the step.

@@ -5,8 +5,8 @@
 //! downstream, from column to column of the moving frame, in as many steps of time: the solution where nothing is
 //! conducted along. What is conducted along is then a source in every column, from the slices of the sweep
 //! before, and the march is repeated until the slices stay the same. Each sweep brings the error down by about
-//! the Fourier number 4κ/(Vh) of the passage of an element; above [`SLOW`] that is no way to the solution, and is
-//! refused.
+//! four times the Fourier number κ/(Vh) of the passage of an element; where that is above [`SLOW`] it is no way to the
+//! solution, and is refused.
 
 use super::block::Block;
 use super::conductor::{Conductor, Memory, Request, Took};

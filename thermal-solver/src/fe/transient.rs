@@ -137,13 +137,14 @@ impl Mesh {
         let count = self.columns.count();
         scratch.factors.resize(count, [0.0; LANES]);
         scratch.means.resize(count, 0.0);
+        scratch.flux.resize(count, 0.0);
         let mut place = f64::NAN;
         for step in steps {
             if step.middle != place {
                 place = step.middle;
                 flux.means(place, self.columns.behind, &mut scratch.means);
             }
-            scratch.receive(step, state.flux);
+            step.receive(&scratch.means, state.flux, &mut scratch.flux);
             scratch.lanes.clear();
             scratch.lanes.resize(count, [0.0; LANES]);
             scratch.old.clear();
@@ -192,24 +193,6 @@ impl Mesh {
             };
             line.solve(new, scratch);
         }
-    }
-}
-
-impl Scratch {
-    /// What a step receives: the scheme makes of the heat of this step and the last what it makes of the
-    /// differences of temperature that they cause.
-    fn receive(&mut self, step: &Step, last: &mut [f64]) {
-        let Step { by: Coefficients { a: [new, _, old], .. }, shifts: [shift, _], .. } = *step;
-        self.flux.clear();
-        if old == 0.0 {
-            self.flux.extend_from_slice(&self.means);
-        } else {
-            let old = old * step.over_last;
-            let last = last[shift..].iter().copied().chain(std::iter::repeat(0.0));
-            self.flux
-                .extend(self.means.iter().zip(last).map(|(mean, last)| new * mean + old * last));
-        }
-        last.copy_from_slice(&self.means[..last.len()]);
     }
 }
 
