@@ -12,8 +12,13 @@ use serde_json::{Value, json};
 use std::io::Write;
 use support::*;
 use thermal_solver::ThermalSolver;
+use thermal_solver::columns::reconstruction::Flux;
 use thermal_solver::effects::volume_temperature::VOLUMES;
-use thermal_solver::reference::ellipse::surface;
+use thermal_solver::fe::basis::Basis;
+use thermal_solver::fe::mesh::Axis;
+use thermal_solver::fe::steady::Steady;
+use thermal_solver::reference::ellipse::{peak, surface};
+use thermal_solver::scene::Material;
 use thermal_solver::{LOWER, UPPER};
 
 const B: f64 = 6.01e-3;
@@ -106,8 +111,9 @@ fn the_papers_ellipse_in_a_hundred_steps() {
             run.summary("rail", "max_rise_k").unwrap(),
             run.summary("rail", "x_m").unwrap() / SEMI_AXIS
         );
-        let aim = if scheme == "crank-nicolson" { 2e-3 } else { 1.1e-2 };
-        assert!(l2 < aim, "{scheme} {l2}");
+        // 0.2 % was asked for; the others lag by steps of an element.
+        let aim = [("crank-nicolson", 2e-3), ("bdf2", 2.5e-3), ("backward-euler", 1.1e-2)];
+        assert!(aim.iter().any(|(of, aim)| *of == scheme && l2 < *aim), "{scheme} {l2}");
         let coldest = run.rail().iter().fold(0.0_f64, |least, rise| least.min(*rise));
         assert!(coldest >= 0.0, "{coldest}");
     }
@@ -143,7 +149,8 @@ fn any_speed_down_to_rest() {
         let at = run.summary("rail", "x_m").unwrap() / SEMI_AXIS;
         println!("Pe {peclet}: {found:.6} ({expected}) at x/a {at:.4} ({place})");
         assert!((found / expected - 1.0).abs() < 1e-3, "{peclet}: {found} {expected}");
-        assert!((at - place).abs() < 0.02, "{peclet}: {at} {place}");
+        // Half an element, since the maximum is flat.
+        assert!((at - place).abs() < 0.5 / 40.0, "{peclet}: {at} {place}");
     }
 }
 
@@ -216,31 +223,84 @@ fn tabled(lines: &str, more: Value) -> (tempfile::NamedTempFile, Value) {
 }
 
 /// λ and c that fall by 5e-4 of themselves a kelvin leave κ as it is: by Kirchhoff's transform the rise T is
-/// T + γT²/2 = θ with the rise θ of constant properties. 261.872 K becomes 281.71 K; steady and in time.
-/// Tolerance 0.1 %.
+/// T + γT²/2 = θ with the rise θ of constant properties. 261.872 K becomes 281.71 K, to 0.1 % on this mesh; and the rises of
+/// the mesh's own constant properties become these, to the steps of the table; steady and in time.
 #[test]
 fn kirchhoffs_transform() {
+    let transformed = |rise: f64| (1.0 - (1.0 - 1e-3 * rise).sqrt()) / 5e-4;
     let line = |rise: f64| {
         let part = 1.0 - 5e-4 * rise;
         format!("{} {} {}\n", 293.15 + rise, 50.0 * part, 419.5 * part)
     };
-    let table = line(-100.0) + &line(600.0);
     let grid = plane(0.25e-3, 62);
-    let (heat, exact) = (heat(&grid), exact(&grid, 32));
-    let expected: Vec<f64> =
-        exact.iter().map(|rise| (1.0 - (1.0 - 1e-3 * rise).sqrt()) / 5e-4).collect();
-    let (_file, case) = tabled(&table, json!({"wake": 1e-3}));
-    let mut steady = Run::new("fe", Mode::Steady, grid, case.clone());
-    steady.advance(&heat, f64::INFINITY);
-    let mut run = Run::new("fe", Mode::Transient, grid, case);
-    for _ in 0..grid.ni {
-        run.advance(&heat, grid.dx() / SPEED);
+    let heat = heat(&grid);
+    let (_file, falling) = tabled(&(line(-100.0) + &line(600.0)), json!({"wake": 1e-3}));
+    let constant = with(json!({"wake": 1e-3, "solver": "iterative"}));
+    for (mode, windows) in [(Mode::Steady, 1), (Mode::Transient, grid.ni)] {
+        let [constant, falling] = [&constant, &falling].map(|case| {
+            let mut run = Run::new("fe", mode, grid, case.clone());
+            (0..windows).for_each(|_| {
+                run.advance(&heat, grid.dx() / SPEED);
+            });
+            run
+        });
+        let expected: Vec<f64> = constant.rail().iter().map(|rise| transformed(*rise)).collect();
+        let [of_constant, peak] =
+            [&constant, &falling].map(|run| run.summary("rail", "max_rise_k").unwrap());
+        println!("{mode:?}: constant properties {of_constant:.3} K, falling ones {peak:.3} K");
+        assert!(difference(falling.rail(), &expected) < 1e-6, "{mode:?}");
+        assert!((peak / 281.71 - 1.0).abs() < 1e-3, "{mode:?} {peak}");
     }
-    for run in [&steady, &run] {
-        let [l2, ..] = errors(run.rail(), &expected);
-        let peak = run.summary("rail", "max_rise_k").unwrap();
-        println!("hottest {peak:.3} K, L2 {:.3} %", 1e2 * l2);
-        assert!((peak / 281.71 - 1.0).abs() < 1e-3 && l2 < 2e-3, "{peak} {l2}");
+}
+
+/// The peak under an ellipse of heat straight down, and what is below it, over the layers: with nodes and faces that
+/// stagger, and with halves of the layers for the nodes' shares; below, of second order in ln r, a tenth of its square at
+/// most. On 2000 elements along, which leave 1e-7.
+#[test]
+fn layers_that_stagger() {
+    let (h, columns) = (2.0 * SEMI_AXIS / 2000.0, 2002);
+    let across = Axis::middles(0.0, vec![1.0]);
+    let grid = Structured::contact_plane(-1000.5 * h, 0.0, h, 1.0, columns, 1);
+    let mut flux = Flux::zero(columns, 1);
+    flux.reconstruct(&ellipse_means(&grid));
+    let (place, exact) = peak();
+    let exact = exact / effusivity() * (SEMI_AXIS / (std::f64::consts::PI * SPEED)).sqrt();
+    let penetration = (2.0 * DIFFUSIVITY * SEMI_AXIS / SPEED).sqrt();
+    let hottest = ((1.0 - place) / 2.0 * 2000.0).round() as usize + 1;
+    let material = Material { density: 7850.0, specific_heat: 419.5, conductivity: 50.0 };
+    let rises = |depth: &Axis| {
+        let basis = Basis::new(&across, depth, 0, 1);
+        let steady = Steady::new(&basis, &material, columns, h, SPEED);
+        let all = basis.rises(&steady.below(&basis, &flux, 0, 0));
+        let at = |k: usize| all[k * 2 * columns + 2 * hottest + 1] / exact;
+        (0..depth.len()).map(at).collect::<Vec<f64>>()
+    };
+    let fine = Axis::graded(penetration / 80.0, 1.02, 8.0 * penetration);
+    let of_fine = rises(&fine);
+    for (ratio, worst) in [(2.0, 1e-4), (1.5, 1e-5), (1.3, 1e-5), (1.2, 1e-5), (1.15, 1e-5)] {
+        let staggered = Axis::graded(penetration / 20.0, ratio, 8.0 * penetration);
+        let last = staggered.len() - 1;
+        let half = |k: usize| {
+            0.5 * (staggered.places[(k + 1).min(last)] - staggered.places[k.saturating_sub(1)])
+        };
+        let halves = Axis { widths: (0..=last).map(half).collect(), ..staggered.clone() };
+        let found = rises(&staggered);
+        let below = |(place, rise): (&f64, &f64)| {
+            let next = fine.places.partition_point(|other| other < place).clamp(1, fine.len() - 1);
+            let [a, b] = [fine.places[next - 1], fine.places[next]];
+            let part = (place - a) / (b - a);
+            (rise - of_fine[next - 1] - part * (of_fine[next] - of_fine[next - 1])).abs()
+        };
+        let inside = staggered.places.iter().zip(&found).map(below).fold(0.0, f64::max);
+        let errors = [found[0] - 1.0, rises(&halves)[0] - 1.0];
+        println!(
+            "ratio {ratio}, {last} layers: staggered {:.4} %, halves {:.3} %; below {:.2} %",
+            1e2 * errors[0],
+            1e2 * errors[1],
+            1e2 * inside
+        );
+        assert!(errors[0].abs() < worst && errors[1].abs() > 10.0 * worst, "{ratio} {errors:?}");
+        assert!(inside < 0.1 * ratio.ln() * ratio.ln(), "{ratio} {inside}");
     }
 }
 
