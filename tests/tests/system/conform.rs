@@ -68,8 +68,8 @@ fn ours_conform(role: &str, name: &str, inapplicable: &[&str], settings: usize) 
 
 // Mechanics with temperatures to read: FASTSIM does not support that effect.
 table_of_tests! { ours_conform:
-    the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &[], 7);
-    the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &[], 7);
+    the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &["volumes"], 7);
+    the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &["volumes"], 7);
     the_mechanical_solver_conforms_with_every_model("mech", "wheel-rail.toml", &ALONE, 6);
     the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &["heat-received", "volumes"], 4);
 }
@@ -144,7 +144,7 @@ fn few_processes_are_started_and_fewer_for_a_quick_look() {
     let starts = |options: &[&str], settings: usize| {
         let _ = std::fs::remove_file(folder.path().join("count"));
         let conforms =
-            assert_conforms("thermal", &case("wheel-rail.toml"), (options, &command), &[]);
+            assert_conforms("thermal", &case("wheel-rail.toml"), (options, &command), &["volumes"]);
         assert_eq!(conforms, settings);
         std::fs::read_to_string(folder.path().join("count")).unwrap().lines().count()
     };

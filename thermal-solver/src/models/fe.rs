@@ -10,7 +10,6 @@ use super::setup::{resolution, resolution_across, section_key};
 use super::summary::{Peak, hottest};
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::reconstruction::sum_of_means;
-use crate::effects::volume_temperature::VOLUMES;
 use crate::fe::block::{Block, Elements, Solver, keys};
 use crate::fe::body::Body;
 use crate::fe::nature::Nature;
@@ -22,7 +21,7 @@ use crate::{LOWER, UPPER};
 use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;
-use proto::description::{ModelSpec, names as names_of};
+use proto::description::ModelSpec;
 use proto::grid::{Grid, Volume};
 use proto::model::StepError;
 use std::cell::RefCell;
@@ -33,8 +32,6 @@ use std::sync::Arc;
 #[must_use]
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
-    let provides =
-        provides.into_iter().chain(names_of(&[&VOLUMES[LOWER], &VOLUMES[UPPER]])).collect();
     let mut own = vec![resolution(), resolution_across(), section_key()];
     own.extend(keys());
     ModelSpec {
