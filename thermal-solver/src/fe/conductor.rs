@@ -109,7 +109,7 @@ impl Took {
         self.newton += other.newton;
         self.iterations += other.iterations;
         // One that is no number stays.
-        if !(other.residual <= self.residual) {
+        if other.residual.is_nan() || other.residual > self.residual {
             self.residual = other.residual;
         }
     }
