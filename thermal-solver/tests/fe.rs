@@ -399,3 +399,36 @@ fn layers(volume: &Grid) -> usize {
     depths.dedup();
     depths.len()
 }
+
+/// A body that is in the contact for the n-th time: far behind a contact the rise is that of a line of heat across the
+/// motion, Q/(β√(πVx)), and so are those of earlier passages. Tolerance: what has spread across since.
+#[test]
+fn earlier_passages_are_still_warm() {
+    let grid = coarse();
+    let heat = heat(&grid);
+    let turn = 0.5;
+    let of = |passages: usize| {
+        let mut case = with(json!({"passages": passages, "first_layer": 4e-6}));
+        case["bodies"]["rail"]["return_distance"] = json!(turn);
+        let mut run = Run::new("fe", Mode::Steady, grid, case);
+        run.advance(&heat, f64::INFINITY);
+        run
+    };
+    let once = of(1);
+    for passages in [2, 5, 1000] {
+        let several = of(passages);
+        let row = 18 * grid.ni..19 * grid.ni;
+        let line: f64 = heat[row.clone()].iter().sum::<f64>() * 0.5 * grid.dx();
+        let (at, x) = (row.end - 1, grid.x(grid.ni - 1));
+        let earlier = |k: usize| {
+            let age = (k as f64 * turn - x) / SPEED;
+            line / (effusivity() * SPEED * (std::f64::consts::PI * age).sqrt())
+        };
+        let expected: f64 = (1..passages).map(earlier).sum();
+        let found = several.rail()[at] - once.rail()[at];
+        println!("{passages} passages: {found:.3} K, straight down {expected:.3} K");
+        assert!(found > 0.0 && found < 1.01 * expected, "{passages} {found} {expected}");
+        assert!(passages > 5 || found > 0.95 * expected, "{passages} {found} {expected}");
+        assert_eq!(several.wheel(), once.wheel());
+    }
+}

@@ -10,6 +10,7 @@ use super::mesh::{Axis, surroundings};
 use super::scheme::{Scheme, WORDS};
 use super::transient::Columns;
 use crate::scene::Material;
+use proto::bodies::Bodies;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::grid::Structured;
@@ -40,6 +41,8 @@ const WAKE: &str = "thermal.wake";
 const SCHEME: &str = "thermal.scheme";
 const STEP: &str = "thermal.step";
 const SOLVER: &str = "thermal.solver";
+const PASSAGES: &str = "thermal.passages";
+const RETURNS: &str = "return_distance";
 const SOLVERS: [&str; 3] = ["auto", "iterative", "direct"];
 
 /// How the equations of the elements are solved.
@@ -52,6 +55,15 @@ pub enum Solver {
     Iterative,
     /// By Newton's method and a sparse factorisation.
     Direct,
+}
+
+/// Passages of the same places of a body through the contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passages {
+    /// How many there have been, this one included.
+    pub count: usize,
+    /// Way from one to the next [m].
+    pub distance: f64,
 }
 
 /// What a case says of the elements.
@@ -71,6 +83,8 @@ pub struct Elements {
     pub step: f64,
     /// How the equations are solved.
     pub solver: Solver,
+    /// Earlier passages of this body.
+    pub passages: Option<Passages>,
 }
 
 impl Default for Elements {
@@ -83,6 +97,7 @@ impl Default for Elements {
             scheme: Scheme::CrankNicolson,
             step: f64::INFINITY,
             solver: Solver::Auto,
+            passages: None,
         }
     }
 }
@@ -114,6 +129,19 @@ pub fn keys() -> Vec<KeySpec> {
             "longest step in time; absent: the passage of an element, or the window of a body at rest",
         )
         .above(0.0),
+        KeySpec::integer(
+            PASSAGES,
+            "passages through the contact of a body with a return_distance, this one included",
+        )
+        .at_least(1.0)
+        .at_most(1e6)
+        .default_value(1),
+        KeySpec::quantity(
+            &format!("bodies.*.{RETURNS}"),
+            "m",
+            "way after which the same places of the body are in the contact again",
+        )
+        .above(0.0),
         KeySpec::choice(SOLVER, &SOLVERS, "how the equations of the elements are solved")
             .default_value("auto"),
     ]
@@ -141,6 +169,7 @@ impl Elements {
             }
         };
         Ok(Self {
+            passages: None,
             solver,
             first_layer: case.maybe_number(FIRST_LAYER)?,
             ratio: case.maybe_number(LAYER_RATIO)?.unwrap_or(RATIO),
@@ -149,6 +178,17 @@ impl Elements {
             scheme,
             step: case.maybe_number(STEP)?.unwrap_or(f64::INFINITY),
         })
+    }
+
+    /// The same with the passages of a body.
+    ///
+    /// # Errors
+    /// A distance that is shorter than the grid of the heat flux is long.
+    pub fn of(self, case: &Params, names: &Bodies, body: usize) -> Result<Self, Refusal> {
+        let count = if case.has(PASSAGES) { case.integer(PASSAGES)? as usize } else { 1 };
+        let distance = case.maybe_number(&names.key(body, RETURNS))?;
+        let passages = distance.filter(|_| count > 1).map(|distance| Passages { count, distance });
+        Ok(Self { passages, ..self })
     }
 
     /// How far the block goes behind the middle of a grid [m].
@@ -183,7 +223,8 @@ impl Block {
     pub fn new(grid: &Structured, material: &Material, speed: f64, elements: &Elements) -> Self {
         let half = half_length(grid);
         let kappa = material.diffusivity();
-        let passing = (half + elements.wake(grid)) / speed;
+        let earlier = elements.passages.map_or(0.0, |p| (p.count - 1) as f64 * p.distance);
+        let passing = (half + elements.wake(grid) + earlier) / speed;
         let spread = SPREADS * (4.0 * kappa * passing).sqrt();
         let (reach, far) = (spread.min(FAR * half), spread > FAR * half);
         let penetration = (2.0 * kappa * half / speed).sqrt().min(half);

@@ -2,6 +2,7 @@
 //! flux and the speed.
 
 use super::basis::Basis;
+use super::block::Passages;
 use super::motion::{Given, Motion, Rises};
 use super::steady::{Scratch, Steady};
 use crate::columns::convolution::remove_negative_rounding;
@@ -18,6 +19,7 @@ pub struct Held {
     grid: Structured,
     material: Material,
     behind: usize,
+    passages: Option<Passages>,
     basis: Basis,
     prepared: Option<(f64, Steady)>,
     /// The speed [m/s] and the flux of the last solve, and of the accepted one.
@@ -39,6 +41,7 @@ impl Held {
             grid: *grid,
             material: nature.material,
             behind: elements.behind(grid),
+            passages: elements.passages,
             surfaces: vec![0.0; basis.across.len() * grid.ni],
             basis,
             prepared: None,
@@ -51,7 +54,8 @@ impl Held {
     }
 
     fn prepare(&self, speed: f64) -> Steady {
-        Steady::new(&self.basis, &self.material, self.grid.ni, self.grid.dx(), speed)
+        let (columns, h) = (self.grid.ni, self.grid.dx());
+        Steady::new(&self.basis, &self.material, columns, h, speed, self.passages)
     }
 }
 

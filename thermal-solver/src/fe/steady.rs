@@ -14,9 +14,12 @@
 //! being the parabola of [`crate::columns::reconstruction`]. So nothing along x is approximated but the
 //! flux: there is no numerical diffusion and no oscillation at any Péclet number, no end of the mesh along x,
 //! and no linear system. For high speeds the upstream part vanishes; at rest both are alike.
+//! Where the same material has passed before, n − 1 times, a way D apart, what those passages have left of b comes
+//! to the leading edge: b of one passage beyond the trailing edge, which falls as e^{r₋ξ}, summed over kD.
 //! b is the amplitude over φ_m(0): the surface is T_l = Σ_m φ_m(0)² b_m, depth z_k has φ_m(0) φ_m(z_k).
 
 use super::basis::{Basis, LANES, padded};
+use super::block::Passages;
 use crate::columns::reconstruction::{Flux, FluxRow};
 use crate::scene::Material;
 use pulp::{Arch, NullaryFnOnce};
@@ -36,6 +39,8 @@ struct March {
     /// e^{r₋h}, and what the coefficients of the parabola add.
     down: Step,
     up: Option<Step>,
+    /// What earlier passages bring to the leading edge over what one passage takes past the trailing edge.
+    again: Option<Vec<f64>>,
     /// What the element's own halves add at its middle, of all modes: near, middle and far coefficient.
     own: [[f64; 3]; 2],
     /// The same mode by mode.
@@ -68,8 +73,16 @@ pub struct Scratch {
 impl Steady {
     /// Prepares a body on `columns` elements of the length `h` [m] along, at a speed [m/s].
     #[must_use]
-    pub fn new(basis: &Basis, material: &Material, columns: usize, h: f64, speed: f64) -> Self {
-        let make = |rate: &f64| March::new(h, speed, material, *rate, basis);
+    pub fn new(
+        basis: &Basis,
+        material: &Material,
+        columns: usize,
+        h: f64,
+        speed: f64,
+        passages: Option<Passages>,
+    ) -> Self {
+        let again = passages.map(|p| (p.count - 1, p.distance / h, columns as f64));
+        let make = |rate: &f64| March::new(h, speed, material, *rate, basis, again);
         Self { columns, marches: basis.across.rates.iter().map(make).collect(), arch: Arch::new() }
     }
 
@@ -110,7 +123,7 @@ impl Steady {
                 None => [0.0; 3],
             };
             let shape = basis.shape(mode, row);
-            march.below(columns, shape, at, &mut sums);
+            march.below([behind, columns], shape, at, &mut sums);
         }
         sums
     }
@@ -161,6 +174,7 @@ impl NullaryFnOnce for Pass<'_> {
             *out = own(march.own[0], [centre, 0.5 * (m + r), r])
                 + own(march.own[1], [centre, 0.5 * (l + m), l]);
         }
+        march.enter(amplitude, (0..lanes.len()).map(|i| [edge[i], middle[i], edge[i + 1]]));
         for (i, lanes) in lanes.iter_mut().enumerate().rev() {
             march.down.pass(amplitude, lanes, [edge[i], middle[i], edge[i + 1]]);
         }
@@ -174,7 +188,14 @@ impl NullaryFnOnce for Pass<'_> {
 }
 
 impl March {
-    fn new(h: f64, speed: f64, material: &Material, across: f64, basis: &Basis) -> Self {
+    fn new(
+        h: f64,
+        speed: f64,
+        material: &Material,
+        across: f64,
+        basis: &Basis,
+        again: Option<(usize, f64, f64)>,
+    ) -> Self {
         let (depth, top) = (&basis.depth.rates, &basis.top);
         let (kappa, capacity) = (material.diffusivity(), material.density * material.specific_heat);
         let rates = depth.iter().map(|rate| rate + across);
@@ -196,14 +217,35 @@ impl March {
             halves,
             down: Step::new(h, &downstream, top, &gain),
             up: up.then(|| Step::new(h, &upstream, top, &gain)),
+            again: again.map(|(count, distance, columns)| {
+                let all = |rate: &f64| {
+                    (-rate * (distance - columns)).exp() * passed(rate * distance, count)
+                };
+                padded(&downstream.iter().map(all).collect::<Vec<_>>())
+            }),
             gain: padded(&gain),
         }
     }
 
+    /// The amplitudes at the leading edge, which earlier passages have left, of the same elements, downstream first.
+    #[inline(always)]
+    fn enter(&self, amplitude: &mut [f64], elements: impl DoubleEndedIterator<Item = [f64; 3]>) {
+        let Some(again) = &self.again else { return };
+        elements.rev().for_each(|element| self.down.advance(amplitude, element));
+        amplitude.iter_mut().zip(again).for_each(|(amplitude, again)| *amplitude *= again);
+    }
+
     /// Adds `shape` times the amplitudes at the downstream edge and in the middle of each element to `sums`.
-    fn below(&self, columns: usize, shape: f64, at: impl Fn(usize) -> [f64; 3], sums: &mut [f64]) {
+    fn below(
+        &self,
+        [behind, columns]: [usize; 2],
+        shape: f64,
+        at: impl Fn(usize) -> [f64; 3],
+        sums: &mut [f64],
+    ) {
         let size = self.gain.len();
         let mut amplitude = vec![0.0; size];
+        self.enter(&mut amplitude, (behind..columns).map(&at));
         for i in (0..columns).rev() {
             let [l, m, r] = at(i);
             let centre = 0.25 * (l + 2.0 * m + r);
@@ -279,6 +321,12 @@ impl Step {
                 self.decay[mode] * *amplitude + (near[mode] * a + middle[mode] * b + far[mode] * c);
         }
     }
+}
+
+/// Σ e^{−αk} for k from 0 to `count` − 1.
+fn passed(alpha: f64, count: usize) -> f64 {
+    let rest = -(-alpha).exp_m1();
+    if rest < 1e-12 { count as f64 } else { -(-alpha * count as f64).exp_m1() / rest }
 }
 
 /// ∫₀¹ e^{−αθ} B(θ) dθ of the parabolas (1−θ)², 2θ(1−θ) and θ².

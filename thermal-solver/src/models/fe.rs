@@ -86,8 +86,8 @@ pub struct FiniteElements {
     below: RefCell<Option<(Stage, usize, usize, Below)>>,
 }
 
-fn elements(frame: &Frame) -> Elements {
-    frame.elements.unwrap_or_default()
+fn elements(frame: &Frame, body: usize) -> Elements {
+    frame.elements.map_or_else(Elements::default, |elements| elements[body])
 }
 
 /// The speed for which a body's elements are laid out.
@@ -97,7 +97,7 @@ fn expected_speed(frame: &Frame, body: usize) -> f64 {
 
 /// Both bodies are solved for in the modes of their meshes.
 fn is_modal(frame: &Frame) -> bool {
-    elements(frame).solver == Solver::Auto && frame.natures.iter().all(Nature::is_constant)
+    elements(frame, LOWER).solver == Solver::Auto && frame.natures.iter().all(Nature::is_constant)
 }
 
 /// Unknowns of both bodies.
@@ -105,7 +105,7 @@ fn unknowns(frame: &Frame) -> usize {
     let of = |body: usize| {
         let material = &frame.scene.materials[body];
         let block =
-            Block::new(&frame.grid, material, expected_speed(frame, body), &elements(frame));
+            Block::new(&frame.grid, material, expected_speed(frame, body), &elements(frame, body));
         let columns = match (frame.mode, is_modal(frame)) {
             (Mode::Steady, true) => frame.grid.ni,
             (Mode::Steady, false) => frame.grid.ni + frame.behind(),
@@ -127,7 +127,7 @@ impl Conduction for FiniteElements {
         let body = |body: usize| {
             let (nature, speed) = (&frame.natures[body], expected_speed(frame, body));
             let steady = frame.mode == Mode::Steady;
-            Body::new(&frame.grid, nature, speed, &elements(frame), steady)
+            Body::new(&frame.grid, nature, speed, &elements(frame, body), steady)
         };
         Self {
             bodies: [body(UPPER), body(LOWER)],
@@ -164,7 +164,7 @@ impl Conduction for FiniteElements {
         let of = |body: usize| {
             let material = &frame.scene.materials[body];
             let speed = expected_speed(frame, body);
-            let block = Block::new(&frame.grid, material, speed, &elements(frame));
+            let block = Block::new(&frame.grid, material, speed, &elements(frame, body));
             let (layers, depth) = (block.depth.len() - 1, &block.depth.places);
             format!(
                 "elements of `{}`: {} along, {} across, {layers} layers from {:.2} µm to {:.3} mm of depth",
@@ -241,7 +241,7 @@ impl Conduction for FiniteElements {
     /// layers, from the deepest to the uppermost.
     fn volume(frame: &Frame, body: usize) -> Option<Grid> {
         let (grid, material) = (&frame.grid, &frame.scene.materials[body]);
-        let block = Block::new(grid, material, expected_speed(frame, body), &elements(frame));
+        let block = Block::new(grid, material, expected_speed(frame, body), &elements(frame, body));
         let faces = |first: f64, width: f64, count: usize| -> Vec<f64> {
             (0..=count).map(|face| first + (face as f64 - 0.5) * width).collect()
         };

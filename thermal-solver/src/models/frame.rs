@@ -1,10 +1,10 @@
 //! What a model knows before it is built, and its grids.
 
-use crate::UPPER;
 use crate::effects::friction_heat::Partition;
 use crate::fe::block::Elements;
 use crate::fe::nature::Nature;
 use crate::scene::Scene;
+use crate::{LOWER, UPPER};
 use proto::configuration::Mode;
 use proto::grid::{Grid, Structured};
 
@@ -32,8 +32,8 @@ pub struct Frame {
     pub section_y: f64,
     /// What the upper and the lower body are made of, with all effects.
     pub natures: [Nature; 2],
-    /// Elements of a model that has its own.
-    pub elements: Option<Elements>,
+    /// Elements of a model that has its own, in the upper and the lower body.
+    pub elements: Option<[Elements; 2]>,
     /// Threads to compute on.
     pub threads: usize,
 }
@@ -75,7 +75,7 @@ impl Frame {
     /// Columns of the sections behind the grid.
     #[must_use]
     pub fn behind(&self) -> usize {
-        self.elements.map_or(0, |elements| elements.behind(&self.grid))
+        self.elements.map_or(0, |elements| elements[LOWER].behind(&self.grid))
     }
 
     /// The grid of a body's section.
