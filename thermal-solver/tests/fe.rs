@@ -441,3 +441,40 @@ fn earlier_passages_are_still_warm() {
         assert_eq!(several.wheel(), once.wheel());
     }
 }
+
+/// A sheet under an even flux, in all four ways to solve: straight down through a thickness d, after t behind the leading edge,
+/// an insulated back leaves q d/λ (Fo + 1/3 − 2/π² Σ e^{−n²π²Fo}/n²), one that is held q d/λ (1 − 8/π² Σ e^{−n²π²Fo/4}/n²)
+/// over odd n, with Fo = κt/d². Tolerance: layers, steps, and the flux of the first element, which begins at zero.
+#[test]
+fn sheets_are_heated_through() {
+    let grid = coarse();
+    let (q, thickness, speed): (f64, f64, f64) = (1e6, 0.5e-3, 1.0);
+    let (conductivity, kappa) = (50.0, 50.0 / (7850.0 * 419.5));
+    let at = 18 * grid.ni + grid.ni / 2;
+    let age = (grid.x(grid.ni - 1) + 0.5 * grid.dx() - grid.x(grid.ni / 2)) / speed;
+    let fourier = kappa * age / (thickness * thickness);
+    let sum = |first: usize, step: usize, rate: f64| -> f64 {
+        let of = |n: f64| (-n * n * rate * fourier).exp() / (n * n);
+        (first..40).step_by(step).map(|n| of(n as f64)).sum()
+    };
+    let square = std::f64::consts::PI.powi(2);
+    let insulated = fourier + 1.0 / 3.0 - 2.0 / square * sum(1, 1, square);
+    let fixed = 1.0 - 8.0 / square * sum(1, 2, 0.25 * square);
+    for (back, exact) in [("insulated", insulated), ("fixed", fixed)] {
+        let exact = exact * q * thickness / conductivity;
+        for mode in [Mode::Steady, Mode::Transient] {
+            for solver in ["auto", "iterative"] {
+                let mut case = with(json!({"solver": solver, "wake": 0.03, "step": 1e-4}));
+                case["bodies"]["rail"]["thickness"] = json!(thickness);
+                case["bodies"]["rail"]["back"] = json!(back);
+                let mut run = Run::new("fe", mode, grid, case);
+                run.given.speeds = vec![speed; 2];
+                let duration = if mode == Mode::Steady { f64::INFINITY } else { 0.1 };
+                run.advance(&vec![2.0 * q; grid.points()], duration);
+                let apart = run.rail()[at] / exact - 1.0;
+                println!("{back} {mode:?} {solver}: {:.4} K, {exact:.4} K", run.rail()[at]);
+                assert!(apart.abs() < 1.5e-3, "{back} {mode:?} {solver} {apart:e}");
+            }
+        }
+    }
+}

@@ -29,6 +29,8 @@ const LAYERS: f64 = 20.0;
 /// First layers in the depth √(κh/V) to which heat goes while one element passes: what begins to be heated is
 /// resolved, too.
 const LAYERS_OF_AN_ELEMENT: f64 = 8.0;
+/// Layers of a sheet, were all as thick as the first.
+const LAYERS_OF_A_SHEET: f64 = 8.0;
 /// Growth of the layers in depth.
 const RATIO: f64 = 1.2;
 /// Lengths of diffusion along that count in front of the contact.
@@ -43,6 +45,9 @@ const STEP: &str = "thermal.step";
 const SOLVER: &str = "thermal.solver";
 const PASSAGES: &str = "thermal.passages";
 const RETURNS: &str = "return_distance";
+const THICKNESS: &str = "thickness";
+const BACK: &str = "back";
+const BACKS: [&str; 2] = ["insulated", "fixed"];
 const SOLVERS: [&str; 3] = ["auto", "iterative", "direct"];
 
 /// How the equations of the elements are solved.
@@ -66,6 +71,24 @@ pub struct Passages {
     pub distance: f64,
 }
 
+/// What is behind a body of finite thickness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Back {
+    /// Nothing that takes heat, or the middle of a body that is heated from both sides.
+    Insulated,
+    /// Something that keeps its initial temperature.
+    Fixed,
+}
+
+/// A body of finite thickness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheet {
+    /// Its thickness [m].
+    pub thickness: f64,
+    /// What is behind it.
+    pub back: Back,
+}
+
 /// What a case says of the elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elements {
@@ -85,6 +108,8 @@ pub struct Elements {
     pub solver: Solver,
     /// Earlier passages of this body.
     pub passages: Option<Passages>,
+    /// This body's thickness, if it is finite.
+    pub sheet: Option<Sheet>,
 }
 
 impl Default for Elements {
@@ -98,6 +123,7 @@ impl Default for Elements {
             step: f64::INFINITY,
             solver: Solver::Auto,
             passages: None,
+            sheet: None,
         }
     }
 }
@@ -142,6 +168,19 @@ pub fn keys() -> Vec<KeySpec> {
             "way after which the same places of the body are in the contact again",
         )
         .above(0.0),
+        KeySpec::quantity(
+            &format!("bodies.*.{THICKNESS}"),
+            "m",
+            "thickness of the body; absent: as deep as heat goes",
+        )
+        .above(0.0),
+        KeySpec::choice(
+            &format!("bodies.*.{BACK}"),
+            &BACKS,
+            "what is behind a body of finite thickness: nothing that takes heat, or something that keeps its \
+             initial temperature",
+        )
+        .default_value(BACKS[0]),
         KeySpec::choice(SOLVER, &SOLVERS, "how the equations of the elements are solved")
             .default_value("auto"),
     ]
@@ -170,6 +209,7 @@ impl Elements {
         };
         Ok(Self {
             passages: None,
+            sheet: None,
             solver,
             first_layer: case.maybe_number(FIRST_LAYER)?,
             ratio: case.maybe_number(LAYER_RATIO)?.unwrap_or(RATIO),
@@ -180,15 +220,15 @@ impl Elements {
         })
     }
 
-    /// The same with the passages of a body.
+    /// The same with what the case says of one body.
     ///
     /// # Errors
-    /// A distance that is shorter than the grid of the heat flux is long.
+    /// A back of a body without a thickness, or one that is none.
     pub fn of(self, case: &Params, names: &Bodies, body: usize) -> Result<Self, Refusal> {
         let count = if case.has(PASSAGES) { case.integer(PASSAGES)? as usize } else { 1 };
         let distance = case.maybe_number(&names.key(body, RETURNS))?;
         let passages = distance.filter(|_| count > 1).map(|distance| Passages { count, distance });
-        Ok(Self { passages, ..self })
+        Ok(Self { passages, sheet: sheet(case, names, body)?, ..self })
     }
 
     /// How far the block goes behind the middle of a grid [m].
@@ -204,6 +244,27 @@ impl Elements {
     }
 }
 
+fn sheet(case: &Params, names: &Bodies, body: usize) -> Result<Option<Sheet>, Refusal> {
+    let [key, back_key] = [THICKNESS, BACK].map(|name| names.key(body, name));
+    let back = if case.has(&back_key) { case.text(&back_key)? } else { BACKS[0] };
+    let back = match back {
+        "insulated" => Back::Insulated,
+        "fixed" => Back::Fixed,
+        other => {
+            let fix = format!("write one of {}", BACKS.join(", "));
+            return Err(Refusal::new(&back_key, format!("`{other}` is no back of a body"), fix));
+        }
+    };
+    let Some(thickness) = case.maybe_number(&key)? else {
+        if case.has(&back_key) {
+            let reason = "a body without a thickness has no back: it is as deep as heat goes";
+            return Err(Refusal::new(&back_key, reason, format!("write {key}, or leave it out")));
+        }
+        return Ok(None);
+    };
+    Ok(Some(Sheet { thickness, back }))
+}
+
 /// The mesh of a body, axis by axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
@@ -213,6 +274,8 @@ pub struct Block {
     pub first_row: usize,
     /// In depth.
     pub depth: Axis,
+    /// Depth below the last node that keeps its initial temperature, if one does [m].
+    pub fixed: Option<f64>,
     /// Along.
     pub columns: Columns,
 }
@@ -231,9 +294,24 @@ impl Block {
         let passing = (kappa * grid.dx() / speed).sqrt().min(2.0 * grid.dx());
         let first = (penetration / LAYERS).min(passing / LAYERS_OF_AN_ELEMENT);
         let first = elements.first_layer.unwrap_or(first);
-        let depth = Axis::graded(first, elements.ratio, elements.depth.unwrap_or(reach));
+        let deep = elements.depth.unwrap_or(reach);
         let beyond = |distance: f64| if far { 1.0 / distance } else { 0.0 };
-        let bottom = beyond(depth.places[depth.len() - 1]);
+        let sheet = elements.sheet.filter(|sheet| sheet.thickness <= deep);
+        let (depth, fixed) = match sheet {
+            Some(Sheet { thickness, back }) => {
+                let first = first.min(thickness / LAYERS_OF_A_SHEET);
+                let depth = Axis::graded_to(first, elements.ratio, thickness);
+                match back {
+                    Back::Insulated => (depth, None),
+                    Back::Fixed => (depth.fixed(), Some(thickness)),
+                }
+            }
+            None => {
+                let depth = Axis::graded(first, elements.ratio, deep);
+                let bottom = beyond(depth.places[depth.len() - 1]);
+                (depth.ending([0.0, bottom]), None)
+            }
+        };
         let beside = surroundings(grid.dy(), GROWTH, reach);
         let half_width = 0.5 * grid.nj as f64 * grid.dy();
         let side = beyond(half_width + beside.iter().sum::<f64>());
@@ -243,9 +321,26 @@ impl Block {
         Self {
             across: Axis::middles(edge, widths.collect()).ending([side; 2]),
             first_row: beside.len(),
-            depth: depth.ending([0.0, bottom]),
+            depth,
+            fixed,
             columns: columns(grid, kappa, speed, elements),
         }
+    }
+
+    /// Depths of the nodes, and of what is held below them [m].
+    #[must_use]
+    pub fn depths(&self) -> Vec<f64> {
+        self.depth.places.iter().copied().chain(self.fixed).collect()
+    }
+
+    /// Depths between which the nodes stand for the body [m].
+    #[must_use]
+    pub fn faces(&self) -> Vec<f64> {
+        let below = self.depth.widths.iter().scan(0.0, |depth, width| {
+            *depth += width;
+            Some(*depth)
+        });
+        std::iter::once(0.0).chain(below).chain(self.fixed).collect()
     }
 
     /// Nodes.

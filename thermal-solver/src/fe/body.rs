@@ -20,6 +20,8 @@ use proto::grid::Structured;
 pub struct Body {
     grid: Structured,
     depths: Vec<f64>,
+    /// Nodes in depth; one depth more is held.
+    nodes: usize,
     /// Element means of the flux into it [W/m²].
     pub means: Vec<f64>,
     /// How its temperatures are solved for.
@@ -47,15 +49,17 @@ impl Body {
             (false, false) => Box::new(Stepped::new(given)),
         };
         let means = vec![0.0; grid.points()];
-        Self { grid: *grid, means, motion, depths: block.depth.places }
+        Self { grid: *grid, means, motion, depths: block.depths(), nodes: block.depth.len() }
     }
 
     /// Rises below a row of a state.
     #[must_use]
     pub fn below(&self, stage: Stage, row: usize) -> Below {
-        let Rises { values, behind, dense } = self.motion.below(stage, row);
+        let Rises { mut values, behind, dense } = self.motion.below(stage, row);
+        let columns = values.len() / self.nodes;
+        values.resize(columns * self.depths.len(), 0.0);
         Below {
-            columns: values.len() / self.depths.len(),
+            columns,
             rises: values,
             first: self.grid.x(0) - behind * self.grid.dx(),
             spacing: self.grid.dx() / dense as f64,

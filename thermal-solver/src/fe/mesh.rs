@@ -59,6 +59,23 @@ impl Axis {
         }
     }
 
+    /// The same, ending at the depth: the first layer is somewhat thinner.
+    #[must_use]
+    pub fn graded_to(first: f64, ratio: f64, depth: f64) -> Self {
+        let beyond = Self::graded(first, ratio, depth);
+        Self::graded(first * depth / beyond.places[beyond.len() - 1], ratio, depth)
+    }
+
+    /// The same with the last node held at zero: it is a node no more, but an end that conducts.
+    #[must_use]
+    pub fn fixed(mut self) -> Self {
+        let gap = self.places[self.len() - 1] - self.places[self.len() - 2];
+        self.places.pop();
+        self.widths.pop();
+        self.ends[1] = 1.0 / gap;
+        self
+    }
+
     /// The same with these conductances over the conductivity beyond the ends [1/m].
     #[must_use]
     pub fn ending(self, ends: [f64; 2]) -> Self {
@@ -116,6 +133,10 @@ mod tests {
         // Rounding of a logarithm and its inverse.
         assert!((axis.places[3] - 7.0).abs() < 1e-14 && axis.len() == 4, "{axis:?}");
         assert!((whole - 7.0).abs() < 1e-14 && (axis.widths[1] - 2_f64.sqrt()).abs() < 1e-14);
+        let exact = Axis::graded_to(1.0, 2.0, 5.0);
+        assert!((exact.places[3] - 5.0).abs() < 1e-14 && exact.len() == 4, "{exact:?}");
+        let fixed = Axis::graded(1.0, 1.0, 3.0).fixed();
+        assert_eq!((fixed.places, fixed.ends), (vec![0.0, 1.0, 2.0], [0.0, 1.0]));
         assert_eq!(surroundings(1.0, 2.0, 4.0), [1.0, 2.0, 4.0]);
     }
 }

@@ -56,7 +56,7 @@ impl Stepped {
     /// A cold body.
     #[must_use]
     pub fn new(given: Given) -> Self {
-        let Block { columns, across, depth, first_row } = given.block;
+        let Block { columns, across, depth, first_row, .. } = given.block;
         let along = Axis::middles(0.0, vec![columns.h; columns.count()]).ending(columns.ends);
         let (block, memory) = conductor(given, [&along, across, depth]);
         let (size, scheme, rows) = (block.nodes(), given.elements.scheme, given.grid.nj);

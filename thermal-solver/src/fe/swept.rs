@@ -58,7 +58,7 @@ impl Swept {
     /// A cold body.
     #[must_use]
     pub fn new(given: Given) -> Self {
-        let Block { columns, across, depth, first_row } = given.block;
+        let Block { columns, across, depth, first_row, .. } = given.block;
         let one = Axis::middles(0.0, vec![1.0]);
         let (block, memory) = conductor(given, [across, &one, depth]);
         let (heated, behind) = (given.grid.ni, given.elements.behind(given.grid));

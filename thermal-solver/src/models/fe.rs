@@ -165,7 +165,8 @@ impl Conduction for FiniteElements {
             let material = &frame.scene.materials[body];
             let speed = expected_speed(frame, body);
             let block = Block::new(&frame.grid, material, speed, &elements(frame, body));
-            let (layers, depth) = (block.depth.len() - 1, &block.depth.places);
+            let depth = block.depths();
+            let layers = depth.len() - 1;
             format!(
                 "elements of `{}`: {} along, {} across, {layers} layers from {:.2} µm to {:.3} mm of depth",
                 frame.scene.names.0[body],
@@ -248,10 +249,7 @@ impl Conduction for FiniteElements {
         let behind = frame.behind();
         let x = faces(grid.x(0) - behind as f64 * grid.dx(), grid.dx(), grid.ni + behind);
         let y = faces(grid.y(0), grid.dy(), grid.nj);
-        let mut z = vec![0.0];
-        for width in &block.depth.widths {
-            z.push(z[z.len() - 1] + width);
-        }
+        let mut z = block.faces();
         if body == LOWER {
             z = z.iter().rev().map(|depth| 0.0 - depth).collect();
         }

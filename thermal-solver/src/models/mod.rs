@@ -8,6 +8,7 @@
 
 pub mod columns;
 pub mod conduction;
+mod elements;
 pub mod ertz_knothe;
 pub mod fe;
 pub mod fields;

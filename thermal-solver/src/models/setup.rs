@@ -1,13 +1,13 @@
 //! From a configuration to a model: checks, grids, cost.
 
 use super::conduction::Conduction;
+use super::elements;
 use super::fields::{SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::natures;
 use crate::effects::volume_temperature::VOLUMES;
-use crate::fe::block::{Elements, Solver};
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};
@@ -94,11 +94,12 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             let moves = given.inputs.iter().any(|i| i.moves && is_heat(i));
             let section_y = section_y(given)?;
             let (mode, threads) = (given.mode, given.threads);
-            let elements = if C::ELEMENTS { Some(read_elements(given, &scene)?) } else { None };
+            let elements =
+                if C::ELEMENTS { Some(elements::read(&given.case, &scene)?) } else { None };
             let natures = natures(given, &scene)?;
             let known =
                 Frame { scene, partition, mode, grid, section_y, natures, elements, threads };
-            refuse_passages(&known)?;
+            elements::check(&known)?;
             layout = lay_out::<C>(&known, given);
             if grid != arriving || moves {
                 layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));
@@ -111,41 +112,6 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
         None => layout.remarks.push("grid and cost follow the grid of friction_power".to_owned()),
     }
     Ok(Box::new(Prepared::<C> { frame, layout, model: std::marker::PhantomData }))
-}
-
-/// What the case says of the elements of the upper and the lower body.
-fn read_elements(given: &Configuration, scene: &Scene) -> Result<[Elements; 2], Refusal> {
-    let all = Elements::read(&given.case)?;
-    let of = |body| all.of(&given.case, &scene.names, body);
-    Ok([of(UPPER)?, of(LOWER)?])
-}
-
-/// Refuses earlier passages where they have no answer.
-fn refuse_passages(frame: &Frame) -> Result<(), Refusal> {
-    let length = frame.grid.ni as f64 * frame.grid.dx();
-    for (body, elements) in frame.elements.iter().flatten().enumerate() {
-        let Some(passages) = elements.passages else { continue };
-        let key = frame.scene.names.key(body, "return_distance");
-        if passages.distance < length {
-            let reason =
-                format!("{} m is shorter than the contact's grid, {length} m", passages.distance);
-            return Err(Refusal::new(
-                &key,
-                reason,
-                "write the way of a turn, or to the next contact",
-            ));
-        }
-        let in_modes = frame.natures[body].is_constant() && elements.solver == Solver::Auto;
-        if frame.mode == Mode::Transient || !in_modes {
-            return Err(Refusal::new(
-                "thermal.passages",
-                "earlier passages are known in steady cases of constant properties",
-                "write time.mode = \"steady\" without temperature_material, convection and radiation, \
-                 or 1 passage",
-            ));
-        }
-    }
-    Ok(())
 }
 
 /// Refuses a steady case with a body at rest: normal to its surface alone, a body whose one place is
