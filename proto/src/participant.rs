@@ -111,8 +111,8 @@ fn take_part(folder: &Path, role: &str, solver: &dyn Solver) -> Result<(), Box<d
     // Declared before the server: whatever ends the process, its ports close before the run's
     // folder is left and perhaps removed.
     let run = Arc::new(Mutex::new(Some(run)));
-    let mut server = server::Server::open(&info, role, solver)?;
-    let pulse = pulse::Pulse::start(server.voice(index)?, watch, Arc::clone(&run))?;
+    let (mut server, voice) = server::Server::open(&info, role, index, solver)?;
+    let pulse = pulse::Pulse::start(voice, watch, Arc::clone(&run))?;
     let outcome = server.serve();
     drop(pulse);
     outcome?;

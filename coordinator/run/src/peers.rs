@@ -165,13 +165,15 @@ impl Peers {
         let Self { all, doorbell, supervisor, run, deadlines, phase, .. } = self;
         let watch = Watch { supervisor, run, phase: *phase, deadlines };
         let poll = || -> Result<_, Waiting> {
-            if all[one].is_up() {
-                // Connects to its replies: what it sends last is received even if it has ended by then.
-                all[one].receive()?;
-                return Ok(Some(()));
-            }
             // A participant that has not joined has no heartbeat yet.
             all[one].beat_received(Beat::Busy);
+            if all[one].is_up() {
+                // Connects to what it sends: the last of it is received even if it has ended by then, and no
+                // window has to.
+                all[one].receive()?;
+                all[one].has_advanced()?;
+                return Ok(Some(()));
+            }
             watch.look(all, one, waited.waited(), patience).map_err(Waiting::Stopped)?;
             Ok(None)
         };

@@ -95,24 +95,34 @@ pub(super) struct Server<'a> {
 }
 
 impl<'a> Server<'a> {
+    /// Joins a run, as the participant of this index; and what its heart says.
     pub(super) fn open(
         run: &RunInfo,
         role: &str,
+        index: usize,
         solver: &'a dyn Solver,
-    ) -> Result<Self, TransportError> {
+    ) -> Result<(Self, Voice), TransportError> {
         let endpoint = Endpoint::open(run)?;
         let doorbell = endpoint.doorbell(role)?;
+        // Before the replies, whose being served tells the coordinator to connect to both.
+        let reports = endpoint.progress_sender(role)?;
         let replies = endpoint.reply_sender(role)?;
         let coordinator = endpoint.ringer("coordinator")?;
         let commands = endpoint.command_receiver(role)?;
         coordinator.ring()?;
-        let role = role.to_owned();
-        let stage = Stage::Joined;
         let (activity, progress) = (Activity::default(), Progress::default());
-        Ok(Self {
+        let voice = Voice {
+            index,
+            ringer: coordinator.clone(),
+            activity: activity.clone(),
+            progress: progress.clone(),
+            reports,
+            reported: None,
+        };
+        let server = Self {
             solver,
-            role,
-            stage,
+            role: role.to_owned(),
+            stage: Stage::Joined,
             activity,
             progress,
             commands,
@@ -120,19 +130,8 @@ impl<'a> Server<'a> {
             coordinator,
             doorbell,
             endpoint,
-        })
-    }
-
-    /// What its heart says, as the participant of this index.
-    pub(super) fn voice(&self, index: usize) -> Result<Voice, TransportError> {
-        Ok(Voice {
-            index,
-            ringer: self.coordinator.clone(),
-            activity: self.activity.clone(),
-            progress: self.progress.clone(),
-            reports: self.endpoint.progress_sender(&self.role)?,
-            reported: None,
-        })
+        };
+        Ok((server, voice))
     }
 
     /// Answers commands until the run is finished. The heartbeat thread ends the process when the
