@@ -177,10 +177,9 @@ pub fn keys() -> Vec<KeySpec> {
         KeySpec::choice(
             &format!("bodies.*.{BACK}"),
             &BACKS,
-            "what is behind a body of finite thickness: nothing that takes heat, or something that keeps its \
-             initial temperature",
-        )
-        .default_value(BACKS[0]),
+            "what is behind a body of finite thickness: nothing that takes heat (absent: that), or something \
+             that keeps its initial temperature",
+        ),
         KeySpec::choice(SOLVER, &SOLVERS, "how the equations of the elements are solved")
             .default_value("auto"),
     ]
