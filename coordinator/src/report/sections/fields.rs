@@ -22,10 +22,18 @@ pub(super) fn maps(results: &Results) -> Option<Section> {
             Some(_) => " x points forward, in the direction of rolling, and y to the left.",
             None => "",
         };
-        blocks.insert(0, Block::Text(format!("{when}{axes} Blank is exactly zero.")));
+        blocks.insert(
+            0,
+            Block::Text(format!(
+                "{when}{axes} Blank is zero, or rounding beside the largest value."
+            )),
+        );
     }
     Section::of("Fields", blocks)
 }
+
+/// Values below this part of the largest are rounding.
+const ROUNDING: f64 = 1e-14;
 
 fn when(results: &Results) -> String {
     let newest = results.series.iter().filter_map(|series| series.instants.last());
@@ -44,9 +52,10 @@ fn map(image: &Image, field: &Field) -> Option<Heatmap> {
         return None;
     }
     let scale = Scale::of(&field.unit, largest);
-    let from_zero = values.contains(&0.0);
+    let is_zero = |value: &f64| value.abs() <= ROUNDING * largest;
+    let from_zero = values.iter().any(is_zero);
     for value in &mut values {
-        *value = if *value == 0.0 { f64::NAN } else { *value / scale.factor };
+        *value = if is_zero(value) { f64::NAN } else { *value / scale.factor };
     }
     let axis = |axis: usize| {
         let borders = image.borders(axis);
