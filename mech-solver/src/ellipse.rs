@@ -27,7 +27,7 @@ pub(crate) struct Ellipse {
     /// Pressure at the centre [Pa].
     pub(crate) max_pressure: f64,
     /// Approach of the bodies, unknown for a given ellipse [m].
-    approach: Option<f64>,
+    pub(crate) approach: Option<f64>,
     /// Normal force that the ellipse carries [N].
     pub(crate) normal_force: f64,
 }

@@ -21,6 +21,7 @@
 pub mod effects;
 mod ellipse;
 pub mod entry;
+pub mod explicit;
 mod figures;
 pub mod half_space;
 mod keys;

@@ -2,6 +2,7 @@
 //! [`MODELS`].
 
 mod expected;
+pub mod explicit_fe;
 pub mod fastsim;
 mod grids;
 pub mod half_space;
@@ -19,7 +20,8 @@ use crate::entry::ModelEntry;
 use proto::configuration::Refusal;
 
 /// Every model of this crate, cheapest first.
-pub const MODELS: &[ModelEntry] = &[hertz_carter::MODEL, fastsim::MODEL, half_space::MODEL];
+pub const MODELS: &[ModelEntry] =
+    &[hertz_carter::MODEL, fastsim::MODEL, half_space::MODEL, explicit_fe::MODEL];
 
 /// The model with this name.
 ///

@@ -228,7 +228,7 @@ fn unknown_names_are_refused() {
 fn the_heat_is_a_share_of_the_friction_power() {
     for model in description().models {
         let mut case = paper();
-        case["mech"] = json!({"model": model.name, "resolution": 8});
+        case["mech"] = json!({"model": model.name, "resolution": 3});
         let whole = run(&case);
         case["effects"]["friction_heat"] = json!({"heat_share": 0.9});
         let part = run(&case);

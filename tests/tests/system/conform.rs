@@ -54,7 +54,7 @@ fn assert_fails((ended, report): &(Ended, Value), check: &str, words: &str) {
 }
 
 /// What a participant gets is as coarse as the contact that it is made up for.
-const COARSE: [&str; 2] = ["--set", "mech.resolution=8"];
+const COARSE: [&str; 2] = ["--set", "mech.resolution=2"];
 
 /// The checks that do not concern a mechanical solver that runs alone.
 const ALONE: [&str; 6] =
@@ -70,7 +70,7 @@ fn ours_conform(role: &str, name: &str, inapplicable: &[&str], settings: usize) 
 table_of_tests! { ours_conform:
     the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &["volumes"], 7);
     the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &["volumes"], 7);
-    the_mechanical_solver_conforms_with_every_model("mech", "wheel-rail.toml", &ALONE, 6);
+    the_mechanical_solver_conforms_with_every_model("mech", "wheel-rail.toml", &ALONE, 8);
     the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &["heat-received", "volumes"], 4);
 }
 

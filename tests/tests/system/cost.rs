@@ -9,7 +9,7 @@ use std::fs;
 fn study(place: &Place, name: &str, more: &[&str]) -> Value {
     let out = place.out().display().to_string();
     let file = case(name);
-    let mut arguments = vec!["cost", &file, "--out", &out, "--repeat", "1"];
+    let mut arguments = vec!["cost", &file, "--out", &out, "--repeat", "1", "--longest-run", "2"];
     arguments.extend(more);
     let ended = place.start(&arguments).wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
@@ -204,6 +204,9 @@ fn what_cannot_be_studied_is_refused() {
         let out = place.out().display().to_string();
         let file = case("full-slip.toml");
         let mut arguments = vec!["cost", &file, "--out", &out, "--vary", "mech.resolution=5"];
+        if !more.contains(&"--longest-run") {
+            arguments.extend(["--longest-run", "2"]);
+        }
         arguments.extend(more);
         let ended = place.start(&arguments).wait();
         assert_eq!(ended.code, Some(2), "{}", ended.stderr);
@@ -222,7 +225,7 @@ fn what_cannot_be_studied_is_refused() {
     refused(&["--reference", "x=y"], "is not KEY=NUMBER");
     refused(&["--set", "friction.coefficient=-1"], "friction.coefficient");
     refused(&["--vary", "mech.resolution=5,banana"], "`banana` is not a number of elements");
-    refused(&["--vary", "mech.model=hertz-carter,nonsuch"], "choose among fastsim, half-space");
+    refused(&["--vary", "mech.model=hertz-carter,nonsuch"], "choose among explicit-fe, fastsim");
     refused(&["--vary", "load.normal_force=1e3,1e5"], "it changes the problem");
     refused(&["--reference", "contact.max_pressure_pa=nan"], "is not KEY=NUMBER");
     refused(&["--reference", "contact.colour=1"], "the runs compare temperature.rail.max_rise_k");

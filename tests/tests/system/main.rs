@@ -28,6 +28,7 @@ mod cost;
 mod crowd;
 mod elsewhere;
 mod exchange;
+mod explicit;
 mod faults;
 mod figures;
 mod folders;

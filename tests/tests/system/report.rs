@@ -261,8 +261,8 @@ fn assert_study_is_drawn(command: &[&str], plots: usize) {
 
 #[test]
 fn a_browser_shows_the_page_of_costs() {
-    let vary = "mech.resolution=5,10";
-    assert_study_is_drawn(&["cost", &case("full-slip.toml"), "--repeat", "1", "--vary", vary], 4);
+    let vary = ["--vary", "mech.resolution=5,10", "--longest-run", "2", "--repeat", "1"];
+    assert_study_is_drawn(&[&["cost", &case("full-slip.toml")], &vary[..]].concat(), 4);
 }
 
 #[test]

@@ -1,0 +1,384 @@
+//! A body: rows of elements along the motion, their state, and a step in time.
+//!
+//! Held are the first and last column, both sides and the bottom, or nothing. The state is w = u + βv and v: what resists is w, so
+//! that damping costs nothing, and u = w − βv.
+
+use super::kernel::{Energy, Forces, LANES, Row, Rows, Stiffness};
+use super::section::Section;
+use super::shape::Shape;
+use pulp::{Arch, NullaryFnOnce};
+
+/// Nodes of a row beyond its elements: one, and what vectors reach over.
+const PADDING: usize = 2 * LANES;
+/// Parts of an element that are rounding.
+const ROUNDING: f64 = 1e-9;
+/// Share of the wave modulus that resists hourglass modes (Flanagan & Belytschko: 0.05 and less).
+const HOURGLASS: f64 = 0.05;
+/// Iterations for the highest frequency, and what they may still miss of it.
+const POWER_ITERATIONS: usize = 60;
+const POWER_MARGIN: f64 = 1.03;
+
+/// What a body is made of, and where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solid {
+    /// Lamé's constants λ and μ [Pa].
+    pub lame: [f64; 2],
+    /// Density [kg/m³].
+    pub density: f64,
+    /// Radius of rolling [m]; infinite for a straight body.
+    pub radius: f64,
+}
+
+/// What of a body does not move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// All its faces but the surface.
+    Faces,
+    /// Nothing.
+    Nothing,
+}
+
+/// A body.
+pub struct Block {
+    arch: Arch,
+    /// Elements along, across and in depth.
+    pub counts: [usize; 3],
+    /// Nodes from one row to the next.
+    pub stride: usize,
+    /// Length of an element along the surface [m].
+    pub length: f64,
+    /// What it is made of.
+    pub solid: Solid,
+    /// Its cross-section.
+    pub section: Section,
+    stiffness: Vec<Stiffness>,
+    held: Held,
+    /// 1/M of the nodes of a row [1/kg]; 0 of those that are held. A free end has half of M.
+    pub inverse_mass: Vec<f64>,
+    /// u + βv [m] by component: node after node along a row, row after row across, plane after plane in depth.
+    pub damped: [Vec<f64>; 3],
+    /// v [m/s].
+    pub velocity: [Vec<f64>; 3],
+    /// β [s].
+    pub damping: f64,
+    /// How far the columns are behind their places [m], less than an element.
+    pub behind: f64,
+    /// Forces on a plane of nodes: of the layer above it, of the one below, on the plane below that one.
+    planes: [[Vec<f64>; 3]; 3],
+}
+
+impl Block {
+    /// A body without displacements, of at least so many columns of elements of a length [m].
+    #[must_use]
+    pub fn new(columns: usize, length: f64, section: Section, solid: Solid, held: Held) -> Self {
+        let columns = columns.next_multiple_of(LANES);
+        let [across, deep] = section.counts;
+        let of_row = |row: usize| {
+            let shape =
+                Shape::new(section.corners(row % across, row / across), length, solid.radius);
+            Stiffness::new(shape, solid.lame, HOURGLASS)
+        };
+        let stiffness: Vec<Stiffness> = (0..across * deep).map(of_row).collect();
+        let rows = across + 1;
+        let mut mass = vec![0.0; rows * (deep + 1)];
+        for (row, of) in stiffness.iter().enumerate() {
+            let first = row / across * rows + row % across;
+            for node in [first, first + 1, first + rows, first + rows + 1] {
+                mass[node] += 0.25 * solid.density * of.shape.volume;
+            }
+        }
+        let is_held = |row: usize| {
+            let face = row / rows == deep || row.is_multiple_of(rows) || row % rows == across;
+            face && held == Held::Faces
+        };
+        let inverse = |(row, mass): (usize, &f64)| if is_held(row) { 0.0 } else { 1.0 / mass };
+        let stride = columns + PADDING;
+        let nodes = |planes: usize| -> [Vec<f64>; 3] {
+            std::array::from_fn(|_| vec![0.0; planes * rows * stride])
+        };
+        Self {
+            arch: Arch::new(),
+            counts: [columns, across, deep],
+            stride,
+            length,
+            solid,
+            held,
+            inverse_mass: mass.iter().enumerate().map(inverse).collect(),
+            section,
+            stiffness,
+            damped: nodes(deep + 1),
+            velocity: nodes(deep + 1),
+            damping: 0.0,
+            behind: 0.0,
+            planes: std::array::from_fn(|_| nodes(1)),
+        }
+    }
+
+    /// Takes it, and leaves nothing in its place.
+    #[must_use]
+    pub fn lent(&mut self) -> Self {
+        let nothing = Self {
+            arch: self.arch,
+            counts: [0; 3],
+            stride: 0,
+            length: self.length,
+            solid: self.solid,
+            section: Section { counts: [0; 2], nodes: Vec::new(), fine: [0; 2] },
+            stiffness: Vec::new(),
+            held: self.held,
+            inverse_mass: Vec::new(),
+            damped: Default::default(),
+            velocity: Default::default(),
+            damping: 0.0,
+            behind: 0.0,
+            planes: Default::default(),
+        };
+        std::mem::replace(self, nothing)
+    }
+
+    /// Elements.
+    #[must_use]
+    pub fn elements(&self) -> usize {
+        self.counts.iter().product()
+    }
+
+    /// Place along the surface [m] of a column from the middle of the block.
+    #[must_use]
+    pub fn place(&self, column: usize) -> f64 {
+        (column as f64 - 0.5 * self.counts[0] as f64) * self.length - self.behind
+    }
+
+    /// A component of a node's displacement [m].
+    #[must_use]
+    pub fn displacement(&self, node: usize, component: usize) -> f64 {
+        self.damped[component][node] - self.damping * self.velocity[component][node]
+    }
+
+    /// Gives a node of the surface a velocity [m/s] besides, in a step [s] that has been taken.
+    pub fn push(&mut self, node: usize, velocity: [f64; 3], step: f64) {
+        for (k, more) in velocity.into_iter().enumerate() {
+            self.velocity[k][node] += more;
+            self.damped[k][node] += (step + self.damping) * more;
+        }
+    }
+
+    /// A step in time [s], as if nothing touched the surface.
+    pub fn step(&mut self, step: f64) {
+        let deep = self.counts[2];
+        for force in &mut self.planes[0] {
+            force.fill(0.0);
+        }
+        for layer in 0..deep {
+            self.resist(layer);
+            self.advance(layer, step);
+            let [above, _, below] = &mut self.planes;
+            std::mem::swap(above, below);
+        }
+        if self.held == Held::Nothing {
+            self.planes[1].iter_mut().for_each(|force| force.fill(0.0));
+            self.advance(deep, step);
+        }
+    }
+
+    /// Velocities and displacements of a plane of nodes under the forces from above and below.
+    fn advance(&mut self, plane: usize, step: f64) {
+        let Self { planes: [above, own, _], damped, velocity, inverse_mass, stride, .. } = self;
+        let (last, rows, damping) = (self.counts[0], self.counts[1] + 1, self.damping);
+        let ends = usize::from(self.held == Held::Faces);
+        for row in 0..rows {
+            let inverse = inverse_mass[plane * rows + row];
+            if inverse == 0.0 {
+                continue;
+            }
+            let free = |start: usize| start + ends..start + last + 1 - ends;
+            let (at, node) = (row * *stride, (plane * rows + row) * *stride);
+            for k in 0..3 {
+                if self.held == Held::Nothing {
+                    for end in [at, at + last] {
+                        above[k][end] *= 2.0;
+                        own[k][end] *= 2.0;
+                    }
+                }
+                self.arch.dispatch(Advance {
+                    forces: [&above[k][free(at)], &own[k][free(at)]],
+                    velocity: &mut velocity[k][free(node)],
+                    damped: &mut damped[k][free(node)],
+                    push: step * inverse,
+                    steps: [step + damping, damping],
+                });
+            }
+        }
+    }
+
+    /// Forces of a layer on the planes of nodes above and below it.
+    fn resist(&mut self, layer: usize) {
+        let [elements, across, _] = self.counts;
+        let plane = (across + 1) * self.stride;
+        let Self { planes: [_, own, below], damped, stiffness, stride, .. } = self;
+        own.iter_mut().chain(below.iter_mut()).for_each(|force| force.fill(0.0));
+        let [ox, oy, oz] = own;
+        let [bx, by, bz] = below;
+        for row in 0..across {
+            let start = row * *stride;
+            let displacement = rows_of(damped, layer * plane + start, plane, *stride);
+            let [(x0, x1), (y0, y1), (z0, z1)] =
+                [&mut *ox, oy, oz].map(|force| two_rows(force, start, *stride));
+            let [(x2, x3), (y2, y3), (z2, z3)] =
+                [&mut *bx, by, bz].map(|force| two_rows(force, start, *stride));
+            let force = [[x0, y0, z0], [x1, y1, z1], [x2, y2, z2], [x3, y3, z3]];
+            let row = Row { elements, stiffness: &stiffness[layer * across + row], displacement };
+            if self.solid.radius.is_finite() {
+                self.arch.dispatch(Forces::<true> { row, force });
+            } else {
+                self.arch.dispatch(Forces::<false> { row, force });
+            }
+        }
+    }
+
+    /// Elastic energy of u + βv [J]: of strains, and of hourglass modes.
+    #[must_use]
+    pub fn elastic_energy(&self) -> [f64; 2] {
+        let [elements, across, deep] = self.counts;
+        let plane = (across + 1) * self.stride;
+        let mut sums = [0.0; 2];
+        for (row, stiffness) in self.stiffness.iter().enumerate().take(across * deep) {
+            let start = row / across * plane + row % across * self.stride;
+            let displacement = rows_of(&self.damped, start, plane, self.stride);
+            let row = Row { elements, stiffness, displacement };
+            let energy = if self.solid.radius.is_finite() {
+                self.arch.dispatch(Energy::<true> { row })
+            } else {
+                self.arch.dispatch(Energy::<false> { row })
+            };
+            sums.iter_mut().zip(energy).for_each(|(sum, energy)| *sum += energy);
+        }
+        sums
+    }
+
+    /// Kinetic energy [J].
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        let (stride, last) = (self.stride, self.counts[0]);
+        let part = |column: usize| if column == 0 || column == last { 0.5 } else { 1.0 };
+        let of_row = |(row, inverse): (usize, &f64)| {
+            let square = |k: usize, column: usize| {
+                part(column) * self.velocity[k][row * stride + column].powi(2)
+            };
+            let squares = (0..3).flat_map(|k| (0..=last).map(move |column| square(k, column)));
+            if *inverse == 0.0 { 0.0 } else { 0.5 * squares.sum::<f64>() / inverse }
+        };
+        self.inverse_mass.iter().enumerate().map(of_row).sum()
+    }
+
+    /// Lets the material go back by a way [m], at most an element; whether the columns were shifted.
+    pub fn travel(&mut self, way: f64) -> bool {
+        self.behind += way;
+        if self.behind < self.length * (1.0 - ROUNDING) {
+            return false;
+        }
+        self.behind -= self.length;
+        if self.behind.abs() < ROUNDING * self.length {
+            self.behind = 0.0;
+        }
+        let last = self.counts[0];
+        for values in self.damped.iter_mut().chain(&mut self.velocity) {
+            for row in values.chunks_exact_mut(self.stride) {
+                row.copy_within(1..=last, 0);
+                // The first column is held, and the last two come in without displacement.
+                for node in [0, last - 1, last] {
+                    row[node] = 0.0;
+                }
+            }
+        }
+        true
+    }
+
+    /// Highest angular frequency [1/s] of small vibrations, by power iteration on M⁻¹K.
+    #[must_use]
+    pub fn highest_frequency(&self) -> f64 {
+        let mut probe =
+            Self::new(self.counts[0], self.length, self.section.clone(), self.solid, self.held);
+        // Neighbours that move against each other, by amounts that differ from place to place.
+        let amount = |n: usize| 1e-9 * (1.0 + (n * 2_654_435_761 % 1009) as f64 / 1009.0);
+        let sign = |n: usize| {
+            if (n / self.stride + n % self.stride).is_multiple_of(2) { 1.0 } else { -1.0 }
+        };
+        for (k, values) in probe.damped.iter_mut().enumerate() {
+            values.iter_mut().enumerate().for_each(|(n, u)| *u = sign(n) * amount(n + k));
+        }
+        probe.hold();
+        let mut frequency = 0.0;
+        for _ in 0..POWER_ITERATIONS {
+            let before = norm(&probe.damped);
+            // In a step of one second v = −M⁻¹K u.
+            probe.velocity.iter_mut().for_each(|v| v.fill(0.0));
+            probe.step(1.0);
+            let after = norm(&probe.velocity);
+            frequency = (after / before).sqrt();
+            for (damped, velocity) in probe.damped.iter_mut().zip(&probe.velocity) {
+                let scaled = damped.iter_mut().zip(velocity);
+                scaled.for_each(|(u, v)| *u = -before / after * v);
+            }
+        }
+        POWER_MARGIN * frequency
+    }
+
+    /// Puts what is held, and what is beyond the rows, to zero.
+    fn hold(&mut self) {
+        let (last, stride) = (self.counts[0], self.stride);
+        for values in &mut self.damped {
+            for (row, inverse) in values.chunks_exact_mut(stride).zip(&self.inverse_mass) {
+                let ends = usize::from(self.held == Held::Faces);
+                let free = ends..=last - ends;
+                let held = |node: usize| *inverse == 0.0 || !free.contains(&node);
+                row.iter_mut()
+                    .enumerate()
+                    .filter(|(node, _)| held(*node))
+                    .for_each(|(_, u)| *u = 0.0);
+            }
+        }
+    }
+}
+
+/// A step of a row of nodes in one direction.
+struct Advance<'a> {
+    forces: [&'a [f64]; 2],
+    velocity: &'a mut [f64],
+    damped: &'a mut [f64],
+    /// Δt/M.
+    push: f64,
+    /// Δt + β and β.
+    steps: [f64; 2],
+}
+
+impl NullaryFnOnce for Advance<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { forces: [above, own], velocity, damped, push, steps: [new_way, old_way] } = self;
+        let forces = above.iter().zip(own);
+        for ((velocity, damped), (above, own)) in velocity.iter_mut().zip(damped).zip(forces) {
+            let new = *velocity - push * (above + own);
+            *damped += new_way * new - old_way * *velocity;
+            *velocity = new;
+        }
+    }
+}
+
+/// The four rows of nodes round a row of elements.
+fn rows_of(values: &[Vec<f64>; 3], start: usize, plane: usize, stride: usize) -> Rows<&[f64]> {
+    [0, stride, plane, plane + stride].map(|more| {
+        let row = start + more..start + more + stride;
+        [&values[0][row.clone()], &values[1][row.clone()], &values[2][row]]
+    })
+}
+
+fn norm(values: &[Vec<f64>; 3]) -> f64 {
+    values.iter().flatten().map(|value| value * value).sum::<f64>().sqrt()
+}
+
+/// Two rows of nodes that follow each other.
+fn two_rows(values: &mut [f64], start: usize, stride: usize) -> (&mut [f64], &mut [f64]) {
+    values[start..start + 2 * stride].split_at_mut(stride)
+}

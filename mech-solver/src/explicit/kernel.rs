@@ -1,0 +1,332 @@
+//! Forces of a row of elements from the displacements of its four rows of nodes, vectorised along the row.
+//!
+//! In the frame of the element's middle: sums û of the displacements over the Hadamard vectors ([`super::shape`]), their
+//! gradient H, Green's strain E = (H + Hᵀ + HᵀH)/2, stress S = λ tr E + 2μE (St. Venant & Kirchhoff), P = (1 + H) S; hourglass
+//! modes q_m = û_m − Σ_r X_mr H_r with the sums X of the places, which no linear field excites, resisted by k q. Forces are the
+//! transpose of all that. A rigid motion, of whatever angle, makes no force.
+//!
+//! In a body that rolls, the nodes of the two ends have their displacements in directions that are turned by half an angle to
+//! either side of the middle's.
+//!
+//! Source: Flanagan & Belytschko 1981 ("stiffness" form), total Lagrangian. Deviation: forces and displacements are never gathered element by
+//! element: along a row both are contiguous, and an element's far end is its neighbour's near one.
+
+use super::shape::Shape;
+use pulp::{Simd, WithSimd};
+
+/// Elements of a row are a multiple of this, whatever vectors the machine has.
+pub const LANES: usize = 8;
+
+/// What the elements of a row resist.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stiffness {
+    /// Their shape.
+    pub shape: Shape,
+    /// λV and μV [N·m].
+    pub lame: [f64; 2],
+    /// Of the hourglass modes [N/m].
+    pub hourglass: f64,
+}
+
+impl Stiffness {
+    /// Of a shape, Lamé's constants λ and μ [Pa] and a share of the wave modulus λ + 2μ that resists hourglass modes.
+    #[must_use]
+    pub fn new(shape: Shape, [lambda, mu]: [f64; 2], share: f64) -> Self {
+        let volume = shape.volume;
+        let hourglass = share * (lambda + 2.0 * mu) * volume * shape.squares / 64.0;
+        Self { shape, lame: [lambda * volume, mu * volume], hourglass }
+    }
+}
+
+/// Components of a vector at the nodes of four rows: corner by corner, along, across and into the body.
+pub type Rows<T> = [[T; 3]; 4];
+
+/// A row of elements and its rows of nodes, one node longer and padded to a multiple of [`LANES`] beyond that.
+pub struct Row<'a> {
+    /// Elements.
+    pub elements: usize,
+    /// What they resist.
+    pub stiffness: &'a Stiffness,
+    /// Displacements [m].
+    pub displacement: Rows<&'a [f64]>,
+}
+
+/// Adds the forces of a row [N] to those of its rows of nodes.
+pub struct Forces<'a, const CURVED: bool> {
+    /// The row.
+    pub row: Row<'a>,
+    /// Forces by which the nodes resist.
+    pub force: Rows<&'a mut [f64]>,
+}
+
+/// The elastic energy of a row [J]: of the strain, and of the hourglass modes.
+pub struct Energy<'a, const CURVED: bool> {
+    /// The row.
+    pub row: Row<'a>,
+}
+
+impl<const CURVED: bool> WithSimd for Forces<'_, CURVED> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) {
+        let Self { row, force } = self;
+        let lanes = S::F64_LANES;
+        let groups = row.elements / lanes;
+        let material = Material::new(s, row.stiffness);
+        let [near, far] = [0, 1].map(|from| views::<S>(&row.displacement, from, groups));
+        let mut out = force.map(|row| row.map(|row| &mut S::as_mut_simd_f64s(row).0[..=groups]));
+        let zero = s.splat_f64s(0.0);
+        let first = s.mask_between_m64s(0, 1).mask();
+        // What the far ends of the elements before leave to the first node.
+        let mut carried = [[zero; 3]; 4];
+        #[allow(clippy::needless_range_loop, reason = "it indexes rows of six vectors alike")]
+        for group in 0..groups {
+            let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, &material);
+            let Answer { mut ends, .. } = answer(s, &material, &ends);
+            ends = ends.turned_back::<CURVED>(s, &material);
+            for corner in 0..4 {
+                for k in 0..3 {
+                    let (sum, difference) = (ends.sum[corner][k], ends.difference[corner][k]);
+                    let far = s.rotate_right_f64s(s.add_f64s(sum, difference), 1);
+                    let from = s.select_f64s(first, carried[corner][k], far);
+                    carried[corner][k] = far;
+                    let own = s.add_f64s(s.sub_f64s(sum, difference), from);
+                    out[corner][k][group] = s.add_f64s(out[corner][k][group], own);
+                }
+            }
+        }
+        for (out, carried) in out.iter_mut().flatten().zip(carried.iter().flatten()) {
+            let last = s.select_f64s(first, *carried, zero);
+            out[groups] = s.add_f64s(out[groups], last);
+        }
+    }
+}
+
+impl<const CURVED: bool> WithSimd for Energy<'_, CURVED> {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) -> [f64; 2] {
+        let Self { row } = self;
+        let groups = row.elements / S::F64_LANES;
+        let material = Material::new(s, row.stiffness);
+        let [near, far] = [0, 1].map(|from| views::<S>(&row.displacement, from, groups));
+        let mut sums = [s.splat_f64s(0.0); 2];
+        for group in 0..groups {
+            let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, &material);
+            let Answer { energy, .. } = answer(s, &material, &ends);
+            for k in 0..2 {
+                sums[k] = s.add_f64s(sums[k], energy[k]);
+            }
+        }
+        sums.map(|sum| s.reduce_sum_f64s(sum))
+    }
+}
+
+/// Vectors of the rows from a node on.
+#[inline(always)]
+fn views<'a, S: Simd>(rows: &Rows<&'a [f64]>, from: usize, groups: usize) -> Rows<&'a [S::f64s]> {
+    let length = groups * S::F64_LANES;
+    rows.map(|row| row.map(|row| &S::as_simd_f64s(&row[from..from + length]).0[..groups]))
+}
+
+/// The constants of a row, in every lane.
+struct Material<S: Simd> {
+    along: [S::f64s; 4],
+    across: [[S::f64s; 3]; 2],
+    twist: [S::f64s; 3],
+    bend: [S::f64s; 2],
+    lame: [S::f64s; 2],
+    hourglass: S::f64s,
+    turn: [S::f64s; 2],
+}
+
+impl<S: Simd> Material<S> {
+    #[inline(always)]
+    fn new(s: S, stiffness: &Stiffness) -> Self {
+        let all = |value: f64| s.splat_f64s(value);
+        let Stiffness { shape, lame, hourglass } = stiffness;
+        Self {
+            along: shape.along.map(all),
+            across: shape.across.map(|row| row.map(all)),
+            twist: shape.twist.map(all),
+            bend: shape.bend.map(all),
+            lame: lame.map(all),
+            hourglass: all(*hourglass),
+            turn: [all(shape.half_angle.cos()), all(shape.half_angle.sin())],
+        }
+    }
+}
+
+/// Sums and differences of the two ends along ξ, of the four corners; of forces, halves of them.
+struct Ends<S: Simd> {
+    sum: Rows<S::f64s>,
+    difference: Rows<S::f64s>,
+}
+
+impl<S: Simd> Ends<S> {
+    #[inline(always)]
+    fn read(s: S, near: &Rows<&[S::f64s]>, far: &Rows<&[S::f64s]>, group: usize) -> Self {
+        let zero = s.splat_f64s(0.0);
+        let mut ends = Self { sum: [[zero; 3]; 4], difference: [[zero; 3]; 4] };
+        for corner in 0..4 {
+            for k in 0..3 {
+                let (near, far) = (near[corner][k][group], far[corner][k][group]);
+                ends.sum[corner][k] = s.add_f64s(near, far);
+                ends.difference[corner][k] = s.sub_f64s(far, near);
+            }
+        }
+        ends
+    }
+
+    /// From the directions of the nodes to those of the middle.
+    #[inline(always)]
+    fn turned<const CURVED: bool>(mut self, s: S, material: &Material<S>) -> Self {
+        if !CURVED {
+            return self;
+        }
+        let [c, sine] = material.turn;
+        for (sum, difference) in self.sum.iter_mut().zip(&mut self.difference) {
+            let ([x, _, z], [dx, _, dz]) = (*sum, *difference);
+            sum[0] = s.negate_mul_add_f64s(sine, dz, s.mul_f64s(c, x));
+            difference[0] = s.negate_mul_add_f64s(sine, z, s.mul_f64s(c, dx));
+            sum[2] = s.mul_add_f64s(sine, dx, s.mul_f64s(c, z));
+            difference[2] = s.mul_add_f64s(sine, x, s.mul_f64s(c, dz));
+        }
+        self
+    }
+
+    /// The transpose.
+    #[inline(always)]
+    fn turned_back<const CURVED: bool>(mut self, s: S, material: &Material<S>) -> Self {
+        if !CURVED {
+            return self;
+        }
+        let [c, sine] = material.turn;
+        for (sum, difference) in self.sum.iter_mut().zip(&mut self.difference) {
+            let ([x, _, z], [dx, _, dz]) = (*sum, *difference);
+            sum[0] = s.mul_add_f64s(sine, dz, s.mul_f64s(c, x));
+            difference[0] = s.mul_add_f64s(sine, z, s.mul_f64s(c, dx));
+            sum[2] = s.negate_mul_add_f64s(sine, dx, s.mul_f64s(c, z));
+            difference[2] = s.negate_mul_add_f64s(sine, x, s.mul_f64s(c, dz));
+        }
+        self
+    }
+}
+
+/// Sum, η, ζ and ηζ of four corners.
+#[inline(always)]
+fn hadamard<S: Simd>(s: S, [a, b, c, d]: [S::f64s; 4]) -> [S::f64s; 4] {
+    let (near, near_eta) = (s.add_f64s(b, a), s.sub_f64s(b, a));
+    let (deep, deep_eta) = (s.add_f64s(d, c), s.sub_f64s(d, c));
+    [
+        s.add_f64s(near, deep),
+        s.add_f64s(near_eta, deep_eta),
+        s.sub_f64s(deep, near),
+        s.sub_f64s(deep_eta, near_eta),
+    ]
+}
+
+/// What elements answer to displacements: forces, and energies of strain and hourglass modes.
+struct Answer<S: Simd> {
+    ends: Ends<S>,
+    energy: [S::f64s; 2],
+}
+
+/// a·b + c·d + e·f + g.
+#[inline(always)]
+fn products<S: Simd>(s: S, [a, b, c, d, e, f, g]: [S::f64s; 7]) -> S::f64s {
+    s.mul_add_f64s(a, b, s.mul_add_f64s(c, d, s.mul_add_f64s(e, f, g)))
+}
+
+#[inline(always)]
+fn answer<S: Simd>(s: S, material: &Material<S>, ends: &Ends<S>) -> Answer<S> {
+    let Material { along, across: [by, bz], twist, bend, lame, hourglass, .. } = material;
+    let (zero, half) = (s.splat_f64s(0.0), s.splat_f64s(0.5));
+    let mut h = [[zero; 3]; 3];
+    // ξη, ξζ, ξηζ and ηζ of every component; then what resists them.
+    let mut q = [[zero; 4]; 3];
+    let mut resisted = zero;
+    for k in 0..3 {
+        let corners = |rows: &Rows<S::f64s>| [rows[0][k], rows[1][k], rows[2][k], rows[3][k]];
+        let even = hadamard(s, corners(&ends.sum));
+        let odd = hadamard(s, corners(&ends.difference));
+        let mut hx = s.mul_f64s(along[0], odd[0]);
+        for m in 1..4 {
+            hx = s.mul_add_f64s(along[m], odd[m], hx);
+        }
+        let (mut hy, mut hz) = (s.mul_f64s(by[0], even[1]), s.mul_f64s(bz[0], even[1]));
+        for m in 1..3 {
+            hy = s.mul_add_f64s(by[m], even[m + 1], hy);
+            hz = s.mul_add_f64s(bz[m], even[m + 1], hz);
+        }
+        for m in 0..3 {
+            q[k][m] = s.negate_mul_add_f64s(twist[m], hx, odd[m + 1]);
+        }
+        let bent = s.negate_mul_add_f64s(bend[0], hy, even[3]);
+        q[k][3] = s.negate_mul_add_f64s(bend[1], hz, bent);
+        for q in &mut q[k] {
+            resisted = s.mul_add_f64s(*q, *q, resisted);
+            *q = s.mul_f64s(*hourglass, *q);
+        }
+        h[k] = [hx, hy, hz];
+    }
+    let [[h00, h01, h02], [h10, h11, h12], [h20, h21, h22]] = h;
+    let strain = |a: [S::f64s; 3], own: S::f64s| {
+        s.mul_add_f64s(half, products(s, [a[0], a[0], a[1], a[1], a[2], a[2], zero]), own)
+    };
+    let [e0, e1, e2] =
+        [strain([h00, h10, h20], h00), strain([h01, h11, h21], h11), strain([h02, h12, h22], h22)];
+    // Twice the shear strains.
+    let g01 = products(s, [h00, h01, h10, h11, h20, h21, s.add_f64s(h01, h10)]);
+    let g12 = products(s, [h01, h02, h11, h12, h21, h22, s.add_f64s(h12, h21)]);
+    let g02 = products(s, [h00, h02, h10, h12, h20, h22, s.add_f64s(h02, h20)]);
+    let [lambda, mu] = *lame;
+    let trace = s.mul_f64s(lambda, s.add_f64s(e0, s.add_f64s(e1, e2)));
+    let twice = s.add_f64s(mu, mu);
+    let [s00, s11, s22] = [e0, e1, e2].map(|e| s.mul_add_f64s(twice, e, trace));
+    let [s01, s12, s02] = [g01, g12, g02].map(|g| s.mul_f64s(mu, g));
+    let stress = [[s00, s01, s02], [s01, s11, s12], [s02, s12, s22]];
+    let strained = products(s, [s00, e0, s11, e1, s22, e2, zero]);
+    let strained = products(s, [s01, g01, s12, g12, s02, g02, strained]);
+    let energy = [s.mul_f64s(half, strained), s.mul_f64s(half, s.mul_f64s(*hourglass, resisted))];
+
+    let mut ends = Ends::<S> { sum: [[zero; 3]; 4], difference: [[zero; 3]; 4] };
+    for k in 0..3 {
+        let [hx, hy, hz] = h[k];
+        let mut p = [zero; 3];
+        for (r, p) in p.iter_mut().enumerate() {
+            *p = products(s, [hx, stress[0][r], hy, stress[1][r], hz, stress[2][r], stress[k][r]]);
+        }
+        let [mut px, mut py, mut pz] = p;
+        for m in 0..3 {
+            px = s.negate_mul_add_f64s(q[k][m], twist[m], px);
+        }
+        py = s.negate_mul_add_f64s(q[k][3], bend[0], py);
+        pz = s.negate_mul_add_f64s(q[k][3], bend[1], pz);
+        let odd = [
+            s.mul_f64s(px, along[0]),
+            s.mul_add_f64s(px, along[1], q[k][0]),
+            s.mul_add_f64s(px, along[2], q[k][1]),
+            s.mul_add_f64s(px, along[3], q[k][2]),
+        ];
+        let even = [
+            s.mul_add_f64s(py, by[0], s.mul_f64s(pz, bz[0])),
+            s.mul_add_f64s(py, by[1], s.mul_f64s(pz, bz[1])),
+            s.mul_add_f64s(py, by[2], s.mul_add_f64s(pz, bz[2], q[k][3])),
+        ];
+        let (less, more) = (s.sub_f64s(odd[0], odd[1]), s.add_f64s(odd[0], odd[1]));
+        let (deep_less, deep_more) = (s.sub_f64s(odd[2], odd[3]), s.add_f64s(odd[2], odd[3]));
+        ends.difference[0][k] = s.sub_f64s(less, deep_less);
+        ends.difference[1][k] = s.sub_f64s(more, deep_more);
+        ends.difference[2][k] = s.add_f64s(less, deep_less);
+        ends.difference[3][k] = s.add_f64s(more, deep_more);
+        let (less, more) = (s.sub_f64s(even[1], even[2]), s.add_f64s(even[1], even[2]));
+        ends.sum[0][k] = s.sub_f64s(s.sub_f64s(zero, even[0]), less);
+        ends.sum[1][k] = s.sub_f64s(even[0], more);
+        ends.sum[2][k] = s.sub_f64s(less, even[0]);
+        ends.sum[3][k] = s.add_f64s(even[0], more);
+    }
+    Answer { ends, energy }
+}

@@ -1,0 +1,109 @@
+//! The cross-section of a body: nodes across and into it, fine near the contact, coarser away from it.
+
+/// Layers across and in depth that stretch from the fine zone to the faces.
+const STRETCHED: [usize; 2] = [10, 15];
+
+/// Sizes of a cross-section [m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sizes {
+    /// Edges of the elements in the fine zone.
+    pub element: f64,
+    /// Half the width, and the depth, of the fine zone.
+    pub fine: [f64; 2],
+    /// Half the width, and the depth, of the body.
+    pub whole: [f64; 2],
+    /// Lateral radius of the surface; infinite for a straight one, negative for a concave one.
+    pub radius: f64,
+}
+
+/// Nodes of a cross-section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Elements across and in depth.
+    pub counts: [usize; 2],
+    /// (y, depth) [m] of the nodes, row by row from the surface on; depth counts from the plane that touches the surface.
+    pub nodes: Vec<[f64; 2]>,
+    /// First and last node across of the fine zone.
+    pub fine: [usize; 2],
+}
+
+impl Section {
+    /// Of these sizes. Depths follow the surface's curve at the surface, and are even at the bottom.
+    #[must_use]
+    pub fn new(sizes: &Sizes) -> Self {
+        let Sizes { element, fine, whole, radius } = *sizes;
+        let side = graded(element, fine[0], STRETCHED[0], whole[0]);
+        let deep = graded(element, fine[1], STRETCHED[1], whole[1]);
+        let y: Vec<f64> = side[1..].iter().rev().map(|y| -y).chain(side.iter().copied()).collect();
+        let node = |depth: f64, y: f64| [y, depth + drop(y, radius) * (1.0 - depth / whole[1])];
+        let row = |depth: &f64| y.iter().map(|y| node(*depth, *y)).collect::<Vec<_>>();
+        Self {
+            counts: [y.len() - 1, deep.len() - 1],
+            nodes: deep.iter().flat_map(row).collect(),
+            fine: [STRETCHED[0], y.len() - 1 - STRETCHED[0]],
+        }
+    }
+
+    /// Corners of an element, in the order of [`super::shape::Shape::new`].
+    #[must_use]
+    pub fn corners(&self, j: usize, k: usize) -> [[f64; 2]; 4] {
+        let at = |j: usize, k: usize| self.nodes[k * (self.counts[0] + 1) + j];
+        [at(j, k), at(j + 1, k), at(j, k + 1), at(j + 1, k + 1)]
+    }
+
+    /// Width that a node across stands for [m].
+    #[must_use]
+    pub fn width(&self, j: usize) -> f64 {
+        let y = |j: usize| self.nodes[j][0];
+        0.5 * (y((j + 1).min(self.counts[0])) - y(j.saturating_sub(1)))
+    }
+}
+
+/// How far a circle is below its top.
+fn drop(y: f64, radius: f64) -> f64 {
+    if radius.is_finite() {
+        y * y / (radius + radius.signum() * (radius * radius - y * y).max(0.0).sqrt())
+    } else {
+        0.0
+    }
+}
+
+/// Places from 0: even ones to `fine` or just beyond, then `count` gaps that grow by one ratio, to `whole`.
+fn graded(even: f64, fine: f64, count: usize, whole: f64) -> Vec<f64> {
+    let steps = (fine / even * (1.0 - 1e-9)).ceil().max(1.0) as usize;
+    let mut places: Vec<f64> = (0..=steps).map(|step| step as f64 * even).collect();
+    let start = steps as f64 * even;
+    let sum = |ratio: f64| (1..=count as i32).map(|i| even * ratio.powi(i)).sum::<f64>();
+    let (mut low, mut high) = (0.1, 10.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        *(if start + sum(middle) > whole { &mut high } else { &mut low }) = middle;
+    }
+    let mut place = start;
+    places.extend((1..=count as i32).map(|i| {
+        place += even * low.powi(i);
+        place
+    }));
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fine_in_the_middle_and_whole_at_the_faces() {
+        let sizes = Sizes { element: 1e-3, fine: [8e-3, 6e-3], whole: [60e-3; 2], radius: 0.3 };
+        let section = Section::new(&sizes);
+        let [across, deep] = section.counts;
+        assert_eq!([across, deep], [36, 21]);
+        let (first, last) = (section.nodes[0], section.nodes[across]);
+        assert!((first[0] + 60e-3).abs() < 1e-12 && (last[0] - 60e-3).abs() < 1e-12);
+        // The sagitta of the circle at the face; the bottom is even.
+        let sagitta = 0.3 - (0.09_f64 - 0.0036).sqrt();
+        assert!((last[1] - sagitta).abs() < 1e-15, "{last:?}");
+        assert!(section.nodes[deep * (across + 1)..].iter().all(|n| (n[1] - 60e-3).abs() < 1e-12));
+        let widths = (section.fine[0] + 1..section.fine[1]).map(|j| section.width(j));
+        assert!(widths.into_iter().all(|width| (width - 1e-3).abs() < 1e-15));
+    }
+}
