@@ -89,9 +89,9 @@ fn a_rigid_rotation_makes_no_force() {
     for radius in [f64::INFINITY, 0.2] {
         let mut block = Block::new(24, 1e-3, distorted(1e-3), steel(NU, radius), Held::Nothing);
         let (sine, cosine) = 0.3_f64.sin_cos();
-        displace(&mut block, |[x, y, z]| {
+        displace(&mut block, |[x, y, _]| {
             let (turned_x, turned_y) = (cosine * x - sine * y, sine * x + cosine * y);
-            [turned_x - x, turned_y - y, 0.0 * z]
+            [turned_x - x, turned_y - y, 0.0]
         });
         block.step(1e-9);
         let rigid = largest(&block)[1];
@@ -190,7 +190,7 @@ fn contact_conserves_momentum() {
             block.inverse_mass.iter().enumerate().map(of_row).sum()
         })
     };
-    // The lower body's nodes have their own directions along x; only of that one momenta are sums.
+    // The lower body is straight: its nodes have their displacements in the same directions, so that momenta add up.
     let frame = Frame { approach: 20e-6, rising: 0.0, speeds: [10.1, 10.0], ways: [0.0, 0.0] };
     let friction = Friction { coefficient: 0.3, sticks: true };
     let before = momentum(&lower);

@@ -238,10 +238,10 @@ impl Block {
     /// Elastic energy of u + βv [J]: of strains, and of hourglass modes.
     #[must_use]
     pub fn elastic_energy(&self) -> [f64; 2] {
-        let [elements, across, deep] = self.counts;
+        let [elements, across, _] = self.counts;
         let plane = (across + 1) * self.stride;
         let mut sums = [0.0; 2];
-        for (row, stiffness) in self.stiffness.iter().enumerate().take(across * deep) {
+        for (row, stiffness) in self.stiffness.iter().enumerate() {
             let start = row / across * plane + row % across * self.stride;
             let displacement = rows_of(&self.damped, start, plane, self.stride);
             let row = Row { elements, stiffness, displacement };

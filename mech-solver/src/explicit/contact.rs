@@ -46,6 +46,8 @@ pub struct Friction {
 pub struct Sums {
     /// Impulse on the upper body, forward, left and up [N·s].
     pub impulse: [f64; 3],
+    /// Normal impulse of all nodes [N·s].
+    pub pressed: f64,
     /// Work of friction [J].
     pub friction: f64,
     /// Work that the rigid motion does on the contact [J].
@@ -54,6 +56,8 @@ pub struct Sums {
     pub areas: [f64; 2],
     /// Sweeps.
     pub sweeps: usize,
+    /// 1 if the impulses have not come to rest in them.
+    pub unsettled: usize,
 }
 
 /// A node of the upper surface and the point below it.
@@ -125,7 +129,8 @@ impl Contact {
         counts: bool,
     ) -> Sums {
         self.meet(upper, lower, frame, plane);
-        let mut sums = Sums { sweeps: self.sweep(friction, step), ..Sums::default() };
+        let (sweeps, settled) = self.sweep(friction, step);
+        let mut sums = Sums { sweeps, unsettled: usize::from(!settled), ..Sums::default() };
         for (node, impulse) in self.pairs.iter().map(|pair| (pair.node, pair.impulse)) {
             self.impulses[node] = impulse;
         }
@@ -152,6 +157,7 @@ impl Contact {
                 sums.areas[1] += if slides { area } else { 0.0 };
             }
             sums.impulse = add(sums.impulse, pair.impulse);
+            sums.pressed += normal;
             sums.friction += event.work;
             sums.work -= dot(pair.impulse, pair.rigid);
             if counts {
@@ -240,8 +246,8 @@ impl Contact {
         change
     }
 
-    /// Sweeps over the pairs until their impulses rest; the sweeps.
-    fn sweep(&mut self, friction: Friction, step: f64) -> usize {
+    /// Sweeps over the pairs until their impulses rest; the sweeps, and whether they do.
+    fn sweep(&mut self, friction: Friction, step: f64) -> (usize, bool) {
         for sweep in 1..=MOST_SWEEPS {
             let (mut largest, mut change) = (0.0_f64, 0.0_f64);
             for index in 0..self.pairs.len() {
@@ -269,10 +275,10 @@ impl Contact {
                 change = change.max(dot(more, more).sqrt());
             }
             if change <= SETTLED * largest {
-                return sweep;
+                return (sweep, true);
             }
         }
-        MOST_SWEEPS
+        (MOST_SWEEPS, false)
     }
 
     /// Gives the nodes of both surfaces their changes of velocity, and takes those away: a node below is shared.

@@ -40,9 +40,9 @@ pub struct Asked {
     pub creepage: f64,
     /// Longitudinal force on the upper body over f N, if that is prescribed.
     pub force: Option<f64>,
-    /// Expected half length of the contact [m] and stiffness dN/dδ [N/m].
+    /// Expected half length of the contact [m].
     pub half_length: f64,
-    /// The same.
+    /// Expected stiffness of the contact, dN/dδ [N/m].
     pub stiffness: f64,
     /// Threads, of which two are used at most.
     pub threads: usize,
@@ -53,6 +53,8 @@ pub struct Asked {
 pub struct Means {
     /// Force on the upper body, forward, left and up [N].
     pub force: [f64; 3],
+    /// Normal forces of all nodes [N].
+    pub pressed: f64,
     /// Power of friction [W].
     pub friction: f64,
     /// Power that the rigid motion gives the contact [W].
@@ -63,6 +65,8 @@ pub struct Means {
     pub approach: f64,
     /// Sweeps of the contact a step.
     pub sweeps: f64,
+    /// Share of the steps in which the impulses did not come to rest.
+    pub unsettled: f64,
 }
 
 /// Steady rolling.
@@ -123,13 +127,12 @@ impl Rolling {
     pub fn settle(&mut self, report: &mut dyn FnMut(u64, u64)) -> (Means, bool) {
         let expected = Self::expected_steps(&self.asked, self.step) as u64;
         let mut told = |steps: u64| report(steps, expected.max(steps));
-        let (sender, receiver) = (sync_channel::<Block>(1), sync_channel::<Block>(1));
         if self.asked.threads < 2 {
             return self.measure_all(&mut told, None);
         }
         let step = self.step;
         std::thread::scope(|scope| {
-            let ((to, from), (back_to, back)) = (sender, receiver);
+            let ((to, from), (back_to, back)) = (sync_channel::<Block>(1), sync_channel(1));
             scope.spawn(move || {
                 while let Ok(mut block) = from.recv() {
                     block.step(step);
@@ -184,9 +187,11 @@ impl Rolling {
             for k in 0..2 {
                 all.areas[k] += sums.areas[k];
             }
+            all.pressed += sums.pressed;
             all.friction += sums.friction;
             all.work += sums.work;
             all.sweeps += sums.sweeps;
+            all.unsettled += sums.unsettled;
             approach += self.approach;
             self.steps += 1;
             told(self.steps);
@@ -195,11 +200,13 @@ impl Rolling {
         self.plane.time = time;
         Means {
             force: all.impulse.map(|impulse| impulse / time),
+            pressed: all.pressed / time,
             friction: all.friction / time,
             given: all.work / time,
             areas: all.areas.map(|area| area / count),
             approach: approach / count,
             sweeps: all.sweeps as f64 / count,
+            unsettled: all.unsettled as f64 / count,
         }
     }
 

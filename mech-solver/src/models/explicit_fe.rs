@@ -44,6 +44,8 @@ const WHOLE: f64 = 6.0;
 const FINE: [f64; 2] = [1.4, 0.75];
 /// Where nodes are looked at for contact, in semi-axes.
 const WATCHED: f64 = 1.4;
+/// Part of the pressure on the plane that is rounding.
+const ROUNDING: f64 = 1e-9;
 /// Elements between reports of progress, about.
 const REPORT: u64 = 20_000_000;
 
@@ -347,6 +349,27 @@ impl Setup for Prepared {
                 "motion.traction_coefficient",
                 format!("no creepage was found: the force came to {ratio:.4} of the normal force"),
                 "write motion.creepage",
+            ));
+        }
+        if means.unsettled > 0.0 {
+            return Err(Refusal::new(
+                "mech.resolution",
+                format!(
+                    "the contact was not solved in {:.2} % of the steps",
+                    100.0 * means.unsettled
+                ),
+                "write another resolution, and check the friction coefficient",
+            ));
+        }
+        let (deposited, whole) =
+            (rolling.plane.normal.iter().sum::<f64>(), means.pressed * rolling.plane.time);
+        if (deposited - whole).abs() > ROUNDING * whole {
+            return Err(Refusal::new(
+                "load.normal_force",
+                format!(
+                    "the contact reaches beyond {WATCHED} semi-axes of Hertz's, where it is watched"
+                ),
+                "check radii and load, or write mech.model = \"half-space\"",
             ));
         }
         let values = |spec: &&'static FieldSpec| (*spec, values(spec, &rolling, &scene, &terms));
