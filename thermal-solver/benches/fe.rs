@@ -11,6 +11,7 @@ use thermal_solver::fe::body::Body;
 use thermal_solver::fe::conductor::Surroundings;
 use thermal_solver::fe::law::Point;
 use thermal_solver::fe::nature::Nature;
+use thermal_solver::fe::section::Between;
 use thermal_solver::scene::Material;
 
 const SEMI_AXES: [f64; 2] = [7.98e-3, 6.01e-3];
@@ -71,7 +72,9 @@ fn go(body: &mut Body, duration: f64, rise: &mut [f64], more: &mut bool) {
     *more = !*more;
     body.means.iter_mut().for_each(|mean| *mean *= factor);
     body.motion.pass(duration, SPEED).expect("the speed is one to solve for");
-    body.motion.warm(&body.means, rise).expect("there is a solution");
+    body.motion.flux().reconstruct(&body.means);
+    body.motion.warm().expect("there is a solution");
+    body.motion.show(Between::Bounded, rise);
     body.motion.accept();
 }
 

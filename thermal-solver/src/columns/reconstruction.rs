@@ -127,12 +127,53 @@ impl Flux {
         row * self.stride..(row + 1) * self.stride
     }
 
+    /// No flux any more.
+    pub fn clear(&mut self) {
+        self.middle.fill(0.0);
+        self.edge.fill(0.0);
+        self.support.fill((0, 0));
+        self.heating = true;
+    }
+
     /// Takes over element means [W/m²], `columns` a row.
     pub fn reconstruct(&mut self, means: &[f64]) {
         self.pieces(means, self.rows).for_each(Piece::reconstruct);
     }
 
-    /// The same in pieces of so many rows, which may be reconstructed in any order.
+    /// Adds `factor` times what flows at some elements, in their order [W/m²]: it is linear in the values. An edge
+    /// between two of these elements has the value of the cubic, with 0 in the place of any other element; any other
+    /// edge has none.
+    pub fn add(&mut self, elements: &[usize], values: &[f64], factor: f64) {
+        let columns = self.columns;
+        let follows = |k: usize| {
+            k > 0
+                && k < elements.len()
+                && elements[k - 1] + 1 == elements[k]
+                && !elements[k].is_multiple_of(columns)
+        };
+        for (k, (at, value)) in elements.iter().zip(values).enumerate() {
+            let (row, column) = (at / columns, at % columns);
+            let place = row * self.stride + column;
+            self.middle[place] += 3.0 * factor * value;
+            if follows(k) {
+                let behind = if follows(k - 1) { values[k - 2] } else { 0.0 };
+                let ahead = if follows(k + 1) { values[k + 1] } else { 0.0 };
+                let edge = factor * (7.0 * (values[k - 1] + value) - behind - ahead) / 12.0;
+                self.edge[place] += edge;
+                self.middle[place - 1] -= edge;
+                self.middle[place] -= edge;
+            }
+            self.heating &= factor * value >= 0.0;
+            let column = column as u32;
+            let support = &mut self.support[row];
+            *support = match *support {
+                (_, 0) => (column, column + 1),
+                (first, end) => (first.min(column), end.max(column + 1)),
+            };
+        }
+    }
+
+    /// [`Flux::reconstruct`] in pieces of so many rows, which may be reconstructed in any order.
     pub fn pieces<'a>(
         &'a mut self,
         means: &'a [f64],

@@ -4,6 +4,7 @@
 use super::basis::Basis;
 use super::block::Passages;
 use super::motion::{Given, Motion, Rises};
+use super::section::Between;
 use super::steady::{Scratch, Steady};
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::reconstruction::Flux;
@@ -68,24 +69,26 @@ impl Motion for Held {
         Ok(())
     }
 
-    fn warm(&mut self, means: &[f64], rise: &mut [f64]) -> Result<u64, StepError> {
-        self.flux.reconstruct(means);
+    fn warm(&mut self) -> Result<u64, StepError> {
         let Self { basis, prepared, flux, scratch, .. } = self;
         let (_, steady) = prepared.as_ref().expect("the body has passed");
         let columns = self.grid.ni;
         for (mode, surface) in self.surfaces.chunks_exact_mut(columns).enumerate() {
             steady.surface(basis, mode, flux, scratch, surface);
         }
-        rise.fill(0.0);
-        basis.add_modes(columns, &self.surfaces, rise);
-        if flux.is_heating() {
-            remove_negative_rounding(rise);
-        }
         Ok((basis.across.len() * basis.size() * columns) as u64)
     }
 
-    fn flux(&self) -> &Flux {
-        &self.flux
+    fn show(&mut self, _: Between, rise: &mut [f64]) {
+        rise.fill(0.0);
+        self.basis.add_modes(self.grid.ni, &self.surfaces, rise);
+        if self.flux.is_heating() {
+            remove_negative_rounding(rise);
+        }
+    }
+
+    fn flux(&mut self) -> &mut Flux {
+        &mut self.flux
     }
 
     fn accept(&mut self) {

@@ -4,7 +4,7 @@ use super::basis::Basis;
 use super::creep::{Creep, Position};
 use super::motion::{Given, Motion, Rises};
 use super::scheme::Scheme;
-use super::section::{BESIDE, place};
+use super::section::{BESIDE, Between, place};
 use super::steady;
 use super::transient::{Mesh, ModeFlux, ModeState, Scratch};
 use crate::columns::convolution::remove_negative_rounding;
@@ -110,24 +110,25 @@ impl Motion for Marched {
         Ok(())
     }
 
-    fn warm(&mut self, means: &[f64], rise: &mut [f64]) -> Result<u64, StepError> {
-        self.flux.reconstruct(means);
-        let work = self.march();
+    fn warm(&mut self) -> Result<u64, StepError> {
+        Ok(self.march())
+    }
+
+    fn show(&mut self, between: Between, rise: &mut [f64]) {
         let (basis, columns) = (&self.mesh.basis, self.mesh.columns);
         self.rows.fill(0.0);
         basis.add_modes(columns.count(), &self.surfaces, &mut self.rows);
         let rows = self.rows.chunks_exact(columns.count());
         for (row, rise) in rows.zip(rise.chunks_exact_mut(columns.heated)) {
-            place(&row[columns.behind - BESIDE..], self.trial.position.front, rise);
+            place(&row[columns.behind - BESIDE..], self.trial.position.front, between, rise);
         }
-        if self.trial.heated {
+        if self.trial.heated && between == Between::Bounded {
             remove_negative_rounding(rise);
         }
-        Ok(work)
     }
 
-    fn flux(&self) -> &Flux {
-        &self.flux
+    fn flux(&mut self) -> &mut Flux {
+        &mut self.flux
     }
 
     fn accept(&mut self) {

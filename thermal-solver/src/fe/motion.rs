@@ -3,6 +3,7 @@
 
 use super::block::{Block, Elements};
 use super::nature::Nature;
+use super::section::Between;
 use crate::columns::reconstruction::Flux;
 use crate::window::Stage;
 use proto::grid::Structured;
@@ -40,15 +41,17 @@ pub trait Motion: Send {
     /// The speed is none that it can solve for.
     fn pass(&mut self, duration: f64, speed: f64) -> Result<(), StepError>;
 
-    /// Rises of the surface [K] at the end of the window, from the accepted state, under these element means of
-    /// the flux [W/m²]; the work.
+    /// Solves for the end of the window, from the accepted state, under the flux; the work.
     ///
     /// # Errors
     /// There is no solution.
-    fn warm(&mut self, means: &[f64], rise: &mut [f64]) -> Result<u64, StepError>;
+    fn warm(&mut self) -> Result<u64, StepError>;
 
-    /// The flux of the last solve.
-    fn flux(&self) -> &Flux;
+    /// Rises of the surface [K] in the last solve.
+    fn show(&mut self, between: Between, rise: &mut [f64]);
+
+    /// The flux into the body in the window.
+    fn flux(&mut self) -> &mut Flux;
 
     /// The last solve becomes the accepted state.
     fn accept(&mut self);

@@ -25,7 +25,8 @@ impl Below {
         let column = |column: usize| interpolate(&self.depths, depth, |k| at_node(k, column));
         let values: Vec<f64> = (0..self.columns).map(column).collect();
         for (i, rise) in rise.iter_mut().enumerate() {
-            *rise = between(&values, (first + i as f64 * h - self.first) / self.spacing);
+            *rise =
+                Between::Bounded.value(&values, (first + i as f64 * h - self.first) / self.spacing);
         }
     }
 
@@ -39,44 +40,60 @@ impl Below {
             interpolate(&self.depths, depth, |k| self.rises[k * self.columns + column])
         };
         let values: Vec<f64> = (from..to).map(column).collect();
-        between(&values, at - from as f64)
+        Between::Bounded.value(&values, at - from as f64)
     }
 }
 
 /// Rises at the middles of elements from those of columns that are `front` of an element in front of them,
 /// the first being that [`BESIDE`] behind the first element.
-pub fn place(columns: &[f64], front: f64, rise: &mut [f64]) {
+pub fn place(columns: &[f64], front: f64, between: Between, rise: &mut [f64]) {
     if front == 0.0 {
         let count = rise.len();
         rise.copy_from_slice(&columns[BESIDE..BESIDE + count]);
         return;
     }
     for (i, rise) in rise.iter_mut().enumerate() {
-        *rise = between(columns, (i + BESIDE) as f64 - front);
+        *rise = between.value(columns, (i + BESIDE) as f64 - front);
     }
 }
 
-/// A value between even ones, by the cubic through the four round it, between the two beside it where the four rise or
-/// fall; that of the end beyond the ends.
-fn between(values: &[f64], at: f64) -> f64 {
-    let last = values.len() - 1;
-    let at = at.clamp(0.0, last as f64);
-    let low = at.floor();
-    let theta = at - low;
-    let four: [f64; 4] =
-        std::array::from_fn(|k| values[(low as usize + k).saturating_sub(1).min(last)]);
-    if theta == 0.0 {
-        return four[1];
+/// What is between even values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// The cubic through the four round a place: linear in the values.
+    Cubic,
+    /// The same with slopes at the two beside the place that keep it between them where the four rise or fall
+    /// (Fritsch & Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246).
+    Bounded,
+}
+
+impl Between {
+    /// The value at a place, in spacings from the first value; that of the end beyond the ends.
+    fn value(self, values: &[f64], at: f64) -> f64 {
+        let last = values.len() - 1;
+        let at = at.clamp(0.0, last as f64);
+        let low = at.floor();
+        let theta = at - low;
+        let four: [f64; 4] =
+            std::array::from_fn(|k| values[(low as usize + k).saturating_sub(1).min(last)]);
+        if theta == 0.0 {
+            return four[1];
+        }
+        let [a, b, c, d] = four;
+        let rising = [b - a, c - b, d - c];
+        let first = (6.0 * c - 2.0 * a - 3.0 * b - d) / 6.0;
+        let mut slopes = [first, (a - 6.0 * b + 3.0 * c + 2.0 * d) / 6.0];
+        let same = rising.iter().all(|rise| *rise >= 0.0) || rising.iter().all(|rise| *rise <= 0.0);
+        if self == Self::Bounded && same {
+            for (slope, beside) in slopes.iter_mut().zip(rising.windows(2)) {
+                let flatter = if beside[0].abs() < beside[1].abs() { beside[0] } else { beside[1] };
+                *slope = slope.clamp((3.0 * flatter).min(0.0), (3.0 * flatter).max(0.0));
+            }
+        }
+        let [from, to] = slopes;
+        let [curved, twisted] = [3.0 * rising[1] - 2.0 * from - to, from + to - 2.0 * rising[1]];
+        b + theta * (from + theta * (curved + theta * twisted))
     }
-    let [a, b, c, d] = four;
-    let cubic = b + theta
-        * (c - a / 3.0 - b / 2.0 - d / 6.0
-            + theta * ((a + c) / 2.0 - b + theta * ((d - a) / 6.0 + (b - c) / 2.0)));
-    let rising = [b - a, c - b, d - c];
-    if rising.iter().all(|rise| *rise >= 0.0) || rising.iter().all(|rise| *rise <= 0.0) {
-        return cubic.clamp(b.min(c), b.max(c));
-    }
-    cubic
 }
 
 /// A value between uneven ones, by the cubic through the four round it, within the range of the two beside it.
@@ -108,7 +125,7 @@ mod tests {
         let even: Vec<f64> = (0..9).map(|i| cubic(f64::from(i))).collect();
         let places = [0.0, 0.5, 1.5, 4.0, 7.0, 8.0];
         for at in [1.25, 2.0, 3.9, 5.5, 6.999] {
-            assert!((between(&even, at) - cubic(at)).abs() < 1e-12 * cubic(8.0));
+            assert!((Between::Bounded.value(&even, at) - cubic(at)).abs() < 1e-12 * cubic(8.0));
             let uneven = interpolate(&places, at, |k| cubic(places[k]));
             assert!((uneven - cubic(at)).abs() < 1e-12 * cubic(8.0), "{at}");
         }

@@ -9,7 +9,7 @@ use super::mesh::Axis;
 use super::motion::{Given, Motion, Rises};
 use super::nature::Nature;
 use super::scheme::Scheme;
-use super::section::{BESIDE, place};
+use super::section::{BESIDE, Between, place};
 use super::transient::{Columns, ModeFlux};
 use super::varying::{conductor, extremes};
 use crate::columns::reconstruction::{Flux, FluxRow};
@@ -112,19 +112,6 @@ impl Stepped {
         all
     }
 
-    /// The surface of the rows of the flux.
-    fn show(&mut self, rise: &mut [f64]) {
-        let columns = self.columns.count();
-        for (row, rise) in rise.chunks_exact_mut(self.columns.heated).enumerate() {
-            let start = (self.first_row + row) * self.block.counts[2] * columns;
-            let surface = &self.trial.now[start..start + columns];
-            for (mean, value) in self.means.iter_mut().zip(surface) {
-                *mean = self.block.law.rise(*value);
-            }
-            place(&self.means[self.columns.behind - BESIDE..], self.trial.position.front, rise);
-        }
-    }
-
     fn begin(&mut self) {
         let Self { trial, accepted, creep, .. } = self;
         let pairs = [
@@ -204,15 +191,26 @@ impl Motion for Stepped {
         Ok(())
     }
 
-    fn warm(&mut self, means: &[f64], rise: &mut [f64]) -> Result<u64, StepError> {
-        self.flux.reconstruct(means);
+    fn warm(&mut self) -> Result<u64, StepError> {
         let took = self.go();
-        self.show(rise);
         self.nature.check(extremes(&self.trial.now, &self.block.law), took)
     }
 
-    fn flux(&self) -> &Flux {
-        &self.flux
+    fn show(&mut self, between: Between, rise: &mut [f64]) {
+        let columns = self.columns.count();
+        for (row, rise) in rise.chunks_exact_mut(self.columns.heated).enumerate() {
+            let start = (self.first_row + row) * self.block.counts[2] * columns;
+            let surface = &self.trial.now[start..start + columns];
+            for (mean, value) in self.means.iter_mut().zip(surface) {
+                *mean = self.block.law.rise(*value);
+            }
+            let means = &self.means[self.columns.behind - BESIDE..];
+            place(means, self.trial.position.front, between, rise);
+        }
+    }
+
+    fn flux(&mut self) -> &mut Flux {
+        &mut self.flux
     }
 
     fn accept(&mut self) {

@@ -14,6 +14,7 @@ use super::mesh::Axis;
 use super::motion::{Given, Motion, Rises};
 use super::nature::Nature;
 use super::scheme::Scheme;
+use super::section::Between;
 use super::transient::ModeFlux;
 use super::varying::{conductor, extremes};
 use crate::columns::reconstruction::{Flux, FluxRow};
@@ -176,16 +177,6 @@ impl Swept {
             *inside = area * (theta * bend(column, node) + (1.0 - theta) * bend(column + 1, node));
         }
     }
-
-    fn show(&self, rise: &mut [f64]) {
-        let size = self.block.nodes();
-        for (row, rise) in rise.chunks_exact_mut(self.heated).enumerate() {
-            for (column, rise) in rise.iter_mut().enumerate() {
-                let at = (column + self.behind) * size + self.first_row + row;
-                *rise = self.block.law.rise(self.trial[at]);
-            }
-        }
-    }
 }
 
 impl Motion for Swept {
@@ -202,20 +193,28 @@ impl Motion for Swept {
         )))
     }
 
-    fn warm(&mut self, means: &[f64], rise: &mut [f64]) -> Result<u64, StepError> {
-        self.flux.reconstruct(means);
+    fn warm(&mut self) -> Result<u64, StepError> {
         let took = self.settle().map_err(|change| {
             StepError::NoSolution(format!(
                 "the march downstream does not settle: it changes by {change:.3e} W/m; write a higher speed \
                  or time.mode = \"transient\""
             ))
         })?;
-        self.show(rise);
         self.nature.check(extremes(&self.trial, &self.block.law), took)
     }
 
-    fn flux(&self) -> &Flux {
-        &self.flux
+    fn show(&mut self, _: Between, rise: &mut [f64]) {
+        let size = self.block.nodes();
+        for (row, rise) in rise.chunks_exact_mut(self.heated).enumerate() {
+            for (column, rise) in rise.iter_mut().enumerate() {
+                let at = (column + self.behind) * size + self.first_row + row;
+                *rise = self.block.law.rise(self.trial[at]);
+            }
+        }
+    }
+
+    fn flux(&mut self) -> &mut Flux {
+        &mut self.flux
     }
 
     fn accept(&mut self) {

@@ -90,7 +90,7 @@ pub struct Columns {
 impl Conduction for Columns {
     const TRANSIENT: bool = true;
     const AT_REST: bool = false;
-    const EXCHANGES: &'static [Mode] = &[];
+    const EXCHANGES: bool = false;
     const STATE_TAG: u8 = 2;
 
     fn new(frame: &Frame) -> Self {

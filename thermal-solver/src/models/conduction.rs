@@ -7,7 +7,6 @@ use super::frame::Frame;
 use super::summary::Peak;
 use crate::window::{Drive, Stage};
 use proto::accuracy::Simplification;
-use proto::configuration::Mode;
 use proto::grid::Grid;
 use proto::model::StepError;
 use std::io::{self, Read, Write};
@@ -36,8 +35,8 @@ pub trait Conduction: Sized + 'static {
     const TRANSIENT: bool;
     /// It can answer for a body at rest in a steady case.
     const AT_REST: bool;
-    /// It finds what flows between the surfaces where they touch, in these cases.
-    const EXCHANGES: &'static [Mode];
+    /// It finds what flows between the surfaces where they touch.
+    const EXCHANGES: bool;
     /// It has elements of its own ([`crate::fe::block`]).
     const ELEMENTS: bool = false;
     /// Marks its states among those of other models.

@@ -30,7 +30,6 @@ use crate::reference::polynomial;
 use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
 use proto::accuracy::{Accuracy, Simplification};
-use proto::configuration::Mode;
 use proto::description::ModelSpec;
 use proto::model::StepError;
 use proto::state::{read_numbers, write_numbers};
@@ -103,7 +102,7 @@ pub struct ErtzKnothe {
 impl Conduction for ErtzKnothe {
     const TRANSIENT: bool = false;
     const AT_REST: bool = false;
-    const EXCHANGES: &'static [Mode] = &[];
+    const EXCHANGES: bool = false;
     const STATE_TAG: u8 = 1;
 
     fn new(frame: &Frame) -> Self {

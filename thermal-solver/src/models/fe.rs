@@ -4,7 +4,7 @@
 use super::conduction::{Conduction, Cost, Work};
 use super::fields::fields;
 use super::frame::Frame;
-use super::interface::{Interface, Rubbing, both};
+use super::interface::{Flow, Interface, Rubbing, both};
 use super::names;
 use super::setup::{resolution, resolution_across, section_key};
 use super::summary::{Peak, hottest};
@@ -13,9 +13,10 @@ use crate::columns::reconstruction::sum_of_means;
 use crate::fe::block::{Block, Elements, Solver, keys};
 use crate::fe::body::Body;
 use crate::fe::nature::Nature;
-use crate::fe::section::Below;
+use crate::fe::section::{Below, Between};
 use crate::moving_source::ages::Stretch;
 use crate::moving_source::half_space::{HalfSpace, Influence};
+use crate::moving_source::touching::Shapes;
 use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
 use numerics::convolution::Convolution;
@@ -78,7 +79,8 @@ pub struct FiniteElements {
     frame: Frame,
     bodies: [Body; 2],
     windows: [Stretch; 2],
-    interface: Interface,
+    /// If heat flows between the surfaces.
+    interface: Option<Interface>,
     row_sums: Vec<f64>,
     line: Vec<f64>,
     threads: usize,
@@ -119,7 +121,7 @@ fn unknowns(frame: &Frame) -> usize {
 impl Conduction for FiniteElements {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
-    const EXCHANGES: &'static [Mode] = &[Mode::Steady];
+    const EXCHANGES: bool = true;
     const ELEMENTS: bool = true;
     const STATE_TAG: u8 = 4;
 
@@ -129,10 +131,14 @@ impl Conduction for FiniteElements {
             let steady = frame.mode == Mode::Steady;
             Body::new(&frame.grid, nature, speed, &elements(frame, body), steady)
         };
+        let shapes = match frame.mode {
+            Mode::Steady => Shapes::Elements,
+            Mode::Transient => Shapes::Hats,
+        };
         Self {
             bodies: [body(UPPER), body(LOWER)],
             windows: [Stretch::steady(0.0); 2],
-            interface: Interface::default(),
+            interface: Interface::of(frame.partition, shapes),
             row_sums: vec![0.0; frame.grid.nj],
             line: vec![0.0; frame.grid.ni],
             threads: if unknowns(frame) < WORTH { 1 } else { frame.threads },
@@ -198,14 +204,17 @@ impl Conduction for FiniteElements {
             own.motion.pass(drive.duration, speed)?;
             self.windows[body] = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
         }
-        work.operations += self.warm(rise)?;
-        if let Some(resistance) = self.frame.partition.resistance() {
-            let (mut interface, grid) = (std::mem::take(&mut self.interface), self.frame.grid);
-            let settled = interface.settle(&grid, resistance, flux, self, rise);
-            self.interface = interface;
+        if let Some(mut interface) = self.interface.take() {
+            let settled = interface.settle(&self.frame.grid.clone(), flux, self, rise);
+            self.interface = Some(interface);
             work.operations += settled?;
+            for (body, rise) in self.bodies.iter_mut().zip(rise) {
+                body.motion.show(Between::Bounded, rise);
+            }
+        } else {
+            work.operations += self.solve_for(Flow::default(), Between::Bounded, rise)?;
         }
-        for (body, heat) in self.bodies.iter().zip(&mut work.heat) {
+        for (body, heat) in self.bodies.iter_mut().zip(&mut work.heat) {
             *heat = sum_of_means(body.motion.flux(), &mut self.row_sums, &mut self.line);
         }
         Ok(work)
@@ -289,12 +298,8 @@ impl Conduction for FiniteElements {
 }
 
 impl Rubbing for FiniteElements {
-    fn means(&mut self) -> [&mut [f64]; 2] {
-        self.bodies.each_mut().map(|body| body.means.as_mut_slice())
-    }
-
-    fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
-        both(self.threads, &mut self.bodies, rise, |body, rise| body.motion.warm(&body.means, rise))
+    fn warm(&mut self, flow: Flow, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
+        self.solve_for(flow, Between::Cubic, rise)
     }
 
     fn windows(&self) -> [Stretch; 2] {
@@ -313,6 +318,24 @@ impl Rubbing for FiniteElements {
 }
 
 impl FiniteElements {
+    /// Solves for both bodies under their shares of the heat and what flows between them, and shows their
+    /// surfaces; the work.
+    fn solve_for(
+        &mut self,
+        flow: Flow,
+        between: Between,
+        rise: &mut [Vec<f64>; 2],
+    ) -> Result<u64, StepError> {
+        both(self.threads, &mut self.bodies, rise, |index, body, rise| {
+            let Body { means, motion, .. } = body;
+            motion.flux().reconstruct(means);
+            flow.add(index, motion.flux());
+            let work = motion.warm()?;
+            motion.show(between, rise);
+            Ok(work)
+        })
+    }
+
     /// Asks about a row of a body, of which what is below is kept.
     fn on_row<A>(&self, stage: Stage, body: usize, row: usize, ask: impl FnOnce(&Below) -> A) -> A {
         let mut kept = self.below.borrow_mut();

@@ -4,9 +4,12 @@
 //! windows ([`crate::moving_source::exchange`]), which another model need only resemble: what each correction
 //! leaves is measured by the model itself.
 
+use crate::columns::reconstruction::Flux;
+use crate::effects::friction_heat::Partition;
 use crate::moving_source::ages::Stretch;
 use crate::moving_source::exchange::Exchange;
 use crate::moving_source::half_space::{Influence, convolution};
+use crate::moving_source::touching::{Shapes, Touching};
 use crate::{LOWER, UPPER};
 use numerics::convolution::Convolution;
 use proto::grid::Structured;
@@ -18,13 +21,26 @@ const SETTLED: f64 = 1e-7;
 /// Corrections of it at most.
 const MOST_CORRECTIONS: usize = 40;
 
+/// What flows from the upper into the lower body besides their shares of the friction heat.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Flow<'a> {
+    elements: &'a [usize],
+    /// Element means [W/m²].
+    values: &'a [f64],
+}
+
+impl Flow<'_> {
+    /// Adds it to the flux into a body.
+    pub(super) fn add(&self, body: usize, flux: &mut Flux) {
+        let factor = if body == UPPER { -1.0 } else { 1.0 };
+        flux.add(self.elements, self.values, factor);
+    }
+}
+
 /// The bodies of a model, as their interface sees them.
 pub(super) trait Rubbing {
-    /// Element means of the flux into the upper and the lower body [W/m²].
-    fn means(&mut self) -> [&mut [f64]; 2];
-
-    /// Surfaces under the flux means; the work.
-    fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError>;
+    /// Surfaces under the bodies' shares of the friction heat and what flows between them; the work.
+    fn warm(&mut self, flow: Flow, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError>;
 
     /// Half-spaces that resemble the bodies in the newest window.
     fn windows(&self) -> [Stretch; 2];
@@ -34,43 +50,66 @@ pub(super) trait Rubbing {
 }
 
 /// The interface.
-#[derive(Default)]
 pub(super) struct Interface {
+    /// Resistance 1/h of the contact [m²·K/W].
+    resistance: f64,
     /// The operator, with the windows that it is for.
     exchange: Option<([Stretch; 2], Exchange)>,
     convolution: Option<Convolution>,
-    touching: Vec<usize>,
+    touching: Touching,
+    /// What flows, in the shapes where the surfaces touch [W/m²], its correction, and the errors [K].
     flows: Vec<f64>,
-    errors: Vec<f64>,
     correction: Vec<f64>,
+    errors: Vec<f64>,
+    /// What flows at the elements that touch [W/m²], and the errors there [K].
+    flow: Vec<f64>,
+    differences: Vec<f64>,
 }
 
 impl Interface {
+    /// Of a partition that lets heat flow between the surfaces, in these shapes.
+    pub(super) fn of(partition: Partition, shapes: Shapes) -> Option<Self> {
+        let resistance = partition.resistance()?;
+        Some(Self {
+            resistance,
+            exchange: None,
+            convolution: None,
+            touching: Touching::new(shapes),
+            flows: Vec::new(),
+            correction: Vec::new(),
+            errors: Vec::new(),
+            flow: Vec::new(),
+            differences: Vec::new(),
+        })
+    }
+
     /// Lets heat flow between the elements that rub under a flux until the temperatures of the surfaces
-    /// differ by what the resistance [m²·K/W] asks for; the work.
+    /// differ by what the resistance asks for; the work.
     pub(super) fn settle(
         &mut self,
         grid: &Structured,
-        resistance: f64,
         flux: &[f64],
         bodies: &mut dyn Rubbing,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
-        self.touch(flux, grid.ni);
+        self.touching.find(flux, grid.ni);
+        for values in [&mut self.flows, &mut self.correction, &mut self.errors] {
+            values.clear();
+            values.resize(self.touching.shapes(), 0.0);
+        }
         let mut work = 0;
-        for _ in 0..MOST_CORRECTIONS {
-            let largest = self.judge(resistance, rise);
+        for corrections in 0..=MOST_CORRECTIONS {
+            self.touching.spread(&self.flows, &mut self.flow);
+            let flow = Flow { elements: self.touching.elements(), values: &self.flow };
+            work += bodies.warm(flow, rise)?;
+            let largest = self.judge(rise);
             let warmest = rise.iter().flatten().fold(0.0_f64, |most, rise| most.max(rise.abs()));
             if largest <= SETTLED * warmest {
                 return Ok(work);
             }
-            work += self.correct(grid, resistance, bodies) * flux.len() as u64;
-            let [upper, lower] = bodies.means();
-            for (at, more) in self.touching.iter().zip(&self.correction) {
-                upper[*at] -= more;
-                lower[*at] += more;
+            if corrections < MOST_CORRECTIONS {
+                work += self.correct(grid, bodies) * flux.len() as u64;
             }
-            work += bodies.warm(rise)?;
         }
         Err(StepError::NoSolution(format!(
             "the heat that flows between the surfaces was not found in {MOST_CORRECTIONS} \
@@ -78,40 +117,25 @@ impl Interface {
         )))
     }
 
-    /// Nothing flows yet between the elements where the surfaces rub: in every row from the first that is
-    /// heated to the last.
-    fn touch(&mut self, flux: &[f64], columns: usize) {
-        self.touching.clear();
-        for (row, values) in flux.chunks_exact(columns).enumerate() {
-            let heated = |value: &f64| *value != 0.0;
-            let ends = (values.iter().position(heated), values.iter().rposition(heated));
-            if let (Some(first), Some(last)) = ends {
-                self.touching.extend((first..=last).map(|i| row * columns + i));
-            }
-        }
-        for values in [&mut self.flows, &mut self.correction] {
-            values.clear();
-            values.resize(self.touching.len(), 0.0);
-        }
-    }
-
     /// The errors T_u − T_l − g/h [K]; the largest.
-    fn judge(&mut self, resistance: f64, rise: &[Vec<f64>; 2]) -> f64 {
+    fn judge(&mut self, rise: &[Vec<f64>; 2]) -> f64 {
+        let resistance = self.resistance;
         let error =
             |(at, flow): (&usize, &f64)| rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow;
-        self.errors.clear();
-        self.errors.extend(self.touching.iter().zip(&self.flows).map(error));
+        self.differences.clear();
+        self.differences.extend(self.touching.elements().iter().zip(&self.flow).map(error));
+        self.touching.gather(&self.differences, &mut self.errors);
         self.errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()))
     }
 
     /// Makes a correction of the errors; the products that it took.
-    fn correct(&mut self, grid: &Structured, resistance: f64, bodies: &dyn Rubbing) -> u64 {
+    fn correct(&mut self, grid: &Structured, bodies: &dyn Rubbing) -> u64 {
         let windows = bodies.windows();
         let plan = self.convolution.get_or_insert_with(|| convolution(grid));
         let known = self.exchange.take_if(|(of, _)| *of == windows).map(|(_, exchange)| exchange);
         let mut exchange = known.unwrap_or_else(|| {
             let influences = bodies.influences(plan);
-            Exchange::new(grid, influences.each_ref().map(|one| &**one), resistance)
+            Exchange::new(grid, influences.each_ref().map(|one| &**one), self.resistance)
         });
         let products = exchange.correct(plan, &self.touching, &self.errors, &mut self.correction);
         self.flows.iter_mut().zip(&self.correction).for_each(|(flow, more)| *flow += more);
@@ -120,20 +144,20 @@ impl Interface {
     }
 }
 
-/// Does something to both bodies, on a thread each if there are two; the work of both.
+/// Does something to both bodies, upper and lower, on a thread each if there are two; the work of both.
 pub(super) fn both<B: Send>(
     threads: usize,
     bodies: &mut [B; 2],
     rise: &mut [Vec<f64>; 2],
-    each: impl Fn(&mut B, &mut [f64]) -> Result<u64, StepError> + Sync,
+    each: impl Fn(usize, &mut B, &mut [f64]) -> Result<u64, StepError> + Sync,
 ) -> Result<u64, StepError> {
     let ([upper, lower], [of_upper, of_lower]) = (bodies, rise);
     if threads < 2 {
-        return Ok(each(upper, of_upper)? + each(lower, of_lower)?);
+        return Ok(each(UPPER, upper, of_upper)? + each(LOWER, lower, of_lower)?);
     }
     std::thread::scope(|scope| {
-        let other = scope.spawn(|| each(lower, of_lower));
-        let own = each(upper, of_upper);
+        let other = scope.spawn(|| each(LOWER, lower, of_lower));
+        let own = each(UPPER, upper, of_upper);
         let others = other.join().expect("a body panics on this thread as on its own");
         Ok(own? + others?)
     })

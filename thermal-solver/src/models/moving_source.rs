@@ -8,7 +8,7 @@
 use super::conduction::{Conduction, Cost, Work};
 use super::fields::fields;
 use super::frame::Frame;
-use super::interface::{Interface, Rubbing, both};
+use super::interface::{Flow, Interface, Rubbing, both};
 use super::names;
 use super::setup::{resolution, section_key};
 use super::summary::{Peak, hottest};
@@ -17,6 +17,7 @@ use crate::columns::history::History;
 use crate::columns::reconstruction::{Flux, sum_of_means};
 use crate::moving_source::ages::Stretch;
 use crate::moving_source::half_space::{Contracted, HalfSpace, Influence, convolution};
+use crate::moving_source::touching::Shapes;
 use crate::scene::Material;
 use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
@@ -139,11 +140,12 @@ impl Body {
         self.newest.as_ref().expect("the body has passed")
     }
 
-    /// Rises of the surface under the element means of the newest window.
-    fn warm(&mut self, rise: &mut [f64]) {
+    /// Rises of the surface under its share of the heat in the newest window and what flows between the bodies.
+    fn warm(&mut self, flow: Flow, rise: &mut [f64]) {
         rise.copy_from_slice(&self.past);
         let window = self.history.trial_mut();
         window.flux.reconstruct(&self.means);
+        flow.add(self.body, &mut window.flux);
         if let Some((_, influence)) = &self.newest {
             influence.add(&window.flux, &mut self.convolution, &mut self.fields, rise);
         }
@@ -167,14 +169,15 @@ pub struct MovingSource {
     bodies: [Body; 2],
     row_sums: Vec<f64>,
     line: Vec<f64>,
-    interface: Interface,
+    /// If heat flows between the surfaces.
+    interface: Option<Interface>,
     row: RefCell<Option<Row>>,
 }
 
 impl Conduction for MovingSource {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
-    const EXCHANGES: &'static [Mode] = &[Mode::Steady, Mode::Transient];
+    const EXCHANGES: bool = true;
     const STATE_TAG: u8 = 3;
 
     fn new(frame: &Frame) -> Self {
@@ -183,7 +186,7 @@ impl Conduction for MovingSource {
             bodies: [Body::new(frame, UPPER), Body::new(frame, LOWER)],
             row_sums: vec![0.0; frame.grid.nj],
             line: vec![0.0; frame.grid.ni],
-            interface: Interface::default(),
+            interface: Interface::of(frame.partition, Shapes::Elements),
             row: RefCell::new(None),
         }
     }
@@ -221,12 +224,12 @@ impl Conduction for MovingSource {
             body.means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
         }
         work.operations += self.pass(drive, rise)?;
-        work.operations += self.warm(rise)?;
-        if let Some(resistance) = self.frame.partition.resistance() {
-            let mut interface = std::mem::take(&mut self.interface);
-            let settled = interface.settle(&self.frame.grid.clone(), resistance, flux, self, rise);
-            self.interface = interface;
+        if let Some(mut interface) = self.interface.take() {
+            let settled = interface.settle(&self.frame.grid.clone(), flux, self, rise);
+            self.interface = Some(interface);
             work.operations += settled?;
+        } else {
+            work.operations += self.warm(Flow::default(), rise)?;
         }
         for (body, (heat, rise)) in self.bodies.iter_mut().zip(work.heat.iter_mut().zip(rise)) {
             let window = body.history.trial_mut();
@@ -298,15 +301,11 @@ impl Conduction for MovingSource {
 }
 
 impl Rubbing for MovingSource {
-    fn means(&mut self) -> [&mut [f64]; 2] {
-        self.bodies.each_mut().map(|body| body.means.as_mut_slice())
-    }
-
-    fn warm(&mut self, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
+    fn warm(&mut self, flow: Flow, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
         let points = self.frame.grid.points();
         let threads = self.threads(TRANSFORMS * points);
-        both(threads, &mut self.bodies, rise, |body, rise| {
-            body.warm(rise);
+        both(threads, &mut self.bodies, rise, |_, body, rise| {
+            body.warm(flow, rise);
             Ok(points as u64)
         })
     }
@@ -343,7 +342,7 @@ impl MovingSource {
             return Ok(work);
         }
         let threads = self.threads(INFLUENCE * self.frame.grid.points());
-        let passed = both(threads, &mut self.bodies, rise, |body, _| {
+        let passed = both(threads, &mut self.bodies, rise, |_, body, _| {
             Ok(body.pass(if body.body == UPPER { upper } else { lower }))
         });
         Ok(work + passed?)

@@ -74,11 +74,10 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     }
     let scene = Scene::read(&given.case)?;
     let partition = Partition::read(&given.case)?;
-    if partition.resistance().is_some() && !C::EXCHANGES.contains(&given.mode) {
-        let others = if C::EXCHANGES.is_empty() { "" } else { " in cases of this mode" };
+    if partition.resistance().is_some() && !C::EXCHANGES {
         return Err(Refusal::new(
             friction_heat::PARTITION_KEY,
-            format!("model `{}` splits heat by one share everywhere{others}", given.model),
+            format!("model `{}` splits heat by one share everywhere", given.model),
             "write \"effusivity\", which is the same at high speed, or [thermal] model = \
              \"moving-source\"",
         ));

@@ -237,6 +237,15 @@ impl Influence {
         self.work
     }
 
+    /// That of two bodies under the same flux.
+    #[must_use]
+    pub fn sum(bodies: [&Self; 2]) -> Self {
+        let [one, other] = bodies;
+        let add =
+            |k: usize| Spectrum::combine([&one.spectra[k], &other.spectra[k]], |[a, b]| a + b);
+        Self { columns: one.columns, spectra: [add(0), add(1)], work: one.work + other.work }
+    }
+
     /// Spectrum of the influence of an element's middle coefficient [m²·K/W].
     #[must_use]
     pub fn of_middle(&self) -> &Spectrum {

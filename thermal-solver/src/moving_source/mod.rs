@@ -34,3 +34,4 @@ pub mod ages;
 pub mod element;
 pub mod exchange;
 pub mod half_space;
+pub mod touching;
