@@ -369,6 +369,20 @@ impl Peers {
         stopped.error(&self.all, self.phase)
     }
 
+    /// The error of a participant that ends the run, or that another one's process has ended, which often is its cause.
+    #[must_use]
+    pub fn cause(&self, error: RunError) -> RunError {
+        let RunError::Failed(failure) = &error else { return error };
+        let is_other = |exit: &Exit| {
+            let own = |peer: &Peer| peer.role() == exit.role && peer.who() == failure.who;
+            !exit.status.success() && !self.all.iter().any(own)
+        };
+        match self.exit_soon().filter(is_other) {
+            Some(exit) => self.error(Stopped::Exited(exit)),
+            None => error,
+        }
+    }
+
     /// Often the cause of an error is that a participant has just died: gives its exit time to be seen.
     fn exit_soon(&self) -> Option<Exit> {
         let until = Instant::now() + Duration::from_millis(100);

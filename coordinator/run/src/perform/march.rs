@@ -137,8 +137,11 @@ impl<'a> March<'a> {
     }
 
     fn unanswered(&mut self, step: &Step, error: RunError) -> Result<(), RunError> {
-        if !(self.session.take_unanswered() && self.plan.skips) {
+        if !self.session.take_unanswered() {
             return Err(error);
+        }
+        if !self.plan.skips {
+            return Err(self.session.cause(error));
         }
         tracing::warn!(row = step.window, "no answer, passed over: {error}");
         self.counts.skipped += 1;

@@ -62,6 +62,12 @@ impl Session {
         self.unanswered = true;
     }
 
+    /// What is behind the error of a participant ([`crate::peers::Peers::cause`]).
+    #[must_use]
+    pub fn cause(&self, error: RunError) -> RunError {
+        self.peers.cause(error)
+    }
+
     /// The last error was that a participant has no answer: all others go on.
     pub fn take_unanswered(&mut self) -> bool {
         std::mem::take(&mut self.unanswered)
