@@ -1,7 +1,7 @@
 //! Explicit finite elements: what every such code has to meet.
 
 use mech_solver::explicit::block::{Block, Held, Solid};
-use mech_solver::explicit::contact::{Contact, Frame, Friction};
+use mech_solver::explicit::contact::{Contact, Frame, Law};
 use mech_solver::explicit::plane::Plane;
 use mech_solver::explicit::section::{Section, Sizes};
 use proto::grid::Structured;
@@ -192,11 +192,11 @@ fn contact_conserves_momentum() {
     };
     // The lower body is straight: its nodes have their displacements in the same directions, so that momenta add up.
     let frame = Frame { approach: 20e-6, rising: 0.0, speeds: [10.1, 10.0], ways: [0.0, 0.0] };
-    let friction = Friction { coefficient: 0.3, sticks: true };
+    let law = Law { coefficient: 0.3, sticks: true, flexibility: [0.0; 2] };
     let before = momentum(&lower);
     upper.step(1e-7);
     lower.step(1e-7);
-    let sums = contact.resolve([&mut upper, &mut lower], &frame, friction, 1e-7, &mut plane, true);
+    let sums = contact.resolve([&mut upper, &mut lower], &frame, law, 1e-7, &mut plane, true);
     let after = momentum(&lower);
     let received = [before[0] - after[0], before[1] - after[1], after[2] - before[2]];
     println!("{:?} {received:?}", sums.impulse);
@@ -209,4 +209,44 @@ fn contact_conserves_momentum() {
     assert!(
         (plane.work.iter().sum::<f64>() / sums.friction - 1.0).abs() < 1e-12 && tangential != 0.0
     );
+}
+
+/// Flat surfaces of a flexibility L that is far above that of the blocks: the pressure is the overlap over L, the traction the
+/// way over L until f p stops it, and what is given is what friction takes and springs keep. Tolerances: what the
+/// blocks yield beside L, 0.1 % and in their first wave twice that, and four times as much along.
+#[test]
+fn surfaces_that_yield_are_springs() {
+    let sizes =
+        Sizes { element: 1e-3, fine: [8e-3, 3e-3], whole: [20e-3, 15e-3], radius: f64::INFINITY };
+    let new = || Block::new(40, 1e-3, Section::new(&sizes), steel(NU, f64::INFINITY), Held::Faces);
+    let [mut upper, mut lower] = [new(), new()];
+    let row = upper.section.fine[0] + 2;
+    let grid = Structured::contact_plane(-8e-3, upper.section.nodes[row][1], 1e-3, 1e-3, 17, 10);
+    let mut plane = Plane::new(grid, row);
+    let mut contact = Contact::new(&upper, &lower);
+    let (step, overlap, sliding) = (1e-7, 20e-6, 0.5);
+    let flexibility = [1e-10, 1e-10];
+    let law = Law { coefficient: 0.3, sticks: true, flexibility };
+    let frame =
+        Frame { approach: overlap, rising: 0.0, speeds: [10.0 + sliding, 10.0], ways: [0.0; 2] };
+    let (mut given, mut friction, mut traction) = (0.0, 0.0, 0.0);
+    let pressure = overlap / flexibility[0];
+    for count in 1..=200 {
+        upper.step(step);
+        lower.step(step);
+        let sums = contact.resolve([&mut upper, &mut lower], &frame, law, step, &mut plane, true);
+        let per_area = |impulse: f64| impulse / (step * sums.areas[0]);
+        assert!((per_area(sums.pressed) / pressure - 1.0).abs() < 0.003, "{count}");
+        let slid = sliding * f64::from(count) * step;
+        traction = (slid / flexibility[1]).min(0.3 * pressure);
+        let found = per_area(sums.impulse[0]);
+        assert!((found - traction).abs() < 0.01 * traction, "{count} {found:e} {traction:e}");
+        given += sums.work / sums.areas[0];
+        friction += sums.friction / sums.areas[0];
+    }
+    let kept = 0.5 * traction * traction * flexibility[1];
+    assert!(friction > kept, "{friction} {kept}");
+    let balance = (friction + kept) / given;
+    println!("given {given:.3} J/m², friction {friction:.3}, kept {kept:.3}: {balance:.4}");
+    assert!((balance - 1.0).abs() < 0.01);
 }

@@ -9,6 +9,11 @@
 //! W the inverse masses, coupled where nodes share one below. Solved by projected Gauss–Seidel sweeps from the impulses of the
 //! step before (Moreau; Jean, Comput. Methods Appl. Mech. Engng 177 (1999) 235–257). Momentum is conserved to rounding; what
 //! friction takes is −p_t · (v⁻ + v⁺)/2, which closes the energy balance of central differences.
+//!
+//! Surfaces that yield, as those of a penalty method or of a layer between them, have flexibilities L [m/Pa]: with c = L/(A Δt) at a
+//! node of area A the gap is −c_n p_n at the end of a step, and a node that sticks is c_t p_t away from where it would be. Taken at
+//! the end of the step, that is stable for any stiffness, and multipliers are L = 0. Springs keep c p²/2Δt; what friction takes is
+//! less by what they gain.
 
 use super::block::Block;
 use super::plane::{Event, Plane};
@@ -32,13 +37,15 @@ pub struct Frame {
     pub ways: [f64; 2],
 }
 
-/// Coulomb's law.
+/// What holds between the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Friction {
-    /// Friction coefficient [-].
+pub struct Law {
+    /// Coulomb's friction coefficient [-].
     pub coefficient: f64,
     /// Surfaces may stick; otherwise all slide against the rigid motion.
     pub sticks: bool,
+    /// Flexibilities, normal and tangential [m/Pa].
+    pub flexibility: [f64; 2],
 }
 
 /// Sums over the contact in a step.
@@ -77,7 +84,11 @@ struct Pair {
     inverse: f64,
     inverse_below: [f64; 4],
     together: f64,
+    /// Normal and tangential flexibility over area and step [s/kg · s].
+    yields: [f64; 2],
     impulse: [f64; 3],
+    /// Impulse of the step before [N·s].
+    before: [f64; 3],
 }
 
 /// The contact of two blocks.
@@ -86,8 +97,8 @@ pub struct Contact {
     pairs: Vec<Pair>,
     /// Impulses of the last step on the nodes of the upper surface, forward, left, up [N·s].
     impulses: Vec<[f64; 3]>,
-    /// Velocity against the lower surface of the nodes that were watched [m/s].
-    last: Vec<Option<[f64; 3]>>,
+    /// Velocities against the lower surface of the nodes that were watched [m/s]: whole, and of the rigid motion.
+    last: Vec<Option<[[f64; 3]; 2]>>,
     changes: [Vec<[f64; 3]>; 2],
 }
 
@@ -123,35 +134,40 @@ impl Contact {
         &mut self,
         [upper, lower]: [&mut Block; 2],
         frame: &Frame,
-        friction: Friction,
+        law: Law,
         step: f64,
         plane: &mut Plane,
         counts: bool,
     ) -> Sums {
-        self.meet(upper, lower, frame, plane);
-        let (sweeps, settled) = self.sweep(friction, step);
+        self.meet([upper, lower], frame, law, step, plane);
+        let (sweeps, settled) = self.sweep(law, step);
         let mut sums = Sums { sweeps, unsettled: usize::from(!settled), ..Sums::default() };
         for (node, impulse) in self.pairs.iter().map(|pair| (pair.node, pair.impulse)) {
             self.impulses[node] = impulse;
         }
         for pair in &self.pairs {
-            let velocity = match friction.sticks {
+            let velocity = match law.sticks {
                 true => add(pair.velocity, self.change(pair)),
                 false => pair.rigid,
             };
-            let before = self.last[pair.node].replace(velocity).unwrap_or(velocity);
+            let now = [velocity, pair.rigid];
+            let last = self.last[pair.node].replace(now).unwrap_or(now);
+            let [mean, rigid] = [0, 1].map(|k| add(now[k], last[k]).map(|sum| 0.5 * sum));
             let normal = dot(pair.impulse, pair.normal);
             let tangential = less(pair.impulse, pair.normal, normal);
-            let mean = add(velocity, before).map(|sum| 0.5 * sum);
+            let before = less(pair.before, pair.normal, dot(pair.before, pair.normal));
+            let yields = if law.sticks { pair.yields[1] } else { 0.0 };
+            let stored = 0.5 * yields / step * (dot(tangential, tangential) - dot(before, before));
+            let slip = |k: usize| velocity[k] * step + yields * (tangential[k] - before[k]);
             let event = Event {
                 normal,
                 tangential: [tangential[0], tangential[1]],
-                slip: [velocity[0] * step, velocity[1] * step],
-                work: -dot(tangential, mean),
+                slip: [slip(0), slip(1)],
+                work: -dot(tangential, mean) - stored,
             };
             if normal > 0.0 {
                 let area = upper.length * upper.section.width(pair.row);
-                let bound = friction.coefficient * normal * (1.0 - 1e-9);
+                let bound = law.coefficient * normal * (1.0 - 1e-9);
                 let slides = dot(tangential, tangential).sqrt() >= bound;
                 sums.areas[0] += area;
                 sums.areas[1] += if slides { area } else { 0.0 };
@@ -159,7 +175,7 @@ impl Contact {
             sums.impulse = add(sums.impulse, pair.impulse);
             sums.pressed += normal;
             sums.friction += event.work;
-            sums.work -= dot(pair.impulse, pair.rigid);
+            sums.work -= dot(pair.impulse, rigid);
             if counts {
                 plane.add(pair.row, pair.x, &event);
             }
@@ -169,7 +185,14 @@ impl Contact {
     }
 
     /// Finds the nodes that are near the other surface, and what is below them.
-    fn meet(&mut self, upper: &Block, lower: &Block, frame: &Frame, plane: &Plane) {
+    fn meet(
+        &mut self,
+        [upper, lower]: [&Block; 2],
+        frame: &Frame,
+        law: Law,
+        step: f64,
+        plane: &Plane,
+    ) {
         self.pairs.clear();
         let grid = &plane.grid;
         let reach = [grid.x(0), grid.x(grid.ni - 1)].map(|x| {
@@ -191,6 +214,7 @@ impl Contact {
                     let (row, column) = (node / surface.block.stride, node % surface.block.stride);
                     (surface.rigid(node, row, column), surface.own(node, column))
                 };
+                let area = upper.length * upper.section.width(row);
                 let (mut rigid, mut own) = rigid_of(&surfaces[0], node);
                 let inverse = upper.inverse_mass[row];
                 let mut together = inverse;
@@ -215,7 +239,9 @@ impl Contact {
                     inverse,
                     inverse_below,
                     together,
+                    yields: law.flexibility.map(|flexibility| flexibility / (area * step)),
                     impulse: self.impulses[node],
+                    before: self.impulses[node],
                 });
             }
         }
@@ -247,7 +273,7 @@ impl Contact {
     }
 
     /// Sweeps over the pairs until their impulses rest; the sweeps, and whether they do.
-    fn sweep(&mut self, friction: Friction, step: f64) -> (usize, bool) {
+    fn sweep(&mut self, law: Law, step: f64) -> (usize, bool) {
         for sweep in 1..=MOST_SWEEPS {
             let (mut largest, mut change) = (0.0_f64, 0.0_f64);
             for index in 0..self.pairs.len() {
@@ -256,16 +282,24 @@ impl Contact {
                 let by_others = self.change(pair);
                 let velocity = add(pair.velocity, by_others);
                 let pressed = dot(old, normal);
-                let gap = pair.gap + step * dot(normal, by_others);
-                let new_pressed = (pressed - gap / (step * together)).max(0.0);
-                let wanted = match friction.sticks {
-                    true => less(less(old, normal, pressed), velocity, 1.0 / together),
+                let [yields, yields_along] = pair.yields;
+                let gap = pair.gap + step * dot(normal, by_others) + yields * pressed;
+                let new_pressed = (pressed - gap / (step * together + yields)).max(0.0);
+                let wanted = match law.sticks {
+                    true => {
+                        let away = less(
+                            velocity.map(|v| step * v),
+                            less(old, pair.before, 1.0),
+                            -yields_along,
+                        );
+                        less(old, away, 1.0 / (step * together + yields_along))
+                    }
                     false => pair.rigid.map(|v| -v),
                 };
                 let tangential = less(wanted, normal, dot(wanted, normal));
                 let size = dot(tangential, tangential).sqrt();
-                let bound = friction.coefficient * new_pressed;
-                let within = friction.sticks && size <= bound || size == 0.0;
+                let bound = law.coefficient * new_pressed;
+                let within = law.sticks && size <= bound || size == 0.0;
                 let scale = if within { 1.0 } else { bound / size };
                 let new = less(tangential.map(|t| scale * t), normal, -new_pressed);
                 let more = less(new, old, 1.0);
@@ -349,7 +383,7 @@ impl<'a> Surface<'a> {
         [x, y + u[1], self.height + self.side * z]
     }
 
-    /// Velocity of a node in the rigid motion [m/s].
+    /// Velocity of a node in the rigid motion, in the middle of the step [m/s]: its way in the step over the step.
     fn rigid(&self, node: usize, row: usize, column: usize) -> [f64; 3] {
         let radius = self.block.solid.radius;
         if radius.is_infinite() {
@@ -359,7 +393,8 @@ impl<'a> Surface<'a> {
         let [u, w] = [0, 2].map(|k| self.block.displacement(node, k));
         let turn = -self.speed / radius;
         let own = [turn * (radius - depth - w), 0.0, turn * u];
-        let [x, y, z] = lab_directions(own, self.angle(column), self.side);
+        let angle = (self.block.place(column) - 0.5 * self.way) / radius;
+        let [x, y, z] = lab_directions(own, angle, self.side);
         [x, y, z + self.rising]
     }
 

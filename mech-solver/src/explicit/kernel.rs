@@ -29,11 +29,11 @@ pub struct Stiffness {
 }
 
 impl Stiffness {
-    /// Of a shape, Lamé's constants λ and μ [Pa] and a share of the wave modulus λ + 2μ that resists hourglass modes.
+    /// Of a shape, Lamé's constants λ and μ [Pa] and a share of the shear modulus that resists hourglass modes.
     #[must_use]
     pub fn new(shape: Shape, [lambda, mu]: [f64; 2], share: f64) -> Self {
         let volume = shape.volume;
-        let hourglass = share * (lambda + 2.0 * mu) * volume * shape.squares / 64.0;
+        let hourglass = share * mu * volume * shape.squares / 64.0;
         Self { shape, lame: [lambda * volume, mu * volume], hourglass }
     }
 }

@@ -7,7 +7,7 @@
 //! Vermeulen (Int. J. Mech. Sci. 6 (1964)), F/(fN) = 1 − (1 − ξ/ξ_s)³, with the ξ_s that the last measurement gives.
 
 use super::block::Block;
-use super::contact::{Contact, Frame, Friction, Sums};
+use super::contact::{Contact, Frame, Law, Sums};
 use super::plane::Plane;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
@@ -34,8 +34,8 @@ pub struct Asked {
     pub speed: f64,
     /// Normal force [N].
     pub load: f64,
-    /// Coulomb's law.
-    pub friction: Friction,
+    /// What holds between the surfaces.
+    pub law: Law,
     /// Longitudinal creepage, or where the search for it begins [-].
     pub creepage: f64,
     /// Longitudinal force on the upper body over f N, if that is prescribed.
@@ -151,7 +151,7 @@ impl Rolling {
         let mut means = self.roll(MEASURE, told, helper, true);
         let Some(target) = self.asked.force else { return (means, true) };
         for _ in 1..MEASUREMENTS {
-            let ratio = means.force[0] / (self.asked.friction.coefficient * means.force[2]);
+            let ratio = means.force[0] / (self.asked.law.coefficient * means.force[2]);
             if (ratio - target).abs() <= FORCE {
                 return (means, true);
             }
@@ -159,7 +159,7 @@ impl Rolling {
             self.roll(SETTLE_AGAIN, told, helper, false);
             means = self.roll(MEASURE, told, helper, true);
         }
-        let ratio = means.force[0] / (self.asked.friction.coefficient * means.force[2]);
+        let ratio = means.force[0] / (self.asked.law.coefficient * means.force[2]);
         (means, (ratio - target).abs() <= FORCE)
     }
 
@@ -225,9 +225,8 @@ impl Rolling {
             speeds,
             ways,
         };
-        let (friction, plane) = (asked.friction, &mut self.plane);
-        let sums =
-            self.contact.resolve(self.bodies.each_mut(), &frame, friction, step, plane, counts);
+        let (law, plane) = (asked.law, &mut self.plane);
+        let sums = self.contact.resolve(self.bodies.each_mut(), &frame, law, step, plane, counts);
         if self.bodies[0].travel(ways[0]) {
             self.contact.shift(&self.bodies[0]);
         }

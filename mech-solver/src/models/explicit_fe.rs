@@ -7,7 +7,7 @@
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::entry::ModelEntry;
 use crate::explicit::block::{Block, Held, Solid};
-use crate::explicit::contact::Friction;
+use crate::explicit::contact::Law;
 use crate::explicit::plane::Plane;
 use crate::explicit::rolling::{Asked, Means, Rolling};
 use crate::explicit::section::{Section, Sizes};
@@ -29,8 +29,12 @@ use proto::progress::Progress;
 use serde_json::{Value, json};
 
 /// Its entry in the list.
-pub(super) const MODEL: ModelEntry =
-    ModelEntry { name: "explicit-fe", spec, takes: &[Kind::Adhesion, Kind::HeatShare], configure };
+pub(super) const MODEL: ModelEntry = ModelEntry {
+    name: "explicit-fe",
+    spec,
+    takes: &[Kind::Adhesion, Kind::Layer, Kind::HeatShare],
+    configure,
+};
 /// Elements per semi-axis, unless the case says otherwise: 0.6 mm in the contact of a wheel.
 const RESOLUTION: usize = 13;
 /// Where its errors were measured.
@@ -42,6 +46,8 @@ const BYTES_PER_ELEMENT: u64 = 60;
 /// Half lengths of the blocks, and of their fine zones, in semi-axes of Hertz's contact.
 const WHOLE: f64 = 6.0;
 const FINE: [f64; 2] = [1.4, 0.75];
+/// Half the width of a curved body, and its depth, over its radii, at most.
+const CURVED: f64 = 0.95;
 /// Where nodes are looked at for contact, in semi-axes.
 const WATCHED: f64 = 1.4;
 /// Part of the pressure on the plane that is rounding.
@@ -55,6 +61,7 @@ const DENSITY: &str = "density";
 const LENGTH: &str = "mech.length";
 const WIDTH: &str = "mech.width";
 const DEPTH: &str = "mech.depth";
+const PENALTY: &str = "mech.penalty_stiffness";
 
 fn spec() -> ModelSpec {
     let mut keys = own_keys();
@@ -106,6 +113,13 @@ fn own_keys() -> Vec<KeySpec> {
         size(LENGTH, "length"),
         size(WIDTH, "width"),
         KeySpec::quantity(
+            PENALTY,
+            "Pa/m",
+            "stiffness of a penalty contact, of an overlap and of a node that sticks; absent: multipliers, \
+             surfaces that do not overlap",
+        )
+        .above(0.0),
+        KeySpec::quantity(
             DEPTH,
             "m",
             "depth of the elements of a body; absent: half as much as their length",
@@ -156,13 +170,25 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
             ));
         }
     }
+    for (key, size, of) in [(WIDTH, 0.5 * width, 0), (DEPTH, depth, 1)] {
+        for body in &scene.bodies {
+            let most = CURVED * [body.radius_y, body.radius_x][of].abs();
+            if size > most {
+                let reason =
+                    format!("with {size:.4e} m elements reach the middle of a curve of a body");
+                let fix =
+                    format!("write less than {:.4e} m, or leave it out", [2.0, 1.0][of] * most);
+                return Err(Refusal::new(key, reason, fix));
+            }
+        }
+    }
     let sizes =
         |body: &Body| Sizes { element, fine, whole: [0.5 * width, depth], radius: body.radius_y };
     let sections = [sizes(&scene.bodies[0]), sizes(&scene.bodies[1])];
     let mesh = Section::new(&sections[1]);
     let columns = (length / element).ceil() as usize;
     let (grid, first_row) = contact_grid(&mesh, element, [WATCHED * a, WATCHED * b]);
-    let asked = asked(configuration, &scene, &ellipse, terms.adhesion)?;
+    let asked = asked(configuration, &scene, &ellipse, &terms)?;
     let [across, deep] = mesh.counts;
     let elements = 2 * columns.next_multiple_of(8) * across * deep;
     let solids = [solid(case, &scene, 0)?, solid(case, &scene, 1)?];
@@ -255,25 +281,31 @@ fn asked(
     configuration: &Configuration,
     scene: &Scene,
     ellipse: &Ellipse,
-    sticks: bool,
+    terms: &Terms,
 ) -> Result<Asked, Refusal> {
     let [a, b] = [ellipse.semi_axis_a, ellipse.semi_axis_b];
     let shear = scene.combined_shear_modulus();
     let c11 = kalker::creep_coefficients(a / b, scene.combined_poisson_ratio().max(0.0)).c11;
     let most = scene.friction_coefficient * ellipse.normal_force;
+    let own = CheckedParams::new(&configuration.case, own_keys());
+    let yields = own.maybe_number(PENALTY)?.map_or(0.0, |stiffness| 1.0 / stiffness);
     // Johnson & Vermeulen with Kalker's slope.
     let saturated = 3.0 * most / (shear * a * b * c11);
     let (creepage, force) = match ellipse.prescribed(scene)? {
         Prescribed::Creepage { xi, .. } => (xi, None),
         Prescribed::ForceRatio(ratio) => {
             let creepage = -ratio.signum() * saturated * (1.0 - (1.0 - ratio.abs()).cbrt());
-            (creepage + 0.0, Some(ratio).filter(|_| sticks))
+            (creepage + 0.0, Some(ratio).filter(|_| terms.adhesion))
         }
     };
     Ok(Asked {
         speed: scene.speeds.rolling,
         load: ellipse.normal_force,
-        friction: Friction { coefficient: scene.friction_coefficient, sticks },
+        law: Law {
+            coefficient: scene.friction_coefficient,
+            sticks: terms.adhesion,
+            flexibility: [yields, yields + terms.layer()],
+        },
         creepage,
         force,
         half_length: a,
@@ -400,6 +432,14 @@ fn values(spec: &FieldSpec, rolling: &Rolling, scene: &Scene, terms: &Terms) -> 
 }
 
 fn figures(rolling: &Rolling, means: &Means) -> Value {
+    let [strain, hourglass] = rolling
+        .bodies
+        .each_ref()
+        .map(Block::elastic_energy)
+        .into_iter()
+        .fold([0.0; 2], |[strain, hourglass], [more, of_modes]| {
+            [strain + more, hourglass + of_modes]
+        });
     let plane = &rolling.plane;
     let pressure = plane.mean(&plane.normal);
     let largest = |values: [Vec<f64>; 2]| {
@@ -427,6 +467,8 @@ fn figures(rolling: &Rolling, means: &Means) -> Value {
         "max_traction_pa": largest([0, 1].map(|k| plane.mean(&plane.tangential[k]))),
         "friction_power_w": means.friction,
         "given_power_w": means.given,
+        "elastic_energy_j": strain + hourglass,
+        "hourglass_energy_ratio": hourglass / (strain + hourglass),
         "steps": rolling.steps,
         "step_s": rolling.step,
         "sweeps_per_step": means.sweeps,

@@ -76,6 +76,7 @@ table_of_tests! { hold:
     patches_that_merge_hold_to_their_edges(7, true);
     contrasts_hold(8, false);
     extreme_windows_hold(9, false);
+    stretched_elements_hold(10, false);
     what_must_not_be_sent_holds(11, false);
     the_ends_of_tables_hold_to_their_edges(12, true);
 }
