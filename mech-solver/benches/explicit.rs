@@ -9,7 +9,7 @@ fn block(element: f64, radius: f64) -> Block {
     let lame = [e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 0.5 * e / (1.0 + nu)];
     let sizes = Sizes { element, fine: [10e-3, 6e-3], whole: [48e-3; 2], radius: f64::INFINITY };
     let columns = (96e-3 / element).ceil() as usize;
-    let solid = Solid { lame, density: 7850.0, radius };
+    let solid = Solid { lame, density: 7850.0, flow: None, radius };
     let mut block = Block::new(columns, element, Section::new(&sizes), solid, Held::Faces);
     // Numbers that move, so that nothing is denormal.
     let values = block.damped.iter_mut().flatten().enumerate();

@@ -11,12 +11,14 @@
 //! | `PressureBound` | a largest pressure [Pa], of several the smallest | the normal contact |
 //! | `Adhesion` | that surfaces may stick | the tangential contact; without it all of the contact slides |
 //! | `Layer` | a tangential flexibility [m/Pa], in series | the displacement difference |
+//! | `Flow` | how the material of each body flows | the stress of finite elements |
 //! | `HeatShare` | a factor | the friction power that is provided as heat |
 //! | `Observation` | fields and figures of an accepted contact | the outputs and the summary |
 //!
 //! A model declares the kinds that it takes, an effect those that it makes; a model supports the
 //! effects all of whose kinds it takes.
 
+use crate::explicit::kernel::Flow;
 use proto::field::FieldSpec;
 use proto::grid::Structured;
 use proto::model::{Inputs, Outputs, StateError, StepError};
@@ -37,6 +39,8 @@ pub enum Kind {
     Adhesion,
     /// Tangential flexibility between the surfaces.
     Layer,
+    /// Materials that flow.
+    Flow,
     /// Part of the friction power that becomes heat.
     HeatShare,
     /// What is computed of an accepted contact.
@@ -140,6 +144,7 @@ pub(crate) struct Terms {
     pub(crate) pressure_bounds: Vec<f64>,
     pub(crate) adhesion: bool,
     pub(crate) layers: Vec<f64>,
+    pub(crate) flow: [Option<Flow>; 2],
     pub(crate) heat_shares: Vec<f64>,
     pub(crate) observations: Vec<Box<dyn Observation>>,
 }
@@ -153,6 +158,9 @@ impl Terms {
         self.pressure_bounds.extend(more.pressure_bounds);
         self.adhesion |= more.adhesion;
         self.layers.extend(more.layers);
+        for (own, more) in self.flow.iter_mut().zip(more.flow) {
+            *own = own.or(more);
+        }
         self.heat_shares.extend(more.heat_shares);
         self.observations.extend(more.observations);
     }

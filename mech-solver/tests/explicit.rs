@@ -12,7 +12,7 @@ const DENSITY: f64 = 7850.0;
 
 fn steel(nu: f64, radius: f64) -> Solid {
     let lame = [E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 0.5 * E / (1.0 + nu)];
-    Solid { lame, density: DENSITY, radius }
+    Solid { lame, density: DENSITY, flow: None, radius }
 }
 
 /// A cross-section whose quadrilaterals are no rectangles.

@@ -8,7 +8,7 @@ const DENSITY: f64 = 7850.0;
 
 fn solid(nu: f64, radius: f64) -> Solid {
     let lame = [E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 0.5 * E / (1.0 + nu)];
-    Solid { lame, density: DENSITY, radius }
+    Solid { lame, density: DENSITY, flow: None, radius }
 }
 
 /// A block that travels is a part of a long one that stands still, whose columns were never dropped and never added: the

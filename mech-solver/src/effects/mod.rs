@@ -3,6 +3,7 @@
 
 pub mod friction_heat;
 pub mod partial_slip;
+pub mod plasticity;
 pub mod pressure_limit;
 pub mod roughness;
 pub mod subsurface_stress;
@@ -17,6 +18,7 @@ use proto::configuration::{Configuration, Refusal};
 pub const EFFECTS: &[Effect] = &[
     friction_heat::EFFECT,
     partial_slip::EFFECT,
+    plasticity::EFFECT,
     pressure_limit::EFFECT,
     roughness::EFFECT,
     subsurface_stress::EFFECT,

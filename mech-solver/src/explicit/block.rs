@@ -3,7 +3,7 @@
 //! Held are the first and last column, both sides and the bottom, or nothing. The state is w = u + βv and v: what resists is w, so
 //! that damping costs nothing, and u = w − βv.
 
-use super::kernel::{Energy, Forces, LANES, Row, Rows, Stiffness};
+use super::kernel::{Energy, Flow, Forces, LANES, PLASTIC, Row, Rows, Stiffness};
 use super::section::Section;
 use super::shape::Shape;
 use pulp::{Arch, NullaryFnOnce};
@@ -26,6 +26,8 @@ pub struct Solid {
     pub lame: [f64; 2],
     /// Density [kg/m³].
     pub density: f64,
+    /// How it flows, if it does.
+    pub flow: Option<Flow>,
     /// Radius of rolling [m]; infinite for a straight body.
     pub radius: f64,
 }
@@ -60,6 +62,8 @@ pub struct Block {
     pub damped: [Vec<f64>; 3],
     /// v [m/s].
     pub velocity: [Vec<f64>; 3],
+    /// Plastic strains and κ of a material that flows: row of elements after row, of each row strain after strain.
+    pub plastic: Vec<f64>,
     /// β [s].
     pub damping: f64,
     /// How far the columns are behind their places [m], less than an element.
@@ -77,7 +81,7 @@ impl Block {
         let of_row = |row: usize| {
             let shape =
                 Shape::new(section.corners(row % across, row / across), length, solid.radius);
-            Stiffness::new(shape, solid.lame, HOURGLASS)
+            Stiffness::new(shape, solid.lame, HOURGLASS, solid.flow)
         };
         let stiffness: Vec<Stiffness> = (0..across * deep).map(of_row).collect();
         let rows = across + 1;
@@ -109,6 +113,7 @@ impl Block {
             stiffness,
             damped: nodes(deep + 1),
             velocity: nodes(deep + 1),
+            plastic: vec![0.0; solid.flow.map_or(0, |_| PLASTIC * across * deep * columns)],
             damping: 0.0,
             behind: 0.0,
             planes: std::array::from_fn(|_| nodes(1)),
@@ -130,6 +135,7 @@ impl Block {
             inverse_mass: Vec::new(),
             damped: Default::default(),
             velocity: Default::default(),
+            plastic: Vec::new(),
             damping: 0.0,
             behind: 0.0,
             planes: Default::default(),
@@ -215,7 +221,10 @@ impl Block {
     fn resist(&mut self, layer: usize) {
         let [elements, across, _] = self.counts;
         let plane = (across + 1) * self.stride;
-        let Self { planes: [_, own, below], damped, stiffness, stride, .. } = self;
+        let Self {
+            planes: [_, own, below], damped, stiffness, stride, plastic, solid, arch, ..
+        } = self;
+        let of_row = if plastic.is_empty() { 0 } else { PLASTIC * elements };
         own.iter_mut().chain(below.iter_mut()).for_each(|force| force.fill(0.0));
         let [ox, oy, oz] = own;
         let [bx, by, bz] = below;
@@ -227,11 +236,14 @@ impl Block {
             let [(x2, x3), (y2, y3), (z2, z3)] =
                 [&mut *bx, by, bz].map(|force| two_rows(force, start, *stride));
             let force = [[x0, y0, z0], [x1, y1, z1], [x2, y2, z2], [x3, y3, z3]];
-            let row = Row { elements, stiffness: &stiffness[layer * across + row], displacement };
-            if self.solid.radius.is_finite() {
-                self.arch.dispatch(Forces::<true> { row, force });
-            } else {
-                self.arch.dispatch(Forces::<false> { row, force });
+            let at = layer * across + row;
+            let plastic = &mut plastic[at * of_row..(at + 1) * of_row];
+            let row = Row { elements, stiffness: &stiffness[at], displacement };
+            match (solid.radius.is_finite(), solid.flow.is_some()) {
+                (true, false) => arch.dispatch(Forces::<true, false> { row, force, plastic }),
+                (false, false) => arch.dispatch(Forces::<false, false> { row, force, plastic }),
+                (true, true) => arch.dispatch(Forces::<true, true> { row, force, plastic }),
+                (false, true) => arch.dispatch(Forces::<false, true> { row, force, plastic }),
             }
         }
     }
@@ -242,18 +254,38 @@ impl Block {
         let [elements, across, _] = self.counts;
         let plane = (across + 1) * self.stride;
         let mut sums = [0.0; 2];
+        let of_row = if self.plastic.is_empty() { 0 } else { PLASTIC * elements };
         for (row, stiffness) in self.stiffness.iter().enumerate() {
+            let plastic = &self.plastic[row * of_row..(row + 1) * of_row];
             let start = row / across * plane + row % across * self.stride;
             let displacement = rows_of(&self.damped, start, plane, self.stride);
             let row = Row { elements, stiffness, displacement };
-            let energy = if self.solid.radius.is_finite() {
-                self.arch.dispatch(Energy::<true> { row })
-            } else {
-                self.arch.dispatch(Energy::<false> { row })
+            let energy = match (self.solid.radius.is_finite(), self.solid.flow.is_some()) {
+                (true, false) => self.arch.dispatch(Energy::<true, false> { row, plastic }),
+                (false, false) => self.arch.dispatch(Energy::<false, false> { row, plastic }),
+                (true, true) => self.arch.dispatch(Energy::<true, true> { row, plastic }),
+                (false, true) => self.arch.dispatch(Energy::<false, true> { row, plastic }),
             };
             sums.iter_mut().zip(energy).for_each(|(sum, energy)| *sum += energy);
         }
         sums
+    }
+
+    /// Plastic work that was done in the elements of a column [J], and the largest κ in them.
+    #[must_use]
+    pub fn plastic_work(&self, column: usize) -> [f64; 2] {
+        let (Some(flow), elements) = (self.solid.flow, self.counts[0]) else { return [0.0; 2] };
+        let Flow { yield_stress, hardening: [isotropic, kinematic] } = flow;
+        let (mut work, mut largest) = (0.0, 0.0_f64);
+        for (row, stiffness) in self.plastic.chunks_exact(PLASTIC * elements).zip(&self.stiffness) {
+            let [xx, yy, xy, yz, xz, grown] = std::array::from_fn(|k| row[k * elements + column]);
+            let normals = xx * xx + yy * yy + (xx + yy) * (xx + yy);
+            let squares = normals + 2.0 * (xy * xy + yz * yz + xz * xz);
+            let isotropic = grown * (yield_stress + 0.5 * isotropic * grown);
+            work += stiffness.shape.volume * (isotropic + kinematic * squares / 3.0);
+            largest = largest.max(grown);
+        }
+        [work, largest]
     }
 
     /// Kinetic energy [J].
@@ -291,14 +323,19 @@ impl Block {
                 }
             }
         }
+        for values in self.plastic.chunks_exact_mut(last) {
+            values.copy_within(1.., 0);
+            values[last - 1] = 0.0;
+        }
         true
     }
 
     /// Highest angular frequency [1/s] of small vibrations, by power iteration on M⁻¹K.
     #[must_use]
     pub fn highest_frequency(&self) -> f64 {
+        let elastic = Solid { flow: None, ..self.solid };
         let mut probe =
-            Self::new(self.counts[0], self.length, self.section.clone(), self.solid, self.held);
+            Self::new(self.counts[0], self.length, self.section.clone(), elastic, self.held);
         // Neighbours that move against each other, by amounts that differ from place to place.
         let amount = |n: usize| 1e-9 * (1.0 + (n * 2_654_435_761 % 1009) as f64 / 1009.0);
         let sign = |n: usize| {

@@ -5,6 +5,14 @@
 //! modes q_m = û_m − Σ_r X_mr H_r with the sums X of the places, which no linear field excites, resisted by k q. Forces are the
 //! transpose of all that. A rigid motion, of whatever angle, makes no force.
 //!
+//! A material that flows ([`Flow`]) has plastic strains e: S = λ tr E + 2μ(E − e), by a radial return to the yield surface of
+//! von Mises with linear isotropic and kinematic hardening. In units of strain, with ξ = dev E − (1 + H_k/3μ) e,
+//!
+//! Δγ = max(0, |ξ| − √(2/3) (σ_y + H_i κ)/2μ)/(1 + (H_i + H_k)/3μ), e += Δγ ξ/|ξ|, κ += √(2/3) Δγ,
+//!
+//! for linear kinematic hardening makes the back stress (2/3) H_k e. What was plastically done is
+//! σ_y κ + H_i κ²/2 + H_k e:e/3, whatever the way (Simo & Hughes, Computational Inelasticity (1998), box 3.1).
+//!
 //! In a body that rolls, the nodes of the two ends have their displacements in directions that are turned by half an angle to
 //! either side of the middle's.
 //!
@@ -17,6 +25,18 @@ use pulp::{Simd, WithSimd};
 /// Elements of a row are a multiple of this, whatever vectors the machine has.
 pub const LANES: usize = 8;
 
+/// Plastic strains xx, yy, xy, yz, xz of an element, and κ.
+pub const PLASTIC: usize = 6;
+
+/// How a material flows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flow {
+    /// Yield stress σ_y [Pa].
+    pub yield_stress: f64,
+    /// Moduli of linear isotropic and kinematic hardening, H_i and H_k, of stress over plastic strain [Pa].
+    pub hardening: [f64; 2],
+}
+
 /// What the elements of a row resist.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
@@ -26,15 +46,22 @@ pub struct Stiffness {
     pub lame: [f64; 2],
     /// Of the hourglass modes [N/m].
     pub hourglass: f64,
+    /// √(2/3) σ_y/2μ, H_i/3μ and H_k/3μ; 0 of a material that does not flow.
+    pub flow: [f64; 3],
 }
 
 impl Stiffness {
     /// Of a shape, Lamé's constants λ and μ [Pa] and a share of the shear modulus that resists hourglass modes.
     #[must_use]
-    pub fn new(shape: Shape, [lambda, mu]: [f64; 2], share: f64) -> Self {
+    pub fn new(shape: Shape, [lambda, mu]: [f64; 2], share: f64, flow: Option<Flow>) -> Self {
         let volume = shape.volume;
         let hourglass = share * mu * volume * shape.squares / 64.0;
-        Self { shape, lame: [lambda * volume, mu * volume], hourglass }
+        let flow =
+            flow.map_or([0.0; 3], |Flow { yield_stress, hardening: [isotropic, kinematic] }| {
+                let root = (2.0_f64 / 3.0).sqrt();
+                [root * yield_stress / (2.0 * mu), isotropic / (3.0 * mu), kinematic / (3.0 * mu)]
+            });
+        Self { shape, lame: [lambda * volume, mu * volume], hourglass, flow }
     }
 }
 
@@ -52,30 +79,35 @@ pub struct Row<'a> {
 }
 
 /// Adds the forces of a row [N] to those of its rows of nodes.
-pub struct Forces<'a, const CURVED: bool> {
+pub struct Forces<'a, const CURVED: bool, const FLOWS: bool> {
     /// The row.
     pub row: Row<'a>,
     /// Forces by which the nodes resist.
     pub force: Rows<&'a mut [f64]>,
+    /// Plastic strains of the elements, one array after the other; of a material that does not flow, nothing.
+    pub plastic: &'a mut [f64],
 }
 
 /// The elastic energy of a row [J]: of the strain, and of the hourglass modes.
-pub struct Energy<'a, const CURVED: bool> {
+pub struct Energy<'a, const CURVED: bool, const FLOWS: bool> {
     /// The row.
     pub row: Row<'a>,
+    /// As for the forces.
+    pub plastic: &'a [f64],
 }
 
-impl<const CURVED: bool> WithSimd for Forces<'_, CURVED> {
+impl<const CURVED: bool, const FLOWS: bool> WithSimd for Forces<'_, CURVED, FLOWS> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        let Self { row, force } = self;
+        let Self { row, force, plastic } = self;
         let lanes = S::F64_LANES;
         let groups = row.elements / lanes;
         let material = Material::new(s, row.stiffness);
         let [near, far] = [0, 1].map(|from| views::<S>(&row.displacement, from, groups));
         let mut out = force.map(|row| row.map(|row| &mut S::as_mut_simd_f64s(row).0[..=groups]));
+        let plastic = S::as_mut_simd_f64s(plastic).0;
         let zero = s.splat_f64s(0.0);
         let first = s.mask_between_m64s(0, 1).mask();
         // What the far ends of the elements before leave to the first node.
@@ -83,7 +115,18 @@ impl<const CURVED: bool> WithSimd for Forces<'_, CURVED> {
         #[allow(clippy::needless_range_loop, reason = "it indexes rows of six vectors alike")]
         for group in 0..groups {
             let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, &material);
-            let Answer { mut ends, .. } = answer(s, &material, &ends);
+            let mut strains = [zero; PLASTIC];
+            if FLOWS {
+                for (k, strain) in strains.iter_mut().enumerate() {
+                    *strain = plastic[k * groups + group];
+                }
+            }
+            let Answer { mut ends, .. } = answer::<S, FLOWS>(s, &material, &ends, &mut strains);
+            if FLOWS {
+                for (k, strain) in strains.iter().enumerate() {
+                    plastic[k * groups + group] = *strain;
+                }
+            }
             ends = ends.turned_back::<CURVED>(s, &material);
             for corner in 0..4 {
                 for k in 0..3 {
@@ -103,19 +146,23 @@ impl<const CURVED: bool> WithSimd for Forces<'_, CURVED> {
     }
 }
 
-impl<const CURVED: bool> WithSimd for Energy<'_, CURVED> {
+impl<const CURVED: bool, const FLOWS: bool> WithSimd for Energy<'_, CURVED, FLOWS> {
     type Output = [f64; 2];
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) -> [f64; 2] {
-        let Self { row } = self;
+        let Self { row, plastic } = self;
+        let plastic = S::as_simd_f64s(plastic).0;
         let groups = row.elements / S::F64_LANES;
         let material = Material::new(s, row.stiffness);
         let [near, far] = [0, 1].map(|from| views::<S>(&row.displacement, from, groups));
         let mut sums = [s.splat_f64s(0.0); 2];
         for group in 0..groups {
             let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, &material);
-            let Answer { energy, .. } = answer(s, &material, &ends);
+            let strain =
+                |k: usize| if FLOWS { plastic[k * groups + group] } else { s.splat_f64s(0.0) };
+            let mut strains = std::array::from_fn(strain);
+            let Answer { energy, .. } = answer::<S, FLOWS>(s, &material, &ends, &mut strains);
             for k in 0..2 {
                 sums[k] = s.add_f64s(sums[k], energy[k]);
             }
@@ -139,6 +186,7 @@ struct Material<S: Simd> {
     bend: [S::f64s; 2],
     lame: [S::f64s; 2],
     hourglass: S::f64s,
+    flow: [S::f64s; 3],
     turn: [S::f64s; 2],
 }
 
@@ -146,7 +194,7 @@ impl<S: Simd> Material<S> {
     #[inline(always)]
     fn new(s: S, stiffness: &Stiffness) -> Self {
         let all = |value: f64| s.splat_f64s(value);
-        let Stiffness { shape, lame, hourglass } = stiffness;
+        let Stiffness { shape, lame, hourglass, flow } = stiffness;
         Self {
             along: shape.along.map(all),
             across: shape.across.map(|row| row.map(all)),
@@ -154,6 +202,7 @@ impl<S: Simd> Material<S> {
             bend: shape.bend.map(all),
             lame: lame.map(all),
             hourglass: all(*hourglass),
+            flow: flow.map(all),
             turn: [all(shape.half_angle.cos()), all(shape.half_angle.sin())],
         }
     }
@@ -240,9 +289,61 @@ fn products<S: Simd>(s: S, [a, b, c, d, e, f, g]: [S::f64s; 7]) -> S::f64s {
     s.mul_add_f64s(a, b, s.mul_add_f64s(c, d, s.mul_add_f64s(e, f, g)))
 }
 
+/// Lets plastic strains follow the strains, and takes them away.
 #[inline(always)]
-fn answer<S: Simd>(s: S, material: &Material<S>, ends: &Ends<S>) -> Answer<S> {
-    let Material { along, across: [by, bz], twist, bend, lame, hourglass, .. } = material;
+fn yielding<S: Simd>(
+    s: S,
+    [stress, isotropic, kinematic]: &[S::f64s; 3],
+    plastic: &mut [S::f64s; PLASTIC],
+    normal: &mut [S::f64s; 3],
+    shear: &mut [S::f64s; 3],
+) {
+    let all = |value: f64| s.splat_f64s(value);
+    let (one, half) = (all(1.0), all(0.5));
+    let mean = s.mul_f64s(all(1.0 / 3.0), s.add_f64s(normal[0], s.add_f64s(normal[1], normal[2])));
+    let [pxx, pyy, pxy, pyz, pxz, grown] = *plastic;
+    let shared = s.add_f64s(one, *kinematic);
+    // ξ of xx, yy, xy, yz, xz; that of zz is what makes their trace nothing.
+    let away = |strain: S::f64s, plastic: S::f64s| s.negate_mul_add_f64s(shared, plastic, strain);
+    let xi = [
+        away(s.sub_f64s(normal[0], mean), pxx),
+        away(s.sub_f64s(normal[1], mean), pyy),
+        away(s.mul_f64s(half, shear[0]), pxy),
+        away(s.mul_f64s(half, shear[1]), pyz),
+        away(s.mul_f64s(half, shear[2]), pxz),
+    ];
+    let zz = s.add_f64s(xi[0], xi[1]);
+    let normals = products(s, [xi[0], xi[0], xi[1], xi[1], zz, zz, all(0.0)]);
+    let shears = products(s, [xi[2], xi[2], xi[3], xi[3], xi[4], xi[4], all(0.0)]);
+    let squares = s.mul_add_f64s(all(2.0), shears, normals);
+    let size = s.max_f64s(s.sqrt_f64s(squares), all(f64::MIN_POSITIVE));
+    // √(2/3) H_i κ/2μ is √(3/2) κ times H_i/3μ.
+    let root = all(1.5_f64.sqrt());
+    let bound = s.mul_add_f64s(s.mul_f64s(root, *isotropic), grown, *stress);
+    let beyond = s.max_f64s(s.sub_f64s(size, bound), all(0.0));
+    let more = s.div_f64s(beyond, s.add_f64s(shared, *isotropic));
+    let scale = s.div_f64s(more, size);
+    for (plastic, xi) in plastic.iter_mut().zip(xi) {
+        *plastic = s.mul_add_f64s(scale, xi, *plastic);
+    }
+    plastic[5] = s.mul_add_f64s(all((2.0_f64 / 3.0).sqrt()), more, grown);
+    let [pxx, pyy, pxy, pyz, pxz, _] = *plastic;
+    normal[0] = s.sub_f64s(normal[0], pxx);
+    normal[1] = s.sub_f64s(normal[1], pyy);
+    normal[2] = s.add_f64s(normal[2], s.add_f64s(pxx, pyy));
+    for (shear, plastic) in shear.iter_mut().zip([pxy, pyz, pxz]) {
+        *shear = s.negate_mul_add_f64s(all(2.0), plastic, *shear);
+    }
+}
+
+#[inline(always)]
+fn answer<S: Simd, const FLOWS: bool>(
+    s: S,
+    material: &Material<S>,
+    ends: &Ends<S>,
+    plastic: &mut [S::f64s; PLASTIC],
+) -> Answer<S> {
+    let Material { along, across: [by, bz], twist, bend, lame, hourglass, flow, .. } = material;
     let (zero, half) = (s.splat_f64s(0.0), s.splat_f64s(0.5));
     let mut h = [[zero; 3]; 3];
     // ξη, ξζ, ξηζ and ηζ of every component; then what resists them.
@@ -276,12 +377,18 @@ fn answer<S: Simd>(s: S, material: &Material<S>, ends: &Ends<S>) -> Answer<S> {
     let strain = |a: [S::f64s; 3], own: S::f64s| {
         s.mul_add_f64s(half, products(s, [a[0], a[0], a[1], a[1], a[2], a[2], zero]), own)
     };
-    let [e0, e1, e2] =
+    let mut normal =
         [strain([h00, h10, h20], h00), strain([h01, h11, h21], h11), strain([h02, h12, h22], h22)];
     // Twice the shear strains.
-    let g01 = products(s, [h00, h01, h10, h11, h20, h21, s.add_f64s(h01, h10)]);
-    let g12 = products(s, [h01, h02, h11, h12, h21, h22, s.add_f64s(h12, h21)]);
-    let g02 = products(s, [h00, h02, h10, h12, h20, h22, s.add_f64s(h02, h20)]);
+    let mut shear = [
+        products(s, [h00, h01, h10, h11, h20, h21, s.add_f64s(h01, h10)]),
+        products(s, [h01, h02, h11, h12, h21, h22, s.add_f64s(h12, h21)]),
+        products(s, [h00, h02, h10, h12, h20, h22, s.add_f64s(h02, h20)]),
+    ];
+    if FLOWS {
+        yielding(s, flow, plastic, &mut normal, &mut shear);
+    }
+    let ([e0, e1, e2], [g01, g12, g02]) = (normal, shear);
     let [lambda, mu] = *lame;
     let trace = s.mul_f64s(lambda, s.add_f64s(e0, s.add_f64s(e1, e2)));
     let twice = s.add_f64s(mu, mu);

@@ -4,7 +4,8 @@
 //! a small mass and critical damping in the place of a vehicle, so that the approach settles within a few elements' passages. The
 //! load rises smoothly from nothing while the bodies roll: static and rolling contact arise together, and no static
 //! solution is needed. A creepage for a prescribed force is corrected between measurements by the law of Johnson &
-//! Vermeulen (Int. J. Mech. Sci. 6 (1964)), F/(fN) = 1 − (1 − ξ/ξ_s)³, with the ξ_s that the last measurement gives.
+//! Vermeulen (Int. J. Mech. Sci. 6 (1964)), F/(fN) = 1 − (1 − ξ/ξ_s)³: with the ξ_s that the first measurement gives, then along
+//! the straight line that 1 − ∛(1 − F/(fN)) has over ξ through the last two, where the law has a line through the origin.
 
 use super::block::Block;
 use super::contact::{Contact, Frame, Law, Sums};
@@ -21,6 +22,8 @@ const RISE: f64 = 1.5;
 const SETTLE: f64 = 3.0;
 const SETTLE_AGAIN: f64 = 2.5;
 const MEASURE: f64 = 0.5;
+/// Creepages that are apart, over themselves.
+const APART: f64 = 0.02;
 /// Deviation of a force from the prescribed one, over f N, that is accepted, and measurements at most.
 const FORCE: f64 = 1e-3;
 const MEASUREMENTS: usize = 8;
@@ -122,6 +125,18 @@ impl Rolling {
         way * asked.half_length / (asked.speed * step)
     }
 
+    /// Expected half length of the contact [m].
+    #[must_use]
+    pub fn half_length(&self) -> f64 {
+        self.asked.half_length
+    }
+
+    /// Speeds at which the material of the upper and lower surface goes back [m/s].
+    #[must_use]
+    pub fn speeds(&self) -> [f64; 2] {
+        [self.asked.speed * (1.0 - self.creepage), self.asked.speed]
+    }
+
     /// Rolls until it is steady with what is prescribed, and measures; `report` hears how many steps of about how many
     /// are taken. The last measurement, and whether the prescribed force was met.
     pub fn settle(&mut self, report: &mut dyn FnMut(u64, u64)) -> (Means, bool) {
@@ -150,14 +165,17 @@ impl Rolling {
         self.roll(RISE + SETTLE, told, helper, false);
         let mut means = self.roll(MEASURE, told, helper, true);
         let Some(target) = self.asked.force else { return (means, true) };
-        for _ in 1..MEASUREMENTS {
+        let mut search = Search::default();
+        for before in 1..MEASUREMENTS {
             let ratio = means.force[0] / (self.asked.law.coefficient * means.force[2]);
             if (ratio - target).abs() <= FORCE {
                 return (means, true);
             }
-            self.creepage = corrected(self.creepage, ratio, target);
+            self.creepage = search.next([self.creepage, reduced(ratio)], reduced(target));
             self.roll(SETTLE_AGAIN, told, helper, false);
-            means = self.roll(MEASURE, told, helper, true);
+            // Where a force wavers by more than is accepted, a longer mean wavers less.
+            let longer = before.div_ceil(2).min(4) as f64;
+            means = self.roll(longer * MEASURE, told, helper, true);
         }
         let ratio = means.force[0] / (self.asked.law.coefficient * means.force[2]);
         (means, (ratio - target).abs() <= FORCE)
@@ -212,12 +230,12 @@ impl Rolling {
 
     /// One step.
     fn advance(&mut self, helper: Option<&Helper>, counts: bool) -> Sums {
-        let Self { asked, step, creepage, .. } = *self;
+        let Self { asked, step, .. } = *self;
         match helper {
             Some(helper) => helper.both(&mut self.bodies, step),
             None => self.bodies.iter_mut().for_each(|body| body.step(step)),
         }
-        let speeds = [asked.speed * (1.0 - creepage), asked.speed];
+        let speeds = self.speeds();
         let ways = speeds.map(|speed| speed * step);
         let frame = Frame {
             approach: self.approach - step * self.rising,
@@ -243,10 +261,32 @@ impl Rolling {
     }
 }
 
-/// The creepage for a target by the law of Johnson & Vermeulen through a measured force, both over f N.
-fn corrected(creepage: f64, ratio: f64, target: f64) -> f64 {
-    let reduced = |ratio: f64| 1.0 - (1.0 - ratio.abs().min(0.999_999)).cbrt();
-    creepage * reduced(target) / reduced(ratio).max(1e-9)
+/// What the law of Johnson & Vermeulen makes proportional to the creepage, of a force over f N.
+fn reduced(ratio: f64) -> f64 {
+    ratio.signum() * (1.0 - (1.0 - ratio.abs().min(0.999_999)).cbrt())
+}
+
+/// A search for the creepage of a force.
+#[derive(Default)]
+struct Search {
+    /// Creepage and reduced force of a measurement before.
+    last: [f64; 2],
+    slope: f64,
+}
+
+impl Search {
+    /// The creepage for a reduced force, after a measurement of both. A slope is taken from measurements that are apart, and not
+    /// trusted where it is far from that of the line through the origin: forces waver a little.
+    fn next(&mut self, now: [f64; 2], target: f64) -> f64 {
+        let [creepage, force] = now;
+        let apart = creepage - self.last[0];
+        if apart.abs() > APART * creepage.abs() {
+            let whole = force / creepage;
+            self.slope = whole * ((force - self.last[1]) / (apart * whole)).clamp(0.3, 3.0);
+            self.last = now;
+        }
+        creepage + (target - force) / self.slope
+    }
 }
 
 /// A thread that steps the upper body.
@@ -261,5 +301,23 @@ impl Helper {
         self.to.send(upper.lent()).expect("the thread lives as long as the channel");
         lower.step(step);
         *upper = self.back.recv().expect("the thread panics on its own");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With the law itself one correction is enough, with an offset of the creepage two. Rounding.
+    #[test]
+    fn a_creepage_is_found() {
+        for (offset, corrections) in [(0.0, 1), (5e-4, 2)] {
+            let force = |creepage: f64| (1.0 - (creepage.abs() - offset) / 0.01).powi(3) - 1.0;
+            let (mut creepage, mut search) = (-2e-3, Search::default());
+            for _ in 0..corrections {
+                creepage = search.next([creepage, reduced(force(creepage))], reduced(-0.5));
+            }
+            assert!((force(creepage) + 0.5).abs() < 1e-12, "{offset} {creepage}");
+        }
     }
 }

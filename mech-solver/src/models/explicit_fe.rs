@@ -32,7 +32,7 @@ use serde_json::{Value, json};
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "explicit-fe",
     spec,
-    takes: &[Kind::Adhesion, Kind::Layer, Kind::HeatShare],
+    takes: &[Kind::Adhesion, Kind::Layer, Kind::Flow, Kind::HeatShare],
     configure,
 };
 /// Elements per semi-axis, unless the case says otherwise: 0.6 mm in the contact of a wheel.
@@ -46,6 +46,8 @@ const BYTES_PER_ELEMENT: u64 = 60;
 /// Half lengths of the blocks, and of their fine zones, in semi-axes of Hertz's contact.
 const WHOLE: f64 = 6.0;
 const FINE: [f64; 2] = [1.4, 0.75];
+/// How far behind the middle of the contact material has what the passage leaves, in semi-axes.
+const PASSED: f64 = 1.8;
 /// Half the width of a curved body, and its depth, over its radii, at most.
 const CURVED: f64 = 0.95;
 /// Where nodes are looked at for contact, in semi-axes.
@@ -191,7 +193,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     let asked = asked(configuration, &scene, &ellipse, &terms)?;
     let [across, deep] = mesh.counts;
     let elements = 2 * columns.next_multiple_of(8) * across * deep;
-    let solids = [solid(case, &scene, 0)?, solid(case, &scene, 1)?];
+    let solids = [solid(case, &scene, &terms, 0)?, solid(case, &scene, &terms, 1)?];
     let fastest = solids.iter().map(wave_speed).fold(0.0, f64::max);
     let steps = Rolling::expected_steps(&asked, 0.85 * element / fastest);
     let cores = configuration.threads.clamp(1, 2) as f64;
@@ -314,7 +316,7 @@ fn asked(
     })
 }
 
-fn solid(case: &Params, scene: &Scene, which: usize) -> Result<Solid, Refusal> {
+fn solid(case: &Params, scene: &Scene, terms: &Terms, which: usize) -> Result<Solid, Refusal> {
     let body = &scene.bodies[which];
     let name = case.text(&scene.names.key(which, "material"))?;
     let density =
@@ -328,7 +330,12 @@ fn solid(case: &Params, scene: &Scene, which: usize) -> Result<Solid, Refusal> {
         ));
     }
     let lambda = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
-    Ok(Solid { lame: [lambda, body.material.shear_modulus()], density, radius: body.radius_x })
+    Ok(Solid {
+        lame: [lambda, body.material.shear_modulus()],
+        density,
+        flow: terms.flow[which],
+        radius: body.radius_x,
+    })
 }
 
 fn wave_speed(solid: &Solid) -> f64 {
@@ -440,6 +447,7 @@ fn figures(rolling: &Rolling, means: &Means) -> Value {
         .fold([0.0; 2], |[strain, hourglass], [more, of_modes]| {
             [strain + more, hourglass + of_modes]
         });
+    let (plastic, grown) = plastic(rolling);
     let plane = &rolling.plane;
     let pressure = plane.mean(&plane.normal);
     let largest = |values: [Vec<f64>; 2]| {
@@ -448,7 +456,7 @@ fn figures(rolling: &Rolling, means: &Means) -> Value {
     };
     let [semi_axis_a, semi_axis_b] = Moments::of(&plane.grid, &pressure).semi_axes;
     let [touching, sliding] = means.areas;
-    json!({
+    let mut figures = json!({
         "semi_axis_a_m": semi_axis_a,
         "semi_axis_b_m": semi_axis_b,
         "area_m2": touching,
@@ -473,5 +481,22 @@ fn figures(rolling: &Rolling, means: &Means) -> Value {
         "step_s": rolling.step,
         "sweeps_per_step": means.sweeps,
         "elements": rolling.bodies.iter().map(Block::elements).sum::<usize>(),
-    })
+    });
+    if rolling.bodies.iter().any(|body| body.solid.flow.is_some()) {
+        figures["plastic_power_w"] = json!(plastic);
+        figures["max_plastic_strain"] = json!(grown);
+    }
+    figures
+}
+
+/// Power of plastic flow [W], which the material carries away behind the contact, and the largest plastic strain that it has
+/// there.
+fn plastic(rolling: &Rolling) -> (f64, f64) {
+    let mut all = (0.0, 0.0_f64);
+    for (body, speed) in rolling.bodies.iter().zip(rolling.speeds()) {
+        let back = (PASSED * rolling.half_length() / body.length).ceil() as usize;
+        let [work, largest] = body.plastic_work(body.counts[0] / 2 - back);
+        all = (all.0 + work * speed / body.length, all.1.max(largest));
+    }
+    all
 }

@@ -7,7 +7,7 @@
 //!
 //! with the conductance h of the contact [W/(m²·K)]; 1/h = 0 for surfaces of one temperature.
 //! M = 1/h + A_u + A_l makes of an error of this equation a correction of g, with the influence A of a flux
-//! that is g in the mean over an element and the mean of its neighbours at an edge ([`Flux::add`]). M is inverted by
+//! whose means over elements are g, and whose values at edges are linear in them ([`Flux::add`]). M is inverted by
 //! GMRES, with the inverse of its symbol for fluxes that are zero at the edges, cut to the places of contact, for a
 //! preconditioner. In steady motion A is not symmetric.
 //!

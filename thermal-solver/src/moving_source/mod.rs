@@ -22,6 +22,8 @@
 //! convolution over Fourier space ([`half_space`]). Rises at single places and in depth come from the same
 //! sum, with the flux contracted to a row of the grid.
 //!
+//! What two bodies exchange where they touch is found by [`exchange`], in the shapes of [`touching`].
+//!
 //! In time the flux of every window is constant over it, and contributes over its own ages, from the
 //! youngest to the oldest.
 //!

@@ -1,0 +1,70 @@
+//! Effect `plasticity`: bodies whose material has a yield stress flow where it is reached.
+//!
+//! Yield surface of von Mises, linear isotropic and kinematic hardening, small plastic strains:
+//! |dev S − a| = √(2/3) (σ_y + H_i κ), a = (2/3) H_k e with the plastic strain e. Each piece of material comes to the
+//! contact without any, so that it stands for the first passage. The work of plastic flow is a figure of the summary
+//! (`contact.plastic_power_w`); heat that it makes below the surface is left out.
+//!
+//! Source: Simo & Hughes, *Computational Inelasticity* (1998), chapter 3.
+
+use crate::entry::Effect;
+use crate::explicit::kernel::Flow;
+use crate::keys::CheckedParams;
+use crate::scene::Scene;
+use crate::terms::{Kind, Terms};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "plasticity",
+    law: "|dev S - 2/3 H_k e| <= sqrt(2/3) (yield stress + H_i kappa), linear hardening",
+    source: "Simo & Hughes, Computational Inelasticity (1998), chapter 3",
+    kinds: &[Kind::Flow],
+    consumes: &[],
+    provides: &[],
+    keys,
+    terms,
+};
+
+const YIELD_STRESS: &str = "yield_stress";
+const ISOTROPIC: &str = "isotropic_hardening";
+const KINEMATIC: &str = "kinematic_hardening";
+
+fn path(material: &str, key: &str) -> String {
+    format!("materials.{material}.{key}")
+}
+
+fn keys() -> Vec<KeySpec> {
+    let modulus = |key: &str, help: &str| {
+        KeySpec::quantity(&path("*", key), "Pa", help).at_least(0.0).default_value(0.0)
+    };
+    let yields = "yield stress; a material without one stays elastic";
+    vec![
+        KeySpec::quantity(&path("*", YIELD_STRESS), "Pa", yields).above(0.0),
+        modulus(ISOTROPIC, "rise of the yield stress over plastic strain"),
+        modulus(KINEMATIC, "modulus H_k with which the yield surface follows the plastic strain"),
+    ]
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let scene = Scene::read(&configuration.case)?;
+    let own = CheckedParams::new(&configuration.case, keys());
+    let mut flow = [None; 2];
+    for (which, flow) in flow.iter_mut().enumerate() {
+        let material = configuration.case.text(&scene.names.key(which, "material"))?;
+        if let Some(yield_stress) = own.maybe_number(&path(material, YIELD_STRESS))? {
+            let hardening = |key: &str| own.number(&path(material, key));
+            let hardening = [hardening(ISOTROPIC)?, hardening(KINEMATIC)?];
+            *flow = Some(Flow { yield_stress, hardening });
+        }
+    }
+    if flow == [None; 2] {
+        return Err(Refusal::new(
+            "effects.plasticity",
+            "no body is of a material with a yield stress",
+            "write materials.NAME.yield_stress, or remove the effect",
+        ));
+    }
+    Ok(Terms { flow, ..Terms::default() })
+}
