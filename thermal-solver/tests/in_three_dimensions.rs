@@ -216,6 +216,9 @@ fn both_models_let_the_same_flow_in_time() {
             let tolerance = 1.1 * apart(&json!({"partition": "equal"})) + 2e-4;
             for partition in [&json!({"partition": "continuity"}), &conductance] {
                 let apart = apart(partition);
+                println!(
+                    "{speeds:?} m/s, windows of {passage}, {partition}: {apart:.5} (tolerance {tolerance:.5})"
+                );
                 assert!(apart < tolerance, "{speeds:?} {passage} {partition}: {apart} {tolerance}");
             }
         }

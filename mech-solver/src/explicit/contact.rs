@@ -84,7 +84,7 @@ struct Pair {
     inverse: f64,
     inverse_below: [f64; 4],
     together: f64,
-    /// Normal and tangential flexibility over area and step [s/kg · s].
+    /// Normal and tangential flexibility over area and step [m/(N·s)].
     yields: [f64; 2],
     impulse: [f64; 3],
     /// Impulse of the step before [N·s].
