@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`models`] | the models by name, one module a fidelity level |
 //! | [`effects`] | the effects by name, one file an effect |
+//! | [`axle`] | what carries the load, and runs over irregularities |
 //! | [`terms`] | what effects contribute to a contact, kind by kind |
 //! | [`reference`] | closed forms, shared by models, tests and reports |
 //! | [`scene`] | the case values every model reads, as plain structs |
@@ -18,6 +19,7 @@
 //! Adding an effect takes its file under `effects/` and one line in [`effects::EFFECTS`]; adding a
 //! model likewise under `models/` and in [`models::MODELS`].
 
+pub mod axle;
 pub mod effects;
 mod ellipse;
 pub mod entry;

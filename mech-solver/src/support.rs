@@ -58,6 +58,7 @@ mod tests {
             (Kind::Adhesion, usize::from(terms.adhesion)),
             (Kind::Layer, terms.layers.len()),
             (Kind::Flow, terms.flow.iter().flatten().count()),
+            (Kind::Axle, usize::from(terms.axle.is_some())),
             (Kind::HeatShare, terms.heat_shares.len()),
             (Kind::Observation, terms.observations.len()),
         ];

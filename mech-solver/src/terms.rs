@@ -12,12 +12,14 @@
 //! | `Adhesion` | that surfaces may stick | the tangential contact; without it all of the contact slides |
 //! | `Layer` | a tangential flexibility [m/Pa], in series | the displacement difference |
 //! | `Flow` | how the material of each body flows | the stress of finite elements |
+//! | `Axle` | a mass that carries the load, and what it runs over | the height of the upper body |
 //! | `HeatShare` | a factor | the friction power that is provided as heat |
 //! | `Observation` | fields and figures of an accepted contact | the outputs and the summary |
 //!
 //! A model declares the kinds that it takes, an effect those that it makes; a model supports the
 //! effects all of whose kinds it takes.
 
+use crate::axle::Axle;
 use crate::explicit::kernel::Flow;
 use proto::field::FieldSpec;
 use proto::grid::Structured;
@@ -41,6 +43,8 @@ pub enum Kind {
     Layer,
     /// Materials that flow.
     Flow,
+    /// What carries the load, and runs over irregularities.
+    Axle,
     /// Part of the friction power that becomes heat.
     HeatShare,
     /// What is computed of an accepted contact.
@@ -145,6 +149,7 @@ pub(crate) struct Terms {
     pub(crate) adhesion: bool,
     pub(crate) layers: Vec<f64>,
     pub(crate) flow: [Option<Flow>; 2],
+    pub(crate) axle: Option<Axle>,
     pub(crate) heat_shares: Vec<f64>,
     pub(crate) observations: Vec<Box<dyn Observation>>,
 }
@@ -161,6 +166,7 @@ impl Terms {
         for (own, more) in self.flow.iter_mut().zip(more.flow) {
             *own = own.or(more);
         }
+        self.axle = self.axle.or(more.axle);
         self.heat_shares.extend(more.heat_shares);
         self.observations.extend(more.observations);
     }

@@ -191,12 +191,18 @@ fn contact_conserves_momentum() {
         })
     };
     // The lower body is straight: its nodes have their displacements in the same directions, so that momenta add up.
-    let frame = Frame { approach: 20e-6, rising: 0.0, speeds: [10.1, 10.0], ways: [0.0, 0.0] };
+    let frame = Frame {
+        approach: 20e-6,
+        rising: 0.0,
+        speeds: [10.1, 10.0],
+        ways: [0.0, 0.0],
+        ..Frame::default()
+    };
     let law = Law { coefficient: 0.3, sticks: true, flexibility: [0.0; 2] };
     let before = momentum(&lower);
     upper.step(1e-7);
     lower.step(1e-7);
-    let sums = contact.resolve([&mut upper, &mut lower], &frame, law, 1e-7, &mut plane, true);
+    let sums = contact.resolve([&mut upper, &mut lower], &frame, law, 1e-7, &mut plane);
     let after = momentum(&lower);
     let received = [before[0] - after[0], before[1] - after[1], after[2] - before[2]];
     println!("{:?} {received:?}", sums.impulse);
@@ -227,14 +233,18 @@ fn surfaces_that_yield_are_springs() {
     let (step, overlap, sliding) = (1e-7, 20e-6, 0.5);
     let flexibility = [1e-10, 1e-10];
     let law = Law { coefficient: 0.3, sticks: true, flexibility };
-    let frame =
-        Frame { approach: overlap, rising: 0.0, speeds: [10.0 + sliding, 10.0], ways: [0.0; 2] };
+    let frame = Frame {
+        approach: overlap,
+        rising: 0.0,
+        speeds: [10.0 + sliding, 10.0],
+        ..Frame::default()
+    };
     let (mut given, mut friction, mut traction) = (0.0, 0.0, 0.0);
     let pressure = overlap / flexibility[0];
     for count in 1..=200 {
         upper.step(step);
         lower.step(step);
-        let sums = contact.resolve([&mut upper, &mut lower], &frame, law, step, &mut plane, true);
+        let sums = contact.resolve([&mut upper, &mut lower], &frame, law, step, &mut plane);
         let per_area = |impulse: f64| impulse / (step * sums.areas[0]);
         assert!((per_area(sums.pressed) / pressure - 1.0).abs() < 0.003, "{count}");
         let slid = sliding * f64::from(count) * step;

@@ -7,6 +7,7 @@ pub mod plasticity;
 pub mod pressure_limit;
 pub mod roughness;
 pub mod subsurface_stress;
+pub mod suspension;
 pub mod temperature_friction;
 pub mod third_body_layer;
 
@@ -22,6 +23,7 @@ pub const EFFECTS: &[Effect] = &[
     pressure_limit::EFFECT,
     roughness::EFFECT,
     subsurface_stress::EFFECT,
+    suspension::EFFECT,
     temperature_friction::EFFECT,
     third_body_layer::EFFECT,
 ];

@@ -143,6 +143,12 @@ impl Block {
         std::mem::replace(self, nothing)
     }
 
+    /// What the next step depends on, but for how far it is behind.
+    pub fn state(&mut self) -> [&mut [f64]; 7] {
+        let Self { damped: [x, y, z], velocity: [vx, vy, vz], plastic, .. } = self;
+        [x, y, z, vx, vy, vz, plastic].map(Vec::as_mut_slice)
+    }
+
     /// Elements.
     #[must_use]
     pub fn elements(&self) -> usize {

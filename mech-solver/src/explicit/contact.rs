@@ -17,6 +17,8 @@
 
 use super::block::Block;
 use super::plane::{Event, Plane};
+use crate::axle::Irregularity;
+use std::f64::consts::PI;
 
 /// Gap below which a node is watched [m].
 const NEAR: f64 = 1e-6;
@@ -24,8 +26,11 @@ const NEAR: f64 = 1e-6;
 const SETTLED: f64 = 1e-4;
 const MOST_SWEEPS: usize = 50;
 
+/// Velocities of a node that was not watched.
+const NOT_WATCHED: [[f64; 3]; 2] = [[f64::NAN; 3]; 2];
+
 /// How the bodies move as rigid ones.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
     /// How far the undeformed bodies overlap [m].
     pub approach: f64,
@@ -35,6 +40,10 @@ pub struct Frame {
     pub speeds: [f64; 2],
     /// Ways that it goes back in the step [m].
     pub ways: [f64; 2],
+    /// What one of the surfaces has, and the ways that both have gone back before the step [m].
+    pub irregularity: Option<Irregularity>,
+    /// See there.
+    pub travelled: [f64; 2],
 }
 
 /// What holds between the surfaces.
@@ -67,6 +76,19 @@ pub struct Sums {
     pub unsettled: usize,
 }
 
+impl Sums {
+    /// Adds those of a step.
+    pub fn add(&mut self, more: &Self) {
+        self.impulse = add(self.impulse, more.impulse);
+        self.pressed += more.pressed;
+        self.friction += more.friction;
+        self.work += more.work;
+        self.areas = [self.areas[0] + more.areas[0], self.areas[1] + more.areas[1]];
+        self.sweeps += more.sweeps;
+        self.unsettled += more.unsettled;
+    }
+}
+
 /// A node of the upper surface and the point below it.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
@@ -97,8 +119,11 @@ pub struct Contact {
     pairs: Vec<Pair>,
     /// Impulses of the last step on the nodes of the upper surface, forward, left, up [N·s].
     impulses: Vec<[f64; 3]>,
-    /// Velocities against the lower surface of the nodes that were watched [m/s]: whole, and of the rigid motion.
-    last: Vec<Option<[[f64; 3]; 2]>>,
+    /// Velocities against the lower surface of the nodes that were watched [m/s]: whole, and of the rigid motion; NaN of those
+    /// that were not.
+    last: Vec<[[f64; 3]; 2]>,
+    /// The last step [s].
+    step: f64,
     changes: [Vec<[f64; 3]>; 2],
 }
 
@@ -110,9 +135,17 @@ impl Contact {
         Self {
             pairs: Vec::new(),
             impulses: vec![[0.0; 3]; nodes(upper)],
-            last: vec![None; nodes(upper)],
+            last: vec![NOT_WATCHED; nodes(upper)],
+            step: 0.0,
             changes: [upper, lower].map(|block| vec![[0.0; 3]; nodes(block)]),
         }
+    }
+
+    /// What the next step depends on.
+    pub fn state(&mut self) -> [&mut [f64]; 3] {
+        let Self { impulses, last, step, .. } = self;
+        let last = last.as_flattened_mut().as_flattened_mut();
+        [impulses.as_flattened_mut(), last, std::slice::from_mut(step)]
     }
 
     /// The columns of the upper body have been shifted.
@@ -124,7 +157,7 @@ impl Contact {
         }
         for row in self.last.chunks_exact_mut(upper.stride) {
             row.copy_within(1..=last, 0);
-            row[last] = None;
+            row[last] = NOT_WATCHED;
         }
     }
 
@@ -137,8 +170,10 @@ impl Contact {
         law: Law,
         step: f64,
         plane: &mut Plane,
-        counts: bool,
     ) -> Sums {
+        if self.step != step {
+            self.last_for(step);
+        }
         self.meet([upper, lower], frame, law, step, plane);
         let (sweeps, settled) = self.sweep(law, step);
         let mut sums = Sums { sweeps, unsettled: usize::from(!settled), ..Sums::default() };
@@ -151,7 +186,8 @@ impl Contact {
                 false => pair.rigid,
             };
             let now = [velocity, pair.rigid];
-            let last = self.last[pair.node].replace(now).unwrap_or(now);
+            let last = std::mem::replace(&mut self.last[pair.node], now);
+            let last = if last[0][0].is_nan() { now } else { last };
             let [mean, rigid] = [0, 1].map(|k| add(now[k], last[k]).map(|sum| 0.5 * sum));
             let normal = dot(pair.impulse, pair.normal);
             let tangential = less(pair.impulse, pair.normal, normal);
@@ -176,12 +212,19 @@ impl Contact {
             sums.pressed += normal;
             sums.friction += event.work;
             sums.work -= dot(pair.impulse, rigid);
-            if counts {
-                plane.add(pair.row, pair.x, &event);
-            }
+            plane.add(pair.row, pair.x, &event);
         }
         self.apply(upper, lower, frame, step);
         sums
+    }
+
+    /// Forces of the last step, over a step of this length [s].
+    fn last_for(&mut self, step: f64) {
+        if self.step > 0.0 {
+            let ratio = step / self.step;
+            self.impulses.as_flattened_mut().iter_mut().for_each(|impulse| *impulse *= ratio);
+        }
+        self.step = step;
     }
 
     /// Finds the nodes that are near the other surface, and what is below them.
@@ -207,7 +250,7 @@ impl Contact {
                 let met = surfaces[1].below(place);
                 let near = met.gap <= NEAR || dot(self.impulses[node], met.normal) > 0.0;
                 if !near {
-                    self.last[node] = None;
+                    self.last[node] = NOT_WATCHED;
                     continue;
                 }
                 let rigid_of = |surface: &Surface, node: usize| {
@@ -342,6 +385,8 @@ struct Surface<'a> {
     rising: f64,
     speed: f64,
     way: f64,
+    irregularity: Option<Irregularity>,
+    travelled: f64,
 }
 
 /// A point of a surface, and the gap to it.
@@ -357,7 +402,17 @@ impl<'a> Surface<'a> {
     fn of(block: &'a Block, which: usize, frame: &Frame) -> Self {
         let (side, height, rising) =
             if which == 0 { (1.0, -frame.approach, frame.rising) } else { (-1.0, 0.0, 0.0) };
-        Self { block, side, height, rising, speed: frame.speeds[which], way: frame.ways[which] }
+        let own = |irregularity: &Irregularity| irregularity.body() == which;
+        Self {
+            block,
+            side,
+            height,
+            rising,
+            speed: frame.speeds[which],
+            way: frame.ways[which],
+            irregularity: frame.irregularity.filter(own),
+            travelled: frame.travelled[which],
+        }
     }
 
     fn along(&self, column: usize) -> f64 {
@@ -368,8 +423,15 @@ impl<'a> Surface<'a> {
         self.along(column) / self.block.solid.radius
     }
 
+    /// How far a column of the surface is below the smooth one [m].
+    fn hollow(&self, irregularity: &Irregularity, column: usize) -> f64 {
+        let circumference = 2.0 * PI * self.block.solid.radius;
+        irregularity.hollow(self.block.place(column) + self.travelled, circumference)
+    }
+
     fn place(&self, node: usize, row: usize, column: usize) -> [f64; 3] {
         let [y, depth] = self.block.section.nodes[row];
+        let depth = depth + self.irregularity.map_or(0.0, |of| self.hollow(&of, column));
         let u: [f64; 3] = std::array::from_fn(|k| self.block.displacement(node, k));
         let radius = self.block.solid.radius;
         let (sine, cosine) = self.angle(column).sin_cos();

@@ -16,18 +16,24 @@
 //! | [`shape`] | gradients and hourglass modes of an element |
 //! | [`kernel`] | forces of a row of elements, vectorised along the row |
 //! | [`section`] | the cross-section's mesh |
+//! | [`quality`] | how good its elements are |
 //! | [`block`] | a body: its state and its step |
 //! | [`contact`] | impulses between the surfaces |
 //! | [`plane`] | what happens in the contact, summed on a plane that travels with it |
-//! | [`rolling`] | two bodies, an axle, steady rolling |
+//! | [`rolling`] | two bodies, an axle, their steps |
+//! | [`helper`] | a second thread |
+//! | [`settle`] | rolling until that is steady |
 //!
 //! Left out: what the rotation of the axle does to the wheel (V² ρ is 12 MPa at 140 km/h beside a pressure of 1.3 GPa) and Coriolis
 //! forces; wheel and rail are held at the faces of their blocks.
 
 pub mod block;
 pub mod contact;
+pub mod helper;
 pub mod kernel;
 pub mod plane;
+pub mod quality;
 pub mod rolling;
 pub mod section;
+pub mod settle;
 pub mod shape;

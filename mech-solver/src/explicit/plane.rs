@@ -21,8 +21,10 @@ pub struct Plane {
     pub slip: [Vec<f64>; 2],
     /// Work of friction [J].
     pub work: Vec<f64>,
-    /// The time [s].
+    /// The time, and a step of it [s].
     pub time: f64,
+    /// See there.
+    pub step: f64,
 }
 
 /// What happens to a node in a step.
@@ -51,7 +53,17 @@ impl Plane {
             slip: [zeros(), zeros()],
             work: zeros(),
             time: 0.0,
+            step: 0.0,
         }
+    }
+
+    /// Forgets what has happened.
+    pub fn clear(&mut self) {
+        let Self { normal, tangential: [x, y], slip: [slip_x, slip_y], work, time, .. } = self;
+        for sums in [normal, x, y, slip_x, slip_y, work] {
+            sums.fill(0.0);
+        }
+        *time = 0.0;
     }
 
     /// Adds what happens to a node of a row at a place [m]; whether it is on the plane.
@@ -85,9 +97,10 @@ impl Plane {
         sums.iter().map(|sum| scale * sum).collect()
     }
 
-    /// Mean slip velocity [m/s] where the surfaces touch, with so much slip in a step [s].
+    /// Mean slip velocity [m/s] where the surfaces touch.
     #[must_use]
-    pub fn slip_velocity(&self, component: usize, step: f64) -> Vec<f64> {
+    pub fn slip_velocity(&self, component: usize) -> Vec<f64> {
+        let step = self.step;
         let weighted = self.slip[component].iter().zip(&self.normal);
         weighted
             .map(|(slip, normal)| if *normal > 0.0 { slip / (normal * step) } else { 0.0 })
@@ -109,8 +122,8 @@ mod tests {
         );
         assert_eq!(plane.normal.iter().sum::<f64>(), 2.0);
         assert!((plane.normal[5 + 2] - 0.8).abs() < 1e-15);
-        plane.time = 2.0;
-        assert!((plane.slip_velocity(0, 0.5)[5 + 3] - 0.2).abs() < 1e-15);
+        (plane.time, plane.step) = (2.0, 0.5);
+        assert!((plane.slip_velocity(0)[5 + 3] - 0.2).abs() < 1e-15);
         assert_eq!(plane.mean(&plane.work).iter().sum::<f64>() * 0.5 * 2.0, 3.0);
     }
 }

@@ -51,18 +51,7 @@ impl Shape {
     /// z = 0: along x, or about an axis `radius` [m] below.
     #[must_use]
     pub fn new(corners: [[f64; 2]; 4], length: f64, radius: f64) -> Self {
-        let half_angle = 0.5 * length / radius;
-        let place = |a: usize| {
-            let [y, z] = corners[a >> 1];
-            let side = SIGNS[a][0];
-            if radius.is_finite() {
-                let to_axis = radius - z;
-                [side * to_axis * half_angle.sin(), y, radius - to_axis * half_angle.cos()]
-            } else {
-                [side * 0.5 * length, y, z]
-            }
-        };
-        let places: [[f64; 3]; 8] = std::array::from_fn(place);
+        let places = nodes(corners, length, radius);
         let (gradient, volume) = mean_gradient(&places);
         let sum = |value: &dyn Fn(usize) -> f64, mode: [bool; 3]| -> f64 {
             let sign = |a: usize| -> f64 {
@@ -79,9 +68,24 @@ impl Shape {
             twist: [ODD[1], ODD[2], ODD[3]].map(|mode| of_place(0, mode)),
             bend: [1, 2].map(|r| of_place(r, EVEN[2])),
             squares: gradient.iter().flatten().map(|b| b * b).sum(),
-            half_angle,
+            half_angle: 0.5 * length / radius,
         }
     }
+}
+
+/// Places of the eight nodes in the frame of the element's middle [m]; arguments as of [`Shape::new`].
+#[must_use]
+pub fn nodes(corners: [[f64; 2]; 4], length: f64, radius: f64) -> [[f64; 3]; 8] {
+    let half_angle = 0.5 * length / radius;
+    std::array::from_fn(|a| {
+        let ([y, z], side) = (corners[a >> 1], SIGNS[a][0]);
+        if radius.is_finite() {
+            let to_axis = radius - z;
+            [side * to_axis * half_angle.sin(), y, radius - to_axis * half_angle.cos()]
+        } else {
+            [side * 0.5 * length, y, z]
+        }
+    })
 }
 
 /// ∂V/∂x_ra / V [1/m] of a trilinear hexahedron, and its volume V [m³].

@@ -7,5 +7,6 @@ mod half_space;
 mod half_space_model;
 mod hertz_carter;
 mod hot;
+mod in_time;
 mod profiles;
 mod rows;

@@ -160,6 +160,19 @@ fn a_transient_of_the_real_solvers_survives() {
     killed_and_resumed(&case("cold-start.toml"), &settings, 8, &mut 3);
 }
 
+/// Elements in motion, on an axle that rises over a joint.
+#[test]
+fn elements_that_roll_over_a_joint_survive() {
+    let settings = [
+        "mech.resolution=2",
+        "effects.suspension.at=5e-2",
+        "time.end=6e-4",
+        "output.every=3",
+        "output.checkpoint_every=2",
+    ];
+    killed_and_resumed(&case("rail-joint.toml"), &settings, 5, &mut 23);
+}
+
 /// Mapped fields and the tractions of transient rolling are there again too.
 #[test]
 fn mapping_and_transient_rolling_survive() {

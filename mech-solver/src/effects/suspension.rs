@@ -1,0 +1,106 @@
+//! Effect `suspension`: the upper body is an unsprung mass on a primary suspension, and may run over an irregularity.
+//!
+//! M z̈ = N(t) − N_0 − K z − C ż, with z the height of the axle over that of steady rolling, N(t) the normal force of the contact and
+//! N_0 that of the case. The car body above keeps its height: it swings at about 1 Hz, and a run takes some milliseconds. An
+//! irregularity is a hollow of a surface, which the contact meets as it is: contact is lost and regained where that follows. With a rotary
+//! inertia I the upper body is driven by the torque of steady rolling, I ω̇ = (F_0 − F(t)) R; without one it keeps turning as
+//! it does.
+//!
+//! Source: the paper's fig. 2 and table 1 (M_w, K_p, C_p); Jenkins et al., *The effect of track and vehicle parameters on
+//! wheel/rail vertical dynamic forces*, Railway Engng J. 3 (1974) 2–16, for joints.
+//!
+//! Limits: the lower body rests on a rigid foundation, so that dynamic forces are above those on a track that yields.
+
+use crate::axle::{Axle, Form, Irregularity};
+use crate::entry::Effect;
+use crate::keys::CheckedParams;
+use crate::terms::{Kind, Terms};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "suspension",
+    law: "M z'' = N(t) - N - K z - C z' over the irregularity of a surface",
+    source: "Jenkins et al., Railway Engng J. 3 (1974) 2-16",
+    kinds: &[Kind::Axle],
+    consumes: &[],
+    provides: &[],
+    keys,
+    terms,
+};
+
+const MASS: &str = "effects.suspension.mass";
+const STIFFNESS: &str = "effects.suspension.stiffness";
+const DAMPING: &str = "effects.suspension.damping";
+const INERTIA: &str = "effects.suspension.rotary_inertia";
+const FORM: &str = "effects.suspension.irregularity";
+const DEPTH: &str = "effects.suspension.depth";
+const LENGTH: &str = "effects.suspension.length";
+const AT: &str = "effects.suspension.at";
+/// No irregularity.
+const NONE: &str = "none";
+
+fn keys() -> Vec<KeySpec> {
+    let forms: Vec<&str> = [NONE].into_iter().chain(Form::NAMES.map(|(name, _)| name)).collect();
+    vec![
+        KeySpec::quantity(MASS, "kg", "unsprung mass on the contact").required().above(0.0),
+        KeySpec::quantity(STIFFNESS, "N/m", "stiffness of the primary suspension")
+            .at_least(0.0)
+            .default_value(0.0),
+        KeySpec::quantity(DAMPING, "N s/m", "damping of the primary suspension")
+            .at_least(0.0)
+            .default_value(0.0),
+        KeySpec::quantity(
+            INERTIA,
+            "kg m^2",
+            "rotary inertia of the upper body, which the torque of steady rolling drives; absent: it keeps its surface speed",
+        )
+        .above(0.0),
+        KeySpec::choice(
+            FORM,
+            &forms,
+            "what the contact runs over: a hollow of the lower body (dip), ramps that meet in a kink (joint), waves \
+             (corrugation), a hollow of the upper body (flat)",
+        )
+        .default_value(NONE),
+        KeySpec::quantity(DEPTH, "m", "depth of the irregularity, of waves from crest to trough").above(0.0),
+        KeySpec::quantity(LENGTH, "m", "length of the irregularity, of waves from crest to crest").above(0.0),
+        KeySpec::quantity(AT, "m", "way that is rolled to its middle, of waves to the first crest")
+            .at_least(0.0)
+            .default_value(0.0),
+    ]
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let own = CheckedParams::new(&configuration.case, keys());
+    let name = own.text(FORM)?;
+    let form = Form::NAMES.into_iter().find(|(form, _)| *form == name).map(|(_, form)| form);
+    let size = |key: &str| {
+        own.maybe_number(key)?.ok_or_else(|| {
+            let reason = format!("the irregularity `{name}` has none");
+            Refusal::new(key, reason, format!("add `{key}`, or leave out the irregularity"))
+        })
+    };
+    let irregularity = form
+        .map(|form| {
+            let (depth, length, at) = (size(DEPTH)?, size(LENGTH)?, own.number(AT)?);
+            Ok::<_, Refusal>(Irregularity { form, depth, length, at })
+        })
+        .transpose()?;
+    if irregularity.is_none() && (own.has(DEPTH) || own.has(LENGTH)) {
+        return Err(Refusal::new(
+            FORM,
+            "a depth or a length is given, but no irregularity",
+            format!("write one of {}", Form::NAMES.map(|(name, _)| name).join(", ")),
+        ));
+    }
+    let axle = Axle {
+        mass: own.number(MASS)?,
+        stiffness: own.number(STIFFNESS)?,
+        damping: own.number(DAMPING)?,
+        rotary_inertia: own.maybe_number(INERTIA)?,
+        irregularity,
+    };
+    Ok(Terms { axle: Some(axle), ..Terms::default() })
+}

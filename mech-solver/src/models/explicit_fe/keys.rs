@@ -1,0 +1,131 @@
+//! The keys of the case, and the sizes that they leave open.
+
+use crate::ellipse::Ellipse;
+use crate::keys::CheckedParams;
+use crate::scene::Scene;
+use proto::configuration::Refusal;
+use proto::description::KeySpec;
+use proto::params::Params;
+
+/// Elements per semi-axis, unless the case says otherwise: 0.6 mm in the contact of a wheel.
+pub(super) const RESOLUTION: usize = 13;
+/// Half lengths of the blocks, and of their fine zones, in semi-axes of Hertz's contact.
+const WHOLE: f64 = 6.0;
+const FINE_DEPTH: f64 = 0.75;
+/// Half the width of a curved body, and its depth, over its radii, at most.
+const CURVED: f64 = 0.95;
+/// Density of steel [kg/m³].
+const STEEL: f64 = 7850.0;
+/// Mass scaling up to which creepage and temperature were compared with those without.
+const VERIFIED_SCALING: f64 = 25.0;
+
+/// Density of a material.
+pub(super) const DENSITY: &str = "density";
+const LENGTH: &str = "mech.length";
+const WIDTH: &str = "mech.width";
+/// Depth of the elements.
+pub(super) const DEPTH: &str = "mech.depth";
+/// Stiffness of a penalty contact.
+pub(super) const PENALTY: &str = "mech.penalty_stiffness";
+/// How much heavier than their material elements are.
+pub(super) const MASS_SCALING: &str = "mech.mass_scaling";
+
+/// Those of this model alone.
+pub(super) fn own_keys() -> Vec<KeySpec> {
+    let size = |key: &str, of: &str| {
+        let help = format!(
+            "{of} of the elements of a body; absent: twelve semi-axes a of Hertz's contact"
+        );
+        KeySpec::quantity(key, "m", &help).above(0.0)
+    };
+    vec![
+        KeySpec::quantity(
+            &format!("materials.*.{DENSITY}"),
+            "kg/m^3",
+            "density; steady rolling hardly depends on it",
+        )
+        .above(0.0)
+        .default_value(STEEL),
+        size(LENGTH, "length"),
+        size(WIDTH, "width"),
+        KeySpec::quantity(
+            PENALTY,
+            "Pa/m",
+            "stiffness of a penalty contact, of an overlap and of a node that sticks; absent: multipliers, \
+             surfaces that do not overlap",
+        )
+        .above(0.0),
+        KeySpec::number(
+            MASS_SCALING,
+            "how much heavier the elements are than their material: steps are longer by its root, inertia matters more",
+        )
+        .at_least(1.0)
+        .at_most(VERIFIED_SCALING)
+        .default_value(1.0),
+        KeySpec::quantity(
+            DEPTH,
+            "m",
+            "depth of the elements of a body; absent: half as much as their length",
+        )
+        .above(0.0),
+    ]
+}
+
+/// Sizes of the blocks of elements [m].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    /// Length along the motion.
+    pub(super) length: f64,
+    /// Width and depth.
+    pub(super) whole: [f64; 2],
+    /// Half the width, and the depth, of the fine zone.
+    pub(super) fine: [f64; 2],
+    /// Half the length and half the width in which nodes are looked at for contact.
+    pub(super) watched: [f64; 2],
+}
+
+impl Extent {
+    /// Of the case, where contact is expected within so many semi-axes of Hertz's.
+    ///
+    /// # Errors
+    /// Sizes that leave no room for the contact, or are beyond a curve of a body.
+    pub(super) fn read(
+        case: &Params,
+        scene: &Scene,
+        ellipse: &Ellipse,
+        reach: f64,
+    ) -> Result<Self, Refusal> {
+        let [a, b] = [ellipse.semi_axis_a, ellipse.semi_axis_b];
+        let own = CheckedParams::new(case, own_keys());
+        let size = |key: &str| own.maybe_number(key);
+        let length = size(LENGTH)?.unwrap_or(2.0 * WHOLE * a);
+        let width = size(WIDTH)?.unwrap_or(2.0 * WHOLE * a.max(b));
+        let depth = size(DEPTH)?.unwrap_or(0.5 * length.max(width));
+        let fine = [reach * b, FINE_DEPTH * a.min(b)];
+        let watched = [reach * a, reach * b];
+        for (key, given, least) in [
+            (LENGTH, length, 2.0 * watched[0]),
+            (WIDTH, width, 4.0 * fine[0]),
+            (DEPTH, depth, 4.0 * fine[1]),
+        ] {
+            if given < least {
+                let reason = format!("{given:.4e} m leave no room round the contact");
+                let fix = format!("write more than {least:.4e} m, or leave it out");
+                return Err(Refusal::new(key, reason, fix));
+            }
+        }
+        for (key, size, of) in [(WIDTH, 0.5 * width, 0), (DEPTH, depth, 1)] {
+            for body in &scene.bodies {
+                let most = CURVED * [body.radius_y, body.radius_x][of].abs();
+                if size > most {
+                    let reason =
+                        format!("with {size:.4e} m elements reach the middle of a curve of a body");
+                    let fix =
+                        format!("write less than {:.4e} m, or leave it out", [2.0, 1.0][of] * most);
+                    return Err(Refusal::new(key, reason, fix));
+                }
+            }
+        }
+        Ok(Self { length, whole: [width, depth], fine, watched })
+    }
+}

@@ -1,0 +1,148 @@
+//! What a measurement gives: faults, fields, figures.
+
+use crate::explicit::block::Block;
+use crate::explicit::rolling::{Means, Rolling};
+use crate::half_space::extent::Moments;
+use crate::models::precomputed::count;
+use crate::scene::Scene;
+use crate::terms::Terms;
+use proto::configuration::Refusal;
+use proto::field::{self, FieldSpec};
+use serde_json::{Value, json};
+
+/// Part of the pressure on the plane that is rounding.
+const ROUNDING: f64 = 1e-9;
+/// How far behind the middle of the contact material has what the passage leaves, in semi-axes.
+const PASSED: f64 = 1.8;
+
+/// Refuses means that are no answer.
+///
+/// # Errors
+/// Elements that are unstable, a contact that was not solved, or that reaches beyond the plane.
+pub(super) fn check(rolling: &Rolling, means: &Means) -> Result<(), Refusal> {
+    if !(means.pressed.is_finite() && means.friction.is_finite() && means.approach.is_finite()) {
+        return Err(Refusal::new(
+            "mech.resolution",
+            "the elements have become unstable",
+            "write another resolution, and check materials and radii",
+        ));
+    }
+    if means.unsettled > 0.0 {
+        return Err(Refusal::new(
+            "mech.resolution",
+            format!("the contact was not solved in {:.2} % of the steps", 100.0 * means.unsettled),
+            "write another resolution, and check the friction coefficient",
+        ));
+    }
+    let deposited = rolling.plane.normal.iter().sum::<f64>();
+    let whole = means.pressed * rolling.plane.time;
+    if (deposited - whole).abs() > ROUNDING * whole {
+        return Err(Refusal::new(
+            "load.normal_force",
+            "the contact reaches beyond where it is watched, which Hertz's contact sizes",
+            "check radii, load and irregularity, or write mech.model = \"half-space\"",
+        ));
+    }
+    Ok(())
+}
+
+/// What fields are made with.
+pub(super) struct Fields {
+    /// The scene.
+    pub(super) scene: Scene,
+    /// Terms of the effects.
+    pub(super) terms: Terms,
+}
+
+impl Fields {
+    /// Values of a field, component-major.
+    pub(super) fn values(&self, spec: &FieldSpec, rolling: &Rolling) -> Vec<f64> {
+        let plane = &rolling.plane;
+        let both = |of: &dyn Fn(usize) -> Vec<f64>| [of(0), of(1)].concat();
+        match *spec {
+            field::PRESSURE => plane.mean(&plane.normal),
+            field::TRACTION => both(&|k| plane.mean(&plane.tangential[k])),
+            field::SLIP_VELOCITY => both(&|k| plane.slip_velocity(k)),
+            field::FRICTION_POWER => {
+                let mut power = plane.mean(&plane.work);
+                self.terms.keep_heat(&mut power);
+                power
+            }
+            field::SURFACE_SPEED => self.scene.speeds.of_surfaces(rolling.motion.creepage).to_vec(),
+            _ => vec![0.0; count(spec, &plane.grid)],
+        }
+    }
+}
+
+/// Its part of `summary.json`.
+pub(super) fn summary(rolling: &Rolling, means: &Means) -> Value {
+    json!({ "contact": figures(rolling, means) })
+}
+
+/// Nothing of nothing is nothing.
+fn ratio(part: f64, whole: f64) -> f64 {
+    if whole == 0.0 { 0.0 } else { part / whole }
+}
+
+fn figures(rolling: &Rolling, means: &Means) -> Value {
+    let [strain, hourglass] = rolling
+        .bodies
+        .each_ref()
+        .map(Block::elastic_energy)
+        .into_iter()
+        .fold([0.0; 2], |[strain, hourglass], [more, of_modes]| {
+            [strain + more, hourglass + of_modes]
+        });
+    let plane = &rolling.plane;
+    let pressure = plane.mean(&plane.normal);
+    let largest = |values: [Vec<f64>; 2]| {
+        let [x, y] = values;
+        x.iter().zip(&y).map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max)
+    };
+    let [semi_axis_a, semi_axis_b] = Moments::of(&plane.grid, &pressure).semi_axes;
+    let [touching, sliding] = means.areas;
+    let mut figures = json!({
+        "semi_axis_a_m": semi_axis_a,
+        "semi_axis_b_m": semi_axis_b,
+        "area_m2": touching,
+        "patches": 1,
+        "max_pressure_pa": pressure.iter().copied().fold(0.0, f64::max),
+        "approach_m": means.approach,
+        "normal_force_n": means.force[2],
+        "creep_force_x_n": means.force[0],
+        "creep_force_y_n": means.force[1],
+        "traction_coefficient": ratio(means.force[0], means.force[2]),
+        "slip_area_ratio": ratio(sliding, touching),
+        "creepage_xi": rolling.motion.creepage,
+        "creepage_eta": 0.0,
+        "creepage_phi_per_m": 0.0,
+        "max_slip_velocity_m_per_s": largest([0, 1].map(|k| plane.slip_velocity(k))),
+        "max_traction_pa": largest([0, 1].map(|k| plane.mean(&plane.tangential[k]))),
+        "friction_power_w": means.friction,
+        "given_power_w": means.given,
+        "elastic_energy_j": strain + hourglass,
+        "hourglass_energy_ratio": ratio(hourglass, strain + hourglass),
+        "steps": rolling.steps(),
+        "step_s": rolling.step,
+        "sweeps_per_step": means.sweeps,
+        "elements": rolling.bodies.iter().map(Block::elements).sum::<usize>(),
+    });
+    if rolling.bodies.iter().any(|body| body.solid.flow.is_some()) {
+        let (plastic, grown) = plastic(rolling);
+        figures["plastic_power_w"] = json!(plastic);
+        figures["max_plastic_strain"] = json!(grown);
+    }
+    figures
+}
+
+/// Power of plastic flow [W], which the material carries away behind the contact, and the largest plastic strain that it has
+/// there.
+fn plastic(rolling: &Rolling) -> (f64, f64) {
+    let mut all = (0.0, 0.0_f64);
+    for (body, speed) in rolling.bodies.iter().zip(rolling.speeds()) {
+        let back = (PASSED * rolling.asked.half_length / body.length).ceil() as usize;
+        let [work, largest] = body.plastic_work(body.counts[0] / 2 - back);
+        all = (all.0 + work * speed / body.length, all.1.max(largest));
+    }
+    all
+}

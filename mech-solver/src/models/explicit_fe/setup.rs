@@ -1,0 +1,325 @@
+//! A case, checked, and bodies made of it.
+
+use super::keys::{DENSITY, DEPTH, Extent, MASS_SCALING, PENALTY, RESOLUTION, own_keys};
+use super::outcome::{self, Fields};
+use super::passage::{Passage, Report};
+use crate::ellipse::{Ellipse, Prescribed};
+use crate::explicit::block::{Block, Held, Solid};
+use crate::explicit::contact::Law;
+use crate::explicit::plane::Plane;
+use crate::explicit::quality::Quality;
+use crate::explicit::rolling::{Asked, Rolling};
+use crate::explicit::section::{Section, Sizes};
+use crate::explicit::settle::{expected_steps, settle};
+use crate::keys::CheckedParams;
+use crate::models::precomputed::{self, Precomputed};
+use crate::reference::kalker;
+use crate::resolution;
+use crate::scene::{Body, Drive, GivenPatch, Load, Scene};
+use crate::terms::Terms;
+use proto::configuration::{Configuration, Layout, Mode, Refusal};
+use proto::field::FieldSpec;
+use proto::grid::Structured;
+use proto::model::{Model, Setup};
+use proto::params::Params;
+use proto::progress::Progress;
+
+/// How far from the middle contact is expected, in semi-axes of Hertz's: of the load, and of forces that rise and fall.
+const REACH: [f64; 2] = [1.4, 2.2];
+/// Elements a second on a core, measured.
+const ELEMENTS_PER_SECOND: f64 = 5e7;
+/// Memory over the elements [byte]: state, and forces on planes; and of a state that is kept.
+const BYTES_PER_ELEMENT: [u64; 2] = [60, 65];
+/// Share of the time that a wave takes through an element that a step is, about.
+const STEP: f64 = 0.85;
+/// Elements between reports of progress, about.
+const REPORT: u64 = 20_000_000;
+
+/// A checked case.
+struct Prepared {
+    sections: [Sizes; 2],
+    solids: [Solid; 2],
+    columns: usize,
+    asked: Asked,
+    scene: Scene,
+    terms: Terms,
+    grid: Structured,
+    first_row: usize,
+    wanted: Vec<&'static FieldSpec>,
+    layout: Layout,
+}
+
+/// Checks a case.
+///
+/// # Errors
+/// What is missing or out of range, or what this model has no answer to.
+pub(super) fn configure(
+    configuration: &Configuration,
+    terms: Terms,
+) -> Result<Box<dyn Setup>, Refusal> {
+    let case = &configuration.case;
+    let scene = Scene::read(case)?;
+    check(configuration, &scene, &terms)?;
+    let ellipse = Ellipse::solve(&scene, None)?;
+    let element = ellipse.semi_axis_a / resolution::read(case, RESOLUTION)? as f64;
+    let reach = REACH[usize::from(terms.axle.is_some())];
+    let extent = Extent::read(case, &scene, &ellipse, reach)?;
+    let Extent { length, whole: [width, depth], fine, watched } = extent;
+    let sizes =
+        |body: &Body| Sizes { element, fine, whole: [0.5 * width, depth], radius: body.radius_y };
+    let sections = [sizes(&scene.bodies[0]), sizes(&scene.bodies[1])];
+    let mesh = Section::new(&sections[1]);
+    let columns = (length / element).ceil() as usize;
+    let (grid, first_row) = contact_grid(&mesh, element, watched);
+    let asked = asked(configuration, &scene, &ellipse, &terms)?;
+    let [across, deep] = mesh.counts;
+    let elements = 2 * columns.next_multiple_of(8) * across * deep;
+    let solids = [solid(case, &scene, &terms, 0)?, solid(case, &scene, &terms, 1)?];
+    let step = STEP * element / solids.iter().map(wave_speed).fold(0.0, f64::max);
+    let steps = expected_steps(&asked, step);
+    let cores = configuration.threads.clamp(1, 2) as f64;
+    let per_step = elements as f64 / (cores * ELEMENTS_PER_SECOND);
+    let wanted = precomputed::wanted_fields(configuration);
+    let mut layout = precomputed::layout(&wanted, grid, steps * per_step);
+    layout.memory_bytes += elements as u64 * BYTES_PER_ELEMENT[0];
+    layout.remarks.push(format!(
+        "{elements} elements of {:.4} mm in the contact, about {steps:.0} steps of {:.1} ns over {:.1} mm of rolling",
+        1e3 * element,
+        1e9 * step,
+        1e3 * steps * step * asked.speed
+    ));
+    if terms.axle.is_some() {
+        layout.memory_bytes += elements as u64 * BYTES_PER_ELEMENT[1];
+        layout.remarks.push(format!(
+            "from steady rolling on, a millisecond takes {:.0} steps, about {:.2} s",
+            1e-3 / step,
+            1e-3 / step * per_step
+        ));
+    }
+    for (which, sizes) in sections.iter().enumerate() {
+        let quality = Quality::of(&Section::new(sizes), element, solids[which].radius);
+        layout.remarks.push(mesh_quality(&scene.names.0[which], &quality)?);
+    }
+    Ok(Box::new(Prepared {
+        sections,
+        solids,
+        columns,
+        asked,
+        scene,
+        terms,
+        grid,
+        first_row,
+        wanted,
+        layout,
+    }))
+}
+
+/// What the plan says of the elements of a body.
+fn mesh_quality(body: &str, quality: &Quality) -> Result<String, Refusal> {
+    let Quality { aspect, jacobian, growth, shortest } = quality;
+    if *jacobian <= 0.0 {
+        return Err(Refusal::new(
+            DEPTH,
+            format!("elements of the {body} fold over: their scaled Jacobian is {jacobian:.2}"),
+            "write a smaller width or depth, or a larger radius",
+        ));
+    }
+    Ok(format!(
+        "elements of the {body}: aspect ratio up to {aspect:.0}, growth up to {growth:.2}, scaled Jacobian from {jacobian:.3}, \
+         shortest edge {:.4} mm",
+        1e3 * shortest
+    ))
+}
+
+/// Refuses what this model has no answer to.
+fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<(), Refusal> {
+    if terms.axle.is_some() && configuration.mode == Mode::Steady {
+        return Err(Refusal::new(
+            "effects.suspension",
+            "steady rolling does not depend on what carries the load",
+            "write time.mode = \"transient\" with a window and an end, or remove the effect",
+        ));
+    }
+    if terms.axle.is_some()
+        && CheckedParams::new(&configuration.case, own_keys()).number(MASS_SCALING)? > 1.0
+    {
+        return Err(Refusal::new(
+            MASS_SCALING,
+            "elements that are heavier than their material are for steady rolling",
+            "leave it out",
+        ));
+    }
+    if configuration.histories.is_some() {
+        return Err(Refusal::new(
+            "mech.model",
+            "explicit elements do not follow histories",
+            "write numbers in the place of columns, or mech.model = \"half-space\"",
+        ));
+    }
+    Ellipse::refuse_rest(scene)?;
+    if GivenPatch::read(&configuration.case)?.is_some() {
+        return Err(Refusal::new(
+            "contact",
+            "explicit elements find their own contact",
+            "remove [contact], or write mech.model = \"half-space\"",
+        ));
+    }
+    if let Load::Approach(_) = scene.load {
+        return Err(Refusal::new(
+            "load.approach",
+            "explicit elements are pressed by a force",
+            "write load.normal_force",
+        ));
+    }
+    let [upper, lower] = &scene.bodies;
+    let names = &scene.names;
+    if !(upper.radius_x.is_finite() && upper.radius_x > 0.0) {
+        let reason = "explicit elements need an upper body that rolls";
+        return Err(Refusal::new(&names.key(0, "radius_x"), reason, "write its radius of rolling"));
+    }
+    if lower.radius_x.is_finite() && lower.radius_x < 0.0 {
+        let reason = "explicit elements need a lower body that is straight or convex along x";
+        return Err(Refusal::new(
+            &names.key(1, "radius_x"),
+            reason,
+            "write mech.model = \"half-space\"",
+        ));
+    }
+    if let Drive::Creepage { eta, phi, .. } = scene.drive
+        && (eta, phi) != (0.0, 0.0)
+    {
+        return Err(Refusal::new(
+            "motion.creepage",
+            "explicit elements roll straight on: lateral creepage and spin are not among what they know",
+            "leave out eta and phi, or write mech.model = \"half-space\"",
+        ));
+    }
+    if scene.speeds.prescribed.is_some() {
+        return Err(Refusal::new(
+            &names.key(0, "surface_speed"),
+            "explicit elements roll with a speed and a creepage",
+            "write motion.speed with motion.creepage or motion.traction_coefficient",
+        ));
+    }
+    Ok(())
+}
+
+fn asked(
+    configuration: &Configuration,
+    scene: &Scene,
+    ellipse: &Ellipse,
+    terms: &Terms,
+) -> Result<Asked, Refusal> {
+    let [a, b] = [ellipse.semi_axis_a, ellipse.semi_axis_b];
+    let shear = scene.combined_shear_modulus();
+    let c11 = kalker::creep_coefficients(a / b, scene.combined_poisson_ratio().max(0.0)).c11;
+    let most = scene.friction_coefficient * ellipse.normal_force;
+    let own = CheckedParams::new(&configuration.case, own_keys());
+    let yields = own.maybe_number(PENALTY)?.map_or(0.0, |stiffness| 1.0 / stiffness);
+    // Johnson & Vermeulen with Kalker's slope.
+    let saturated = 3.0 * most / (shear * a * b * c11);
+    let (creepage, force) = match ellipse.prescribed(scene)? {
+        Prescribed::Creepage { xi, .. } => (xi, None),
+        Prescribed::ForceRatio(ratio) => {
+            let creepage = -ratio.signum() * saturated * (1.0 - (1.0 - ratio.abs()).cbrt());
+            (creepage + 0.0, Some(ratio).filter(|_| terms.adhesion))
+        }
+    };
+    Ok(Asked {
+        speed: scene.speeds.rolling,
+        load: ellipse.normal_force,
+        law: Law {
+            coefficient: scene.friction_coefficient,
+            sticks: terms.adhesion,
+            flexibility: [yields, yields + terms.layer()],
+        },
+        creepage,
+        force,
+        half_length: a,
+        stiffness: 1.5 * ellipse.normal_force / ellipse.approach.unwrap_or(a * a),
+        threads: configuration.threads,
+    })
+}
+
+fn solid(case: &Params, scene: &Scene, terms: &Terms, which: usize) -> Result<Solid, Refusal> {
+    let body = &scene.bodies[which];
+    let name = case.text(&scene.names.key(which, "material"))?;
+    let own = CheckedParams::new(case, own_keys());
+    let density = own.number(&format!("materials.{name}.{DENSITY}"))? * own.number(MASS_SCALING)?;
+    let (e, nu) = (body.material.youngs_modulus, body.material.poisson_ratio);
+    if nu >= 0.4999 {
+        return Err(Refusal::new(
+            &format!("materials.{name}.poisson_ratio"),
+            format!("with {nu} waves have no limit of their speed"),
+            "write 0.499 or less",
+        ));
+    }
+    let lambda = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+    Ok(Solid {
+        lame: [lambda, body.material.shear_modulus()],
+        density,
+        flow: terms.flow[which],
+        radius: body.radius_x,
+    })
+}
+
+fn wave_speed(solid: &Solid) -> f64 {
+    ((solid.lame[0] + 2.0 * solid.lame[1]) / solid.density).sqrt()
+}
+
+/// Cells whose rows are the fine rows of nodes, over the part of the contact's plane that is watched.
+fn contact_grid(mesh: &Section, element: f64, reach: [f64; 2]) -> (Structured, usize) {
+    let columns = 2 * (reach[0] / element).ceil() as usize + 1;
+    let x0 = -0.5 * (columns - 1) as f64 * element;
+    let rows: Vec<usize> = (mesh.fine[0] + 1..mesh.fine[1])
+        .filter(|row| mesh.nodes[*row][0].abs() <= reach[1])
+        .collect();
+    let (first, y0) = (rows[0], mesh.nodes[rows[0]][0]);
+    (Structured::contact_plane(x0, y0, element, element, columns, rows.len()), first)
+}
+
+impl Setup for Prepared {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>, progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let Self {
+            sections, solids, columns, asked, scene, terms, grid, first_row, wanted, ..
+        } = *self;
+        let bodies = [0, 1].map(|which| {
+            let section = Section::new(&sections[which]);
+            Block::new(columns, sections[which].element, section, solids[which], Held::Faces)
+        });
+        let elements: u64 = bodies.iter().map(|body| body.elements() as u64).sum();
+        let mut rolling = Rolling::new(bodies, Plane::new(grid, first_row), asked);
+        let every = (REPORT / elements).max(1);
+        let progress = progress.clone();
+        let mut report: Report = Box::new(move |done: u64, of: u64| {
+            if done.is_multiple_of(every) {
+                progress.report(done, of, "rolling");
+            }
+        });
+        let (means, met) = settle(&mut rolling, &mut *report);
+        outcome::check(&rolling, &means)?;
+        if !met {
+            let ratio = means.force[0] / means.force[2];
+            return Err(Refusal::new(
+                "motion.traction_coefficient",
+                format!("no creepage was found: the force came to {ratio:.4} of the normal force"),
+                "write motion.creepage",
+            ));
+        }
+        let fields = Fields { scene, terms };
+        if let Some(axle) = fields.terms.axle {
+            rolling.begin(&means);
+            return Ok(Box::new(Passage::new(rolling, &means, axle, fields, wanted, report)));
+        }
+        let values = |spec: &&'static FieldSpec| (*spec, fields.values(spec, &rolling));
+        Ok(Box::new(Precomputed {
+            summary: outcome::summary(&rolling, &means),
+            work: rolling.steps() * elements,
+            fields: wanted.iter().map(values).collect(),
+        }))
+    }
+}
