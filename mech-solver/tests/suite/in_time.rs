@@ -66,13 +66,18 @@ impl Rolled {
 
     /// Time in which the material goes on by an element [s].
     fn passage(&self) -> f64 {
-        self.layout.grid_of("pressure").unwrap().as_structured().unwrap().dx() / SPEED
+        let grid = self.layout.grid_of("pressure").expect("a grid");
+        grid.as_structured().expect("a structured one").dx() / SPEED
     }
 
     /// Heat of a window over its mean fields [J].
     fn heat(&self, fields: &BTreeMap<String, Vec<f64>>, duration: f64) -> f64 {
         duration
-            * self.layout.grid_of("friction_power").unwrap().integrate(&fields["friction_power"])
+            * self
+                .layout
+                .grid_of("friction_power")
+                .expect("a grid")
+                .integrate(&fields["friction_power"])
     }
 }
 

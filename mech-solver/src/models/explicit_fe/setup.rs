@@ -16,7 +16,7 @@ use crate::models::precomputed::{self, Precomputed};
 use crate::reference::kalker;
 use crate::resolution;
 use crate::scene::{Body, Drive, GivenPatch, Load, Scene};
-use crate::terms::Terms;
+use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Layout, Mode, Refusal};
 use proto::field::FieldSpec;
 use proto::grid::Structured;
@@ -133,21 +133,21 @@ fn mesh_quality(body: &str, quality: &Quality) -> Result<String, Refusal> {
 
 /// Refuses what this model has no answer to.
 fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<(), Refusal> {
-    if terms.axle.is_some() && configuration.mode == Mode::Steady {
-        return Err(Refusal::new(
-            "effects.suspension",
-            "steady rolling does not depend on what carries the load",
-            "write time.mode = \"transient\" with a window and an end, or remove the effect",
-        ));
-    }
-    if terms.axle.is_some()
-        && CheckedParams::new(&configuration.case, own_keys()).number(MASS_SCALING)? > 1.0
-    {
-        return Err(Refusal::new(
-            MASS_SCALING,
-            "elements that are heavier than their material are for steady rolling",
-            "leave it out",
-        ));
+    if let Some(effect) = terms.effect_of(Kind::Axle) {
+        if configuration.mode == Mode::Steady {
+            return Err(Refusal::new(
+                &format!("effects.{effect}"),
+                "steady rolling does not depend on what carries the load",
+                "write time.mode = \"transient\" with a window and an end, or remove the effect",
+            ));
+        }
+        if CheckedParams::new(&configuration.case, own_keys()).number(MASS_SCALING)? > 1.0 {
+            return Err(Refusal::new(
+                MASS_SCALING,
+                "elements that are heavier than their material are for steady rolling",
+                "leave it out",
+            ));
+        }
     }
     if configuration.histories.is_some() {
         return Err(Refusal::new(
