@@ -2,15 +2,21 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use mech_solver::explicit::block::{Block, Held, Solid};
-use mech_solver::explicit::section::{Section, Sizes};
+use mech_solver::explicit::section::{Section, Sizes, circle};
 
 fn block(element: f64, radius: f64) -> Block {
     let (e, nu) = (210e9, 0.3);
     let lame = [e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 0.5 * e / (1.0 + nu)];
-    let sizes = Sizes { element, fine: [10e-3, 6e-3], whole: [48e-3; 2], radius: f64::INFINITY };
+    let sizes = Sizes { element, fine: [10e-3, 6e-3], whole: [48e-3; 2], middle: 0.0 };
     let columns = (96e-3 / element).ceil() as usize;
     let solid = Solid { lame, density: 7850.0, flow: None, radius };
-    let mut block = Block::new(columns, element, Section::new(&sizes), solid, Held::Faces);
+    let mut block = Block::new(
+        columns,
+        element,
+        Section::new(&sizes, circle(f64::INFINITY)),
+        solid,
+        Held::Faces,
+    );
     // Numbers that move, so that nothing is denormal.
     let values = block.damped.iter_mut().flatten().enumerate();
     values.for_each(|(n, u)| *u = 1e-9 * ((n % 17) as f64 - 8.0));

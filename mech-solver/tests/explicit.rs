@@ -3,7 +3,7 @@
 use mech_solver::explicit::block::{Block, Held, Solid};
 use mech_solver::explicit::contact::{Contact, Frame, Law};
 use mech_solver::explicit::plane::Plane;
-use mech_solver::explicit::section::{Section, Sizes};
+use mech_solver::explicit::section::{Section, Sizes, circle};
 use proto::grid::Structured;
 
 const E: f64 = 210e9;
@@ -17,8 +17,8 @@ fn steel(nu: f64, radius: f64) -> Solid {
 
 /// A cross-section whose quadrilaterals are no rectangles.
 fn distorted(element: f64) -> Section {
-    let sizes = Sizes { element, fine: [4e-3, 3e-3], whole: [40e-3, 30e-3], radius: f64::INFINITY };
-    let mut section = Section::new(&sizes);
+    let sizes = Sizes { element, fine: [4e-3, 3e-3], whole: [40e-3, 30e-3], middle: 0.0 };
+    let mut section = Section::new(&sizes, circle(f64::INFINITY));
     let across = section.counts[0] + 1;
     for (at, node) in section.nodes.iter_mut().enumerate() {
         node[0] += 0.15 * element * ((at * 7) % 5) as f64 / 5.0;
@@ -110,10 +110,14 @@ fn a_rigid_rotation_makes_no_force() {
 #[test]
 fn a_bar_that_is_stopped() {
     let (element, length) = (1e-3, 400);
-    let sizes =
-        Sizes { element, fine: [0.5e-3, 0.5e-3], whole: [10e-3, 10e-3], radius: f64::INFINITY };
-    let mut block =
-        Block::new(length, element, Section::new(&sizes), steel(NU, f64::INFINITY), Held::Nothing);
+    let sizes = Sizes { element, fine: [0.5e-3, 0.5e-3], whole: [10e-3, 10e-3], middle: 0.0 };
+    let mut block = Block::new(
+        length,
+        element,
+        Section::new(&sizes, circle(f64::INFINITY)),
+        steel(NU, f64::INFINITY),
+        Held::Nothing,
+    );
     let speed = 1.0;
     block.velocity[0].iter_mut().for_each(|v| *v = -speed);
     let step = 0.9 * 2.0 / block.highest_frequency();
@@ -162,13 +166,8 @@ fn a_bar_that_is_stopped() {
 #[test]
 fn contact_conserves_momentum() {
     let section = || {
-        let sizes = Sizes {
-            element: 1e-3,
-            fine: [8e-3, 3e-3],
-            whole: [20e-3, 15e-3],
-            radius: f64::INFINITY,
-        };
-        Section::new(&sizes)
+        let sizes = Sizes { element: 1e-3, fine: [8e-3, 3e-3], whole: [20e-3, 15e-3], middle: 0.0 };
+        Section::new(&sizes, circle(f64::INFINITY))
     };
     let mut upper = Block::new(32, 1e-3, section(), steel(NU, 0.2), Held::Nothing);
     let mut lower = Block::new(40, 1e-3, section(), steel(NU, f64::INFINITY), Held::Nothing);
@@ -222,9 +221,16 @@ fn contact_conserves_momentum() {
 /// blocks yield beside L, 0.1 % and in their first wave twice that, and four times as much along.
 #[test]
 fn surfaces_that_yield_are_springs() {
-    let sizes =
-        Sizes { element: 1e-3, fine: [8e-3, 3e-3], whole: [20e-3, 15e-3], radius: f64::INFINITY };
-    let new = || Block::new(40, 1e-3, Section::new(&sizes), steel(NU, f64::INFINITY), Held::Faces);
+    let sizes = Sizes { element: 1e-3, fine: [8e-3, 3e-3], whole: [20e-3, 15e-3], middle: 0.0 };
+    let new = || {
+        Block::new(
+            40,
+            1e-3,
+            Section::new(&sizes, circle(f64::INFINITY)),
+            steel(NU, f64::INFINITY),
+            Held::Faces,
+        )
+    };
     let [mut upper, mut lower] = [new(), new()];
     let row = upper.section.fine[0] + 2;
     let grid = Structured::contact_plane(-8e-3, upper.section.nodes[row][1], 1e-3, 1e-3, 17, 10);

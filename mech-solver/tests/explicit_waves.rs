@@ -1,7 +1,7 @@
 //! Explicit finite elements: waves, and the mesh that travels.
 
 use mech_solver::explicit::block::{Block, Held, Solid};
-use mech_solver::explicit::section::{Section, Sizes};
+use mech_solver::explicit::section::{Section, Sizes, circle};
 
 const E: f64 = 210e9;
 const DENSITY: f64 = 7850.0;
@@ -17,8 +17,8 @@ fn solid(nu: f64, radius: f64) -> Solid {
 fn a_block_that_travels_is_part_of_a_long_one() {
     let element = 1e-3;
     let section = || {
-        let sizes = Sizes { element, fine: [3e-3, 3e-3], whole: [40e-3, 30e-3], radius: 0.3 };
-        Section::new(&sizes)
+        let sizes = Sizes { element, fine: [3e-3, 3e-3], whole: [40e-3, 30e-3], middle: 0.0 };
+        Section::new(&sizes, circle(0.3))
     };
     for radius in [f64::INFINITY, 0.3] {
         let new = |columns: usize| {

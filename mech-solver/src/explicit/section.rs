@@ -8,12 +8,12 @@ const STRETCHED: [usize; 2] = [10, 15];
 pub struct Sizes {
     /// Edges of the elements in the fine zone.
     pub element: f64,
+    /// Lateral place of the middle.
+    pub middle: f64,
     /// Half the width, and the depth, of the fine zone.
     pub fine: [f64; 2],
     /// Half the width, and the depth, of the body.
     pub whole: [f64; 2],
-    /// Lateral radius of the surface; infinite for a straight one, negative for a concave one.
-    pub radius: f64,
 }
 
 /// Nodes of a cross-section.
@@ -28,14 +28,16 @@ pub struct Section {
 }
 
 impl Section {
-    /// Of these sizes. Depths follow the surface's curve at the surface, and are even at the bottom.
+    /// Of these sizes, with a surface that is `drop(y)` [m] below the plane. Depths follow the surface's curve at the surface, and are
+    /// even at the bottom.
     #[must_use]
-    pub fn new(sizes: &Sizes) -> Self {
-        let Sizes { element, fine, whole, radius } = *sizes;
+    pub fn new(sizes: &Sizes, drop: impl Fn(f64) -> f64) -> Self {
+        let Sizes { element, middle, fine, whole } = *sizes;
         let side = graded(element, fine[0], STRETCHED[0], whole[0]);
         let deep = graded(element, fine[1], STRETCHED[1], whole[1]);
-        let y: Vec<f64> = side[1..].iter().rev().map(|y| -y).chain(side.iter().copied()).collect();
-        let node = |depth: f64, y: f64| [y, depth + drop(y, radius) * (1.0 - depth / whole[1])];
+        let sides = side[1..].iter().rev().map(|y| -y).chain(side.iter().copied());
+        let y: Vec<[f64; 2]> = sides.map(|y| [middle + y, drop(middle + y)]).collect();
+        let node = |depth: f64, [y, drop]: [f64; 2]| [y, depth + drop * (1.0 - depth / whole[1])];
         let row = |depth: &f64| y.iter().map(|y| node(*depth, *y)).collect::<Vec<_>>();
         Self {
             counts: [y.len() - 1, deep.len() - 1],
@@ -59,12 +61,15 @@ impl Section {
     }
 }
 
-/// How far a circle is below its top.
-fn drop(y: f64, radius: f64) -> f64 {
-    if radius.is_finite() {
-        y * y / (radius + radius.signum() * (radius * radius - y * y).max(0.0).sqrt())
-    } else {
-        0.0
+/// How far a circle is below its top, over y [m]: of a radius that is infinite for a straight surface and negative for a concave
+/// one.
+pub fn circle(radius: f64) -> impl Fn(f64) -> f64 + Copy {
+    move |y| {
+        if radius.is_finite() {
+            y * y / (radius + radius.signum() * (radius * radius - y * y).max(0.0).sqrt())
+        } else {
+            0.0
+        }
     }
 }
 
@@ -93,8 +98,8 @@ mod tests {
 
     #[test]
     fn fine_in_the_middle_and_whole_at_the_faces() {
-        let sizes = Sizes { element: 1e-3, fine: [8e-3, 6e-3], whole: [60e-3; 2], radius: 0.3 };
-        let section = Section::new(&sizes);
+        let sizes = Sizes { element: 1e-3, middle: 0.0, fine: [8e-3, 6e-3], whole: [60e-3; 2] };
+        let section = Section::new(&sizes, circle(0.3));
         let [across, deep] = section.counts;
         assert_eq!([across, deep], [36, 21]);
         let (first, last) = (section.nodes[0], section.nodes[across]);

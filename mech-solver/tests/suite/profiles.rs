@@ -196,3 +196,53 @@ fn sections_go_through_the_highest_pressure() {
     case["effects"]["subsurface_stress"]["y"] = json!(-1e-3);
     assert_eq!(section(&case).0, -1e-3);
 }
+
+/// A case of explicit elements with a creepage.
+fn of_elements(rail: Value, resolution: usize) -> Value {
+    let mut case = paper();
+    case["bodies"]["rail"] = rail;
+    case["motion"] = json!({"speed": 38.889, "creepage": {"xi": -3e-3}});
+    case["mech"] = json!({"model": "explicit-fe", "resolution": resolution});
+    case
+}
+
+/// A crown that is measured makes the elements of a crown that is given. Tolerance: meshes of slightly different sizes, as the
+/// contact of a profile is found on a grid.
+#[test]
+fn elements_of_a_measured_crown() {
+    let crown = File::new("crown", 0.15, 1e-3, |y| (0.3_f64 * 0.3 - y * y).sqrt() - 0.3);
+    let measured = json!({"position": "lower", "profile": crown.0, "material": "steel"});
+    let given = json!({"position": "lower", "radius_y": 0.3, "material": "steel"});
+    let [measured, given] = [measured, given].map(|rail| run(&of_elements(rail, 4)));
+    for (key, tolerance) in [
+        ("max_pressure_pa", 0.01),
+        ("approach_m", 0.02),
+        ("creep_force_x_n", 0.01),
+        ("friction_power_w", 0.03),
+    ] {
+        println!("{key}: {:.6e} {:.6e}", measured.number(key), given.number(key));
+        assert_close(measured.number(key), given.number(key), tolerance);
+    }
+    assert!(measured.number("creep_force_y_n").abs() < 0.01 * given.number("creep_force_x_n"));
+}
+
+/// Two crowns at ±10 mm, one of which is 10 µm lower: elements share the load between them as half-spaces do. Tolerance, of the
+/// load: three elements to a semi-axis.
+#[test]
+fn elements_share_a_load_between_two_patches() {
+    let crowns = |y: f64| -0.5 * (y.abs() - 0.01).powi(2) / 0.1 - if y > 0.0 { 1e-5 } else { 0.0 };
+    let rail = File::new("two-crowns", 0.06, 0.5e-3, crowns);
+    let rail = json!({"position": "lower", "profile": rail.0, "material": "steel"});
+    let elements = run(&of_elements(rail.clone(), 3));
+    let mut case = of_elements(rail, 10);
+    case["mech"]["model"] = json!("half-space");
+    let exact = run(&case);
+    let share = |run: &Run| {
+        let patches = patches(run);
+        assert_eq!(patches.len(), 2, "{:?}", run.contact);
+        of(&patches[0], "normal_force_n") / run.number("normal_force_n")
+    };
+    let (one, other) = (share(&elements), share(&exact));
+    println!("{one:.4} of the load, half-spaces {other:.4}");
+    assert!((one - other).abs() < 0.02 && one > 0.52, "{one} {other}");
+}

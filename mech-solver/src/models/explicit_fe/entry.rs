@@ -3,6 +3,7 @@
 use super::keys::{RESOLUTION, own_keys};
 use super::setup::configure;
 use crate::entry::ModelEntry;
+use crate::models::half_space::gap;
 use crate::resolution;
 use crate::terms::Kind;
 use proto::accuracy::{Accuracy, Refinement, Simplification};
@@ -21,6 +22,7 @@ const STUDY: &str = "wheel-rail-fe against wheel-rail (docs/paper-elements.md)";
 
 fn spec() -> ModelSpec {
     let mut keys = own_keys();
+    keys.extend(gap::keys());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {
         name: MODEL.name.to_owned(),

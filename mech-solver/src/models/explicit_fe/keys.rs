@@ -1,6 +1,6 @@
 //! The keys of the case, and the sizes that they leave open.
 
-use crate::ellipse::Ellipse;
+use super::surfaces::Surfaces;
 use crate::keys::CheckedParams;
 use crate::scene::Scene;
 use proto::configuration::Refusal;
@@ -11,6 +11,8 @@ use proto::params::Params;
 pub(super) const RESOLUTION: usize = 13;
 /// Half lengths of the blocks, and of their fine zones, in semi-axes of Hertz's contact.
 const WHOLE: f64 = 6.0;
+/// Room beside a contact that is wide, in semi-axes.
+const ROOM: f64 = 4.5;
 const FINE_DEPTH: f64 = 0.75;
 /// Half the width of a curved body, and its depth, over its radii, at most.
 const CURVED: f64 = 0.95;
@@ -33,9 +35,8 @@ pub(super) const MASS_SCALING: &str = "mech.mass_scaling";
 /// Those of this model alone.
 pub(super) fn own_keys() -> Vec<KeySpec> {
     let size = |key: &str, of: &str| {
-        let help = format!(
-            "{of} of the elements of a body; absent: twelve semi-axes a of Hertz's contact"
-        );
+        let help =
+            format!("{of} of the elements of a body; absent: twelve semi-axes of the contact");
         KeySpec::quantity(key, "m", &help).above(0.0)
     };
     vec![
@@ -76,7 +77,7 @@ pub(super) fn own_keys() -> Vec<KeySpec> {
 pub(super) struct Extent {
     /// Length along the motion.
     pub(super) length: f64,
-    /// Width and depth.
+    /// Half the width, and the depth.
     pub(super) whole: [f64; 2],
     /// Half the width, and the depth, of the fine zone.
     pub(super) fine: [f64; 2],
@@ -85,24 +86,25 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// Of the case, where contact is expected within so many semi-axes of Hertz's.
+    /// Of the case, round surfaces on which forces rise to a multiple of the load, and lengths to its root `growth`.
     ///
     /// # Errors
     /// Sizes that leave no room for the contact, or are beyond a curve of a body.
     pub(super) fn read(
         case: &Params,
         scene: &Scene,
-        ellipse: &Ellipse,
-        reach: f64,
+        surfaces: &Surfaces,
+        growth: f64,
     ) -> Result<Self, Refusal> {
-        let [a, b] = [ellipse.semi_axis_a, ellipse.semi_axis_b];
+        let [a, b] = [surfaces.ellipse.semi_axis_a, surfaces.ellipse.semi_axis_b];
+        let watched = surfaces.watched.map(|half| growth * half);
         let own = CheckedParams::new(case, own_keys());
         let size = |key: &str| own.maybe_number(key);
+        let room = (WHOLE * a.max(b)).max(watched[1] + ROOM * a);
         let length = size(LENGTH)?.unwrap_or(2.0 * WHOLE * a);
-        let width = size(WIDTH)?.unwrap_or(2.0 * WHOLE * a.max(b));
+        let width = size(WIDTH)?.unwrap_or(2.0 * room);
         let depth = size(DEPTH)?.unwrap_or(0.5 * length.max(width));
-        let fine = [reach * b, FINE_DEPTH * a.min(b)];
-        let watched = [reach * a, reach * b];
+        let fine = [watched[1], FINE_DEPTH * a.min(b)];
         for (key, given, least) in [
             (LENGTH, length, 2.0 * watched[0]),
             (WIDTH, width, 4.0 * fine[0]),
@@ -126,6 +128,6 @@ impl Extent {
                 }
             }
         }
-        Ok(Self { length, whole: [width, depth], fine, watched })
+        Ok(Self { length, whole: [0.5 * width, depth], fine, watched })
     }
 }

@@ -1,13 +1,14 @@
 //! Model `explicit-fe`: explicit finite elements of both bodies, rolled until that is steady ([`crate::explicit`]).
 //!
 //! The lower body is straight or convex, the upper one rolls on it with a longitudinal creepage or force; both may be curved
-//! across. Hertz's contact only sizes the meshes. Steady rolling is computed once, when the model is built, with its
+//! across, or have measured profiles. Hertz's contact, or one of half-spaces, only sizes the meshes. Steady rolling is computed once, when the model is built, with its
 //! progress reported. Where an axle may move, the bodies roll on from there, window by window.
 //!
 //! | file | what |
 //! |---|---|
 //! | [`entry`] | what the list of models and the description say |
 //! | [`keys`] | the keys of the case, and the sizes that they leave open |
+//! | [`surfaces`] | what touches, and about where |
 //! | [`setup`] | a case, checked, and bodies made of it |
 //! | [`passage`] | rolling on in time |
 //! | [`outcome`] | what a measurement gives: faults, fields, figures |
@@ -17,5 +18,6 @@ mod keys;
 mod outcome;
 mod passage;
 mod setup;
+mod surfaces;
 
 pub(super) use entry::MODEL;

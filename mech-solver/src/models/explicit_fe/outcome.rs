@@ -2,8 +2,10 @@
 
 use crate::explicit::block::Block;
 use crate::explicit::rolling::{Means, Rolling};
+use crate::half_space::area::contact_area;
 use crate::half_space::extent::Moments;
 use crate::models::precomputed::count;
+use crate::models::summary::add_patches;
 use crate::scene::Scene;
 use crate::terms::Terms;
 use proto::configuration::Refusal;
@@ -101,11 +103,12 @@ fn figures(rolling: &Rolling, means: &Means) -> Value {
     };
     let [semi_axis_a, semi_axis_b] = Moments::of(&plane.grid, &pressure).semi_axes;
     let [touching, sliding] = means.areas;
+    let area = contact_area(&plane.grid, &pressure);
     let mut figures = json!({
         "semi_axis_a_m": semi_axis_a,
         "semi_axis_b_m": semi_axis_b,
-        "area_m2": touching,
-        "patches": 1,
+        "area_m2": area,
+        "area_nodes_m2": touching,
         "max_pressure_pa": pressure.iter().copied().fold(0.0, f64::max),
         "approach_m": means.approach,
         "normal_force_n": means.force[2],
@@ -127,6 +130,7 @@ fn figures(rolling: &Rolling, means: &Means) -> Value {
         "sweeps_per_step": means.sweeps,
         "elements": rolling.bodies.iter().map(Block::elements).sum::<usize>(),
     });
+    add_patches(&mut figures, &plane.grid, &pressure);
     if rolling.bodies.iter().any(|body| body.solid.flow.is_some()) {
         let (plastic, grown) = plastic(rolling);
         figures["plastic_power_w"] = json!(plastic);

@@ -3,6 +3,7 @@
 use super::keys::{DENSITY, DEPTH, Extent, MASS_SCALING, PENALTY, RESOLUTION, own_keys};
 use super::outcome::{self, Fields};
 use super::passage::{Passage, Report};
+use super::surfaces::Surfaces;
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::explicit::block::{Block, Held, Solid};
 use crate::explicit::contact::Law;
@@ -15,7 +16,7 @@ use crate::keys::CheckedParams;
 use crate::models::precomputed::{self, Precomputed};
 use crate::reference::kalker;
 use crate::resolution;
-use crate::scene::{Body, Drive, GivenPatch, Load, Scene};
+use crate::scene::{Drive, GivenPatch, Load, Scene};
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Layout, Mode, Refusal};
 use proto::field::FieldSpec;
@@ -24,8 +25,8 @@ use proto::model::{Model, Setup};
 use proto::params::Params;
 use proto::progress::Progress;
 
-/// How far from the middle contact is expected, in semi-axes of Hertz's: of the load, and of forces that rise and fall.
-const REACH: [f64; 2] = [1.4, 2.2];
+/// How much longer and wider than under the load the contact may be under forces that rise and fall.
+const GROWTH: f64 = 1.6;
 /// Elements a second on a core, measured.
 const ELEMENTS_PER_SECOND: f64 = 5e7;
 /// Memory over the elements [byte]: state, and forces on planes; and of a state that is kept.
@@ -37,7 +38,8 @@ const REPORT: u64 = 20_000_000;
 
 /// A checked case.
 struct Prepared {
-    sections: [Sizes; 2],
+    element: f64,
+    sections: [Section; 2],
     solids: [Solid; 2],
     columns: usize,
     asked: Asked,
@@ -60,21 +62,21 @@ pub(super) fn configure(
     let case = &configuration.case;
     let scene = Scene::read(case)?;
     check(configuration, &scene, &terms)?;
-    let ellipse = Ellipse::solve(&scene, None)?;
-    let element = ellipse.semi_axis_a / resolution::read(case, RESOLUTION)? as f64;
-    let reach = REACH[usize::from(terms.axle.is_some())];
-    let extent = Extent::read(case, &scene, &ellipse, reach)?;
-    let Extent { length, whole: [width, depth], fine, watched } = extent;
-    let sizes =
-        |body: &Body| Sizes { element, fine, whole: [0.5 * width, depth], radius: body.radius_y };
-    let sections = [sizes(&scene.bodies[0]), sizes(&scene.bodies[1])];
-    let mesh = Section::new(&sections[1]);
+    let resolution = resolution::read(case, RESOLUTION)?;
+    let surfaces = Surfaces::read(configuration, &scene, resolution)?;
+    let element = surfaces.ellipse.semi_axis_a / resolution as f64;
+    let growth = if terms.axle.is_some() { GROWTH } else { 1.0 };
+    let Extent { length, whole, fine, watched } = Extent::read(case, &scene, &surfaces, growth)?;
+    let sizes = Sizes { element, middle: surfaces.middle, fine, whole };
+    let section = |body: usize| Section::new(&sizes, |y| surfaces.drop(body, y));
+    let sections = [section(0), section(1)];
     let columns = (length / element).ceil() as usize;
-    let (grid, first_row) = contact_grid(&mesh, element, watched);
-    let asked = asked(configuration, &scene, &ellipse, &terms)?;
-    let [across, deep] = mesh.counts;
+    let (grid, first_row) = contact_grid(&sections[1], &sizes, watched);
+    let asked = asked(configuration, &scene, &surfaces, &terms)?;
+    let [across, deep] = sections[1].counts;
     let elements = 2 * columns.next_multiple_of(8) * across * deep;
-    let solids = [solid(case, &scene, &terms, 0)?, solid(case, &scene, &terms, 1)?];
+    let solid = |body: usize| solid(case, &scene, &terms, body, surfaces.radii[body]);
+    let solids = [solid(0)?, solid(1)?];
     let step = STEP * element / solids.iter().map(wave_speed).fold(0.0, f64::max);
     let steps = expected_steps(&asked, step);
     let cores = configuration.threads.clamp(1, 2) as f64;
@@ -96,11 +98,13 @@ pub(super) fn configure(
             1e-3 / step * per_step
         ));
     }
-    for (which, sizes) in sections.iter().enumerate() {
-        let quality = Quality::of(&Section::new(sizes), element, solids[which].radius);
+    layout.remarks.extend(surfaces.remarks);
+    for (which, section) in sections.iter().enumerate() {
+        let quality = Quality::of(section, element, solids[which].radius);
         layout.remarks.push(mesh_quality(&scene.names.0[which], &quality)?);
     }
     Ok(Box::new(Prepared {
+        element,
         sections,
         solids,
         columns,
@@ -207,9 +211,10 @@ fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<
 fn asked(
     configuration: &Configuration,
     scene: &Scene,
-    ellipse: &Ellipse,
+    surfaces: &Surfaces,
     terms: &Terms,
 ) -> Result<Asked, Refusal> {
+    let Surfaces { ellipse, stiffness, .. } = surfaces;
     let [a, b] = [ellipse.semi_axis_a, ellipse.semi_axis_b];
     let shear = scene.combined_shear_modulus();
     let c11 = kalker::creep_coefficients(a / b, scene.combined_poisson_ratio().max(0.0)).c11;
@@ -236,12 +241,18 @@ fn asked(
         creepage,
         force,
         half_length: a,
-        stiffness: 1.5 * ellipse.normal_force / ellipse.approach.unwrap_or(a * a),
+        stiffness: *stiffness,
         threads: configuration.threads,
     })
 }
 
-fn solid(case: &Params, scene: &Scene, terms: &Terms, which: usize) -> Result<Solid, Refusal> {
+fn solid(
+    case: &Params,
+    scene: &Scene,
+    terms: &Terms,
+    which: usize,
+    radius: f64,
+) -> Result<Solid, Refusal> {
     let body = &scene.bodies[which];
     let name = case.text(&scene.names.key(which, "material"))?;
     let own = CheckedParams::new(case, own_keys());
@@ -259,7 +270,7 @@ fn solid(case: &Params, scene: &Scene, terms: &Terms, which: usize) -> Result<So
         lame: [lambda, body.material.shear_modulus()],
         density,
         flow: terms.flow[which],
-        radius: body.radius_x,
+        radius,
     })
 }
 
@@ -268,11 +279,12 @@ fn wave_speed(solid: &Solid) -> f64 {
 }
 
 /// Cells whose rows are the fine rows of nodes, over the part of the contact's plane that is watched.
-fn contact_grid(mesh: &Section, element: f64, reach: [f64; 2]) -> (Structured, usize) {
+fn contact_grid(mesh: &Section, sizes: &Sizes, reach: [f64; 2]) -> (Structured, usize) {
+    let Sizes { element, middle, .. } = *sizes;
     let columns = 2 * (reach[0] / element).ceil() as usize + 1;
     let x0 = -0.5 * (columns - 1) as f64 * element;
     let rows: Vec<usize> = (mesh.fine[0] + 1..mesh.fine[1])
-        .filter(|row| mesh.nodes[*row][0].abs() <= reach[1])
+        .filter(|row| (mesh.nodes[*row][0] - middle).abs() <= reach[1])
         .collect();
     let (first, y0) = (rows[0], mesh.nodes[rows[0]][0]);
     (Structured::contact_plane(x0, y0, element, element, columns, rows.len()), first)
@@ -285,12 +297,23 @@ impl Setup for Prepared {
 
     fn build(self: Box<Self>, progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self {
-            sections, solids, columns, asked, scene, terms, grid, first_row, wanted, ..
+            element,
+            sections,
+            solids,
+            columns,
+            asked,
+            scene,
+            terms,
+            grid,
+            first_row,
+            wanted,
+            ..
         } = *self;
-        let bodies = [0, 1].map(|which| {
-            let section = Section::new(&sections[which]);
-            Block::new(columns, sections[which].element, section, solids[which], Held::Faces)
-        });
+        let [upper, lower] = sections;
+        let block = |section: Section, solid: Solid| {
+            Block::new(columns, element, section, solid, Held::Faces)
+        };
+        let bodies = [block(upper, solids[0]), block(lower, solids[1])];
         let elements: u64 = bodies.iter().map(|body| body.elements() as u64).sum();
         let mut rolling = Rolling::new(bodies, Plane::new(grid, first_row), asked);
         let every = (REPORT / elements).max(1);

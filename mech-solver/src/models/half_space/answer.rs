@@ -6,17 +6,14 @@ use super::contact::ContactSolver;
 use crate::half_space::area::contact_area;
 use crate::half_space::extent::Moments;
 use crate::half_space::levels::Solution;
-use crate::half_space::patches::{Patch, patches};
 use crate::half_space::tangential::{Creepage, ElementState};
+use crate::models::summary::add_patches;
 use crate::terms::{Accepted, Terms};
 use proto::field;
 use proto::grid::Structured;
 use proto::model::Outputs;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-
-/// Patches listed in the summary at most: those that carry most.
-const MOST_LISTED: usize = 32;
 
 /// The fields on the case's grid, components x and y one after the other.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -124,12 +121,10 @@ impl Answer {
             Some(_) => Moments::of(grid, &self.pressure).semi_axes,
             None => case.footprint.semi_axes,
         };
-        let patches = patches(grid, &self.pressure);
         let mut figures = json!({
             "semi_axis_a_m": a,
             "semi_axis_b_m": b,
             "area_m2": contact_area(grid, &self.pressure),
-            "patches": patches.len(),
             "max_pressure_pa": self.pressure.iter().copied().fold(0.0, f64::max),
             "normal_force_n": normal,
             "creep_force_x_n": force_x,
@@ -141,6 +136,7 @@ impl Answer {
             "max_traction_pa": largest(&self.traction),
             "friction_power_w": self.friction_power.iter().sum::<f64>() * area,
         });
+        add_patches(&mut figures, grid, &self.pressure);
         let names = match case.scene.speeds.rolling > 0.0 {
             true => ["creepage_xi", "creepage_eta", "creepage_phi_per_m"],
             false => ["shift_x_m", "shift_y_m", "turn_rad"],
@@ -160,10 +156,6 @@ impl Answer {
             let count = |from: f64| self.pressure.iter().filter(|p| **p >= from).count() as f64;
             let touching = count(f64::MIN_POSITIVE);
             figures["limited_area_ratio"] = (count(bound) / touching).into();
-        }
-        if patches.len() > 1 {
-            let all = heaviest(patches, MOST_LISTED);
-            figures["each_patch"] = all.iter().map(|patch| patch_figures(patch, grid)).collect();
         }
         let origin = case.footprint.gap.as_ref().map_or(0.0, |gap| gap.origin);
         if origin != 0.0 {
@@ -231,32 +223,6 @@ impl Case {
         }
         summary
     }
-}
-
-/// The patches that carry most, in their order.
-fn heaviest(mut patches: Vec<Patch>, most: usize) -> Vec<Patch> {
-    patches.sort_by(|a, b| b.sum.total_cmp(&a.sum));
-    patches.truncate(most);
-    patches.sort_by(|a, b| a.moments.centre[1].total_cmp(&b.moments.centre[1]));
-    patches
-}
-
-/// One patch in `summary.json`.
-fn patch_figures(patch: &Patch, grid: &Structured) -> Value {
-    let Moments { centre: [x, y], semi_axes: [a, b] } = patch.moments;
-    let [low, high] = patch.sides(grid);
-    let area = grid.element_area();
-    json!({
-        "x_m": x,
-        "y_m": y,
-        "y_from_m": low,
-        "y_to_m": high,
-        "semi_axis_a_m": a,
-        "semi_axis_b_m": b,
-        "normal_force_n": patch.sum * area,
-        "max_pressure_pa": patch.max_pressure,
-        "rows": patch.row_count(),
-    })
 }
 
 /// Largest size of a vector field.

@@ -31,7 +31,7 @@ const TOLERANCE: &str = "profile_tolerance";
 const LATERAL_SHIFT: &str = "lateral_shift";
 
 /// The keys that the shapes are read from besides the scene's.
-pub(super) fn keys() -> Vec<KeySpec> {
+pub(in crate::models) fn keys() -> Vec<KeySpec> {
     let of = |name: &str| format!("bodies.*.{name}");
     let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
     vec![
@@ -161,13 +161,13 @@ fn measured(
 
 /// The undeformed distance.
 #[derive(Clone, Debug)]
-pub(super) struct Gap {
+pub(in crate::models) struct Gap {
     /// The upper and the lower body.
     sides: [Side; 2],
     /// Smallest lateral distance [m].
     closest: f64,
     /// Lateral coordinate of the origin [m].
-    pub(super) origin: f64,
+    pub(in crate::models) origin: f64,
 }
 
 impl Gap {
@@ -201,6 +201,25 @@ impl Gap {
     /// Both bodies have curvatures, so that without terms of the gap the contact is Hertz's.
     pub(super) fn is_quadric(&self) -> bool {
         self.sides.iter().all(|side| matches!(side.shape, Shape::Curvature(_)))
+    }
+
+    /// The body has a measured profile.
+    pub(in crate::models) fn is_measured(&self, body: usize) -> bool {
+        matches!(self.sides[body].shape, Shape::Profile(_))
+    }
+
+    /// How far the surface of a body at a place from the origin is within the body [m], counted from the height of the lower body at
+    /// the origin, where the bodies touch.
+    pub(in crate::models) fn drop(&self, body: usize, y: f64) -> f64 {
+        let level = self.sides[LOWER].height(self.origin);
+        let Side { up, .. } = self.sides[body];
+        let closest = if body == UPPER { self.closest } else { 0.0 };
+        up * (self.sides[body].height(y + self.origin) - level - closest)
+    }
+
+    /// Radius of rolling of a body at the height from which [`Gap::drop`] counts [m].
+    pub(in crate::models) fn radius(&self, body: usize) -> f64 {
+        self.sides[body].radius(self.origin) + self.drop(body, 0.0)
     }
 
     fn lateral(&self, y: f64) -> f64 {

@@ -62,37 +62,37 @@ pub(super) fn keys() -> Vec<KeySpec> {
 
 /// Where the contact is solved.
 #[derive(Clone, Debug)]
-pub(super) struct Footprint {
+pub(in crate::models) struct Footprint {
     /// The undeformed distance; `None` where the case gives the pressure.
-    pub(super) gap: Option<Gap>,
+    pub(in crate::models) gap: Option<Gap>,
     /// Hertz's or the given ellipse, where the contact is one.
-    pub(super) ellipse: Option<Ellipse>,
+    pub(in crate::models) ellipse: Option<Ellipse>,
     /// Semi-axes, or what comes near them [m].
-    pub(super) semi_axes: [f64; 2],
-    pub(super) grid: Structured,
+    pub(in crate::models) semi_axes: [f64; 2],
+    pub(in crate::models) grid: Structured,
     /// Lateral place of the highest pressure, where that is not the origin [m].
-    pub(super) peak_y: Option<f64>,
+    pub(in crate::models) peak_y: Option<f64>,
     /// What was done to the shapes, and what the grid does not resolve.
-    pub(super) remarks: Vec<String>,
+    pub(in crate::models) remarks: Vec<String>,
 }
 
 /// What touches.
 #[derive(Clone, Copy)]
-pub(super) struct Shapes<'a> {
-    pub(super) scene: &'a Scene,
+pub(in crate::models) struct Shapes<'a> {
+    pub(in crate::models) scene: &'a Scene,
     /// The ellipse that the case gives.
-    pub(super) given: Option<Ellipse>,
+    pub(in crate::models) given: Option<Ellipse>,
     /// That of all contacts of a case whose values vary.
-    pub(super) extent: Option<&'a Extent>,
-    pub(super) bodies: &'a Elasticity,
+    pub(in crate::models) extent: Option<&'a Extent>,
+    pub(in crate::models) bodies: &'a Elasticity,
     /// Those of the gap change the shapes.
-    pub(super) terms: &'a Terms,
+    pub(in crate::models) terms: &'a Terms,
     /// Elements per semi-axis.
-    pub(super) resolution: usize,
+    pub(in crate::models) resolution: usize,
 }
 
 /// Finds the extent of the contact and lays a grid over it.
-pub(super) fn footprint(
+pub(in crate::models) fn footprint(
     configuration: &Configuration,
     shapes: &Shapes<'_>,
 ) -> Result<Footprint, Refusal> {

@@ -1,0 +1,98 @@
+//! What touches, and about where: Hertz's ellipse of two radii, or the contact of measured profiles on a coarse grid of
+//! half-spaces.
+
+use crate::ellipse::Ellipse;
+use crate::explicit::section::circle;
+use crate::half_space::influence::Elasticity;
+use crate::models::half_space::gap::Gap;
+use crate::models::half_space::geometry::{self, Footprint, Shapes};
+use crate::scene::{GivenPatch, Load, Scene};
+use crate::terms::Terms;
+use proto::configuration::{Configuration, Refusal};
+use std::f64::consts::PI;
+
+/// How far round Hertz's contact of the load another one of it may reach, in semi-axes.
+const BEYOND_HERTZ: f64 = 1.4;
+
+/// The undeformed surfaces, in the frame of the contact.
+pub(super) struct Surfaces {
+    /// The contact, or what of an ellipse comes near it.
+    pub(super) ellipse: Ellipse,
+    /// Its stiffness, dN/dδ [N/m].
+    pub(super) stiffness: f64,
+    /// Radii of rolling at the origin [m].
+    pub(super) radii: [f64; 2],
+    /// Half the length, and half the width, in which contact is looked for [m].
+    pub(super) watched: [f64; 2],
+    /// Lateral place of the middle of that [m].
+    pub(super) middle: f64,
+    /// What was done to the shapes.
+    pub(super) remarks: Vec<String>,
+    gap: Option<Gap>,
+    lateral: [f64; 2],
+}
+
+impl Surfaces {
+    /// Of a case, with so many elements to a semi-axis.
+    ///
+    /// # Errors
+    /// Shapes that do not touch, or too steeply.
+    pub(super) fn read(
+        configuration: &Configuration,
+        scene: &Scene,
+        resolution: usize,
+    ) -> Result<Self, Refusal> {
+        let [upper, lower] = scene.materials();
+        let bodies = Elasticity::of_pair(&upper, &lower);
+        // Effects that change the gap are none of this model.
+        let terms = Terms::default();
+        let shapes =
+            Shapes { scene, given: None, extent: None, bodies: &bodies, terms: &terms, resolution };
+        let Footprint { gap, ellipse, semi_axes, grid, remarks, .. } =
+            geometry::footprint(configuration, &shapes)?;
+        let lateral = [scene.bodies[0].radius_y, scene.bodies[1].radius_y];
+        let radii = [scene.bodies[0].radius_x, scene.bodies[1].radius_x];
+        let modulus = 1.0 / scene.contact_compliance();
+        if let Some(ellipse) = ellipse {
+            let [a, b] = [ellipse.semi_axis_a, ellipse.semi_axis_b];
+            let stiffness = ellipse.approach.map_or(2.0 * modulus * (a * b).sqrt(), |approach| {
+                1.5 * ellipse.normal_force / approach
+            });
+            let watched = [BEYOND_HERTZ * a, BEYOND_HERTZ * b];
+            let (middle, gap) = (0.0, None);
+            return Ok(Self { ellipse, stiffness, radii, watched, middle, remarks, gap, lateral });
+        }
+        let Load::NormalForce(force) = scene.load else { unreachable!("checked before") };
+        let [a, b] = semi_axes;
+        let patch =
+            GivenPatch { semi_axis_a: a, semi_axis_b: b, max_pressure: 1.5 * force / (PI * a * b) };
+        let ends = [grid.y(0), grid.y(grid.nj - 1)];
+        let reach = grid.x(grid.ni - 1).max(-grid.x(0));
+        let radius = |body: usize| {
+            let at_origin = gap.as_ref().map(|gap| gap.radius(body));
+            at_origin.filter(|_| radii[body].is_finite()).unwrap_or(radii[body])
+        };
+        Ok(Self {
+            ellipse: Ellipse::solve(scene, Some(patch))?,
+            stiffness: 2.0 * modulus * (a * b).sqrt(),
+            radii: [radius(0), radius(1)],
+            watched: [BEYOND_HERTZ.max(reach / a) * a, 0.5 * (ends[1] - ends[0])],
+            middle: 0.5 * (ends[0] + ends[1]),
+            remarks,
+            gap,
+            lateral,
+        })
+    }
+
+    /// How far the surface of a body is from the plane that touches the lower one at the origin [m], over the lateral coordinate [m].
+    pub(super) fn drop(&self, body: usize, y: f64) -> f64 {
+        match &self.gap {
+            Some(gap) if gap.is_measured(body) => gap.drop(body, y),
+            Some(gap) => {
+                let circle = circle(self.lateral[body]);
+                gap.drop(body, 0.0) + circle(y + gap.origin) - circle(gap.origin)
+            }
+            None => circle(self.lateral[body])(y),
+        }
+    }
+}
