@@ -9,10 +9,12 @@
 //! | [`entry`] | what the list of models and the description say |
 //! | [`keys`] | the keys of the case, and the sizes that they leave open |
 //! | [`surfaces`] | what touches, and about where |
+//! | [`creep_curve`] | along which the creepage of a force is looked for |
 //! | [`setup`] | a case, checked, and bodies made of it |
 //! | [`passage`] | rolling on in time |
 //! | [`outcome`] | what a measurement gives: faults, fields, figures |
 
+mod creep_curve;
 mod entry;
 mod keys;
 mod outcome;

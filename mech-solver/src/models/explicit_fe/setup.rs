@@ -1,5 +1,6 @@
 //! A case, checked, and bodies made of it.
 
+use super::creep_curve::CreepCurve;
 use super::keys::{DENSITY, DEPTH, Extent, MASS_SCALING, PENALTY, RESOLUTION, own_keys};
 use super::outcome::{self, Fields};
 use super::passage::{Passage, Report};
@@ -14,7 +15,6 @@ use crate::explicit::section::{Section, Sizes};
 use crate::explicit::settle::{expected_steps, settle};
 use crate::keys::CheckedParams;
 use crate::models::precomputed::{self, Precomputed};
-use crate::reference::kalker;
 use crate::resolution;
 use crate::scene::{Drive, GivenPatch, Load, Scene};
 use crate::terms::{Kind, Terms};
@@ -40,6 +40,7 @@ const REPORT: u64 = 20_000_000;
 struct Prepared {
     element: f64,
     sections: [Section; 2],
+    curve: CreepCurve,
     solids: [Solid; 2],
     columns: usize,
     asked: Asked,
@@ -103,7 +104,11 @@ pub(super) fn configure(
         let quality = Quality::of(section, element, solids[which].radius);
         layout.remarks.push(mesh_quality(&scene.names.0[which], &quality)?);
     }
+    let speed = scene.speeds.rolling;
+    let friction = scene.friction_coefficient;
+    let curve = CreepCurve::new(configuration, friction, speed, asked.law.flexibility[1]);
     Ok(Box::new(Prepared {
+        curve,
         element,
         sections,
         solids,
@@ -215,20 +220,11 @@ fn asked(
     terms: &Terms,
 ) -> Result<Asked, Refusal> {
     let Surfaces { ellipse, stiffness, .. } = surfaces;
-    let [a, b] = [ellipse.semi_axis_a, ellipse.semi_axis_b];
-    let shear = scene.combined_shear_modulus();
-    let c11 = kalker::creep_coefficients(a / b, scene.combined_poisson_ratio().max(0.0)).c11;
-    let most = scene.friction_coefficient * ellipse.normal_force;
     let own = CheckedParams::new(&configuration.case, own_keys());
     let yields = own.maybe_number(PENALTY)?.map_or(0.0, |stiffness| 1.0 / stiffness);
-    // Johnson & Vermeulen with Kalker's slope.
-    let saturated = 3.0 * most / (shear * a * b * c11);
     let (creepage, force) = match ellipse.prescribed(scene)? {
         Prescribed::Creepage { xi, .. } => (xi, None),
-        Prescribed::ForceRatio(ratio) => {
-            let creepage = -ratio.signum() * saturated * (1.0 - (1.0 - ratio.abs()).cbrt());
-            (creepage + 0.0, Some(ratio).filter(|_| terms.adhesion))
-        }
+        Prescribed::ForceRatio(ratio) => (0.0, Some(ratio)),
     };
     Ok(Asked {
         speed: scene.speeds.rolling,
@@ -240,7 +236,7 @@ fn asked(
         },
         creepage,
         force,
-        half_length: a,
+        half_length: ellipse.semi_axis_a,
         stiffness: *stiffness,
         threads: configuration.threads,
     })
@@ -301,14 +297,20 @@ impl Setup for Prepared {
             sections,
             solids,
             columns,
-            asked,
+            mut asked,
             scene,
             terms,
             grid,
             first_row,
             wanted,
+            curve,
             ..
         } = *self;
+        if let Some(ratio) = asked.force {
+            asked.creepage = curve.creepage(ratio)?;
+            // All slides against that where nothing sticks.
+            asked.force = asked.force.filter(|_| asked.law.sticks);
+        }
         let [upper, lower] = sections;
         let block = |section: Section, solid: Solid| {
             Block::new(columns, element, section, solid, Held::Faces)
@@ -323,7 +325,7 @@ impl Setup for Prepared {
                 progress.report(done, of, "rolling");
             }
         });
-        let (means, met) = settle(&mut rolling, &mut *report);
+        let (means, met) = settle(&mut rolling, |ratio| curve.creepage(ratio), &mut *report)?;
         outcome::check(&rolling, &means)?;
         if !met {
             let ratio = means.force[0] / means.force[2];
