@@ -73,7 +73,7 @@ table_of_tests! { hold:
     traction_at_the_limit_holds(2, false);
     tiny_loads_and_creepages_hold(3, false);
     falling_friction_holds(4, false);
-    patches_that_merge_hold_to_their_edges(7, true);
+    contacts_that_merge_and_are_lost_hold(7, false);
     contrasts_hold(8, false);
     extreme_windows_hold(9, false);
     stretched_elements_hold(10, false);
