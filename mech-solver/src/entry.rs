@@ -4,6 +4,7 @@ use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, KeySpec, ModelSpec, names};
 use proto::field::FieldSpec;
+use proto::figure::FigureSpec;
 use proto::model::Setup;
 
 /// Checks a configuration and takes the terms of its effects.
@@ -38,6 +39,8 @@ pub struct Effect {
     pub provides: &'static [&'static FieldSpec],
     /// The keys of its table.
     pub keys: fn() -> Vec<KeySpec>,
+    /// The figures that there are with it alone.
+    pub figures: fn() -> Vec<FigureSpec>,
     /// Makes its terms; refuses values that are missing or out of range.
     pub(crate) terms: fn(&Configuration) -> Result<Terms, Refusal>,
 }
@@ -54,6 +57,7 @@ impl Effect {
             consumes: names(self.consumes),
             provides: names(self.provides),
             keys: (self.keys)(),
+            figures: (self.figures)(),
         }
     }
 }

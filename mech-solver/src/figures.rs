@@ -11,7 +11,7 @@ const SEMI_AXIS_A: &str = "contact.semi_axis_a_m";
 
 /// All of them, in the order in which a person reads them. A model without one leaves it out.
 pub(crate) fn figures() -> Vec<FigureSpec> {
-    [extent(), patches(), forces(), motion(), slip(), in_time()].concat()
+    [extent(), patches(), forces(), motion(), slip()].concat()
 }
 
 /// Size, pressure and load. Of several patches the size is that of each.
@@ -25,10 +25,6 @@ fn extent() -> Vec<FigureSpec> {
         figure(NORMAL_FORCE, "N", "normal force", "N"),
         figure("contact.approach_m", "m", "approach", "approach").rank(9).headline(),
         FigureSpec::new("contact.area_m2", "m2", "contact area"),
-        figure("contact.limited_area_ratio", "1", "area at the largest pressure", "at limit")
-            .style(Style::Percent)
-            .digits(3)
-            .absolute(),
     ]
 }
 
@@ -96,18 +92,6 @@ fn slip() -> Vec<FigureSpec> {
         figure("max_slip_velocity_m_per_s", "m/s", "largest slip velocity", "slip").digits(4),
         figure("friction_power_w", "W", "friction power", "power").rank(6).headline(),
         FigureSpec::new("contact.max_traction_pa", "Pa", "largest traction"),
-    ]
-}
-
-/// What the windows of an axle that moves come to.
-fn in_time() -> Vec<FigureSpec> {
-    let figure = |name: &str, unit, words, short| {
-        FigureSpec::new(&format!("contact.{name}"), unit, words).on("so far", short)
-    };
-    vec![
-        figure("largest_normal_force_n", "N", "largest normal force of a window", "N up to"),
-        figure("apart_s", "s", "time without contact", "apart"),
-        figure("friction_work_j", "J", "work of friction", "heat"),
     ]
 }
 

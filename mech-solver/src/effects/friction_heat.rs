@@ -29,6 +29,7 @@ pub const EFFECT: Effect = Effect {
     consumes: &[],
     provides: &[&FRICTION_POWER, &SURFACE_SPEED],
     keys,
+    figures: Vec::new,
     terms,
 };
 

@@ -18,5 +18,6 @@ pub const EFFECT: Effect = Effect {
     consumes: &[],
     provides: &[],
     keys: Vec::new,
+    figures: Vec::new,
     terms: |_| Ok(Terms { adhesion: true, ..Terms::default() }),
 };

@@ -14,6 +14,7 @@ use crate::scene::Scene;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
+use proto::figure::{FigureSpec, Style};
 
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
@@ -24,6 +25,7 @@ pub const EFFECT: Effect = Effect {
     consumes: &[],
     provides: &[],
     keys,
+    figures,
     terms,
 };
 
@@ -44,6 +46,17 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(&path("*", YIELD_STRESS), "Pa", yields).above(0.0),
         modulus(ISOTROPIC, "rise of the yield stress over plastic strain"),
         modulus(KINEMATIC, "modulus H_k with which the yield surface follows the plastic strain"),
+    ]
+}
+
+fn figures() -> Vec<FigureSpec> {
+    let figure = |name: &str, unit, words, short| {
+        FigureSpec::new(&format!("contact.{name}"), unit, words).on("flow", short)
+    };
+    vec![
+        figure("plastic_power_w", "W", "power of plastic flow", "power"),
+        figure("max_plastic_strain", "1", "largest plastic strain behind the contact", "strain")
+            .style(Style::Percent),
     ]
 }
 

@@ -12,6 +12,7 @@ use crate::keys::CheckedParams;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
+use proto::figure::{FigureSpec, Style};
 
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
@@ -23,6 +24,7 @@ pub const EFFECT: Effect = Effect {
     consumes: &[],
     provides: &[],
     keys,
+    figures,
     terms,
 };
 
@@ -31,6 +33,11 @@ const HARDNESS: &str = "effects.pressure_limit.hardness";
 fn keys() -> Vec<KeySpec> {
     let help = "largest pressure H that the softer body carries";
     vec![KeySpec::quantity(HARDNESS, "Pa", help).required().above(0.0)]
+}
+
+fn figures() -> Vec<FigureSpec> {
+    let figure = FigureSpec::new("contact.limited_area_ratio", "1", "area at the largest pressure");
+    vec![figure.on("contact", "at limit").style(Style::Percent).digits(3).absolute()]
 }
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {

@@ -31,6 +31,7 @@ pub const EFFECT: Effect = Effect {
     consumes: &[],
     provides: &[],
     keys,
+    figures: Vec::new,
     terms,
 };
 

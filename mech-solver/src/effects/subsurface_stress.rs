@@ -29,6 +29,7 @@ pub const EFFECT: Effect = Effect {
     consumes: &[],
     provides: &[&VON_MISES[0], &VON_MISES[1], &MAX_SHEAR[0], &MAX_SHEAR[1]],
     keys,
+    figures: Vec::new,
     terms,
 };
 

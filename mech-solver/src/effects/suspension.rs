@@ -17,6 +17,7 @@ use crate::keys::CheckedParams;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
+use proto::figure::FigureSpec;
 
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
@@ -27,6 +28,7 @@ pub const EFFECT: Effect = Effect {
     consumes: &[],
     provides: &[],
     keys,
+    figures,
     terms,
 };
 
@@ -69,6 +71,18 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(AT, "m", "way that is rolled to its middle, of waves to the first crest")
             .at_least(0.0)
             .default_value(0.0),
+    ]
+}
+
+/// What the windows come to.
+fn figures() -> Vec<FigureSpec> {
+    let figure = |name: &str, unit, words, short| {
+        FigureSpec::new(&format!("contact.{name}"), unit, words).on("so far", short)
+    };
+    vec![
+        figure("largest_normal_force_n", "N", "largest normal force of a window", "N up to"),
+        figure("apart_s", "s", "time without contact", "apart"),
+        figure("friction_work_j", "J", "work of friction", "heat"),
     ]
 }
 

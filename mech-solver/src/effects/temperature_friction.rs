@@ -37,6 +37,7 @@ pub const EFFECT: Effect = Effect {
     consumes: &[&SURFACES[0], &SURFACES[1]],
     provides: &[],
     keys,
+    figures: Vec::new,
     terms,
 };
 

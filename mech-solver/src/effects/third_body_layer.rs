@@ -22,6 +22,7 @@ pub const EFFECT: Effect = Effect {
     consumes: &[],
     provides: &[],
     keys,
+    figures: Vec::new,
     terms,
 };
 

@@ -85,9 +85,11 @@ impl Description {
                 return Err(format!("field `{}` has {} components", field.name, field.components));
             }
         }
-        for (index, figure) in self.figures.iter().enumerate() {
+        let of_effects = self.effects.iter().flat_map(|effect| &effect.figures);
+        let figures: Vec<&FigureSpec> = self.figures.iter().chain(of_effects).collect();
+        for (index, figure) in figures.iter().enumerate() {
             figure.check()?;
-            if self.figures[..index].iter().any(|other| other.key == figure.key) {
+            if figures[..index].iter().any(|other| other.key == figure.key) {
                 return Err(format!("figure `{}` stands twice", figure.key));
             }
         }
@@ -199,6 +201,9 @@ pub struct EffectSpec {
     pub provides: Vec<String>,
     /// Parameters: keys under `effects.NAME` (and elsewhere).
     pub keys: Vec<KeySpec>,
+    /// Figures that there are with the effect alone, in the order in which a person reads them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub figures: Vec<FigureSpec>,
 }
 
 /// One key of the case file, its type, its range and what it is for.
@@ -440,6 +445,7 @@ mod tests {
             accuracy: Accuracy::default(),
         };
         let effect = EffectSpec {
+            figures: Vec::new(),
             name: "wear".to_owned(),
             law: "a law".to_owned(),
             source: "a book".to_owned(),

@@ -55,8 +55,7 @@ fn assert_fails((ended, report): &(Ended, Value), check: &str, words: &str) {
 
 /// What a participant gets is as coarse as the contact that it is made up for, and steel is so heavy that explicit elements have long
 /// steps.
-const COARSE: [&str; 4] =
-    ["--set", "mech.resolution=2", "--set", "materials.steel.density=2e5"];
+const COARSE: [&str; 4] = ["--set", "mech.resolution=2", "--set", "materials.steel.density=2e5"];
 
 /// The checks that do not concern a mechanical solver that runs alone.
 const ALONE: [&str; 6] =
@@ -268,7 +267,8 @@ fn script(name: &str, word: &str) -> Vec<String> {
 }
 
 fn faulty_python_is_told(fault: &str, check: &str, words: &str, deadline: &str) {
-    let options = ["--only", check, "--deadline", deadline, COARSE[0], COARSE[1], COARSE[2], COARSE[3]];
+    let options =
+        ["--only", check, "--deadline", deadline, COARSE[0], COARSE[1], COARSE[2], COARSE[3]];
     let command = script("python/faulty.py", fault);
     let told = conform("thermal", &case("falling-friction.toml"), &options, &command);
     assert_fails(&told, check, words);

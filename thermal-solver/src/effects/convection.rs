@@ -20,6 +20,7 @@ const TEMPERATURE: &str = "effects.convection.temperature";
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
+        figures: Vec::new(),
         name: NAME.to_owned(),
         law: "q = h (T - T_air) leaves the surface where it is free".to_owned(),
         source: "Carslaw & Jaeger, Conduction of Heat in Solids, 1.9".to_owned(),

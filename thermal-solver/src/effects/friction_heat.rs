@@ -103,6 +103,7 @@ impl Partition {
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
+        figures: Vec::new(),
         name: NAME.to_owned(),
         law: "q_upper = eps q_f, q_lower = (1 - eps) q_f; eps = 1/2, by effusivity times root of \
               speed, or so that T_u - T_l = 0 or g/h where the surfaces touch"

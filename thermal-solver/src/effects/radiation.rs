@@ -20,6 +20,7 @@ const TEMPERATURE: &str = "effects.radiation.temperature";
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
+        figures: Vec::new(),
         name: NAME.to_owned(),
         law: "q = eps sigma (T^4 - T_round^4) leaves the surface where it is free".to_owned(),
         source: "Carslaw & Jaeger, Conduction of Heat in Solids, 1.9".to_owned(),

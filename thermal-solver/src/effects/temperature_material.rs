@@ -27,6 +27,7 @@ pub fn spec() -> EffectSpec {
     let help = "lines of temperature [K], conductivity [W/(m K)] and specific heat [J/(kg K)], \
                 temperature rising";
     EffectSpec {
+        figures: Vec::new(),
         name: NAME.to_owned(),
         law: "rho c(T) dT/dt = div(lambda(T) grad T), with lambda and c from a table".to_owned(),
         source: "Carslaw & Jaeger, Conduction of Heat in Solids, 1.6; EN 1993-1-2, 3.4.1"

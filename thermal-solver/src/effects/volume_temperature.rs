@@ -32,6 +32,7 @@ const fn volume(name: &'static str, body: Body, meaning: &'static str) -> FieldS
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
+        figures: Vec::new(),
         name: NAME.to_owned(),
         law: "the temperature rise of every element of both bodies".to_owned(),
         source: "docs/theory/fe.md".to_owned(),

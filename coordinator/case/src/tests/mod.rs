@@ -62,6 +62,7 @@ fn model(name: &str, transient: bool, keys: Vec<KeySpec>) -> ModelSpec {
 
 fn effect(name: &str, models: &[&str], keys: Vec<KeySpec>) -> EffectSpec {
     EffectSpec {
+        figures: Vec::new(),
         name: name.to_owned(),
         law: "q = f".to_owned(),
         source: "test".to_owned(),
@@ -151,6 +152,7 @@ fn thermal() -> Description {
     Description {
         models: vec![model("columns", true, Vec::new()), model("moving-source", true, Vec::new())],
         effects: vec![EffectSpec {
+            figures: Vec::new(),
             consumes: vec!["friction_power".to_owned()],
             ..effect(
                 "friction_heat",

@@ -5,7 +5,7 @@ use contract::bodies::{Bodies, LOWER, UPPER};
 use contract::figure::FigureSpec;
 use std::collections::BTreeSet;
 
-/// Takes the figures of all participants, in the plan's order, with the names of the bodies; each
+/// Takes the figures of all participants and of their active effects, in the plan's order, with the names of the bodies; each
 /// participant is asked for those that it gives. Of two figures of the same key the first counts, as in
 /// the summary. Ranks are places in one list.
 pub(super) fn gather<'a>(
@@ -14,7 +14,11 @@ pub(super) fn gather<'a>(
 ) -> Vec<FigureSpec> {
     let (mut all, mut known) = (Vec::new(), BTreeSet::new());
     for participant in participants {
-        let described = participant.description.figures.iter();
+        let effects = participant.configuration.case.get("effects");
+        let is_on = |name: &str| effects.is_some_and(|effects| effects.get(name).is_some());
+        let active = participant.description.effects.iter().filter(|effect| is_on(&effect.name));
+        let of_effects = active.flat_map(|effect| &effect.figures);
+        let described = participant.description.figures.iter().chain(of_effects);
         let mut own: Vec<_> = described.flat_map(|figure| of_bodies(figure, bodies)).collect();
         own.retain(|(_, figure)| known.insert(figure.key.clone()));
         let given = own.iter().map(|(_, figure)| figure).filter(|figure| figure.is_given());
