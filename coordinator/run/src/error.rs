@@ -1,5 +1,6 @@
 //! How a command can end badly, and the exit code that goes with it.
 
+use crate::format::percent;
 use crate::program::Program;
 use crate::results::dir::shown;
 use case::Problems;
@@ -42,7 +43,7 @@ pub enum RunError {
     /// The finest grid that was tried misses the target of accuracy.
     #[error(
         "the estimated error of {quantity} is {:.2} %, above the requested {} %; {fix}",
-        100.0 * estimated, 100.0 * target
+        100.0 * estimated, percent(*target)
     )]
     Inaccurate {
         /// Key of the quantity.

@@ -102,6 +102,12 @@ pub fn of_key(key: &str, value: f64) -> Scale {
     Scale::of(stem_and_unit(key).1, value)
 }
 
+/// A ratio in per cent, as it would be written by hand: without what rounding adds to the product.
+#[must_use]
+pub fn percent(ratio: f64) -> f64 {
+    format!("{:.12e}", 100.0 * ratio).parse().unwrap_or(f64::NAN)
+}
+
 /// A number to `digits` significant digits, with a true minus sign; powers of ten where it is very
 /// large or small.
 #[must_use]
@@ -182,6 +188,12 @@ pub fn sentence(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn per_cent_is_as_written() {
+        assert_eq!([1e-6, 1e-3, 0.07].map(percent), [1e-4, 0.1, 7.0]);
+        assert_eq!(percent(1e-6).to_string(), "0.0001");
+    }
 
     #[test]
     fn units_suit_the_values() {

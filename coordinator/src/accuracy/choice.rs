@@ -5,6 +5,7 @@ use crate::study::levels::{Level, all, reason};
 use crate::study::{Variant, ends_study, expected_seconds, planned};
 use coupling::windows::Windows;
 use run::error::RunError;
+use run::format::percent;
 use run::plan::{Plan, Planned};
 use std::path::Path;
 
@@ -106,7 +107,7 @@ fn none(standing: &Planned, base: &Variant, target: &Target, refused: &[String])
     let (error, name) = best.unwrap_or((f64::NAN, "no model".to_owned()));
     let mut text = format!(
         "no models are expected to meet {} %; the best, {name}, expect {:.2} %",
-        100.0 * target.relative,
+        percent(target.relative),
         100.0 * error
     );
     for one in refused {
