@@ -1,8 +1,13 @@
-//! Steps of a body of explicit elements: element updates a second, straight and about an axis, by size.
+//! Steps of bodies of explicit elements: element updates a second of one straight and one about an axis, by size, of both on one and
+//! two threads, and of both with their contact.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use mech_solver::explicit::block::{Block, Held, Solid};
+use mech_solver::explicit::contact::Law;
+use mech_solver::explicit::plane::Plane;
+use mech_solver::explicit::rolling::{Asked, RISE, Rolling};
 use mech_solver::explicit::section::{Section, Sizes, circle};
+use proto::grid::Structured;
 
 fn block(element: f64, radius: f64) -> Block {
     let (e, nu) = (210e9, 0.3);
@@ -10,13 +15,9 @@ fn block(element: f64, radius: f64) -> Block {
     let sizes = Sizes { element, fine: [10e-3, 6e-3], whole: [48e-3; 2], middle: 0.0 };
     let columns = (96e-3 / element).ceil() as usize;
     let solid = Solid { lame, density: 7850.0, flow: None, radius };
-    let mut block = Block::new(
-        columns,
-        element,
-        Section::new(&sizes, circle(f64::INFINITY)),
-        solid,
-        Held::Faces,
-    );
+    let crown = if radius.is_finite() { f64::INFINITY } else { 0.3 };
+    let section = Section::new(&sizes, circle(crown));
+    let mut block = Block::new(columns, element, section, solid, Held::Faces);
     // Numbers that move, so that nothing is denormal.
     let values = block.damped.iter_mut().flatten().enumerate();
     values.for_each(|(n, u)| *u = 1e-9 * ((n % 17) as f64 - 8.0));
@@ -38,5 +39,44 @@ fn steps(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, steps);
+/// Steps of two bodies without contact, and of as many that roll on each other.
+fn pairs(criterion: &mut Criterion) {
+    let (element, speed) = (0.6e-3, 40.0);
+    let mut group = criterion.benchmark_group("explicit/pair");
+    group.sample_size(10);
+    for threads in [1, 2] {
+        let bodies = [block(element, 0.46), block(element, f64::INFINITY)];
+        let elements: usize = bodies.iter().map(Block::elements).sum();
+        let (rows, half) = (14, 18);
+        let section = &bodies[1].section;
+        let row =
+            (0..=section.counts[0]).find(|j| section.nodes[*j][0] > -f64::from(rows) * element);
+        let row = row.unwrap_or_default();
+        let (x0, y0) = (-f64::from(half) * element, section.nodes[row][0]);
+        let grid = Structured::contact_plane(x0, y0, element, element, 37, 28);
+        let asked = Asked {
+            speed,
+            load: 100e3,
+            law: Law { coefficient: 0.6, sticks: true, flexibility: [0.0; 2] },
+            creepage: -3e-3,
+            force: None,
+            half_length: 7e-3,
+            stiffness: 1.6e9,
+            threads,
+        };
+        let mut rolling = Rolling::new(bodies, Plane::new(grid, row), asked);
+        rolling.roll(RISE + 0.5, &mut |_| ());
+        let steps = (element / (speed * rolling.step)).round() as u64;
+        group.throughput(Throughput::Elements(steps * elements as u64));
+        group.bench_function(BenchmarkId::new("apart", threads), |bencher| {
+            bencher.iter(|| (0..steps).for_each(|_| rolling.step_bodies(rolling.step)));
+        });
+        group.bench_function(BenchmarkId::new("rolling", threads), |bencher| {
+            bencher.iter(|| rolling.roll(1e-6, &mut |_| ()));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, steps, pairs);
 criterion_main!(benches);

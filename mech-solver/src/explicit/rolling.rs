@@ -201,12 +201,17 @@ impl Rolling {
         }
     }
 
-    /// One step.
-    fn advance(&mut self, step: f64, axle: Option<&Axle>) -> Sums {
+    /// A step [s] of both bodies, as if they did not touch.
+    pub fn step_bodies(&mut self, step: f64) {
         match &self.helper {
             Some(helper) => helper.both(&mut self.bodies, step),
             None => self.bodies.iter_mut().for_each(|body| body.step(step)),
         }
+    }
+
+    /// One step, with contact.
+    fn advance(&mut self, step: f64, axle: Option<&Axle>) -> Sums {
+        self.step_bodies(step);
         let speeds = self.speeds();
         let ways = speeds.map(|speed| speed * step);
         let Motion { approach, rising, travelled, steady, .. } = self.motion;
