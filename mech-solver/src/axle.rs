@@ -61,6 +61,15 @@ impl Irregularity {
         usize::from(self.form != Form::Flat)
     }
 
+    /// Way along the surface from where the contact is at the beginning to where it begins [m].
+    #[must_use]
+    pub fn begins(&self) -> f64 {
+        match self.form {
+            Form::Corrugation => self.at,
+            Form::Dip | Form::Joint | Form::Flat => self.at - 0.5 * self.length,
+        }
+    }
+
     /// How far the surface is below the smooth one [m] at a way along it [m]; of a body with so long a circumference [m], if
     /// it has one, again after every turn.
     #[must_use]

@@ -12,9 +12,9 @@ const MARGIN: f64 = 12.0;
 /// Height of a line of the title or the legend.
 const LINE: f64 = 21.0;
 /// Mean width of a letter of the plots' font.
-const LETTER: f64 = 7.3;
+const LETTER: f64 = 8.4;
 /// And of the title's, which is bold.
-const TITLE_LETTER: f64 = 8.1;
+const TITLE_LETTER: f64 = 8.6;
 /// Width of a key and the space round it.
 const KEY: f64 = 44.0;
 /// Drawing units a pixel of the picture's natural size.

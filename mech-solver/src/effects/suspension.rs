@@ -69,8 +69,7 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(DEPTH, "m", "depth of the irregularity, of waves from crest to trough").above(0.0),
         KeySpec::quantity(LENGTH, "m", "length of the irregularity, of waves from crest to crest").above(0.0),
         KeySpec::quantity(AT, "m", "way that is rolled to its middle, of waves to the first crest")
-            .at_least(0.0)
-            .default_value(0.0),
+            .above(0.0),
     ]
 }
 
@@ -98,14 +97,14 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     };
     let irregularity = form
         .map(|form| {
-            let (depth, length, at) = (size(DEPTH)?, size(LENGTH)?, own.number(AT)?);
+            let (depth, length, at) = (size(DEPTH)?, size(LENGTH)?, size(AT)?);
             Ok::<_, Refusal>(Irregularity { form, depth, length, at })
         })
         .transpose()?;
-    if irregularity.is_none() && (own.has(DEPTH) || own.has(LENGTH)) {
+    if irregularity.is_none() && [DEPTH, LENGTH, AT].iter().any(|key| own.has(key)) {
         return Err(Refusal::new(
             FORM,
-            "a depth or a length is given, but no irregularity",
+            "a size of an irregularity is given, but none of its form",
             format!("write one of {}", Form::NAMES.map(|(name, _)| name).join(", ")),
         ));
     }

@@ -162,7 +162,7 @@ fn windows_of_one_and_of_fifty_passages_have_the_same_heat() {
 #[test]
 fn trials_states_and_threads_change_nothing() {
     let suspension =
-        json!({"mass": MASS, "irregularity": "flat", "depth": 2e-4, "length": 0.03, "at": 0.02});
+        json!({"mass": MASS, "irregularity": "flat", "depth": 2e-4, "length": 0.02, "at": 0.02});
     let case = case(suspension);
     let (mut one, mut other) = (Rolled::of(&case, 1), Rolled::of(&case, 2));
     let window = 1.3 * one.passage();
@@ -186,7 +186,7 @@ fn trials_states_and_threads_change_nothing() {
 fn a_driven_wheel_turns_by_the_torque_that_is_left() {
     let inertia = 80.0;
     let suspension = json!({"mass": MASS, "rotary_inertia": inertia,
-        "irregularity": "dip", "depth": 3e-4, "length": 0.05, "at": 0.03});
+        "irregularity": "dip", "depth": 3e-4, "length": 0.04, "at": 0.03});
     let mut rolled = Rolled::of(&case(suspension), 2);
     let (radius, steady) = (0.46, rolled.number("creep_force_x_n"));
     let (mut creepage, mut largest) = (rolled.number("creepage_xi"), 0.0_f64);
@@ -212,6 +212,8 @@ fn what_an_axle_needs_is_asked_for() {
     assert_eq!(refusal(&in_time(&heavy, 1)).key, "mech.mass_scaling");
     let no_length = json!({"mass": MASS, "irregularity": "dip", "depth": 1e-4});
     assert_eq!(refusal(&in_time(&case(no_length), 1)).key, "effects.suspension.length");
+    let under = json!({"mass": MASS, "irregularity": "corrugation", "depth": 1e-4, "length": 0.03, "at": 1e-3});
+    assert_eq!(refusal(&in_time(&case(under), 1)).key, "effects.suspension.at");
     let no_form = json!({"mass": MASS, "depth": 1e-4});
     assert_eq!(refusal(&in_time(&case(no_form), 1)).key, "effects.suspension.irregularity");
 }

@@ -27,6 +27,8 @@ use proto::progress::Progress;
 
 /// How much longer and wider than under the load the contact may be under forces that rise and fall.
 const GROWTH: f64 = 1.6;
+/// Way to an irregularity at least, in half lengths of the contact.
+const CLEAR: f64 = 1.2;
 /// Elements a second on a core, measured.
 const ELEMENTS_PER_SECOND: f64 = 5e7;
 /// Memory over the elements [byte]: state, and forces on planes; and of a state that is kept.
@@ -99,6 +101,7 @@ pub(super) fn configure(
             1e-3 / step * per_step
         ));
     }
+    refuse_at_once(&terms, asked.half_length)?;
     layout.remarks.extend(surfaces.remarks);
     for (which, section) in sections.iter().enumerate() {
         let quality = Quality::of(section, element, solids[which].radius);
@@ -121,6 +124,26 @@ pub(super) fn configure(
         wanted,
         layout,
     }))
+}
+
+/// Refuses an irregularity that is under a contact of this half length [m] from the beginning.
+fn refuse_at_once(terms: &Terms, half_length: f64) -> Result<(), Refusal> {
+    let irregularity = terms.axle.and_then(|axle| axle.irregularity);
+    let (Some(irregularity), Some(effect)) = (irregularity, terms.effect_of(Kind::Axle)) else {
+        return Ok(());
+    };
+    let least = CLEAR * half_length;
+    if irregularity.begins() >= least {
+        return Ok(());
+    }
+    let begins = irregularity.begins();
+    Err(Refusal::new(
+        &format!("effects.{effect}.at"),
+        format!(
+            "the irregularity begins after {begins:.4e} m, under the contact of steady rolling"
+        ),
+        format!("write {:.4e} m or more", irregularity.at + least - begins),
+    ))
 }
 
 /// What the plan says of the elements of a body.
