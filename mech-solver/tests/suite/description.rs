@@ -2,6 +2,7 @@
 
 use crate::common::*;
 use mech_solver::MechSolver;
+use proto::configuration::Mode;
 use proto::description::{Description, KeyKind, KeySpec};
 use proto::model::Solver;
 use serde_json::{Value, json};
@@ -69,7 +70,7 @@ fn every_model_says_how_accurate_it_is() {
     }
 }
 
-/// Every model with every effect: accepted exactly when the effect says that it supports the model,
+/// Every model with every effect: accepted, steady or in time, exactly when the effect says that it supports the model,
 /// and then every field that both promise is laid out.
 #[test]
 fn support_agrees_with_configure() {
@@ -93,7 +94,11 @@ fn support_agrees_with_configure() {
             configuration.model = model.name.clone();
             configuration.outputs = model.provides.clone();
             configuration.observed = effect.provides.clone();
-            let setup = MechSolver.configure(&configuration);
+            let mut setup = MechSolver.configure(&configuration);
+            if setup.is_err() {
+                configuration.mode = Mode::Transient;
+                setup = MechSolver.configure(&configuration);
+            }
             assert_eq!(setup.is_ok(), effect.models.contains(&model.name), "{}", effect.name);
             if let Ok(setup) = setup {
                 for field in model.provides.iter().chain(&effect.provides) {
