@@ -53,9 +53,8 @@ fn assert_fails((ended, report): &(Ended, Value), check: &str, words: &str) {
     assert!(ended.stderr.contains(check), "{}", ended.stderr);
 }
 
-/// What a participant gets is as coarse as the contact that it is made up for, and steel is so heavy that explicit elements have long
-/// steps.
-const COARSE: [&str; 4] = ["--set", "mech.resolution=2", "--set", "materials.steel.density=2e5"];
+/// What a participant gets is as coarse as the contact that it is made up for.
+const COARSE: [&str; 2] = ["--set", "mech.resolution=2"];
 
 /// The checks that do not concern a mechanical solver that runs alone.
 const ALONE: [&str; 6] =
@@ -267,8 +266,7 @@ fn script(name: &str, word: &str) -> Vec<String> {
 }
 
 fn faulty_python_is_told(fault: &str, check: &str, words: &str, deadline: &str) {
-    let options =
-        ["--only", check, "--deadline", deadline, COARSE[0], COARSE[1], COARSE[2], COARSE[3]];
+    let options = ["--only", check, "--deadline", deadline, COARSE[0], COARSE[1]];
     let command = script("python/faulty.py", fault);
     let told = conform("thermal", &case("falling-friction.toml"), &options, &command);
     assert_fails(&told, check, words);
@@ -297,7 +295,7 @@ mod every_check_can_fail {
     use super::{COARSE, assert_fails, case, check_names, conform, script};
 
     fn goes_astray(check: &str, words: &str) {
-        let options = ["--only", check, COARSE[0], COARSE[1], COARSE[2], COARSE[3]];
+        let options = ["--only", check, COARSE[0], COARSE[1]];
         let command = script("conform/astray.py", check);
         let told = conform("thermal", &case("falling-friction.toml"), &options, &command);
         assert_fails(&told, check, words);
