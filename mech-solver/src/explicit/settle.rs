@@ -41,13 +41,13 @@ pub fn settle<E>(
     let mut means = rolling.roll(MEASURE, &mut told);
     let Asked { force: Some(target), law, .. } = rolling.asked else { return Ok((means, true)) };
     let of = |means: &Means| means.force[0] / (law.coefficient * means.force[2]);
-    let mut search = Search::default();
+    let (aim, mut search) = (curve(target)?, Search::default());
     for before in 1..MEASUREMENTS {
         if (of(&means) - target).abs() <= FORCE {
             return Ok((means, true));
         }
         let now = [rolling.motion.creepage, curve(of(&means))?];
-        rolling.motion.creepage = search.next(now, curve(target)?);
+        rolling.motion.creepage = search.next(now, aim);
         rolling.roll(SETTLE_AGAIN, &mut told);
         // Where a force wavers by more than is accepted, a longer mean wavers less.
         let longer = before.div_ceil(2).min(4) as f64;

@@ -9,10 +9,11 @@ use proto::params::Params;
 
 /// Elements per semi-axis, unless the case says otherwise: 0.6 mm in the contact of a wheel.
 pub(super) const RESOLUTION: usize = 13;
-/// Half lengths of the blocks, and of their fine zones, in semi-axes of Hertz's contact.
+/// Half the length of the blocks, in semi-axes of the contact.
 const WHOLE: f64 = 6.0;
 /// Room beside a contact that is wide, in semi-axes.
 const ROOM: f64 = 4.5;
+/// Depth of the fine zone, in semi-axes.
 const FINE_DEPTH: f64 = 0.75;
 /// Half the width of a curved body, and its depth, over its radii, at most.
 const CURVED: f64 = 0.95;
@@ -86,7 +87,7 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// Of the case, round surfaces on which forces rise to a multiple of the load, and lengths to its root `growth`.
+    /// Of the case, where the contact may become `growth` times as long and wide as under the load.
     ///
     /// # Errors
     /// Sizes that leave no room for the contact, or are beyond a curve of a body.

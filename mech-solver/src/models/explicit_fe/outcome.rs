@@ -103,12 +103,10 @@ fn figures(rolling: &Rolling, means: &Means) -> Value {
     };
     let [semi_axis_a, semi_axis_b] = Moments::of(&plane.grid, &pressure).semi_axes;
     let [touching, sliding] = means.areas;
-    let area = contact_area(&plane.grid, &pressure);
     let mut figures = json!({
         "semi_axis_a_m": semi_axis_a,
         "semi_axis_b_m": semi_axis_b,
-        "area_m2": area,
-        "area_nodes_m2": touching,
+        "area_m2": contact_area(&plane.grid, &pressure),
         "max_pressure_pa": pressure.iter().copied().fold(0.0, f64::max),
         "approach_m": means.approach,
         "normal_force_n": means.force[2],

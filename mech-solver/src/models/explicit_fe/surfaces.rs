@@ -52,20 +52,17 @@ impl Surfaces {
             geometry::footprint(configuration, &shapes)?;
         let lateral = [scene.bodies[0].radius_y, scene.bodies[1].radius_y];
         let radii = [scene.bodies[0].radius_x, scene.bodies[1].radius_x];
-        let modulus = 1.0 / scene.contact_compliance();
         if let Some(ellipse) = ellipse {
-            let [a, b] = [ellipse.semi_axis_a, ellipse.semi_axis_b];
-            let stiffness = ellipse.approach.map_or(2.0 * modulus * (a * b).sqrt(), |approach| {
-                1.5 * ellipse.normal_force / approach
-            });
-            let watched = [BEYOND_HERTZ * a, BEYOND_HERTZ * b];
-            let (middle, gap) = (0.0, None);
+            let watched =
+                [ellipse.semi_axis_a, ellipse.semi_axis_b].map(|half| BEYOND_HERTZ * half);
+            let (stiffness, middle, gap) = (stiffness(scene, &ellipse), 0.0, None);
             return Ok(Self { ellipse, stiffness, radii, watched, middle, remarks, gap, lateral });
         }
         let Load::NormalForce(force) = scene.load else { unreachable!("checked before") };
         let [a, b] = semi_axes;
         let patch =
             GivenPatch { semi_axis_a: a, semi_axis_b: b, max_pressure: 1.5 * force / (PI * a * b) };
+        let ellipse = Ellipse::solve(scene, Some(patch))?;
         let ends = [grid.y(0), grid.y(grid.nj - 1)];
         let reach = grid.x(grid.ni - 1).max(-grid.x(0));
         let radius = |body: usize| {
@@ -73,10 +70,10 @@ impl Surfaces {
             at_origin.filter(|_| radii[body].is_finite()).unwrap_or(radii[body])
         };
         Ok(Self {
-            ellipse: Ellipse::solve(scene, Some(patch))?,
-            stiffness: 2.0 * modulus * (a * b).sqrt(),
+            stiffness: stiffness(scene, &ellipse),
+            ellipse,
             radii: [radius(0), radius(1)],
-            watched: [BEYOND_HERTZ.max(reach / a) * a, 0.5 * (ends[1] - ends[0])],
+            watched: [reach.max(BEYOND_HERTZ * a), 0.5 * (ends[1] - ends[0])],
             middle: 0.5 * (ends[0] + ends[1]),
             remarks,
             gap,
@@ -84,7 +81,8 @@ impl Surfaces {
         })
     }
 
-    /// How far the surface of a body is from the plane that touches the lower one at the origin [m], over the lateral coordinate [m].
+    /// How far the surface of a body is within it [m] over the lateral coordinate [m], from the plane through the lower surface at
+    /// the origin.
     pub(super) fn drop(&self, body: usize, y: f64) -> f64 {
         match &self.gap {
             Some(gap) if gap.is_measured(body) => gap.drop(body, y),
@@ -94,5 +92,14 @@ impl Surfaces {
             }
             None => circle(self.lateral[body])(y),
         }
+    }
+}
+
+/// dN/dδ of a contact [N/m]: of Hertz's where the approach is known, else that of a circular one of the same area, 2 E* √(ab).
+fn stiffness(scene: &Scene, ellipse: &Ellipse) -> f64 {
+    let Ellipse { semi_axis_a, semi_axis_b, approach, normal_force, .. } = ellipse;
+    match approach {
+        Some(approach) => 1.5 * normal_force / approach,
+        None => 2.0 / scene.contact_compliance() * (semi_axis_a * semi_axis_b).sqrt(),
     }
 }
