@@ -36,6 +36,7 @@ pub mod scene;
 mod slip;
 mod strips;
 mod support;
+mod surface;
 pub mod terms;
 
 use effects::EFFECTS;

@@ -57,6 +57,7 @@ mod tests {
             (Kind::PressureBound, terms.pressure_bounds.len()),
             (Kind::Adhesion, usize::from(terms.adhesion)),
             (Kind::Layer, terms.layers.len()),
+            (Kind::Expansion, usize::from(terms.expansion.is_some())),
             (Kind::Flow, terms.flow.iter().flatten().count()),
             (Kind::Axle, usize::from(terms.axle.is_some())),
             (Kind::HeatShare, terms.heat_shares.len()),
@@ -82,7 +83,8 @@ mod tests {
             let body = |position: &str| json!({"position": position, "material": "steel"});
             let case = json!({
                 "bodies": {"one": body("upper"), "other": body("lower")},
-                "materials": {"steel": {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "yield_stress": 1e9}},
+                "materials": {"steel": {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "yield_stress": 1e9,
+                    "thermal_expansion": 1e-5}},
                 "motion": {"speed": 1.0, "creepage": {"xi": 0.0}},
                 "load": {"normal_force": 1.0},
                 "friction": {"coefficient": 0.5},

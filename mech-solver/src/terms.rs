@@ -11,6 +11,7 @@
 //! | `PressureBound` | a largest pressure [Pa], of several the smallest | the normal contact |
 //! | `Adhesion` | that surfaces may stick | the tangential contact; without it all of the contact slides |
 //! | `Layer` | a tangential flexibility [m/Pa], in series | the displacement difference |
+//! | `Expansion` | coefficients of thermal expansion [1/K] | the undeformed distance, or the stress of finite elements |
 //! | `Flow` | how the material of each body flows | the stress of finite elements |
 //! | `Axle` | a mass that carries the load, and what it runs over | the height of the upper body |
 //! | `HeatShare` | a factor | the friction power that is provided as heat |
@@ -41,6 +42,8 @@ pub enum Kind {
     Adhesion,
     /// Tangential flexibility between the surfaces.
     Layer,
+    /// Materials that expand where they are warm.
+    Expansion,
     /// Materials that flow.
     Flow,
     /// What carries the load, and runs over irregularities.
@@ -148,6 +151,7 @@ pub(crate) struct Terms {
     pub(crate) pressure_bounds: Vec<f64>,
     pub(crate) adhesion: bool,
     pub(crate) layers: Vec<f64>,
+    pub(crate) expansion: Option<[f64; 2]>,
     pub(crate) flow: [Option<Flow>; 2],
     pub(crate) axle: Option<Axle>,
     pub(crate) heat_shares: Vec<f64>,
@@ -166,6 +170,7 @@ impl Terms {
         for (own, more) in self.flow.iter_mut().zip(more.flow) {
             *own = own.or(more);
         }
+        self.expansion = self.expansion.or(more.expansion);
         self.axle = self.axle.or(more.axle);
         self.heat_shares.extend(more.heat_shares);
         self.observations.extend(more.observations);
@@ -204,7 +209,12 @@ impl Terms {
 
     /// The pressure of smooth bodies stays that of Hertz.
     pub(crate) fn leave_hertz(&self) -> bool {
-        self.gap.is_empty() && self.pressure_bounds.is_empty()
+        self.gap.is_empty() && self.pressure_bounds.is_empty() && self.expansion.is_none()
+    }
+
+    /// The contact depends on what comes in.
+    pub(crate) fn follow_inputs(&self) -> bool {
+        !self.friction.is_empty() || self.expansion.is_some()
     }
 
     /// Flexibility of all layers together [m/Pa].

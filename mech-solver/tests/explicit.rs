@@ -83,6 +83,32 @@ fn a_linear_field_makes_no_force_inside() {
     }
 }
 
+/// A layer that expands by its strain makes no force, straight or about an axis: second order in the strain beside what the expansion alone makes.
+#[test]
+fn a_layer_that_expands_by_its_strain_makes_no_force() {
+    let (thickness, strain) = (0.8e-3, 1e-7);
+    let y = |j: usize| 1e-3 * (j as f64 - 2.0 + 0.1 * (j % 2) as f64);
+    let nodes = [0.0, thickness].into_iter().flat_map(|z| (0..5).map(move |j| [y(j), z])).collect();
+    let section = Section { counts: [4, 1], nodes, fine: [0, 4] };
+    for radius in [f64::INFINITY, 0.05] {
+        // Elements about an axis have chords in the place of arcs.
+        let angle = 1e-3 / radius;
+        let chords = if angle > 0.0 { angle.sin() / angle } else { 1.0 };
+        let volume = chords * thickness * (1.0 - 0.5 * thickness / radius);
+        let moved = |strained: f64| {
+            let solid = steel(NU, radius);
+            let mut block = Block::new(16, 1e-3, section.clone(), solid, Held::Nothing);
+            displace(&mut block, |x| x.map(|x| strained * x));
+            block.expand(|_, _| strain * volume);
+            block.step(1e-9);
+            largest(&block)[1]
+        };
+        let ratio = moved(strain) / moved(0.0);
+        println!("radius {radius}: {ratio:.1e}");
+        assert!(ratio < 1e-6, "{radius} {ratio:e}");
+    }
+}
+
 /// A turn by 0.3 makes no force. Rounding, beside what a strain of as much would make.
 #[test]
 fn a_rigid_rotation_makes_no_force() {

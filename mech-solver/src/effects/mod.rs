@@ -9,6 +9,7 @@ pub mod roughness;
 pub mod subsurface_stress;
 pub mod suspension;
 pub mod temperature_friction;
+pub mod thermal_expansion;
 pub mod third_body_layer;
 
 use crate::entry::Effect;
@@ -25,6 +26,7 @@ pub const EFFECTS: &[Effect] = &[
     subsurface_stress::EFFECT,
     suspension::EFFECT,
     temperature_friction::EFFECT,
+    thermal_expansion::EFFECT,
     third_body_layer::EFFECT,
 ];
 

@@ -19,12 +19,13 @@
 
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
+use crate::surface::Surface;
 use crate::terms::{FrictionTerm, Kind, State, Terms};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
-use proto::model::{Inputs, StepError, first_non_finite};
+use proto::model::{Inputs, StepError};
 use std::path::Path;
 
 /// What the registry says of it.
@@ -138,13 +139,11 @@ impl FrictionTerm for FrictionLaw {
         grid: &Structured,
         friction: &mut [f64],
     ) -> Result<(), StepError> {
-        let surfaces = [surface(inputs, &SURFACES[0])?, surface(inputs, &SURFACES[1])?];
+        let surfaces = [Surface::of(inputs, &SURFACES[0])?, Surface::of(inputs, &SURFACES[1])?];
         for (index, friction) in friction.iter_mut().enumerate() {
             let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
-            let mean = |sum: f64, (from, values): &(&Structured, &[f64])| {
-                sum + 0.5 * bilinear(from, values, x, y)
-            };
-            let temperature = surfaces.iter().fold(0.0, mean).max(0.0);
+            let [upper, lower] = surfaces.each_ref().map(|surface| surface.at(x, y));
+            let temperature = (0.5 * upper + 0.5 * lower).max(0.0);
             *friction = self.coefficient(*friction, temperature).ok_or_else(|| {
                 StepError::NoSolution(format!(
                     "the contact temperature rise of {temperature:.1} K is beyond the table of \
@@ -158,47 +157,6 @@ impl FrictionTerm for FrictionLaw {
     fn shortfall(&self) -> &'static str {
         "the contact is too hot for the force"
     }
-}
-
-/// The temperatures of a surface and their grid.
-fn surface<'a>(
-    inputs: &'a dyn Inputs,
-    surface: &FieldSpec,
-) -> Result<(&'a Structured, &'a [f64]), StepError> {
-    let missing = || StepError::MissingInput { field: surface.name.to_owned() };
-    let input = inputs.get(surface).ok_or_else(missing)?;
-    if let Some(index) = first_non_finite(input.values) {
-        let (field, value) = (surface.name.to_owned(), input.values[index]);
-        return Err(StepError::NonFiniteInput { field, index, value });
-    }
-    match input.grid.as_structured().filter(|from| is_along_axes(from)) {
-        Some(grid) => Ok((grid, input.values)),
-        None => {
-            let name = surface.name;
-            let reason = format!("`{name}` is not on a structured grid along x and y");
-            Err(StepError::NoSolution(reason))
-        }
-    }
-}
-
-/// Elements go forward along x in i and along y in j.
-fn is_along_axes(grid: &Structured) -> bool {
-    let flat = grid.step_i[1] == 0.0 && grid.step_j[0] == 0.0;
-    flat && grid.dx() > 0.0 && grid.dy() > 0.0
-}
-
-/// Between the centres of a contact-plane grid's elements; beyond them the nearest.
-fn bilinear(grid: &Structured, values: &[f64], x: f64, y: f64) -> f64 {
-    let cell = |at: f64, first: f64, step: f64, count: usize| {
-        let at = ((at - first) / step).clamp(0.0, (count - 1) as f64);
-        let low = (at as usize).min(count.saturating_sub(2));
-        (low, (low + 1).min(count - 1), at - low as f64)
-    };
-    let (i, right, s) = cell(x, grid.x(0), grid.dx(), grid.ni);
-    let (j, upper, t) = cell(y, grid.y(0), grid.dy(), grid.nj);
-    let at = |i: usize, j: usize| values[j * grid.ni + i];
-    (1.0 - t) * ((1.0 - s) * at(i, j) + s * at(right, j))
-        + t * ((1.0 - s) * at(i, upper) + s * at(right, upper))
 }
 
 /// Lines of two numbers; `#` begins a comment.
@@ -268,19 +226,6 @@ mod tests {
             let error = parse_table(text.as_bytes()).unwrap_err();
             assert!(error.contains(part), "{error}");
         }
-    }
-
-    /// A linear field is met exactly inside, also between shifted grids.
-    #[test]
-    fn bilinear_between_grids() {
-        let grid = Structured::contact_plane(-1.0, -2.0, 0.5, 1.0, 5, 4);
-        let values: Vec<f64> = (0..20).map(|k| 3.0 * grid.x(k % 5) - grid.y(k / 5)).collect();
-        for (x, y) in [(-1.0, -2.0), (0.3, 0.4), (1.0, 1.0), (-0.75, 0.0)] {
-            assert!((bilinear(&grid, &values, x, y) - (3.0 * x - y)).abs() < 1e-14);
-        }
-        assert_eq!(bilinear(&grid, &values, 9.0, -9.0), 3.0 * 1.0 + 2.0);
-        let point = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 1, 1);
-        assert_eq!(bilinear(&point, &[7.0], 3.0, 3.0), 7.0);
     }
 
     struct Surfaces(proto::grid::Grid, Vec<f64>);

@@ -68,6 +68,8 @@ pub struct Block {
     pub damping: f64,
     /// How far the columns are behind their places [m], less than an element.
     pub behind: f64,
+    /// What expands, if anything does.
+    expansion: Option<Expansion>,
     /// Forces on a plane of nodes: of the layer above it, of the one below, on the plane below that one.
     planes: [[Vec<f64>; 3]; 3],
 }
@@ -116,6 +118,7 @@ impl Block {
             plastic: vec![0.0; solid.flow.map_or(0, |_| PLASTIC * across * deep * columns)],
             damping: 0.0,
             behind: 0.0,
+            expansion: None,
             planes: std::array::from_fn(|_| nodes(1)),
         }
     }
@@ -138,6 +141,7 @@ impl Block {
             plastic: Vec::new(),
             damping: 0.0,
             behind: 0.0,
+            expansion: None,
             planes: Default::default(),
         };
         std::mem::replace(self, nothing)
@@ -175,14 +179,58 @@ impl Block {
         }
     }
 
+    /// Lets its first layer expand: `stretch` is the strain without stress, integrated over the depth [m], at a place
+    /// (x, y) [m] of the contact, where it stays while the material goes back.
+    pub fn expand(&mut self, stretch: impl Fn(f64, f64) -> f64) {
+        let ([columns, across, _], stride) = (self.counts, self.stride);
+        let [lambda, mu] = self.solid.lame;
+        let zeros = || std::array::from_fn(|_| vec![0.0; (across + 1) * stride]);
+        let mut forces: [[Vec<f64>; 3]; 2] = [zeros(), zeros()];
+        let first = -0.5 * columns as f64 * self.length;
+        for row in 0..across {
+            let [[y0, _], [y1, _], ..] = self.section.corners(row, 0);
+            let area = self.length * (y1 - y0);
+            let divergence = self.stiffness[row].shape.divergence();
+            for column in 0..columns {
+                let x = first + (column as f64 + 0.5) * self.length;
+                let push = -(3.0 * lambda + 2.0 * mu) * area * stretch(x, 0.5 * (y0 + y1));
+                for (end, of_end) in divergence.iter().enumerate() {
+                    for (corner, weights) in of_end.iter().enumerate() {
+                        let at = (row + corner % 2) * stride + column + end;
+                        for (force, weight) in forces[corner / 2].iter_mut().zip(weights) {
+                            force[at] += push * weight;
+                        }
+                    }
+                }
+            }
+        }
+        self.expansion = Some(Expansion { forces });
+    }
+
+    /// Adds what the expansion does to a plane of nodes to those forces.
+    fn add_expansion(&mut self, plane: usize, to: usize) {
+        let Some(Expansion { forces }) = &self.expansion else { return };
+        let part = self.behind / self.length;
+        for (forces, from) in self.planes[to].iter_mut().zip(&forces[plane]) {
+            forces[0] += (1.0 - part) * from[0];
+            for (force, pair) in forces[1..].iter_mut().zip(from.windows(2)) {
+                *force += part * pair[0] + (1.0 - part) * pair[1];
+            }
+        }
+    }
+
     /// A step in time [s], as if nothing touched the surface.
     pub fn step(&mut self, step: f64) {
         let deep = self.counts[2];
         for force in &mut self.planes[0] {
             force.fill(0.0);
         }
+        self.add_expansion(0, 0);
         for layer in 0..deep {
             self.resist(layer);
+            if layer == 0 {
+                self.add_expansion(1, 2);
+            }
             self.advance(layer, step);
             let [above, _, below] = &mut self.planes;
             std::mem::swap(above, below);
@@ -382,6 +430,12 @@ impl Block {
             }
         }
     }
+}
+
+/// Forces by which nodes resist while the first layer expands.
+struct Expansion {
+    /// On the first and the second plane of nodes [N], where columns are at their places.
+    forces: [[Vec<f64>; 3]; 2],
 }
 
 /// A step of a row of nodes in one direction.

@@ -148,6 +148,13 @@ impl Rolling {
         self.take((passages * passage) as u64, self.step, None, told)
     }
 
+    /// Lets the first layers of the upper and the lower body expand ([`Block::expand`]).
+    pub fn expand(&mut self, stretch: impl Fn(usize, f64, f64) -> f64) {
+        for (which, body) in self.bodies.iter_mut().enumerate() {
+            body.expand(|x, y| stretch(which, x, y));
+        }
+    }
+
     /// What follows begins in steady rolling, of which these are means.
     pub fn begin(&mut self, means: &Means) {
         let [upper, lower] = self.motion.travelled;

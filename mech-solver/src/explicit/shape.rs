@@ -71,6 +71,27 @@ impl Shape {
             half_angle: 0.5 * length / radius,
         }
     }
+
+    /// Mean divergence over the displacements of the near and the far end of the four corners [1/m], in the directions of
+    /// the nodes.
+    #[must_use]
+    pub fn divergence(&self) -> [[[f64; 3]; 4]; 2] {
+        let Self { along, across: [by, bz], half_angle, .. } = self;
+        let (sine, cosine) = half_angle.sin_cos();
+        let of_corner = |corner: usize| {
+            let [_, eta, zeta] = SIGNS[corner * 2];
+            let even = |b: &[f64; 3]| b[0] * eta + b[1] * zeta + b[2] * eta * zeta;
+            let odd = along[0] + along[1] * eta + along[2] * zeta + along[3] * eta * zeta;
+            (odd, even(by), even(bz))
+        };
+        [-1.0, 1.0].map(|end| {
+            std::array::from_fn(|corner| {
+                let (x, y, z) = of_corner(corner);
+                let forward = end * x;
+                [cosine * forward + end * sine * z, y, cosine * z - sine * x]
+            })
+        })
+    }
 }
 
 /// Places of the eight nodes in the frame of the element's middle [m]; arguments as of [`Shape::new`].
@@ -131,6 +152,30 @@ mod tests {
         assert!(near(shape.across[0][0], 0.25 / h) && near(shape.across[1][1], 0.25 / h));
         assert!((shape.squares * h * h / 1.5 - 1.0).abs() < 1e-13);
         assert!(shape.twist.iter().chain(&shape.bend).all(|sum| sum.abs() < 1e-16));
+    }
+
+    /// Of linear displacements it is their slopes' sum, of a straight element and of a wedge. Rounding.
+    #[test]
+    fn divergence_of_linear_displacements() {
+        for radius in [f64::INFINITY, 0.05] {
+            let corners = [[0.0, 0.0], [2e-3, 1e-4], [0.0, 1.5e-3], [2.2e-3, 1.7e-3]];
+            let (length, half) = (1e-3, 0.5e-3 / radius);
+            let (shape, places) =
+                (Shape::new(corners, length, radius), nodes(corners, length, radius));
+            let slopes = [2e-3, -5e-4, 7e-4];
+            let mut sum = 0.0;
+            for (end, of_end) in shape.divergence().iter().enumerate() {
+                let (sine, cosine) = (half * [-1.0, 1.0][end]).sin_cos();
+                for (corner, weights) in of_end.iter().enumerate() {
+                    let [x, y, z] =
+                        std::array::from_fn(|k| slopes[k] * places[2 * corner + end][k]);
+                    // From the directions of the middle to those of the node.
+                    let own = [cosine * x + sine * z, y, cosine * z - sine * x];
+                    sum += own.iter().zip(weights).map(|(u, weight)| u * weight).sum::<f64>();
+                }
+            }
+            assert!((sum / slopes.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{radius} {sum}");
+        }
     }
 
     /// The volume of a wedge of the faces' trapezia: area times the chord's half sum. Rounding.

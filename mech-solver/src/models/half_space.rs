@@ -17,6 +17,7 @@ mod balance;
 mod case;
 mod contact;
 mod drive;
+mod expansion;
 pub(super) mod gap;
 pub(super) mod geometry;
 mod power;
@@ -86,6 +87,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
         Kind::PressureBound,
         Kind::Adhesion,
         Kind::Layer,
+        Kind::Expansion,
         Kind::HeatShare,
         Kind::Observation,
     ],
@@ -154,6 +156,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
         bodies,
         driven,
         footprint,
+        rises: Vec::new(),
     };
     if case.bodies.is_coupled() && case.footprint.gap.is_none() {
         return Err(Refusal::new(
@@ -164,6 +167,9 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     }
     if let Some(effect) = case.terms.effect_of(Kind::PressureBound) {
         refuse_bound(&case, effect)?;
+    }
+    if let Some(effect) = case.terms.effect_of(Kind::Expansion) {
+        expansion::refuse(&case, effect)?;
     }
     let mut layout = layout(configuration, &case);
     if let (Some(varying), Some(extent)) = (&varying, &extent) {
@@ -277,7 +283,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
             + "all of the contact slides"
     });
     let seconds = SECONDS * elements.powf(1.15);
-    let once = !case.memory && case.terms.friction.is_empty();
+    let once = !case.memory && !case.terms.follow_inputs();
     let peak =
         case.footprint.peak_y.map(|y| (field::FRICTION_POWER.name.to_owned(), [0.0, y, 0.0]));
     let smooth = case.footprint.ellipse.as_ref().filter(|_| case.is_hertzian());

@@ -2,6 +2,7 @@
 
 mod common;
 mod description;
+mod expanding;
 mod fastsim;
 mod half_space;
 mod half_space_model;

@@ -4,6 +4,7 @@ pub mod convection;
 pub mod friction_heat;
 pub mod radiation;
 pub mod temperature_material;
+pub mod thermal_expansion;
 pub mod volume_temperature;
 
 use crate::fe::conductor::Surroundings;
@@ -25,6 +26,7 @@ pub struct Effect {
 pub const REGISTRY: &[Effect] = &[
     Effect { name: friction_heat::NAME, spec: friction_heat::spec },
     Effect { name: temperature_material::NAME, spec: temperature_material::spec },
+    Effect { name: thermal_expansion::NAME, spec: thermal_expansion::spec },
     Effect { name: convection::NAME, spec: convection::spec },
     Effect { name: radiation::NAME, spec: radiation::spec },
     Effect { name: volume_temperature::NAME, spec: volume_temperature::spec },

@@ -15,6 +15,8 @@ use crate::columns::history::History;
 use crate::columns::reconstruction::Flux;
 use crate::columns::stencil::{Part, Stencil};
 use crate::columns::team::{ROWS, Team};
+use crate::moving_source::past::stretches;
+use crate::moving_source::rise_integral::RiseIntegral;
 use crate::window::{Drive, Stage};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;
@@ -85,12 +87,15 @@ pub struct Columns {
     past_key: Option<PastKey>,
     /// Weights of one level of a section.
     level: Stencil,
+    /// For the heights of the surfaces, once those are asked for.
+    integrals: [Option<RiseIntegral>; 2],
 }
 
 impl Conduction for Columns {
     const TRANSIENT: bool = true;
     const AT_REST: bool = false;
     const EXCHANGES: bool = false;
+    const EXPANDS: bool = true;
     const STATE_TAG: u8 = 2;
 
     fn new(frame: &Frame) -> Self {
@@ -111,6 +116,7 @@ impl Conduction for Columns {
             past: [past.clone(), past],
             past_key: None,
             level: Stencil::default(),
+            integrals: [None, None],
         }
     }
 
@@ -154,6 +160,14 @@ impl Conduction for Columns {
             Mode::Transient => self.solve_transient(drive, heating, rise),
         };
         Ok(Work { operations, heat })
+    }
+
+    fn rise_integral(&mut self, body: usize, integral: &mut [f64]) -> u64 {
+        let Self { frame, history, integrals, .. } = self;
+        let new = || RiseIntegral::new(&frame.grid, frame.scene.materials[body]);
+        let past = stretches(history, Stage::Trial, body);
+        let past = past.map(|(stretch, window)| (stretch, window.drive.shares[body], &window.flux));
+        integrals[body].get_or_insert_with(new).of(past, integral)
     }
 
     fn accept(&mut self) {

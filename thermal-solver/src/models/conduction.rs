@@ -37,6 +37,8 @@ pub trait Conduction: Sized + 'static {
     const AT_REST: bool;
     /// It finds what flows between the surfaces where they touch.
     const EXCHANGES: bool;
+    /// It knows what the heat does to the height of the surfaces ([`crate::moving_source::rise_integral`]).
+    const EXPANDS: bool = false;
     /// It has elements of its own ([`crate::fe::block`]).
     const ELEMENTS: bool = false;
     /// Marks its states among those of other models.
@@ -62,6 +64,12 @@ pub trait Conduction: Sized + 'static {
         flux: &[f64],
         rise: &mut [Vec<f64>; 2],
     ) -> Result<Work, StepError>;
+
+    /// Rise of a body after the last solve, integrated over its depth, at the elements of its surface [K·m]; the
+    /// multiply-adds that it took.
+    fn rise_integral(&mut self, _body: usize, _integral: &mut [f64]) -> u64 {
+        0
+    }
 
     /// The last solve becomes the accepted state.
     fn accept(&mut self);

@@ -8,6 +8,9 @@ pub const SURFACES: [&FieldSpec; 2] = [&field::UPPER_TEMPERATURE, &field::LOWER_
 /// Section temperature of each body, the upper and the lower body.
 pub const SECTIONS: [&FieldSpec; 2] =
     [&field::UPPER_SECTION_TEMPERATURE, &field::LOWER_SECTION_TEMPERATURE];
+/// Integral of the rise over the depth of each body, the upper and the lower body.
+pub const RISE_INTEGRALS: [&FieldSpec; 2] =
+    [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
 
 /// The fields that every model consumes and provides, by name.
 pub(super) fn fields() -> (Vec<String>, Vec<String>) {

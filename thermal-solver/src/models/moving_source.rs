@@ -13,10 +13,12 @@ use super::names;
 use super::setup::{resolution, section_key};
 use super::summary::{Peak, hottest};
 use crate::columns::convolution::remove_negative_rounding;
-use crate::columns::history::History;
+use crate::columns::history::{History, Window};
 use crate::columns::reconstruction::{Flux, sum_of_means};
 use crate::moving_source::ages::Stretch;
 use crate::moving_source::half_space::{Contracted, HalfSpace, Influence, convolution};
+use crate::moving_source::past::stretches;
+use crate::moving_source::rise_integral::RiseIntegral;
 use crate::moving_source::touching::Shapes;
 use crate::scene::Material;
 use crate::window::{Drive, Stage};
@@ -82,6 +84,8 @@ struct Body {
     newest: Option<(Stretch, Arc<Influence>)>,
     /// Element means of the flux into it [W/m²].
     means: Vec<f64>,
+    /// For the height of its surface, once that is asked for.
+    integral: Option<RiseIntegral>,
 }
 
 impl Body {
@@ -97,6 +101,7 @@ impl Body {
             past_of: None,
             newest: None,
             means: vec![0.0; columns * rows],
+            integral: None,
             grid,
             material,
         }
@@ -127,9 +132,9 @@ impl Body {
         self.history.trial_mut().drive =
             Drive { duration: stretch.to, speeds: [stretch.speed; 2], shares: [1.0; 2] };
         self.past.fill(0.0);
-        for (stretch, flux) in stretches(&self.history, Stage::Trial).skip(1) {
+        for (stretch, window) in stretches(&self.history, Stage::Trial, self.body).skip(1) {
             let influence = self.half_space(stretch).influence(&mut self.convolution);
-            influence.add(flux, &mut self.convolution, &mut self.fields, &mut self.past);
+            influence.add(&window.flux, &mut self.convolution, &mut self.fields, &mut self.past);
             work += influence.work() + self.past.len() as u64;
         }
         self.past_of = Some(stretch);
@@ -178,6 +183,7 @@ impl Conduction for MovingSource {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
     const EXCHANGES: bool = true;
+    const EXPANDS: bool = true;
     const STATE_TAG: u8 = 3;
 
     fn new(frame: &Frame) -> Self {
@@ -240,6 +246,13 @@ impl Conduction for MovingSource {
             }
         }
         Ok(work)
+    }
+
+    fn rise_integral(&mut self, body: usize, integral: &mut [f64]) -> u64 {
+        let Body { grid, material, history, integral: known, .. } = &mut self.bodies[body];
+        let known = known.get_or_insert_with(|| RiseIntegral::new(grid, *material));
+        let past = stretches(history, Stage::Trial, body);
+        known.of(past.map(|(stretch, window)| (stretch, 1.0, &window.flux)), integral)
     }
 
     fn accept(&mut self) {
@@ -355,27 +368,15 @@ impl MovingSource {
             Some(kept) if (kept.stage, kept.body, kept.row) == (stage, body, row) => kept,
             other => {
                 let of = &self.bodies[body];
-                let contracted = |(stretch, flux): (Stretch, &Flux)| {
+                let contracted = |(stretch, window): (Stretch, &Window)| {
                     let half_space = of.half_space(stretch);
-                    let contracted = half_space.contract(flux, row);
+                    let contracted = half_space.contract(&window.flux, row);
                     (half_space, contracted)
                 };
-                let windows = stretches(&of.history, stage).map(contracted).collect();
+                let windows = stretches(&of.history, stage, body).map(contracted).collect();
                 other.insert(Row { stage, body, row, windows, place: None })
             }
         };
         ask(kept);
     }
-}
-
-/// The windows of a state as stretches of the past, newest first, with their fluxes; before a window
-/// without end there is nothing.
-fn stretches(history: &History, stage: Stage) -> impl Iterator<Item = (Stretch, &Flux)> {
-    let newest = Stretch { from: 0.0, to: 0.0, way: 0.0, speed: 0.0 };
-    history.windows(stage).scan(newest, |before, window| {
-        let (from, way) = (before.to, before.way_at(before.to));
-        let (to, speed) = (from + window.drive.duration, window.drive.speeds[0]);
-        *before = Stretch { from, to, way, speed };
-        (from < f64::INFINITY).then_some((*before, &window.flux))
-    })
 }

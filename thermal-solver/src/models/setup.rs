@@ -2,11 +2,12 @@
 
 use super::conduction::Conduction;
 use super::elements;
-use super::fields::{SECTIONS, SURFACES};
+use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::natures;
+use crate::effects::thermal_expansion;
 use crate::effects::volume_temperature::VOLUMES;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
@@ -84,6 +85,9 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     }
     if !C::AT_REST {
         refuse_rest(&scene, given.mode)?;
+    }
+    if given.has_effect(thermal_expansion::NAME) {
+        thermal_expansion::refuse_rest(&scene, given.mode)?;
     }
     let mut layout = Layout::default();
     let mut frame = None;
@@ -210,6 +214,9 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         ));
     }
     for body in [LOWER, UPPER] {
+        if asked(RISE_INTEGRALS[body]) && C::EXPANDS {
+            layout.fields.push(on(RISE_INTEGRALS[body], CONTACT));
+        }
         if asked(SECTIONS[body]) {
             layout.grids.push(frame.section_grid(body));
             layout.fields.push(on(SECTIONS[body], SECTION_GRIDS[body]));
@@ -245,7 +252,9 @@ impl<C: Conduction> Setup for Prepared<C> {
                 let asked = |body: &usize| self.layout.grid_of(VOLUMES[*body].name).is_some();
                 let volumes = [LOWER, UPPER].into_iter().filter(asked);
                 let volumes = volumes.filter_map(|body| C::volume(&frame, body)).collect();
-                Ok(Box::new(Shell::<C>::new(frame, volumes)))
+                let expands =
+                    RISE_INTEGRALS.iter().any(|spec| self.layout.grid_of(spec.name).is_some());
+                Ok(Box::new(Shell::<C>::new(frame, volumes, expands)))
             }
             None => Err(Refusal::new(
                 "effects.friction_heat",

@@ -1,7 +1,7 @@
 //! The model round a [`Conduction`]: inputs, outputs, state.
 
 use super::conduction::Conduction;
-use super::fields::{SECTIONS, SURFACES};
+use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
 use super::inputs::{checked, drive};
 use super::summary::{self, Peak, Solution};
@@ -22,6 +22,8 @@ pub struct Shell<C> {
     trial: [Vec<f64>; 2],
     accepted: [Vec<f64>; 2],
     solved: bool,
+    /// Rises over the depth after the last solve, where they are asked for [K·m].
+    integrals: Option<[Vec<f64>; 2]>,
     /// The elements of the bodies that are written out.
     volumes: Vec<Grid>,
 }
@@ -29,15 +31,24 @@ pub struct Shell<C> {
 impl<C: Conduction> Shell<C> {
     /// A model in its cold state.
     #[must_use]
-    pub fn new(frame: Frame, volumes: Vec<Grid>) -> Self {
+    pub fn new(frame: Frame, volumes: Vec<Grid>, expands: bool) -> Self {
         let zero = vec![0.0; frame.grid.points()];
         Self {
+            integrals: expands.then(|| [zero.clone(), zero.clone()]),
             conduction: C::new(&frame),
             trial: [zero.clone(), zero.clone()],
             accepted: [zero.clone(), zero],
             solved: false,
             volumes,
             frame,
+        }
+    }
+
+    fn write_integrals(&self, outputs: &mut dyn Outputs) {
+        for (spec, integral) in RISE_INTEGRALS.iter().zip(self.integrals.iter().flatten()) {
+            if let Some(values) = outputs.get(spec) {
+                values.copy_from_slice(integral);
+            }
         }
     }
 
@@ -78,19 +89,25 @@ impl<C: Conduction> Model for Shell<C> {
                 values.copy_from_slice(rise);
             }
         }
+        let mut operations = work.operations;
+        for (body, integral) in self.integrals.iter_mut().flatten().enumerate() {
+            operations += self.conduction.rise_integral(body, integral);
+        }
+        self.write_integrals(outputs);
         self.write_sections(Stage::Trial, outputs);
         let area = self.frame.grid.element_area();
         Ok(StepReport {
             substeps: 1,
             inner_iterations: 0,
-            work: work.operations,
+            work: operations,
             heat_received: Some(area * work.heat[0] + area * work.heat[1]),
             wanted_window: None,
         })
     }
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        for spec in SURFACES.into_iter().chain(SECTIONS).chain(&VOLUMES) {
+        let integrals = RISE_INTEGRALS.into_iter();
+        for spec in SURFACES.into_iter().chain(integrals).chain(SECTIONS).chain(&VOLUMES) {
             if let Some(values) = outputs.get(spec) {
                 values.fill(0.0);
             }
@@ -111,6 +128,7 @@ impl<C: Conduction> Model for Shell<C> {
                 values.copy_from_slice(rise);
             }
         }
+        self.write_integrals(outputs);
         self.write_sections(Stage::Accepted, outputs);
         for (body, volume) in VOLUMES.iter().enumerate() {
             if let Some(values) = outputs.get(volume) {

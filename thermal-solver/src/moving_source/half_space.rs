@@ -63,19 +63,18 @@ impl HalfSpace {
         }
     }
 
+    /// A body of this diffusivity κ [m²/s] in which what has spread weighs alike at all ages, with this factor.
+    #[must_use]
+    pub fn ageless(grid: &Structured, diffusivity: f64, factor: f64, stretch: Stretch) -> Self {
+        let mut body = Self::new(grid, diffusivity, 1.0, stretch);
+        body.ages.iter_mut().for_each(|age| age.weight *= age.age.sqrt());
+        Self { amplitude: factor, ..body }
+    }
+
     /// Its influence on the surface.
     #[must_use]
     pub fn influence(&self, convolution: &mut Convolution) -> Influence {
-        let (tables, work) = self.tables();
-        let (columns, rows_apart) = (self.grid.ni as i32, 2 * self.grid.ni);
-        // The target's index less the source's is what the convolution asks for.
-        let of = |table: &[f64], di: i32, dj: i32| {
-            let (offset, row) = (columns - di, dj.unsigned_abs() as usize);
-            let inside = (1..=2 * columns).contains(&offset);
-            if inside { table[row * rows_apart + offset as usize - 1] } else { 0.0 }
-        };
-        let spectra = tables.each_ref().map(|table| convolution.spectrum(|i, j| of(table, i, j)));
-        Influence { columns: self.grid.ni, spectra, work }
+        Influence::of(&self.grid, std::iter::once(self.clone()), convolution)
     }
 
     /// Number of ages.
@@ -89,13 +88,11 @@ impl HalfSpace {
         (4.0 * self.diffusivity * age).sqrt()
     }
 
-    /// Influence of the element and of the edge with the offset d = source − target along x, from
-    /// −(n_x − 1) on, and rows apart [m²·K/W], and the multiply-adds that it has taken.
-    fn tables(&self) -> ([Vec<f64>; 2], u64) {
-        let (columns, rows) = (self.grid.ni, self.grid.nj);
-        let zeros = vec![0.0; 2 * columns * rows];
-        let (mut tables, mut work) = ([zeros.clone(), zeros], 0);
-        let first = 1 - columns as i64;
+    /// Adds the influence of the element and of the edge with the offset d = source − target along x, from
+    /// −(n_x − 1) on, and rows apart [m²·K/W]; the multiply-adds that it has taken.
+    fn add_to(&self, tables: &mut [Vec<f64>; 2]) -> u64 {
+        let columns = self.grid.ni;
+        let (first, mut work) = (1 - columns as i64, 0);
         for Age { age, weight } in &self.ages {
             let along = self.along(*age, 0.0, first..columns as i64 + 1);
             if along.middle.is_empty() {
@@ -113,7 +110,7 @@ impl HalfSpace {
             }
             work += (2 * across.len() * along.middle.len()) as u64;
         }
-        (tables, work)
+        work
     }
 
     /// Shares of the rows 0, 1, 2 … away from the target's, up to where they end.
@@ -231,6 +228,27 @@ impl HalfSpace {
 }
 
 impl Influence {
+    /// That of some bodies together, on the surface of a grid.
+    #[must_use]
+    pub fn of(
+        grid: &Structured,
+        bodies: impl Iterator<Item = HalfSpace>,
+        convolution: &mut Convolution,
+    ) -> Self {
+        let zeros = vec![0.0; 2 * grid.points()];
+        let mut tables = [zeros.clone(), zeros];
+        let work = bodies.map(|body| body.add_to(&mut tables)).sum();
+        let (columns, rows_apart) = (grid.ni as i32, 2 * grid.ni);
+        // The target's index less the source's is what the convolution asks for.
+        let of = |table: &[f64], di: i32, dj: i32| {
+            let (offset, row) = (columns - di, dj.unsigned_abs() as usize);
+            let inside = (1..=2 * columns).contains(&offset);
+            if inside { table[row * rows_apart + offset as usize - 1] } else { 0.0 }
+        };
+        let spectra = tables.each_ref().map(|table| convolution.spectrum(|i, j| of(table, i, j)));
+        Self { columns: grid.ni, spectra, work }
+    }
+
     /// Multiply-adds that it has taken.
     #[must_use]
     pub fn work(&self) -> u64 {

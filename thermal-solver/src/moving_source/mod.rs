@@ -24,6 +24,8 @@
 //!
 //! What two bodies exchange where they touch is found by [`exchange`], in the shapes of [`touching`].
 //!
+//! What the heat does to the height of the surface is [`rise_integral`].
+//!
 //! In time the flux of every window is constant over it, and contributes over its own ages, from the
 //! youngest to the oldest.
 //!
@@ -36,4 +38,6 @@ pub mod ages;
 pub mod element;
 pub mod exchange;
 pub mod half_space;
+pub mod past;
+pub mod rise_integral;
 pub mod touching;

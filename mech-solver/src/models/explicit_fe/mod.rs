@@ -12,10 +12,12 @@
 //! | [`creep_curve`] | along which the creepage of a force is looked for |
 //! | [`setup`] | a case, checked, and bodies made of it |
 //! | [`passage`] | rolling on in time |
+//! | [`heated`] | steady rolling that heat changes |
 //! | [`outcome`] | what a measurement gives: faults, fields, figures |
 
 mod creep_curve;
 mod entry;
+mod heated;
 mod keys;
 mod outcome;
 mod passage;

@@ -48,6 +48,22 @@ pub(super) fn check(rolling: &Rolling, means: &Means) -> Result<(), Refusal> {
     Ok(())
 }
 
+/// Refuses means without the force that is prescribed.
+///
+/// # Errors
+/// It was not met.
+pub(super) fn met_force(means: &Means, met: bool) -> Result<(), Refusal> {
+    if met {
+        return Ok(());
+    }
+    let ratio = means.force[0] / means.force[2];
+    Err(Refusal::new(
+        "motion.traction_coefficient",
+        format!("no creepage was found: the force came to {ratio:.4} of the normal force"),
+        "write motion.creepage",
+    ))
+}
+
 /// What fields are made with.
 pub(super) struct Fields {
     /// The scene.

@@ -1,6 +1,7 @@
 //! A case, checked, and bodies made of it.
 
 use super::creep_curve::CreepCurve;
+use super::heated::Heated;
 use super::keys::{DENSITY, DEPTH, Extent, MASS_SCALING, PENALTY, RESOLUTION, own_keys};
 use super::outcome::{self, Fields};
 use super::passage::{Passage, Report};
@@ -12,7 +13,7 @@ use crate::explicit::plane::Plane;
 use crate::explicit::quality::Quality;
 use crate::explicit::rolling::{Asked, Rolling};
 use crate::explicit::section::{Section, Sizes};
-use crate::explicit::settle::{expected_steps, settle};
+use crate::explicit::settle::{expected_steps, expected_steps_again, settle};
 use crate::keys::CheckedParams;
 use crate::models::precomputed::{self, Precomputed};
 use crate::resolution;
@@ -93,6 +94,10 @@ pub(super) fn configure(
         1e9 * step,
         1e3 * steps * step * asked.speed
     ));
+    if terms.expansion.is_some() {
+        layout.memory_bytes += elements as u64 * BYTES_PER_ELEMENT[1];
+        layout.solve_seconds += expected_steps_again(&asked, step) * per_step;
+    }
     if terms.axle.is_some() {
         layout.memory_bytes += elements as u64 * BYTES_PER_ELEMENT[1];
         layout.remarks.push(format!(
@@ -109,7 +114,8 @@ pub(super) fn configure(
     }
     let speed = scene.speeds.rolling;
     let friction = scene.friction_coefficient;
-    let curve = CreepCurve::new(configuration, friction, speed, asked.law.flexibility[1]);
+    let curve =
+        CreepCurve::new(configuration, resolution, friction, speed, asked.law.flexibility[1]);
     Ok(Box::new(Prepared {
         curve,
         element,
@@ -171,6 +177,15 @@ fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<
                 &format!("effects.{effect}"),
                 "steady rolling does not depend on what carries the load",
                 "write time.mode = \"transient\" with a window and an end, or remove the effect",
+            ));
+        }
+        if let Some(other) = terms.effect_of(Kind::Expansion) {
+            return Err(Refusal::new(
+                &format!("effects.{other}"),
+                format!(
+                    "explicit elements expand in steady rolling, not on the axle of effects.{effect}"
+                ),
+                "remove one of them",
             ));
         }
         if CheckedParams::new(&configuration.case, own_keys()).number(MASS_SCALING)? > 1.0 {
@@ -350,18 +365,15 @@ impl Setup for Prepared {
         });
         let (means, met) = settle(&mut rolling, |ratio| curve.creepage(ratio), &mut *report)?;
         outcome::check(&rolling, &means)?;
-        if !met {
-            let ratio = means.force[0] / means.force[2];
-            return Err(Refusal::new(
-                "motion.traction_coefficient",
-                format!("no creepage was found: the force came to {ratio:.4} of the normal force"),
-                "write motion.creepage",
-            ));
-        }
+        outcome::met_force(&means, met)?;
         let fields = Fields { scene, terms };
         if let Some(axle) = fields.terms.axle {
             rolling.begin(&means);
             return Ok(Box::new(Passage::new(rolling, &means, axle, fields, wanted, report)));
+        }
+        if let Some(coefficients) = fields.terms.expansion {
+            let model = Heated::new(rolling, &means, curve, coefficients, fields, wanted, report);
+            return Ok(Box::new(model));
         }
         let values = |spec: &&'static FieldSpec| (*spec, fields.values(spec, &rolling));
         Ok(Box::new(Precomputed {

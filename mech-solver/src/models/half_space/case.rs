@@ -21,6 +21,8 @@ pub(super) struct Case {
     /// The terms of the active effects.
     pub(super) terms: Terms,
     pub(super) footprint: Footprint,
+    /// By how much the heat raises both surfaces together, at the elements' centres, where that is among the effects [m].
+    pub(super) rises: Vec<f64>,
     /// The tractions of one step matter to the next.
     pub(super) memory: bool,
     /// Duration of a shift, known when the window is [s].
@@ -60,7 +62,10 @@ impl Case {
     /// Undeformed distance at the elements' centres, if it is not the pressure that is given [m].
     pub(super) fn distance(&self) -> Option<Vec<f64>> {
         let gap = self.footprint.gap.as_ref()?;
-        Some(sample(&self.footprint.grid, &|x, y| gap.distance(x, y) + self.terms.height(x, y)))
+        let mut distance =
+            sample(&self.footprint.grid, &|x, y| gap.distance(x, y) + self.terms.height(x, y));
+        distance.iter_mut().zip(&self.rises).for_each(|(distance, rise)| *distance -= rise);
+        Some(distance)
     }
 
     /// What a particle goes through in a step.

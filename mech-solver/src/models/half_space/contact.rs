@@ -97,7 +97,7 @@ impl ContactSolver {
             layer: case.terms.layer(),
             semi_axes: case.footprint.semi_axes,
             motion,
-            tolerance: if case.terms.friction.is_empty() { TOLERANCE } else { LOOP_TOLERANCE },
+            tolerance: if case.terms.follow_inputs() { LOOP_TOLERANCE } else { TOLERANCE },
         };
         let zeros = vec![0.0; grid.points()];
         let mut solver = Self {

@@ -1,7 +1,7 @@
 //! Steady rolling, or sliding without partial slip: no memory.
 //!
 //! Solved in the first window; the answer is kept, since nothing that it depends on changes. Where
-//! friction depends on what comes in it is solved in every iteration, from scratch, so that it depends
+//! friction or the surfaces depend on what comes in it is solved in every iteration, from scratch, so that it depends
 //! on that and on nothing else. Of a case whose values vary every window is solved,
 //! from the accepted solution of an earlier one.
 
@@ -81,6 +81,7 @@ impl Steady {
         inputs: &dyn Inputs,
     ) -> Result<(Answer, StepReport), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        self.case.expand(inputs)?;
         contact.follow(&self.case, near.is_some()).map_err(no_solution)?;
         contact.set_friction(&mut self.case, inputs)?;
         let (answer, report, solution) = self.compute(contact, near).map_err(no_solution)?;
@@ -134,7 +135,7 @@ impl Model for Steady {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        let fixed = self.case.terms.friction.is_empty() && self.following.is_none();
+        let fixed = !self.case.terms.follow_inputs() && self.following.is_none();
         // What a row without an answer leaves is the answer of an earlier one.
         let known = if fixed { self.answer.take() } else { None };
         let (answer, report) = match known {
@@ -143,6 +144,9 @@ impl Model for Steady {
             None => {
                 let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
                 let mut contact = self.contact().map_err(no_solution)?;
+                if self.case.expand(inputs)? {
+                    contact.follow(&self.case, false).map_err(no_solution)?;
+                }
                 contact.set_friction(&mut self.case, inputs)?;
                 let (answer, report, _) = self.compute(&mut contact, None).map_err(no_solution)?;
                 self.contact = Some(contact);

@@ -1,0 +1,54 @@
+//! Effect `thermal_expansion`: what is warm expands, and the surface rises.
+//!
+//! The surface of a half-space that is free of tractions rises by u = 2(1 + ν)α W, with the coefficient of thermal expansion
+//! α and the integral W of the temperature rise over the depth that the thermal side provides, in which a wave number k
+//! weighs e^{−kz}. Half-spaces have their distance less by that of both bodies. Finite elements have a strain αϑ in all directions
+//! in their first layer, whose integral over the layer is αW: heat is far thinner than their elements, so that the surface
+//! rises and stretches as if it were where it is.
+//!
+//! The effect closes a loop: heat changes the contact, and that the heat.
+//!
+//! Source: Barber, *Elasticity* (2010), 23.3. Left out: for half-spaces the stretching along the surface, which makes a slip of the
+//! order of αϑ between bodies that differ.
+
+use crate::entry::Effect;
+use crate::keys::CheckedParams;
+use crate::scene::Scene;
+use crate::terms::{Kind, Terms};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+use proto::field;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "thermal_expansion",
+    law: "u(k) = 2 (1 + nu) alpha int T(k, z) exp(-k z) dz; in finite elements a strain alpha T",
+    source: "Barber, Elasticity (2010), 23.3",
+    kinds: &[Kind::Expansion],
+    consumes: &[&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL],
+    provides: &[],
+    keys,
+    figures: Vec::new,
+    terms,
+};
+
+const COEFFICIENT: &str = "thermal_expansion";
+
+fn path(material: &str) -> String {
+    format!("materials.{material}.{COEFFICIENT}")
+}
+
+fn keys() -> Vec<KeySpec> {
+    let help = "coefficient of linear thermal expansion";
+    vec![KeySpec::quantity(&path("*"), "1/K", help).required().at_least(0.0)]
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let scene = Scene::read(&configuration.case)?;
+    let own = CheckedParams::new(&configuration.case, keys());
+    let of = |which: usize| {
+        let material = configuration.case.text(&scene.names.key(which, "material"))?;
+        own.number(&path(material))
+    };
+    Ok(Terms { expansion: Some([of(0)?, of(1)?]), ..Terms::default() })
+}

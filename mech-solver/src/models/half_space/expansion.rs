@@ -1,0 +1,52 @@
+//! Surfaces that heat raises ([`crate::effects::thermal_expansion`]).
+
+use super::case::Case;
+use crate::surface::Surface;
+use proto::configuration::Refusal;
+use proto::field;
+use proto::model::{Inputs, StepError};
+
+/// Refuses what has no answer with surfaces that rise.
+pub(super) fn refuse(case: &Case, effect: &str) -> Result<(), Refusal> {
+    let refused = |reason: &str, fix: &str| {
+        let fix = format!("{fix}, or remove the effect");
+        Err(Refusal::new(&format!("effects.{effect}"), reason, fix))
+    };
+    if case.bodies.is_coupled() {
+        return refused(
+            "bodies of different elastic constants slip under their pressure, and the power of surfaces that rise is not in \
+             the balance",
+            "give both bodies the same elastic constants",
+        );
+    }
+    if case.memory {
+        return refused(
+            "tractions of one step meet another pressure in the next, which their balance does not know",
+            "write mech.rolling = \"steady\"",
+        );
+    }
+    Ok(())
+}
+
+impl Case {
+    /// Takes by how much heat raises the surfaces; whether it may.
+    ///
+    /// # Errors
+    /// An input is missing or unusable.
+    pub(super) fn expand(&mut self, inputs: &dyn Inputs) -> Result<bool, StepError> {
+        let Some(coefficients) = self.terms.expansion else { return Ok(false) };
+        let grid = &self.footprint.grid;
+        self.rises.clear();
+        self.rises.resize(grid.points(), 0.0);
+        let fields = [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
+        for (body, (field, coefficient)) in fields.into_iter().zip(coefficients).enumerate() {
+            let integral = Surface::of(inputs, field)?;
+            let ratio = self.scene.bodies[body].material.poisson_ratio;
+            let factor = 2.0 * (1.0 + ratio) * coefficient;
+            for (index, rise) in self.rises.iter_mut().enumerate() {
+                *rise += factor * integral.at(grid.x(index % grid.ni), grid.y(index / grid.ni));
+            }
+        }
+        Ok(true)
+    }
+}

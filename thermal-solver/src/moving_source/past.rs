@@ -1,0 +1,20 @@
+//! The windows of a history as stretches of the past.
+
+use super::ages::Stretch;
+use crate::columns::history::{History, Window};
+use crate::window::Stage;
+
+/// The windows of a state as a body sees them, newest first; before a window without end there is nothing.
+pub fn stretches(
+    history: &History,
+    stage: Stage,
+    body: usize,
+) -> impl Iterator<Item = (Stretch, &Window)> {
+    let newest = Stretch { from: 0.0, to: 0.0, way: 0.0, speed: 0.0 };
+    history.windows(stage).scan(newest, move |before, window| {
+        let (from, way) = (before.to, before.way_at(before.to));
+        let (to, speed) = (from + window.drive.duration, window.drive.speeds[body]);
+        *before = Stretch { from, to, way, speed };
+        (from < f64::INFINITY).then_some((*before, window))
+    })
+}
