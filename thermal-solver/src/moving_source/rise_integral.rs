@@ -48,8 +48,9 @@ pub struct RiseIntegral {
     fields: [Vec<f64>; 3],
     /// What a stretch adds.
     part: Vec<f64>,
-    /// Influences of the stretches of the last question.
+    /// Influences of the stretches of the last question, and of the one before while it is answered.
     known: Vec<(Stretch, Influence)>,
+    before: Vec<(Stretch, Influence)>,
 }
 
 impl RiseIntegral {
@@ -63,6 +64,7 @@ impl RiseIntegral {
             fields: Default::default(),
             part: vec![0.0; grid.points()],
             known: Vec::new(),
+            before: Vec::new(),
         }
     }
 
@@ -74,10 +76,11 @@ impl RiseIntegral {
         integral: &mut [f64],
     ) -> u64 {
         integral.fill(0.0);
-        let (mut before, mut work) = (std::mem::take(&mut self.known), 0);
+        let mut work = 0;
+        std::mem::swap(&mut self.known, &mut self.before);
         for (stretch, share, flux) in past {
-            let influence = match before.iter().position(|(of, _)| *of == stretch) {
-                Some(at) => before.swap_remove(at).1,
+            let influence = match self.before.iter().position(|(of, _)| *of == stretch) {
+                Some(at) => self.before.swap_remove(at).1,
                 None => {
                     let influence = self.influence(stretch);
                     work += influence.work();
@@ -90,6 +93,7 @@ impl RiseIntegral {
             work += integral.len() as u64;
             self.known.push((stretch, influence));
         }
+        self.before.clear();
         work
     }
 

@@ -14,6 +14,10 @@ use thermal_solver::ThermalSolver;
 use thermal_solver::effects::volume_temperature::VOLUMES;
 use thermal_solver::quadrature::integrate;
 
+/// Rises over the depth of the upper and the lower body.
+pub(crate) const INTEGRALS: [&FieldSpec; 2] =
+    [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
+
 /// Tables 1 and 2 of the paper.
 pub(crate) const SEMI_AXIS: f64 = 7.98e-3;
 pub(crate) const HERTZ_PRESSURE: f64 = 1352e6;
@@ -65,6 +69,10 @@ pub(crate) fn configuration(
     if !case["effects"]["volume_temperature"].is_null() {
         observed.extend(VOLUMES.map(|volume| volume.name.to_owned()));
     }
+    let mut outputs = names(&[&field::LOWER_TEMPERATURE, &field::UPPER_TEMPERATURE]);
+    if !case["effects"]["thermal_expansion"].is_null() {
+        outputs.extend(names(&INTEGRALS));
+    }
     Configuration {
         role: "thermal".to_owned(),
         model: model.to_owned(),
@@ -75,7 +83,7 @@ pub(crate) fn configuration(
             input(&field::FRICTION_POWER, Grid::structured("contact", grid)),
             input(&field::SURFACE_SPEED, one_point()),
         ],
-        outputs: names(&[&field::LOWER_TEMPERATURE, &field::UPPER_TEMPERATURE]),
+        outputs,
         observed,
         threads: 1,
     }
@@ -144,6 +152,12 @@ impl Run {
         let setup = ThermalSolver.configure(&configuration).unwrap();
         let layout = setup.layout().clone();
         let poison = vec![f64::NAN; grid.points()];
+        let mut surfaces = vec![
+            (field::LOWER_TEMPERATURE.name, poison.clone()),
+            (field::UPPER_TEMPERATURE.name, poison.clone()),
+        ];
+        let asked = INTEGRALS.into_iter().filter(|spec| layout.grid_of(spec.name).is_some());
+        surfaces.extend(asked.map(|spec| (spec.name, poison.clone())));
         Self {
             model: setup.build(&Progress::default()).unwrap(),
             layout,
@@ -152,10 +166,7 @@ impl Run {
                 speeds: vec![SPEED; 2],
                 grids: [Grid::structured("contact", grid), one_point()],
             },
-            surfaces: Wanted(vec![
-                (field::LOWER_TEMPERATURE.name, poison.clone()),
-                (field::UPPER_TEMPERATURE.name, poison),
-            ]),
+            surfaces: Wanted(surfaces),
             time: 0.0,
         }
     }

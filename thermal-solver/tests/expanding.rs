@@ -1,0 +1,101 @@
+//! The rise over the depth, through the contract: in time and at last, of both models that know it.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
+
+mod support;
+
+use proto::configuration::Mode;
+use proto::grid::Structured;
+use proto::model::Solver;
+use serde_json::{Value, json};
+use support::*;
+use thermal_solver::ThermalSolver;
+
+const MODELS: [&str; 2] = ["columns", "moving-source"];
+
+fn case() -> Value {
+    let mut case = steel();
+    case["effects"]["thermal_expansion"] = json!({});
+    case
+}
+
+/// From one and a half semi-axes behind to ahead, a square that is heated in the middle.
+fn heated() -> (Structured, Vec<f64>) {
+    let h = SEMI_AXIS / 8.0;
+    let grid = Structured::contact_plane(-12.0 * h, -8.0 * h, h, h, 25, 17);
+    let inside = |at: usize| grid.x(at % grid.ni).abs().max(grid.y(at / grid.ni).abs()) < 5.5 * h;
+    let flux = (0..grid.points()).map(|at| if inside(at) { 4e8 } else { 0.0 }).collect();
+    (grid, flux)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
+}
+
+/// Windows of half an element, until the heated material has left the grid, end in the steady integrals. Tolerance: what was
+/// forgotten with material that has left, which is the depth of the heat over the length of the grid.
+#[test]
+fn windows_end_in_the_steady_integral() {
+    let (grid, flux) = heated();
+    for model in MODELS {
+        let mut steady = Run::new(model, Mode::Steady, grid, case());
+        steady.advance(&flux, f64::INFINITY);
+        let mut moving = Run::new(model, Mode::Transient, grid, case());
+        for _ in 0..80 {
+            moving.advance(&flux, 0.5 * grid.dx() / SPEED);
+        }
+        for integral in INTEGRALS {
+            let [one, other] = [&steady, &moving].map(|run| run.surfaces.of(integral));
+            let apart = one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            println!("{model} {}: {:.1e}", integral.name, apart / largest(one));
+            assert!(apart < 3e-3 * largest(one), "{model} {}", integral.name);
+        }
+    }
+}
+
+/// Of one flux both models have one integral: columns hand over that of half-spaces too. Rounding.
+#[test]
+fn both_models_have_one_integral() {
+    let (grid, flux) = heated();
+    let of = |model: &str| {
+        let mut run = Run::new(model, Mode::Steady, grid, case());
+        run.advance(&flux, f64::INFINITY);
+        run.surfaces.of(INTEGRALS[0]).to_vec()
+    };
+    let [columns, exact] = MODELS.map(of);
+    let apart = columns.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-9 * largest(&exact), "{apart:e}");
+}
+
+/// A state that was saved goes on with the same integrals, to the bit.
+#[test]
+fn a_restored_state_has_the_same_integrals() {
+    let (grid, flux) = heated();
+    let window = 0.7 * grid.dx() / SPEED;
+    for model in MODELS {
+        let mut whole = Run::new(model, Mode::Transient, grid, case());
+        for _ in 0..5 {
+            whole.advance(&flux, window);
+        }
+        let mut saved = Vec::new();
+        whole.model.save(&mut saved).unwrap();
+        let mut resumed = Run::new(model, Mode::Transient, grid, case());
+        resumed.model.restore(&mut saved.as_slice()).unwrap();
+        for run in [&mut whole, &mut resumed] {
+            run.time = 5.0 * window;
+            run.advance(&flux, window);
+        }
+        assert_eq!(whole.surfaces.0, resumed.surfaces.0, "{model}");
+    }
+}
+
+/// A body that is heated at one place for ever rises for ever.
+#[test]
+fn a_body_at_rest_has_no_height_at_last() {
+    let mut case = case();
+    case["bodies"]["wheel"]["surface_speed"] = json!(0.0);
+    let given = configuration("moving-source", Mode::Steady, heated().0, case);
+    let refusal = ThermalSolver.configure(&given).err().unwrap();
+    assert_eq!(refusal.key, "bodies.wheel.surface_speed");
+    assert!(refusal.reason.contains("no height at last"), "{refusal}");
+}
