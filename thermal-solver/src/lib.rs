@@ -53,7 +53,7 @@ impl Solver for ThermalSolver {
             keys: scene::keys(),
             fields: effects::volume_temperature::VOLUMES.map(|field| field.kind()).to_vec(),
             figures: figures::figures(),
-            renamed: Vec::new(),
+            renamed: effects::renamed(),
         }
     }
 

@@ -64,10 +64,13 @@ fn the_papers_ellipse() {
     }
 }
 
-/// A case with another material below, and how the surfaces share the heat.
+/// A case with another material below, and how the surfaces share the heat, with what lets it flow between them.
 fn case(partition: &Value, conductivity: f64) -> Value {
-    let mut case = steel();
-    case["effects"]["friction_heat"] = partition.clone();
+    let (mut case, mut partition) = (steel(), partition.clone());
+    if let Some(law) = partition.as_object_mut().unwrap().remove("contact_conductance") {
+        case["effects"]["contact_conductance"] = law;
+    }
+    case["effects"]["friction_heat"] = partition;
     case["materials"]["other"] = case["materials"]["steel"].clone();
     case["materials"]["other"]["conductivity"] = json!(conductivity);
     case["bodies"]["rail"]["material"] = json!("other");
@@ -156,7 +159,7 @@ fn a_conductance_lies_between() {
         };
         let halves = wheel(json!({"partition": "equal"}));
         let one = wheel(json!({"partition": "continuity"}));
-        let by = |h: f64| wheel(json!({"partition": "conductance", "conductance": h}));
+        let by = |h: f64| wheel(json!({"contact_conductance": {"conductance": h}}));
         let found = [1e-3, 1e3, 1e5, 1e7, 1e13].map(by);
         assert!(found.windows(2).all(|pair| pair[0] > pair[1]), "{model} {found:?}");
         // Of the iteration.
@@ -185,7 +188,7 @@ fn both_models_let_the_same_flow() {
 /// body everywhere, which is of steps in time, a tenth of that, and hats two elements wide.
 #[test]
 fn both_models_let_the_same_flow_in_time() {
-    let conductance = json!({"partition": "conductance", "conductance": 1e5});
+    let conductance = json!({"contact_conductance": {"conductance": 1e5}});
     let grid = plane(12);
     let flux = ellipse(&grid, 1e8);
     let of = |model: &str, partition: &Value, speeds: [f64; 2], passage: f64| {
@@ -225,6 +228,61 @@ fn both_models_let_the_same_flow_in_time() {
     }
 }
 
+/// Surfaces under a pressure that touch beyond where they rub, in the rear half of the contact; the conductance, or h₀ with a hardness.
+fn pressed(model: &str, law: &Value, pressure: impl Fn(f64) -> f64) -> Run {
+    let grid = plane(12);
+    let mut case = case(&json!({"contact_conductance": law}), 20.0);
+    case["bodies"]["wheel"]["surface_speed"] = json!(0.4);
+    case["bodies"]["rail"]["surface_speed"] = json!(2.0);
+    let mut run = Run::new(model, Mode::Steady, grid, case);
+    run.given.speeds = vec![0.4, 2.0];
+    let whole = ellipse(&grid, 1.0);
+    run.given.pressure = Some(whole.iter().map(|part| pressure(*part)).collect());
+    let rear =
+        |(at, part): (usize, &f64)| if grid.x(at % grid.ni) < 0.0 { 1e8 * part } else { 0.0 };
+    let flux: Vec<f64> = whole.iter().enumerate().map(rear).collect();
+    let report = run.try_solve(&flux, f64::INFINITY).unwrap();
+    let sent: f64 = flux.iter().sum::<f64>() * grid.element_area();
+    assert!((report.heat_received.unwrap() / sent - 1.0).abs() < 1e-12);
+    run
+}
+
+/// By pressure: one that is the same everywhere conducts as a constant does; a high conductance leaves one temperature wherever
+/// there is pressure, with friction or without. Tolerance: what the iteration is asked for.
+#[test]
+fn a_conductance_by_pressure() {
+    let even = |part: f64| if part > 0.0 { 2e8 } else { 0.0 };
+    let wheel = |run: &Run| run.surfaces.of(&field::UPPER_TEMPERATURE).to_vec();
+    for model in MODELS {
+        let rough = pressed(model, &json!({"conductance": 1e6, "hardness": 2e9}), even);
+        let constant = 1e6 * 0.1_f64.powf(0.95);
+        // Where there is no friction a constant conductance knows of no contact: the same everywhere, by another hardness.
+        let other = pressed(model, &json!({"conductance": constant, "hardness": 2e8}), even);
+        let [one, same] = [&rough, &other].map(wheel);
+        let warmest = one.iter().copied().fold(0.0, f64::max);
+        assert!(one.iter().zip(&same).all(|(a, b)| (a - b).abs() < 1e-6 * warmest), "{model}");
+
+        let close =
+            pressed(model, &json!({"conductance": 1e14, "hardness": 1e9}), |part| 1e9 * part);
+        let touching = close.given.pressure.as_ref().unwrap().iter();
+        let rises = [&field::UPPER_TEMPERATURE, &field::LOWER_TEMPERATURE];
+        let [upper, lower] = rises.map(|spec| close.surfaces.of(spec));
+        let apart = touching.zip(upper.iter().zip(lower)).filter(|(p, _)| **p > 0.0);
+        let apart = apart.map(|(_, (upper, lower))| (upper - lower).abs()).fold(0.0, f64::max);
+        println!("{model}: {apart:.1e} of {warmest:.0} K");
+        assert!(apart < 1e-5 * warmest, "{model} {apart:e}");
+
+        // The pressure of an ellipse, which ends in nothing.
+        let rough =
+            pressed(model, &json!({"conductance": 1e5, "hardness": 2e9}), |part| 1e9 * part);
+        let halves =
+            pressed(model, &json!({"conductance": 1e-3, "hardness": 2e9}), |part| 1e9 * part);
+        let [rough, halves, one] =
+            [&rough, &halves, &close].map(|run| wheel(run).iter().copied().fold(0.0, f64::max));
+        assert!(halves > rough && rough > one, "{model} {halves} {rough} {one}");
+    }
+}
+
 #[test]
 fn models_with_one_share_refuse_what_flows_between() {
     for model in ["columns", "ertz-knothe"] {
@@ -233,10 +291,13 @@ fn models_with_one_share_refuse_what_flows_between() {
         let refusal = ThermalSolver.configure(&given).err().unwrap();
         assert_eq!(refusal.key, "effects.friction_heat.partition");
     }
-    let case = case(&json!({"partition": "conductance"}), 50.0);
+    let case = case(
+        &json!({"partition": "continuity", "contact_conductance": {"conductance": 1e5}}),
+        50.0,
+    );
     let given = configuration("moving-source", Mode::Steady, plane(4), case);
     let refusal = ThermalSolver.configure(&given).err().unwrap();
-    assert_eq!(refusal.key, "effects.friction_heat.conductance");
+    assert_eq!(refusal.key, "effects.contact_conductance");
 }
 
 /// A restored model gives the summary and the sections of the saved one, to the bit.

@@ -88,6 +88,7 @@ an_effect_that_is_off_leaves_no_trace! {
     an_effect_that_is_off_leaves_no_trace_in_a_loop("falling-friction.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_in_hot_steel("hot-steel.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_in_steel_that_expands("wheel-spin.toml", &["friction_heat"]);
+    an_effect_that_is_off_leaves_no_trace_between_rough_surfaces("locked-wheel-steady.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_over_a_joint("rail-joint.toml", &["friction_heat", "partial_slip"]);
     an_effect_that_is_off_leaves_no_trace_in_steel_that_flows("yielding.toml", &["friction_heat", "partial_slip"]);
 }

@@ -5,8 +5,6 @@
 //!
 //! - `equal`: ε = ½, the paper's choice;
 //! - `continuity`: what flows between the surfaces where they touch makes their temperatures equal;
-//! - `conductance`: one half each, and h (T_u − T_l) flows from the upper into the lower body where they
-//!   touch, with the conductance h of the contact;
 //! - `effusivity`: ε = β_w√V_w / (β_w√V_w + β_r√V_r), with the effusivity β = √(λρc) and the
 //!   surface speed V of each body. In steady motion with one-dimensional conduction both surfaces
 //!   then have the same temperature everywhere, since T ∝ q/(β√V) (Ertz & Knothe, Wear 253 (2002)
@@ -24,10 +22,8 @@ pub const NAME: &str = "friction_heat";
 
 pub(crate) const PARTITION_KEY: &str = "effects.friction_heat.partition";
 
-const CONDUCTANCE_KEY: &str = "effects.friction_heat.conductance";
-
 /// The laws in the case file.
-const WORDS: [&str; 4] = ["equal", "effusivity", "continuity", "conductance"];
+const WORDS: [&str; 3] = ["equal", "effusivity", "continuity"];
 
 /// The law that splits the frictional heat between the bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,9 +34,6 @@ pub enum Partition {
     Effusivity,
     /// Both surfaces have one temperature where they touch.
     Continuity,
-    /// One half each, and what flows between the surfaces where they touch, by this conductance
-    /// [W/(m²·K)].
-    Conductance(f64),
 }
 
 impl Partition {
@@ -53,7 +46,6 @@ impl Partition {
             "equal" => Ok(Self::Equal),
             "effusivity" => Ok(Self::Effusivity),
             "continuity" => Ok(Self::Continuity),
-            "conductance" => Self::read_conductance(case),
             other => Err(Refusal::new(
                 PARTITION_KEY,
                 format!("`{other}` is not a partition law"),
@@ -62,33 +54,11 @@ impl Partition {
         }
     }
 
-    fn read_conductance(case: &Params) -> Result<Self, Refusal> {
-        let value = case.maybe_number(CONDUCTANCE_KEY)?;
-        let fix = format!("write {CONDUCTANCE_KEY} = \"1e5 W/(m2 K)\", or another partition");
-        match value {
-            Some(value) if value > 0.0 => Ok(Self::Conductance(value)),
-            Some(value) => {
-                Err(Refusal::new(CONDUCTANCE_KEY, format!("{value} is not greater than 0"), fix))
-            }
-            None => Err(Refusal::new(CONDUCTANCE_KEY, "missing", fix)),
-        }
-    }
-
-    /// Resistance 1/h of the contact [m²·K/W], where heat flows between the surfaces.
-    #[must_use]
-    pub fn resistance(self) -> Option<f64> {
-        match self {
-            Self::Equal | Self::Effusivity => None,
-            Self::Continuity => Some(0.0),
-            Self::Conductance(value) => Some(1.0 / value),
-        }
-    }
-
     /// Shares (upper, lower) of the heat [-], before anything flows between the surfaces, for surface speeds (upper, lower) [m/s].
     #[must_use]
     pub fn shares(self, materials: &[Material; 2], speeds: [f64; 2]) -> [f64; 2] {
         match self {
-            Self::Equal | Self::Conductance(_) => [0.5, 0.5],
+            Self::Equal => [0.5, 0.5],
             Self::Continuity if speeds == [0.0; 2] => [0.5, 0.5],
             Self::Effusivity | Self::Continuity => {
                 let uptake = |body: usize| materials[body].effusivity() * speeds[body].sqrt();
@@ -106,7 +76,7 @@ pub fn spec() -> EffectSpec {
         figures: Vec::new(),
         name: NAME.to_owned(),
         law: "q_upper = eps q_f, q_lower = (1 - eps) q_f; eps = 1/2, by effusivity times root of \
-              speed, or so that T_u - T_l = 0 or g/h where the surfaces touch"
+              speed, or so that T_u = T_l where the surfaces touch"
             .to_owned(),
         source: "Naeimi et al., eqs. 7-10; Ertz & Knothe, Wear 253 (2002) 498-508".to_owned(),
         models: models::names::ALL.map(str::to_owned).to_vec(),
@@ -120,12 +90,6 @@ pub fn spec() -> EffectSpec {
         keys: vec![
             KeySpec::choice(PARTITION_KEY, &WORDS, "how the heat is split between the bodies")
                 .default_value("equal"),
-            KeySpec::quantity(
-                CONDUCTANCE_KEY,
-                "W/(m2 K)",
-                "conductance of the contact, for the partition of that name",
-            )
-            .above(0.0),
         ],
     }
 }

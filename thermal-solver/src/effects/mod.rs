@@ -1,5 +1,6 @@
 //! The effects that the thermal participant takes part in: one file an effect, one line here.
 
+pub mod contact_conductance;
 pub mod convection;
 pub mod friction_heat;
 pub mod radiation;
@@ -11,7 +12,7 @@ use crate::fe::conductor::Surroundings;
 use crate::fe::nature::Nature;
 use crate::scene::Scene;
 use proto::configuration::{Configuration, Refusal};
-use proto::description::EffectSpec;
+use proto::description::{EffectSpec, Renamed};
 
 /// An effect of the list.
 #[derive(Clone, Copy, Debug)]
@@ -27,10 +28,18 @@ pub const REGISTRY: &[Effect] = &[
     Effect { name: friction_heat::NAME, spec: friction_heat::spec },
     Effect { name: temperature_material::NAME, spec: temperature_material::spec },
     Effect { name: thermal_expansion::NAME, spec: thermal_expansion::spec },
+    Effect { name: contact_conductance::NAME, spec: contact_conductance::spec },
     Effect { name: convection::NAME, spec: convection::spec },
     Effect { name: radiation::NAME, spec: radiation::spec },
     Effect { name: volume_temperature::NAME, spec: volume_temperature::spec },
 ];
+
+/// Keys of version 0.1.
+#[must_use]
+pub fn renamed() -> Vec<Renamed> {
+    let to = "[effects.contact_conductance] with its conductance";
+    vec![Renamed::new("effects.friction_heat.conductance", to)]
+}
 
 /// What the upper and the lower body are made of, and what is round them, with the effects that the case
 /// names.

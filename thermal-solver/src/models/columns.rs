@@ -1,7 +1,7 @@
 //! Model `columns`: one-dimensional conduction with the exact kernel, for any heat flux in space
 //! and time. Equations and discretisation: [`crate::columns`].
 
-use super::conduction::{Conduction, Cost, Work};
+use super::conduction::{Conduction, Cost, Rub, Work};
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
@@ -141,9 +141,10 @@ impl Conduction for Columns {
     fn solve(
         &mut self,
         drive: &Drive,
-        flux: &[f64],
+        rub: &Rub<'_>,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<Work, StepError> {
+        let flux = rub.flux;
         let window = self.history.trial_mut();
         let points = flux.len() as u64;
         let pieces = window.flux.pieces(flux, ROWS);

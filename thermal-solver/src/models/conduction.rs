@@ -20,6 +20,15 @@ pub struct Cost {
     pub memory_bytes: u64,
 }
 
+/// What happens where the bodies touch, mean of a window.
+#[derive(Clone, Copy, Debug)]
+pub struct Rub<'a> {
+    /// Friction power density of the elements [W/m²].
+    pub flux: &'a [f64],
+    /// Contact pressure of the elements, where it matters [Pa].
+    pub pressure: Option<&'a [f64]>,
+}
+
 /// What a solve cost and what heat it put into the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
@@ -56,12 +65,11 @@ pub trait Conduction: Sized + 'static {
     /// What it leaves out in this case beyond what its description says.
     fn left_out(frame: &Frame) -> Option<Simplification>;
 
-    /// Surface rises of the upper and the lower body [K] at the end of a window with the mean power density
-    /// `flux` [W/m²], from the accepted state.
+    /// Surface rises of the upper and the lower body [K] at the end of a window, from the accepted state.
     fn solve(
         &mut self,
         drive: &Drive,
-        flux: &[f64],
+        rub: &Rub<'_>,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<Work, StepError>;
 

@@ -15,9 +15,7 @@
 //! The paper takes equations 13 and 14, for a uniform flux, below the surface. They do not meet
 //! equation 10 on the surface, so that here the polynomial flux itself is integrated in depth.
 
-use super::conduction::Conduction;
-use super::conduction::Cost;
-use super::conduction::Work;
+use super::conduction::{Conduction, Cost, Rub, Work};
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
@@ -136,9 +134,10 @@ impl Conduction for ErtzKnothe {
     fn solve(
         &mut self,
         drive: &Drive,
-        flux: &[f64],
+        rub: &Rub<'_>,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<Work, StepError> {
+        let flux = rub.flux;
         self.flux.reconstruct(flux);
         self.trial.drive = *drive;
         for (row, ellipse) in self.trial.rows.iter_mut().enumerate() {

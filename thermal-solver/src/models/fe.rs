@@ -1,7 +1,7 @@
 //! Model `fe`: finite elements of both bodies, extruded from the heat flux's grid and graded in depth, steady
 //! in the moving frame and in time. Equations and discretisation: [`crate::fe`].
 
-use super::conduction::{Conduction, Cost, Work};
+use super::conduction::{Conduction, Cost, Rub, Work};
 use super::fields::fields;
 use super::frame::Frame;
 use super::interface::{Flow, Interface, Rubbing, both};
@@ -138,7 +138,7 @@ impl Conduction for FiniteElements {
         Self {
             bodies: [body(UPPER), body(LOWER)],
             windows: [Stretch::steady(0.0); 2],
-            interface: Interface::of(frame.partition, shapes),
+            interface: Interface::of(frame, shapes),
             row_sums: vec![0.0; frame.grid.nj],
             line: vec![0.0; frame.grid.ni],
             threads: if unknowns(frame) < WORTH { 1 } else { frame.threads },
@@ -192,9 +192,10 @@ impl Conduction for FiniteElements {
     fn solve(
         &mut self,
         drive: &Drive,
-        flux: &[f64],
+        rub: &Rub<'_>,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<Work, StepError> {
+        let flux = rub.flux;
         let mut work = Work::default();
         self.below.get_mut().take_if(|(stage, ..)| *stage == Stage::Trial);
         for (body, speed) in drive.speeds.into_iter().enumerate() {
@@ -205,7 +206,7 @@ impl Conduction for FiniteElements {
             self.windows[body] = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
         }
         if let Some(mut interface) = self.interface.take() {
-            let settled = interface.settle(&self.frame.grid.clone(), flux, self, rise);
+            let settled = interface.settle(&self.frame.grid.clone(), rub, self, rise);
             self.interface = Some(interface);
             work.operations += settled?;
             for (body, rise) in self.bodies.iter_mut().zip(rise) {

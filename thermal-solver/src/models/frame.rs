@@ -1,5 +1,6 @@
 //! What a model knows before it is built, and its grids.
 
+use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::Partition;
 use crate::fe::block::Elements;
 use crate::fe::nature::Nature;
@@ -24,6 +25,8 @@ pub struct Frame {
     pub scene: Scene,
     /// How the heat is split.
     pub partition: Partition,
+    /// What lets heat flow between the surfaces besides.
+    pub conductance: Option<Conductance>,
     /// Steady or transient.
     pub mode: Mode,
     /// The grid of heat flux and temperatures, along x in i and along y in j.
@@ -39,6 +42,12 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// The contact's pressure matters.
+    #[must_use]
+    pub fn feels_pressure(&self) -> bool {
+        self.conductance.is_some_and(|law| law.hardness.is_some())
+    }
+
     /// The row of the sections.
     #[must_use]
     pub fn section_row(&self) -> usize {

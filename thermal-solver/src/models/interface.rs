@@ -4,10 +4,13 @@
 //! windows ([`crate::moving_source::exchange`]), which another model need only resemble: what each correction
 //! leaves is measured by the model itself.
 
+use super::conduction::Rub;
+use super::frame::Frame;
 use crate::columns::reconstruction::Flux;
+use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::Partition;
 use crate::moving_source::ages::Stretch;
-use crate::moving_source::exchange::Exchange;
+use crate::moving_source::exchange::{Exchange, Resisting};
 use crate::moving_source::half_space::{Influence, convolution};
 use crate::moving_source::touching::{Shapes, Touching};
 use crate::{LOWER, UPPER};
@@ -51,8 +54,11 @@ pub(super) trait Rubbing {
 
 /// The interface.
 pub(super) struct Interface {
-    /// Resistance 1/h of the contact [m²·K/W].
-    resistance: f64,
+    /// Conductance between the surfaces; without a law they have one temperature.
+    law: Option<Conductance>,
+    /// Resistances 1/h of the elements that touch, and the smallest [m²·K/W].
+    resistances: Vec<f64>,
+    least: f64,
     /// The operator, with the windows that it is for.
     exchange: Option<([Stretch; 2], Exchange)>,
     convolution: Option<Convolution>,
@@ -67,11 +73,16 @@ pub(super) struct Interface {
 }
 
 impl Interface {
-    /// Of a partition that lets heat flow between the surfaces, in these shapes.
-    pub(super) fn of(partition: Partition, shapes: Shapes) -> Option<Self> {
-        let resistance = partition.resistance()?;
+    /// Of a case in which heat flows between the surfaces, in these shapes.
+    pub(super) fn of(frame: &Frame, shapes: Shapes) -> Option<Self> {
+        let law = frame.conductance;
+        if law.is_none() && frame.partition != Partition::Continuity {
+            return None;
+        }
         Some(Self {
-            resistance,
+            law,
+            resistances: Vec::new(),
+            least: 0.0,
             exchange: None,
             convolution: None,
             touching: Touching::new(shapes),
@@ -83,32 +94,35 @@ impl Interface {
         })
     }
 
-    /// Lets heat flow between the elements that rub under a flux until the temperatures of the surfaces
-    /// differ by what the resistance asks for; the work.
+    /// Lets heat flow between the elements that touch until the temperatures of the surfaces
+    /// differ by what the resistances ask for; the work.
     pub(super) fn settle(
         &mut self,
         grid: &Structured,
-        flux: &[f64],
+        rub: &Rub<'_>,
         bodies: &mut dyn Rubbing,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
-        self.touching.find(flux, grid.ni);
+        self.touching.find(rub.pressure.unwrap_or(rub.flux), grid.ni);
+        self.resist(rub.pressure);
         for values in [&mut self.flows, &mut self.correction, &mut self.errors] {
             values.clear();
             values.resize(self.touching.shapes(), 0.0);
         }
+        let largest_flux =
+            rub.flux.iter().fold(f64::MIN_POSITIVE, |most, flux| most.max(flux.abs()));
         let mut work = 0;
         for corrections in 0..=MOST_CORRECTIONS {
             self.touching.spread(&self.flows, &mut self.flow);
             let flow = Flow { elements: self.touching.elements(), values: &self.flow };
             work += bodies.warm(flow, rise)?;
-            let largest = self.judge(rise);
             let warmest = rise.iter().flatten().fold(0.0_f64, |most, rise| most.max(rise.abs()));
+            let largest = self.judge(rise, warmest / largest_flux);
             if largest <= SETTLED * warmest {
                 return Ok(work);
             }
             if corrections < MOST_CORRECTIONS {
-                work += self.correct(grid, bodies) * flux.len() as u64;
+                work += self.correct(grid, bodies) * rub.flux.len() as u64;
             }
         }
         Err(StepError::NoSolution(format!(
@@ -117,27 +131,56 @@ impl Interface {
         )))
     }
 
-    /// The errors T_u − T_l − g/h [K]; the largest.
-    fn judge(&mut self, rise: &[Vec<f64>; 2]) -> f64 {
-        let resistance = self.resistance;
-        let error =
-            |(at, flow): (&usize, &f64)| rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow;
-        self.differences.clear();
-        self.differences.extend(self.touching.elements().iter().zip(&self.flow).map(error));
-        self.touching.gather(&self.differences, &mut self.errors);
-        self.errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()))
+    /// Resistances of the elements that touch.
+    fn resist(&mut self, pressure: Option<&[f64]>) {
+        let Self { law, touching, resistances, .. } = self;
+        let elements = touching.elements().iter();
+        resistances.clear();
+        match (law, pressure) {
+            (None, _) => resistances.extend(elements.map(|_| 0.0)),
+            (Some(law), None) => resistances.extend(elements.map(|_| law.resistance(0.0, 0.0))),
+            (Some(law), Some(pressure)) => {
+                let largest = pressure.iter().copied().fold(0.0, f64::max);
+                resistances.extend(elements.map(|at| law.resistance(pressure[*at], largest)));
+            }
+        }
+        let least = resistances.iter().copied().fold(f64::INFINITY, f64::min);
+        self.least = if least.is_finite() { least } else { 0.0 };
+    }
+
+    /// The errors T_u − T_l − g/h [K]; the largest of what they leave in the temperatures, where a surface becomes `warmth`
+    /// [m²·K/W] warmer with what flows into it.
+    fn judge(&mut self, rise: &[Vec<f64>; 2], warmth: f64) -> f64 {
+        let Self { touching, flow, differences, resistances, least, errors, .. } = self;
+        let flows = touching.elements().iter().zip(flow.iter().zip(&*resistances));
+        differences.clear();
+        differences.extend(flows.map(|(at, (flow, resistance))| {
+            rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow
+        }));
+        touching.gather(differences, errors);
+        for (difference, resistance) in differences.iter_mut().zip(&*resistances) {
+            if resistance > least {
+                *difference *= (*least + warmth) / (resistance + warmth);
+            }
+        }
+        touching.gather(differences, &mut self.correction);
+        self.correction.iter().fold(0.0_f64, |most, error| most.max(error.abs()))
     }
 
     /// Makes a correction of the errors; the products that it took.
     fn correct(&mut self, grid: &Structured, bodies: &dyn Rubbing) -> u64 {
         let windows = bodies.windows();
         let plan = self.convolution.get_or_insert_with(|| convolution(grid));
-        let known = self.exchange.take_if(|(of, _)| *of == windows).map(|(_, exchange)| exchange);
+        let least = self.least;
+        let same =
+            |known: &mut ([Stretch; 2], Exchange)| known.0 == windows && known.1.least() == least;
+        let known = self.exchange.take_if(same).map(|(_, exchange)| exchange);
         let mut exchange = known.unwrap_or_else(|| {
             let influences = bodies.influences(plan);
-            Exchange::new(grid, influences.each_ref().map(|one| &**one), self.resistance)
+            Exchange::new(grid, influences.each_ref().map(|one| &**one), self.least)
         });
-        let products = exchange.correct(plan, &self.touching, &self.errors, &mut self.correction);
+        let contact = Resisting { touching: &self.touching, resistances: &self.resistances };
+        let products = exchange.correct(plan, &contact, &self.errors, &mut self.correction);
         self.flows.iter_mut().zip(&self.correction).for_each(|(flow, more)| *flow += more);
         self.exchange = Some((windows, exchange));
         products as u64

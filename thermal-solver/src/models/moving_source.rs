@@ -5,7 +5,7 @@
 //! their influences, each over its own ages; they are merged as they grow old ([`crate::columns::history`]),
 //! and what they leave is kept while only the flux of the newest window changes.
 
-use super::conduction::{Conduction, Cost, Work};
+use super::conduction::{Conduction, Cost, Rub, Work};
 use super::fields::fields;
 use super::frame::Frame;
 use super::interface::{Flow, Interface, Rubbing, both};
@@ -192,7 +192,7 @@ impl Conduction for MovingSource {
             bodies: [Body::new(frame, UPPER), Body::new(frame, LOWER)],
             row_sums: vec![0.0; frame.grid.nj],
             line: vec![0.0; frame.grid.ni],
-            interface: Interface::of(frame.partition, Shapes::Elements),
+            interface: Interface::of(frame, Shapes::Elements),
             row: RefCell::new(None),
         }
     }
@@ -221,9 +221,10 @@ impl Conduction for MovingSource {
     fn solve(
         &mut self,
         drive: &Drive,
-        flux: &[f64],
+        rub: &Rub<'_>,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<Work, StepError> {
+        let flux = rub.flux;
         let mut work = Work::default();
         self.row.get_mut().take_if(|row| row.stage == Stage::Trial);
         for (body, share) in self.bodies.iter_mut().zip(drive.shares) {
@@ -231,7 +232,7 @@ impl Conduction for MovingSource {
         }
         work.operations += self.pass(drive, rise)?;
         if let Some(mut interface) = self.interface.take() {
-            let settled = interface.settle(&self.frame.grid.clone(), flux, self, rise);
+            let settled = interface.settle(&self.frame.grid.clone(), rub, self, rise);
             self.interface = Some(interface);
             work.operations += settled?;
         } else {

@@ -5,6 +5,7 @@ use super::elements;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
+use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::natures;
 use crate::effects::thermal_expansion;
@@ -75,7 +76,8 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     }
     let scene = Scene::read(&given.case)?;
     let partition = Partition::read(&given.case)?;
-    if partition.resistance().is_some() && !C::EXCHANGES {
+    let conductance = Conductance::read(&given.case, partition)?;
+    if partition == Partition::Continuity && !C::EXCHANGES {
         return Err(Refusal::new(
             friction_heat::PARTITION_KEY,
             format!("model `{}` splits heat by one share everywhere", given.model),
@@ -100,8 +102,17 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             let elements =
                 if C::ELEMENTS { Some(elements::read(&given.case, &scene)?) } else { None };
             let natures = natures(given, &scene)?;
-            let known =
-                Frame { scene, partition, mode, grid, section_y, natures, elements, threads };
+            let known = Frame {
+                scene,
+                partition,
+                conductance,
+                mode,
+                grid,
+                section_y,
+                natures,
+                elements,
+                threads,
+            };
             elements::check(&known)?;
             layout = lay_out::<C>(&known, given);
             if grid != arriving || moves {
@@ -109,6 +120,9 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             }
             if moves {
                 layout.remarks.push("friction_power is mapped to its first grid".to_owned());
+            }
+            if known.feels_pressure() {
+                layout.inputs.extend(pressure(given, &grid)?);
             }
             frame = Some(known);
         }
@@ -136,6 +150,20 @@ fn refuse_rest(scene: &Scene, mode: Mode) -> Result<(), Refusal> {
 
 fn is_heat(input: &Input) -> bool {
     input.field.name == field::FRICTION_POWER.name
+}
+
+/// The pressure on the grid of the heat flux, where it arrives on another one.
+fn pressure(given: &Configuration, grid: &Structured) -> Result<Option<FieldOnGrid>, Refusal> {
+    let name = field::PRESSURE.name;
+    let Some(input) = given.inputs.iter().find(|input| input.field.name == name) else {
+        return Err(Refusal::new(
+            "effects.contact_conductance.hardness",
+            format!("no participant provides `{name}`"),
+            "remove the key, or name a model that does",
+        ));
+    };
+    let arriving = input.grid.as_ref().and_then(|arriving| arriving.as_structured());
+    Ok((arriving != Some(grid) || input.moves).then(|| on(&field::PRESSURE, CONTACT)))
 }
 
 /// The grid on which the heat arrives, once it is known; refused if it is not a contact plane.

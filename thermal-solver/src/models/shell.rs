@@ -1,6 +1,6 @@
 //! The model round a [`Conduction`]: inputs, outputs, state.
 
-use super::conduction::Conduction;
+use super::conduction::{Conduction, Rub};
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
 use super::inputs::{checked, drive};
@@ -82,7 +82,12 @@ impl<C: Conduction> Model for Shell<C> {
         self.solved = false;
         let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
         let drive = drive(&self.frame, C::AT_REST, step, inputs)?;
-        let work = self.conduction.solve(&drive, flux.values, &mut self.trial)?;
+        let pressure = match self.frame.feels_pressure() {
+            true => Some(checked(inputs, &field::PRESSURE, self.frame.grid.points())?.values),
+            false => None,
+        };
+        let rub = Rub { flux: flux.values, pressure };
+        let work = self.conduction.solve(&drive, &rub, &mut self.trial)?;
         self.solved = true;
         for (surface, rise) in SURFACES.iter().zip(&self.trial) {
             if let Some(values) = outputs.get(surface) {

@@ -5,11 +5,12 @@
 //!
 //! T_u − T_l = g/h,
 //!
-//! with the conductance h of the contact [W/(m²·K)]; 1/h = 0 for surfaces of one temperature.
+//! with the conductance h of the contact [W/(m²·K)], element by element; 1/h = 0 for surfaces of one temperature.
 //! M = 1/h + A_u + A_l makes of an error of this equation a correction of g, with the influence A of a flux
 //! whose means over elements are g, and whose values at edges are linear in them ([`Flux::add`]). M is inverted by
 //! GMRES, with the inverse of its symbol for fluxes that are zero at the edges, cut to the places of contact, for a
-//! preconditioner. In steady motion A is not symmetric.
+//! preconditioner; where 1/h is larger than its smallest value 1/h₀, that is scaled on both sides by √((1/h₀ + a)/(1/h + a)), with the
+//! influence a of an element on itself. In steady motion A is not symmetric.
 //!
 //! Between the elements that touch, g and the errors live on shapes ([`Touching`]).
 
@@ -32,8 +33,9 @@ pub struct Exchange {
     columns: usize,
     influence: Influence,
     inverse: Spectrum,
-    /// 1/h [m²·K/W].
-    resistance: f64,
+    /// Smallest 1/h, and the influence of an element on itself [m²·K/W].
+    least: f64,
+    own: f64,
     gmres: Gmres,
     fields: [Vec<f64>; 3],
     flux: Flux,
@@ -43,23 +45,27 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// Of two bodies on a grid whose contact has this resistance 1/h [m²·K/W].
+    /// Of two bodies on a grid whose contact has this smallest resistance 1/h [m²·K/W].
     #[must_use]
-    pub fn new(grid: &Structured, bodies: [&Influence; 2], resistance: f64) -> Self {
+    pub fn new(grid: &Structured, bodies: [&Influence; 2], least: f64) -> Self {
         let influence = Influence::sum(bodies);
         let symbol = influence.of_middle();
         let largest = symbol.values().map(|value| value.norm()).fold(0.0, f64::max);
-        let floor = FLOOR * (resistance + MIDDLE * largest);
+        let (sum, count) =
+            symbol.values().fold((0.0, 0.0), |(sum, count), value| (sum + value.re, count + 1.0));
+        let mean = sum / count;
+        let floor = FLOOR * (least + MIDDLE * largest);
         let inverse = symbol.map(|value| {
-            let value = MIDDLE * value + resistance;
+            let value = MIDDLE * value + least;
             let size = value.norm().max(floor);
             Complex64::new(value.re, -value.im) / (size * size)
         });
         Self {
             columns: grid.ni,
+            own: MIDDLE * mean,
             influence,
             inverse,
-            resistance,
+            least,
             gmres: Gmres::default(),
             fields: std::array::from_fn(|_| vec![0.0; (grid.ni + 1) * grid.nj]),
             flux: Flux::zero(grid.ni, grid.nj),
@@ -68,61 +74,82 @@ impl Exchange {
         }
     }
 
+    /// The smallest resistance that it is for [m²·K/W].
+    #[must_use]
+    pub fn least(&self) -> f64 {
+        self.least
+    }
+
     /// The correction of g [W/m²] for errors T_u − T_l − g/h [K], both in the shapes where the surfaces touch;
     /// the number of products with M.
     pub fn correct(
         &mut self,
         convolution: &mut Convolution,
-        touching: &Touching,
+        contact: &Resisting<'_>,
         error: &[f64],
         correction: &mut [f64],
     ) -> usize {
         let mut gmres = std::mem::take(&mut self.gmres);
-        let mut system = Shapes { exchange: self, convolution, touching };
+        let mut system = Shapes { exchange: self, convolution, contact };
         let achieved = gmres.solve(&mut system, error, REDUCTION, correction);
         self.gmres = gmres;
         achieved.steps
     }
 }
 
+/// What touches, and its resistances 1/h, element by element [m²·K/W].
+pub struct Resisting<'a> {
+    /// Elements and shapes.
+    pub touching: &'a Touching,
+    /// Of the elements.
+    pub resistances: &'a [f64],
+}
+
 /// M between the shapes of what touches.
 struct Shapes<'a> {
     exchange: &'a mut Exchange,
     convolution: &'a mut Convolution,
-    touching: &'a Touching,
+    contact: &'a Resisting<'a>,
 }
 
 impl Preconditioned for Shapes<'_> {
     fn operate(&mut self, x: &[f64], out: &mut [f64]) {
-        let Exchange { influence, resistance, fields, flux, image, elements, .. } =
-            &mut *self.exchange;
-        let touching = self.touching.elements();
-        self.touching.spread(x, elements);
+        let Exchange { influence, fields, flux, image, elements, .. } = &mut *self.exchange;
+        let Resisting { touching: shapes, resistances } = self.contact;
+        let touching = shapes.elements();
+        shapes.spread(x, elements);
         flux.clear();
         flux.add(touching, elements, 1.0);
         image.fill(0.0);
         influence.add(flux, self.convolution, fields, image);
-        for (at, value) in touching.iter().zip(&mut *elements) {
-            *value = *resistance * *value + image[*at];
+        for (at, (value, resistance)) in touching.iter().zip(elements.iter_mut().zip(*resistances))
+        {
+            *value = resistance * *value + image[*at];
         }
-        self.touching.gather(elements, out);
+        shapes.gather(elements, out);
     }
 
     fn precondition(&mut self, x: &[f64], out: &mut [f64]) {
-        let Exchange { columns, inverse, fields: [field, image, _], elements, .. } =
+        let Exchange { columns, inverse, least, own, fields: [field, image, _], elements, .. } =
             &mut *self.exchange;
+        let Resisting { touching: shapes, resistances } = self.contact;
+        let scale = |resistance: &f64| match resistance > least {
+            true => ((*least + *own) / (resistance + *own)).sqrt(),
+            false => 1.0,
+        };
         // A row of the convolution has one place more, for edges.
         let place = |at: usize| at + at / *columns;
-        let touching = self.touching.elements();
-        self.touching.spread(x, elements);
+        let touching = shapes.elements();
+        shapes.spread(x, elements);
         field.fill(0.0);
-        for (at, value) in touching.iter().zip(&*elements) {
-            field[place(*at)] = *value;
+        for (at, (value, resistance)) in touching.iter().zip(elements.iter().zip(*resistances)) {
+            field[place(*at)] = scale(resistance) * value;
         }
         self.convolution.apply(inverse, field, image);
-        for (at, value) in touching.iter().zip(&mut *elements) {
-            *value = image[place(*at)];
+        for (at, (value, resistance)) in touching.iter().zip(elements.iter_mut().zip(*resistances))
+        {
+            *value = scale(resistance) * image[place(*at)];
         }
-        self.touching.gather(elements, out);
+        shapes.gather(elements, out);
     }
 }

@@ -73,16 +73,20 @@ pub(crate) fn configuration(
     if !case["effects"]["thermal_expansion"].is_null() {
         outputs.extend(names(&INTEGRALS));
     }
+    let mut inputs = vec![
+        input(&field::FRICTION_POWER, Grid::structured("contact", grid)),
+        input(&field::SURFACE_SPEED, one_point()),
+    ];
+    if !case["effects"]["contact_conductance"].is_null() {
+        inputs.push(input(&field::PRESSURE, Grid::structured("contact", grid)));
+    }
     Configuration {
         role: "thermal".to_owned(),
         model: model.to_owned(),
         mode,
         case: Params(case),
         histories: None,
-        inputs: vec![
-            input(&field::FRICTION_POWER, Grid::structured("contact", grid)),
-            input(&field::SURFACE_SPEED, one_point()),
-        ],
+        inputs,
         outputs,
         observed,
         threads: 1,
@@ -96,6 +100,7 @@ pub(crate) fn one_point() -> Grid {
 /// Inputs at hand.
 pub(crate) struct Given {
     pub(crate) flux: Option<Vec<f64>>,
+    pub(crate) pressure: Option<Vec<f64>>,
     pub(crate) speeds: Vec<f64>,
     pub(crate) grids: [Grid; 2],
 }
@@ -104,6 +109,10 @@ impl Inputs for Given {
     fn get(&self, field: &FieldSpec) -> Option<InputField<'_>> {
         if *field == field::FRICTION_POWER {
             let values = self.flux.as_deref()?;
+            return Some(InputField { values, grid: &self.grids[0] });
+        }
+        if *field == field::PRESSURE {
+            let values = self.pressure.as_deref()?;
             return Some(InputField { values, grid: &self.grids[0] });
         }
         let known = *field == field::SURFACE_SPEED;
@@ -163,6 +172,7 @@ impl Run {
             layout,
             given: Given {
                 flux: None,
+                pressure: None,
                 speeds: vec![SPEED; 2],
                 grids: [Grid::structured("contact", grid), one_point()],
             },

@@ -1,0 +1,119 @@
+//! Effect `contact_conductance`: surfaces that touch have different temperatures, and heat flows between them.
+//!
+//! From the upper into the lower body flows g = h (T_u − T_l), besides their shares of the friction heat. The conductance h of
+//! the contact is constant, or that of rough surfaces whose asperities flow, h = h₀ (p/H)^0.95, with the contact pressure p and
+//! the hardness H of the softer body. Where the surfaces touch without friction heat flows too.
+//!
+//! h → ∞ is the partition `continuity`, h → 0 its absence.
+//!
+//! Source: Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279–300; exponent: Yovanovich, AIAA 81-1164 (1981).
+
+use super::friction_heat::Partition;
+use crate::models::names;
+use proto::configuration::Refusal;
+use proto::description::{EffectSpec, KeySpec, names as field_names};
+use proto::field;
+use proto::params::Params;
+
+/// Name in the case file.
+pub const NAME: &str = "contact_conductance";
+
+const CONDUCTANCE: &str = "effects.contact_conductance.conductance";
+const HARDNESS: &str = "effects.contact_conductance.hardness";
+/// Of the pressure over the hardness.
+const EXPONENT: f64 = 0.95;
+/// Pressures below this part of the largest conduct as that: rounding of the pressure.
+const LEAST: f64 = 1e-6;
+
+/// The law of a contact's conductance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conductance {
+    /// h, or h₀ [W/(m²·K)].
+    pub conductance: f64,
+    /// H, if the pressure matters [Pa].
+    pub hardness: Option<f64>,
+}
+
+impl Conductance {
+    /// Reads the law, if the case has it.
+    ///
+    /// # Errors
+    /// A value that is missing or not above 0, and a partition that leaves no difference of temperatures.
+    pub fn read(case: &Params, partition: Partition) -> Result<Option<Self>, Refusal> {
+        if !case.has("effects.contact_conductance") {
+            return Ok(None);
+        }
+        if partition == Partition::Continuity {
+            return Err(Refusal::new(
+                "effects.contact_conductance",
+                "surfaces of one temperature have no conductance between them",
+                "write effects.friction_heat.partition = \"equal\", or remove the effect",
+            ));
+        }
+        let above_zero = |key: &str, value: f64| match value > 0.0 {
+            true => Ok(value),
+            false => {
+                let reason = format!("{value} is not greater than 0");
+                Err(Refusal::new(key, reason, "write a positive number"))
+            }
+        };
+        let conductance = above_zero(CONDUCTANCE, case.number(CONDUCTANCE)?)?;
+        let hardness = case.maybe_number(HARDNESS)?;
+        let hardness = hardness.map(|value| above_zero(HARDNESS, value)).transpose()?;
+        Ok(Some(Self { conductance, hardness }))
+    }
+
+    /// Resistance 1/h [m²·K/W] at a pressure, of which the largest is given [Pa].
+    #[must_use]
+    pub fn resistance(&self, pressure: f64, largest: f64) -> f64 {
+        let Some(hardness) = self.hardness else { return 1.0 / self.conductance };
+        let pressure = pressure.max(LEAST * largest);
+        1.0 / (self.conductance * (pressure / hardness).powf(EXPONENT))
+    }
+}
+
+/// The thermal participant's part of the effect.
+#[must_use]
+pub fn spec() -> EffectSpec {
+    EffectSpec {
+        figures: Vec::new(),
+        name: NAME.to_owned(),
+        law: "g = h (T_u - T_l) from the upper into the lower body where they touch; h constant, or h_0 (p/H)^0.95"
+            .to_owned(),
+        source: "Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279-300; Yovanovich, AIAA 81-1164 (1981)"
+            .to_owned(),
+        models: vec![names::MOVING_SOURCE.to_owned(), names::FE.to_owned()],
+        consumes: field_names(&[&field::PRESSURE]),
+        provides: Vec::new(),
+        keys: vec![
+            KeySpec::quantity(CONDUCTANCE, "W/(m2 K)", "conductance h; with a hardness, h_0 at a pressure as high")
+                .required()
+                .above(0.0),
+            KeySpec::quantity(HARDNESS, "Pa", "hardness H of the softer body; absent: h does not depend on the pressure")
+                .above(0.0),
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn the_law() {
+        let case = |table: serde_json::Value| Params(json!({"effects": {NAME: table}}));
+        let read = |table| Conductance::read(&case(table), Partition::Equal);
+        let constant = read(json!({"conductance": 1e5})).unwrap().unwrap();
+        assert_eq!(constant.resistance(7.0, 9.0), 1e-5);
+        let rough = read(json!({"conductance": 1e5, "hardness": 2e9})).unwrap().unwrap();
+        assert!((rough.resistance(2e9, 2e9) / 1e-5 - 1.0).abs() < 1e-15);
+        let ratio = rough.resistance(1e8, 2e9) / rough.resistance(2e8, 2e9);
+        assert!((ratio - 2f64.powf(0.95)).abs() < 1e-12);
+        assert_eq!(rough.resistance(0.0, 2e9), rough.resistance(2e3, 2e9));
+        assert_eq!(Conductance::read(&Params(json!({})), Partition::Equal), Ok(None));
+        assert_eq!(read(json!({"conductance": 0.0})).unwrap_err().key, CONDUCTANCE);
+        let one = Conductance::read(&case(json!({"conductance": 1.0})), Partition::Continuity);
+        assert!(one.unwrap_err().reason.contains("one temperature"));
+    }
+}
