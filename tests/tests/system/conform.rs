@@ -56,22 +56,31 @@ fn assert_fails((ended, report): &(Ended, Value), check: &str, words: &str) {
 /// What a participant gets is as coarse as the contact that it is made up for.
 const COARSE: [&str; 2] = ["--set", "mech.resolution=2"];
 
+/// And no model looks for a creepage.
+const CREEPAGE: [&str; 6] = [
+    COARSE[0],
+    COARSE[1],
+    "--unset",
+    "motion.traction_coefficient",
+    "--set",
+    "motion.creepage.xi=-0.003",
+];
+
 /// The checks that do not concern a mechanical solver that runs alone.
 const ALONE: [&str; 6] =
     ["heat-received", "growing-grids", "volumes", "missing-sample", "wrong-sample", "not-finite"];
 
 /// A solver of ours passes with every model, on coarse grids, in so many settings.
-fn ours_conform(role: &str, name: &str, inapplicable: &[&str], settings: usize) {
-    let options = if role == "mech" { &COARSE[..] } else { &[] };
+fn ours_conform(role: &str, name: &str, options: &[&str], inapplicable: &[&str], settings: usize) {
     assert_eq!(assert_conforms(role, &case(name), (options, &[]), inapplicable), settings);
 }
 
 // Mechanics with temperatures to read: FASTSIM does not support that effect.
 table_of_tests! { ours_conform:
-    the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &["volumes"], 7);
-    the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &["volumes"], 7);
-    the_mechanical_solver_conforms_with_every_model("mech", "wheel-rail.toml", &ALONE, 8);
-    the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &["heat-received", "volumes"], 4);
+    the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &[], &["volumes"], 7);
+    the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &[], &["volumes"], 7);
+    the_mechanical_solver_conforms_with_every_model("mech", "wheel-rail.toml", &CREEPAGE, &ALONE, 8);
+    the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &COARSE, &["heat-received", "volumes"], 4);
 }
 
 /// A volume that stays, and one that moves with every window.

@@ -204,8 +204,8 @@ fn methods_that_make_no_sense_are_refused() {
         ("mapping.method=linear", "unknown method `linear`"),
         ("mapping.fields.heat.method=auto", "unknown field `heat`"),
         (
-            "mapping.fields.pressure.method=intersection",
-            "no participant consumes `pressure`: it is never mapped",
+            "mapping.fields.slip_velocity.method=intersection",
+            "no participant consumes `slip_velocity`: it is never mapped",
         ),
     ] {
         let (code, text) = shown("check", "wheel-rail.toml", &[set]);

@@ -81,6 +81,16 @@ TABLE: dict[str, FieldKind] = {
             )
             for body in BODIES
         ),
+        *(
+            FieldKind(
+                f"{body}_rise_integral",
+                "K m",
+                body=body,
+                meaning=f"temperature rise of the {body} body over its depth z, a wave number k "
+                "weighted by exp(-k z)",
+            )
+            for body in BODIES
+        ),
         FieldKind(
             "lower_section_temperature",
             "K",
