@@ -91,11 +91,16 @@ fn a_restored_state_has_the_same_integrals() {
 
 /// A body that is heated at one place for ever rises for ever.
 #[test]
-fn a_body_at_rest_has_no_height_at_last() {
+fn a_body_at_rest_has_no_steady_height() {
     let mut case = case();
     case["bodies"]["wheel"]["surface_speed"] = json!(0.0);
     let given = configuration("moving-source", Mode::Steady, heated().0, case);
     let refusal = ThermalSolver.configure(&given).err().unwrap();
     assert_eq!(refusal.key, "bodies.wheel.surface_speed");
-    assert!(refusal.reason.contains("no height at last"), "{refusal}");
+    let (grid, flux) = heated();
+    let mut run = Run::new("moving-source", Mode::Steady, grid, self::case());
+    run.given.speeds = vec![0.0, SPEED];
+    let error = run.try_solve(&flux, f64::INFINITY).unwrap_err().to_string();
+    assert!(error.contains("no steady height"), "{error}");
+    assert!(refusal.reason.contains("no steady height"), "{refusal}");
 }

@@ -2,14 +2,15 @@
 //!
 //! The surface of a half-space that is free of tractions rises by u = 2(1 + ν)α W, with the coefficient of thermal expansion
 //! α and the integral W of the temperature rise over the depth that the thermal side provides, in which a wave number k
-//! weighs e^{−kz}. Half-spaces have their distance less by that of both bodies. Finite elements have a strain αϑ in all directions
+//! weighs e^{−kz}. For half-spaces the undeformed distance is reduced by the rise of both surfaces. Finite elements have a strain αϑ in all directions
 //! in their first layer, whose integral over the layer is αW: heat is far thinner than their elements, so that the surface
 //! rises and stretches as if it were where it is.
 //!
 //! The effect closes a loop: heat changes the contact, and that the heat.
 //!
-//! Source: Barber, *Elasticity* (2010), 23.3. Left out: for half-spaces the stretching along the surface, which makes a slip of the
-//! order of αϑ between bodies that differ.
+//! Source: Barber, *Elasticity* (2010), thermoelastic displacement potentials. Left out for half-spaces: the stretching along the
+//! surface, which makes a slip of the order of the difference of αϑ between both surfaces; for both models thermal stress, which
+//! `subsurface_stress` does not add.
 
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
@@ -23,7 +24,7 @@ use proto::field;
 pub const EFFECT: Effect = Effect {
     name: "thermal_expansion",
     law: "u(k) = 2 (1 + nu) alpha int T(k, z) exp(-k z) dz; in finite elements a strain alpha T",
-    source: "Barber, Elasticity (2010), 23.3",
+    source: "Barber, Elasticity (2010), thermoelastic displacement potentials",
     kinds: &[Kind::Expansion],
     consumes: &[&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL],
     provides: &[],

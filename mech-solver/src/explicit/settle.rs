@@ -94,15 +94,16 @@ fn roll_to_force<E>(
 
 /// A search for the creepage of a force.
 struct Search {
-    /// Creepage of a measurement before, of the elements and of the curve.
+    /// Creepage of a measurement before, of the elements and of the curve; at first nothing, where both curves begin.
     last: [f64; 2],
+    measured: bool,
     slope: f64,
 }
 
 impl Search {
     /// Before a measurement both curves are taken to be one.
     fn new() -> Self {
-        Self { last: [0.0; 2], slope: 1.0 }
+        Self { last: [0.0; 2], measured: false, slope: 1.0 }
     }
 
     /// The creepage for a place on the curve, after a measurement of both. A slope is taken from measurements that are apart, and not
@@ -113,7 +114,10 @@ impl Search {
         if apart.abs() > APART * creepage.abs() {
             self.slope = ((place - self.last[1]) / apart).clamp(0.3, 3.0);
             self.last = now;
+        } else if !self.measured {
+            self.last = now;
         }
+        self.measured = true;
         creepage + (target - place) / self.slope
     }
 }
@@ -126,7 +130,7 @@ mod tests {
     #[test]
     fn no_force() {
         let (mut creepage, mut search) = (0.0, Search::new());
-        for _ in 0..3 {
+        for _ in 0..2 {
             creepage = search.next([creepage, 0.9 * creepage - 5e-5], 0.0);
         }
         assert!((0.9 * creepage - 5e-5).abs() < 1e-12, "{creepage}");

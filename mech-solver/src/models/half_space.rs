@@ -261,6 +261,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let elements = grid.points() as f64;
     let how = match case.memory {
         true => "one step an element rolled, or one for a shift",
+        false if case.terms.follow_inputs() => "solved in every iteration",
         false => "solved once, in the first window",
     };
     let size = format!(

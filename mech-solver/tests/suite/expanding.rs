@@ -49,8 +49,8 @@ impl Inputs for Raised {
 }
 
 /// Finite elements whose first layer expands change as half-spaces do that are raised, by a bell of 10 µm on each body: the approach
-/// less by most of both, the pressure higher, the contact smaller. Tolerance: four elements to a semi-axis, which are 3 % off in
-/// the pressure itself, as first order has it: with eight it is half as far, docs/theory/explicit-fe.md.
+/// less by most of both, the pressure higher, the contact smaller. Tolerance: a layer expands in its middle, a
+/// quarter of a semi-axis deep with four elements to one, and less than its surface would; of first order (docs/theory/explicit-fe.md).
 #[test]
 fn elements_that_expand_change_as_half_spaces_that_are_raised() {
     let bell = Raised::bell(10e-6, 8e-3, 1.2e-5);

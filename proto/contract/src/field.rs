@@ -111,9 +111,9 @@ field_table! {
     UPPER_TEMPERATURE = "upper_temperature" ["K"; 1], Consistent, Upper,
         "temperature rise of the upper body's surface";
     LOWER_RISE_INTEGRAL = "lower_rise_integral" ["K m"; 1], Consistent, Lower,
-        "temperature rise of the lower body over its depth z, a wave number k weighted by exp(-k z)";
+        "temperature rise of the lower body integrated over the depth z, each wave number k weighted by exp(-k z)";
     UPPER_RISE_INTEGRAL = "upper_rise_integral" ["K m"; 1], Consistent, Upper,
-        "temperature rise of the upper body over its depth z, a wave number k weighted by exp(-k z)";
+        "temperature rise of the upper body integrated over the depth z, each wave number k weighted by exp(-k z)";
     LOWER_SECTION_TEMPERATURE = "lower_section_temperature" ["K"; 1], Consistent, Lower,
         "temperature rise of the lower body in a vertical plane along x under the surface";
     UPPER_SECTION_TEMPERATURE = "upper_section_temperature" ["K"; 1], Consistent, Upper,

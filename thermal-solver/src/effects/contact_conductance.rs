@@ -19,11 +19,12 @@ use proto::params::Params;
 pub const NAME: &str = "contact_conductance";
 
 const CONDUCTANCE: &str = "effects.contact_conductance.conductance";
-const HARDNESS: &str = "effects.contact_conductance.hardness";
+pub(crate) const HARDNESS: &str = "effects.contact_conductance.hardness";
 /// Of the pressure over the hardness.
 const EXPONENT: f64 = 0.95;
-/// Pressures below this part of the largest conduct as that: rounding of the pressure.
-const LEAST: f64 = 1e-6;
+/// Pressures below this part of the largest conduct as that: the last of an ellipse's edge, or places in a row between two patches, where what
+/// flows is sought with the rest.
+const LEAST: f64 = 1e-2;
 
 /// The law of a contact's conductance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +87,7 @@ pub fn spec() -> EffectSpec {
         consumes: field_names(&[&field::PRESSURE]),
         provides: Vec::new(),
         keys: vec![
-            KeySpec::quantity(CONDUCTANCE, "W/(m2 K)", "conductance h; with a hardness, h_0 at a pressure as high")
+            KeySpec::quantity(CONDUCTANCE, "W/(m2 K)", "conductance h; with a hardness h_0, the conductance at p = H")
                 .required()
                 .above(0.0),
             KeySpec::quantity(HARDNESS, "Pa", "hardness H of the softer body; absent: h does not depend on the pressure")
@@ -110,7 +111,7 @@ mod tests {
         assert!((rough.resistance(2e9, 2e9) / 1e-5 - 1.0).abs() < 1e-15);
         let ratio = rough.resistance(1e8, 2e9) / rough.resistance(2e8, 2e9);
         assert!((ratio - 2f64.powf(0.95)).abs() < 1e-12);
-        assert_eq!(rough.resistance(0.0, 2e9), rough.resistance(2e3, 2e9));
+        assert_eq!(rough.resistance(0.0, 2e9), rough.resistance(2e7, 2e9));
         assert_eq!(Conductance::read(&Params(json!({})), Partition::Equal), Ok(None));
         assert_eq!(read(json!({"conductance": 0.0})).unwrap_err().key, CONDUCTANCE);
         let one = Conductance::read(&case(json!({"conductance": 1.0})), Partition::Continuity);

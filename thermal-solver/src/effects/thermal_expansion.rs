@@ -19,7 +19,7 @@ pub fn spec() -> EffectSpec {
         figures: Vec::new(),
         name: NAME.to_owned(),
         law: "W(k) = int T(k, z) exp(-k z) dz, of each body".to_owned(),
-        source: "Barber, Elasticity (2010), 23.3".to_owned(),
+        source: "Barber, Elasticity (2010), thermoelastic displacement potentials".to_owned(),
         models: vec![names::COLUMNS.to_owned(), names::MOVING_SOURCE.to_owned()],
         consumes: Vec::new(),
         provides: field_names(&[RISE_INTEGRALS[1], RISE_INTEGRALS[0]]),
@@ -38,7 +38,7 @@ pub fn refuse_rest(scene: &Scene, mode: Mode) -> Result<(), Refusal> {
     Err(Refusal::new(
         &scene.names.key(body, "surface_speed"),
         format!(
-            "`{}` is at rest: heat without end spreads in it without end, and its surface has no height at last",
+            "`{}` is at rest: it is heated without end, and its surface has no steady height",
             scene.names.0[body]
         ),
         "write time.mode = \"transient\", a speed above 0 m/s, or remove effects.thermal_expansion",

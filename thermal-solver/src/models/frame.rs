@@ -45,7 +45,7 @@ impl Frame {
     /// The contact's pressure matters.
     #[must_use]
     pub fn feels_pressure(&self) -> bool {
-        self.conductance.is_some_and(|law| law.hardness.is_some())
+        self.conductance.is_some()
     }
 
     /// The row of the sections.

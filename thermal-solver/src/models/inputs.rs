@@ -56,6 +56,19 @@ fn refuse_rest(frame: &Frame, at_rest: bool, body: &str, speed: f64) -> Result<(
     Err(StepError::NoSolution(format!("`{name}` of `{body}` {why}")))
 }
 
+/// Refuses a body at rest in a steady case whose surface heat raises: it rises without end.
+///
+/// # Errors
+/// There is one.
+pub(super) fn refuse_without_height(frame: &Frame, drive: &Drive) -> Result<(), StepError> {
+    let resting = (0..2).find(|body| drive.speeds[*body] == 0.0 && frame.mode == Mode::Steady);
+    let Some(body) = resting else { return Ok(()) };
+    let (name, body) = (field::SURFACE_SPEED.name, &frame.scene.names.0[body]);
+    Err(StepError::NoSolution(format!(
+        "`{name}` of `{body}` is 0 m/s: its surface has no steady height; write time.mode = \"transient\""
+    )))
+}
+
 /// An input that is there, of the right length and finite.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! What flows between the surfaces of two bodies where friction heats them, found by corrections.
+//! What flows between the surfaces of two bodies where they touch, found by corrections.
 //!
 //! A model says what its surfaces become under what flows; the corrections come from half-spaces in the same
 //! windows ([`crate::moving_source::exchange`]), which another model need only resemble: what each correction
@@ -117,7 +117,7 @@ impl Interface {
             let flow = Flow { elements: self.touching.elements(), values: &self.flow };
             work += bodies.warm(flow, rise)?;
             let warmest = rise.iter().flatten().fold(0.0_f64, |most, rise| most.max(rise.abs()));
-            let largest = self.judge(rise, warmest / largest_flux);
+            let largest = self.judge(rise, (warmest / largest_flux).min(f64::MAX));
             if largest <= SETTLED * warmest {
                 return Ok(work);
             }
@@ -127,7 +127,7 @@ impl Interface {
         }
         Err(StepError::NoSolution(format!(
             "the heat that flows between the surfaces was not found in {MOST_CORRECTIONS} \
-             corrections; write another effects.friction_heat.partition or thermal.resolution"
+             corrections; write another effects.friction_heat.partition, effects.contact_conductance or thermal.resolution"
         )))
     }
 

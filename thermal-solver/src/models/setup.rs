@@ -5,7 +5,7 @@ use super::elements;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
-use crate::effects::contact_conductance::Conductance;
+use crate::effects::contact_conductance::{self, Conductance};
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::natures;
 use crate::effects::thermal_expansion;
@@ -88,6 +88,27 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     if !C::AT_REST {
         refuse_rest(&scene, given.mode)?;
     }
+    let lacking = [
+        (contact_conductance::NAME, C::EXCHANGES, "lets no heat flow between the surfaces"),
+        (thermal_expansion::NAME, C::EXPANDS, "does not integrate the rise over the depth"),
+    ];
+    for (effect, has, why) in lacking {
+        if given.has_effect(effect) && !has {
+            return Err(Refusal::new(
+                &format!("effects.{effect}"),
+                format!("model `{}` {why}", given.model),
+                "write [thermal] model = \"moving-source\", or remove the effect",
+            ));
+        }
+    }
+    let by_pressure = conductance.is_some_and(|law| law.hardness.is_some());
+    if by_pressure && C::ELEMENTS && given.mode == Mode::Transient {
+        return Err(Refusal::new(
+            contact_conductance::HARDNESS,
+            "finite elements in time find what flows by a constant conductance only",
+            "remove the key, or write [thermal] model = \"moving-source\"",
+        ));
+    }
     if given.has_effect(thermal_expansion::NAME) {
         thermal_expansion::refuse_rest(&scene, given.mode)?;
     }
@@ -157,9 +178,9 @@ fn pressure(given: &Configuration, grid: &Structured) -> Result<Option<FieldOnGr
     let name = field::PRESSURE.name;
     let Some(input) = given.inputs.iter().find(|input| input.field.name == name) else {
         return Err(Refusal::new(
-            "effects.contact_conductance.hardness",
+            "effects.contact_conductance",
             format!("no participant provides `{name}`"),
-            "remove the key, or name a model that does",
+            "remove the effect, or name a model that does",
         ));
     };
     let arriving = input.grid.as_ref().and_then(|arriving| arriving.as_structured());
@@ -242,8 +263,14 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         ));
     }
     for body in [LOWER, UPPER] {
-        if asked(RISE_INTEGRALS[body]) && C::EXPANDS {
+        if asked(RISE_INTEGRALS[body]) {
             layout.fields.push(on(RISE_INTEGRALS[body], CONTACT));
+            if frame.mode == Mode::Transient && body == LOWER {
+                layout.remarks.push(
+                    "heat that raises surfaces keeps an influence of every window of the past, beyond the memory and time above"
+                        .to_owned(),
+                );
+            }
         }
         if asked(SECTIONS[body]) {
             layout.grids.push(frame.section_grid(body));

@@ -3,7 +3,7 @@
 use super::conduction::{Conduction, Rub};
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
-use super::inputs::{checked, drive};
+use super::inputs::{checked, drive, refuse_without_height};
 use super::summary::{self, Peak, Solution};
 use crate::effects::volume_temperature::VOLUMES;
 use crate::window::Stage;
@@ -82,6 +82,9 @@ impl<C: Conduction> Model for Shell<C> {
         self.solved = false;
         let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
         let drive = drive(&self.frame, C::AT_REST, step, inputs)?;
+        if self.integrals.is_some() {
+            refuse_without_height(&self.frame, &drive)?;
+        }
         let pressure = match self.frame.feels_pressure() {
             true => Some(checked(inputs, &field::PRESSURE, self.frame.grid.points())?.values),
             false => None,
@@ -154,6 +157,7 @@ impl<C: Conduction> Model for Shell<C> {
         into.write_all(&[STATE_VERSION])?;
         into.write_all(&self.header())?;
         write_numbers(into, self.accepted.iter().flatten())?;
+        write_numbers(into, self.integrals.iter().flatten().flatten())?;
         self.conduction.save(into)
     }
 
@@ -169,8 +173,11 @@ impl<C: Conduction> Model for Shell<C> {
         }
         let mut accepted = self.accepted.clone();
         read_numbers(from, accepted.iter_mut().flatten())?;
+        let mut integrals = self.integrals.clone();
+        read_numbers(from, integrals.iter_mut().flatten().flatten())?;
         self.conduction.restore(from)?;
         self.accepted = accepted;
+        self.integrals = integrals;
         self.solved = false;
         Ok(())
     }

@@ -17,7 +17,7 @@
 //! each of which is [`super::half_space`] with another weight. Where all of the surface is heated alike, W is the heat over
 //! the heat capacity ρc.
 //!
-//! Source: the displacement of the surface, Barber, *Elasticity* (2010), 23.3; Craig, Proc. IEEE MILCOM (1991) 571-575, for
+//! Source: the displacement of the surface, Barber, *Elasticity* (2010), thermoelastic displacement potentials; Craig, Proc. IEEE MILCOM (1991) 571-575, for
 //! the function. Errors: the rule over v leaves some 1e-8; of windows whose material has left the grid the rest is forgotten
 //! ([`crate::columns::history`]).
 

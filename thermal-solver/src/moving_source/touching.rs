@@ -33,14 +33,14 @@ impl Touching {
         Self { shapes, elements: Vec::new(), at: Vec::new(), sums: Vec::new() }
     }
 
-    /// What rubs under a flux of so many columns: in every row from the first element that is heated to the last.
-    pub fn find(&mut self, flux: &[f64], columns: usize) {
+    /// What touches, by a flux or pressure of so many columns: in every row from the first element with some to the last.
+    pub fn find(&mut self, values: &[f64], columns: usize) {
         self.elements.clear();
         self.at.clear();
         let mut first_shape = 0;
-        for (row, values) in flux.chunks_exact(columns).enumerate() {
-            let heated = |value: &f64| *value != 0.0;
-            let ends = (values.iter().position(heated), values.iter().rposition(heated));
+        for (row, values) in values.chunks_exact(columns).enumerate() {
+            let touches = |value: &f64| *value != 0.0;
+            let ends = (values.iter().position(touches), values.iter().rposition(touches));
             if let (Some(first), Some(last)) = ends {
                 let (start, spaces) = (row * columns, last - first);
                 self.elements.extend(start + first..=start + last);

@@ -41,7 +41,7 @@ impl Heated {
     ) -> Self {
         let mut cold = Vec::new();
         rolling.keep(&mut cold);
-        let summary = outcome::summary(&rolling, means);
+        let summary = warm_summary(&rolling, means);
         Self { rolling, curve, coefficients, fields, wanted, report, cold, summary }
     }
 
@@ -52,6 +52,15 @@ impl Heated {
             }
         }
     }
+}
+
+/// The figures but for those of the elastic energy, which would count what expands freely.
+fn warm_summary(rolling: &Rolling, means: &Means) -> Value {
+    let mut summary = outcome::summary(rolling, means);
+    if let Some(figures) = summary["contact"].as_object_mut() {
+        figures.retain(|name, _| name != "elastic_energy_j" && name != "hourglass_energy_ratio");
+    }
+    summary
 }
 
 impl Model for Heated {
@@ -73,7 +82,7 @@ impl Model for Heated {
         let (means, met) = settled.map_err(no_answer)?;
         outcome::check(&self.rolling, &means).map_err(no_answer)?;
         met_force(&means, met).map_err(no_answer)?;
-        self.summary = outcome::summary(&self.rolling, &means);
+        self.summary = warm_summary(&self.rolling, &means);
         self.write(outputs);
         let elements: u64 = self.rolling.bodies.iter().map(|body| body.elements() as u64).sum();
         let steps = self.rolling.steps() - before;

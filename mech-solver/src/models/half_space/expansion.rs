@@ -19,6 +19,12 @@ pub(super) fn refuse(case: &Case, effect: &str) -> Result<(), Refusal> {
             "give both bodies the same elastic constants",
         );
     }
+    if case.scene.speeds.rolling == 0.0 {
+        return refused(
+            "a shift has memory: its tractions meet another pressure as heat changes it",
+            "write a motion.speed above 0",
+        );
+    }
     if case.memory {
         return refused(
             "tractions of one step meet another pressure in the next, which their balance does not know",

@@ -143,8 +143,9 @@ impl Model for Steady {
             None if self.following.is_some() => self.row(step, inputs)?,
             None => {
                 let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+                let raised = self.case.expand(inputs)?;
                 let mut contact = self.contact().map_err(no_solution)?;
-                if self.case.expand(inputs)? {
+                if raised {
                     contact.follow(&self.case, false).map_err(no_solution)?;
                 }
                 contact.set_friction(&mut self.case, inputs)?;

@@ -86,8 +86,8 @@ TABLE: dict[str, FieldKind] = {
                 f"{body}_rise_integral",
                 "K m",
                 body=body,
-                meaning=f"temperature rise of the {body} body over its depth z, a wave number k "
-                "weighted by exp(-k z)",
+                meaning=f"temperature rise of the {body} body integrated over the depth z, each wave "
+                "number k weighted by exp(-k z)",
             )
             for body in BODIES
         ),
