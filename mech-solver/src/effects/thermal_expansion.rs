@@ -4,7 +4,7 @@
 //! α and the integral W of the temperature rise over the depth that the thermal side provides, in which a wave number k
 //! weighs e^{−kz}. For half-spaces the undeformed distance is reduced by the rise of both surfaces. Finite elements have a strain αϑ in all directions
 //! in their first layer, whose integral over the layer is αW: heat is far thinner than their elements, so that the surface
-//! rises and stretches as if it were where it is.
+//! rises and stretches as if it were half an element deep: by less, the coarser they are.
 //!
 //! The effect closes a loop: heat changes the contact, and that the heat.
 //!

@@ -136,10 +136,9 @@ impl Interface {
         let Self { law, touching, resistances, .. } = self;
         let elements = touching.elements().iter();
         resistances.clear();
-        match (law, pressure) {
-            (None, _) => resistances.extend(elements.map(|_| 0.0)),
-            (Some(law), None) => resistances.extend(elements.map(|_| law.resistance(0.0, 0.0))),
-            (Some(law), Some(pressure)) => {
+        match law.as_ref().zip(pressure) {
+            None => resistances.extend(elements.map(|_| 0.0)),
+            Some((law, pressure)) => {
                 let largest = pressure.iter().copied().fold(0.0, f64::max);
                 resistances.extend(elements.map(|at| law.resistance(pressure[*at], largest)));
             }

@@ -10,6 +10,7 @@ use crate::scene::Scene;
 use crate::terms::Terms;
 use proto::configuration::Refusal;
 use proto::field::{self, FieldSpec};
+use proto::model::Outputs;
 use serde_json::{Value, json};
 
 /// Part of the pressure on the plane that is rounding.
@@ -73,6 +74,20 @@ pub(super) struct Fields {
 }
 
 impl Fields {
+    /// Writes those of some fields that are asked for.
+    pub(super) fn write(
+        &self,
+        wanted: &[&'static FieldSpec],
+        rolling: &Rolling,
+        outputs: &mut dyn Outputs,
+    ) {
+        for spec in wanted {
+            if let Some(place) = outputs.get(spec) {
+                place.copy_from_slice(&self.values(spec, rolling));
+            }
+        }
+    }
+
     /// Values of a field, component-major.
     pub(super) fn values(&self, spec: &FieldSpec, rolling: &Rolling) -> Vec<f64> {
         let plane = &rolling.plane;

@@ -71,11 +71,7 @@ impl Passage {
     }
 
     fn write(&self, outputs: &mut dyn Outputs) {
-        for spec in &self.wanted {
-            if let Some(place) = outputs.get(spec) {
-                place.copy_from_slice(&self.fields.values(spec, &self.rolling));
-            }
-        }
+        self.fields.write(&self.wanted, &self.rolling, outputs);
     }
 }
 
