@@ -5,6 +5,7 @@
 //! | [`models`] | the models by name, one module a fidelity level |
 //! | [`effects`] | the effects by name, one file an effect |
 //! | [`axle`] | what carries the load, and runs over irregularities |
+//! | `removal` | what a contact takes off the bodies, and the profiles that it leaves |
 //! | [`terms`] | what effects contribute to a contact, kind by kind |
 //! | [`reference`] | closed forms, shared by models, tests and reports |
 //! | [`scene`] | the case values every model reads, as plain structs |
@@ -31,6 +32,7 @@ pub mod models;
 #[cfg(test)]
 mod quadrature;
 pub mod reference;
+mod removal;
 mod resolution;
 pub mod scene;
 mod slip;

@@ -5,6 +5,23 @@
 
 use crate::reference::carter;
 
+/// How the bodies would move over each other if they were rigid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RigidSlip {
+    /// Longitudinal and lateral creepage [-], and spin [rad/m].
+    pub(crate) creepage: [f64; 3],
+    /// Rolling speed V [m/s].
+    pub(crate) speed: f64,
+}
+
+impl RigidSlip {
+    /// V |(ξ − φ y, η + φ x)| at a place [m/s].
+    pub(crate) fn at(&self, x: f64, y: f64) -> f64 {
+        let [xi, eta, phi] = self.creepage;
+        self.speed * (xi - phi * y).hypot(eta + phi * x)
+    }
+}
+
 /// Where the contact slips, and how fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Slip {

@@ -61,6 +61,7 @@ mod tests {
             (Kind::Flow, terms.flow.iter().flatten().count()),
             (Kind::Axle, usize::from(terms.axle.is_some())),
             (Kind::HeatShare, terms.heat_shares.len()),
+            (Kind::Removal, usize::from(terms.removal.is_some())),
             (Kind::Observation, terms.observations.len()),
         ];
         lists.iter().filter(|(_, count)| *count > 0).map(|(kind, _)| *kind).collect()
@@ -84,7 +85,7 @@ mod tests {
             let case = json!({
                 "bodies": {"one": body("upper"), "other": body("lower")},
                 "materials": {"steel": {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "yield_stress": 1e9,
-                    "thermal_expansion": 1e-5}},
+                    "thermal_expansion": 1e-5, "wear_per_joule": 1e-12}},
                 "motion": {"speed": 1.0, "creepage": {"xi": 0.0}},
                 "load": {"normal_force": 1.0},
                 "friction": {"coefficient": 0.5},

@@ -15,6 +15,7 @@
 //! | `Flow` | how the material of each body flows | the stress of finite elements |
 //! | `Axle` | a mass that carries the load, and what it runs over | the height of the upper body |
 //! | `HeatShare` | a factor | the friction power that is provided as heat |
+//! | `Removal` | what an accepted contact takes off both bodies | the undeformed distance of the next one |
 //! | `Observation` | fields and figures of an accepted contact | the outputs and the summary |
 //!
 //! A model declares the kinds that it takes, an effect those that it makes; a model supports the
@@ -22,6 +23,8 @@
 
 use crate::axle::Axle;
 use crate::explicit::kernel::Flow;
+use crate::removal::Removal;
+use crate::slip::RigidSlip;
 use proto::field::FieldSpec;
 use proto::grid::Structured;
 use proto::model::{Inputs, Outputs, StateError, StepError};
@@ -50,6 +53,8 @@ pub enum Kind {
     Axle,
     /// Part of the friction power that becomes heat.
     HeatShare,
+    /// Material that the contact takes off.
+    Removal,
     /// What is computed of an accepted contact.
     Observation,
 }
@@ -82,19 +87,36 @@ pub(crate) trait GapTerm: State + Debug {
     fn height(&self, x: f64, y: f64) -> f64;
 }
 
+/// What a friction law may depend on.
+#[derive(Clone, Copy)]
+pub(crate) struct Rubbing<'a> {
+    /// What comes in.
+    pub(crate) inputs: &'a dyn Inputs,
+    /// How the bodies would move over each other if they were rigid.
+    pub(crate) slip: RigidSlip,
+    /// The elements.
+    pub(crate) grid: &'a Structured,
+    /// Their pressure [Pa].
+    pub(crate) pressure: &'a [f64],
+}
+
 /// A term of the friction law.
 pub(crate) trait FrictionTerm: State + Debug {
-    /// Changes the friction coefficients of the elements of a grid, which enter as those of the case
-    /// and of the terms before.
+    /// Changes the friction coefficients of the elements, which enter as those of the case and of the terms before.
     ///
     /// # Errors
     /// An input is missing or unusable, or the law has no value for it.
-    fn apply(
-        &mut self,
-        inputs: &dyn Inputs,
-        grid: &Structured,
-        friction: &mut [f64],
-    ) -> Result<(), StepError>;
+    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError>;
+
+    /// It depends on the slip, so that a prescribed force and its creepage are found together.
+    fn follows_slip(&self) -> bool {
+        false
+    }
+
+    /// It depends on what comes in.
+    fn follows_inputs(&self) -> bool {
+        !self.follows_slip()
+    }
 
     /// Why friction may carry less than a prescribed force.
     fn shortfall(&self) -> &'static str;
@@ -107,6 +129,12 @@ pub(crate) struct Accepted<'a> {
     pub(crate) pressure: &'a [f64],
     /// Tractions on the upper body, x then y [Pa].
     pub(crate) traction: &'a [f64],
+    /// Velocity of the upper body relative to the lower one, x then y [m/s].
+    pub(crate) slip_velocity: &'a [f64],
+    /// Friction power density [W/m²].
+    pub(crate) friction_power: &'a [f64],
+    /// Speeds at which the material of both bodies passes through [m/s].
+    pub(crate) surface_speed: [f64; 2],
 }
 
 /// Where a contact is solved.
@@ -155,6 +183,7 @@ pub(crate) struct Terms {
     pub(crate) flow: [Option<Flow>; 2],
     pub(crate) axle: Option<Axle>,
     pub(crate) heat_shares: Vec<f64>,
+    pub(crate) removal: Option<Removal>,
     pub(crate) observations: Vec<Box<dyn Observation>>,
 }
 
@@ -173,6 +202,7 @@ impl Terms {
         self.expansion = self.expansion.or(more.expansion);
         self.axle = self.axle.or(more.axle);
         self.heat_shares.extend(more.heat_shares);
+        self.removal = self.removal.take().or(more.removal);
         self.observations.extend(more.observations);
     }
 
@@ -181,25 +211,30 @@ impl Terms {
         self.effects.iter().find(|(_, kinds)| kinds.contains(&kind)).map(|(name, _)| *name)
     }
 
-    /// Sum of the heights at a place [m].
+    /// Sum of the heights at a place, and what has been worn off there [m].
     pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
-        self.gap.iter().map(|term| term.height(x, y)).sum()
+        let worn = self.removal.as_ref().map_or(0.0, |removal| removal.depth(y));
+        self.gap.iter().map(|term| term.height(x, y)).sum::<f64>() + worn
     }
 
-    /// Friction coefficients on a grid, from that of the case.
+    /// Friction coefficients of elements, from that of the case.
     ///
     /// # Errors
     /// Those of [`FrictionTerm::apply`].
     pub(crate) fn friction(
         &mut self,
         coefficient: f64,
-        inputs: &dyn Inputs,
-        grid: &Structured,
+        rubbing: &Rubbing<'_>,
         friction: &mut Vec<f64>,
     ) -> Result<(), StepError> {
         friction.clear();
-        friction.resize(grid.points(), coefficient);
-        self.friction.iter_mut().try_for_each(|term| term.apply(inputs, grid, friction))
+        friction.resize(rubbing.grid.points(), coefficient);
+        self.friction.iter_mut().try_for_each(|term| term.apply(rubbing, friction))
+    }
+
+    /// Friction depends on the slip that it allows.
+    pub(crate) fn friction_follows_slip(&self) -> bool {
+        self.friction.iter().any(|term| term.follows_slip())
     }
 
     /// The smallest of the largest pressures; infinite without one [Pa].
@@ -209,12 +244,13 @@ impl Terms {
 
     /// The pressure of smooth bodies stays that of Hertz.
     pub(crate) fn leave_hertz(&self) -> bool {
-        self.gap.is_empty() && self.pressure_bounds.is_empty() && self.expansion.is_none()
+        let as_given = self.gap.is_empty() && self.pressure_bounds.is_empty();
+        as_given && self.expansion.is_none() && self.removal.is_none()
     }
 
     /// The contact depends on what comes in.
     pub(crate) fn follow_inputs(&self) -> bool {
-        !self.friction.is_empty() || self.expansion.is_some()
+        self.friction.iter().any(|term| term.follows_inputs()) || self.expansion.is_some()
     }
 
     /// Flexibility of all layers together [m/Pa].
@@ -232,14 +268,17 @@ impl Terms {
     fn states(&self) -> impl Iterator<Item = &dyn State> {
         let gap = self.gap.iter().map(|term| &**term as &dyn State);
         let friction = self.friction.iter().map(|term| &**term as &dyn State);
-        gap.chain(friction).chain(self.observations.iter().map(|term| &**term as &dyn State))
+        let removal = self.removal.iter().map(|removal| removal as &dyn State);
+        let observations = self.observations.iter().map(|term| &**term as &dyn State);
+        gap.chain(friction).chain(removal).chain(observations)
     }
 
     fn states_mut(&mut self) -> impl Iterator<Item = &mut dyn State> {
         let gap = self.gap.iter_mut().map(|term| &mut **term as &mut dyn State);
         let friction = self.friction.iter_mut().map(|term| &mut **term as &mut dyn State);
         let observations = self.observations.iter_mut().map(|term| &mut **term as &mut dyn State);
-        gap.chain(friction).chain(observations)
+        let removal = self.removal.iter_mut().map(|removal| removal as &mut dyn State);
+        gap.chain(friction).chain(removal).chain(observations)
     }
 
     /// The last solve becomes the accepted state of every term.

@@ -6,11 +6,14 @@ pub mod partial_slip;
 pub mod plasticity;
 pub mod pressure_limit;
 pub mod roughness;
+pub mod speed_friction;
 pub mod subsurface_stress;
 pub mod suspension;
 pub mod temperature_friction;
 pub mod thermal_expansion;
 pub mod third_body_layer;
+pub mod viscous_layer;
+pub mod wear;
 
 use crate::entry::Effect;
 use crate::terms::{Kind, Terms};
@@ -23,11 +26,14 @@ pub const EFFECTS: &[Effect] = &[
     plasticity::EFFECT,
     pressure_limit::EFFECT,
     roughness::EFFECT,
+    speed_friction::EFFECT,
     subsurface_stress::EFFECT,
     suspension::EFFECT,
     temperature_friction::EFFECT,
     thermal_expansion::EFFECT,
     third_body_layer::EFFECT,
+    viscous_layer::EFFECT,
+    wear::EFFECT,
 ];
 
 /// The terms of some effects of a configuration.

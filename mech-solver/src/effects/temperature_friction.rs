@@ -20,12 +20,11 @@
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::surface::Surface;
-use crate::terms::{FrictionTerm, Kind, State, Terms};
+use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
-use proto::grid::Structured;
-use proto::model::{Inputs, StepError};
+use proto::model::StepError;
 use std::path::Path;
 
 /// What the registry says of it.
@@ -133,12 +132,8 @@ impl State for FrictionLaw {}
 
 impl FrictionTerm for FrictionLaw {
     /// The grid of the temperatures may be another one in every solve; it is structured along x and y.
-    fn apply(
-        &mut self,
-        inputs: &dyn Inputs,
-        grid: &Structured,
-        friction: &mut [f64],
-    ) -> Result<(), StepError> {
+    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
+        let Rubbing { inputs, grid, .. } = *rubbing;
         let surfaces = [Surface::of(inputs, &SURFACES[0])?, Surface::of(inputs, &SURFACES[1])?];
         for (index, friction) in friction.iter_mut().enumerate() {
             let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
@@ -198,7 +193,14 @@ fn parse_table(text: &[u8]) -> Result<Vec<(f64, f64)>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::slip::RigidSlip;
     use proptest::prelude::*;
+    use proto::grid::Structured;
+    use proto::model::Inputs;
+
+    fn rubbing<'a>(inputs: &'a Surfaces, grid: &'a Structured) -> Rubbing<'a> {
+        Rubbing { inputs, slip: RigidSlip { creepage: [0.0; 3], speed: 0.0 }, grid, pressure: &[] }
+    }
 
     #[test]
     fn decay_from_cold_to_hot() {
@@ -247,14 +249,14 @@ mod tests {
             let mut shape = Structured::contact_plane(shift - 1.0, -1.0, 0.5, 0.5, 7, 7);
             let values = (0..49).map(|k| 2.0 + shape.x(k % 7)).collect();
             let mut surfaces = Surfaces(proto::grid::Grid::structured("contact", shape), values);
-            law.apply(&surfaces, &own, &mut friction).unwrap();
+            law.apply(&rubbing(&surfaces, &own), &mut friction).unwrap();
             for (k, found) in friction.iter().enumerate() {
                 let expected = 1.0 + 0.1 * (2.0 + own.x(k % 3));
                 assert!((found - expected).abs() < 1e-14, "rounding: {found} {expected}");
             }
             shape.step_i = [0.3, 0.4, 0.0];
             surfaces.0 = proto::grid::Grid::structured("contact", shape);
-            let refused = law.apply(&surfaces, &own, &mut friction).unwrap_err();
+            let refused = law.apply(&rubbing(&surfaces, &own), &mut friction).unwrap_err();
             assert!(refused.to_string().contains("along x and y"), "{refused}");
         }
     }
@@ -269,7 +271,7 @@ mod tests {
         let table = FrictionLaw::Table { points: vec![(0.0, 0.6), (10.0, 0.2)], clamp: false };
         for mut law in [decay, table] {
             let mut friction = vec![0.6; 6];
-            law.apply(&surfaces, &own, &mut friction).unwrap();
+            law.apply(&rubbing(&surfaces, &own), &mut friction).unwrap();
             assert_eq!(friction, [0.6; 6]);
         }
     }

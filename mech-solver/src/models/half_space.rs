@@ -89,6 +89,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
         Kind::Layer,
         Kind::Expansion,
         Kind::HeatShare,
+        Kind::Removal,
         Kind::Observation,
     ],
     configure,
@@ -148,6 +149,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     let (grid, semi_axes) = (footprint.grid, footprint.semi_axes);
     let place = Place { grid, semi_axes, peak_y: footprint.peak_y.unwrap_or(0.0) };
     terms.observations.iter_mut().for_each(|term| term.place(&place));
+    terms.removal.iter_mut().for_each(|removal| removal.place(&grid));
     let case = Case {
         memory: memory(configuration, &scene, terms.adhesion)?,
         terms,
@@ -170,6 +172,13 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     }
     if let Some(effect) = case.terms.effect_of(Kind::Expansion) {
         expansion::refuse(&case, effect)?;
+    }
+    if case.memory && case.driven.has_force() && case.terms.friction_follows_slip() {
+        return Err(Refusal::new(
+            ROLLING,
+            "with memory the creepage of a force is another in every step, and friction that depends on it does not follow",
+            "prescribe motion.creepage, or write mech.rolling = \"steady\"",
+        ));
     }
     let mut layout = layout(configuration, &case);
     if let (Some(varying), Some(extent)) = (&varying, &extent) {

@@ -10,6 +10,7 @@ pub mod hertz_carter;
 mod power_balance;
 mod precomputed;
 mod row_by_row;
+mod settled_creepage;
 mod shortfall;
 mod summary;
 mod varying;

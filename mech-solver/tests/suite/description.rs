@@ -77,11 +77,13 @@ fn support_agrees_with_configure() {
     let description = description();
     for model in &description.models {
         for effect in &description.effects {
-            let mut case = paper();
+            // Some carry no force at rest.
+            let mut case = driven(paper(), "creepage", -0.002);
             case["effects"] = json!({ effect.name.clone(): {} });
             // What an effect may need of a material.
             case["materials"]["steel"]["yield_stress"] = json!(1e9);
             case["materials"]["steel"]["thermal_expansion"] = json!(1e-5);
+            case["materials"]["steel"]["wear_per_joule"] = json!(1e-12);
             // An effect's required parameters are quantities, of its alternatives one is: a pressure of
             // 1 GPa, of any other unit a small positive number.
             let needed = |key: &&KeySpec| key.required || key.one_of.is_some();

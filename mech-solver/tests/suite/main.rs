@@ -11,3 +11,5 @@ mod hot;
 mod in_time;
 mod profiles;
 mod rows;
+mod slip_friction;
+mod wearing;

@@ -114,6 +114,10 @@ field_table! {
         "temperature rise of the lower body integrated over the depth z, each wave number k weighted by exp(-k z)";
     UPPER_RISE_INTEGRAL = "upper_rise_integral" ["K m"; 1], Consistent, Upper,
         "temperature rise of the upper body integrated over the depth z, each wave number k weighted by exp(-k z)";
+    LOWER_WEAR_DEPTH = "lower_wear_depth" ["m"; 1], Consistent, Lower,
+        "depth that has been worn off the lower body";
+    UPPER_WEAR_DEPTH = "upper_wear_depth" ["m"; 1], Consistent, Upper,
+        "depth that has been worn off the upper body";
     LOWER_SECTION_TEMPERATURE = "lower_section_temperature" ["K"; 1], Consistent, Lower,
         "temperature rise of the lower body in a vertical plane along x under the surface";
     UPPER_SECTION_TEMPERATURE = "upper_section_temperature" ["K"; 1], Consistent, Upper,

@@ -1,8 +1,10 @@
 //! The effects that the thermal participant takes part in: one file an effect, one line here.
 
+pub mod bulk_heating;
 pub mod contact_conductance;
 pub mod convection;
 pub mod friction_heat;
+pub mod phase_transformation;
 pub mod radiation;
 pub mod temperature_material;
 pub mod thermal_expansion;
@@ -31,6 +33,8 @@ pub const REGISTRY: &[Effect] = &[
     Effect { name: contact_conductance::NAME, spec: contact_conductance::spec },
     Effect { name: convection::NAME, spec: convection::spec },
     Effect { name: radiation::NAME, spec: radiation::spec },
+    Effect { name: bulk_heating::NAME, spec: bulk_heating::spec },
+    Effect { name: phase_transformation::NAME, spec: phase_transformation::spec },
     Effect { name: volume_temperature::NAME, spec: volume_temperature::spec },
 ];
 

@@ -1,7 +1,9 @@
 //! What a model knows before it is built, and its grids.
 
+use crate::effects::bulk_heating::Memory;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::Partition;
+use crate::effects::phase_transformation::Criterion;
 use crate::fe::block::Elements;
 use crate::fe::nature::Nature;
 use crate::scene::Scene;
@@ -37,6 +39,10 @@ pub struct Frame {
     pub natures: [Nature; 2],
     /// Elements of a model that has its own, in the upper and the lower body.
     pub elements: Option<[Elements; 2]>,
+    /// What earlier passages leave in both bodies, where that is asked for.
+    pub memories: Option<[Memory; 2]>,
+    /// When steel transforms, where that is asked for.
+    pub criterion: Option<Criterion>,
     /// Threads to compute on.
     pub threads: usize,
 }

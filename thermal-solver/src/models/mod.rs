@@ -6,6 +6,7 @@
 //! [`conduction::Conduction`]; [`shell`] does the rest. Any other implements
 //! [`proto::model::Model`] with these helpers.
 
+mod background;
 pub mod columns;
 pub mod conduction;
 mod elements;
@@ -21,6 +22,7 @@ mod normal_only;
 pub mod setup;
 pub mod shell;
 mod summary;
+mod white_layer;
 
 use proto::configuration::{Configuration, Refusal};
 use proto::description::ModelSpec;

@@ -5,9 +5,11 @@ use super::elements;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
+use crate::effects::bulk_heating;
 use crate::effects::contact_conductance::{self, Conductance};
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::natures;
+use crate::effects::phase_transformation;
 use crate::effects::thermal_expansion;
 use crate::effects::volume_temperature::VOLUMES;
 use crate::scene::Scene;
@@ -90,6 +92,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     }
     let lacking = [
         (contact_conductance::NAME, C::EXCHANGES, "lets no heat flow between the surfaces"),
+        (bulk_heating::NAME, !C::ELEMENTS, "has properties that may depend on the temperature"),
         (thermal_expansion::NAME, C::EXPANDS, "does not integrate the rise over the depth"),
     ];
     for (effect, has, why) in lacking {
@@ -123,6 +126,11 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             let elements =
                 if C::ELEMENTS { Some(elements::read(&given.case, &scene)?) } else { None };
             let natures = natures(given, &scene)?;
+            let memories = match given.has_effect(bulk_heating::NAME) {
+                true => Some(bulk_heating::read(given, &scene)?),
+                false => None,
+            };
+            let criterion = phase_transformation::read(given)?;
             let known = Frame {
                 scene,
                 partition,
@@ -132,6 +140,8 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
                 section_y,
                 natures,
                 elements,
+                memories,
+                criterion,
                 threads,
             };
             elements::check(&known)?;

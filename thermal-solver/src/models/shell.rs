@@ -1,12 +1,14 @@
 //! The model round a [`Conduction`]: inputs, outputs, state.
 
+use super::background::Background;
 use super::conduction::{Conduction, Rub};
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
 use super::inputs::{checked, drive, refuse_without_height};
 use super::summary::{self, Peak, Solution};
+use super::white_layer::{Cycle, WhiteLayer};
 use crate::effects::volume_temperature::VOLUMES;
-use crate::window::Stage;
+use crate::window::{Drive, Stage};
 use proto::field;
 use proto::grid::{Grid, Structured};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
@@ -24,6 +26,10 @@ pub struct Shell<C> {
     solved: bool,
     /// Rises over the depth after the last solve, where they are asked for [K·m].
     integrals: Option<[Vec<f64>; 2]>,
+    /// What earlier passages have left, where that is asked for.
+    background: Option<Background>,
+    /// What has transformed in the accepted state, where that is asked for.
+    layers: [Option<WhiteLayer>; 2],
     /// The elements of the bodies that are written out.
     volumes: Vec<Grid>,
 }
@@ -36,6 +42,8 @@ impl<C: Conduction> Shell<C> {
         Self {
             integrals: expands.then(|| [zero.clone(), zero.clone()]),
             conduction: C::new(&frame),
+            background: frame.memories.map(|memories| Background::new(memories, frame.grid.nj)),
+            layers: [None, None],
             trial: [zero.clone(), zero.clone()],
             accepted: [zero.clone(), zero],
             solved: false,
@@ -60,6 +68,56 @@ impl<C: Conduction> Shell<C> {
             let depth = |level: usize| self.frame.depth(body, level as f64 * spacing);
             let depths: [f64; LEVELS] = std::array::from_fn(depth);
             self.conduction.section(stage, body, row, &depths, values);
+            // As thin as a section is, what was there before is the same at every depth.
+            if let Some(background) = &self.background {
+                let before = background.at(body, row);
+                values.iter_mut().for_each(|rise| *rise += before);
+            }
+        }
+    }
+
+    /// Adds what earlier passages have left to the rises of the surfaces.
+    fn add_background(&mut self, drive: &Drive, flux: &[f64], heat: [f64; 2]) {
+        let Some(background) = &mut self.background else { return };
+        let area = self.frame.grid.element_area();
+        background.take(&self.frame, drive, flux, heat.map(|sum| area * sum));
+        for (body, rise) in self.trial.iter_mut().enumerate() {
+            for (row, values) in rise.chunks_exact_mut(self.frame.grid.ni).enumerate() {
+                let before = background.at(body, row);
+                values.iter_mut().for_each(|rise| *rise += before);
+            }
+        }
+    }
+
+    /// What has transformed in the accepted state.
+    fn transform(&mut self) {
+        let Self { frame, conduction, background, accepted, layers, .. } = self;
+        let Some(criterion) = frame.criterion else { return };
+        let columns = frame.grid.ni;
+        let mut rises = vec![0.0; columns + frame.behind()];
+        for body in 0..2 {
+            if frame.scene.at_rest[body] {
+                continue;
+            }
+            let criterion = criterion.over(frame.scene.initial_temperatures[body]);
+            let passing = frame.grid.dx() / frame.scene.speeds[body];
+            let deepest = (LEVELS - 1) as f64 * frame.level_spacing(body);
+            let along = |row: usize, depth: f64| {
+                let depth = [frame.depth(body, depth)];
+                conduction.section(Stage::Accepted, body, row, &depth, &mut rises);
+                let before = background.as_ref().map_or(0.0, |before| before.at(body, row));
+                rises.iter_mut().for_each(|rise| *rise += before);
+                Cycle::of(&rises, passing, criterion.start)
+            };
+            // What stays below the start temperature is of no interest but for the hottest row.
+            let highest = |row: &usize| {
+                let values = &accepted[body][row * columns..(row + 1) * columns];
+                values.iter().copied().fold(0.0, f64::max)
+            };
+            let hottest = (0..frame.grid.nj).max_by(|a, b| highest(a).total_cmp(&highest(b)));
+            let rows = (0..frame.grid.nj)
+                .filter(|row| Some(*row) == hottest || highest(row) >= criterion.start);
+            layers[body] = Some(WhiteLayer::of(rows, &criterion, deepest, along));
         }
     }
 
@@ -91,6 +149,7 @@ impl<C: Conduction> Model for Shell<C> {
         };
         let rub = Rub { flux: flux.values, pressure };
         let work = self.conduction.solve(&drive, &rub, &mut self.trial)?;
+        self.add_background(&drive, flux.values, work.heat);
         self.solved = true;
         for (surface, rise) in SURFACES.iter().zip(&self.trial) {
             if let Some(values) = outputs.get(surface) {
@@ -126,6 +185,7 @@ impl<C: Conduction> Model for Shell<C> {
         if self.solved {
             std::mem::swap(&mut self.trial, &mut self.accepted);
             self.conduction.accept();
+            self.transform();
             self.solved = false;
         }
     }
@@ -150,7 +210,18 @@ impl<C: Conduction> Model for Shell<C> {
     }
 
     fn summary(&self) -> serde_json::Value {
-        summary::temperature(&self.frame.scene.names, self)
+        let mut summary = summary::temperature(&self.frame.scene.names, self);
+        for (body, name) in self.frame.scene.names.0.iter().enumerate() {
+            if let Some(background) = &self.background {
+                let [bulk, residual] = background.figures(body);
+                summary["temperature"][name]["bulk_rise_k"] = bulk.into();
+                summary["temperature"][name]["residual_rise_k"] = residual.into();
+            }
+            if let Some(layer) = &self.layers[body] {
+                summary["white_layer"][name] = layer.figures(self.frame.grid.dy());
+            }
+        }
+        summary
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
@@ -158,6 +229,7 @@ impl<C: Conduction> Model for Shell<C> {
         into.write_all(&self.header())?;
         write_numbers(into, self.accepted.iter().flatten())?;
         write_numbers(into, self.integrals.iter().flatten().flatten())?;
+        write_numbers(into, self.background.iter().flat_map(Background::numbers))?;
         self.conduction.save(into)
     }
 
@@ -175,9 +247,13 @@ impl<C: Conduction> Model for Shell<C> {
         read_numbers(from, accepted.iter_mut().flatten())?;
         let mut integrals = self.integrals.clone();
         read_numbers(from, integrals.iter_mut().flatten().flatten())?;
+        let mut background = self.background.clone();
+        read_numbers(from, background.iter_mut().flat_map(Background::numbers_mut))?;
         self.conduction.restore(from)?;
         self.accepted = accepted;
         self.integrals = integrals;
+        self.background = background;
+        self.transform();
         self.solved = false;
         Ok(())
     }
@@ -193,7 +269,8 @@ impl<C: Conduction> Solution for Shell<C> {
     }
 
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
-        self.conduction.peak(body, rise)
+        let peak = self.conduction.peak(body, rise)?;
+        Some(Peak { rise: peak.rise + self.background(body, peak.row), ..peak })
     }
 
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
@@ -202,5 +279,9 @@ impl<C: Conduction> Solution for Shell<C> {
 
     fn depth_scale(&self, body: usize) -> f64 {
         self.frame.level_spacing(body)
+    }
+
+    fn background(&self, body: usize, row: usize) -> f64 {
+        self.background.as_ref().map_or(0.0, |background| background.at(body, row))
     }
 }

@@ -37,6 +37,11 @@ pub(super) trait Solution {
 
     /// A depth over which rises change [m].
     fn depth_scale(&self, body: usize) -> f64;
+
+    /// What the passage found in a row, which is in the rises of the surface and in no other [K].
+    fn background(&self, _body: usize, _row: usize) -> f64 {
+        0.0
+    }
 }
 
 /// The hottest place of a surface with these rises [K]: along the row of its hottest element, by the rises
@@ -114,10 +119,11 @@ fn strip(solution: &dyn Solution, body: usize, [first, last]: [usize; 2]) -> Opt
     Some(Value::Object(figures))
 }
 
-/// Depth [m] below the hottest place where the rise has fallen to 1/e, by bisection with the exact
+/// Depth [m] below the hottest place where the flash has fallen to 1/e, by bisection with the exact
 /// depth dependence of the model.
 fn penetration(solution: &dyn Solution, body: usize, peak: Peak) -> Option<f64> {
-    let target = peak.rise / std::f64::consts::E;
+    let flash = peak.rise - solution.background(body, peak.row);
+    let target = flash / std::f64::consts::E;
     let excess = |depth: f64| solution.rise_at(body, peak.row, peak.x, depth) - target;
     root_of_decreasing(solution.depth_scale(body), excess)
 }

@@ -112,6 +112,17 @@ impl Answer {
         self.traction = traction;
     }
 
+    /// What terms may know of it once it is accepted.
+    pub(super) fn accepted(&self) -> Accepted<'_> {
+        Accepted {
+            pressure: &self.pressure,
+            traction: &self.traction,
+            slip_velocity: &self.slip_velocity,
+            friction_power: &self.friction_power,
+            surface_speed: self.surface_speed,
+        }
+    }
+
     /// The section `contact` of `summary.json`.
     pub(super) fn figures(&self, case: &Case) -> Value {
         let grid = &case.footprint.grid;
@@ -208,7 +219,8 @@ impl Case {
     /// Writes what is observed of an accepted window.
     pub(super) fn observe(&mut self, answer: &Answer, power: &[f64], outputs: &mut dyn Outputs) {
         answer.write(&self.terms, power, outputs);
-        let accepted = Accepted { pressure: &answer.pressure, traction: &answer.traction };
+        let accepted = answer.accepted();
+        self.terms.removal.iter().for_each(|removal| removal.write(outputs));
         for term in &mut self.terms.observations {
             term.observe(&accepted);
             term.write(outputs);
@@ -218,7 +230,9 @@ impl Case {
     /// The sections of `summary.json`.
     pub(super) fn summary(&self, answer: &Answer) -> Value {
         let mut summary = json!({ "contact": answer.figures(self) });
-        for (section, figures) in self.terms.observations.iter().filter_map(|term| term.summary()) {
+        let removed = self.terms.removal.iter().map(|removal| removal.summary());
+        let observed = self.terms.observations.iter().filter_map(|term| term.summary());
+        for (section, figures) in removed.chain(observed) {
             summary[section] = figures;
         }
         summary

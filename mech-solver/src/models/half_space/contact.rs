@@ -11,15 +11,17 @@ use crate::half_space::force_search::{self, ForceSearch};
 use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
-use crate::half_space::tangential::TangentialState;
+use crate::half_space::tangential::{Creepage, TangentialState};
 use crate::models::shortfall::Shortfall;
+use crate::slip::RigidSlip;
+use crate::terms::Rubbing;
 use proto::model::{Inputs, StepError};
 
 /// Change of the pressure, over the largest, at which it rests: far below the error of any grid.
 const REST: f64 = 1e-6;
 /// Accuracy of the tractions, over the largest: below the error of any grid.
 const TOLERANCE: f64 = 1e-4;
-/// The same where a coupling loop iterates on them: well below what it is asked for.
+/// The same where a loop iterates on them: well below what it is asked for.
 const LOOP_TOLERANCE: f64 = 1e-10;
 /// Part of f N that an iterate has which is too hot for its force: all but a little slips, and the
 /// creepage is finite.
@@ -64,7 +66,7 @@ pub(super) struct ContactSolver {
     /// Slip s₀ without tractions.
     slip_history: [Vec<f64>; 2],
     bound: Vec<f64>,
-    /// Friction depends on what comes in.
+    /// Friction depends on what comes in, or on slip.
     heated: bool,
     /// The force of the last solve is not the prescribed one.
     pub(super) shortfall: Option<Shortfall>,
@@ -92,12 +94,13 @@ impl ContactSolver {
             let prescribed = super::geometry::prescribed(case.scene.load);
             Normal { solver, prescribed, distance: undeformed.clone(), undeformed }
         });
+        let loops = case.terms.follow_inputs() || case.terms.friction_follows_slip();
         let contact = Contact {
             bodies: case.bodies,
             layer: case.terms.layer(),
             semi_axes: case.footprint.semi_axes,
             motion,
-            tolerance: if case.terms.follow_inputs() { LOOP_TOLERANCE } else { TOLERANCE },
+            tolerance: if loops { LOOP_TOLERANCE } else { TOLERANCE },
         };
         let zeros = vec![0.0; grid.points()];
         let mut solver = Self {
@@ -154,17 +157,20 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// Takes the friction coefficients that depend on what comes in.
+    /// Takes the friction coefficients that depend on what comes in, and on these creepages.
     pub(super) fn set_friction(
         &mut self,
         case: &mut Case,
         inputs: &dyn Inputs,
+        creepage: Creepage,
     ) -> Result<(), StepError> {
         if case.terms.friction.is_empty() {
             return Ok(());
         }
-        let (coefficient, grid) = (case.scene.friction_coefficient, &case.footprint.grid);
-        case.terms.friction(coefficient, inputs, grid, &mut self.friction)?;
+        let slip = RigidSlip { creepage, speed: case.scene.speeds.rolling };
+        let grid = &case.footprint.grid;
+        let rubbing = Rubbing { inputs, slip, grid, pressure: &self.pressure };
+        case.terms.friction(case.scene.friction_coefficient, &rubbing, &mut self.friction)?;
         self.set_bound();
         Ok(())
     }

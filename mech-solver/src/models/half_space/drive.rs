@@ -96,6 +96,11 @@ impl Driven {
         prescribed
     }
 
+    /// Some creepage follows from a force.
+    pub(super) fn has_force(&self) -> bool {
+        self.components.iter().any(|component| !matches!(component, Component::Creepage(_)))
+    }
+
     /// After the shift of the first window: the bodies rest, forces remain.
     pub(super) fn resting(&self) -> Self {
         let rest = |component| match component {

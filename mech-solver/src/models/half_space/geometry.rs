@@ -28,6 +28,8 @@ const COARSE: f64 = 12.0;
 const COARSE_MARGIN: f64 = 2.0;
 /// Growth of the grid for a rough contact, which is wider than the smooth one.
 const ROUGH_GROWTH: f64 = 1.25;
+/// Growth across for profiles that wear, whose contact widens.
+const WORN_GROWTH: f64 = 1.6;
 /// Growth of the grid for different bodies, whose contact the tractions shift.
 const COUPLED_GROWTH: f64 = 1.4;
 /// Elements of the coarse grid at most.
@@ -124,7 +126,8 @@ pub(in crate::models) fn footprint(
             let elements = growth * semi_axis / side;
             [-elements, elements].map(|end| end + end.signum() * (MARGIN - 0.5))
         };
-        let smooth_grid = lay([reach(semi_axes[0], dx), reach(semi_axes[1], dy)], [dx, dy])?;
+        let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
+        let smooth_grid = lay([reach(semi_axes[0], dx), reach(wider * semi_axes[1], dy)], [dx, dy])?;
         let (grid, peak_y) = match rough {
             true => {
                 let fitted = fit(&gap, shapes, smooth_grid)?;
@@ -145,7 +148,8 @@ pub(in crate::models) fn footprint(
     let [x_range, y_range] = bounds(&coarse);
     let growth = if bodies.is_coupled() { COUPLED_GROWTH } else { 1.0 };
     let elements = |range: [f64; 2], side: f64| range.map(|end| growth * end / side);
-    let y_range = y_range.map(|y| y - centre[1]);
+    let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
+    let y_range = y_range.map(|y| wider * (y - centre[1]));
     let area = growth * growth * (x_range[1] - x_range[0]) * (y_range[1] - y_range[0]);
     let dy = row_width(&coarse, dx, lateral, area, &mut remarks);
     let mut grid = lay([elements(x_range, dx), elements(y_range, dy)], [dx, dy])?;

@@ -11,8 +11,10 @@ use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
+use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Varying, no_answer};
+use crate::removal::Removal;
 use crate::scene::GivenPatch;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
@@ -60,7 +62,11 @@ impl Steady {
         let Some(following) = &self.following else { unreachable!("rows are of what varies") };
         let near = self.accepted.clone().filter(|_| following.warm);
         let row = following.varying.configuration(step);
-        if let Err(refusal) = self.case.follow(&row, following.patch) {
+        let taken = match &mut self.case.terms.removal {
+            Some(removal) => removal.follow(&row),
+            None => Ok(()),
+        };
+        if let Err(refusal) = taken.and_then(|()| self.case.follow(&row, following.patch)) {
             self.contact = Some(contact);
             return Err(no_answer(refusal));
         }
@@ -83,8 +89,7 @@ impl Steady {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         self.case.expand(inputs)?;
         contact.follow(&self.case, near.is_some()).map_err(no_solution)?;
-        contact.set_friction(&mut self.case, inputs)?;
-        let (answer, report, solution) = self.compute(contact, near).map_err(no_solution)?;
+        let (answer, report, solution) = self.settled(contact, near, inputs)?;
         self.near =
             solution.map(|found| (found, contact.pressure.clone(), contact.search().clone()));
         Ok((answer, report))
@@ -98,6 +103,32 @@ impl Steady {
                 Ok(contact)
             }
             None => ContactSolver::new(&self.case, Motion::SteadyRolling),
+        }
+    }
+
+    /// The contact with the friction that it leaves itself, where that depends on its slip.
+    fn settled(
+        &mut self,
+        contact: &mut ContactSolver,
+        mut near: Option<Solution>,
+        inputs: &dyn Inputs,
+    ) -> Result<(Answer, StepReport, Option<Solution>), StepError> {
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        let Case { driven, terms, footprint, .. } = &self.case;
+        let searched = driven.has_force() && terms.friction_follows_slip();
+        let first = near.as_ref().filter(|_| searched).map(|near| near.state.creepage);
+        let first = first.unwrap_or(driven.at(0.0).creepage);
+        let mut search = SettledCreepage::new(first, footprint.semi_axes[0]);
+        let mut spent = StepReport { substeps: 1, ..StepReport::default() };
+        loop {
+            contact.set_friction(&mut self.case, inputs, search.at())?;
+            let (answer, report, solution) = self.compute(contact, near).map_err(no_solution)?;
+            spent.inner_iterations += report.inner_iterations;
+            spent.work += report.work;
+            if !searched || search.take(answer.creepage)? {
+                return Ok((answer, spent, solution));
+            }
+            near = solution.map(|solution| Solution::new(solution.state));
         }
     }
 
@@ -148,13 +179,15 @@ impl Model for Steady {
                 if raised {
                     contact.follow(&self.case, false).map_err(no_solution)?;
                 }
-                contact.set_friction(&mut self.case, inputs)?;
-                let (answer, report, _) = self.compute(&mut contact, None).map_err(no_solution)?;
+                let (answer, report, _) = self.settled(&mut contact, None, inputs)?;
                 self.contact = Some(contact);
                 (answer, report)
             }
         };
         answer.write(&self.case.terms, &answer.friction_power, outputs);
+        if let Some(removal) = &mut self.case.terms.removal {
+            removal.take(&self.case.footprint.grid, &answer.accepted());
+        }
         self.answer = Some((answer, report));
         Ok(report)
     }
@@ -165,7 +198,9 @@ impl Model for Steady {
 
     fn acceptable(&self) -> Result<(), StepError> {
         let shortfall = self.contact.as_ref().and_then(|contact| contact.shortfall);
-        Shortfall::refused(shortfall, &self.case.terms)
+        Shortfall::refused(shortfall, &self.case.terms)?;
+        let removal = self.case.terms.removal.iter().filter(|_| self.following.is_some());
+        removal.map(Removal::refuse_too_much).collect()
     }
 
     fn accept(&mut self) {

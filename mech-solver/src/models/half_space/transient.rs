@@ -205,7 +205,8 @@ impl Model for Transient {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        self.contact.set_friction(&mut self.case, inputs)?;
+        let creepage = self.case.driven.at(0.0).creepage;
+        self.contact.set_friction(&mut self.case, inputs, creepage)?;
         let report = self.advance(step.duration());
         let report = report.map_err(|error| StepError::NoSolution(error.to_string()))?;
         self.trial.answer.write(&self.case.terms, &self.power, outputs);

@@ -1,4 +1,4 @@
-//! The contact whose friction depends on what comes in.
+//! The contact whose friction depends on what comes in, or on slip.
 //!
 //! Carter's strips know one friction coefficient: the mean of f over the contact, weighted with
 //! the pressure, which keeps the force f N of a contact that slides. It is solved anew in every
@@ -7,8 +7,11 @@
 use super::case::Case;
 use super::contact::Contact;
 use super::fields;
+use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
 use crate::scene::{Drive, Scene};
+use crate::slip::RigidSlip;
+use crate::terms::Rubbing;
 use proto::configuration::Refusal;
 use proto::field;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
@@ -28,6 +31,25 @@ impl Heated {
     pub(super) fn new(case: Case) -> Self {
         let pressure = fields::values(&field::PRESSURE, &case.contact, case.grid, &case.terms);
         Self { pressure, friction: Vec::new(), shortfall: None, case }
+    }
+
+    /// Solves the contact with the friction at some creepages; those that it has then.
+    fn contact_at(&mut self, inputs: &dyn Inputs, creepage: [f64; 3]) -> Result<[f64; 3], StepError> {
+        let Case { terms, scene, grid, .. } = &mut self.case;
+        let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
+        let rubbing = Rubbing { inputs, slip, grid, pressure: &self.pressure };
+        terms.friction(scene.friction_coefficient, &rubbing, &mut self.friction)?;
+        let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
+        let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
+        let normal_force = self.case.contact.ellipse.normal_force;
+        let (drive, shortfall) = carried(self.case.scene.drive, friction, normal_force);
+        self.shortfall = shortfall;
+        let scene = Scene { friction_coefficient: friction, drive, ..self.case.scene.clone() };
+        let Case { contact, law, terms, .. } = &mut self.case;
+        *contact = Contact::solve(&scene, contact.ellipse, *law, terms.adhesion).map_err(
+            |Refusal { reason, fix, .. }| StepError::NoSolution(format!("{reason}; {fix}")),
+        )?;
+        Ok([contact.creepage_xi(), 0.0, 0.0])
     }
 
     fn write(&self, outputs: &mut dyn Outputs) {
@@ -66,18 +88,17 @@ impl Model for Heated {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        let Case { terms, scene, grid, .. } = &mut self.case;
-        terms.friction(scene.friction_coefficient, inputs, grid, &mut self.friction)?;
-        let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
-        let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
-        let normal_force = self.case.contact.ellipse.normal_force;
-        let (drive, shortfall) = carried(self.case.scene.drive, friction, normal_force);
-        self.shortfall = shortfall;
-        let scene = Scene { friction_coefficient: friction, drive, ..self.case.scene.clone() };
-        let Case { contact, law, terms, .. } = &mut self.case;
-        *contact = Contact::solve(&scene, contact.ellipse, *law, terms.adhesion).map_err(
-            |Refusal { reason, fix, .. }| StepError::NoSolution(format!("{reason}; {fix}")),
-        )?;
+        let first = match self.case.scene.drive {
+            Drive::Creepage { xi, eta, phi } => [xi, eta, phi],
+            _ => [0.0; 3],
+        };
+        let mut search = SettledCreepage::new(first, self.case.contact.ellipse.semi_axis_a);
+        loop {
+            let found = self.contact_at(inputs, search.at())?;
+            if !self.case.terms.friction_follows_slip() || search.take(found)? {
+                break;
+            }
+        }
         self.write(outputs);
         let work = self.case.grid.points() as u64;
         Ok(StepReport { substeps: 1, work, ..StepReport::default() })

@@ -91,6 +91,15 @@ TABLE: dict[str, FieldKind] = {
             )
             for body in BODIES
         ),
+        *(
+            FieldKind(
+                f"{body}_wear_depth",
+                "m",
+                body=body,
+                meaning=f"depth that has been worn off the {body} body",
+            )
+            for body in BODIES
+        ),
         FieldKind(
             "lower_section_temperature",
             "K",

@@ -1,0 +1,85 @@
+//! Effect `viscous_layer`: a film between the surfaces that shears like a viscous fluid, up to friction.
+//!
+//! τ = η v/h with the film's viscosity η and thickness h, and v = V |(ξ − φy, η_y + φx)|, the slip of rigid bodies; where that is
+//! beyond the friction of the case and of the effects before, that is the bound. Of an element with the pressure p the
+//! friction coefficient is min(f, η v/(h p)). The force then rises with the creepage like that of a fluid, and bends
+//! to f N.
+//!
+//! Source: Stachowiak & Batchelor, Engineering Tribology (2013), ch. 4, for the film; Hou, Kalousek & Magel, Wear 211 (1997)
+//! 134–140, for third bodies between wheel and rail. Left out: the elastic part of the slip, viscosity that depends on pressure
+//! and temperature, and forces that are prescribed: at rest the film carries none.
+
+use crate::entry::Effect;
+use crate::keys::CheckedParams;
+use crate::scene::{Drive, Scene};
+use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+use proto::model::StepError;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "viscous_layer",
+    law: "traction bound min(f p, eta v/h) with the rigid slip velocity v",
+    source: "Stachowiak & Batchelor, Engineering Tribology (2013), ch. 4; Hou, Kalousek & Magel, Wear \
+             211 (1997) 134-140",
+    kinds: &[Kind::Friction],
+    consumes: &[],
+    provides: &[],
+    keys,
+    figures: Vec::new,
+    terms,
+};
+
+const VISCOSITY: &str = "effects.viscous_layer.viscosity";
+const THICKNESS: &str = "effects.viscous_layer.thickness";
+
+fn keys() -> Vec<KeySpec> {
+    vec![
+        KeySpec::quantity(VISCOSITY, "Pa s", "dynamic viscosity of the film").required().above(0.0),
+        KeySpec::quantity(THICKNESS, "m", "thickness of the film").required().above(0.0),
+    ]
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let case = CheckedParams::new(&configuration.case, keys());
+    if !matches!(Scene::read(&configuration.case)?.drive, Drive::Creepage { .. }) {
+        return Err(Refusal::new(
+            "effects.viscous_layer",
+            "at rest the film carries no force, so that none can be prescribed",
+            "write motion.creepage, or remove the effect",
+        ));
+    }
+    let film = Film { shear_rate_factor: case.number(VISCOSITY)? / case.number(THICKNESS)? };
+    Ok(Terms { friction: vec![Box::new(film)], ..Terms::default() })
+}
+
+/// The film.
+#[derive(Debug)]
+struct Film {
+    /// η/h [Pa·s/m].
+    shear_rate_factor: f64,
+}
+
+impl State for Film {}
+
+impl FrictionTerm for Film {
+    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
+        let Rubbing { slip, grid, pressure, .. } = rubbing;
+        for (index, (friction, pressure)) in friction.iter_mut().zip(*pressure).enumerate() {
+            let velocity = slip.at(grid.x(index % grid.ni), grid.y(index / grid.ni));
+            // Without pressure there is no bound to speak of.
+            let film = self.shear_rate_factor * velocity / pressure.max(f64::MIN_POSITIVE);
+            *friction = friction.min(film);
+        }
+        Ok(())
+    }
+
+    fn follows_slip(&self) -> bool {
+        true
+    }
+
+    fn shortfall(&self) -> &'static str {
+        "the film does not carry the force"
+    }
+}

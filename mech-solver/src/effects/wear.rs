@@ -1,0 +1,131 @@
+//! Effect `wear`: the contact takes material off both bodies, and the profiles that it leaves carry on.
+//!
+//! By friction energy, a volume k for every joule of friction work, or by Archard's law, K/H times load and distance. The
+//! work of passages, and how a profile follows, are in [`crate::removal`]. A steady case gives what a passage takes; in a
+//! sequence every row stands for a number of passages, and the profiles of both bodies come to the next row as they are worn.
+//! The heat of friction stays what it is: the share that goes into worn particles is `effects.friction_heat.heat_share`.
+//!
+//! Source: Archard, J. Appl. Phys. 24 (1953) 981–988; Pearce & Sherratt, Wear 144 (1991) 343–351; Lewis & Olofsson, Wear
+//! 257 (2004) 721–729, for the regimes of rail and wheel steel.
+//! Left out: worn particles that stay, and wear that is not the same all round a body.
+
+use crate::entry::Effect;
+use crate::keys::CheckedParams;
+use crate::removal::{Law, Removal};
+use crate::scene::Scene;
+use crate::terms::{Kind, Terms};
+
+use proto::configuration::{Configuration, Mode, Refusal};
+use proto::description::KeySpec;
+use proto::field::{self, FieldSpec};
+use proto::figure::FigureSpec;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: NAME,
+    law: "depth of a passage h(y) = int k q_f dx/v, or int (K/H) p |s| dx/v (Archard), added to the \
+          undeformed distance",
+    source: "Archard, J. Appl. Phys. 24 (1953) 981-988; Pearce & Sherratt, Wear 144 (1991) 343-351",
+    kinds: &[Kind::Removal],
+    consumes: &[],
+    provides: &DEPTHS,
+    keys,
+    figures,
+    terms,
+};
+
+const NAME: &str = "wear";
+const DEPTHS: [&FieldSpec; 2] = [&field::UPPER_WEAR_DEPTH, &field::LOWER_WEAR_DEPTH];
+const LAW: &str = "effects.wear.law";
+const PASSES: &str = "effects.wear.passes";
+const ENERGY: &str = "wear_per_joule";
+const ARCHARD: &str = "wear_coefficient";
+const HARDNESS: &str = "hardness";
+
+fn path(material: &str, name: &str) -> String {
+    format!("materials.{material}.{name}")
+}
+
+fn keys() -> Vec<KeySpec> {
+    vec![
+        KeySpec::choice(
+            LAW,
+            &["energy", "archard"],
+            "energy: a volume for every joule of friction work; archard: K/H times load and distance",
+        )
+        .default_value("energy"),
+        KeySpec::number(PASSES, "passages that a window stands for, of every point of both bodies")
+            .default_value(1.0)
+            .above(0.0)
+            .varies(),
+        KeySpec::quantity(
+            &path("*", ENERGY),
+            "m3/J",
+            "volume that a joule of friction work wears off; with the law energy",
+        )
+        .at_least(0.0),
+        KeySpec::number(&path("*", ARCHARD), "Archard's coefficient K; with the law archard")
+            .at_least(0.0),
+        KeySpec::quantity(&path("*", HARDNESS), "Pa", "hardness H; with the law archard")
+            .above(0.0),
+    ]
+}
+
+fn figures() -> Vec<FigureSpec> {
+    let figure = |name: &str, unit, words, short| {
+        FigureSpec::new(&format!("wear.*.{name}"), unit, words).on("wear of *", short).digits(4)
+    };
+    vec![
+        figure("depth_per_passage_m", "m", "depth worn in a passage", "per passage").rank(10),
+        figure("max_depth_m", "m", "largest depth worn", "depth").headline(),
+        FigureSpec::new("wear.*.area_per_passage_m2", "m2", "cross-section worn in a passage"),
+        FigureSpec::new("wear.*.worn_area_m2", "m2", "cross-section worn"),
+    ]
+}
+
+/// The passages of a configuration in which nothing varies.
+///
+/// # Errors
+/// A value that is out of range.
+fn passes(configuration: &Configuration) -> Result<f64, Refusal> {
+    CheckedParams::new(&configuration.case, keys()).number(PASSES)
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let scene = Scene::read(&configuration.case)?;
+    let case = CheckedParams::new(&configuration.case, keys());
+    let archard = case.text(LAW)? == "archard";
+    let of = |body: usize| -> Result<f64, Refusal> {
+        let material = configuration.case.text(&scene.names.key(body, "material"))?;
+        let number = |name: &str| case.number(&path(material, name));
+        Ok(if archard { number(ARCHARD)? / number(HARDNESS)? } else { number(ENERGY)? })
+    };
+    let factors = [of(0)?, of(1)?];
+    refuse(configuration, &scene, factors)?;
+    let law = if archard { Law::Archard(factors) } else { Law::Energy(factors) };
+    let removal = Removal::new(law, (configuration, passes), &scene, (DEPTHS, NAME))?;
+    Ok(Terms { removal: Some(removal), ..Terms::default() })
+}
+
+fn refuse(
+    configuration: &Configuration,
+    scene: &Scene,
+    factors: [f64; 2],
+) -> Result<(), Refusal> {
+    if configuration.mode == Mode::Transient {
+        return Err(Refusal::new(
+            &format!("effects.{NAME}"),
+            "a window of time is no number of passages",
+            "write time.mode = \"steady\" or \"sequence\"",
+        ));
+    }
+    let speeds = scene.speeds.of_surfaces(0.0);
+    match (0..2).find(|body| speeds[*body] == 0.0 && factors[*body] > 0.0) {
+        None => Ok(()),
+        Some(body) => Err(Refusal::new(
+            &scene.names.key(body, "surface_speed"),
+            "a surface that stays in the contact wears without end in one place, and not by passages",
+            "write a speed above 0 m/s, or a material that does not wear",
+        )),
+    }
+}

@@ -1,0 +1,95 @@
+//! Creepages that lead back to themselves, where friction depends on them.
+//!
+//! The friction at some creepages lets a force have others. They are found by Aitken's relaxation as Irons and Tuck have it for
+//! vectors (Int. J. Numer. Meth. Engng 1 (1969) 275–277), which for one component is the secant method.
+
+use proto::model::StepError;
+
+/// Change over the creepages at which they have settled.
+const SETTLED: f64 = 1e-8;
+/// Creepages that are tried.
+const MOST: usize = 60;
+/// Largest factor of a step.
+const LARGEST: f64 = 1e3;
+
+/// A search for them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SettledCreepage {
+    /// Spin is taken times this length [m].
+    length: f64,
+    at: [f64; 3],
+    residual: Option<[f64; 3]>,
+    factor: f64,
+    tried: usize,
+}
+
+impl SettledCreepage {
+    /// Begins at some creepages, in a contact of this size [m].
+    pub(super) fn new(at: [f64; 3], length: f64) -> Self {
+        Self { length, at, residual: None, factor: 1.0, tried: 0 }
+    }
+
+    /// The creepages to try.
+    pub(super) fn at(&self) -> [f64; 3] {
+        self.at
+    }
+
+    /// Takes those that they led to; whether they are the same.
+    ///
+    /// # Errors
+    /// They do not settle.
+    pub(super) fn take(&mut self, found: [f64; 3]) -> Result<bool, StepError> {
+        let weights = [1.0, 1.0, self.length];
+        let weighted = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|k| weights[k] * of(k));
+        let residual: [f64; 3] = weighted(&|k| found[k] - self.at[k]);
+        let size: [f64; 3] = weighted(&|k| found[k]);
+        if dot(residual, residual) <= SETTLED * SETTLED * dot(size, size) {
+            return Ok(true);
+        }
+        self.tried += 1;
+        if self.tried == MOST {
+            return Err(StepError::NoSolution(format!(
+                "friction that falls with slip leaves no creepage for the force: {MOST} were tried, the last along x {:.4e}, which led to \
+                 {:.4e}; prescribe less force, or motion.creepage",
+                self.at[0], found[0]
+            )));
+        }
+        if let Some(before) = self.residual.replace(residual) {
+            let change: [f64; 3] = std::array::from_fn(|k| residual[k] - before[k]);
+            let square = dot(change, change);
+            let factor = if square > 0.0 { -self.factor * dot(before, change) / square } else { 1.0 };
+            self.factor = if factor > 0.0 { factor.min(LARGEST) } else { 1.0 };
+        }
+        for (at, found) in self.at.iter_mut().zip(found) {
+            *at += self.factor * (found - *at);
+        }
+        Ok(false)
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x = a + g x with a gain near one, which takes a plain iteration thousands of steps; and x = −1 − x², which has no
+    /// solution.
+    #[test]
+    fn a_gain_near_one_and_no_solution() {
+        let mut search = SettledCreepage::new([0.0; 3], 1e-3);
+        while !search.take([1e-3 + 0.99 * search.at()[0], 0.0, 0.0]).unwrap() {}
+        assert!((search.at()[0] / 0.1 - 1.0).abs() < 1e-6, "{search:?}");
+        assert!(search.tried < 5);
+        let mut search = SettledCreepage::new([0.0; 3], 1e-3);
+        let ended = loop {
+            match search.take([-1.0 - search.at()[0].powi(2), 0.0, 0.0]) {
+                Ok(false) => {}
+                ended => break ended,
+            }
+        };
+        assert!(ended.unwrap_err().to_string().contains("no creepage"));
+    }
+}

@@ -1,0 +1,234 @@
+//! What the contact removes from both bodies, and the profiles that it leaves.
+//!
+//! Every point of a body that comes round passes the whole contact along its row, so that a passage takes the same depth
+//! off all of the row's circumference,
+//!
+//! h(y) = ∫ w dx / v,  w = k q_f (energy) or (K/H) p |s| (Archard) [m/s],
+//!
+//! with the speed v of the surface, friction power density q_f, pressure p and slip velocity s. The depths of all passages are
+//! added to the undeformed distance; a window stands for a number of them under the same contact.
+//!
+//! A row that carries more wears more, and carries less in the next window. What a window wears must stay small against what the
+//! elastic bodies make up for: a change δh that alternates from row to row changes the pressure by δp = δh E*π/(2Δy), with
+//! 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂, and a window whose passages answer with more than 2δh makes it grow.
+//!
+//! Source: Archard, J. Appl. Phys. 24 (1953) 981–988; Pearce & Sherratt, Wear 144 (1991) 343–351, for wear by friction
+//! energy in railways.
+
+use crate::scene::Scene;
+use crate::terms::{Accepted, State};
+use proto::bodies::Bodies;
+use proto::configuration::{Configuration, Refusal};
+use proto::field::FieldSpec;
+use proto::grid::Structured;
+use proto::model::{Outputs, StateError, StepError};
+use proto::state::{read_numbers, write_numbers};
+use serde_json::{Map, Value, json};
+use std::f64::consts::PI;
+use std::io::{self, Read, Write};
+
+/// What the depth follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Law {
+    /// Volumes worn by a joule of friction work, of the upper and the lower body [m³/J].
+    Energy([f64; 2]),
+    /// Coefficients over hardness, K/H, of the upper and the lower body [1/Pa].
+    Archard([f64; 2]),
+}
+
+impl Law {
+    /// Speeds at which the surface of a body recedes, but for its factor [W/m²].
+    fn driving(&self, contact: &Accepted<'_>, element: usize) -> f64 {
+        match self {
+            Self::Energy(_) => contact.friction_power[element],
+            Self::Archard(_) => {
+                let (x, y) = contact.slip_velocity.split_at(contact.pressure.len());
+                contact.pressure[element] * x[element].hypot(y[element])
+            }
+        }
+    }
+
+    fn factors(&self) -> [f64; 2] {
+        let (Self::Energy(factors) | Self::Archard(factors)) = *self;
+        factors
+    }
+}
+
+/// The number of passages that a configuration in which nothing varies asks for.
+pub(crate) type ReadPasses = fn(&Configuration) -> Result<f64, Refusal>;
+
+/// What has been worn off, row by row.
+#[derive(Clone, Debug)]
+pub(crate) struct Removal {
+    law: Law,
+    /// Passages that a window stands for, and how a configuration says so.
+    passes: f64,
+    read_passes: ReadPasses,
+    /// The fields of the depths, of the upper and the lower body.
+    fields: [&'static FieldSpec; 2],
+    /// The name of its section of the summary.
+    section: &'static str,
+    /// What the case calls the bodies.
+    names: Bodies,
+    /// (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa].
+    compliance: f64,
+    /// Where the rows are.
+    rows: Rows,
+    /// Depths that a passage through the latest contact takes off both bodies [m].
+    passage: [Vec<f64>; 2],
+    /// Depths of all passages that were accepted [m].
+    worn: [Vec<f64>; 2],
+    /// Largest pressure of every row of the latest contact [Pa].
+    pressure: Vec<f64>,
+}
+
+/// The rows of a grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Rows {
+    first: f64,
+    width: f64,
+    count: usize,
+}
+
+impl Removal {
+    /// Of a configuration.
+    ///
+    /// # Errors
+    /// Those of `read_passes`.
+    pub(crate) fn new(
+        law: Law,
+        (configuration, read_passes): (&Configuration, ReadPasses),
+        scene: &Scene,
+        (fields, section): ([&'static FieldSpec; 2], &'static str),
+    ) -> Result<Self, Refusal> {
+        Ok(Self {
+            law,
+            passes: read_passes(configuration)?,
+            read_passes,
+            fields,
+            section,
+            names: scene.names.clone(),
+            compliance: scene.contact_compliance(),
+            rows: Rows::default(),
+            passage: Default::default(),
+            worn: Default::default(),
+            pressure: Vec::new(),
+        })
+    }
+
+    /// Learns where the contact is solved; comes before all else.
+    pub(crate) fn place(&mut self, grid: &Structured) {
+        self.rows = Rows { first: grid.y(0), width: grid.dy(), count: grid.nj };
+        let zeros = vec![0.0; grid.nj];
+        self.passage = [zeros.clone(), zeros.clone()];
+        self.worn = [zeros.clone(), zeros.clone()];
+        self.pressure = zeros;
+    }
+
+    /// Takes the passages of the window that comes.
+    ///
+    /// # Errors
+    /// Those of reading them.
+    pub(crate) fn follow(&mut self, row: &Configuration) -> Result<(), Refusal> {
+        self.passes = (self.read_passes)(row)?;
+        Ok(())
+    }
+
+    /// What has been worn off both bodies at a lateral place, between the rows on straight lines [m].
+    pub(crate) fn depth(&self, y: f64) -> f64 {
+        let Rows { first, width, count } = self.rows;
+        if count == 0 {
+            return 0.0;
+        }
+        let place = ((y - first) / width).clamp(0.0, (count - 1) as f64);
+        let low = (place as usize).min(count.saturating_sub(2));
+        let share = place - low as f64;
+        let of = |worn: &Vec<f64>| {
+            let high = worn[(low + 1).min(count - 1)];
+            worn[low] + share * (high - worn[low])
+        };
+        self.worn.iter().map(of).sum()
+    }
+
+    /// Takes the contact of a window that may be accepted.
+    pub(crate) fn take(&mut self, grid: &Structured, contact: &Accepted<'_>) {
+        let factors = self.law.factors();
+        for row in 0..self.rows.count {
+            let elements = row * grid.ni..(row + 1) * grid.ni;
+            let driving: f64 = elements.clone().map(|at| self.law.driving(contact, at)).sum();
+            for body in 0..2 {
+                let speed = contact.surface_speed[body];
+                let per_speed = if factors[body] == 0.0 { 0.0 } else { factors[body] / speed };
+                self.passage[body][row] = per_speed * driving * grid.dx();
+            }
+            self.pressure[row] = contact.pressure[elements].iter().copied().fold(0.0, f64::max);
+        }
+    }
+
+    /// Refuses a window that wears more than a profile can follow.
+    pub(crate) fn refuse_too_much(&self) -> Result<(), StepError> {
+        let stiffness = 0.5 * PI / (self.compliance * self.rows.width);
+        let [upper, lower] = &self.passage;
+        let response = upper.iter().zip(lower).zip(&self.pressure);
+        let largest = response
+            .filter(|(_, pressure)| **pressure > 0.0)
+            .map(|((upper, lower), pressure)| stiffness * (upper + lower) / pressure)
+            .fold(0.0, f64::max);
+        let most = (2.0 / largest).floor();
+        if self.passes <= most {
+            return Ok(());
+        }
+        Err(StepError::NoSolution(format!(
+            "{} passages in one window wear rows of elements by more than their neighbours make up for: write at most {most} in a row of \
+             the history, or a larger mech.resolution apart from a smaller mech.lateral_resolution",
+            self.passes
+        )))
+    }
+
+    /// Writes the accepted depths, those that are asked for, on every element of the grid.
+    pub(crate) fn write(&self, outputs: &mut dyn Outputs) {
+        for (field, worn) in self.fields.iter().zip(&self.worn) {
+            let Some(values) = outputs.get(field) else { continue };
+            let columns = values.len() / self.rows.count;
+            for (row, depth) in values.chunks_exact_mut(columns).zip(worn) {
+                row.fill(*depth);
+            }
+        }
+    }
+
+    /// Its section of `summary.json`, by name.
+    pub(crate) fn summary(&self) -> (&'static str, Value) {
+        let section = |body: usize| {
+            let [passage, worn] = [&self.passage[body], &self.worn[body]];
+            let largest = |of: &[f64]| of.iter().copied().fold(0.0, f64::max);
+            let area = |of: &[f64]| of.iter().sum::<f64>() * self.rows.width;
+            json!({
+                "depth_per_passage_m": largest(passage),
+                "area_per_passage_m2": area(passage),
+                "max_depth_m": largest(worn),
+                "worn_area_m2": area(worn),
+            })
+        };
+        let named = self.names.0.iter().enumerate();
+        let bodies: Map<_, _> = named.map(|(body, name)| (name.clone(), section(body))).collect();
+        (self.section, Value::Object(bodies))
+    }
+}
+
+impl State for Removal {
+    fn accept(&mut self) {
+        for (worn, passage) in self.worn.iter_mut().zip(&self.passage) {
+            for (sum, depth) in worn.iter_mut().zip(passage) {
+                *sum += self.passes * depth;
+            }
+        }
+    }
+
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        write_numbers(into, self.worn.iter().chain(&self.passage).flatten())
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        Ok(read_numbers(from, self.worn.iter_mut().chain(&mut self.passage).flatten())?)
+    }
+}

@@ -1,0 +1,77 @@
+//! Friction that depends on the slip that it allows.
+
+use super::common::{
+    FRICTION, NoInputs, SPEED, Store, assert_close, configuration, driven, paper, refusal, run,
+};
+use mech_solver::MechSolver;
+use proto::model::{Solver, Step};
+use proto::progress::Progress;
+use serde_json::{Value, json};
+
+/// Polach's constants of a dry contact.
+const RATIO: f64 = 0.4;
+const DECREASE: f64 = 0.6;
+
+fn falling(model: &str, traction: f64) -> Value {
+    let mut case = driven(paper(), "traction_coefficient", traction);
+    case["mech"] = json!({"model": model, "resolution": 12});
+    case["effects"]["speed_friction"] = json!({"ratio": RATIO, "decrease": DECREASE});
+    case
+}
+
+/// The creepage that is found for a force lets friction carry that force: a contact without the effect, with the constant friction
+/// of that creepage, has it too. Tolerances: closed form, and the accuracy of tractions.
+#[test]
+fn force_and_friction_are_found_together() {
+    for (model, tolerance) in [("hertz-carter", 1e-7), ("half-space", 2e-4)] {
+        for traction in [0.1, 0.3, 0.45] {
+            let found = run(&falling(model, traction));
+            let creepage = found.number("creepage_xi");
+            let velocity = SPEED * creepage.abs();
+            let friction = FRICTION * ((1.0 - RATIO) * (-DECREASE * velocity).exp() + RATIO);
+            let mut constant = driven(paper(), "creepage", creepage);
+            constant["mech"] = json!({"model": model, "resolution": 12});
+            constant["friction"]["coefficient"] = json!(friction);
+            let expected = run(&constant);
+            assert_close(expected.number("traction_coefficient"), traction, tolerance);
+            assert!(friction < 0.99 * FRICTION, "the law says something: {friction}");
+        }
+    }
+}
+
+/// The creep curve has a maximum: a force beyond it has no creepage, and says so.
+#[test]
+fn a_force_beyond_the_maximum_is_refused() {
+    for model in ["hertz-carter", "half-space"] {
+        let configuration = configuration(&falling(model, 0.59));
+        let setup = MechSolver.configure(&configuration).unwrap();
+        let layout = setup.layout().clone();
+        let mut model = setup.build(&Progress::default()).unwrap();
+        let mut store = Store::for_layout(&layout, &configuration.outputs);
+        let solved = model.solve(&Step::STEADY, &NoInputs, &mut store);
+        let refused = solved.and_then(|_| model.acceptable()).unwrap_err().to_string();
+        assert!(refused.contains("friction falls with"), "{refused}");
+    }
+}
+
+/// A film carries η V|ξ|/h on all of the contact, until friction bounds it. Tolerance: the elements on the edge, where friction
+/// is below the film's.
+#[test]
+fn a_film_carries_its_shear() {
+    let film = |creepage: f64| {
+        let mut case = driven(paper(), "creepage", creepage);
+        case["mech"] = json!({"model": "half-space", "resolution": 20});
+        case["effects"]["viscous_layer"] = json!({"viscosity": 1000.0, "thickness": 1e-5});
+        run(&case)
+    };
+    for creepage in [1e-4, 1e-3] {
+        let found = film(-creepage);
+        let shear = 1000.0 * SPEED * creepage / 1e-5 * found.number("area_m2");
+        assert_close(found.number("creep_force_x_n"), shear, 0.02);
+    }
+    let saturated = film(-0.9);
+    assert_close(saturated.number("traction_coefficient"), FRICTION, 2e-3);
+    let mut driven_by_force = driven(paper(), "traction_coefficient", 0.1);
+    driven_by_force["effects"]["viscous_layer"] = json!({"viscosity": 1.0, "thickness": 1e-5});
+    assert_eq!(refusal(&configuration(&driven_by_force)).key, "effects.viscous_layer");
+}

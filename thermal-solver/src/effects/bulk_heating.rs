@@ -1,0 +1,144 @@
+//! Effect `bulk_heating`: what earlier passages have left in a body when a place of it comes into the contact again.
+//!
+//! Two parts, which are added to the flash temperature, row by row:
+//!
+//! - the body as a whole: the heat that goes into it leaves it through a loss G = hA of all of its surface, P = G ϑ, from turn
+//!   to turn the same (`bodies.*.heat_loss`);
+//! - the earlier passages over the same place, that of the wheels before over a rail or of the turns before of a wheel: each left
+//!   the heat e(y) = ∫q dx/v on the surface [J/m²], of which conduction into a half-space and across the track leaves
+//!   ϑ(y, t) = ∫ e(y') G(y − y', t) dy'/(β √(πt)), G a Gaussian of the variance 2κt, after the times t = jτ
+//!   (`bodies.*.passages`, `bodies.*.passage_interval`).
+//!
+//! The sum over passages grows like the logarithm of their number, so that it is finite for those of a train; what has gone on for
+//! ever is the body as a whole.
+//!
+//! Source: Ertz & Knothe, Wear 253 (2002) 498–508, for bulk and flash temperature; Carslaw & Jaeger, Conduction of Heat in
+//! Solids, 10.3, for the instantaneous source. Steady cases and rows of a sequence. Left out: heat that flows between bodies
+//! because one is warmer as a whole, which `continuity` and `contact_conductance` would need and are refused with; what the
+//! surface loses between two passages.
+
+use crate::effects::friction_heat::{self, Partition};
+use crate::models::names;
+use crate::scene::Scene;
+use crate::{LOWER, UPPER};
+use proto::configuration::{Configuration, Mode, Refusal};
+use proto::description::{EffectSpec, KeySpec};
+use proto::figure::{FigureSpec, Style};
+
+/// Name in the case file.
+pub const NAME: &str = "bulk_heating";
+
+const LOSS: &str = "heat_loss";
+const PASSAGES: &str = "passages";
+const INTERVAL: &str = "passage_interval";
+
+/// Its part of what a body remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Memory {
+    /// Loss of the body as a whole [W/K]; `None` for one that stays as cold as it was.
+    pub loss: Option<f64>,
+    /// Earlier passages over the same place.
+    pub passages: usize,
+    /// Time from one to the next [s].
+    pub interval: f64,
+}
+
+fn keys() -> Vec<KeySpec> {
+    let of = |name: &str| format!("bodies.*.{name}");
+    vec![
+        KeySpec::quantity(&of(LOSS), "W/K", "what the whole body gives off, h A; absent: it stays cold")
+            .above(0.0),
+        KeySpec::integer(&of(PASSAGES), "earlier passages over the same place of the body")
+            .default_value(0)
+            .at_least(0.0)
+            .at_most(1e4),
+        KeySpec::quantity(&of(INTERVAL), "s", "time from one passage to the next").above(0.0),
+    ]
+}
+
+/// Its description.
+#[must_use]
+pub fn spec() -> EffectSpec {
+    let figure = |name: &str, words, short| {
+        FigureSpec::new(&format!("temperature.*.{name}"), "K", words)
+            .on("*", short)
+            .style(Style::Signed)
+            .unless_zero()
+    };
+    EffectSpec {
+        name: NAME.to_owned(),
+        law: "surface temperature = flash + P/(h A) + sum over earlier passages of e/(beta sqrt(pi t))"
+            .to_owned(),
+        source: "Ertz & Knothe, Wear 253 (2002) 498-508; Carslaw & Jaeger, Conduction of Heat in \
+                 Solids, 10.3"
+            .to_owned(),
+        models: [names::ERTZ_KNOTHE, names::COLUMNS, names::MOVING_SOURCE].map(str::to_owned).to_vec(),
+        consumes: Vec::new(),
+        provides: Vec::new(),
+        keys: keys(),
+        figures: vec![
+            figure("bulk_rise_k", "rise of the whole body", "of it the whole body"),
+            figure("residual_rise_k", "rise left by earlier passages", "left by passages before"),
+        ],
+    }
+}
+
+/// What the upper and the lower body remember.
+///
+/// # Errors
+/// A value that is missing or out of range, and what has no answer with the effect.
+pub fn read(given: &Configuration, scene: &Scene) -> Result<[Memory; 2], Refusal> {
+    if given.mode == Mode::Transient {
+        return Err(Refusal::new(
+            &format!("effects.{NAME}"),
+            "what passages leave is that of many of them, and no matter of a window of time",
+            "write time.mode = \"steady\" or \"sequence\", or remove the effect",
+        ));
+    }
+    if Partition::read(&given.case)? == Partition::Continuity {
+        return Err(Refusal::new(
+            friction_heat::PARTITION_KEY,
+            "the heat that flows between bodies of different bulk temperature is not found",
+            "write \"equal\" or \"effusivity\", or remove [effects.bulk_heating]",
+        ));
+    }
+    let own = [of_body(given, scene, UPPER)?, of_body(given, scene, LOWER)?];
+    if own.iter().any(|memory| memory.loss.is_some() || memory.passages > 0) {
+        return Ok(own);
+    }
+    let key = scene.names.key(UPPER, LOSS);
+    Err(Refusal::new(
+        &format!("effects.{NAME}"),
+        "neither body has a heat_loss or passages",
+        format!("add `{key} = \"20 W/K\"`, or {PASSAGES} and {INTERVAL}"),
+    ))
+}
+
+fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<Memory, Refusal> {
+    let key = |name: &str| scene.names.key(body, name);
+    let positive = |name: &str| match given.case.maybe_number(&key(name))? {
+        Some(value) if value <= 0.0 => {
+            Err(Refusal::new(&key(name), format!("{value} is not above 0"), "write a value above 0"))
+        }
+        value => Ok(value),
+    };
+    let passages = match given.case.has(&key(PASSAGES)) {
+        true => given.case.integer(&key(PASSAGES))?,
+        false => 0,
+    };
+    let Ok(passages) = usize::try_from(passages) else {
+        return Err(Refusal::new(&key(PASSAGES), "is below 0", "write a number of passages"));
+    };
+    if passages > 0 && scene.at_rest[body] {
+        let reason = "a body at rest has no earlier passages over the same place";
+        return Err(Refusal::new(&key(PASSAGES), reason, "remove the key"));
+    }
+    let interval = positive(INTERVAL)?;
+    match (passages, interval) {
+        (1.., None) => {
+            let fix = format!("add `{} = \"0.1 s\"`", key(INTERVAL));
+            Err(Refusal::new(&key(INTERVAL), "missing beside passages", fix))
+        }
+        _ => Ok(Memory { loss: positive(LOSS)?, passages, interval: interval.unwrap_or(f64::INFINITY) }),
+    }
+}

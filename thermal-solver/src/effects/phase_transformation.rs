@@ -1,0 +1,129 @@
+//! Effect `phase_transformation`: where steel becomes austenite under the contact, and quenches behind it to a white etching layer.
+//!
+//! A place transforms if its temperature exceeds A_c1 + s log₁₀(Ṫ/Ṫ₀), with the rate Ṫ = V ∂T/∂x at which it is heated through A_c1 and
+//! the shift s for a tenfold rate, and if it then cools through A_c1 faster than the critical rate of martensite. In steady motion
+//! what a place goes through is what stands along its row, so that the transformed layer has a cross-section, its width and its greatest
+//! depth, and goes on along the rolling direction as long as the scene does. The layer is the intersection of those of both
+//! conditions at a depth; whether the whole depth is quenched is decided at the surface.
+//!
+//! Source: Naeimi et al., par. 5.6 (600 °C); Ahlström & Karlsson, Wear 232 (1999) 1–14 and 15–24, for the transformation
+//! under a sliding wheel and its critical rates. Left out: the time that carbon needs, which the shift stands for; pressure, which lowers
+//! A_c1; plastic deformation. Steady cases and rows of a sequence.
+
+use crate::models::names;
+use proto::configuration::{Configuration, Mode, Refusal};
+use proto::description::{EffectSpec, KeySpec};
+use proto::figure::FigureSpec;
+
+/// Name in the case file.
+pub const NAME: &str = "phase_transformation";
+
+const START: &str = "effects.phase_transformation.start_temperature";
+const SHIFT: &str = "effects.phase_transformation.rate_shift";
+const REFERENCE: &str = "effects.phase_transformation.reference_rate";
+const CRITICAL: &str = "effects.phase_transformation.critical_cooling_rate";
+
+/// Eutectoid temperature of iron and carbon [K].
+const EUTECTOID: f64 = 1000.15;
+/// Critical cooling rate of pearlitic rail steel [K/s].
+const PEARLITIC: f64 = 100.0;
+
+/// When steel transforms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Criterion {
+    /// A_c1 at the reference rate [K].
+    pub start: f64,
+    /// Shift for a tenfold heating rate [K].
+    pub shift: f64,
+    /// Heating rate at which the start temperature holds [K/s].
+    pub reference_rate: f64,
+    /// Least rate of cooling through the start temperature [K/s].
+    pub critical_rate: f64,
+}
+
+impl Criterion {
+    /// The same for rises over an initial temperature [K].
+    #[must_use]
+    pub fn over(&self, initial: f64) -> Self {
+        Self { start: self.start - initial, ..*self }
+    }
+
+    /// Temperature at which a place becomes austenite that is heated at this rate [K].
+    #[must_use]
+    pub fn temperature(&self, rate: f64) -> f64 {
+        let decades = (rate / self.reference_rate).log10().max(0.0);
+        self.start + if rate > 0.0 { self.shift * decades } else { 0.0 }
+    }
+}
+
+/// Its description.
+#[must_use]
+pub fn spec() -> EffectSpec {
+    let figure = |name: &str, unit, words, short| {
+        FigureSpec::new(&format!("white_layer.*.{name}"), unit, words)
+            .on("white layer of *", short)
+            .driven_by("contact.friction_power_w")
+    };
+    EffectSpec {
+        name: NAME.to_owned(),
+        law: "T > A_c1 + s log10(rate/rate0) on heating, then faster than the critical rate on cooling"
+            .to_owned(),
+        source: "Naeimi et al., par. 5.6; Ahlstroem & Karlsson, Wear 232 (1999) 1-14".to_owned(),
+        models: names::ALL.map(str::to_owned).to_vec(),
+        consumes: Vec::new(),
+        provides: Vec::new(),
+        keys: vec![
+            KeySpec::quantity(START, "K", "temperature A_c1 at which austenite forms on slow heating")
+                .default_value(EUTECTOID)
+                .above(0.0),
+            KeySpec::quantity(SHIFT, "K", "by how much A_c1 rises for a tenfold heating rate")
+                .default_value(0.0)
+                .at_least(0.0),
+            KeySpec::quantity(REFERENCE, "K/s", "heating rate of the start temperature")
+                .default_value(1.0)
+                .above(0.0),
+            KeySpec::quantity(CRITICAL, "K/s", "cooling rate from which on austenite becomes martensite")
+                .default_value(PEARLITIC)
+                .at_least(0.0),
+        ],
+        figures: vec![
+            figure("depth_m", "m", "depth of the transformed layer", "depth").headline(),
+            figure("width_m", "m", "width of the transformed layer", "width"),
+            figure("temperature_margin_k", "K", "highest temperature over that of transformation", "margin").digits(3),
+            figure("heating_rate_k_per_s", "K/s", "heating rate through the start temperature", "heating").digits(3),
+            figure("cooling_rate_k_per_s", "K/s", "cooling rate through the start temperature", "cooling").digits(3),
+        ],
+    }
+}
+
+/// The criterion of a case, if it asks for one.
+///
+/// # Errors
+/// A value that is out of range, and a case in time.
+pub fn read(given: &Configuration) -> Result<Option<Criterion>, Refusal> {
+    if !given.has_effect(NAME) {
+        return Ok(None);
+    }
+    if given.mode == Mode::Transient {
+        return Err(Refusal::new(
+            &format!("effects.{NAME}"),
+            "what a place goes through is read along its row, in which a window of time has only an instant",
+            "write time.mode = \"steady\" or \"sequence\", or remove the effect",
+        ));
+    }
+    let specs = spec().keys;
+    let number = |key: &str| {
+        let default = specs.iter().find(|spec| spec.path == key).and_then(|spec| spec.default.as_ref()?.as_f64());
+        let value = given.case.maybe_number(key)?.or(default).unwrap_or(0.0);
+        match value >= 0.0 && (value > 0.0 || key == SHIFT || key == CRITICAL) {
+            true => Ok(value),
+            false => Err(Refusal::new(key, format!("{value} is not above 0"), "write a value above 0")),
+        }
+    };
+    Ok(Some(Criterion {
+        start: number(START)?,
+        shift: number(SHIFT)?,
+        reference_rate: number(REFERENCE)?,
+        critical_rate: number(CRITICAL)?,
+    }))
+}

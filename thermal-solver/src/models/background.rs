@@ -1,0 +1,81 @@
+//! What earlier passages have left, on which the flash temperature comes ([`crate::effects::bulk_heating`]).
+
+use super::frame::Frame;
+use crate::effects::bulk_heating::Memory;
+use crate::window::Drive;
+use std::f64::consts::PI;
+
+/// Widths √(2κt) beyond which nothing has spread across.
+const SPREAD: f64 = 8.0;
+
+/// Temperatures that the passage finds.
+#[derive(Clone, Debug)]
+pub(super) struct Background {
+    memories: [Memory; 2],
+    /// Of the whole body [K].
+    bulk: [f64; 2],
+    /// Left by earlier passages, row by row [K].
+    residual: [Vec<f64>; 2],
+}
+
+impl Background {
+    /// Nothing has passed.
+    pub(super) fn new(memories: [Memory; 2], rows: usize) -> Self {
+        Self { memories, bulk: [0.0; 2], residual: [vec![0.0; rows], vec![0.0; rows]] }
+    }
+
+    /// Takes the heat of a passage: flux at the interface [W/m²], and the power into each body [W].
+    pub(super) fn take(&mut self, frame: &Frame, drive: &Drive, flux: &[f64], power: [f64; 2]) {
+        let grid = &frame.grid;
+        for body in 0..2 {
+            let Memory { loss, passages, interval } = self.memories[body];
+            self.bulk[body] = loss.map_or(0.0, |loss| power[body] / loss);
+            let per_area = drive.shares[body] * grid.dx() / drive.speeds[body];
+            let left: Vec<f64> =
+                flux.chunks_exact(grid.ni).map(|row| per_area * row.iter().sum::<f64>()).collect();
+            self.residual[body].fill(0.0);
+            for passage in 1..=passages {
+                let time = passage as f64 * interval;
+                self.add(frame, body, &left, time);
+            }
+        }
+    }
+
+    /// Adds what heat per area [J/m²] leaves after some time [s].
+    fn add(&mut self, frame: &Frame, body: usize, left: &[f64], time: f64) {
+        let material = &frame.scene.materials[body];
+        let width = frame.grid.dy();
+        let spread = (2.0 * material.diffusivity() * time).sqrt();
+        let depth = 1.0 / (material.effusivity() * (PI * time).sqrt());
+        // Means of the Gaussian over an element, from the error function at its edges.
+        let reach = ((SPREAD * spread / width) as usize + 1).min(left.len());
+        let edge = |rows: f64| 0.5 * libm::erf(rows * width / (spread * std::f64::consts::SQRT_2));
+        let weights: Vec<f64> =
+            (0..=reach).map(|k| edge(k as f64 + 0.5) - edge(k as f64 - 0.5)).collect();
+        for (row, sum) in self.residual[body].iter_mut().enumerate() {
+            let (first, last) = (row.saturating_sub(reach), (row + reach).min(left.len() - 1));
+            let mean: f64 = (first..=last).map(|from| weights[from.abs_diff(row)] * left[from]).sum();
+            *sum += depth * mean;
+        }
+    }
+
+    /// At the surface of a row [K].
+    pub(super) fn at(&self, body: usize, row: usize) -> f64 {
+        self.bulk[body] + self.residual[body][row]
+    }
+
+    /// Of the whole body, and the most that earlier passages left [K].
+    pub(super) fn figures(&self, body: usize) -> [f64; 2] {
+        [self.bulk[body], self.residual[body].iter().copied().fold(0.0, f64::max)]
+    }
+
+    /// All numbers of its state.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = &f64> {
+        self.bulk.iter().chain(self.residual.iter().flatten())
+    }
+
+    /// All numbers of its state.
+    pub(super) fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
+        self.bulk.iter_mut().chain(self.residual.iter_mut().flatten())
+    }
+}

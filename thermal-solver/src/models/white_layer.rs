@@ -1,0 +1,163 @@
+//! The layer that transforms under the contact ([`crate::effects::phase_transformation`]).
+//!
+//! Temperatures are rises here, those of the criterion too. A row is looked at level by level, first at the surface, then at depths between which the transformed one is bisected. Along a
+//! level the temperature is that of the elements' centres; the rates are those of the straight line through the two centres between
+//! which it passes A_c1, and where it has not cooled so far within the grid, those of T ~ 1/√t through its last two centres.
+
+use crate::effects::phase_transformation::Criterion;
+use serde_json::{Value, json};
+
+/// Halvings of the depth.
+const HALVINGS: usize = 12;
+
+/// What a place at some depth of a row goes through.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Cycle {
+    /// Highest rise [K].
+    pub(super) highest: f64,
+    /// Rates of heating and of cooling through the start temperature [K/s]; 0 where it is not reached.
+    pub(super) rates: [f64; 2],
+}
+
+impl Cycle {
+    /// Of the rises along a row [K], material entering at its end and passing an element in some time [s].
+    pub(super) fn of(rises: &[f64], passing: f64, start: f64) -> Self {
+        let highest = rises.iter().copied().fold(0.0, f64::max);
+        if highest < start {
+            return Self { highest, rates: [0.0; 2] };
+        }
+        let warm = |value: &f64| *value >= start;
+        let entering = rises.iter().rposition(warm).expect("the highest is warm");
+        let leaving = rises.iter().position(warm).expect("the highest is warm");
+        let rate = |warm: usize, cold: Option<usize>| {
+            let cold = cold.and_then(|cold| rises.get(cold));
+            cold.map(|cold| (rises[warm] - cold) / passing)
+        };
+        let heating = rate(entering, entering.checked_add(1)).unwrap_or(0.0);
+        let cooling = rate(leaving, leaving.checked_sub(1));
+        let cooling = cooling.unwrap_or_else(|| later(rises, passing, start));
+        Self { highest, rates: [heating, cooling] }
+    }
+
+    /// By how much the highest temperature exceeds that of transformation; below 0 where it is not reached [K].
+    pub(super) fn margin(&self, criterion: &Criterion) -> f64 {
+        self.highest - criterion.temperature(self.rates[0])
+    }
+
+    fn quenches(&self, criterion: &Criterion) -> bool {
+        self.rates[1] >= criterion.critical_rate
+    }
+}
+
+/// The rate of cooling through the start temperature behind the row, T = C/√(t − t₀) through its last two centres [K/s].
+fn later(rises: &[f64], passing: f64, start: f64) -> f64 {
+    let [last, before] = [rises[0], rises.get(1).copied().unwrap_or(0.0)];
+    if before <= last {
+        return 0.0;
+    }
+    let ratio = (before / last).powi(2);
+    let square = last * last * passing * ratio / (ratio - 1.0);
+    start.powi(3) / (2.0 * square)
+}
+
+/// The transformed cross-section of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct WhiteLayer {
+    depth: f64,
+    rows: usize,
+    /// Of the hottest row.
+    hottest: Cycle,
+    margin: f64,
+}
+
+impl WhiteLayer {
+    /// Of the rows of a grid; `along(row, depth)` gives what a place at a depth [m] of a row goes through, and at `deepest` nothing
+    /// transforms.
+    pub(super) fn of(
+        rows: impl Iterator<Item = usize>,
+        criterion: &Criterion,
+        deepest: f64,
+        mut along: impl FnMut(usize, f64) -> Cycle,
+    ) -> Self {
+        let mut layer = Self { margin: f64::NEG_INFINITY, ..Self::default() };
+        for row in rows {
+            let surface = along(row, 0.0);
+            let margin = surface.margin(criterion);
+            if margin > layer.margin {
+                (layer.margin, layer.hottest) = (margin, surface);
+            }
+            if margin < 0.0 || !surface.quenches(criterion) {
+                continue;
+            }
+            layer.rows += 1;
+            let (mut inside, mut outside) = (0.0, deepest);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (inside + outside);
+                match along(row, middle).margin(criterion) >= 0.0 {
+                    true => inside = middle,
+                    false => outside = middle,
+                }
+            }
+            layer.depth = layer.depth.max(inside);
+        }
+        layer
+    }
+
+    /// Its figures; `row_width` is that of a row [m]. Rates that there are none of are absent.
+    pub(super) fn figures(&self, row_width: f64) -> Value {
+        let mut figures = json!({
+            "depth_m": self.depth,
+            "width_m": self.rows as f64 * row_width,
+            "temperature_margin_k": self.margin,
+        });
+        let names = ["heating_rate_k_per_s", "cooling_rate_k_per_s"];
+        for (name, rate) in names.into_iter().zip(self.hottest.rates) {
+            if rate > 0.0 {
+                figures[name] = json!(rate);
+            }
+        }
+        figures
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CRITERION: Criterion =
+        Criterion { start: 900.0, shift: 20.0, reference_rate: 10.0, critical_rate: 100.0 };
+
+    /// A triangle of temperature, heated at 2e4 and cooled at 1e4 K/s; a row that ends before it has cooled.
+    #[test]
+    fn rates_are_those_of_the_crossing() {
+        let passing = 1e-2;
+        let triangle: Vec<f64> =
+            (0..20).map(|k| if k < 15 { 300.0 + 100.0 * f64::from(k) } else { 1700.0 - 200.0 * f64::from(k - 14) }).collect();
+        let cycle = Cycle::of(&triangle, passing, 900.0);
+        assert_eq!(cycle, Cycle { highest: 1700.0, rates: [2e4, 1e4] });
+        // Ten times the reference rate for each 20 K.
+        let shift = 20.0 * (2e4f64 / 10.0).log10();
+        assert!((cycle.margin(&CRITERION) - (1700.0 - 900.0 - shift)).abs() < 1e-9);
+        // T = 1e3/√t from t = 0.25 on, in steps of 0.25: through 900 at t = (1/0.9)², with −T/(2t).
+        let tail: Vec<f64> = (1..=3).rev().map(|k| 1e3 / (0.25 * f64::from(k)).sqrt()).collect();
+        let found = Cycle::of(&tail, 0.25, 900.0).rates[1];
+        let exact = 900.0 / (2.0 * (1.0f64 / 0.9).powi(2));
+        assert!((found / exact - 1.0).abs() < 1e-12, "{found} {exact}");
+    }
+
+    /// Rows whose temperature falls straight with the depth: the layer ends where it passes the start temperature.
+    #[test]
+    fn depth_and_width_of_a_wedge() {
+        let criterion = Criterion { shift: 0.0, ..CRITERION };
+        let along = |row: usize, depth: f64| Cycle {
+            highest: 1200.0 - 100.0 * row as f64 - 1e6 * depth,
+            rates: [1e5, 1e5],
+        };
+        let layer = WhiteLayer::of(0..8, &criterion, 1e-3, along);
+        // Bisection of a millimetre in 4096 parts.
+        assert!((layer.depth - 3e-4).abs() < 1e-3 / 4096.0, "{layer:?}");
+        assert_eq!((layer.rows, layer.margin), (4, 300.0));
+        let slow = |row: usize, depth: f64| Cycle { rates: [1e5, 10.0], ..along(row, depth) };
+        assert_eq!(WhiteLayer::of(0..8, &criterion, 1e-3, slow).rows, 0, "nothing quenches");
+    }
+}
