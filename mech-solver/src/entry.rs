@@ -1,6 +1,8 @@
 //! What the lists of models and effects are made of.
 
+use crate::advice::Situation;
 use crate::terms::{Kind, Terms};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, KeySpec, ModelSpec, names};
 use proto::field::FieldSpec;
@@ -41,6 +43,8 @@ pub struct Effect {
     pub keys: fn() -> Vec<KeySpec>,
     /// The figures that there are with it alone.
     pub figures: fn() -> Vec<FigureSpec>,
+    /// What it says of itself in a scene; `None` where the other side of the contact says it.
+    pub(crate) advise: Option<fn(&Situation<'_>) -> Advice>,
     /// Makes its terms; refuses values that are missing or out of range.
     pub(crate) terms: fn(&Configuration) -> Result<Terms, Refusal>,
 }

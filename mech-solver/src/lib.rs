@@ -20,6 +20,7 @@
 //! Adding an effect takes its file under `effects/` and one line in [`effects::EFFECTS`]; adding a
 //! model likewise under `models/` and in [`models::MODELS`].
 
+mod advice;
 pub mod axle;
 pub mod effects;
 mod ellipse;
@@ -43,6 +44,7 @@ pub mod terms;
 
 use effects::EFFECTS;
 use entry::Effect;
+use proto::advice::{Opinion, Scene};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{Description, names};
 use proto::model::{Setup, Solver};
@@ -60,6 +62,7 @@ impl Solver for MechSolver {
             role: "mech".to_owned(),
             standalone: true,
             estimates: true,
+            advises: true,
             models: models::MODELS.iter().map(|model| (model.spec)()).collect(),
             effects: EFFECTS.iter().map(|effect| effect.spec(support::models_of(effect))).collect(),
             keys: scene::keys(),
@@ -83,6 +86,10 @@ impl Solver for MechSolver {
             }
         }
         (model.configure)(configuration, effects::terms(&active, configuration)?)
+    }
+
+    fn advise(&self, scene: &Scene) -> Opinion {
+        advice::opinion(scene)
     }
 }
 

@@ -6,6 +6,7 @@
 
 pub use contract::step::{Step, StepReport};
 
+use crate::advice::{Opinion, Scene};
 use crate::configuration::{Configuration, Layout, Refusal};
 use crate::description::Description;
 use crate::field::FieldSpec;
@@ -19,6 +20,10 @@ pub trait Solver {
     fn description(&self) -> Description;
     /// Checks a configuration and prepares a model; cheap, allocates no field.
     fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal>;
+    /// What there is to say of its effects in a scene; nothing unless it says that it advises.
+    fn advise(&self, _scene: &Scene) -> Opinion {
+        Opinion::default()
+    }
 }
 
 /// A checked configuration.

@@ -4,6 +4,7 @@
 //! ```text
 //! PROGRAM --describe                      print the description as JSON
 //! PROGRAM --estimate < configuration      print grids and expected cost as JSON
+//! PROGRAM --advise < scene                print what it thinks of effects in a scene as JSON
 //! PROGRAM --join RUN_FOLDER --role ROLE   take part in a run
 //! ```
 
@@ -13,6 +14,7 @@ mod ports;
 mod pulse;
 mod server;
 
+use crate::advice::Scene;
 use crate::configuration::{Configuration, Estimate};
 use crate::logging::wanted;
 use crate::model::Solver;
@@ -39,6 +41,9 @@ struct Arguments {
     /// Read a configuration from standard input, print grids and expected cost as JSON.
     #[arg(long, group = "action")]
     estimate: bool,
+    /// Read a scene from standard input, print what there is to say of each effect in it as JSON.
+    #[arg(long, group = "action")]
+    advise: bool,
     /// Take part in the run with this folder.
     #[arg(long, group = "action", value_name = "RUN_FOLDER", requires = "role")]
     join: Option<PathBuf>,
@@ -87,6 +92,9 @@ fn act(arguments: &Arguments, solver: &dyn Solver) -> Result<(), Box<dyn Error>>
             Ok(setup) => Estimate::Layout(setup.layout().clone()),
             Err(refusal) => Estimate::Refused(refusal),
         })
+    } else if arguments.advise {
+        let scene: Scene = serde_json::from_reader(std::io::stdin().lock())?;
+        print_json(&solver.advise(&scene))
     } else if let (Some(folder), Some(role)) = (&arguments.join, &arguments.role) {
         take_part(folder, role, solver)
     } else {

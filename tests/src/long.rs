@@ -57,6 +57,7 @@ impl Solver for Long {
             role: ROLE.to_owned(),
             standalone: true,
             estimates: true,
+            advises: false,
             models: vec![
                 model("patient", "sends what it received plus one, after a while"),
                 model(ONCE, "sends what it received plus the number of solves"),

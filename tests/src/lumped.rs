@@ -218,6 +218,7 @@ impl Solver for Lumped {
             role: self.role().to_owned(),
             standalone: true,
             estimates: true,
+            advises: false,
             models: vec![
                 self.model("lumped", "one heat capacity and what heats it"),
                 self.model("split", "the same, with the flux in two fields"),

@@ -114,6 +114,7 @@ impl Solver for Toy {
             role: self.role.to_owned(),
             standalone: true,
             estimates: true,
+            advises: false,
             models: vec![ModelSpec {
                 name: "increment".to_owned(),
                 summary: "sends what it received plus one".to_owned(),

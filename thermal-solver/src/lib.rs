@@ -5,6 +5,7 @@
 //! | [`models`] | the models, cheapest first, and their registry list |
 //! | [`columns`] | heat conduction normal to the surface with the exact Abel kernel: the numerics |
 //! | [`moving_source`] | heat conduction in three dimensions under a moving flux: the numerics |
+//! | [`advice`] | what there is to say of effects in a scene, before it is run |
 //! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |
 //! | [`mod@reference`] | closed forms that tests, reports and documentation share |
 //! | [`scene`] | what is read from the case: materials and speed |
@@ -16,6 +17,7 @@
 //! and moves towards −x at the surface speed. Temperatures are rises over the initial one [K]; a
 //! heat flux into a body is positive. Pairs of values are ordered upper, lower.
 
+pub mod advice;
 pub mod columns;
 pub mod effects;
 pub mod fe;
@@ -31,6 +33,7 @@ pub mod window;
 pub use proto::bodies::{LOWER, UPPER};
 
 use proto::PROTOCOL_VERSION;
+use proto::advice::{Opinion, Scene};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::Description;
 use proto::model::{Setup, Solver};
@@ -48,6 +51,7 @@ impl Solver for ThermalSolver {
             role: "thermal".to_owned(),
             standalone: false,
             estimates: true,
+            advises: true,
             models: models::REGISTRY.iter().map(|model| (model.spec)()).collect(),
             effects: effects::REGISTRY.iter().map(|effect| (effect.spec)()).collect(),
             keys: scene::keys(),
@@ -59,5 +63,9 @@ impl Solver for ThermalSolver {
 
     fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
         models::configure(configuration)
+    }
+
+    fn advise(&self, scene: &Scene) -> Opinion {
+        advice::opinion(scene)
     }
 }

@@ -24,7 +24,14 @@ fn case(effect: &str, table: Value) -> Value {
 /// A plane of some rows, evenly heated on all of it but the first and last columns [W/m²].
 fn heated(rows: usize, width: f64, flux: f64) -> (Structured, Vec<f64>) {
     let (columns, length) = (24, 1e-3);
-    let plane = Structured::contact_plane(0.0, -0.5 * (rows - 1) as f64 * width, length, width, columns, rows);
+    let plane = Structured::contact_plane(
+        0.0,
+        -0.5 * (rows - 1) as f64 * width,
+        length,
+        width,
+        columns,
+        rows,
+    );
     let inside = |index: usize| (2..columns - 2).contains(&(index % columns));
     let of = |index: usize| if inside(index) { flux } else { 0.0 };
     (plane, (0..plane.points()).map(of).collect())
@@ -32,7 +39,10 @@ fn heated(rows: usize, width: f64, flux: f64) -> (Structured, Vec<f64>) {
 
 fn figure(run: &Run, pointer: &str) -> f64 {
     let summary = run.model.summary();
-    summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}: {summary}"))
+    summary
+        .pointer(pointer)
+        .and_then(Value::as_f64)
+        .unwrap_or_else(|| panic!("{pointer}: {summary}"))
 }
 
 /// A body that gives off G is warmer by the heat that goes into it over G, and by nothing else. Tolerance: rounding.
@@ -86,7 +96,10 @@ fn passages_leave_what_conduction_leaves() {
     let width = 1e-4;
     let line: f64 = times().map(|time| per_area * width / (2.0 * PI * CONDUCTIVITY * time)).sum();
     let narrow = of(1, width);
-    assert!((narrow / line - 1.0).abs() < width * width / (48.0 * DIFFUSIVITY * interval) + 1e-3, "{narrow} {line}");
+    assert!(
+        (narrow / line - 1.0).abs() < width * width / (48.0 * DIFFUSIVITY * interval) + 1e-3,
+        "{narrow} {line}"
+    );
 }
 
 #[test]
@@ -109,7 +122,10 @@ fn what_has_no_background_is_refused() {
 fn pulse(flux: f64, lasts: f64, depth: f64, time: f64) -> f64 {
     let ierfc = |x: f64| (-x * x).exp() / PI.sqrt() - x * (1.0 - libm::erf(x));
     let of = |time: f64| match time > 0.0 {
-        true => 2.0 * flux * time.sqrt() / effusivity() * ierfc(depth / (2.0 * (DIFFUSIVITY * time).sqrt())),
+        true => {
+            2.0 * flux * time.sqrt() / effusivity()
+                * ierfc(depth / (2.0 * (DIFFUSIVITY * time).sqrt()))
+        }
         false => 0.0,
     };
     of(time) - of(time - lasts)
@@ -122,12 +138,15 @@ fn the_transformed_layer_is_that_of_a_heated_column() {
     let (columns, length, flux) = (400, 5e-5, 1.2e9);
     let plane = Structured::contact_plane(0.0, 0.0, length, 1e-3, columns, 3);
     let heating = 100..300;
-    let given: Vec<f64> =
-        (0..plane.points()).map(|k| if heating.contains(&(k % columns)) { flux } else { 0.0 }).collect();
+    let given: Vec<f64> = (0..plane.points())
+        .map(|k| if heating.contains(&(k % columns)) { flux } else { 0.0 })
+        .collect();
     let lasts = 200.0 * length / SPEED;
     let (start, into) = (293.15 + 400.0, 0.5 * flux);
     let highest = |depth: f64| {
-        (0..=4000).map(|k| pulse(into, lasts, depth, f64::from(k) * 1e-3 * lasts)).fold(0.0, f64::max)
+        (0..=4000)
+            .map(|k| pulse(into, lasts, depth, f64::from(k) * 1e-3 * lasts))
+            .fold(0.0, f64::max)
     };
     let (mut inside, mut outside) = (0.0, 1e-3);
     for _ in 0..40 {
@@ -146,11 +165,21 @@ fn the_transformed_layer_is_that_of_a_heated_column() {
     assert!(warm > 1.5 * lasts, "behind the grid");
     let quench = (surface(0.999 * warm) - surface(1.001 * warm)) / (2e-3 * warm);
     for model in ["columns", "moving-source"] {
-        let mut run = Run::new(model, Mode::Steady, plane, case("phase_transformation", json!({"start_temperature": start})));
+        let mut run = Run::new(
+            model,
+            Mode::Steady,
+            plane,
+            case("phase_transformation", json!({"start_temperature": start})),
+        );
         run.advance(&given, 0.0);
-        let [depth, width, rate, cooling, margin] =
-            ["depth_m", "width_m", "heating_rate_k_per_s", "cooling_rate_k_per_s", "temperature_margin_k"]
-                .map(|name| figure(&run, &format!("/white_layer/rail/{name}")));
+        let [depth, width, rate, cooling, margin] = [
+            "depth_m",
+            "width_m",
+            "heating_rate_k_per_s",
+            "cooling_rate_k_per_s",
+            "temperature_margin_k",
+        ]
+        .map(|name| figure(&run, &format!("/white_layer/rail/{name}")));
         println!(
             "{model}: {depth:e} {inside:e}, {rate:e} {:e}, {cooling:e} {quench:e}, {margin} {}",
             200.0 / crossing,

@@ -125,6 +125,7 @@ fn nobody(role: &str) -> Description {
         role: role.to_owned(),
         standalone: false,
         estimates: false,
+        advises: false,
         models: Vec::new(),
         effects: Vec::new(),
         keys: Vec::new(),

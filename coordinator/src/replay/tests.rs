@@ -38,6 +38,7 @@ fn description() -> Description {
         role: "thermal".to_owned(),
         standalone: true,
         estimates: false,
+        advises: false,
         models: vec![model],
         effects: Vec::new(),
         keys: Vec::new(),

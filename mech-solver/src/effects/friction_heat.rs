@@ -30,6 +30,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[&FRICTION_POWER, &SURFACE_SPEED],
     keys,
     figures: Vec::new,
+    advise: None,
     terms,
 };
 

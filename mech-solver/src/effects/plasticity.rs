@@ -7,11 +7,13 @@
 //!
 //! Source: Simo & Hughes, *Computational Inelasticity* (1998), chapter 3.
 
+use crate::advice::{PRESSURE, Situation};
 use crate::entry::Effect;
 use crate::explicit::kernel::Flow;
 use crate::keys::CheckedParams;
 use crate::scene::Scene;
 use crate::terms::{Kind, Terms};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::{FigureSpec, Style};
@@ -26,6 +28,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures,
+    advise: Some(advise),
     terms,
 };
 
@@ -80,4 +83,33 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         ));
     }
     Ok(Terms { flow, ..Terms::default() })
+}
+
+/// Yield stress of rail steel, where the case has none [Pa].
+const TYPICAL: f64 = 600e6;
+/// Largest pressure over the yield stress in shear at which rolling contact first yields (Johnson, Contact Mechanics, 6.2).
+const FIRST_YIELD: f64 = 2.8;
+
+fn advise(situation: &Situation<'_>) -> Advice {
+    let own =
+        |material: &str| situation.case.maybe_number(&path(material, YIELD_STRESS)).ok().flatten();
+    let materials = situation.materials();
+    let softest = materials.iter().filter_map(|material| own(material)).reduce(f64::min);
+    let shear = softest.unwrap_or(TYPICAL) / 3f64.sqrt();
+    let ratio = situation.known(PRESSURE).map_or(f64::NAN, |pressure| pressure / shear);
+    let why = match ratio > FIRST_YIELD {
+        true => {
+            "p0/k above 2.8 yields in the first passage, above 4 or so in every one; by how much is not estimated"
+        }
+        false => "p0/k below 2.8 stays elastic",
+    };
+    let mut advice = Advice::new(EFFECT.name, why).number("p0/k", ratio);
+    if ratio <= FIRST_YIELD {
+        advice = advice.moves(PRESSURE, 0.0);
+    }
+    let set = materials.iter().filter(|material| own(material).is_none());
+    set.fold(advice, |advice, material| {
+        advice.with(format!("{}={TYPICAL:e}", path(material, YIELD_STRESS)))
+    })
+    .with(format!("effects.{}={{}}", EFFECT.name))
 }

@@ -7,9 +7,11 @@
 //! Source: Almqvist, Sahlin, Larsson & Glavatskih, Tribology International 40 (2007) 574–579, with H
 //! three times the yield stress or so: Tabor, *The Hardness of Metals* (1951).
 
+use crate::advice::{PRESSURE, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::terms::{Kind, Terms};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::{FigureSpec, Style};
@@ -25,6 +27,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures,
+    advise: Some(advise),
     terms,
 };
 
@@ -43,4 +46,19 @@ fn figures() -> Vec<FigureSpec> {
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
     Ok(Terms { pressure_bounds: vec![case.number(HARDNESS)?], ..Terms::default() })
+}
+
+/// Yield stress of rail steel, where the case has none [Pa].
+const YIELD: f64 = 600e6;
+
+fn advise(situation: &Situation<'_>) -> Advice {
+    let given = situation.case.maybe_number(HARDNESS).ok().flatten();
+    let hardness = given.unwrap_or(3.0 * YIELD);
+    let advice = Advice::new(
+        EFFECT.name,
+        format!("largest pressure of smooth bodies over a hardness of {hardness:.3e} Pa"),
+    )
+    .with(format!("{HARDNESS}={hardness:e}"));
+    let Some(pressure) = situation.known(PRESSURE) else { return advice };
+    advice.number("p0/H", pressure / hardness).moves(PRESSURE, (hardness / pressure).min(1.0) - 1.0)
 }

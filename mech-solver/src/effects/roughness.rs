@@ -13,9 +13,11 @@
 //! Source: Persson et al., J. Phys.: Condens. Matter 17 (2005) R1–R62, for self-affine surfaces;
 //! Longuet-Higgins, Phil. Trans. R. Soc. A 250 (1957) 157–174, for the sum of waves.
 
+use crate::advice::{PRESSURE, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::terms::{GapTerm, Kind, State, Terms};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use std::f64::consts::TAU;
@@ -32,6 +34,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures: Vec::new,
+    advise: Some(advise),
     terms,
 };
 
@@ -228,6 +231,40 @@ impl SplitMix {
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
+}
+
+/// Root mean square height of a run-in rail, where the case has none [m].
+const TYPICAL: f64 = 1e-6;
+/// Highest pressure of a random field over its root mean square, about.
+const HIGHEST: f64 = 3.0;
+
+/// A wave of the height h and the wave number q that is pressed flat has the pressure ½ E* q h (Johnson, Contact Mechanics, 13.2).
+fn advise(situation: &Situation<'_>) -> Advice {
+    let number = |key: &str| {
+        let default = keys().into_iter().find(|spec| spec.path == key)?.default?.as_f64();
+        situation.case.maybe_number(key).ok().flatten().or(default)
+    };
+    let rms = situation.case.maybe_number(RMS).ok().flatten().unwrap_or(TYPICAL);
+    let advice = Advice::new(
+        EFFECT.name,
+        format!("three times the root mean square pressure of {rms:.1e} m of roughness that is pressed flat"),
+    )
+    .with(format!("{RMS}={rms:e}"));
+    let (Some([pressure, approach]), Some(hurst), Some(longest), Some(shortest)) =
+        (situation.pressed(), number(HURST), number(LONGEST), number(SHORTEST))
+    else {
+        return advice;
+    };
+    let mean_square = {
+        let ends = [TAU / longest, TAU / shortest];
+        let power = |exponent: f64| (ends[1].powf(exponent) - ends[0].powf(exponent)) / exponent;
+        power(2.0 - 2.0 * hurst + 1e-9) / power(-2.0 * hurst)
+    };
+    let modulus = situation.scene.contact_compliance().recip();
+    let fluctuation = 0.5 * modulus * rms * mean_square.sqrt();
+    advice
+        .number("roughness over approach", rms / approach)
+        .moves(PRESSURE, HIGHEST * fluctuation / pressure)
 }
 
 #[cfg(test)]

@@ -10,9 +10,11 @@
 //!
 //! Source: Polach, Wear 258 (2005) 992–1000.
 
+use crate::advice::{CREEPAGE, POWER, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::model::StepError;
@@ -27,6 +29,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures: Vec::new,
+    advise: Some(advise),
     terms,
 };
 
@@ -77,4 +80,23 @@ impl FrictionTerm for Falling {
     fn shortfall(&self) -> &'static str {
         "friction falls with the slip that the force needs"
     }
+}
+
+/// Polach's constant for a dry rail, where the case has none [s/m].
+const TYPICAL: f64 = 0.6;
+
+fn advise(situation: &Situation<'_>) -> Advice {
+    let number = |key: &str| situation.case.maybe_number(key).ok().flatten();
+    let decrease = number(DECREASE).unwrap_or(TYPICAL);
+    let ratio = number(RATIO).unwrap_or(0.4);
+    let advice = Advice::new(
+        EFFECT.name,
+        format!("friction at the creepage, falling by B = {decrease} s/m"),
+    )
+    .with(format!("{DECREASE}={decrease}"));
+    let Some(creepage) = situation.known(CREEPAGE) else { return advice };
+    let slip = situation.scene.speeds.rolling * creepage.abs();
+    let left = (1.0 - ratio) * (-decrease * slip).exp() + ratio;
+    let change = situation.power_with_friction(situation.scene.friction_coefficient * left);
+    advice.number("slip velocity times B", decrease * slip).moves(POWER, change.unwrap_or(0.0))
 }

@@ -6,11 +6,13 @@
 //!
 //! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5.
 
+use crate::advice::{PRESSURE, Situation};
 use crate::entry::Effect;
 use crate::half_space::subsurface::{Section, SurfaceLoad};
 use crate::keys::CheckedParams;
 use crate::scene::Scene;
 use crate::terms::{Accepted, Kind, Observation, Place, State, Terms};
+use proto::advice::Advice;
 use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
@@ -30,6 +32,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[&VON_MISES[0], &VON_MISES[1], &MAX_SHEAR[0], &MAX_SHEAR[1]],
     keys,
     figures: Vec::new,
+    advise: Some(advise),
     terms,
 };
 
@@ -192,4 +195,10 @@ impl Observation for Sections {
             .filter_map(|(name, fields)| Some((name.clone(), body(fields)?)));
         Some(("stress", Value::Object(both.collect())))
     }
+}
+
+fn advise(_: &Situation<'_>) -> Advice {
+    Advice::new(EFFECT.name, "computed of the contact, and changes nothing in it")
+        .moves(PRESSURE, 0.0)
+        .with(format!("effects.{}={{}}", EFFECT.name))
 }

@@ -11,10 +11,12 @@
 //!
 //! Limits: the lower body rests on a rigid foundation, so that dynamic forces are above those on a track that yields.
 
+use crate::advice::Situation;
 use crate::axle::{Axle, Form, Irregularity};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::terms::{Kind, Terms};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::FigureSpec;
@@ -29,6 +31,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures,
+    advise: Some(advise),
     terms,
 };
 
@@ -116,4 +119,9 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         irregularity,
     };
     Ok(Terms { axle: Some(axle), ..Terms::default() })
+}
+
+fn advise(_: &Situation<'_>) -> Advice {
+    let why = "for a joint, a flat or corrugation, which the case has to give; of smooth bodies nothing moves";
+    Advice::new(EFFECT.name, why)
 }

@@ -17,14 +17,17 @@
 //! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over the
 //! slip velocity.
 
+use crate::advice::{POWER, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::surface::Surface;
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::model::StepError;
+use proto::params::Params;
 use std::path::Path;
 
 /// What the registry says of it.
@@ -38,6 +41,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures: Vec::new,
+    advise: Some(advise),
     terms,
 };
 
@@ -87,11 +91,11 @@ enum FrictionLaw {
 }
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
-    Ok(Terms { friction: vec![Box::new(read(configuration)?)], ..Terms::default() })
+    Ok(Terms { friction: vec![Box::new(read(&configuration.case)?)], ..Terms::default() })
 }
 
-fn read(configuration: &Configuration) -> Result<FrictionLaw, Refusal> {
-    let case = CheckedParams::new(&configuration.case, keys());
+fn read(params: &Params) -> Result<FrictionLaw, Refusal> {
+    let case = CheckedParams::new(params, keys());
     if case.has(TABLE) {
         let path = case.text(TABLE)?;
         let points = read_table(Path::new(path)).map_err(|reason| {
@@ -188,6 +192,35 @@ fn parse_table(text: &[u8]) -> Result<Vec<(f64, f64)>, String> {
         }
     }
     if points.is_empty() { Err("has no line".to_owned()) } else { Ok(points) }
+}
+
+/// Friction of hot steel over that of cold, where the case has no law.
+const TYPICAL: f64 = 0.4;
+/// Temperature of the slip zone over the highest, about.
+const MEAN: f64 = 0.6;
+
+fn advise(situation: &Situation<'_>) -> Advice {
+    let cold = situation.scene.friction_coefficient;
+    let typical = FrictionLaw::Decay { hot: TYPICAL * cold, scale: 200.0 };
+    let law = match situation.has(EFFECT.name) {
+        true => read(situation.case).unwrap_or(typical),
+        false => typical,
+    };
+    let advice = Advice::new(
+        EFFECT.name,
+        "friction at 0.6 of the highest rise, to the first order of the loop",
+    )
+    .with(format!("{LIMIT}={}", TYPICAL * cold));
+    let Some(rise) = situation.largest_rise() else { return advice };
+    let power = |share: f64| {
+        let friction = law.coefficient(cold, share * MEAN * rise)?;
+        situation.power_with_friction(friction)
+    };
+    let Some(change) = power(1.0) else { return advice };
+    // By how much the power answers to a rise that is a tenth higher.
+    let gain = power(1.1)
+        .map_or(f64::NAN, |hotter| ((1.0 + hotter) / (1.0 + change)).ln().abs() / 1.1f64.ln());
+    advice.number("gain of the loop", gain).moves(POWER, change)
 }
 
 #[cfg(test)]

@@ -30,6 +30,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures: Vec::new,
+    advise: None,
     terms,
 };
 

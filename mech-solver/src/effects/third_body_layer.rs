@@ -6,9 +6,12 @@
 //! Source: Vollebregt, *Numerical modeling of measured railway creep versus creep-force curves*,
 //! Wear 314 (2014) 87–95; Kalker (1990) §4.
 
+use crate::advice::{CREEPAGE, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
+use crate::reference::kalker;
 use crate::terms::{Kind, Terms};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 
@@ -23,6 +26,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures: Vec::new,
+    advise: Some(advise),
     terms,
 };
 
@@ -39,4 +43,24 @@ fn keys() -> Vec<KeySpec> {
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
     Ok(Terms { layers: vec![case.number(FLEXIBILITY)?], ..Terms::default() })
+}
+
+/// Flexibility with which half-spaces have the paper's creepages, where the case has none [m/Pa].
+const TYPICAL: f64 = 2e-14;
+
+/// In series with the springs of the simplified theory, L_x = 8 a/(3 G C11).
+fn advise(situation: &Situation<'_>) -> Advice {
+    let given = situation.case.maybe_number(FLEXIBILITY).ok().flatten();
+    let flexibility = given.unwrap_or(TYPICAL);
+    let advice = Advice::new(
+        EFFECT.name,
+        format!("flexibility {flexibility:.1e} m/Pa over that of the bodies"),
+    )
+    .with(format!("{FLEXIBILITY}={flexibility:e}"));
+    let axes = ["contact.semi_axis_a_m", "contact.semi_axis_b_m"].map(|key| situation.known(key));
+    let [Some(a), Some(b)] = axes else { return advice };
+    let (ratio, modulus) =
+        (situation.scene.combined_poisson_ratio(), situation.scene.combined_shear_modulus());
+    let own = 8.0 * a / (3.0 * modulus * kalker::creep_coefficients(a / b, ratio).c11);
+    advice.number("L/L_bodies", flexibility / own).moves(CREEPAGE, flexibility / own)
 }

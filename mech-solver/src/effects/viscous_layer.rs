@@ -9,10 +9,12 @@
 //! 134–140, for third bodies between wheel and rail. Left out: the elastic part of the slip, viscosity that depends on pressure
 //! and temperature, and forces that are prescribed: at rest the film carries none.
 
+use crate::advice::Situation;
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::scene::{Drive, Scene};
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::model::StepError;
@@ -28,6 +30,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures: Vec::new,
+    advise: Some(advise),
     terms,
 };
 
@@ -82,4 +85,8 @@ impl FrictionTerm for Film {
     fn shortfall(&self) -> &'static str {
         "the film does not carry the force"
     }
+}
+
+fn advise(_: &Situation<'_>) -> Advice {
+    Advice::new(EFFECT.name, "for a film whose viscosity and thickness the case has to give")
 }

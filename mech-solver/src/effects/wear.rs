@@ -9,16 +9,19 @@
 //! 257 (2004) 721–729, for the regimes of rail and wheel steel.
 //! Left out: worn particles that stay, and wear that is not the same all round a body.
 
+use crate::advice::{POWER, PRESSURE, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::removal::{Law, Removal};
 use crate::scene::Scene;
 use crate::terms::{Kind, Terms};
 
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::figure::FigureSpec;
+use std::f64::consts::PI;
 
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
@@ -31,6 +34,7 @@ pub const EFFECT: Effect = Effect {
     provides: &DEPTHS,
     keys,
     figures,
+    advise: Some(advise),
     terms,
 };
 
@@ -107,11 +111,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { removal: Some(removal), ..Terms::default() })
 }
 
-fn refuse(
-    configuration: &Configuration,
-    scene: &Scene,
-    factors: [f64; 2],
-) -> Result<(), Refusal> {
+fn refuse(configuration: &Configuration, scene: &Scene, factors: [f64; 2]) -> Result<(), Refusal> {
     if configuration.mode == Mode::Transient {
         return Err(Refusal::new(
             &format!("effects.{NAME}"),
@@ -128,4 +128,32 @@ fn refuse(
             "write a speed above 0 m/s, or a material that does not wear",
         )),
     }
+}
+
+/// Mild wear of rail steel, where the case has none [m³/J].
+const TYPICAL: f64 = 6.75e-13;
+
+/// The mean depth over the contact's width.
+fn advise(situation: &Situation<'_>) -> Advice {
+    let own = |material: &str| situation.case.maybe_number(&path(material, ENERGY)).ok().flatten();
+    let materials = situation.materials();
+    let factor = materials.first().and_then(|material| own(material)).unwrap_or(TYPICAL);
+    let lacking = materials.iter().filter(|material| own(material).is_none());
+    let advice = lacking.fold(
+        Advice::new(
+            EFFECT.name,
+            format!("depth of one passage at {factor:.2e} m3/J over the approach"),
+        ),
+        |advice, material| advice.with(format!("{}={TYPICAL:e}", path(material, ENERGY))),
+    );
+    let advice = advice.with(format!("effects.{NAME}={{}}"));
+    let figures =
+        (situation.known(POWER), situation.known("contact.semi_axis_b_m"), situation.pressed());
+    let (Some(power), Some(width), Some([_, approach])) = figures else { return advice };
+    let speed = situation.scene.speeds.rolling;
+    let depth = factor * power / (speed * 0.5 * PI * width);
+    advice
+        .number("depth of a passage over approach", depth / approach)
+        .number("passages to a tenth of the approach", 0.1 * approach / depth)
+        .moves(PRESSURE, -2.0 * depth / approach)
 }

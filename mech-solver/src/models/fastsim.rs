@@ -49,12 +49,15 @@ use contact::Problem;
 use flexibility::Flexibilities;
 use march::Lattice;
 use proto::accuracy::{Accuracy, Simplification};
+use proto::advice::Known;
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::{Model, Setup};
+use proto::params::Params;
 use proto::progress::Progress;
+use serde_json::Value;
 use std::f64::consts::PI;
 
 const FLEXIBILITY: &str = "mech.flexibility";
@@ -70,6 +73,9 @@ pub(super) const MODEL: ModelEntry =
     ModelEntry { name: "fastsim", spec, takes: &[Kind::Adhesion, Kind::HeatShare], configure };
 /// Elements per semi-axis, unless the case says otherwise.
 const RESOLUTION: usize = 40;
+
+/// The same for an estimate.
+const COARSE: usize = 15;
 
 /// What the description says of this model.
 fn spec() -> ModelSpec {
@@ -195,6 +201,19 @@ fn compute(
         work: cells(problem) as u64,
         fields: wanted.iter().map(values).collect(),
     })
+}
+
+/// The figures of the contact on a coarse grid, by their keys; `None` for a contact that is no ellipse or has no answer.
+pub(super) fn estimate(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {
+    let given = GivenPatch::read(case).ok()?;
+    let grid = Ellipse::solve(scene, given).ok()?.extent().grid(COARSE).ok()?;
+    let kind = flexibility::Kind::Single;
+    let asked = Asked { given, kind, resolution: COARSE, partial: sticks };
+    let (problem, _) = problem(scene, &asked, &grid).ok()?;
+    let summary = problem.solve().summary();
+    let figures = summary["contact"].as_object()?.iter();
+    let known = |(key, value): (&String, &Value)| Some((format!("contact.{key}"), value.as_f64()?));
+    Some(figures.filter_map(known).collect())
 }
 
 fn coefficients(scene: &Scene, ellipse: &Ellipse) -> Result<CreepCoefficients, Refusal> {

@@ -18,11 +18,19 @@ mod varying;
 pub use grids::{CONTACT_GRID, RIGID_GRID};
 
 use crate::entry::ModelEntry;
+use crate::scene::Scene;
+use proto::advice::Known;
 use proto::configuration::Refusal;
+use proto::params::Params;
 
 /// Every model of this crate, cheapest first.
 pub const MODELS: &[ModelEntry] =
     &[hertz_carter::MODEL, fastsim::MODEL, half_space::MODEL, explicit_fe::MODEL];
+
+/// The contact as the cheapest model that knows all creepages has it, its figures by their keys in the summary; `None` where it has none.
+pub(crate) fn estimated_contact(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {
+    fastsim::estimate(scene, case, sticks)
+}
 
 /// The model with this name.
 ///

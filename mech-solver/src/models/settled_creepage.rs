@@ -57,7 +57,8 @@ impl SettledCreepage {
         if let Some(before) = self.residual.replace(residual) {
             let change: [f64; 3] = std::array::from_fn(|k| residual[k] - before[k]);
             let square = dot(change, change);
-            let factor = if square > 0.0 { -self.factor * dot(before, change) / square } else { 1.0 };
+            let factor =
+                if square > 0.0 { -self.factor * dot(before, change) / square } else { 1.0 };
             self.factor = if factor > 0.0 { factor.min(LARGEST) } else { 1.0 };
         }
         for (at, found) in self.at.iter_mut().zip(found) {

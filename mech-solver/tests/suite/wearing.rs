@@ -1,8 +1,8 @@
 //! Profiles that the contact wears.
 
 use super::common::{
-    FRICTION, NoInputs, Run, SPEED, Store, assert_close, configuration, driven, paper, refusal, run,
-    without,
+    FRICTION, NoInputs, Run, SPEED, Store, assert_close, configuration, driven, paper, refusal,
+    run, without,
 };
 use mech_solver::MechSolver;
 use proto::configuration::{Configuration, Mode};
@@ -35,7 +35,8 @@ fn worn(run: &Run, body: &str, figure: &str) -> f64 {
 #[test]
 fn the_worn_cross_section_is_archards_and_the_works() {
     let creep = 0.01;
-    let sliding = driven(without(case(json!({"law": "archard"})), "partial_slip"), "creepage", -creep);
+    let sliding =
+        driven(without(case(json!({"law": "archard"})), "partial_slip"), "creepage", -creep);
     let archard = 3e-4 / 3e9 * 134e3 * creep;
     let run_of = |case: &Value| run(case);
     let one = run_of(&sliding);

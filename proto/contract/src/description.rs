@@ -28,6 +28,9 @@ pub struct Description {
     pub standalone: bool,
     /// It answers `--estimate`.
     pub estimates: bool,
+    /// It answers `--advise`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub advises: bool,
     /// Models, cheapest first.
     pub models: Vec<ModelSpec>,
     /// Effects it can take part in.
@@ -461,6 +464,7 @@ mod tests {
             role: "mech".to_owned(),
             standalone: true,
             estimates: true,
+            advises: false,
             models: vec![model("coarse", false), model("fine", true)],
             effects: vec![effect],
             keys: Vec::new(),

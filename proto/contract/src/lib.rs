@@ -12,6 +12,7 @@
 //! | [`configuration`] | what a participant receives: its part of the case, its inputs and outputs |
 //! | [`history`] | case values that vary: columns of a table |
 //! | [`params`] | typed access to the case values inside a configuration |
+//! | [`advice`] | what a participant thinks of effects in a scene |
 //! | [`accuracy`] | what a model says of its errors |
 //! | [`message`] | the fixed layouts of commands, replies and field headers |
 //! | [`text`] | text from outside: what may reach a terminal or a label |
@@ -19,6 +20,7 @@
 //! It knows no transport, no file and no process.
 
 pub mod accuracy;
+pub mod advice;
 pub mod bodies;
 pub mod configuration;
 pub mod description;

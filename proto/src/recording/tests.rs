@@ -13,6 +13,7 @@ fn head() -> Head {
         role: "thermal".to_owned(),
         standalone: false,
         estimates: false,
+        advises: false,
         models: Vec::new(),
         effects: Vec::new(),
         keys: Vec::new(),

@@ -128,6 +128,7 @@ impl Solver for Linear {
             role: self.role().to_owned(),
             standalone: true,
             estimates: true,
+            advises: false,
             models: vec![self.model()],
             effects: Vec::new(),
             keys: vec![

@@ -122,6 +122,7 @@ impl Solver for Moving {
             role: self.role().to_owned(),
             standalone: true,
             estimates: true,
+            advises: false,
             models: vec![self.model()],
             effects: Vec::new(),
             keys: keys.chain(self.own_keys()).collect(),

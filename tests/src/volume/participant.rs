@@ -52,6 +52,7 @@ impl Solver for Block {
             role: "volume".to_owned(),
             standalone: true,
             estimates: true,
+            advises: false,
             models: vec![ModelSpec {
                 name: "law".to_owned(),
                 summary: "a temperature given as a function of place and time".to_owned(),

@@ -46,7 +46,10 @@ fn leaves_no_trace(name: &str, needed: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     // Files that a case names are beside it.
     let text = std::fs::read_to_string(case(name)).unwrap();
-    let text = text.replace("\"materials/", &format!("\"{}/", case("materials")));
+    let beside = |text: String, folder: &str| {
+        text.replace(&format!("\"{folder}/"), &format!("\"{}/", case(folder)))
+    };
+    let text = ["materials", "histories"].into_iter().fold(text, beside);
     for off in switchable(&text, needed) {
         let never_named = folder.path().join(format!("{off}-{name}"));
         std::fs::write(&never_named, without(&text, &off)).unwrap();

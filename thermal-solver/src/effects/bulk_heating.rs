@@ -17,10 +17,12 @@
 //! because one is warmer as a whole, which `continuity` and `contact_conductance` would need and are refused with; what the
 //! surface loses between two passages.
 
+use crate::advice::Situation;
 use crate::effects::friction_heat::{self, Partition};
 use crate::models::names;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, KeySpec};
 use proto::figure::{FigureSpec, Style};
@@ -46,8 +48,12 @@ pub struct Memory {
 fn keys() -> Vec<KeySpec> {
     let of = |name: &str| format!("bodies.*.{name}");
     vec![
-        KeySpec::quantity(&of(LOSS), "W/K", "what the whole body gives off, h A; absent: it stays cold")
-            .above(0.0),
+        KeySpec::quantity(
+            &of(LOSS),
+            "W/K",
+            "what the whole body gives off, h A; absent: it stays cold",
+        )
+        .above(0.0),
         KeySpec::integer(&of(PASSAGES), "earlier passages over the same place of the body")
             .default_value(0)
             .at_least(0.0)
@@ -117,9 +123,11 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<[Memory; 2], Refusal
 fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<Memory, Refusal> {
     let key = |name: &str| scene.names.key(body, name);
     let positive = |name: &str| match given.case.maybe_number(&key(name))? {
-        Some(value) if value <= 0.0 => {
-            Err(Refusal::new(&key(name), format!("{value} is not above 0"), "write a value above 0"))
-        }
+        Some(value) if value <= 0.0 => Err(Refusal::new(
+            &key(name),
+            format!("{value} is not above 0"),
+            "write a value above 0",
+        )),
         value => Ok(value),
     };
     let passages = match given.case.has(&key(PASSAGES)) {
@@ -139,6 +147,32 @@ fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<Memory, 
             let fix = format!("add `{} = \"0.1 s\"`", key(INTERVAL));
             Err(Refusal::new(&key(INTERVAL), "missing beside passages", fix))
         }
-        _ => Ok(Memory { loss: positive(LOSS)?, passages, interval: interval.unwrap_or(f64::INFINITY) }),
+        _ => Ok(Memory {
+            loss: positive(LOSS)?,
+            passages,
+            interval: interval.unwrap_or(f64::INFINITY),
+        }),
     }
+}
+
+/// Loss of a railway wheel in motion, where the case has none [W/K].
+const TYPICAL: f64 = 60.0;
+
+/// What it says of itself in a scene.
+#[must_use]
+pub fn advise(situation: &Situation<'_>) -> Advice {
+    let (scene, body) = (situation.scene, UPPER);
+    let key = scene.names.key(body, LOSS);
+    let loss = situation.case.maybe_number(&key).ok().flatten().unwrap_or(TYPICAL);
+    let bulk = situation.heat[body] / loss;
+    let why = format!(
+        "{:.3e} W go on for long into a body that gives off {loss} W/K: {bulk:.0} K as a whole",
+        situation.heat[body]
+    );
+    let relative = bulk / situation.rises[body].max(f64::MIN_POSITIVE);
+    Advice::new(NAME, why)
+        .number("rise of the whole body over flash", relative)
+        .moves(situation.rise_of(body), relative)
+        .with(format!("{key}={loss}"))
+        .with(format!("effects.{NAME}={{}}"))
 }

@@ -9,7 +9,9 @@
 //! Source: Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279–300; exponent: Yovanovich, AIAA 81-1164 (1981).
 
 use super::friction_heat::Partition;
+use crate::advice::Situation;
 use crate::models::names;
+use proto::advice::Advice;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names as field_names};
 use proto::field;
@@ -94,6 +96,33 @@ pub fn spec() -> EffectSpec {
                 .above(0.0),
         ],
     }
+}
+
+/// Conductance of steel on steel under a wheel, where the case has none [W/(m²·K)].
+const TYPICAL: f64 = 1e5;
+
+/// What it says of itself in a scene.
+#[must_use]
+pub fn advise(situation: &Situation<'_>) -> Advice {
+    let [upper, lower] = situation.rises;
+    let hotter = situation.hotter();
+    let difference = (upper - lower).abs() / situation.rises[hotter].max(f64::MIN_POSITIVE);
+    let given = situation.case.maybe_number(CONDUCTANCE).ok().flatten();
+    let conductance = given.unwrap_or(TYPICAL);
+    let area = std::f64::consts::PI * situation.semi_axes[0] * situation.semi_axes[1];
+    let resistance: f64 = (0..2)
+        .map(|body| situation.rises[body] * area / situation.heat[body].max(f64::MIN_POSITIVE))
+        .sum();
+    let biot = conductance * resistance;
+    // What flows makes up for the difference as far as the contact conducts.
+    let why = format!(
+        "difference of the flash temperatures, {:.1} %, that {conductance:.0e} W/(m2 K) evens out",
+        100.0 * difference
+    );
+    Advice::new(NAME, why)
+        .number("conductance times the bodies' resistance", biot)
+        .moves(situation.rise_of(hotter), -0.5 * difference * biot / (1.0 + biot))
+        .with(format!("{CONDUCTANCE}={conductance:e}"))
 }
 
 #[cfg(test)]

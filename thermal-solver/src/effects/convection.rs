@@ -3,7 +3,9 @@
 //! The surface is free where no heat enters it in the row of elements: before the contact, beside and behind it.
 //! Source: Carslaw & Jaeger, Conduction of Heat in Solids, 1.9.
 
+use crate::advice::Situation;
 use crate::models::names;
+use proto::advice::Advice;
 use proto::bodies::INITIAL_TEMPERATURE;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names as field_names};
@@ -42,4 +44,22 @@ pub fn spec() -> EffectSpec {
 pub fn read(case: &Params) -> Result<[f64; 2], Refusal> {
     let temperature = case.maybe_number(TEMPERATURE)?.unwrap_or(INITIAL_TEMPERATURE);
     Ok([case.number(COEFFICIENT)?, temperature])
+}
+
+/// Coefficient to air that passes quickly, where the case has none [W/(m²·K)].
+const TYPICAL: f64 = 50.0;
+
+/// What it says of itself in a scene.
+#[must_use]
+pub fn advise(situation: &Situation<'_>) -> Advice {
+    let coefficient = situation.case.maybe_number(COEFFICIENT).ok().flatten().unwrap_or(TYPICAL);
+    let lost = situation.lost_to(coefficient);
+    let body = situation.hotter();
+    Advice::new(NAME, format!("{coefficient} W/(m2 K) while a place passes the contact"))
+        .number(
+            "Biot number h a/lambda",
+            coefficient * situation.semi_axes[0] / situation.scene.materials[body].conductivity,
+        )
+        .moves(situation.rise_of(body), lost)
+        .with(format!("{COEFFICIENT}={coefficient}"))
 }

@@ -10,8 +10,10 @@
 //!   then have the same temperature everywhere, since T ∝ q/(β√V) (Ertz & Knothe, Wear 253 (2002)
 //!   498–508, after Blok).
 
+use crate::advice::Situation;
 use crate::scene::Material;
 use crate::{LOWER, UPPER, models};
+use proto::advice::Advice;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names};
 use proto::field;
@@ -92,6 +94,25 @@ pub fn spec() -> EffectSpec {
                 .default_value("equal"),
         ],
     }
+}
+
+/// Smaller rises are not worth a process [K].
+const LEAST_RISE: f64 = 1.0;
+
+/// What it says of itself in a scene.
+#[must_use]
+pub fn advise(situation: &Situation<'_>) -> Advice {
+    let body = situation.hotter();
+    let rise = situation.rises[body];
+    let name = &situation.scene.names.0[body];
+    let advice = Advice::new(
+        NAME,
+        format!("{:.3} W of friction warm {name} by about {rise:.1} K", situation.power),
+    )
+    .number("Peclet number V a/(2 kappa)", situation.peclet(body))
+    .with(format!("effects.{NAME}={{}}"));
+    // There is no temperature without it, so that a degree counts.
+    advice.moves(situation.rise_of(body), if rise >= LEAST_RISE { f64::INFINITY } else { 0.0 })
 }
 
 #[cfg(test)]

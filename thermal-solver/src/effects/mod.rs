@@ -10,9 +10,11 @@ pub mod temperature_material;
 pub mod thermal_expansion;
 pub mod volume_temperature;
 
+use crate::advice::Situation;
 use crate::fe::conductor::Surroundings;
 use crate::fe::nature::Nature;
 use crate::scene::Scene;
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, Renamed};
 
@@ -23,19 +25,49 @@ pub struct Effect {
     pub name: &'static str,
     /// Its description.
     pub spec: fn() -> EffectSpec,
+    /// What it says of itself in a scene.
+    pub advise: Option<fn(&Situation<'_>) -> Advice>,
 }
 
 /// All effects.
 pub const REGISTRY: &[Effect] = &[
-    Effect { name: friction_heat::NAME, spec: friction_heat::spec },
-    Effect { name: temperature_material::NAME, spec: temperature_material::spec },
-    Effect { name: thermal_expansion::NAME, spec: thermal_expansion::spec },
-    Effect { name: contact_conductance::NAME, spec: contact_conductance::spec },
-    Effect { name: convection::NAME, spec: convection::spec },
-    Effect { name: radiation::NAME, spec: radiation::spec },
-    Effect { name: bulk_heating::NAME, spec: bulk_heating::spec },
-    Effect { name: phase_transformation::NAME, spec: phase_transformation::spec },
-    Effect { name: volume_temperature::NAME, spec: volume_temperature::spec },
+    Effect {
+        name: friction_heat::NAME,
+        spec: friction_heat::spec,
+        advise: Some(friction_heat::advise),
+    },
+    Effect {
+        name: temperature_material::NAME,
+        spec: temperature_material::spec,
+        advise: Some(temperature_material::advise),
+    },
+    Effect {
+        name: thermal_expansion::NAME,
+        spec: thermal_expansion::spec,
+        advise: Some(thermal_expansion::advise),
+    },
+    Effect {
+        name: contact_conductance::NAME,
+        spec: contact_conductance::spec,
+        advise: Some(contact_conductance::advise),
+    },
+    Effect { name: convection::NAME, spec: convection::spec, advise: Some(convection::advise) },
+    Effect { name: radiation::NAME, spec: radiation::spec, advise: Some(radiation::advise) },
+    Effect {
+        name: bulk_heating::NAME,
+        spec: bulk_heating::spec,
+        advise: Some(bulk_heating::advise),
+    },
+    Effect {
+        name: phase_transformation::NAME,
+        spec: phase_transformation::spec,
+        advise: Some(phase_transformation::advise),
+    },
+    Effect {
+        name: volume_temperature::NAME,
+        spec: volume_temperature::spec,
+        advise: Some(volume_temperature::advise),
+    },
 ];
 
 /// Keys of version 0.1.

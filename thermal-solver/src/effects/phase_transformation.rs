@@ -10,7 +10,9 @@
 //! under a sliding wheel and its critical rates. Left out: the time that carbon needs, which the shift stands for; pressure, which lowers
 //! A_c1; plastic deformation. Steady cases and rows of a sequence.
 
+use crate::advice::Situation;
 use crate::models::names;
+use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, KeySpec};
 use proto::figure::FigureSpec;
@@ -113,11 +115,16 @@ pub fn read(given: &Configuration) -> Result<Option<Criterion>, Refusal> {
     }
     let specs = spec().keys;
     let number = |key: &str| {
-        let default = specs.iter().find(|spec| spec.path == key).and_then(|spec| spec.default.as_ref()?.as_f64());
+        let default = specs
+            .iter()
+            .find(|spec| spec.path == key)
+            .and_then(|spec| spec.default.as_ref()?.as_f64());
         let value = given.case.maybe_number(key)?.or(default).unwrap_or(0.0);
         match value >= 0.0 && (value > 0.0 || key == SHIFT || key == CRITICAL) {
             true => Ok(value),
-            false => Err(Refusal::new(key, format!("{value} is not above 0"), "write a value above 0")),
+            false => {
+                Err(Refusal::new(key, format!("{value} is not above 0"), "write a value above 0"))
+            }
         }
     };
     Ok(Some(Criterion {
@@ -126,4 +133,24 @@ pub fn read(given: &Configuration) -> Result<Option<Criterion>, Refusal> {
         reference_rate: number(REFERENCE)?,
         critical_rate: number(CRITICAL)?,
     }))
+}
+
+/// What it says of itself in a scene.
+#[must_use]
+pub fn advise(situation: &Situation<'_>) -> Advice {
+    let body = situation.hotter();
+    let highest = scene_temperature(situation, body);
+    let start = situation.case.maybe_number(START).ok().flatten().unwrap_or(EUTECTOID);
+    let name = &situation.scene.names.0[body];
+    let why = format!("{name} reaches {highest:.0} K; A_c1 is {start:.0} K");
+    let transforms = if highest >= start { f64::INFINITY } else { 0.0 };
+    Advice::new(NAME, why)
+        .number("highest temperature over A_c1", highest / start)
+        .moves(format!("white_layer.{name}.depth_m"), transforms)
+        .with(format!("effects.{NAME}={{}}"))
+}
+
+/// Highest temperature of a body [K].
+fn scene_temperature(situation: &Situation<'_>, body: usize) -> f64 {
+    situation.scene.initial_temperatures[body] + situation.rises[body]
 }

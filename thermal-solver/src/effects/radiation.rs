@@ -3,7 +3,9 @@
 //! The surface is free where no heat enters it in the row of elements: before the contact, beside and behind it.
 //! Temperatures are absolute. Source: Carslaw & Jaeger, Conduction of Heat in Solids, 1.9.
 
+use crate::advice::Situation;
 use crate::models::names;
+use proto::advice::Advice;
 use proto::bodies::INITIAL_TEMPERATURE;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names as field_names};
@@ -43,4 +45,26 @@ pub fn spec() -> EffectSpec {
 pub fn read(case: &Params) -> Result<[f64; 2], Refusal> {
     let temperature = case.maybe_number(TEMPERATURE)?.unwrap_or(INITIAL_TEMPERATURE);
     Ok([case.number(EMISSIVITY)?, temperature])
+}
+
+/// Emissivity of oxidised steel, where the case has none.
+const TYPICAL: f64 = 0.8;
+/// σ [W/(m²·K⁴)].
+const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
+
+/// What it says of itself in a scene.
+#[must_use]
+pub fn advise(situation: &Situation<'_>) -> Advice {
+    let emissivity = situation.case.maybe_number(EMISSIVITY).ok().flatten().unwrap_or(TYPICAL);
+    let body = situation.hotter();
+    let (rise, initial) = (situation.rises[body], situation.scene.initial_temperatures[body]);
+    // The mean coefficient between the hot surface and what is round.
+    let hot = initial + rise;
+    let coefficient =
+        emissivity * STEFAN_BOLTZMANN * (hot * hot + initial * initial) * (hot + initial);
+    let conduction = situation.scene.materials[body].conductivity / situation.semi_axes[0];
+    Advice::new(NAME, format!("emissivity {emissivity} at the highest temperature"))
+        .number("radiative ratio eps sigma T^3 a/lambda", coefficient / conduction)
+        .moves(situation.rise_of(body), situation.lost_to(coefficient))
+        .with(format!("{EMISSIVITY}={emissivity}"))
 }

@@ -4,9 +4,11 @@
 //! specific heat [J/(kg·K)], straight between; temperatures are absolute: the body's `initial_temperature` and
 //! the rise. One without has constant ones. Its density is constant.
 
+use crate::advice::Situation;
 use crate::fe::law::Point;
 use crate::models::names;
 use crate::scene::Scene;
+use proto::advice::Advice;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names as field_names};
 use proto::field;
@@ -112,6 +114,18 @@ pub fn parse(text: &str, density: f64) -> Result<Vec<Point>, String> {
         return Err("has no line".to_owned());
     }
     Ok(points)
+}
+
+/// Relative rise of the effusivity of carbon steel with the temperature, from 20 to 400 °C [1/K].
+const STEEL: f64 = 2.8e-4;
+
+/// What it says of itself in a scene.
+#[must_use]
+pub fn advise(situation: &Situation<'_>) -> Advice {
+    let body = situation.hotter();
+    let rise = situation.rises[body];
+    let why = "effusivity of carbon steel at half the rise (EN 1993-1-2); needs a thermal_table for the material";
+    Advice::new(NAME, why).moves(situation.rise_of(body), -0.5 * STEEL * rise)
 }
 
 #[cfg(test)]

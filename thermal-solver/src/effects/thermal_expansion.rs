@@ -3,9 +3,11 @@
 //! Here what the mechanics need for it is provided: the rise of each body integrated over its depth
 //! ([`crate::moving_source::rise_integral`]).
 
+use crate::advice::Situation;
 use crate::models::fields::RISE_INTEGRALS;
 use crate::models::names;
 use crate::scene::Scene;
+use proto::advice::Advice;
 use proto::configuration::{Mode, Refusal};
 use proto::description::{EffectSpec, names as field_names};
 
@@ -43,4 +45,39 @@ pub fn refuse_rest(scene: &Scene, mode: Mode) -> Result<(), Refusal> {
         ),
         "write time.mode = \"transient\", a speed above 0 m/s, or remove effects.thermal_expansion",
     ))
+}
+
+/// Coefficient of thermal expansion of steel, where the case has none [1/K].
+const STEEL: f64 = 1.2e-5;
+
+/// What it says of itself in a scene.
+#[must_use]
+pub fn advise(situation: &Situation<'_>) -> Advice {
+    let materials: Vec<&str> = (0..2)
+        .filter_map(|body| situation.case.text(&situation.scene.names.key(body, "material")).ok())
+        .collect();
+    let key = |material: &str| format!("materials.{material}.thermal_expansion");
+    let given = |material: &str| situation.case.maybe_number(&key(material)).ok().flatten();
+    let mut lacking: Vec<&str> =
+        materials.iter().copied().filter(|material| given(material).is_none()).collect();
+    lacking.dedup();
+    let [_, b] = situation.semi_axes;
+    let raised = |body: usize| {
+        let coefficient = materials.get(body).and_then(|material| given(material)).unwrap_or(STEEL);
+        let material = &situation.scene.materials[body];
+        let speed = situation.speeds[body];
+        // Heat per area over its capacity is the rise integrated over the depth.
+        let integral = situation.heat[body]
+            / (speed * 0.5 * std::f64::consts::PI * b * material.density * material.specific_heat);
+        2.0 * (1.0 + 0.3) * coefficient * integral
+    };
+    let height: f64 = (0..2).filter(|body| situation.speeds[*body] > 0.0).map(raised).sum();
+    let share = height / situation.approach;
+    let advice = Advice::new(NAME, "height by which heat raises the surfaces behind the contact, over the approach; half of it")
+        .number("thermal rise over approach", share)
+        .moves("contact.max_pressure_pa", 0.5 * share);
+    let advice = lacking
+        .iter()
+        .fold(advice, |advice, material| advice.with(format!("{}={STEEL:e}", key(material))));
+    advice.with(format!("effects.{NAME}={{}}"))
 }

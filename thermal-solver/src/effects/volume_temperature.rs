@@ -3,7 +3,9 @@
 //! Elements are those of the heat flux's rows, from behind the contact to its front, down to the last layer.
 //! It changes no answer, and costs what is written.
 
+use crate::advice::Situation;
 use crate::models::names;
+use proto::advice::Advice;
 use proto::description::{EffectSpec, names as field_names};
 use proto::field::{self, Body, FieldSpec, Mapping};
 
@@ -41,4 +43,13 @@ pub fn spec() -> EffectSpec {
         provides: field_names(&[&VOLUMES[1], &VOLUMES[0]]),
         keys: Vec::new(),
     }
+}
+
+/// What it says of itself in a scene.
+#[must_use]
+pub fn advise(situation: &Situation<'_>) -> Advice {
+    let body = situation.hotter();
+    Advice::new(NAME, "written of the elements, and changes nothing in them")
+        .moves(situation.rise_of(body), 0.0)
+        .with(format!("effects.{NAME}={{}}"))
 }

@@ -54,7 +54,8 @@ impl Background {
             (0..=reach).map(|k| edge(k as f64 + 0.5) - edge(k as f64 - 0.5)).collect();
         for (row, sum) in self.residual[body].iter_mut().enumerate() {
             let (first, last) = (row.saturating_sub(reach), (row + reach).min(left.len() - 1));
-            let mean: f64 = (first..=last).map(|from| weights[from.abs_diff(row)] * left[from]).sum();
+            let mean: f64 =
+                (first..=last).map(|from| weights[from.abs_diff(row)] * left[from]).sum();
             *sum += depth * mean;
         }
     }

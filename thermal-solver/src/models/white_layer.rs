@@ -131,8 +131,15 @@ mod tests {
     #[test]
     fn rates_are_those_of_the_crossing() {
         let passing = 1e-2;
-        let triangle: Vec<f64> =
-            (0..20).map(|k| if k < 15 { 300.0 + 100.0 * f64::from(k) } else { 1700.0 - 200.0 * f64::from(k - 14) }).collect();
+        let triangle: Vec<f64> = (0..20)
+            .map(|k| {
+                if k < 15 {
+                    300.0 + 100.0 * f64::from(k)
+                } else {
+                    1700.0 - 200.0 * f64::from(k - 14)
+                }
+            })
+            .collect();
         let cycle = Cycle::of(&triangle, passing, 900.0);
         assert_eq!(cycle, Cycle { highest: 1700.0, rates: [2e4, 1e4] });
         // Ten times the reference rate for each 20 K.

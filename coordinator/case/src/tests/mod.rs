@@ -81,6 +81,7 @@ fn description(role: &str, standalone: bool) -> Description {
         role: role.to_owned(),
         standalone,
         estimates: false,
+        advises: false,
         models: Vec::new(),
         effects: Vec::new(),
         keys: Vec::new(),

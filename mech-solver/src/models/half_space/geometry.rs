@@ -127,7 +127,8 @@ pub(in crate::models) fn footprint(
             [-elements, elements].map(|end| end + end.signum() * (MARGIN - 0.5))
         };
         let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
-        let smooth_grid = lay([reach(semi_axes[0], dx), reach(wider * semi_axes[1], dy)], [dx, dy])?;
+        let smooth_grid =
+            lay([reach(semi_axes[0], dx), reach(wider * semi_axes[1], dy)], [dx, dy])?;
         let (grid, peak_y) = match rough {
             true => {
                 let fitted = fit(&gap, shapes, smooth_grid)?;

@@ -34,7 +34,11 @@ impl Heated {
     }
 
     /// Solves the contact with the friction at some creepages; those that it has then.
-    fn contact_at(&mut self, inputs: &dyn Inputs, creepage: [f64; 3]) -> Result<[f64; 3], StepError> {
+    fn contact_at(
+        &mut self,
+        inputs: &dyn Inputs,
+        creepage: [f64; 3],
+    ) -> Result<[f64; 3], StepError> {
         let Case { terms, scene, grid, .. } = &mut self.case;
         let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
         let rubbing = Rubbing { inputs, slip, grid, pressure: &self.pressure };
