@@ -2,6 +2,7 @@
 
 use crate::ablate;
 use crate::accuracy::{self, Decision, Search};
+use crate::advise;
 use crate::conform;
 use crate::cost;
 use crate::export::{self, Target};
@@ -71,6 +72,9 @@ enum Command {
         /// Start no program: show what a case from elsewhere says, and what it would start.
         #[arg(long)]
         no_start: bool,
+        /// Say of every effect, in the case or not, whether it matters, by about how much, and what it costs.
+        #[arg(long, conflicts_with = "no_start")]
+        advise: bool,
     },
     /// Show the models and effects that the installed solvers offer.
     Solvers,
@@ -314,11 +318,12 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             };
             Ok(print(arguments.quiet, &text)?)
         }
-        Command::Plan { case, no_start } => {
+        Command::Plan { case, no_start, advise } => {
             let _asking = signals::end_at_once();
-            let text = match no_start {
-                true => Shown(&case.alone()?).to_string(),
-                false => case.plan()?.plan.to_string(),
+            let text = match (no_start, advise) {
+                (true, _) => Shown(&case.alone()?).to_string(),
+                (false, false) => case.plan()?.plan.to_string(),
+                (false, true) => advised(case)?,
             };
             Ok(print(false, &text)?)
         }
@@ -337,6 +342,14 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         }
         Command::Reproduce(asked) => Ok(reproduce::main(asked, arguments.quiet)?),
     }
+}
+
+/// The plan of a case, and what its effects are worth.
+fn advised(asked: &CaseArguments) -> Result<String, RunError> {
+    let planned = asked.plan()?;
+    let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
+    let all = advise::advise(&asked.case, &base, &planned)?;
+    Ok(format!("{}{}", planned.plan, advise::text(&all, &planned)))
 }
 
 /// A run that has been planned and has its folder.

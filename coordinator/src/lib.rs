@@ -5,6 +5,7 @@
 
 mod ablate;
 mod accuracy;
+mod advise;
 pub mod cli;
 mod conform;
 mod cost;

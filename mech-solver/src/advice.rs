@@ -62,11 +62,14 @@ impl Situation<'_> {
         estimated_contact(&scene, self.case, sticks)?.get(key).copied()
     }
 
-    /// Relative change of the friction power with another friction coefficient; infinite where that does not carry the force.
-    pub(crate) fn power_with_friction(&self, friction: f64) -> Option<f64> {
-        let now = self.known(POWER).filter(|power| *power > 0.0)?;
-        let then = self.otherwise(POWER, friction, self.sticks);
-        Some(then.map_or(f64::INFINITY, |then| then / now - 1.0))
+    /// What another friction coefficient makes of the friction power.
+    pub(crate) fn with_friction(&self, advice: Advice, friction: f64) -> Advice {
+        let now = self.otherwise(POWER, self.scene.friction_coefficient, self.sticks);
+        let Some(now) = now.filter(|power| *power > 0.0) else { return advice };
+        match self.otherwise(POWER, friction, self.sticks) {
+            Some(then) => advice.moves(POWER, then / now - 1.0),
+            None => advice.impossible(),
+        }
     }
 
     /// The names of the bodies' materials, each once.

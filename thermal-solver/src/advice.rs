@@ -16,8 +16,9 @@ use std::f64::consts::PI;
 const FAST: f64 = 2.188;
 /// Rise under a circle of elliptic flux at rest, over q₀ a/λ (Carslaw & Jaeger, 10.5).
 const AT_REST: f64 = 0.678;
-/// Of a flux that leaves the front of the contact free, over that of an ellipse, about.
-const PARTIAL: f64 = 1.2;
+
+/// Smaller rises are not worth a process [K].
+const LEAST_RISE: f64 = 1.0;
 
 /// A scene, as an effect looks at it.
 #[derive(Debug)]
@@ -54,8 +55,7 @@ impl<'a> Situation<'a> {
         let slips = figure("contact.slip_area_ratio").filter(|ratio| *ratio > 0.0).unwrap_or(1.0);
         let mut own =
             Self { scene, case, power, semi_axes, approach, heat, speeds, rises: [0.0; 2] };
-        let partial = if slips < 1.0 { PARTIAL } else { 1.0 };
-        own.rises = [UPPER, LOWER].map(|body| partial * own.rise(body, slips));
+        own.rises = [UPPER, LOWER].map(|body| own.rise(body, slips));
         Some(own)
     }
 
@@ -82,6 +82,13 @@ impl<'a> Situation<'a> {
     #[must_use]
     pub fn rise_of(&self, body: usize) -> String {
         format!("temperature.{}.max_rise_k", self.scene.names.0[body])
+    }
+
+    /// What an effect makes of the rise of a body; nothing of one that is not worth a process.
+    #[must_use]
+    pub fn moved(&self, advice: Advice, body: usize, relative: f64) -> Advice {
+        let counts = self.rises[body] >= LEAST_RISE;
+        advice.moves(self.rise_of(body), if counts { relative } else { 0.0 })
     }
 
     /// Va/(2κ) of a body.

@@ -3,6 +3,7 @@
 //! [`case::Case`] → [`plan::Plan`] → [`session::Session`] → [`results`]. Each arrow is one module; only
 //! the left side of an arrow reaches it.
 
+pub mod advice;
 pub mod checkpoint;
 pub mod damage;
 pub mod deadlines;

@@ -1,7 +1,7 @@
 //! The executables that take part: finding them, and asking them what they are.
 //!
 //! A participant without `command` is the program `ROLE-solver`, looked for beside the coordinator
-//! and then on the search path. Asking (`--describe`, `--estimate`) starts the program, reads its
+//! and then on the search path. Asking (`--describe`, `--estimate`, `--advise`) starts the program, reads its
 //! answer and ends it; nothing of a run is started.
 
 pub use crate::program::Program;
@@ -10,6 +10,7 @@ use crate::error::{Failure, RunError};
 use crate::processes::Process;
 use crate::program::our_folder;
 use crate::signals;
+use contract::advice::{Opinion, Scene};
 use contract::configuration::{Configuration, Estimate};
 use contract::description::Description;
 use serde::de::DeserializeOwned;
@@ -38,6 +39,17 @@ impl Program {
     ) -> Result<Estimate, RunError> {
         let input = serde_json::to_vec(configuration).expect("a configuration is plain data");
         self.ask(&configuration.role, "--estimate", input, deadline).await
+    }
+
+    /// What the program says of its effects in a scene.
+    pub async fn advise(
+        &self,
+        role: &str,
+        scene: &Scene,
+        deadline: Duration,
+    ) -> Result<Opinion, RunError> {
+        let input = serde_json::to_vec(scene).expect("a scene is plain data");
+        self.ask(role, "--advise", input, deadline).await
     }
 
     async fn ask<T: DeserializeOwned>(

@@ -1,6 +1,6 @@
 //! The study as a page.
 
-use super::runs::{all, quantities, table};
+use super::runs::{all, quantities, table, verdicts};
 use super::study::{Run, Study};
 use crate::report::bars::Bars;
 use crate::report::page::{Block, Mood, Page, Section};
@@ -17,11 +17,16 @@ impl Shown for Study {
 }
 
 fn of(study: &Study) -> Page {
-    let failed = study.without.iter().any(|run| run.failed.is_some());
+    let failed = study.without.iter().chain(&study.with).any(|run| run.failed.is_some());
     let (table, runs) = (table(study), all(study));
     let remarks = table.remarks(&runs).map(|why| Block::Text(sentence(&why)));
     let blocks = std::iter::once(Block::Table(table.page(&runs))).chain(remarks).collect();
-    let sections = [changes(study), Section::of("Runs", blocks)];
+    let verdicts: Vec<Block> = verdicts(study).map(|line| Block::Text(sentence(&line))).collect();
+    let sections = [
+        changes(study),
+        Section::of("Runs", blocks),
+        Section::of("Advice against measurement", verdicts),
+    ];
     Page {
         name: format!("Effects of {}", study.case),
         title: study.title.clone().unwrap_or_default(),
@@ -37,7 +42,7 @@ fn changes(study: &Study) -> Option<Section> {
     let whole = study.whole.cost.solve_s;
     let change_of = |key: &str, unit: f64| {
         let change = |run: &Run| Some((run.effect.clone(), run.changes.get(key)? / unit));
-        study.without.iter().filter_map(change).collect::<Vec<_>>()
+        study.without.iter().chain(&study.with).filter_map(change).collect::<Vec<_>>()
     };
     let figures = quantities(study).map(|one| {
         let (label, unit) = match one.measure {

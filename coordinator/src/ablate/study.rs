@@ -25,12 +25,35 @@ pub(crate) struct Study {
     pub whole: Run,
     /// The case without each of its effects.
     pub without: Vec<Run>,
+    /// The case with each effect that it does not have, and that is advised.
+    #[serde(default)]
+    pub with: Vec<Run>,
+    /// What was advised before anything ran, and whether the runs agree.
+    #[serde(default)]
+    pub advice: Vec<Judged>,
+}
+
+/// Advice beside what the runs have found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Judged {
+    /// The effect.
+    pub effect: String,
+    /// Key of the figure that it was to move most; empty where the scene was to have no answer with it.
+    pub figure: String,
+    /// By how much, of its value without the effect; absent where there is none without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub advised: Option<f64>,
+    /// By how much it did; absent where one of the runs does not have the figure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<f64>,
+    /// In sign, and in size to a factor of three; or both below what matters.
+    pub agrees: bool,
 }
 
 impl Kept for Study {
     const COMMAND: &'static str = "ablate";
     const FILE: &'static str = "ablate.json";
-    const SCHEMA: u32 = 2;
+    const SCHEMA: u32 = 3;
 }
 
 /// One run.

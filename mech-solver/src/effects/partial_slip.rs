@@ -4,8 +4,10 @@
 //! slip. Without the effect the whole contact slides. How a model finds the stick zone is its own
 //! matter: Carter's strips, a march over springs, or the elastic half-space.
 
-use crate::advice::{POWER, Situation};
+use crate::advice::{POWER, PRESSURE, Situation};
 use crate::entry::Effect;
+use crate::reference::carter;
+use crate::scene::Drive;
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 
@@ -26,15 +28,30 @@ pub const EFFECT: Effect = Effect {
 };
 
 fn advise(situation: &Situation<'_>) -> Advice {
-    let friction = situation.scene.friction_coefficient;
-    let of = |key: &str, sticks: bool| situation.otherwise(key, friction, sticks);
     let set = format!("effects.{}={{}}", EFFECT.name);
-    let (Some(with), Some(without)) = (of(POWER, true), of(POWER, false)) else {
-        return Advice::new(EFFECT.name, "the contact is no ellipse that rolls: not estimated")
-            .with(set);
+    let scene = situation.scene;
+    let friction = scene.friction_coefficient;
+    let with = |key: &str| situation.otherwise(key, friction, true);
+    let figures = (with(POWER), with(PRESSURE), with("contact.normal_force_n"));
+    let (Some(power), Some(pressure), Some(load)) = figures else {
+        let why = "the contact is no ellipse that rolls, or friction does not carry the force: not estimated";
+        return Advice::new(EFFECT.name, why).with(set);
     };
-    let advice =
-        Advice::new(EFFECT.name, "simplified theory with and without a stick zone").with(set);
-    let slips = of("contact.slip_area_ratio", true).unwrap_or(f64::NAN);
-    advice.number("slip area over contact area", slips).moves(POWER, with / without - 1.0)
+    // All that slides has the creepage that is prescribed, or that of Carter's law.
+    let prefactor = carter::prefactor_by_pressure(friction, pressure, scene.contact_compliance());
+    let creep = match scene.drive {
+        Drive::TractionCoefficient(value) => {
+            carter::creep(prefactor, (value / friction).abs().min(1.0))
+        }
+        Drive::TangentialForce(force) => {
+            carter::creep(prefactor, (force / (friction * load)).abs().min(1.0))
+        }
+        Drive::Creepage { xi, eta, .. } => xi.hypot(eta),
+        Drive::Shift(_) => f64::NAN,
+    };
+    let sliding = scene.speeds.rolling * creep * friction * load;
+    Advice::new(EFFECT.name, "simplified theory, against a contact that slides everywhere")
+        .number("slip area over contact area", with("contact.slip_area_ratio").unwrap_or(f64::NAN))
+        .moves(POWER, power / sliding - 1.0)
+        .with(set)
 }

@@ -10,7 +10,7 @@
 //!
 //! Source: Polach, Wear 258 (2005) 992–1000.
 
-use crate::advice::{CREEPAGE, POWER, Situation};
+use crate::advice::{CREEPAGE, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
@@ -97,6 +97,6 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let Some(creepage) = situation.known(CREEPAGE) else { return advice };
     let slip = situation.scene.speeds.rolling * creepage.abs();
     let left = (1.0 - ratio) * (-decrease * slip).exp() + ratio;
-    let change = situation.power_with_friction(situation.scene.friction_coefficient * left);
-    advice.number("slip velocity times B", decrease * slip).moves(POWER, change.unwrap_or(0.0))
+    let advice = advice.number("slip velocity times B", decrease * slip);
+    situation.with_friction(advice, situation.scene.friction_coefficient * left)
 }

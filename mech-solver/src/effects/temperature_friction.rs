@@ -212,15 +212,16 @@ fn advise(situation: &Situation<'_>) -> Advice {
     )
     .with(format!("{LIMIT}={}", TYPICAL * cold));
     let Some(rise) = situation.largest_rise() else { return advice };
-    let power = |share: f64| {
-        let friction = law.coefficient(cold, share * MEAN * rise)?;
-        situation.power_with_friction(friction)
-    };
-    let Some(change) = power(1.0) else { return advice };
+    let friction = |share: f64| law.coefficient(cold, share * MEAN * rise);
+    let Some(warm) = friction(1.0) else { return advice };
+    let power = |friction: f64| situation.otherwise(POWER, friction, situation.sticks);
     // By how much the power answers to a rise that is a tenth higher.
-    let gain = power(1.1)
-        .map_or(f64::NAN, |hotter| ((1.0 + hotter) / (1.0 + change)).ln().abs() / 1.1f64.ln());
-    advice.number("gain of the loop", gain).moves(POWER, change)
+    let powers = (power(warm), friction(1.1).and_then(power));
+    let gain = match powers {
+        (Some(now), Some(hotter)) if now > 0.0 => (hotter / now).ln().abs() / 1.1f64.ln(),
+        _ => f64::NAN,
+    };
+    situation.with_friction(advice.number("gain of the loop", gain), warm)
 }
 
 #[cfg(test)]

@@ -6,10 +6,11 @@
 //! Source: Vollebregt, *Numerical modeling of measured railway creep versus creep-force curves*,
 //! Wear 314 (2014) 87–95; Kalker (1990) §4.
 
-use crate::advice::{CREEPAGE, Situation};
+use crate::advice::{CREEPAGE, POWER, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::reference::kalker;
+use crate::scene::Drive;
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
@@ -62,5 +63,14 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let (ratio, modulus) =
         (situation.scene.combined_poisson_ratio(), situation.scene.combined_shear_modulus());
     let own = 8.0 * a / (3.0 * modulus * kalker::creep_coefficients(a / b, ratio).c11);
-    advice.number("L/L_bodies", flexibility / own).moves(CREEPAGE, flexibility / own)
+    let share = flexibility / own;
+    let advice = advice.number("L/L_bodies", share);
+    // A creepage that is prescribed lets the part that sticks carry less.
+    match situation.scene.drive {
+        Drive::Creepage { .. } => {
+            let sticks = 1.0 - situation.known("contact.slip_area_ratio").unwrap_or(1.0);
+            advice.moves(POWER, -sticks * share / (1.0 + share))
+        }
+        _ => advice.moves(CREEPAGE, share),
+    }
 }

@@ -47,6 +47,9 @@ pub struct Advice {
     /// Which figure the effect moves most, and by about how much against a scene without it; absent where nothing can be said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub change: Option<Change>,
+    /// With the effect the scene has no answer.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub impossible: bool,
     /// How it was estimated, or why not, in a line.
     pub why: String,
     /// What adds the effect to the case, as `--set` takes it; empty where the case has to give what cannot be guessed.
@@ -68,7 +71,7 @@ pub struct Number {
 pub struct Change {
     /// Key of the figure in the summary.
     pub figure: String,
-    /// Relative change; infinite where the figure is not there without the effect.
+    /// Relative change of its size; infinite where the figure is not there without the effect.
     #[serde(with = "unbounded")]
     pub relative: f64,
 }
@@ -86,6 +89,13 @@ impl Advice {
         if value.is_finite() {
             self.numbers.push(Number { name: name.to_owned(), value });
         }
+        self
+    }
+
+    /// With it the scene has no answer.
+    #[must_use]
+    pub fn impossible(mut self) -> Self {
+        self.impossible = true;
         self
     }
 
@@ -108,7 +118,8 @@ impl Advice {
     /// The effect moves a figure by enough to be worth its while.
     #[must_use]
     pub fn matters(&self) -> bool {
-        self.change.as_ref().is_some_and(|change| change.relative.abs() >= MATTERS)
+        self.impossible
+            || self.change.as_ref().is_some_and(|change| change.relative.abs() >= MATTERS)
     }
 }
 

@@ -73,3 +73,34 @@ fn a_figure_that_goes_with_an_effect_has_no_change() {
     let sliding = without(&study, "partial_slip");
     assert!(sliding["failed"].is_string() || sliding["values"].get(RISE).is_some());
 }
+
+/// What is advised before a run agrees with the runs, and what a scene lacks and should have is run as well: here a layer between the
+/// surfaces and roughness change the contact, and friction that falls would not carry the force.
+#[test]
+fn advice_is_held_against_the_runs() {
+    let place = Place::new();
+    let study = study(&place, "wheel-rail.toml", &["--set", "mech.resolution=20"]);
+    let judged = study["advice"].as_array().unwrap();
+    let of = |effect: &str| {
+        judged.iter().find(|one| one["effect"] == effect).unwrap_or_else(|| panic!("{effect}"))
+    };
+    for effect in [
+        "friction_heat",
+        "partial_slip",
+        "bulk_heating",
+        "third_body_layer",
+        "roughness",
+        "temperature_friction",
+    ] {
+        assert_eq!(of(effect)["agrees"], true, "{}", of(effect));
+    }
+    let added: Vec<&str> = study["with"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|run| run["effect"].as_str().unwrap())
+        .collect();
+    assert!(added.contains(&"third_body_layer") && !added.contains(&"convection"), "{added:?}");
+    let page = fs::read_to_string(place.out().join("report.html")).unwrap();
+    assert!(page.contains("Advice against measurement"));
+}

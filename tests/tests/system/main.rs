@@ -20,6 +20,7 @@ macro_rules! table_of_tests {
 
 mod ablate;
 mod accuracy;
+mod advise;
 mod audit;
 mod bad_cases;
 mod c_interface;

@@ -165,14 +165,14 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let key = scene.names.key(body, LOSS);
     let loss = situation.case.maybe_number(&key).ok().flatten().unwrap_or(TYPICAL);
     let bulk = situation.heat[body] / loss;
+    let heat = 1e-3 * situation.heat[body];
     let why = format!(
-        "{:.3e} W go on for long into a body that gives off {loss} W/K: {bulk:.0} K as a whole",
-        situation.heat[body]
+        "{heat:.2} kW that go on for long into a body that gives off {loss} W/K make {bulk:.0} K as a whole"
     );
     let relative = bulk / situation.rises[body].max(f64::MIN_POSITIVE);
-    Advice::new(NAME, why)
+    let advice = Advice::new(NAME, why)
         .number("rise of the whole body over flash", relative)
-        .moves(situation.rise_of(body), relative)
         .with(format!("{key}={loss}"))
-        .with(format!("effects.{NAME}={{}}"))
+        .with(format!("effects.{NAME}={{}}"));
+    situation.moved(advice, body, relative)
 }

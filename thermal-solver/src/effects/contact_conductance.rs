@@ -119,10 +119,10 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
         "difference of the flash temperatures, {:.1} %, that {conductance:.0e} W/(m2 K) evens out",
         100.0 * difference
     );
-    Advice::new(NAME, why)
+    let advice = Advice::new(NAME, why)
         .number("conductance times the bodies' resistance", biot)
-        .moves(situation.rise_of(hotter), -0.5 * difference * biot / (1.0 + biot))
-        .with(format!("{CONDUCTANCE}={conductance:e}"))
+        .with(format!("{CONDUCTANCE}={conductance:e}"));
+    situation.moved(advice, hotter, -0.5 * difference * biot / (1.0 + biot))
 }
 
 #[cfg(test)]

@@ -55,11 +55,12 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let coefficient = situation.case.maybe_number(COEFFICIENT).ok().flatten().unwrap_or(TYPICAL);
     let lost = situation.lost_to(coefficient);
     let body = situation.hotter();
-    Advice::new(NAME, format!("{coefficient} W/(m2 K) while a place passes the contact"))
-        .number(
-            "Biot number h a/lambda",
-            coefficient * situation.semi_axes[0] / situation.scene.materials[body].conductivity,
-        )
-        .moves(situation.rise_of(body), lost)
-        .with(format!("{COEFFICIENT}={coefficient}"))
+    let advice =
+        Advice::new(NAME, format!("{coefficient} W/(m2 K) while a place passes the contact"))
+            .number(
+                "Biot number h a/lambda",
+                coefficient * situation.semi_axes[0] / situation.scene.materials[body].conductivity,
+            )
+            .with(format!("{COEFFICIENT}={coefficient}"));
+    situation.moved(advice, body, lost)
 }

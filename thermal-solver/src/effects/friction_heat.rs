@@ -96,9 +96,6 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// Smaller rises are not worth a process [K].
-const LEAST_RISE: f64 = 1.0;
-
 /// What it says of itself in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
@@ -107,12 +104,12 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let name = &situation.scene.names.0[body];
     let advice = Advice::new(
         NAME,
-        format!("{:.3} W of friction warm {name} by about {rise:.1} K", situation.power),
+        format!("{:.2} kW of friction warm {name} by about {rise:.1} K", 1e-3 * situation.power),
     )
     .number("Peclet number V a/(2 kappa)", situation.peclet(body))
     .with(format!("effects.{NAME}={{}}"));
-    // There is no temperature without it, so that a degree counts.
-    advice.moves(situation.rise_of(body), if rise >= LEAST_RISE { f64::INFINITY } else { 0.0 })
+    // There is no temperature without it.
+    situation.moved(advice, body, f64::INFINITY)
 }
 
 #[cfg(test)]

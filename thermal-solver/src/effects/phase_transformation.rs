@@ -12,6 +12,7 @@
 
 use crate::advice::Situation;
 use crate::models::names;
+use crate::{LOWER, UPPER};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, KeySpec};
@@ -138,7 +139,10 @@ pub fn read(given: &Configuration) -> Result<Option<Criterion>, Refusal> {
 /// What it says of itself in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
-    let body = situation.hotter();
+    // A body at rest stays hot in the contact, and does not quench.
+    let moving = [UPPER, LOWER].into_iter().filter(|body| situation.speeds[*body] > 0.0);
+    let hottest = moving.max_by(|a, b| situation.rises[*a].total_cmp(&situation.rises[*b]));
+    let body = hottest.unwrap_or(LOWER);
     let highest = scene_temperature(situation, body);
     let start = situation.case.maybe_number(START).ok().flatten().unwrap_or(EUTECTOID);
     let name = &situation.scene.names.0[body];

@@ -63,8 +63,8 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let coefficient =
         emissivity * STEFAN_BOLTZMANN * (hot * hot + initial * initial) * (hot + initial);
     let conduction = situation.scene.materials[body].conductivity / situation.semi_axes[0];
-    Advice::new(NAME, format!("emissivity {emissivity} at the highest temperature"))
+    let advice = Advice::new(NAME, format!("emissivity {emissivity} at the highest temperature"))
         .number("radiative ratio eps sigma T^3 a/lambda", coefficient / conduction)
-        .moves(situation.rise_of(body), situation.lost_to(coefficient))
-        .with(format!("{EMISSIVITY}={emissivity}"))
+        .with(format!("{EMISSIVITY}={emissivity}"));
+    situation.moved(advice, body, situation.lost_to(coefficient))
 }

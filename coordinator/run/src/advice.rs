@@ -1,0 +1,72 @@
+//! What the programs of a case say of effects in its scene, those that take no part in it too.
+
+use crate::error::RunError;
+use crate::plan::Planned;
+use crate::programs::Program;
+use case::schema::WELL_KNOWN_ROLES;
+use contract::advice::{Advice, Known, Opinion, Scene};
+use std::time::Duration;
+
+/// How long a program may take to say so.
+const ANSWER: Duration = Duration::from_secs(30);
+/// Each is asked as often, so that the first hears what the others estimate.
+const TURNS: usize = 2;
+
+/// Asks all programs that advise; of an effect the word of the first that has one. Nothing of the run is started.
+///
+/// # Errors
+/// A program that fails, or whose answer cannot be.
+pub fn ask(planned: &Planned) -> Result<Vec<Advice>, RunError> {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(|e| crate::error::file_failure(std::path::Path::new("tokio"), &e))?;
+    runtime.block_on(ask_async(planned))
+}
+
+async fn ask_async(planned: &Planned) -> Result<Vec<Advice>, RunError> {
+    let programs = advising(planned).await;
+    let mut known = Known::new();
+    let mut opinions: Vec<Opinion> = Vec::new();
+    for _ in 0..TURNS {
+        opinions.clear();
+        for (role, program) in &programs {
+            let case = planned.case.values.clone();
+            let scene = Scene { case, mode: planned.plan.mode, known: known.clone() };
+            let opinion = program.advise(role, &scene, ANSWER).await?;
+            opinion.check().map_err(|fault| program.misled(role, fault))?;
+            known.extend(opinion.known.clone());
+            opinions.push(opinion);
+        }
+    }
+    let mut advice: Vec<Advice> = Vec::new();
+    for one in opinions.into_iter().flat_map(|opinion| opinion.advice) {
+        let offered = planned.plan.effects.iter().any(|effect| effect.name == one.effect);
+        if offered && advice.iter().all(|known| known.effect != one.effect) {
+            advice.push(one);
+        }
+    }
+    Ok(advice)
+}
+
+/// The programs that advise, in the order of the flow of data, with their roles.
+async fn advising(planned: &Planned) -> Vec<(String, Program)> {
+    let mut programs: Vec<(String, Program)> = Vec::new();
+    for one in &planned.plan.participants {
+        if one.description.advises {
+            programs.push((one.role.clone(), one.program.clone()));
+        }
+    }
+    let idle = planned.case.idle.iter().map(String::as_str);
+    for role in idle.chain(WELL_KNOWN_ROLES.iter().copied()) {
+        let takes_part = planned.plan.participants.iter().any(|one| one.role == role);
+        if takes_part || programs.iter().any(|(known, _)| known == role) {
+            continue;
+        }
+        let program = Program::of_role(role, None);
+        if program.describe(role, ANSWER).await.is_ok_and(|description| description.advises) {
+            programs.push((role.to_owned(), program));
+        }
+    }
+    programs
+}
