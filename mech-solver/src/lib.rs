@@ -5,6 +5,7 @@
 //! | [`models`] | the models by name, one module a fidelity level |
 //! | [`effects`] | the effects by name, one file an effect |
 //! | [`axle`] | what carries the load, and runs over irregularities |
+//! | `carried` | the load under an axle, for models whose contact has no inertia |
 //! | `removal` | what a contact takes off the bodies, and the profiles that it leaves |
 //! | [`terms`] | what effects contribute to a contact, kind by kind |
 //! | [`reference`] | closed forms, shared by models, tests and reports |
@@ -22,6 +23,7 @@
 
 mod advice;
 pub mod axle;
+mod carried;
 pub mod effects;
 mod ellipse;
 pub mod entry;

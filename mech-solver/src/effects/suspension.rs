@@ -82,7 +82,7 @@ fn figures() -> Vec<FigureSpec> {
         FigureSpec::new(&format!("contact.{name}"), unit, words).on("so far", short)
     };
     vec![
-        figure("largest_normal_force_n", "N", "largest normal force of a window", "N up to"),
+        figure("largest_normal_force_n", "N", "largest normal force", "N up to"),
         figure("apart_s", "s", "time without contact", "apart"),
         figure("friction_work_j", "J", "work of friction", "heat"),
     ]

@@ -69,8 +69,12 @@ const SECONDS_PER_CELL: f64 = 4e-8;
 const PASSES: usize = 25;
 
 /// Its entry in the list.
-pub(super) const MODEL: ModelEntry =
-    ModelEntry { name: "fastsim", spec, takes: &[Kind::Adhesion, Kind::HeatShare], configure };
+pub(super) const MODEL: ModelEntry = ModelEntry {
+    name: "fastsim",
+    spec,
+    takes: &[Kind::Adhesion, Kind::Axle, Kind::HeatShare],
+    configure,
+};
 /// Elements per semi-axis, unless the case says otherwise.
 const RESOLUTION: usize = 40;
 
@@ -131,7 +135,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
         _ => flexibility::Kind::Single,
     };
     let resolution = resolution::read(&configuration.case, RESOLUTION)?;
-    let varying = Varying::of(configuration);
+    let varying = Varying::of(configuration, &terms, given)?;
     let extent = match &varying {
         Some(varying) => varying.extent(given)?,
         None => Ellipse::solve(&scene, given)?.extent(),

@@ -87,6 +87,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
         Kind::PressureBound,
         Kind::Adhesion,
         Kind::Layer,
+        Kind::Axle,
         Kind::Expansion,
         Kind::HeatShare,
         Kind::Removal,
@@ -133,7 +134,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
     let [upper, lower] = scene.materials();
     let bodies = Elasticity::of_pair(&upper, &lower);
-    let varying = Varying::of(configuration);
+    let varying = Varying::of(configuration, &terms, patch)?;
     let extent = varying.as_ref().map(|varying| varying.extent(patch)).transpose()?;
     let shapes = geometry::Shapes {
         scene: &scene,
@@ -210,15 +211,15 @@ fn refuse_varying(case: &Case) -> Result<(), Refusal> {
     if profile {
         return Err(Refusal::new(
             "mech.model",
-            "measured profiles do not follow histories: their contact has another grid in every row",
-            "give radii, or numbers in the place of columns",
+            "measured profiles do not follow a load that varies: their contact has another grid in every window",
+            "give radii, or numbers in the place of columns and no axle",
         ));
     }
     if case.memory {
         return Err(Refusal::new(
             ROLLING,
-            "rolling with memory does not follow histories",
-            "write mech.rolling = \"steady\", or numbers in the place of columns",
+            "rolling with memory does not follow a load that varies",
+            "write mech.rolling = \"steady\", or numbers in the place of columns and no axle",
         ));
     }
     Ok(())

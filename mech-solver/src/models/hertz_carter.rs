@@ -50,7 +50,7 @@ const SECONDS_PER_VALUE: f64 = 7e-8;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "hertz-carter",
     spec,
-    takes: &[Kind::Friction, Kind::Adhesion, Kind::HeatShare],
+    takes: &[Kind::Friction, Kind::Adhesion, Kind::Axle, Kind::HeatShare],
     configure,
 };
 /// Elements per semi-axis, unless the case says otherwise.
@@ -113,7 +113,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     let resolution = resolution::read(&configuration.case, RESOLUTION)?;
     Ellipse::refuse_rest(&scene)?;
     let contact = Contact::solve(&scene, Ellipse::solve(&scene, given)?, law, partial)?;
-    let varying = Varying::of(configuration);
+    let varying = Varying::of(configuration, &terms, given)?;
     let extent = varying.as_ref().map(|varying| varying.extent(given)).transpose()?;
     let grid = extent.unwrap_or(contact.ellipse.extent()).grid(resolution)?;
     let wanted = precomputed::wanted_fields(configuration);

@@ -39,7 +39,8 @@ impl Model for RowByRow {
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
         let scene = self.varying.scene(step)?;
-        let computed = (self.compute)(&scene).map_err(no_answer)?;
+        let mut computed = (self.compute)(&scene).map_err(no_answer)?;
+        self.varying.add_to(&mut computed.summary["contact"], step);
         let work = computed.work;
         self.trial = Some(computed);
         self.write(outputs);

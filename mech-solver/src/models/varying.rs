@@ -1,28 +1,71 @@
-//! Cases whose values vary: the scene of every window, and one grid for all of them.
+//! Cases whose values vary, or whose load does under an axle: the scene of every window, and one grid for all of them.
 //!
 //! All windows of a history are on one grid, so that a solution starts from the one before and all
 //! fields of a run are comparable. Its elements have the size that the case asks for in the smallest
 //! contact, but not less than a third of that in the largest.
 
+use crate::axle::Axle;
+use crate::carried::Carried;
 use crate::ellipse::{Ellipse, Extent};
-use crate::scene::{GivenPatch, Scene};
-use proto::configuration::{Configuration, Refusal};
+use crate::scene::{GivenPatch, Load, Scene};
+use crate::terms::{Kind, Terms};
+use proto::configuration::{Configuration, Mode, Refusal};
 use proto::model::{Step, StepError};
+use proto::params::Params;
+use serde_json::Value;
+use std::rc::Rc;
 
 /// Contacts smaller than this share of the largest do not make the grid finer.
 const SMALLEST: f64 = 1.0 / 3.0;
+
+/// Share of the load that a window has in which contact is lost: nothing, for a solver that needs a load.
+const LOST: f64 = 1e-6;
 
 /// A configuration whose values vary.
 #[derive(Clone, Debug)]
 pub(super) struct Varying {
     configuration: Configuration,
+    /// The load under an axle, and that of steady rolling [N].
+    carried: Option<(Rc<Carried>, f64)>,
 }
 
 impl Varying {
-    /// Of a configuration, if any of its values varies.
-    pub(super) fn of(configuration: &Configuration) -> Option<Self> {
-        configuration.histories.as_ref()?;
-        Some(Self { configuration: configuration.clone() })
+    /// Of a configuration, if any of its values varies, or its load does under an axle.
+    ///
+    /// # Errors
+    /// An axle that this has no answer to.
+    pub(super) fn of(
+        configuration: &Configuration,
+        terms: &Terms,
+        given: Option<GivenPatch>,
+    ) -> Result<Option<Self>, Refusal> {
+        let carried = match (terms.axle, terms.effect_of(Kind::Axle)) {
+            (Some(axle), Some(effect)) => Some(carried(configuration, axle, effect, given)?),
+            _ => None,
+        };
+        if configuration.histories.is_none() && carried.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Self { configuration: configuration.clone(), carried }))
+    }
+
+    /// The case values of a window.
+    fn case(&self, step: &Step) -> Params {
+        let mut case = self.configuration.case_at(step).into_owned();
+        if let Some((carried, still)) = &self.carried {
+            let mean = carried.window(step.start, step.end).mean;
+            case.0["load"]["normal_force"] = mean.max(LOST * still).into();
+        }
+        case
+    }
+
+    /// Adds to the section `contact` of the summary of a window what its axle has been through.
+    pub(super) fn add_to(&self, figures: &mut Value, step: &Step) {
+        if let Some((carried, _)) = &self.carried {
+            let load = carried.window(step.start, step.end);
+            figures["largest_normal_force_n"] = load.largest.into();
+            figures["apart_s"] = load.apart.into();
+        }
     }
 
     /// The configuration of a window, of which no value varies.
@@ -32,7 +75,7 @@ impl Varying {
             role: role.clone(),
             model: model.clone(),
             mode: *mode,
-            case: self.configuration.case_at(step).into_owned(),
+            case: self.case(step),
             histories: None,
             inputs: Vec::new(),
             outputs: Vec::new(),
@@ -46,17 +89,26 @@ impl Varying {
     /// # Errors
     /// Its values make no scene.
     pub(super) fn scene(&self, step: &Step) -> Result<Scene, StepError> {
-        Scene::read(&self.configuration.case_at(step)).map_err(no_answer)
+        Scene::read(&self.case(step)).map_err(no_answer)
     }
 
     /// The ellipses of all rows that have one.
-    fn ellipses(&self, given: Option<GivenPatch>) -> impl Iterator<Item = Ellipse> + '_ {
+    fn ellipses(&self, given: Option<GivenPatch>) -> Vec<Ellipse> {
         let Configuration { case, histories, .. } = &self.configuration;
+        if let Some((carried, still)) = &self.carried {
+            let at = |load: f64| {
+                let mut case = case.clone();
+                case.0["load"]["normal_force"] = load.into();
+                Ellipse::solve(&Scene::read(&case).ok()?, given).ok()
+            };
+            return [*still, carried.largest()].into_iter().filter_map(at).collect();
+        }
         let rows = 0..histories.as_ref().map_or(0, |histories| histories.times.len());
         rows.filter_map(move |row| {
             let case = histories.as_ref()?.at_row(case, row);
             Ellipse::solve(&Scene::read(&case).ok()?, given).ok()
         })
+        .collect()
     }
 
     /// What a grid has to cover, and how finely, for all rows.
@@ -64,7 +116,7 @@ impl Varying {
     /// # Errors
     /// No row has a contact.
     pub(super) fn extent(&self, given: Option<GivenPatch>) -> Result<Extent, Refusal> {
-        let found = self.ellipses(given).fold(None, |extent: Option<Extent>, ellipse| {
+        let found = self.ellipses(given).iter().fold(None, |extent: Option<Extent>, ellipse| {
             Some(extent.map_or(ellipse.extent(), |extent| extent.and(&ellipse.extent())))
         });
         let extent = found.ok_or_else(|| {
@@ -76,9 +128,62 @@ impl Varying {
 
     /// What the plan should say.
     pub(super) fn remark(&self, extent: &Extent) -> String {
+        if let Some((carried, still)) = &self.carried {
+            let largest = carried.largest();
+            return format!(
+                "the load comes to {largest:.4e} N, {:.2} times that of steady rolling",
+                largest / still
+            );
+        }
         let rows = self.configuration.histories.as_ref().map_or(0, |h| h.times.len());
         let [least, most] = [extent.smallest, extent.a].map(|a| 1e3 * a);
         format!("{rows} rows on one grid; a from {least:.4} to {most:.4} mm")
+    }
+}
+
+/// The load under an axle, and that of steady rolling [N].
+fn carried(
+    configuration: &Configuration,
+    axle: Axle,
+    effect: &str,
+    given: Option<GivenPatch>,
+) -> Result<(Rc<Carried>, f64), Refusal> {
+    let refused = |reason: &str, fix: &str| {
+        Err(Refusal::new(
+            &format!("effects.{effect}"),
+            reason,
+            format!("{fix}, or remove the effect"),
+        ))
+    };
+    if configuration.mode == Mode::Steady {
+        return refused(
+            "steady rolling does not depend on what carries the load",
+            "write time.mode = \"transient\" with a window and an end",
+        );
+    }
+    if configuration.histories.is_some() {
+        return refused(
+            "the load follows the axle, and no table",
+            "write numbers in the place of columns",
+        );
+    }
+    if axle.rotary_inertia.is_some() {
+        return refused(
+            "this model holds the speed of the surface, whatever drives it",
+            "leave out the rotary inertia, or choose the model explicit-fe",
+        );
+    }
+    let scene = Scene::read(&configuration.case)?;
+    let ellipse = Ellipse::solve(&scene, given)?;
+    if !matches!(scene.load, Load::NormalForce(_)) || scene.speeds.rolling <= 0.0 {
+        return refused(
+            "an axle has a normal force, and rolls",
+            "write load.normal_force and a motion.speed above 0",
+        );
+    }
+    match Carried::new(axle, &scene, &ellipse) {
+        Some(carried) => Ok((Rc::new(carried), ellipse.normal_force)),
+        None => refused("the spring of a given ellipse is not known", "remove [contact]"),
     }
 }
 

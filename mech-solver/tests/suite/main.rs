@@ -1,5 +1,6 @@
 //! Tests of the crate from outside, as one program.
 
+mod carried;
 mod common;
 mod description;
 mod expanding;

@@ -38,6 +38,8 @@ pub(super) struct Steady {
     following: Option<Following>,
     contact: Option<ContactSolver>,
     answer: Option<(Answer, StepReport)>,
+    /// The window of the answer.
+    window: Step,
     /// The solution of the last row that has one, and its pressure: where the next one starts.
     near: Near,
     accepted: Near,
@@ -48,7 +50,8 @@ type Near = Option<(Solution, Vec<f64>, ForceSearch)>;
 
 impl Steady {
     pub(super) fn new(case: Case, following: Option<Following>) -> Self {
-        Self { case, following, contact: None, answer: None, near: None, accepted: None }
+        let window = Step::STEADY;
+        Self { case, following, contact: None, answer: None, window, near: None, accepted: None }
     }
 
     /// The answer of a row, from the accepted solution of an earlier one.
@@ -189,6 +192,7 @@ impl Model for Steady {
             removal.take(&self.case.footprint.grid, &answer.accepted());
         }
         self.answer = Some((answer, report));
+        self.window = *step;
         Ok(report)
     }
 
@@ -217,10 +221,12 @@ impl Model for Steady {
     }
 
     fn summary(&self) -> Value {
-        match &self.answer {
-            Some((answer, _)) => self.case.summary(answer),
-            None => json!({}),
+        let Some((answer, _)) = &self.answer else { return json!({}) };
+        let mut summary = self.case.summary(answer);
+        if let Some(following) = &self.following {
+            following.varying.add_to(&mut summary["contact"], &self.window);
         }
+        summary
     }
 
     fn save(&self, mut into: &mut dyn Write) -> io::Result<()> {
