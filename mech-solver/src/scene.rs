@@ -460,6 +460,8 @@ fn read_drive(
             Some([upper, lower]) => {
                 Ok(Drive::Creepage { xi: (lower - upper) / speeds.rolling, eta: 0.0, phi: 0.0 })
             }
+            // Bodies that are pressed together and rest.
+            None if speeds.rolling == 0.0 => Ok(Drive::Shift([0.0; 3])),
             None => Err(Refusal::new(
                 "motion",
                 format!("nothing says how `{}` is driven", names.0[UPPER]),

@@ -20,6 +20,7 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
         .within(STRIPS, ["y_from_m", "y_to_m"], "y_m", "contact.patches");
     vec![
         figure("max_rise_k", "K", "temperature rise", "").style(Style::Signed).rank(1).headline(),
+        figure("min_rise_k", "K", "lowest temperature rise", "down to").style(Style::Signed),
         figure("x_over_a", "1", "place x/a", "at x/a")
             .ratio(&["temperature.*.x_m"], "contact.semi_axis_a_m")
             .digits(4)

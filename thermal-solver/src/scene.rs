@@ -60,7 +60,10 @@ impl Scene {
             Ok(case.maybe_number(&key)?.unwrap_or(INITIAL_TEMPERATURE))
         };
         let initial_temperatures = [initial(UPPER)?, initial(LOWER)?];
-        let own = |body: usize| case.maybe_number(&names.key(body, "surface_speed"));
+        let own = |body: usize| -> Result<Option<f64>, Refusal> {
+            let own = case.maybe_number(&names.key(body, "surface_speed"))?;
+            Ok(own.or(case.maybe_number(SPEED)?))
+        };
         let at_rest = [own(UPPER)? == Some(0.0), own(LOWER)? == Some(0.0)];
         let speeds = read_speeds(case, &names)?;
         Ok(Self { names, materials, initial_temperatures, at_rest, speeds })
@@ -76,10 +79,12 @@ fn read_speeds(case: &Params, names: &Bodies) -> Result<[f64; 2], Refusal> {
     match (upper.unwrap_or(0.0), lower.unwrap_or(0.0)) {
         (upper, lower) if upper > 0.0 && lower > 0.0 => Ok([upper, lower]),
         (one, other) if one.max(other) > 0.0 => Ok([one.max(other); 2]),
+        // Heat of bodies that rest reaches as deep as a section can be.
+        _ if upper.is_some() || lower.is_some() => Ok([f64::MIN_POSITIVE; 2]),
         _ => Err(Refusal::new(
             SPEED,
-            "nothing moves: without a speed no heat is carried through the contact",
-            format!("write a `{SPEED}` above 0 m/s, or a surface_speed of a body"),
+            "missing",
+            format!("write a `{SPEED}`, 0 for bodies at rest, or a surface_speed of a body"),
         )),
     }
 }

@@ -116,6 +116,8 @@ const SYMBOLS: &[Symbol] = &[
     symbol("J", [2, 1, -2, 0, 0, 0, 0, 0], 0, true),
     symbol("W", [2, 1, -3, 0, 0, 0, 0, 0], 0, true),
     symbol("V", [2, 1, -3, 0, -1, 0, 0, 0], 0, true),
+    symbol("Ohm", [2, 1, -3, 0, -2, 0, 0, 0], 0, true),
+    symbol("Ω", [2, 1, -3, 0, -2, 0, 0, 0], 0, true),
     symbol("t", MASS, 3, false),
     scaled("min", TIME, 1, 6.0, 1.0),
     scaled("h", TIME, 2, 36.0, 1.0),

@@ -58,6 +58,8 @@ fn prefixed(si: &str) -> &'static [(f64, &'static str)] {
         "W/m2" => &[(1e9, "GW/m²"), (1e6, "MW/m²"), (1e3, "kW/m²"), (1.0, "W/m²")],
         "m/s" => &[(1.0, "m/s"), (1e-3, "mm/s"), (1e-6, "µm/s")],
         "m2" => &[(1.0, "m²"), (1e-6, "mm²")],
+        "V" => &[(1e3, "kV"), (1.0, "V"), (1e-3, "mV"), (1e-6, "µV")],
+        "Ohm" => &[(1e3, "kΩ"), (1.0, "Ω"), (1e-3, "mΩ"), (1e-6, "µΩ"), (1e-9, "nΩ")],
         "byte" => &[(1e9, "GB"), (1e6, "MB"), (1e3, "kB"), (1.0, "B")],
         _ => &[],
     }
@@ -71,10 +73,12 @@ fn spelt(si: &str) -> String {
 }
 
 /// Units by the endings of keys, the longest endings first.
-const UNITS: [(&str, &str); 12] = [
+const UNITS: [(&str, &str); 14] = [
     ("_m_per_s", "m/s"),
     ("_per_m", "1/m"),
     ("_bytes", "byte"),
+    ("_ohm", "Ohm"),
+    ("_v", "V"),
     ("_pa", "Pa"),
     ("_nm", "Nm"),
     ("_m2", "m2"),

@@ -15,6 +15,7 @@ use proto::advice::Advice;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names as field_names};
 use proto::field;
+use proto::figure::{FigureSpec, Style};
 use proto::params::Params;
 
 /// Name in the case file.
@@ -79,7 +80,11 @@ impl Conductance {
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
-        figures: Vec::new(),
+        figures: vec![
+            FigureSpec::new("exchange.heat_w", "W", "heat from the upper into the lower body")
+                .on("exchange", "heat downwards")
+                .style(Style::Signed),
+        ],
         name: NAME.to_owned(),
         law: "g = h (T_u - T_l) from the upper into the lower body where they touch; h constant, or h_0 (p/H)^0.95"
             .to_owned(),

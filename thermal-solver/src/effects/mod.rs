@@ -4,6 +4,7 @@ pub mod bulk_heating;
 pub mod contact_conductance;
 pub mod convection;
 pub mod friction_heat;
+pub mod joule_heat;
 pub mod phase_transformation;
 pub mod radiation;
 pub mod temperature_material;
@@ -63,6 +64,7 @@ pub const REGISTRY: &[Effect] = &[
         spec: phase_transformation::spec,
         advise: Some(phase_transformation::advise),
     },
+    Effect { name: joule_heat::NAME, spec: joule_heat::spec, advise: Some(joule_heat::advise) },
     Effect {
         name: volume_temperature::NAME,
         spec: volume_temperature::spec,

@@ -79,6 +79,12 @@ pub trait Conduction: Sized + 'static {
         0
     }
 
+    /// What flowed from the upper into the lower body in the last solve besides their shares of the friction heat, summed over the
+    /// elements [W/m²]; `None` where nothing flows between them.
+    fn exchanged(&self) -> Option<f64> {
+        None
+    }
+
     /// The last solve becomes the accepted state.
     fn accept(&mut self);
 

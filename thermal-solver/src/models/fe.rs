@@ -221,6 +221,10 @@ impl Conduction for FiniteElements {
         Ok(work)
     }
 
+    fn exchanged(&self) -> Option<f64> {
+        self.interface.as_ref().map(Interface::flow)
+    }
+
     fn accept(&mut self) {
         self.bodies.iter_mut().for_each(|body| body.motion.accept());
         let trial = self.below.get_mut().take_if(|(stage, ..)| *stage == Stage::Trial);

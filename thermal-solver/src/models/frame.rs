@@ -3,6 +3,7 @@
 use crate::effects::bulk_heating::Memory;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::Partition;
+use crate::effects::joule_heat::Current;
 use crate::effects::phase_transformation::Criterion;
 use crate::fe::block::Elements;
 use crate::fe::nature::Nature;
@@ -41,6 +42,8 @@ pub struct Frame {
     pub elements: Option<[Elements; 2]>,
     /// What earlier passages leave in both bodies, where that is asked for.
     pub memories: Option<[Memory; 2]>,
+    /// A current through the contact, if there is one.
+    pub current: Option<Current>,
     /// When steel transforms, where that is asked for.
     pub criterion: Option<Criterion>,
     /// Threads to compute on.
@@ -51,7 +54,7 @@ impl Frame {
     /// The contact's pressure matters.
     #[must_use]
     pub fn feels_pressure(&self) -> bool {
-        self.conductance.is_some()
+        self.conductance.is_some() || self.current.is_some()
     }
 
     /// The row of the sections.

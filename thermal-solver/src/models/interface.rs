@@ -56,6 +56,8 @@ pub(super) trait Rubbing {
 pub(super) struct Interface {
     /// Conductance between the surfaces; without a law they have one temperature.
     law: Option<Conductance>,
+    /// By how much the upper body is warmer than the lower one to begin with [K].
+    offset: f64,
     /// Resistances 1/h of the elements that touch, and the smallest [m²·K/W].
     resistances: Vec<f64>,
     least: f64,
@@ -79,8 +81,10 @@ impl Interface {
         if law.is_none() && frame.partition != Partition::Continuity {
             return None;
         }
+        let [upper, lower] = frame.scene.initial_temperatures;
         Some(Self {
             law,
+            offset: upper - lower,
             resistances: Vec::new(),
             least: 0.0,
             exchange: None,
@@ -92,6 +96,11 @@ impl Interface {
             flow: Vec::new(),
             differences: Vec::new(),
         })
+    }
+
+    /// What flows from the upper into the lower body, besides their shares of the friction heat, summed over the elements [W/m²].
+    pub(super) fn flow(&self) -> f64 {
+        self.flow.iter().sum()
     }
 
     /// Lets heat flow between the elements that touch until the temperatures of the surfaces
@@ -147,14 +156,14 @@ impl Interface {
         self.least = if least.is_finite() { least } else { 0.0 };
     }
 
-    /// The errors T_u − T_l − g/h [K]; the largest of what they leave in the temperatures, where a surface becomes `warmth`
+    /// The errors T_u − T_l − g/h, of temperatures and not of rises [K]; the largest of what they leave in the temperatures, where a surface becomes `warmth`
     /// [m²·K/W] warmer with what flows into it.
     fn judge(&mut self, rise: &[Vec<f64>; 2], warmth: f64) -> f64 {
-        let Self { touching, flow, differences, resistances, least, errors, .. } = self;
+        let Self { touching, flow, differences, resistances, least, errors, offset, .. } = self;
         let flows = touching.elements().iter().zip(flow.iter().zip(&*resistances));
         differences.clear();
         differences.extend(flows.map(|(at, (flow, resistance))| {
-            rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow
+            *offset + rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow
         }));
         touching.gather(differences, errors);
         for (difference, resistance) in differences.iter_mut().zip(&*resistances) {

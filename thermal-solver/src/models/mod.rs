@@ -9,6 +9,7 @@
 mod background;
 pub mod columns;
 pub mod conduction;
+mod constriction;
 mod elements;
 pub mod ertz_knothe;
 pub mod fe;

@@ -256,6 +256,10 @@ impl Conduction for MovingSource {
         known.of(past.map(|(stretch, window)| (stretch, 1.0, &window.flux)), integral)
     }
 
+    fn exchanged(&self) -> Option<f64> {
+        self.interface.as_ref().map(Interface::flow)
+    }
+
     fn accept(&mut self) {
         for body in &mut self.bodies {
             body.history.accept();

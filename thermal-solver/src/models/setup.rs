@@ -8,6 +8,7 @@ use super::shell::Shell;
 use crate::effects::bulk_heating;
 use crate::effects::contact_conductance::{self, Conductance};
 use crate::effects::friction_heat::{self, Partition};
+use crate::effects::joule_heat;
 use crate::effects::natures;
 use crate::effects::phase_transformation;
 use crate::effects::thermal_expansion;
@@ -92,6 +93,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     }
     let lacking = [
         (contact_conductance::NAME, C::EXCHANGES, "lets no heat flow between the surfaces"),
+        (joule_heat::NAME, C::EXCHANGES && !C::ELEMENTS, "does not find potentials"),
         (bulk_heating::NAME, !C::ELEMENTS, "has properties that may depend on the temperature"),
         (thermal_expansion::NAME, C::EXPANDS, "does not integrate the rise over the depth"),
     ];
@@ -131,6 +133,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
                 false => None,
             };
             let criterion = phase_transformation::read(given)?;
+            let current = joule_heat::read(given, &scene)?;
             let known = Frame {
                 scene,
                 partition,
@@ -142,6 +145,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
                 elements,
                 memories,
                 criterion,
+                current,
                 threads,
             };
             elements::check(&known)?;
@@ -165,6 +169,13 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
 /// Refuses a steady case with a body at rest: normal to its surface alone, a body whose one place is
 /// heated without end warms without end.
 fn refuse_rest(scene: &Scene, mode: Mode) -> Result<(), Refusal> {
+    if scene.at_rest == [true; 2] {
+        return Err(Refusal::new(
+            "motion.speed",
+            "nothing moves: without a speed no heat is carried through the contact",
+            "write a speed above 0 m/s, or [thermal] model = \"moving-source\"",
+        ));
+    }
     let Some(body) = (0..2).find(|body| scene.at_rest[*body] && mode == Mode::Steady) else {
         return Ok(());
     };
@@ -188,8 +199,10 @@ fn pressure(given: &Configuration, grid: &Structured) -> Result<Option<FieldOnGr
     let name = field::PRESSURE.name;
     let Some(input) = given.inputs.iter().find(|input| input.field.name == name) else {
         return Err(Refusal::new(
-            "effects.contact_conductance",
-            format!("no participant provides `{name}`"),
+            "effects",
+            format!(
+                "no participant provides `{name}`, which contact_conductance and joule_heat need"
+            ),
             "remove the effect, or name a model that does",
         ));
     };
@@ -266,10 +279,11 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         ..Layout::default()
     };
     let [upper, lower] = frame.scene.initial_temperatures;
-    if upper != lower {
+    let flows = frame.conductance.is_some() || frame.partition == Partition::Continuity;
+    if upper != lower && !flows {
         layout.remarks.push(format!(
             "the bodies begin at {upper} K and {lower} K: heat that flows between them for that is \
-             left out"
+             left out without effects.contact_conductance"
         ));
     }
     for body in [LOWER, UPPER] {

@@ -2,6 +2,7 @@
 
 use super::background::Background;
 use super::conduction::{Conduction, Rub};
+use super::constriction::Constriction;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
 use super::inputs::{checked, drive, refuse_without_height};
@@ -16,6 +17,8 @@ use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
 const STATE_VERSION: u8 = 1;
+/// As hot as the hottest, over its rise.
+const AS_HOT: f64 = 0.999;
 
 /// A model of the contract round a [`Conduction`].
 pub struct Shell<C> {
@@ -26,6 +29,8 @@ pub struct Shell<C> {
     solved: bool,
     /// Rises over the depth after the last solve, where they are asked for [K·m].
     integrals: Option<[Vec<f64>; 2]>,
+    /// A current through the contact, if there is one.
+    constriction: Option<Constriction<C>>,
     /// What earlier passages have left, where that is asked for.
     background: Option<Background>,
     /// What has transformed in the accepted state, where that is asked for.
@@ -42,6 +47,7 @@ impl<C: Conduction> Shell<C> {
         Self {
             integrals: expands.then(|| [zero.clone(), zero.clone()]),
             conduction: C::new(&frame),
+            constriction: Constriction::of(&frame),
             background: frame.memories.map(|memories| Background::new(memories, frame.grid.nj)),
             layers: [None, None],
             trial: [zero.clone(), zero.clone()],
@@ -68,6 +74,9 @@ impl<C: Conduction> Shell<C> {
             let depth = |level: usize| self.frame.depth(body, level as f64 * spacing);
             let depths: [f64; LEVELS] = std::array::from_fn(depth);
             self.conduction.section(stage, body, row, &depths, values);
+            if let Some(constriction) = &mut self.constriction {
+                constriction.add_section(stage, body, row, &depths, values);
+            }
             // As thin as a section is, what was there before is the same at every depth.
             if let Some(background) = &self.background {
                 let before = background.at(body, row);
@@ -87,6 +96,22 @@ impl<C: Conduction> Shell<C> {
                 values.iter_mut().for_each(|rise| *rise += before);
             }
         }
+    }
+
+    /// The middle of what is as hot as the hottest element: a current makes the contact of one temperature.
+    fn middle_of_hottest(&self, body: usize, rise: &[f64]) -> Option<Peak> {
+        let grid = &self.frame.grid;
+        let highest = rise.iter().copied().fold(0.0, f64::max);
+        let hot = |(_, value): &(usize, &f64)| **value >= AS_HOT * highest;
+        let (mut columns, mut rows, mut count) = (0, 0, 0);
+        for (at, _) in rise.iter().enumerate().filter(hot) {
+            (columns, rows, count) = (columns + at % grid.ni, rows + at / grid.ni, count + 1);
+        }
+        if highest <= 0.0 {
+            return None;
+        }
+        let (x, row) = (grid.x(columns / count), rows / count);
+        Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, row })
     }
 
     /// What has transformed in the accepted state.
@@ -150,13 +175,16 @@ impl<C: Conduction> Model for Shell<C> {
         let rub = Rub { flux: flux.values, pressure };
         let work = self.conduction.solve(&drive, &rub, &mut self.trial)?;
         self.add_background(&drive, flux.values, work.heat);
+        let mut operations = work.operations;
+        if let Some(constriction) = &mut self.constriction {
+            operations += constriction.solve(&self.frame, &drive, &rub, &mut self.trial)?;
+        }
         self.solved = true;
         for (surface, rise) in SURFACES.iter().zip(&self.trial) {
             if let Some(values) = outputs.get(surface) {
                 values.copy_from_slice(rise);
             }
         }
-        let mut operations = work.operations;
         for (body, integral) in self.integrals.iter_mut().flatten().enumerate() {
             operations += self.conduction.rise_integral(body, integral);
         }
@@ -185,6 +213,7 @@ impl<C: Conduction> Model for Shell<C> {
         if self.solved {
             std::mem::swap(&mut self.trial, &mut self.accepted);
             self.conduction.accept();
+            self.constriction.iter_mut().for_each(Constriction::accept);
             self.transform();
             self.solved = false;
         }
@@ -211,6 +240,13 @@ impl<C: Conduction> Model for Shell<C> {
 
     fn summary(&self) -> serde_json::Value {
         let mut summary = summary::temperature(&self.frame.scene.names, self);
+        if let Some(sum) = self.conduction.exchanged().filter(|_| self.frame.conductance.is_some())
+        {
+            summary["exchange"]["heat_w"] = (self.frame.grid.element_area() * sum).into();
+        }
+        if let Some(constriction) = &self.constriction {
+            summary["current"] = constriction.figures();
+        }
         for (body, name) in self.frame.scene.names.0.iter().enumerate() {
             if let Some(background) = &self.background {
                 let [bulk, residual] = background.figures(body);
@@ -269,12 +305,18 @@ impl<C: Conduction> Solution for Shell<C> {
     }
 
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
-        let peak = self.conduction.peak(body, rise)?;
+        let peak = match self.constriction {
+            Some(_) => self.middle_of_hottest(body, rise)?,
+            None => self.conduction.peak(body, rise)?,
+        };
         Some(Peak { rise: peak.rise + self.background(body, peak.row), ..peak })
     }
 
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
-        self.conduction.rise_at(body, row, x, self.frame.depth(body, depth))
+        let depth = self.frame.depth(body, depth);
+        let current =
+            self.constriction.as_ref().map_or(0.0, |one| one.rise_at(body, row, x, depth));
+        self.conduction.rise_at(body, row, x, depth) + current
     }
 
     fn depth_scale(&self, body: usize) -> f64 {

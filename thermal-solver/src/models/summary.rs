@@ -62,16 +62,24 @@ pub(super) fn hottest(
 }
 
 /// `{"temperature": {NAME: {...}, NAME: {...}}}`, with the names of the case. Where nothing is warm there
-/// is no hottest place: the rise is 0, and places and depth are absent. Several heated strips, between which the
+/// is no hottest place: the rise is 0, and places and depth are absent. A surface that heat leaves has its lowest rise. Several heated strips, between which the
 /// surface is cold, have their own hottest places besides.
 pub(super) fn temperature(names: &Bodies, solution: &dyn Solution) -> Value {
     let grid = solution.grid();
     let section = |body: usize| {
         let rise = solution.surface(body);
+        let coldest = rise.iter().copied().fold(0.0, f64::min);
         let Some(peak) = solution.peak(body, rise) else {
-            return json!({"max_rise_k": 0.0});
+            let mut section = json!({"max_rise_k": 0.0});
+            if coldest < 0.0 {
+                section["min_rise_k"] = json!(coldest);
+            }
+            return section;
         };
         let mut section = place(grid, peak);
+        if coldest < 0.0 {
+            section.insert("min_rise_k".to_owned(), json!(coldest));
+        }
         if let Some(depth) = penetration(solution, body, peak) {
             section.insert("penetration_depth_m".to_owned(), json!(depth));
         }

@@ -151,7 +151,7 @@ impl Driven {
     }
 }
 
-/// A body that rolls has creepages, one that does not is shifted, and has no steady state.
+/// A body that rolls has creepages, one that does not is shifted, and has no steady state unless it rests.
 fn refuse_wrong_motion(configuration: &Configuration, scene: &Scene) -> Result<(), Refusal> {
     let rolls = scene.speeds.rolling > 0.0;
     match scene.drive {
@@ -165,6 +165,7 @@ fn refuse_wrong_motion(configuration: &Configuration, scene: &Scene) -> Result<(
             "bodies that roll have creepages; a shift is for bodies that do not roll",
             format!("write motion.creepage, or {SPEED} = 0"),
         )),
+        Drive::Shift(shift) if shift == [0.0; 3] => Ok(()),
         _ if !rolls && configuration.mode == Mode::Steady => Err(Refusal::new(
             SPEED,
             "bodies that do not roll have no steady state",

@@ -1,0 +1,134 @@
+//! A current through a resting contact, and what it makes of the temperatures ([`crate::effects::joule_heat`]).
+//!
+//! The potentials are those of a model of the same kind whose bodies have the conductivity 1/ρ, and of which the upper one is 1 V
+//! above the lower one to begin with: what flows then is the conductance of the contact.
+
+use super::conduction::{Conduction, Rub};
+use super::frame::Frame;
+use crate::effects::contact_conductance::Conductance;
+use crate::effects::joule_heat::Current;
+use crate::scene::Material;
+use crate::window::{Drive, Stage};
+use crate::{LOWER, UPPER};
+use proto::model::StepError;
+use serde_json::{Value, json};
+
+/// Conductance of a film that is none, over that of a metal over the contact: potentials differ by as little.
+const NO_FILM: f64 = 1e9;
+
+/// A model of the potentials.
+pub(super) struct Constriction<C> {
+    current: Current,
+    /// λρ of both bodies [V²/K].
+    products: [f64; 2],
+    potentials: C,
+    /// Potentials over those of the far ends, for 1 V [V].
+    rises: [Vec<f64>; 2],
+    /// U [V], and c of both bodies [K/V].
+    voltage: f64,
+    constants: [f64; 2],
+}
+
+impl<C: Conduction> Constriction<C> {
+    /// Of a case with a current, if it has one.
+    pub(super) fn of(frame: &Frame) -> Option<Self> {
+        let current = frame.current?;
+        let mut electric = frame.clone();
+        electric.current = None;
+        for (material, resistivity) in
+            electric.scene.materials.iter_mut().zip(current.resistivities)
+        {
+            *material = Material { conductivity: 1.0 / resistivity, ..*material };
+        }
+        electric.scene.initial_temperatures = [1.0, 0.0];
+        let length = frame.grid.ni as f64 * frame.grid.dx();
+        let best = electric.scene.materials.iter().map(|one| one.conductivity).fold(0.0, f64::max);
+        electric.conductance =
+            Some(Conductance { conductance: NO_FILM * best / length, hardness: None });
+        let products = [UPPER, LOWER]
+            .map(|body| frame.scene.materials[body].conductivity * current.resistivities[body]);
+        let zeros = vec![0.0; frame.grid.points()];
+        Some(Self {
+            current,
+            products,
+            potentials: C::new(&electric),
+            rises: [zeros.clone(), zeros],
+            voltage: 0.0,
+            constants: [0.0; 2],
+        })
+    }
+
+    /// Finds the potentials under a pressure, and adds what the current makes of the surfaces' rises [K]; the operations.
+    pub(super) fn solve(
+        &mut self,
+        frame: &Frame,
+        drive: &Drive,
+        rub: &Rub<'_>,
+        rise: &mut [Vec<f64>; 2],
+    ) -> Result<u64, StepError> {
+        let none = vec![0.0; rub.flux.len()];
+        let rub = Rub { flux: &none, pressure: rub.pressure };
+        let work = self.potentials.solve(drive, &rub, &mut self.rises)?;
+        let conductance = frame.grid.element_area() * self.potentials.exchanged().unwrap_or(0.0);
+        if conductance <= 0.0 {
+            return Err(StepError::NoSolution(
+                "the surfaces do not touch: no current flows".to_owned(),
+            ));
+        }
+        self.voltage = self.current.current / conductance;
+        // In proportion to the resistivities, as both have the same contact.
+        let sum: f64 = self.current.resistivities.iter().sum();
+        let falls = self.current.resistivities.map(|one| self.voltage * one / sum);
+        self.constants = Current::constants(falls, self.products);
+        for body in [UPPER, LOWER] {
+            for (rise, potential) in rise[body].iter_mut().zip(&self.rises[body]) {
+                *rise += self.warmth(body, *potential);
+            }
+        }
+        Ok(work.operations)
+    }
+
+    /// The rise where the potential differs by this from the far end, for 1 V over the contact [K].
+    fn warmth(&self, body: usize, potential: f64) -> f64 {
+        let fall = self.voltage * potential.abs();
+        self.constants[body] * fall - 0.5 * fall * fall / self.products[body]
+    }
+
+    /// The potentials of the last solve become accepted.
+    pub(super) fn accept(&mut self) {
+        self.potentials.accept();
+    }
+
+    /// Adds what the current makes of a section, see [`Conduction::section`].
+    pub(super) fn add_section(
+        &mut self,
+        stage: Stage,
+        body: usize,
+        row: usize,
+        depths: &[f64],
+        rise: &mut [f64],
+    ) {
+        let mut potentials = vec![0.0; rise.len()];
+        self.potentials.section(stage, body, row, depths, &mut potentials);
+        for (rise, potential) in rise.iter_mut().zip(potentials) {
+            *rise += self.warmth(body, potential);
+        }
+    }
+
+    /// What the current makes of a place, see [`Conduction::rise_at`].
+    pub(super) fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
+        self.warmth(body, self.potentials.rise_at(body, row, x, depth))
+    }
+
+    /// Its section of the summary.
+    pub(super) fn figures(&self) -> Value {
+        let (voltage, current) = (self.voltage, self.current.current);
+        let sum: f64 = self.current.resistivities.iter().sum();
+        json!({
+            "voltage_v": voltage,
+            "resistance_ohm": voltage / current,
+            "power_w": voltage * current,
+            "rise_k": self.warmth(UPPER, self.current.resistivities[UPPER] / sum),
+        })
+    }
+}

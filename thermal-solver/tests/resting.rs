@@ -1,0 +1,178 @@
+//! Bodies that rest: heat that flows because one is warmer, and a current through their contact.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
+
+mod support;
+
+use proto::configuration::Mode;
+use proto::field;
+use proto::grid::{Grid, Structured};
+use proto::model::{Solver, Step};
+use proto::progress::Progress;
+use serde_json::{Value, json};
+use support::*;
+use thermal_solver::ThermalSolver;
+
+const RADIUS: f64 = 1e-3;
+const CONDUCTIVITY: f64 = 50.0;
+
+/// A circle of contact between bodies at rest.
+fn rest(effects: &Value) -> Value {
+    let mut case = steel();
+    case["motion"]["speed"] = json!(0.0);
+    for (name, table) in effects.as_object().unwrap() {
+        case["effects"][name] = table.clone();
+    }
+    case
+}
+
+/// The summary under a pressure on a circle, with so many elements to its radius.
+fn pressed(model: &str, case: Value, per_radius: usize) -> Value {
+    let h = RADIUS / per_radius as f64;
+    let half = per_radius + 2;
+    let count = 2 * half + 1;
+    let plane =
+        Structured::contact_plane(-(half as f64) * h, -(half as f64) * h, h, h, count, count);
+    let inside = |index: usize| {
+        let (x, y) = (plane.x(index % count), plane.y(index / count));
+        f64::from(u8::from(x.hypot(y) < RADIUS))
+    };
+    let grid = Grid::structured("contact", plane);
+    let mut configuration = configuration(model, Mode::Steady, plane, case.clone());
+    if case["effects"]["joule_heat"].is_object() && case["effects"]["contact_conductance"].is_null()
+    {
+        configuration.inputs.push(proto::configuration::Input {
+            field: field::PRESSURE.kind(),
+            producer: "mech".to_owned(),
+            grid: Some(grid.clone()),
+            moves: false,
+            peak: None,
+        });
+    }
+    let setup =
+        ThermalSolver.configure(&configuration).unwrap_or_else(|refusal| panic!("{refusal}"));
+    let mut model = setup.build(&Progress::default()).unwrap();
+    let given = Given {
+        flux: Some(vec![0.0; plane.points()]),
+        pressure: Some((0..plane.points()).map(inside).collect()),
+        speeds: vec![0.0; 2],
+        grids: [grid, one_point()],
+    };
+    let mut surfaces = Wanted(vec![
+        (field::LOWER_TEMPERATURE.name, vec![0.0; plane.points()]),
+        (field::UPPER_TEMPERATURE.name, vec![0.0; plane.points()]),
+    ]);
+    model.solve(&Step::STEADY, &given, &mut surfaces).unwrap();
+    model.accept();
+    model.summary()
+}
+
+#[track_caller]
+fn number(summary: &Value, pointer: &str) -> f64 {
+    summary
+        .pointer(pointer)
+        .and_then(Value::as_f64)
+        .unwrap_or_else(|| panic!("{pointer}: {summary}"))
+}
+
+/// Errors of a circle of squares, whose rim is known to a part of a square: of first order in their size, so that two of them leave 0.1 %
+/// of the closed form.
+#[track_caller]
+fn assert_holms(errors: &[f64]) {
+    let [coarse, middle, fine] = errors else { panic!("three grids") };
+    assert!(
+        coarse.abs() > middle.abs() && middle.abs() > fine.abs() && fine.abs() < 5e-3,
+        "{errors:?}"
+    );
+    assert!((2.0 * fine - middle).abs() < 1e-3, "{errors:?}");
+}
+
+/// Perfect contact over a circle lets Q = 2λaΔT through, and both surfaces meet half-way; a conductance lets through less, and none
+/// nothing.
+#[test]
+fn heat_through_a_circle_is_holms() {
+    let flow = |conductance: f64, per_radius: usize| {
+        let mut case = rest(&json!({"contact_conductance": {"conductance": conductance}}));
+        case["bodies"]["wheel"]["initial_temperature"] = json!(393.15);
+        let summary = pressed("moving-source", case, per_radius);
+        (number(&summary, "/exchange/heat_w"), summary)
+    };
+    let exact = 2.0 * CONDUCTIVITY * RADIUS * 100.0;
+    let mut errors = Vec::new();
+    for per_radius in [20, 40, 80] {
+        let (heat, summary) = flow(1e14, per_radius);
+        errors.push(heat / exact - 1.0);
+        let [up, down] = [
+            number(&summary, "/temperature/rail/max_rise_k"),
+            number(&summary, "/temperature/wheel/min_rise_k"),
+        ];
+        assert!((up - 50.0).abs() < 1e-4 && (down + 50.0).abs() < 1e-4, "{up} {down}");
+    }
+    println!("{errors:.6?}");
+    assert_holms(&errors);
+    // Three resistances in a row, each with the flow that makes it least; no one flow does, so that there is a little less.
+    let film = 1e5;
+    let (heat, _) = flow(film, 40);
+    let even = 100.0
+        / (1.0 / (film * std::f64::consts::PI * RADIUS * RADIUS)
+            + 1.0 / (2.0 * CONDUCTIVITY * RADIUS));
+    assert!((0.92..1.0).contains(&(heat / even)), "{heat} {even}");
+    assert!(flow(1e-6, 20).0 < 1e-6 * exact);
+}
+
+/// Holm's resistance ρ/2a of a circle to 0.1 %, and Kohlrausch's rise V²/(8λρ) for that voltage, of which the solve knows nothing but
+/// the potential. Bodies of different materials share the voltage by their resistivities.
+#[test]
+fn a_current_meets_holms_resistance() {
+    let resistivity = 1.7e-7;
+    let case = |of_wheel: f64| {
+        let mut case = rest(&json!({"joule_heat": {"current": 200.0}}));
+        case["materials"]["steel"]["resistivity"] = json!(resistivity);
+        let mut other = case["materials"]["steel"].clone();
+        other["resistivity"] = json!(of_wheel);
+        case["materials"]["other"] = other;
+        case["bodies"]["wheel"]["material"] = json!("other");
+        case
+    };
+    let exact = resistivity / (2.0 * RADIUS);
+    let of = |per_radius: usize| {
+        let summary = pressed("moving-source", case(resistivity), per_radius);
+        number(&summary, "/current/resistance_ohm") / exact - 1.0
+    };
+    let errors = [20, 40, 80].map(of);
+    println!("{errors:.6?}");
+    assert_holms(&errors);
+    let summary = pressed("moving-source", case(resistivity), 60);
+    let found = number(&summary, "/current/resistance_ohm");
+    let voltage = number(&summary, "/current/voltage_v");
+    assert!((voltage / (200.0 * found) - 1.0).abs() < 1e-12);
+    let rise = voltage * voltage / (8.0 * CONDUCTIVITY * resistivity);
+    for body in ["rail", "wheel"] {
+        let own = number(&summary, &format!("/temperature/{body}/max_rise_k"));
+        assert!((own / rise - 1.0).abs() < 1e-5, "{body}: {own} {rise}");
+        assert!(number(&summary, &format!("/temperature/{body}/x_m")).abs() < 0.1 * RADIUS);
+    }
+    let summary = pressed("moving-source", case(3.0 * resistivity), 30);
+    let both = number(&summary, "/current/resistance_ohm");
+    assert!((both / (2.0 * exact) - 1.0).abs() < 1.2e-2, "{both} {exact}");
+    let [wheel, rail] =
+        ["wheel", "rail"].map(|body| number(&summary, &format!("/temperature/{body}/max_rise_k")));
+    assert!((wheel / rail - 1.0).abs() < 1e-4, "one temperature: {wheel} {rail}");
+}
+
+#[test]
+fn what_does_not_rest_is_refused() {
+    let key = |model: &str, case: Value| {
+        let plane = Structured::contact_plane(0.0, 0.0, 1e-4, 1e-4, 8, 8);
+        let refusal =
+            ThermalSolver.configure(&configuration(model, Mode::Steady, plane, case)).err();
+        refusal.map(|refusal| refusal.key)
+    };
+    let mut moving = rest(&json!({"joule_heat": {"current": 1.0}}));
+    moving["materials"]["steel"]["resistivity"] = json!(1e-7);
+    let resting = moving.clone();
+    moving["motion"]["speed"] = json!(1.0);
+    assert_eq!(key("moving-source", moving), Some("effects.joule_heat".to_owned()));
+    assert_eq!(key("columns", resting), Some("motion.speed".to_owned()));
+    assert_eq!(key("columns", rest(&json!({}))), Some("motion.speed".to_owned()));
+}
