@@ -151,6 +151,9 @@ fn a_current_meets_holms_resistance() {
         let own = number(&summary, &format!("/temperature/{body}/max_rise_k"));
         assert!((own / rise - 1.0).abs() < 1e-5, "{body}: {own} {rise}");
         assert!(number(&summary, &format!("/temperature/{body}/x_m")).abs() < 0.1 * RADIUS);
+        // On the axis the potential falls as 2/π atan(a/z), and the rise as 1 − (1 − φ)²: to 1/e at 2.995 a.
+        let depth = number(&summary, &format!("/temperature/{body}/penetration_depth_m"));
+        assert!((depth / (2.995 * RADIUS) - 1.0).abs() < 0.01, "{depth}");
     }
     let summary = pressed("moving-source", case(3.0 * resistivity), 30);
     let both = number(&summary, "/current/resistance_ohm");

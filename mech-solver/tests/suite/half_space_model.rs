@@ -507,6 +507,19 @@ fn carters_line_contact() {
     assert!((stick - 0.6).abs() <= 2.0 / 80.0, "stick half-length {stick} a");
 }
 
+/// A layer far softer than the bodies is a bed of springs: what sticks to the leading edge carries F = 8a²bξ/(3L) (Kalker 1982). Tolerance:
+/// the leading element, half of which is a hundredth of the contact's length, and the bodies' own flexibility, of the order of a/(G L) less.
+#[test]
+fn a_soft_layer_is_a_bed_of_springs() {
+    let (a, b, creepage, flexibility) = (8e-3, 6e-3, 1e-6, 1e-10);
+    let mut case = half_space(48);
+    case["contact"] = json!({"semi_axis_a": a, "semi_axis_b": b, "max_pressure": 1e9});
+    case["effects"]["third_body_layer"] = json!({"flexibility": flexibility});
+    let run = run(&rolling(case, [-creepage, 0.0, 0.0]));
+    let springs = 8.0 * a * a * b * creepage / (3.0 * flexibility);
+    assert_close(run.number("creep_force_x_n"), springs, 0.02);
+}
+
 /// Kalker's linear theory over the published table. Tolerance: 2 % for the digits of the table and the
 /// leading edge, which the grid moves by a part of an element: 0.9 % in C11 and C22, 1.8 % in C23,
 /// which falls with the first order (a/96: 1.1 %).

@@ -109,7 +109,8 @@ impl<C: Conduction> Constriction<C> {
         rise: &mut [f64],
     ) {
         let mut potentials = vec![0.0; rise.len()];
-        self.potentials.section(stage, body, row, depths, &mut potentials);
+        let depths: Vec<f64> = depths.iter().map(|depth| self.own_depth(body, *depth)).collect();
+        self.potentials.section(stage, body, row, &depths, &mut potentials);
         for (rise, potential) in rise.iter_mut().zip(potentials) {
             *rise += self.warmth(body, potential);
         }
@@ -117,7 +118,13 @@ impl<C: Conduction> Constriction<C> {
 
     /// What the current makes of a place, see [`Conduction::rise_at`].
     pub(super) fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
+        let depth = self.own_depth(body, depth);
         self.warmth(body, self.potentials.rise_at(body, row, x, depth))
+    }
+
+    /// A depth z/(2√κ) of heat as one of potentials, whose κ has 1/ρ in the place of λ [√s].
+    fn own_depth(&self, body: usize, depth: f64) -> f64 {
+        depth * self.products[body].sqrt()
     }
 
     /// Its section of the summary.
