@@ -156,10 +156,10 @@ impl Removal {
         for row in 0..self.rows.count {
             let elements = row * grid.ni..(row + 1) * grid.ni;
             let driving: f64 = elements.clone().map(|at| self.law.driving(contact, at)).sum();
-            for body in 0..2 {
-                let speed = contact.surface_speed[body];
-                let per_speed = if factors[body] == 0.0 { 0.0 } else { factors[body] / speed };
-                self.passage[body][row] = per_speed * driving * grid.dx();
+            let bodies = factors.into_iter().zip(contact.surface_speed);
+            for (passage, (factor, speed)) in self.passage.iter_mut().zip(bodies) {
+                let per_speed = if factor == 0.0 { 0.0 } else { factor / speed };
+                passage[row] = per_speed * driving * grid.dx();
             }
             self.pressure[row] = contact.pressure[elements].iter().copied().fold(0.0, f64::max);
         }

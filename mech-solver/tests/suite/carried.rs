@@ -32,15 +32,16 @@ fn forces(case: &Value, windows: u64) -> (Vec<f64>, [f64; 2]) {
     let configuration = in_time(case);
     let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
     let layout = setup.layout().clone();
-    let mut model = setup.build(&Progress::default()).unwrap();
+    let mut model = setup.build(&Progress::default()).expect("a checked case builds");
     let mut found = Vec::new();
     for window in 0..windows {
         let mut store = Store::for_layout(&layout, &configuration.outputs);
         let [start, end] = [window, window + 1].map(|at| at as f64 * WINDOW);
         let step = Step { window, iteration: 1, start, end };
-        model.solve(&step, &NoInputs, &mut store).unwrap();
+        model.solve(&step, &NoInputs, &mut store).expect("a solution");
         model.accept();
-        let force = layout.grid_of("pressure").unwrap().integrate(&store.0["pressure"]);
+        let force =
+            layout.grid_of("pressure").expect("always there").integrate(&store.0["pressure"]);
         found.push(force);
     }
     let summary = model.summary();

@@ -67,7 +67,7 @@ fn wear(configuration: &Configuration) -> Result<Box<dyn Model>, StepError> {
     let setup = MechSolver.configure(configuration).unwrap_or_else(|error| panic!("{error}"));
     let layout = setup.layout().clone();
     let mut model = setup.build(&Progress::default()).expect("a checked case builds");
-    let rows = configuration.histories.as_ref().unwrap().times.len() as u64;
+    let rows = configuration.histories.as_ref().expect("rows").times.len() as u64;
     for window in 0..rows {
         let mut store = Store::for_layout(&layout, &configuration.outputs);
         let step = Step { window, ..Step::STEADY };

@@ -27,9 +27,9 @@ impl Background {
     /// Takes the heat of a passage: flux at the interface [W/m²], and the power into each body [W].
     pub(super) fn take(&mut self, frame: &Frame, drive: &Drive, flux: &[f64], power: [f64; 2]) {
         let grid = &frame.grid;
-        for body in 0..2 {
+        for (body, power) in power.into_iter().enumerate() {
             let Memory { loss, passages, interval } = self.memories[body];
-            self.bulk[body] = loss.map_or(0.0, |loss| power[body] / loss);
+            self.bulk[body] = loss.map_or(0.0, |loss| power / loss);
             let per_area = drive.shares[body] * grid.dx() / drive.speeds[body];
             let left: Vec<f64> =
                 flux.chunks_exact(grid.ni).map(|row| per_area * row.iter().sum::<f64>()).collect();

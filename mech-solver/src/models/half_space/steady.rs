@@ -203,8 +203,8 @@ impl Model for Steady {
     fn acceptable(&self) -> Result<(), StepError> {
         let shortfall = self.contact.as_ref().and_then(|contact| contact.shortfall);
         Shortfall::refused(shortfall, &self.case.terms)?;
-        let removal = self.case.terms.removal.iter().filter(|_| self.following.is_some());
-        removal.map(Removal::refuse_too_much).collect()
+        let mut removal = self.case.terms.removal.iter().filter(|_| self.following.is_some());
+        removal.try_for_each(Removal::refuse_too_much)
     }
 
     fn accept(&mut self) {
