@@ -1,85 +1,12 @@
-//! What is known of a scene before it is run, and what effects may say of themselves with it.
-//!
-//! The contact is that of Hertz and Kalker's simplified theory (milliseconds); temperatures are what the thermal side has estimated.
-//! An estimate is of the first order: it says whether an effect is worth a run, and a run says by how much.
+//! What the mechanics says of its effects in a scene, before it is run.
 
 use crate::effects::{EFFECTS, of_kind};
 use crate::models::estimated_contact;
 use crate::scene::Scene;
+use crate::situation::Situation;
 use crate::terms::Kind;
-use proto::advice::{self, Advice, Known, Opinion};
-use proto::params::Params;
+use proto::advice::{self, Advice, Opinion};
 use serde_json::Value;
-
-/// Friction power of the contact [W].
-pub(crate) const POWER: &str = "contact.friction_power_w";
-/// Largest pressure [Pa].
-pub(crate) const PRESSURE: &str = "contact.max_pressure_pa";
-/// Longitudinal creepage [-].
-pub(crate) const CREEPAGE: &str = "contact.creepage_xi";
-/// Approach of the bodies [m].
-const APPROACH: &str = "contact.approach_m";
-/// Ends of the key of a body's largest rise [K].
-const RISE: [&str; 2] = ["temperature.", ".max_rise_k"];
-
-/// A scene, as an effect looks at it.
-pub(crate) struct Situation<'a> {
-    pub(crate) scene: &'a Scene,
-    pub(crate) case: &'a Params,
-    /// Surfaces may stick.
-    pub(crate) sticks: bool,
-    known: &'a Known,
-}
-
-impl Situation<'_> {
-    /// A figure that somebody has estimated.
-    pub(crate) fn known(&self, key: &str) -> Option<f64> {
-        self.known.get(key).copied()
-    }
-
-    /// The case names the effect.
-    pub(crate) fn has(&self, effect: &str) -> bool {
-        self.case.has(&format!("effects.{effect}"))
-    }
-
-    /// The largest of the bodies' rises [K].
-    pub(crate) fn largest_rise(&self) -> Option<f64> {
-        let [begin, end] = RISE;
-        let rises =
-            self.known.iter().filter(|(key, _)| key.starts_with(begin) && key.ends_with(end));
-        rises.map(|(_, rise)| *rise).reduce(f64::max)
-    }
-
-    /// Largest pressure, and approach of the bodies [Pa, m].
-    pub(crate) fn pressed(&self) -> Option<[f64; 2]> {
-        Some([self.known(PRESSURE)?, self.known(APPROACH)?])
-    }
-
-    /// A figure of the contact with another friction coefficient, or where surfaces may stick or not; `None` where friction does not
-    /// carry the force.
-    pub(crate) fn otherwise(&self, key: &str, friction: f64, sticks: bool) -> Option<f64> {
-        let scene = Scene { friction_coefficient: friction, ..self.scene.clone() };
-        estimated_contact(&scene, self.case, sticks)?.get(key).copied()
-    }
-
-    /// What another friction coefficient makes of the friction power.
-    pub(crate) fn with_friction(&self, advice: Advice, friction: f64) -> Advice {
-        let now = self.otherwise(POWER, self.scene.friction_coefficient, self.sticks);
-        let Some(now) = now.filter(|power| *power > 0.0) else { return advice };
-        match self.otherwise(POWER, friction, self.sticks) {
-            Some(then) => advice.moves(POWER, then / now - 1.0),
-            None => advice.impossible(),
-        }
-    }
-
-    /// The names of the bodies' materials, each once.
-    pub(crate) fn materials(&self) -> Vec<&str> {
-        let of = |body: usize| self.case.text(&self.scene.names.key(body, "material")).ok();
-        let mut names: Vec<&str> = (0..2).filter_map(of).collect();
-        names.dedup();
-        names
-    }
-}
 
 /// What the mechanics says of a scene. Of one that it cannot read it says nothing.
 pub(crate) fn opinion(asked: &advice::Scene) -> Opinion {
@@ -89,10 +16,12 @@ pub(crate) fn opinion(asked: &advice::Scene) -> Opinion {
         .into_iter()
         .flatten()
         .any(|(name, _)| of_kind(Kind::Adhesion).any(|own| own == name));
-    let own = estimated_contact(&scene, &asked.case, sticks).unwrap_or_default();
+    let estimated = |scene: &Scene, sticks: bool| estimated_contact(scene, &asked.case, sticks);
+    let own = estimated(&scene, sticks).unwrap_or_default();
     let mut known = asked.known.clone();
     known.extend(own.clone());
-    let situation = Situation { scene: &scene, case: &asked.case, sticks, known: &known };
+    let case = &asked.case;
+    let situation = Situation { scene: &scene, case, sticks, known: &known, estimated: &estimated };
     let advice: Vec<Advice> =
         EFFECTS.iter().filter_map(|effect| Some((effect.advise?)(&situation))).collect();
     Opinion { known: own, advice }

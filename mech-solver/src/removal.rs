@@ -16,7 +16,7 @@
 //! energy in railways.
 
 use crate::scene::Scene;
-use crate::terms::{Accepted, State};
+use crate::state::{Accepted, State};
 use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::field::FieldSpec;
@@ -179,8 +179,8 @@ impl Removal {
             return Ok(());
         }
         Err(StepError::NoSolution(format!(
-            "{} passages in one window wear rows of elements by more than their neighbours make up for: write at most {most} in a row of \
-             the history, or a larger mech.resolution apart from a smaller mech.lateral_resolution",
+            "{} passages in one window take more off rows of elements than their neighbours make up for: write at most {most} in a row of the \
+             history, or a smaller mech.lateral_resolution",
             self.passes
         )))
     }

@@ -23,6 +23,8 @@
 
 use crate::axle::Axle;
 use crate::explicit::kernel::Flow;
+pub(crate) use crate::state::{Accepted, State};
+
 use crate::removal::Removal;
 use crate::slip::RigidSlip;
 use proto::field::FieldSpec;
@@ -57,28 +59,6 @@ pub enum Kind {
     Removal,
     /// What is computed of an accepted contact.
     Observation,
-}
-
-/// State of a term. A term without any leaves all of it out.
-pub(crate) trait State {
-    /// The last solve becomes the accepted state.
-    fn accept(&mut self) {}
-
-    /// Writes the accepted state.
-    ///
-    /// # Errors
-    /// Those of `into`.
-    fn save(&self, _into: &mut dyn Write) -> io::Result<()> {
-        Ok(())
-    }
-
-    /// Reads back what [`State::save`] wrote.
-    ///
-    /// # Errors
-    /// It does not fit.
-    fn restore(&mut self, _from: &mut dyn Read) -> Result<(), StateError> {
-        Ok(())
-    }
 }
 
 /// A term of the undeformed distance.
@@ -120,21 +100,6 @@ pub(crate) trait FrictionTerm: State + Debug {
 
     /// Why friction may carry less than a prescribed force.
     fn shortfall(&self) -> &'static str;
-}
-
-/// The contact as it was accepted.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Accepted<'a> {
-    /// Pressure [Pa].
-    pub(crate) pressure: &'a [f64],
-    /// Tractions on the upper body, x then y [Pa].
-    pub(crate) traction: &'a [f64],
-    /// Velocity of the upper body relative to the lower one, x then y [m/s].
-    pub(crate) slip_velocity: &'a [f64],
-    /// Friction power density [W/m²].
-    pub(crate) friction_power: &'a [f64],
-    /// Speeds at which the material of both bodies passes through [m/s].
-    pub(crate) surface_speed: [f64; 2],
 }
 
 /// Where a contact is solved.

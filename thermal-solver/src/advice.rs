@@ -1,117 +1,19 @@
-//! What is known of a scene before it is run, and what effects may say of themselves with it.
-//!
-//! The flux is that of an ellipse with the power and the size that the mechanics has estimated; its rise is that of a fast source and of
-//! one at rest, whose squares of the reciprocals add up. An estimate is of the first order: it says whether an effect is worth a run,
-//! and a run says by how much.
+//! What the thermal side says of its effects in a scene, before it is run.
 
 use crate::effects::REGISTRY;
 use crate::effects::friction_heat::Partition;
 use crate::scene::Scene;
+use crate::situation::Situation;
 use crate::{LOWER, UPPER};
-use proto::advice::{self, Advice, Known, Opinion};
-use proto::params::Params;
-use std::f64::consts::PI;
-
-/// Rise under a fast ellipse of flux, over q₀/β √(a/(πV)) (Naeimi et al., eq. 10; PHYSICS: 2.188).
-const FAST: f64 = 2.188;
-/// Rise under a circle of elliptic flux at rest, over q₀ a/λ (Carslaw & Jaeger, 10.5).
-const AT_REST: f64 = 0.678;
-
-/// Smaller rises are not worth a process [K].
-const LEAST_RISE: f64 = 1.0;
-
-/// A scene, as an effect looks at it.
-#[derive(Debug)]
-pub struct Situation<'a> {
-    /// Materials and speeds.
-    pub scene: &'a Scene,
-    /// The values of the case.
-    pub case: &'a Params,
-    /// Friction power [W].
-    pub power: f64,
-    /// Semi-axes of the contact [m].
-    pub semi_axes: [f64; 2],
-    /// Approach of the bodies [m].
-    pub approach: f64,
-    /// Heat that goes into both bodies [W].
-    pub heat: [f64; 2],
-    /// Speeds of the surfaces [m/s].
-    pub speeds: [f64; 2],
-    /// Largest rises of both bodies [K].
-    pub rises: [f64; 2],
-}
-
-impl<'a> Situation<'a> {
-    /// Of a scene whose contact is known.
-    fn of(scene: &'a Scene, case: &'a Params, known: &Known) -> Option<Self> {
-        let figure = |key: &str| known.get(key).copied();
-        let power = figure("contact.friction_power_w")?;
-        let semi_axes = [figure("contact.semi_axis_a_m")?, figure("contact.semi_axis_b_m")?];
-        let approach = figure("contact.approach_m")?;
-        let partition = Partition::read(case).unwrap_or(Partition::Equal);
-        let rest = |body: usize| if scene.at_rest[body] { 0.0 } else { scene.speeds[body] };
-        let speeds = [rest(UPPER), rest(LOWER)];
-        let heat = partition.shares(&scene.materials, speeds).map(|share| share * power);
-        let slips = figure("contact.slip_area_ratio").filter(|ratio| *ratio > 0.0).unwrap_or(1.0);
-        let mut own =
-            Self { scene, case, power, semi_axes, approach, heat, speeds, rises: [0.0; 2] };
-        own.rises = [UPPER, LOWER].map(|body| own.rise(body, slips));
-        Some(own)
-    }
-
-    /// Rise of a body whose heat enters in a part of the contact's length [K].
-    fn rise(&self, body: usize, part: f64) -> f64 {
-        let [a, b] = [self.semi_axes[0] * part, self.semi_axes[1]];
-        let material = &self.scene.materials[body];
-        let flux = 1.5 * self.heat[body] / (PI * a * b);
-        let rest = AT_REST * flux * (a * b).sqrt() / material.conductivity;
-        if self.speeds[body] == 0.0 {
-            return rest;
-        }
-        let fast = FAST * flux / material.effusivity() * (a / (PI * self.speeds[body])).sqrt();
-        if fast == 0.0 { 0.0 } else { (fast.powi(-2) + rest.powi(-2)).powf(-0.5) }
-    }
-
-    /// The body that becomes hotter.
-    #[must_use]
-    pub fn hotter(&self) -> usize {
-        if self.rises[UPPER] > self.rises[LOWER] { UPPER } else { LOWER }
-    }
-
-    /// The key of the largest rise of a body.
-    #[must_use]
-    pub fn rise_of(&self, body: usize) -> String {
-        format!("temperature.{}.max_rise_k", self.scene.names.0[body])
-    }
-
-    /// What an effect makes of the rise of a body; nothing of one that is not worth a process.
-    #[must_use]
-    pub fn moved(&self, advice: Advice, body: usize, relative: f64) -> Advice {
-        let counts = self.rises[body] >= LEAST_RISE;
-        advice.moves(self.rise_of(body), if counts { relative } else { 0.0 })
-    }
-
-    /// Va/(2κ) of a body.
-    #[must_use]
-    pub fn peclet(&self, body: usize) -> f64 {
-        0.5 * self.speeds[body] * self.semi_axes[0] / self.scene.materials[body].diffusivity()
-    }
-
-    /// What a coefficient of heat transfer [W/(m²·K)] takes of the rise of the hotter body while it is in the contact, relative to it.
-    #[must_use]
-    pub fn lost_to(&self, coefficient: f64) -> f64 {
-        let body = self.hotter();
-        let material = &self.scene.materials[body];
-        let biot = coefficient * self.semi_axes[0] / material.conductivity;
-        -biot / (1.0 + self.peclet(body)).sqrt()
-    }
-}
+use proto::advice::{self, Advice, Opinion};
 
 /// What the thermal side says of a scene. Of one whose contact nobody knows it says nothing.
 #[must_use]
 pub fn opinion(asked: &advice::Scene) -> Opinion {
     let Ok(scene) = Scene::read(&asked.case) else { return Opinion::default() };
-    let Some(situation) = Situation::of(&scene, &asked.case, &asked.known) else {
+    let partition = Partition::read(&asked.case).unwrap_or(Partition::Equal);
+    let shares = |speeds: [f64; 2]| partition.shares(&scene.materials, speeds);
+    let Some(situation) = Situation::of(&scene, &asked.case, &asked.known, shares) else {
         return Opinion::default();
     };
     let known = [UPPER, LOWER].map(|body| (situation.rise_of(body), situation.rises[body]));

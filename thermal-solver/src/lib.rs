@@ -5,7 +5,7 @@
 //! | [`models`] | the models, cheapest first, and their registry list |
 //! | [`columns`] | heat conduction normal to the surface with the exact Abel kernel: the numerics |
 //! | [`moving_source`] | heat conduction in three dimensions under a moving flux: the numerics |
-//! | [`advice`] | what there is to say of effects in a scene, before it is run |
+//! | [`situation`], [`advice`] | what is known of a scene before it is run, and what effects say of themselves with it |
 //! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |
 //! | [`mod@reference`] | closed forms that tests, reports and documentation share |
 //! | [`scene`] | what is read from the case: materials and speed |
@@ -28,6 +28,7 @@ pub mod quadrature;
 pub mod reference;
 pub mod scene;
 pub mod search;
+pub mod situation;
 pub mod window;
 
 pub use proto::bodies::{LOWER, UPPER};

@@ -1,6 +1,6 @@
 //! The study as a page.
 
-use super::runs::{all, quantities, table, verdicts};
+use super::runs::{all, name, quantities, table, verdicts};
 use super::study::{Run, Study};
 use crate::report::bars::Bars;
 use crate::report::page::{Block, Mood, Page, Section};
@@ -17,11 +17,12 @@ impl Shown for Study {
 }
 
 fn of(study: &Study) -> Page {
-    let failed = study.without.iter().chain(&study.with).any(|run| run.failed.is_some());
+    let failed = study.without.iter().any(|run| run.failed.is_some());
+    let surprised = study.advice.iter().any(|one| !one.agrees);
     let (table, runs) = (table(study), all(study));
     let remarks = table.remarks(&runs).map(|why| Block::Text(sentence(&why)));
     let blocks = std::iter::once(Block::Table(table.page(&runs))).chain(remarks).collect();
-    let verdicts: Vec<Block> = verdicts(study).map(|line| Block::Text(sentence(&line))).collect();
+    let verdicts: Vec<Block> = verdicts(study).map(Block::Text).collect();
     let sections = [
         changes(study),
         Section::of("Runs", blocks),
@@ -31,8 +32,14 @@ fn of(study: &Study) -> Page {
         name: format!("Effects of {}", study.case),
         title: study.title.clone().unwrap_or_default(),
         status: format!("{} effects", study.without.len()),
-        mood: if failed { Mood::Open } else { Mood::Good },
-        reason: format!("each switched off in turn in `{}`", study.file),
+        mood: if failed || surprised { Mood::Open } else { Mood::Good },
+        reason: match study.with.len() {
+            0 => format!("each switched off in turn in `{}`", study.file),
+            more => format!(
+                "each switched off in turn in `{}`, and {more} that are advised added",
+                study.file
+            ),
+        },
         sections: sections.into_iter().flatten().collect(),
     }
 }
@@ -41,7 +48,7 @@ fn of(study: &Study) -> Page {
 fn changes(study: &Study) -> Option<Section> {
     let whole = study.whole.cost.solve_s;
     let change_of = |key: &str, unit: f64| {
-        let change = |run: &Run| Some((run.effect.clone(), run.changes.get(key)? / unit));
+        let change = |run: &Run| Some((name(study, run), run.changes.get(key)? / unit));
         study.without.iter().chain(&study.with).filter_map(change).collect::<Vec<_>>()
     };
     let figures = quantities(study).map(|one| {
@@ -49,16 +56,12 @@ fn changes(study: &Study) -> Option<Section> {
             Measure::Relative => ("change [%]", 0.01),
             Measure::Absolute | Measure::Itself => ("difference", 1.0),
         };
-        Bars {
-            title: format!("{} without an effect", one.name),
-            label: label.to_owned(),
-            bars: change_of(&one.key, unit),
-        }
+        Bars { title: one.name.clone(), label: label.to_owned(), bars: change_of(&one.key, unit) }
     });
-    let made = study.without.iter().filter(|run| run.failed.is_none());
-    let time = |run: &Run| (run.effect.clone(), 100.0 * (run.cost.solve_s - whole) / whole);
+    let made = study.without.iter().chain(&study.with).filter(|run| run.failed.is_none());
+    let time = |run: &Run| (name(study, run), 100.0 * (run.cost.solve_s - whole) / whole);
     let times = Bars {
-        title: "time without an effect".to_owned(),
+        title: "solving time".to_owned(),
         label: "change of the solving time [%]".to_owned(),
         bars: made.map(time).collect(),
     };

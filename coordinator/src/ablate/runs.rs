@@ -72,7 +72,8 @@ pub(super) fn table(study: &Study) -> Table<'_, Run> {
     })
 }
 
-fn name(study: &Study, run: &Run) -> String {
+/// What a run is called.
+pub(super) fn name(study: &Study, run: &Run) -> String {
     match run.effect.as_str() {
         "" => "the case as it is".to_owned(),
         effect if study.with.iter().any(|added| added.effect == effect) => format!("with {effect}"),

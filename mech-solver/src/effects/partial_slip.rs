@@ -4,10 +4,10 @@
 //! slip. Without the effect the whole contact slides. How a model finds the stick zone is its own
 //! matter: Carter's strips, a march over springs, or the elastic half-space.
 
-use crate::advice::{POWER, PRESSURE, Situation};
 use crate::entry::Effect;
 use crate::reference::carter;
 use crate::scene::Drive;
+use crate::situation::{POWER, PRESSURE, Situation};
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 

@@ -7,11 +7,11 @@
 //!
 //! Source: Simo & Hughes, *Computational Inelasticity* (1998), chapter 3.
 
-use crate::advice::{PRESSURE, Situation};
 use crate::entry::Effect;
 use crate::explicit::kernel::Flow;
 use crate::keys::CheckedParams;
 use crate::scene::Scene;
+use crate::situation::{PRESSURE, Situation};
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

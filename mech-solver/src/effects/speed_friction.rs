@@ -10,9 +10,9 @@
 //!
 //! Source: Polach, Wear 258 (2005) 992–1000.
 
-use crate::advice::{CREEPAGE, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
+use crate::situation::{CREEPAGE, Situation};
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

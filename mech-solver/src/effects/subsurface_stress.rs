@@ -6,11 +6,11 @@
 //!
 //! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5.
 
-use crate::advice::{PRESSURE, Situation};
 use crate::entry::Effect;
 use crate::half_space::subsurface::{Section, SurfaceLoad};
 use crate::keys::CheckedParams;
 use crate::scene::Scene;
+use crate::situation::{PRESSURE, Situation};
 use crate::terms::{Accepted, Kind, Observation, Place, State, Terms};
 use proto::advice::Advice;
 use proto::bodies::Bodies;

@@ -17,9 +17,9 @@
 //! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over the
 //! slip velocity.
 
-use crate::advice::{POWER, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
+use crate::situation::{POWER, Situation};
 use crate::surface::Surface;
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
 use proto::advice::Advice;

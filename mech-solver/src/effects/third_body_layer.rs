@@ -6,11 +6,11 @@
 //! Source: Vollebregt, *Numerical modeling of measured railway creep versus creep-force curves*,
 //! Wear 314 (2014) 87–95; Kalker (1990) §4.
 
-use crate::advice::{CREEPAGE, POWER, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::reference::kalker;
 use crate::scene::Drive;
+use crate::situation::{CREEPAGE, POWER, Situation};
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

@@ -9,10 +9,10 @@
 //! 134–140, for third bodies between wheel and rail. Left out: the elastic part of the slip, viscosity that depends on pressure
 //! and temperature, and forces that are prescribed: at rest the film carries none.
 
-use crate::advice::Situation;
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::scene::{Drive, Scene};
+use crate::situation::Situation;
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

@@ -9,11 +9,11 @@
 //! 257 (2004) 721–729, for the regimes of rail and wheel steel.
 //! Left out: worn particles that stay, and wear that is not the same all round a body.
 
-use crate::advice::{POWER, PRESSURE, Situation};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::removal::{Law, Removal};
 use crate::scene::Scene;
+use crate::situation::{POWER, PRESSURE, Situation};
 use crate::terms::{Kind, Terms};
 
 use proto::advice::Advice;

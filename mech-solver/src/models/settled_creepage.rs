@@ -43,15 +43,16 @@ impl SettledCreepage {
         let weighted = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|k| weights[k] * of(k));
         let residual: [f64; 3] = weighted(&|k| found[k] - self.at[k]);
         let size: [f64; 3] = weighted(&|k| found[k]);
-        if dot(residual, residual) <= SETTLED * SETTLED * dot(size, size) {
+        let change = dot(residual, residual);
+        if change.is_finite() && change <= SETTLED * SETTLED * dot(size, size) {
             return Ok(true);
         }
         self.tried += 1;
-        if self.tried == MOST {
+        if self.tried == MOST || !change.is_finite() {
             return Err(StepError::NoSolution(format!(
-                "friction that falls with slip leaves no creepage for the force: {MOST} were tried, the last along x {:.4e}, which led to \
+                "friction that falls with slip leaves no creepage for the force: {} were tried, the last along x {:.4e}, which led to \
                  {:.4e}; prescribe less force, or motion.creepage",
-                self.at[0], found[0]
+                self.tried, self.at[0], found[0]
             )));
         }
         if let Some(before) = self.residual.replace(residual) {

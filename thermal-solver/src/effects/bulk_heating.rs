@@ -17,10 +17,10 @@
 //! because one is warmer as a whole, which `continuity` and `contact_conductance` would need and are refused with; what the
 //! surface loses between two passages.
 
-use crate::advice::Situation;
 use crate::effects::friction_heat::{self, Partition};
 use crate::models::names;
 use crate::scene::Scene;
+use crate::situation::Situation;
 use crate::{LOWER, UPPER};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};

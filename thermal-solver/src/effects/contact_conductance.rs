@@ -9,8 +9,8 @@
 //! Source: Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279–300; exponent: Yovanovich, AIAA 81-1164 (1981).
 
 use super::friction_heat::Partition;
-use crate::advice::Situation;
 use crate::models::names;
+use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names as field_names};

@@ -10,8 +10,8 @@
 //!   then have the same temperature everywhere, since T ∝ q/(β√V) (Ertz & Knothe, Wear 253 (2002)
 //!   498–508, after Blok).
 
-use crate::advice::Situation;
 use crate::scene::Material;
+use crate::situation::Situation;
 use crate::{LOWER, UPPER, models};
 use proto::advice::Advice;
 use proto::configuration::Refusal;

@@ -13,9 +13,9 @@
 //! Source: Holm, *Electric Contacts* (1967) §1 and §14; Kohlrausch, Ann. Phys. 306 (1900) 132–158. Steady cases of bodies at rest.
 //! Left out: films on the surfaces, conductivities that depend on the temperature, and Thomson's and Peltier's heat.
 
-use crate::advice::Situation;
 use crate::models::names;
 use crate::scene::Scene;
+use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, KeySpec, names as field_names};

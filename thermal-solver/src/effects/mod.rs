@@ -11,10 +11,10 @@ pub mod temperature_material;
 pub mod thermal_expansion;
 pub mod volume_temperature;
 
-use crate::advice::Situation;
 use crate::fe::conductor::Surroundings;
 use crate::fe::nature::Nature;
 use crate::scene::Scene;
+use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, Renamed};

@@ -10,8 +10,8 @@
 //! under a sliding wheel and its critical rates. Left out: the time that carbon needs, which the shift stands for; pressure, which lowers
 //! A_c1; plastic deformation. Steady cases and rows of a sequence.
 
-use crate::advice::Situation;
 use crate::models::names;
+use crate::situation::Situation;
 use crate::{LOWER, UPPER};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};

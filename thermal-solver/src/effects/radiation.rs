@@ -3,8 +3,8 @@
 //! The surface is free where no heat enters it in the row of elements: before the contact, beside and behind it.
 //! Temperatures are absolute. Source: Carslaw & Jaeger, Conduction of Heat in Solids, 1.9.
 
-use crate::advice::Situation;
 use crate::models::names;
+use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::bodies::INITIAL_TEMPERATURE;
 use proto::configuration::Refusal;

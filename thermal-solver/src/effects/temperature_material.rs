@@ -4,10 +4,10 @@
 //! specific heat [J/(kg·K)], straight between; temperatures are absolute: the body's `initial_temperature` and
 //! the rise. One without has constant ones. Its density is constant.
 
-use crate::advice::Situation;
 use crate::fe::law::Point;
 use crate::models::names;
 use crate::scene::Scene;
+use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names as field_names};

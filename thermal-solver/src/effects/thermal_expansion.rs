@@ -3,10 +3,10 @@
 //! Here what the mechanics need for it is provided: the rise of each body integrated over its depth
 //! ([`crate::moving_source::rise_integral`]).
 
-use crate::advice::Situation;
 use crate::models::fields::RISE_INTEGRALS;
 use crate::models::names;
 use crate::scene::Scene;
+use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::configuration::{Mode, Refusal};
 use proto::description::{EffectSpec, names as field_names};

@@ -3,8 +3,8 @@
 //! Elements are those of the heat flux's rows, from behind the contact to its front, down to the last layer.
 //! It changes no answer, and costs what is written.
 
-use crate::advice::Situation;
 use crate::models::names;
+use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::description::{EffectSpec, names as field_names};
 use proto::field::{self, Body, FieldSpec, Mapping};

@@ -8,6 +8,8 @@ use serde_json::{Map, Value, json};
 
 /// Strips listed at most: the first of them all.
 const MOST_STRIPS: usize = 32;
+/// A surface is colder than it was where it is so by more than this part of its highest rise.
+const UNDERSHOOT: f64 = 1e-3;
 
 /// The hottest place of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +79,8 @@ pub(super) fn temperature(names: &Bodies, solution: &dyn Solution) -> Value {
             return section;
         };
         let mut section = place(grid, peak);
-        if coldest < 0.0 {
+        // Less is what a flux that is made of parabolas leaves at its jumps.
+        if coldest < -UNDERSHOOT * peak.rise {
             section.insert("min_rise_k".to_owned(), json!(coldest));
         }
         if let Some(depth) = penetration(solution, body, peak) {
