@@ -21,6 +21,8 @@ use std::f64::consts::TAU;
 const STEPS: f64 = 1000.0;
 /// Steps in the time in which an irregularity is passed, at least.
 const STEPS_OVER: f64 = 500.0;
+/// Steps from one state that is kept to the next.
+const EVERY: usize = 16;
 /// Places in the neighbourhood that are tried, and halvings of the interval round the best of them.
 const PLACES: usize = 24;
 const HALVINGS: usize = 30;
@@ -42,8 +44,8 @@ pub(crate) struct Carried {
     circumference: f64,
     /// Length of a step [s].
     step: f64,
-    /// States at the steps from 0 on, as far as they were asked for.
-    states: RefCell<Vec<State>>,
+    /// States at every so many steps from 0 on, as far as they were asked for.
+    kept: RefCell<Vec<State>>,
 }
 
 /// The axle at an instant, and what has been since the beginning.
@@ -85,7 +87,7 @@ impl Carried {
             radius,
             circumference: TAU * radius,
             step: 0.0,
-            states: RefCell::new(vec![State { largest: load, ..State::default() }]),
+            kept: RefCell::new(vec![State { largest: load, ..State::default() }]),
         };
         let passing = axle.irregularity.map_or(f64::INFINITY, |form| form.length / speed);
         own.step = (own.period() / STEPS).min(passing / STEPS_OVER);
@@ -110,35 +112,55 @@ impl Carried {
     /// The largest load until all of the irregularity has been passed and the wheel has come down again; of waves until they have
     /// raised it, of a flat after two turns [N].
     pub(crate) fn largest(&self) -> f64 {
+        self.at(self.looked_at()).largest
+    }
+
+    /// The time until then [s].
+    fn looked_at(&self) -> f64 {
         let way = match self.axle.irregularity {
-            None => return self.load,
+            None => return 0.0,
             Some(form) if form.begins() == form.at => form.at + WAVES * form.length,
             Some(form) if form.body() == UPPER && self.circumference.is_finite() => {
                 form.at + form.length + 2.0 * self.circumference
             }
             Some(form) => form.at + form.length,
         };
-        self.at(way / self.speed + PERIODS_AFTER * self.period()).largest
+        way / self.speed + PERIODS_AFTER * self.period()
+    }
+
+    /// Steps until the largest load is known.
+    pub(crate) fn steps(&self) -> f64 {
+        self.looked_at() / self.step
     }
 
     /// The state at a time, on a straight line between steps [s].
     fn at(&self, time: f64) -> State {
         let place = (time / self.step).max(0.0);
         let before = place as usize;
-        let mut states = self.states.borrow_mut();
-        while states.len() < before + 2 {
-            let number = states.len() - 1;
-            let next = self.next(&states[number], number as f64 * self.step);
-            states.push(next);
+        let mut kept = self.kept.borrow_mut();
+        while kept.len() <= before / EVERY {
+            let number = (kept.len() - 1) * EVERY;
+            let next = (number..number + EVERY).fold(kept[kept.len() - 1], |state, number| {
+                self.next(&state, number as f64 * self.step)
+            });
+            kept.push(next);
         }
-        let (low, high, share) = (states[before], states[before + 1], place - before as f64);
+        let number = before / EVERY * EVERY;
+        let low = (number..before).fold(kept[before / EVERY], |state, number| {
+            self.next(&state, number as f64 * self.step)
+        });
+        let share = place - before as f64;
+        if share == 0.0 {
+            return low;
+        }
+        let high = self.next(&low, before as f64 * self.step);
         let between = |of: fn(&State) -> f64| of(&low) + share * (of(&high) - of(&low));
         State {
             raised: between(|state| state.raised),
             rising: between(|state| state.rising),
             impulse: between(|state| state.impulse),
             apart: between(|state| state.apart),
-            largest: if share > 0.0 { high.largest } else { low.largest },
+            largest: high.largest,
         }
     }
 

@@ -21,10 +21,10 @@
 //! A model declares the kinds that it takes, an effect those that it makes; a model supports the
 //! effects all of whose kinds it takes.
 
-use crate::axle::Axle;
-use crate::explicit::kernel::Flow;
 pub(crate) use crate::state::{Accepted, State};
 
+use crate::axle::Axle;
+use crate::explicit::kernel::Flow;
 use crate::removal::Removal;
 use crate::slip::RigidSlip;
 use proto::field::FieldSpec;

@@ -21,6 +21,9 @@ const SMALLEST: f64 = 1.0 / 3.0;
 /// Share of the load that a window has in which contact is lost: nothing, for a solver that needs a load.
 const LOST: f64 = 1e-6;
 
+/// More steps of an axle are not taken before a run.
+const MOST_STEPS: f64 = 1e7;
+
 /// A configuration whose values vary.
 #[derive(Clone, Debug)]
 pub(super) struct Varying {
@@ -182,6 +185,10 @@ fn carried(
         );
     }
     match Carried::new(axle, &scene, &ellipse) {
+        Some(carried) if carried.steps() > MOST_STEPS => refused(
+            "the wheel needs more than ten thousand periods on its contact to pass the irregularity",
+            "write a larger mass, a higher speed, or an irregularity that is nearer",
+        ),
         Some(carried) => Ok((Rc::new(carried), ellipse.normal_force)),
         None => refused("the spring of a given ellipse is not known", "remove [contact]"),
     }

@@ -17,6 +17,7 @@
 //! because one is warmer as a whole, which `continuity` and `contact_conductance` would need and are refused with; what the
 //! surface loses between two passages.
 
+use crate::effects::contact_conductance;
 use crate::effects::friction_heat::{self, Partition};
 use crate::models::names;
 use crate::scene::Scene;
@@ -106,6 +107,13 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<[Memory; 2], Refusal
             friction_heat::PARTITION_KEY,
             "the heat that flows between bodies of different bulk temperature is not found",
             "write \"equal\" or \"effusivity\", or remove [effects.bulk_heating]",
+        ));
+    }
+    if given.has_effect(contact_conductance::NAME) {
+        return Err(Refusal::new(
+            &format!("effects.{}", contact_conductance::NAME),
+            "the heat that flows between bodies of different bulk temperature is not found",
+            "remove it, or [effects.bulk_heating]",
         ));
     }
     let own = [of_body(given, scene, UPPER)?, of_body(given, scene, LOWER)?];

@@ -33,7 +33,9 @@ pub struct Shell<C> {
     constriction: Option<Constriction<C>>,
     /// What earlier passages have left, where that is asked for.
     background: Option<Background>,
-    /// What has transformed in the accepted state, where that is asked for.
+    /// Speeds of both surfaces in the last solve [m/s].
+    speeds: [f64; 2],
+    /// What has transformed in the accepted state, where that is asked for; unknown after a restored one.
     layers: [Option<WhiteLayer>; 2],
     /// The elements of the bodies that are written out.
     volumes: Vec<Grid>,
@@ -49,6 +51,7 @@ impl<C: Conduction> Shell<C> {
             conduction: C::new(&frame),
             constriction: Constriction::of(&frame),
             background: frame.memories.map(|memories| Background::new(memories, frame.grid.nj)),
+            speeds: frame.scene.speeds,
             layers: [None, None],
             trial: [zero.clone(), zero.clone()],
             accepted: [zero.clone(), zero],
@@ -116,16 +119,17 @@ impl<C: Conduction> Shell<C> {
 
     /// What has transformed in the accepted state.
     fn transform(&mut self) {
-        let Self { frame, conduction, background, accepted, layers, .. } = self;
+        let Self { frame, conduction, background, accepted, layers, speeds, .. } = self;
         let Some(criterion) = frame.criterion else { return };
         let columns = frame.grid.ni;
         let mut rises = vec![0.0; columns + frame.behind()];
         for body in 0..2 {
-            if frame.scene.at_rest[body] {
+            if speeds[body] == 0.0 {
+                layers[body] = None;
                 continue;
             }
             let criterion = criterion.over(frame.scene.initial_temperatures[body]);
-            let passing = frame.grid.dx() / frame.scene.speeds[body];
+            let passing = frame.grid.dx() / speeds[body];
             let deepest = (LEVELS - 1) as f64 * frame.level_spacing(body);
             let along = |row: usize, depth: f64| {
                 let depth = [frame.depth(body, depth)];
@@ -165,6 +169,7 @@ impl<C: Conduction> Model for Shell<C> {
         self.solved = false;
         let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
         let drive = drive(&self.frame, C::AT_REST, step, inputs)?;
+        self.speeds = drive.speeds;
         if self.integrals.is_some() {
             refuse_without_height(&self.frame, &drive)?;
         }
@@ -289,7 +294,7 @@ impl<C: Conduction> Model for Shell<C> {
         self.accepted = accepted;
         self.integrals = integrals;
         self.background = background;
-        self.transform();
+        self.layers = [None, None];
         self.solved = false;
         Ok(())
     }
