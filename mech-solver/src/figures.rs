@@ -25,6 +25,10 @@ fn extent() -> Vec<FigureSpec> {
         figure(NORMAL_FORCE, "N", "normal force", "N").headline(),
         figure("contact.approach_m", "m", "approach", "approach").rank(9).headline(),
         FigureSpec::new("contact.area_m2", "m2", "contact area"),
+        figure("contact.area_ratio", "1", "share of the surface in contact", "contact")
+            .style(Style::Percent),
+        figure("contact.separation_m", "m", "mean distance of the surfaces", "separation"),
+        FigureSpec::new("contact.pressure_deviation_pa", "Pa", "root mean square deviation from the mean pressure"),
     ]
 }
 

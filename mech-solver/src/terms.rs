@@ -27,6 +27,7 @@ use crate::axle::Axle;
 use crate::explicit::kernel::Flow;
 use crate::removal::Removal;
 use crate::slip::RigidSlip;
+use proto::configuration::Refusal;
 use proto::field::FieldSpec;
 use proto::grid::Structured;
 use proto::model::{Inputs, Outputs, StateError, StepError};
@@ -65,6 +66,12 @@ pub enum Kind {
 pub(crate) trait GapTerm: State + Debug {
     /// Height at a place from the origin of the undeformed contact [m]; positive opens the gap.
     fn height(&self, x: f64, y: f64) -> f64;
+
+    /// Repeats along x and y every so many metres from now on.
+    ///
+    /// # Errors
+    /// It cannot, or not without becoming another surface.
+    fn repeat(&mut self, periods: [f64; 2]) -> Result<(), Refusal>;
 }
 
 /// What a friction law may depend on.
@@ -297,6 +304,10 @@ mod tests {
     impl GapTerm for Growing {
         fn height(&self, _x: f64, _y: f64) -> f64 {
             self.height
+        }
+
+        fn repeat(&mut self, _periods: [f64; 2]) -> Result<(), Refusal> {
+            Ok(())
         }
     }
 

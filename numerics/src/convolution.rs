@@ -106,6 +106,17 @@ impl Convolution {
         Self::padded(nx, ny, 2 * smooth_size(more(nx).div_ceil(2)), smooth_size(more(ny)))
     }
 
+    /// Plans the transforms for nx × ny elements that repeat without end: no padding.
+    ///
+    /// # Panics
+    /// If ny is zero, or nx odd or zero.
+    #[must_use]
+    pub fn cyclic(nx: usize, ny: usize) -> Self {
+        let even = nx > 0 && nx.is_multiple_of(2);
+        assert!(even && ny > 0, "{nx} x {ny} elements are not an even number along x");
+        Self::padded(nx, ny, nx, ny)
+    }
+
     fn padded(nx: usize, ny: usize, padded_x: usize, padded_y: usize) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
@@ -168,6 +179,19 @@ impl Convolution {
         self.columns_forward.process_with_scratch(&mut values, &mut self.scratch);
         let size = (self.padded_x * self.padded_y) as f64;
         values.iter_mut().for_each(|value| *value /= size);
+        Spectrum { values, size }
+    }
+
+    /// A factor for every wave e^{2πi(ik/P_x + jl/P_y)}: `factor(k, l)`, called for 0 ≤ k ≤ P_x/2 and
+    /// |l| ≤ P_y/2. Real fields need the conjugate of it at (−k, −l).
+    #[must_use]
+    pub fn factors(&self, factor: impl Fn(i32, i32) -> Complex64) -> Spectrum {
+        let size = (self.padded_x * self.padded_y) as f64;
+        let lines = || (0..self.padded_y).map(|line| signed(line, self.padded_y));
+        let values = (0..offset(self.columns()))
+            .flat_map(|column| lines().map(move |line| (column, line)))
+            .map(|(column, line)| factor(column, line) / size)
+            .collect();
         Spectrum { values, size }
     }
 
@@ -346,6 +370,11 @@ pub fn smooth_size(least: usize) -> usize {
 /// A count of elements as a signed offset.
 fn offset(count: usize) -> i32 {
     i32::try_from(count).expect("a grid in memory has fewer elements a side")
+}
+
+/// Offset of an index on a cyclic grid, the nearest to zero.
+pub(crate) fn signed(index: usize, size: usize) -> i32 {
+    if index <= size / 2 { offset(index) } else { -offset(size - index) }
 }
 
 /// Index of an offset on a cyclic grid.

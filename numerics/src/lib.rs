@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`convolution`] | sums of a kernel over a grid by Fourier transforms |
 //! | [`gmres`] | Krylov solver for a few iterations on tall vectors |
+//! | [`waves`] | fields that repeat without end, as sums of waves |
 
 pub mod convolution;
 pub mod gmres;
+pub mod waves;

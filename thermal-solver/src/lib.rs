@@ -5,6 +5,7 @@
 //! | [`models`] | the models, cheapest first, and their registry list |
 //! | [`columns`] | heat conduction normal to the surface with the exact Abel kernel: the numerics |
 //! | [`moving_source`] | heat conduction in three dimensions under a moving flux: the numerics |
+//! | [`mod@periodic`] | heat conduction under a flux that repeats, wave by wave and exact in time: the numerics |
 //! | [`situation`], [`advice`] | what is known of a scene before it is run, and what effects say of themselves with it |
 //! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |
 //! | [`mod@reference`] | closed forms that tests, reports and documentation share |
@@ -24,6 +25,7 @@ pub mod fe;
 mod figures;
 pub mod models;
 pub mod moving_source;
+pub mod periodic;
 pub mod quadrature;
 pub mod reference;
 pub mod scene;

@@ -72,5 +72,8 @@ fn transient_steps_do_not_allocate_once_the_grid_has_been_crossed() {
             let made = allocations(&mut run, 2 * crossing + 2, 200, duration);
             assert_eq!(made, 0, "{model} {duration}");
         }
+        let repeats = Structured::contact_plane(-8e-3, -1e-3, 2e-4, 2e-4, 22, 3);
+        let mut run = Run::new("periodic", Mode::Transient, repeats, steel());
+        assert_eq!(allocations(&mut run, 2, 20, duration), 0, "periodic {duration}");
     }
 }

@@ -20,7 +20,7 @@ fn description_lists_what_the_registries_hold() {
     assert_eq!(names, listed);
     assert_eq!(description.effects.len(), effects::REGISTRY.len());
     for model in &description.models {
-        assert!(!model.source.is_empty() && model.steady);
+        assert!(!model.source.is_empty() && (model.steady || model.transient));
         for name in model.consumes.iter().chain(&model.provides) {
             assert!(field::find(name).is_some(), "{name}");
         }

@@ -1,14 +1,15 @@
 //! Effect `roughness`: heights of the surfaces are added to the undeformed distance.
 //!
-//! Either a height map from a file, or a self-affine surface made from a seed. The latter is a sum of
-//! cosine waves with random directions and phases,
+//! A height map from a file; one wave; or a self-affine surface made from a seed. The wave is h cos(2πx/λ_x) cos(2πy/λ_y). The
+//! self-affine surface is a sum of cosine waves with random directions and phases,
 //!
 //! z(x, y) = √(2/M) h Σ_m w_m cos(q_m·(x, y) + φ_m),
 //!
 //! whose wave numbers lie between 2π over the longest and 2π over the shortest wavelength, equally
 //! spaced in ln q, with amplitudes w_m ~ q^(−H) of the Hurst exponent H, normalised to Σ w² = M, so
 //! that h is the root mean square height. It does not depend on the grid, so that a finer grid sees
-//! the same surface.
+//! the same surface. In a contact that repeats every L along x and y the wave numbers are rounded to
+//! multiples of 2π/L, and must not be longer; a map or a wave must fit in a whole number of times.
 //!
 //! Source: Persson et al., J. Phys.: Condens. Matter 17 (2005) R1–R62, for self-affine surfaces;
 //! Longuet-Higgins, Phil. Trans. R. Soc. A 250 (1957) 157–174, for the sum of waves.
@@ -26,7 +27,7 @@ use std::path::Path;
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
     name: "roughness",
-    law: "heights from a map or of a self-affine surface, added to the undeformed distance",
+    law: "heights from a map, of a wave or of a self-affine surface, added to the undeformed distance",
     source: "Persson et al., J. Phys.: Condens. Matter 17 (2005) R1-R62; Longuet-Higgins, Phil. \
              Trans. R. Soc. A 250 (1957) 157-174",
     kinds: &[Kind::Gap],
@@ -40,6 +41,8 @@ pub const EFFECT: Effect = Effect {
 
 /// Waves of a self-affine surface.
 const WAVES: usize = 400;
+/// A length fits into a period if it does so but for this part of itself.
+const WHOLE: f64 = 1e-9;
 /// Larger files are refused.
 const MOST_BYTES: u64 = 1 << 28;
 
@@ -51,6 +54,9 @@ const HURST: &str = "effects.roughness.hurst";
 const LONGEST: &str = "effects.roughness.longest_wavelength";
 const SHORTEST: &str = "effects.roughness.shortest_wavelength";
 const SEED: &str = "effects.roughness.seed";
+const AMPLITUDE: &str = "effects.roughness.amplitude";
+const WAVELENGTHS: [&str; 2] =
+    ["effects.roughness.wavelength_x", "effects.roughness.wavelength_y"];
 
 fn keys() -> Vec<KeySpec> {
     const SOURCE: &str = "effects.roughness.source";
@@ -67,6 +73,12 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(LONGEST, "m", "longest wavelength").default_value(4e-3).above(0.0),
         KeySpec::quantity(SHORTEST, "m", "shortest wavelength").default_value(4e-4).above(0.0),
         KeySpec::integer(SEED, "seed of the random phases").default_value(1).at_least(0.0),
+        KeySpec::quantity(AMPLITUDE, "m", "amplitude of a wave, which opens the gap at the origin")
+            .one_of(SOURCE),
+        KeySpec::quantity(WAVELENGTHS[0], "m", "length of the wave along x; absent: the same all along x")
+            .above(0.0),
+        KeySpec::quantity(WAVELENGTHS[1], "m", "length of the wave along y; absent: the same all along y")
+            .above(0.0),
     ]
 }
 
@@ -77,6 +89,8 @@ enum Roughness {
     Map(HeightMap),
     /// A sum of waves.
     Waves(Vec<Wave>),
+    /// Amplitude [m] and wave numbers [rad/m] of a product of cosines.
+    Wave(f64, [f64; 2]),
 }
 
 /// A regular map of heights.
@@ -119,6 +133,12 @@ fn read(configuration: &Configuration) -> Result<Roughness, Refusal> {
         let map = HeightMap::parse(&text, case.number(SPACING)?, case.number(SCALE)?);
         return map.map(Roughness::Map).map_err(wrong);
     }
+    if let Some(amplitude) = case.maybe_number(AMPLITUDE)? {
+        let number = |key: &str| {
+            case.maybe_number(key).map(|length| length.map_or(0.0, |length| TAU / length))
+        };
+        return Ok(Roughness::Wave(amplitude, [number(WAVELENGTHS[0])?, number(WAVELENGTHS[1])?]));
+    }
     let (longest, shortest) = (case.number(LONGEST)?, case.number(SHORTEST)?);
     if shortest >= longest {
         return Err(Refusal::new(
@@ -144,6 +164,51 @@ impl GapTerm for Roughness {
                     wave.amplitude * (qx * x + qy * y + wave.phase).cos()
                 };
                 waves.iter().map(term).sum()
+            }
+            Self::Wave(amplitude, [kx, ky]) => amplitude * (kx * x).cos() * (ky * y).cos(),
+        }
+    }
+
+    fn repeat(&mut self, periods: [f64; 2]) -> Result<(), Refusal> {
+        let fits = |times: f64| (times - times.round()).abs() < WHOLE * times.max(1.0);
+        let whole = |key: &str, what: &str, length: f64, period: f64| match fits(period / length) {
+            true => Ok(()),
+            false => {
+                let reason =
+                    format!("{what} of {length} m does not repeat in a contact that does every {period} m");
+                Err(Refusal::new(key, reason, "let the period be a whole multiple of it"))
+            }
+        };
+        match self {
+            Self::Map(map) => {
+                let rows = map.heights.len() / map.columns;
+                let sides = [map.columns, rows].map(|count| count as f64 * map.spacing);
+                let mut sides = sides.into_iter().zip(periods);
+                sides.try_for_each(|(side, period)| whole(SPACING, "a map", side, period))
+            }
+            Self::Wave(_, numbers) => {
+                let mut each = numbers.iter().zip(WAVELENGTHS).zip(periods);
+                each.try_for_each(|((number, key), period)| match number {
+                    0.0 => Ok(()),
+                    _ => whole(key, "a wave", TAU / number, period),
+                })
+            }
+            Self::Waves(waves) => {
+                for wave in waves {
+                    for (number, period) in wave.wave_number.iter_mut().zip(periods) {
+                        let base = TAU / period;
+                        *number = base * (*number / base).round();
+                    }
+                    // What is longer than the period would become an even height.
+                    if wave.wave_number == [0.0; 2] {
+                        let reason = format!(
+                            "waves as long as this do not repeat in a contact that does every {} and {} m",
+                            periods[0], periods[1]
+                        );
+                        return Err(Refusal::new(LONGEST, reason, "write at most half of the shorter period"));
+                    }
+                }
+                Ok(())
             }
         }
     }

@@ -49,6 +49,7 @@ pub use error::NormalError;
 use super::influence::Influence;
 use super::initial_pressure;
 use numerics::convolution::{Complex64, Convolution, Spectrum};
+use std::f64::consts::TAU;
 
 /// A solved normal contact; the pressure is in the caller's field.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +135,39 @@ impl NormalSolver {
         let mut convolution = Convolution::new(nx, ny);
         let flexibility = convolution.spectrum(|i, j| influence.zz(i, j));
         let preconditioner = preconditioner(&mut convolution, influence);
+        let compliance = influence.elasticity.contact_compliance();
+        Self::with([flexibility, preconditioner], convolution, [influence.dx, influence.dy], compliance)
+    }
+
+    /// Prepares for a contact that repeats every nx × ny elements dx × dy [m], nx even. A wave of the pressure with the
+    /// wave number k displaces the surfaces by 2c p/k (Johnson, Contact Mechanics (1985), 13.2), with the normal compliance c of
+    /// the pair [1/Pa]. The mean displacement is without meaning on bodies without end: that of the longest wave is in its place,
+    /// so that the approach counts from a plane in which a mean pressure p̄ leaves 2c p̄/k.
+    ///
+    /// # Panics
+    /// If nx is odd.
+    #[must_use]
+    pub fn repeating(nx: usize, ny: usize, [dx, dy]: [f64; 2], compliance: f64) -> Self {
+        let convolution = Convolution::cyclic(nx, ny);
+        let sides = [nx as f64 * dx, ny as f64 * dy];
+        let longest = if ny > 1 { sides[0].max(sides[1]) } else { sides[0] };
+        let wave_number = |k: i32, l: i32| {
+            let numbers = [f64::from(k) / sides[0], f64::from(l) / sides[1]];
+            TAU * if (k, l) == (0, 0) { longest.recip() } else { numbers[0].hypot(numbers[1]) }
+        };
+        let factor = |k, l| Complex64::new(2.0 * compliance / wave_number(k, l), 0.0);
+        let flexibility = convolution.factors(factor);
+        let inverse = flexibility.map(|value| Complex64::new(1.0 / value.re, 0.0));
+        Self::with([flexibility, inverse], convolution, [dx, dy], compliance)
+    }
+
+    fn with(
+        [flexibility, preconditioner]: [Spectrum; 2],
+        convolution: Convolution,
+        [dx, dy]: [f64; 2],
+        compliance: f64,
+    ) -> Self {
+        let (nx, ny) = convolution.shape();
         let zeros = vec![0.0; nx * ny];
         Self {
             tolerance: Self::TOLERANCE,
@@ -142,8 +176,8 @@ impl NormalSolver {
             convolution,
             flexibility,
             preconditioner,
-            area: influence.dx * influence.dy,
-            compliance: influence.elasticity.contact_compliance(),
+            area: dx * dy,
+            compliance,
             work: Work {
                 in_contact: vec![false; nx * ny],
                 displacement: zeros.clone(),

@@ -7,6 +7,7 @@ pub mod fastsim;
 mod grids;
 pub mod half_space;
 pub mod hertz_carter;
+mod periodic;
 mod power_balance;
 mod precomputed;
 mod row_by_row;
@@ -25,7 +26,7 @@ use proto::params::Params;
 
 /// Every model of this crate, cheapest first.
 pub const MODELS: &[ModelEntry] =
-    &[hertz_carter::MODEL, fastsim::MODEL, half_space::MODEL, explicit_fe::MODEL];
+    &[hertz_carter::MODEL, fastsim::MODEL, periodic::MODEL, half_space::MODEL, explicit_fe::MODEL];
 
 /// The contact as the cheapest model that knows all creepages has it, its figures by their keys in the summary; `None` where it has none.
 pub(crate) fn estimated_contact(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {

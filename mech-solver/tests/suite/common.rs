@@ -49,6 +49,21 @@ pub(crate) fn driven(mut case: Value, drive: &str, value: f64) -> Value {
     case
 }
 
+/// The case as a model can take it: one of bodies that repeat has no radii and slides.
+pub(crate) fn fitted(mut case: Value, model: &str) -> Value {
+    case["mech"]["model"] = json!(model);
+    if model == "periodic" {
+        case["mech"]["period_x"] = json!(8e-3);
+        case["mech"]["period_y"] = json!(8e-3);
+        case["mech"]["resolution"] = json!(4);
+        case = driven(case, "creepage", -0.002);
+        for (body, radius) in [("wheel", "radius_x"), ("rail", "radius_y")] {
+            case["bodies"][body].as_object_mut().expect("a table").remove(radius);
+        }
+    }
+    case
+}
+
 /// Switches an effect off.
 pub(crate) fn without(mut case: Value, effect: &str) -> Value {
     case["effects"].as_object_mut().expect("a table").remove(effect);

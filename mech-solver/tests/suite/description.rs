@@ -78,7 +78,7 @@ fn support_agrees_with_configure() {
     for model in &description.models {
         for effect in &description.effects {
             // Some carry no force at rest.
-            let mut case = driven(paper(), "creepage", -0.002);
+            let mut case = fitted(driven(paper(), "creepage", -0.002), &model.name);
             case["effects"] = json!({ effect.name.clone(): {} });
             // What an effect may need of a material.
             case["materials"]["steel"]["yield_stress"] = json!(1e9);
@@ -238,7 +238,8 @@ fn unknown_names_are_refused() {
 fn the_heat_is_a_share_of_the_friction_power() {
     for model in description().models {
         let mut case = paper();
-        case["mech"] = json!({"model": model.name, "resolution": 3});
+        case["mech"] = json!({"resolution": 3});
+        case = fitted(case, &model.name);
         let whole = run(&case);
         case["effects"]["friction_heat"] = json!({"heat_share": 0.9});
         let part = run(&case);

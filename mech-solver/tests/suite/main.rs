@@ -10,6 +10,7 @@ mod half_space_model;
 mod hertz_carter;
 mod hot;
 mod in_time;
+mod periodic;
 mod profiles;
 mod rows;
 mod slip_friction;

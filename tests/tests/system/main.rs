@@ -35,6 +35,7 @@ mod figures;
 mod folders;
 mod histories;
 mod implicit;
+mod instability;
 mod long_work;
 mod machine;
 mod mapping;

@@ -73,6 +73,7 @@ table_of_tests! { hold:
     traction_at_the_limit_holds(2, false);
     tiny_loads_and_creepages_hold(3, false);
     falling_friction_holds(4, false);
+    thermo_elastic_instability_holds(5, false);
     contacts_that_merge_and_are_lost_hold(7, false);
     contrasts_hold(8, false);
     extreme_windows_hold(9, false);

@@ -7,6 +7,7 @@ use super::frame::Frame;
 use super::summary::Peak;
 use crate::window::{Drive, Stage};
 use proto::accuracy::Simplification;
+use proto::configuration::Refusal;
 use proto::grid::Grid;
 use proto::model::StepError;
 use std::io::{self, Read, Write};
@@ -50,8 +51,18 @@ pub trait Conduction: Sized + 'static {
     const EXPANDS: bool = false;
     /// It has elements of its own ([`crate::fe::block`]).
     const ELEMENTS: bool = false;
+    /// Every place of both surfaces is always rubbed, or always again.
+    const REPEATS: bool = false;
     /// Marks its states among those of other models.
     const STATE_TAG: u8;
+
+    /// Refuses what it has no answer to, beyond what its constants say.
+    ///
+    /// # Errors
+    /// There is some.
+    fn check(_: &Frame) -> Result<(), Refusal> {
+        Ok(())
+    }
 
     /// Allocates everything.
     fn new(frame: &Frame) -> Self;

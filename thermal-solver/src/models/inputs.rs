@@ -14,20 +14,22 @@ use proto::model::{InputField, Inputs, Step, StepError, first_non_finite};
 pub(super) fn drive(
     frame: &Frame,
     at_rest: bool,
+    repeats: bool,
     step: &Step,
     inputs: &dyn Inputs,
 ) -> Result<Drive, StepError> {
     let speeds = checked(inputs, &field::SURFACE_SPEED, 1)?.values;
     let speeds = [speeds[0], speeds[1]];
     for (speed, body) in speeds.iter().zip(&frame.scene.names.0) {
-        refuse_rest(frame, at_rest, body, *speed)?;
+        refuse_rest(frame, at_rest, repeats, body, *speed)?;
     }
     let duration = match frame.mode {
         Mode::Steady => f64::INFINITY,
         Mode::Transient => step.duration(),
     };
     if duration > 0.0 {
-        let shares = frame.partition.shares(&frame.scene.materials, speeds);
+        let taking = if repeats { [1.0; 2] } else { speeds };
+        let shares = frame.partition.shares(&frame.scene.materials, taking);
         return Ok(Drive { duration, speeds, shares });
     }
     Err(StepError::NoSolution(format!("a transient window lasts {duration} s")))
@@ -35,7 +37,13 @@ pub(super) fn drive(
 
 /// Refuses a speed at which there is no answer: normal to its surface alone, a body whose one place
 /// is heated without end warms without end.
-fn refuse_rest(frame: &Frame, at_rest: bool, body: &str, speed: f64) -> Result<(), StepError> {
+fn refuse_rest(
+    frame: &Frame,
+    at_rest: bool,
+    repeats: bool,
+    body: &str,
+    speed: f64,
+) -> Result<(), StepError> {
     let why = match frame.mode {
         _ if speed > 0.0 => return Ok(()),
         _ if speed < 0.0 => format!("is {speed} m/s: heat is carried downstream, towards -x"),
@@ -45,7 +53,7 @@ fn refuse_rest(frame: &Frame, at_rest: bool, body: &str, speed: f64) -> Result<(
                          time.mode = \"transient\""
                 .to_owned()
         }
-        _ if frame.partition == Partition::Effusivity => {
+        _ if frame.partition == Partition::Effusivity && !repeats => {
             "is 0 m/s: the partition by effusivity and speed gives a body at rest no heat; \
              write effects.friction_heat.partition = \"equal\""
                 .to_owned()

@@ -20,6 +20,7 @@ mod interface;
 pub mod moving_source;
 pub mod names;
 mod normal_only;
+pub mod periodic;
 pub mod setup;
 pub mod shell;
 mod summary;
@@ -51,6 +52,11 @@ pub const REGISTRY: &[Entry] = &[
         name: names::COLUMNS,
         spec: columns::spec,
         configure: setup::configure::<columns::Columns>,
+    },
+    Entry {
+        name: names::PERIODIC,
+        spec: periodic::spec,
+        configure: setup::configure::<periodic::Periodic>,
     },
     Entry {
         name: names::MOVING_SOURCE,

@@ -8,5 +8,7 @@ pub const COLUMNS: &str = "columns";
 pub const MOVING_SOURCE: &str = "moving-source";
 /// Finite elements of both bodies.
 pub const FE: &str = "fe";
+/// Half-spaces under a flux that repeats.
+pub const PERIODIC: &str = "periodic";
 /// All of them, cheapest first.
-pub const ALL: [&str; 4] = [ERTZ_KNOTHE, COLUMNS, MOVING_SOURCE, FE];
+pub const ALL: [&str; 5] = [ERTZ_KNOTHE, COLUMNS, PERIODIC, MOVING_SOURCE, FE];

@@ -149,6 +149,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
                 threads,
             };
             elements::check(&known)?;
+            C::check(&known)?;
             layout = lay_out::<C>(&known, given);
             if grid != arriving || moves {
                 layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));

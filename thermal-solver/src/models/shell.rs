@@ -168,7 +168,7 @@ impl<C: Conduction> Model for Shell<C> {
     ) -> Result<StepReport, StepError> {
         self.solved = false;
         let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
-        let drive = drive(&self.frame, C::AT_REST, step, inputs)?;
+        let drive = drive(&self.frame, C::AT_REST, C::REPEATS, step, inputs)?;
         self.speeds = drive.speeds;
         if self.integrals.is_some() {
             refuse_without_height(&self.frame, &drive)?;

@@ -1,0 +1,126 @@
+//! Model `periodic`: elastic half-spaces whose contact repeats along x and y, all of which slides.
+//!
+//! The bodies are flat on the whole and touch on a cell L_x × L_y that repeats without end: rough or wavy surfaces, and pads and
+//! blocks that are large against what happens between them. The normal contact is that of [`crate::half_space::normal`] with the
+//! exact flexibility of every wave of the grid, 2c/k, c the normal compliance of the pair and k the wave number; the distance is the sum
+//! of the heights of all effects. The load is that on one cell. The traction is f p against the rigid slip, which is all the slip there
+//! is. With one row of elements nothing depends on y: plane strain.
+//!
+//! Steady, and in time without memory: every instant is solved from the same first pressure, so that it depends on what comes in and on
+//! nothing else.
+//!
+//! Source: Westergaard, J. Appl. Mech. 6 (1939) A49-A53; Johnson, Contact Mechanics (1985), ch. 13; Stanley and Kato, J. Tribol.
+//! 119 (1997) 481-485, for waves on a grid. Left out: what tractions do to the pressure of bodies of different elastic constants, a
+//! phase of the order of f (1 − 2ν)/(2 − 2ν).
+
+mod case;
+mod cell;
+mod contact;
+
+use super::grids::{CONTACT_GRID, RIGID_GRID};
+use crate::entry::ModelEntry;
+use crate::terms::{Kind, Terms};
+use case::Case;
+use contact::Sliding;
+use proto::accuracy::Accuracy;
+use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::description::{ModelSpec, names};
+use proto::field::{self, FieldSpec};
+use proto::grid::{Grid, Structured};
+use proto::model::{Model, Setup};
+use proto::progress::Progress;
+
+/// Time of a solve over the elements, in contact all over and rough [s].
+const SECONDS: f64 = 1e-6;
+/// Working memory for an element [byte].
+const BYTES: f64 = 250.0;
+
+/// Its entry in the list.
+pub(super) const MODEL: ModelEntry = ModelEntry {
+    name: "periodic",
+    spec,
+    takes: &[Kind::Gap, Kind::Friction, Kind::PressureBound, Kind::Expansion, Kind::HeatShare],
+    configure,
+};
+
+fn spec() -> ModelSpec {
+    ModelSpec {
+        name: MODEL.name.to_owned(),
+        summary: "elastic half-spaces whose contact repeats along x and y; all of it slides"
+            .to_owned(),
+        source: "Johnson, Contact Mechanics (1985) ch. 13; Stanley & Kato, J. Tribol. 119 (1997)"
+            .to_owned(),
+        steady: true,
+        transient: true,
+        rewinds: true,
+        consumes: Vec::new(),
+        provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
+        keys: cell::keys(),
+        accuracy: Accuracy { refinement: Some(cell::refinement()), ..Accuracy::default() },
+    }
+}
+
+/// Checks a configuration; allocates no field that lasts.
+///
+/// # Errors
+/// A case that is incomplete or out of range, bodies with radii, an approach, a force or spin, heights that do not repeat.
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+    let case = Case::read(configuration, terms)?;
+    let layout = layout(configuration, &case);
+    Ok(Box::new(Prepared { case, layout }))
+}
+
+fn layout(configuration: &Configuration, case: &Case) -> Layout {
+    let grid = case.grid;
+    let wanted = |spec: &FieldSpec| {
+        configuration.outputs.iter().chain(&configuration.observed).any(|name| name == spec.name)
+    };
+    let on = |spec: &FieldSpec| match *spec {
+        field::SURFACE_SPEED => RIGID_GRID,
+        _ => CONTACT_GRID,
+    };
+    let fields: Vec<FieldOnGrid> = field::TABLE
+        .iter()
+        .filter(|spec| wanted(spec))
+        .map(|spec| FieldOnGrid { field: spec.name.to_owned(), grid: on(spec).to_owned() })
+        .collect();
+    let [length, width] = case.cell();
+    let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
+    let grids = [(CONTACT_GRID, grid), (RIGID_GRID, whole)];
+    let used = |name: &str| fields.iter().any(|on| on.grid == name);
+    Layout {
+        grids: grids
+            .into_iter()
+            .filter(|(name, _)| used(name))
+            .map(|(name, shape)| Grid::structured(name, shape))
+            .collect(),
+        fields,
+        solve_seconds: SECONDS * grid.points() as f64,
+        memory_bytes: (BYTES * grid.points() as f64) as u64,
+        remarks: vec![format!(
+            "a cell of {:.4} x {:.4} mm that repeats, {} x {} elements, under a mean pressure of {:.4e} Pa",
+            1e3 * length,
+            1e3 * width,
+            grid.ni,
+            grid.nj,
+            case.mean_pressure()
+        )],
+        ..Layout::default()
+    }
+}
+
+/// A checked case and its grids.
+struct Prepared {
+    case: Case,
+    layout: Layout,
+}
+
+impl Setup for Prepared {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        Ok(Box::new(Sliding::new(self.case)))
+    }
+}

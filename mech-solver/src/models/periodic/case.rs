@@ -1,0 +1,85 @@
+//! A checked case.
+
+use super::cell;
+use crate::half_space::extent::sample;
+use crate::half_space::influence::Elasticity;
+use crate::scene::{APPROACH, DRIVE, Drive, Load, Scene};
+use crate::terms::Terms;
+use proto::configuration::{Configuration, Refusal};
+use proto::grid::Structured;
+
+/// A checked case.
+pub(super) struct Case {
+    pub(super) scene: Scene,
+    pub(super) terms: Terms,
+    pub(super) grid: Structured,
+    /// Load on a cell [N].
+    pub(super) load: f64,
+    /// Longitudinal and lateral creepage.
+    pub(super) creepage: [f64; 2],
+}
+
+impl Case {
+    /// Reads a case.
+    ///
+    /// # Errors
+    /// What is missing or out of range, and what a contact that repeats does not have.
+    pub(super) fn read(configuration: &Configuration, mut terms: Terms) -> Result<Self, Refusal> {
+        let scene = Scene::read(&configuration.case)?;
+        let grid = cell::grid(&configuration.case)?;
+        for (body, of) in scene.bodies.iter().enumerate() {
+            for (radius, key) in [(of.radius_x, "radius_x"), (of.radius_y, "radius_y")] {
+                if radius.is_finite() {
+                    let key = scene.names.key(body, key);
+                    let reason = "bodies whose contact repeats are flat on the whole";
+                    let fix = "remove the key, or write [mech] model = \"half-space\"";
+                    return Err(Refusal::new(&key, reason, fix));
+                }
+            }
+        }
+        let Load::NormalForce(load) = scene.load else {
+            let reason = "the approach of bodies without end has no meaning";
+            return Err(Refusal::new(APPROACH, reason, "write load.normal_force, that on one cell"));
+        };
+        let creepage = match scene.drive {
+            Drive::Creepage { xi, eta, phi: 0.0 } => [xi, eta],
+            Drive::Shift([0.0, 0.0, 0.0]) => [0.0; 2],
+            _ => {
+                let reason = "all of a contact that repeats slides, by what the creepages say";
+                let fix = "write motion.creepage without spin, or a surface_speed of the bodies";
+                return Err(Refusal::new(DRIVE, reason, fix));
+            }
+        };
+        let [dx, dy] = [grid.dx(), grid.dy()];
+        let periods = [grid.ni as f64 * dx, grid.nj as f64 * dy];
+        terms.gap.iter_mut().try_for_each(|term| term.repeat(periods))?;
+        Ok(Self { scene, terms, grid, load, creepage })
+    }
+
+    /// Length and width of the cell [m].
+    pub(super) fn cell(&self) -> [f64; 2] {
+        [self.grid.ni as f64 * self.grid.dx(), self.grid.nj as f64 * self.grid.dy()]
+    }
+
+    /// Load over the cell [Pa].
+    pub(super) fn mean_pressure(&self) -> f64 {
+        let [length, width] = self.cell();
+        self.load / (length * width)
+    }
+
+    /// Normal compliance of the pair [1/Pa].
+    pub(super) fn compliance(&self) -> f64 {
+        let [upper, lower] = self.scene.materials();
+        Elasticity::of_pair(&upper, &lower).contact_compliance()
+    }
+
+    /// Distance of the surfaces before they deform, at the elements [m].
+    pub(super) fn distance(&self) -> Vec<f64> {
+        sample(&self.grid, &|x, y| self.terms.height(x, y))
+    }
+
+    /// Velocity of the upper body relative to the lower one [m/s].
+    pub(super) fn slip_velocity(&self) -> [f64; 2] {
+        self.creepage.map(|creepage| creepage * self.scene.speeds.rolling)
+    }
+}
