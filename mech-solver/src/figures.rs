@@ -27,6 +27,7 @@ fn extent() -> Vec<FigureSpec> {
         FigureSpec::new("contact.area_m2", "m2", "contact area"),
         figure("contact.area_ratio", "1", "share of the surface in contact", "contact")
             .style(Style::Percent),
+        figure("contact.gap_m", "m", "distance of the ends", "gap").headline(),
         figure("contact.separation_m", "m", "mean distance of the surfaces", "separation"),
         FigureSpec::new("contact.pressure_deviation_pa", "Pa", "root mean square deviation from the mean pressure"),
     ]

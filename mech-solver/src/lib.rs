@@ -69,7 +69,7 @@ impl Solver for MechSolver {
             advises: true,
             models: models::MODELS.iter().map(|model| (model.spec)()).collect(),
             effects: EFFECTS.iter().map(|effect| effect.spec(support::models_of(effect))).collect(),
-            keys: scene::keys(),
+            keys: scene::body_keys(),
             fields: Vec::new(),
             figures: figures::figures(),
             renamed: scene::renamed(),

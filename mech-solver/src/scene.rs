@@ -117,11 +117,10 @@ pub struct GivenPatch {
     pub max_pressure: f64,
 }
 
-/// The keys that [`Scene::read`] reads.
+/// The keys of a contact that bears a load and moves: all that [`Scene::read`] reads besides [`body_keys`].
 #[must_use]
-pub fn keys() -> Vec<KeySpec> {
-    let mut keys = body_keys();
-    keys.extend(motion_keys());
+pub fn contact_keys() -> Vec<KeySpec> {
+    let mut keys = motion_keys();
     keys.push(
         KeySpec::quantity(NORMAL_FORCE, "N", "normal force")
             .varies()
@@ -144,7 +143,9 @@ pub fn keys() -> Vec<KeySpec> {
     keys
 }
 
-fn body_keys() -> Vec<KeySpec> {
+/// The keys of the bodies and their materials, which every model reads.
+#[must_use]
+pub fn body_keys() -> Vec<KeySpec> {
     vec![
         position_key(),
         KeySpec::quantity(
@@ -252,16 +253,17 @@ pub fn given_patch_keys() -> Vec<KeySpec> {
 }
 
 impl Scene {
-    /// Reads the case values named by [`keys`].
+    /// Reads the case values named by [`body_keys`] and [`contact_keys`].
     ///
     /// # Errors
     /// A key that is missing or out of range, a tread radius of zero, and none or several of the
     /// alternatives that drive the wheel.
     pub fn read(params: &Params) -> Result<Self, Refusal> {
-        let case = CheckedParams::new(params, keys());
+        let case = CheckedParams::new(params, [body_keys(), contact_keys()].concat());
         let names = Bodies::read(params)?;
         let prescribed = read_surface_speeds(&case, &names)?;
-        let bodies = [read_body(&case, &names, UPPER)?, read_body(&case, &names, LOWER)?];
+        let [upper, lower] = [UPPER, LOWER].map(|body| read_body(params, &case, &names, body));
+        let bodies = [upper?, lower?];
         let rolling = match (case.maybe_number(SPEED)?, prescribed) {
             (Some(speed), _) => speed,
             (None, Some([upper, lower])) => 0.5 * (upper + lower),
@@ -362,8 +364,27 @@ impl GivenPatch {
     }
 }
 
-fn read_body(case: &CheckedParams<'_>, names: &Bodies, body: usize) -> Result<Body, Refusal> {
-    let material = case.text(&names.key(body, "material"))?;
+impl Material {
+    /// Elastic constants of a body.
+    ///
+    /// # Errors
+    /// One is missing or out of range.
+    pub(crate) fn read(params: &Params, names: &Bodies, body: usize) -> Result<Self, Refusal> {
+        let case = CheckedParams::new(params, body_keys());
+        let name = case.text(&names.key(body, "material"))?;
+        Ok(Self {
+            youngs_modulus: case.number(&format!("materials.{name}.youngs_modulus"))?,
+            poisson_ratio: case.number(&format!("materials.{name}.poisson_ratio"))?,
+        })
+    }
+}
+
+fn read_body(
+    params: &Params,
+    case: &CheckedParams<'_>,
+    names: &Bodies,
+    body: usize,
+) -> Result<Body, Refusal> {
     let radius = |name: &str| {
         let key = names.key(body, name);
         match case.maybe_number(&key)? {
@@ -378,10 +399,7 @@ fn read_body(case: &CheckedParams<'_>, names: &Bodies, body: usize) -> Result<Bo
     Ok(Body {
         radius_x: radius("radius_x")?,
         radius_y: radius("radius_y")?,
-        material: Material {
-            youngs_modulus: case.number(&format!("materials.{material}.youngs_modulus"))?,
-            poisson_ratio: case.number(&format!("materials.{material}.poisson_ratio"))?,
-        },
+        material: Material::read(params, names, body)?,
     })
 }
 

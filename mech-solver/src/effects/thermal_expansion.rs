@@ -6,6 +6,8 @@
 //! in their first layer, whose integral over the layer is αW: heat is far thinner than their elements, so that the surface
 //! rises and stretches as if it were half an element deep: by less, the coarser they are.
 //!
+//! A rod whose sides are free becomes longer by αW.
+//!
 //! The effect closes a loop: heat changes the contact, and that the heat.
 //!
 //! Source: Barber, *Elasticity* (2010), thermoelastic displacement potentials. Left out for half-spaces: the stretching along the
@@ -14,8 +16,8 @@
 
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
-use crate::scene::Scene;
 use crate::terms::{Kind, Terms};
+use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field;
@@ -46,10 +48,10 @@ fn keys() -> Vec<KeySpec> {
 }
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
-    let scene = Scene::read(&configuration.case)?;
+    let names = Bodies::read(&configuration.case)?;
     let own = CheckedParams::new(&configuration.case, keys());
     let of = |which: usize| {
-        let material = configuration.case.text(&scene.names.key(which, "material"))?;
+        let material = configuration.case.text(&names.key(which, "material"))?;
         own.number(&path(material))
     };
     Ok(Terms { expansion: Some([of(0)?, of(1)?]), ..Terms::default() })

@@ -43,7 +43,7 @@ use crate::models::row_by_row::RowByRow;
 use crate::models::varying::Varying;
 use crate::reference::kalker::{self, CreepCoefficients};
 use crate::resolution;
-use crate::scene::{GivenPatch, Scene, given_patch_keys};
+use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
 use crate::terms::{Kind, Terms};
 use contact::Problem;
 use flexibility::Flexibilities;
@@ -83,7 +83,7 @@ const COARSE: usize = 15;
 
 /// What the description says of this model.
 fn spec() -> ModelSpec {
-    let mut keys = given_patch_keys();
+    let mut keys = [contact_keys(), given_patch_keys()].concat();
     keys.push(flexibility_key());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {

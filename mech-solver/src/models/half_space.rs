@@ -33,7 +33,7 @@ use crate::models::expected::refinement;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID};
 use crate::models::varying::Varying;
 use crate::resolution;
-use crate::scene::{GivenPatch, Scene, given_patch_keys};
+use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
 use crate::terms::{Kind, Place, Terms};
 use case::Case;
 use drive::Driven;
@@ -100,7 +100,7 @@ const RESOLUTION: usize = 40;
 
 /// What the description says of this model.
 fn spec() -> ModelSpec {
-    let mut keys = given_patch_keys();
+    let mut keys = [contact_keys(), given_patch_keys()].concat();
     keys.extend(geometry::keys());
     keys.extend(drive::keys());
     keys.push(rolling_key());

@@ -29,7 +29,7 @@ use crate::models::precomputed::{self, Precomputed};
 use crate::models::row_by_row::RowByRow;
 use crate::models::varying::Varying;
 use crate::resolution;
-use crate::scene::{Drive, GivenPatch, Scene, given_patch_keys};
+use crate::scene::{Drive, GivenPatch, Scene, contact_keys, given_patch_keys};
 use crate::terms::{Kind, Terms};
 use case::Case;
 use contact::{Contact, CreepLaw};
@@ -58,7 +58,7 @@ const RESOLUTION: usize = 40;
 
 /// What the description says of this model.
 fn spec() -> ModelSpec {
-    let mut keys = given_patch_keys();
+    let mut keys = [contact_keys(), given_patch_keys()].concat();
     keys.push(creep_law_key());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {

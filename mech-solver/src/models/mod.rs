@@ -10,6 +10,7 @@ pub mod hertz_carter;
 mod periodic;
 mod power_balance;
 mod precomputed;
+mod rod;
 mod row_by_row;
 mod settled_creepage;
 mod shortfall;
@@ -26,7 +27,7 @@ use proto::params::Params;
 
 /// Every model of this crate, cheapest first.
 pub const MODELS: &[ModelEntry] =
-    &[hertz_carter::MODEL, fastsim::MODEL, periodic::MODEL, half_space::MODEL, explicit_fe::MODEL];
+    &[rod::MODEL, hertz_carter::MODEL, fastsim::MODEL, periodic::MODEL, half_space::MODEL, explicit_fe::MODEL];
 
 /// The contact as the cheapest model that knows all creepages has it, its figures by their keys in the summary; `None` where it has none.
 pub(crate) fn estimated_contact(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {

@@ -19,6 +19,7 @@ mod contact;
 
 use super::grids::{CONTACT_GRID, RIGID_GRID};
 use crate::entry::ModelEntry;
+use crate::scene::contact_keys;
 use crate::terms::{Kind, Terms};
 use case::Case;
 use contact::Sliding;
@@ -55,7 +56,7 @@ fn spec() -> ModelSpec {
         rewinds: true,
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
-        keys: cell::keys(),
+        keys: [contact_keys(), cell::keys()].concat(),
         accuracy: Accuracy { refinement: Some(cell::refinement()), ..Accuracy::default() },
     }
 }

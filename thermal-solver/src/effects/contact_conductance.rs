@@ -4,9 +4,12 @@
 //! the contact is constant, or that of rough surfaces whose asperities flow, h = h₀ (p/H)^0.95, with the contact pressure p and
 //! the hardness H of the softer body. Where the surfaces touch without friction heat flows too.
 //!
+//! Surfaces that are apart, where a model knows of gaps, exchange heat through the gas between them, h = k/(g + j) with its conductivity k, the gap
+//! g and the temperature jump distance j; where they touch the gas goes on conducting, g = 0, besides the contact.
+//!
 //! h → ∞ is the partition `continuity`, h → 0 its absence.
 //!
-//! Source: Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279–300; exponent: Yovanovich, AIAA 81-1164 (1981).
+//! Source: Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279–300; exponent and gas: Yovanovich, AIAA 81-1164 (1981).
 
 use super::friction_heat::Partition;
 use crate::models::names;
@@ -23,6 +26,8 @@ pub const NAME: &str = "contact_conductance";
 
 const CONDUCTANCE: &str = "effects.contact_conductance.conductance";
 pub(crate) const HARDNESS: &str = "effects.contact_conductance.hardness";
+pub(crate) const GAS: &str = "effects.contact_conductance.gas_conductivity";
+const JUMP: &str = "effects.contact_conductance.gas_jump";
 /// Of the pressure over the hardness.
 const EXPONENT: f64 = 0.95;
 /// Pressures below this part of the largest conduct as that: the last of an ellipse's edge, or places in a row between two patches, where what
@@ -36,6 +41,8 @@ pub struct Conductance {
     pub conductance: f64,
     /// H, if the pressure matters [Pa].
     pub hardness: Option<f64>,
+    /// Conductivity k [W/(m·K)] and jump distance j [m] of a gas in the gap.
+    pub gas: Option<[f64; 2]>,
 }
 
 impl Conductance {
@@ -64,7 +71,12 @@ impl Conductance {
         let conductance = above_zero(CONDUCTANCE, case.number(CONDUCTANCE)?)?;
         let hardness = case.maybe_number(HARDNESS)?;
         let hardness = hardness.map(|value| above_zero(HARDNESS, value)).transpose()?;
-        Ok(Some(Self { conductance, hardness }))
+        let gas = case.maybe_number(GAS)?;
+        let gas = match gas.map(|value| above_zero(GAS, value)).transpose()? {
+            Some(conductivity) => Some([conductivity, above_zero(JUMP, case.number(JUMP)?)?]),
+            None => None,
+        };
+        Ok(Some(Self { conductance, hardness, gas }))
     }
 
     /// Resistance 1/h [m²·K/W] at a pressure, of which the largest is given [Pa].
@@ -73,6 +85,14 @@ impl Conductance {
         let Some(hardness) = self.hardness else { return 1.0 / self.conductance };
         let pressure = pressure.max(LEAST * largest);
         1.0 / (self.conductance * (pressure / hardness).powf(EXPONENT))
+    }
+
+    /// Conductance of surfaces that touch under a pressure [Pa], or are a gap apart [m] [W/(m²·K)].
+    #[must_use]
+    pub fn across(&self, pressure: f64, gap: f64) -> f64 {
+        let gas = self.gas.map_or(0.0, |[conductivity, jump]| conductivity / (gap + jump));
+        let touching = if pressure > 0.0 { 1.0 / self.resistance(pressure, 0.0) } else { 0.0 };
+        gas + touching
     }
 }
 
@@ -90,7 +110,7 @@ pub fn spec() -> EffectSpec {
             .to_owned(),
         source: "Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279-300; Yovanovich, AIAA 81-1164 (1981)"
             .to_owned(),
-        models: vec![names::MOVING_SOURCE.to_owned(), names::FE.to_owned()],
+        models: [names::ROD, names::MOVING_SOURCE, names::FE].map(str::to_owned).to_vec(),
         consumes: field_names(&[&field::PRESSURE]),
         provides: Vec::new(),
         keys: vec![
@@ -99,6 +119,12 @@ pub fn spec() -> EffectSpec {
                 .above(0.0),
             KeySpec::quantity(HARDNESS, "Pa", "hardness H of the softer body; absent: h does not depend on the pressure")
                 .above(0.0),
+            KeySpec::quantity(GAS, "W/(m K)", "conductivity of the gas in the gap; absent: no heat flows through a gap")
+                .above(0.0)
+                .together("gas"),
+            KeySpec::quantity(JUMP, "m", "temperature jump distance of the gas, on both surfaces together")
+                .above(0.0)
+                .together("gas"),
         ],
     }
 }
@@ -146,6 +172,10 @@ mod tests {
         let ratio = rough.resistance(1e8, 2e9) / rough.resistance(2e8, 2e9);
         assert!((ratio - 2f64.powf(0.95)).abs() < 1e-12);
         assert_eq!(rough.resistance(0.0, 2e9), rough.resistance(2e7, 2e9));
+        assert_eq!(rough.across(2e9, 0.0), 1e5);
+        let gas = read(json!({"conductance": 1e5, "gas_conductivity": 0.03, "gas_jump": 1e-6}));
+        let gas = gas.unwrap().unwrap();
+        assert_eq!((gas.across(0.0, 2e-6), gas.across(1.0, 0.0)), (1e4, 1e5 + 3e4));
         assert_eq!(Conductance::read(&Params(json!({})), Partition::Equal), Ok(None));
         assert_eq!(read(json!({"conductance": 0.0})).unwrap_err().key, CONDUCTANCE);
         let one = Conductance::read(&case(json!({"conductance": 1.0})), Partition::Continuity);

@@ -28,6 +28,8 @@ pub struct Rub<'a> {
     pub flux: &'a [f64],
     /// Contact pressure of the elements, where it matters [Pa].
     pub pressure: Option<&'a [f64]>,
+    /// Distance of the surfaces of the elements, where it matters [m].
+    pub gap: Option<&'a [f64]>,
 }
 
 /// What a solve cost and what heat it put into the bodies.
@@ -53,6 +55,8 @@ pub trait Conduction: Sized + 'static {
     const ELEMENTS: bool = false;
     /// Every place of both surfaces is always rubbed, or always again.
     const REPEATS: bool = false;
+    /// Its bodies end where they are held, so that those at rest have a steady state and height; they may be apart.
+    const ENDS: bool = false;
     /// Marks its states among those of other models.
     const STATE_TAG: u8;
 
@@ -75,6 +79,11 @@ pub trait Conduction: Sized + 'static {
 
     /// What it leaves out in this case beyond what its description says.
     fn left_out(frame: &Frame) -> Option<Simplification>;
+
+    /// Rise of a body's surface [K] before the first window, and its integral over the depth [K·m].
+    fn first(&self, _body: usize) -> [f64; 2] {
+        [0.0; 2]
+    }
 
     /// Surface rises of the upper and the lower body [K] at the end of a window, from the accepted state.
     fn solve(

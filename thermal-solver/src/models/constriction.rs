@@ -44,7 +44,7 @@ impl<C: Conduction> Constriction<C> {
         let length = frame.grid.ni as f64 * frame.grid.dx();
         let best = electric.scene.materials.iter().map(|one| one.conductivity).fold(0.0, f64::max);
         electric.conductance =
-            Some(Conductance { conductance: NO_FILM * best / length, hardness: None });
+            Some(Conductance { conductance: NO_FILM * best / length, hardness: None, gas: None });
         let products = [UPPER, LOWER]
             .map(|body| frame.scene.materials[body].conductivity * current.resistivities[body]);
         let zeros = vec![0.0; frame.grid.points()];
@@ -67,7 +67,7 @@ impl<C: Conduction> Constriction<C> {
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
         let none = vec![0.0; rub.flux.len()];
-        let rub = Rub { flux: &none, pressure: rub.pressure };
+        let rub = Rub { flux: &none, pressure: rub.pressure, gap: None };
         let work = self.potentials.solve(drive, &rub, &mut self.rises)?;
         let conductance = frame.grid.element_area() * self.potentials.exchanged().unwrap_or(0.0);
         if conductance <= 0.0 {

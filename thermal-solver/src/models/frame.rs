@@ -1,5 +1,6 @@
 //! What a model knows before it is built, and its grids.
 
+use super::ends::Ends;
 use crate::effects::bulk_heating::Memory;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::Partition;
@@ -46,6 +47,8 @@ pub struct Frame {
     pub current: Option<Current>,
     /// When steel transforms, where that is asked for.
     pub criterion: Option<Criterion>,
+    /// Ends of the bodies, where they have some.
+    pub ends: [Ends; 2],
     /// Threads to compute on.
     pub threads: usize,
 }
@@ -55,6 +58,12 @@ impl Frame {
     #[must_use]
     pub fn feels_pressure(&self) -> bool {
         self.conductance.is_some() || self.current.is_some()
+    }
+
+    /// The distance of the surfaces matters.
+    #[must_use]
+    pub fn feels_gap(&self) -> bool {
+        self.conductance.is_some_and(|law| law.gas.is_some())
     }
 
     /// The row of the sections.

@@ -11,6 +11,7 @@ pub mod columns;
 pub mod conduction;
 mod constriction;
 mod elements;
+pub mod ends;
 pub mod ertz_knothe;
 pub mod fe;
 pub mod fields;
@@ -21,6 +22,7 @@ pub mod moving_source;
 pub mod names;
 mod normal_only;
 pub mod periodic;
+pub mod rod;
 pub mod setup;
 pub mod shell;
 mod summary;
@@ -43,6 +45,7 @@ pub struct Entry {
 
 /// All models, cheapest first.
 pub const REGISTRY: &[Entry] = &[
+    Entry { name: names::ROD, spec: rod::spec, configure: setup::configure::<rod::Rods> },
     Entry {
         name: names::ERTZ_KNOTHE,
         spec: ertz_knothe::spec,

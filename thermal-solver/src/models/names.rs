@@ -1,5 +1,7 @@
 //! Names of the models in the case file, which effects refer to.
 
+/// Rods end to end.
+pub const ROD: &str = "rod";
 /// Ertz and Knothe's polynomial.
 pub const ERTZ_KNOTHE: &str = "ertz-knothe";
 /// Columns with the exact kernel.
@@ -11,4 +13,4 @@ pub const FE: &str = "fe";
 /// Half-spaces under a flux that repeats.
 pub const PERIODIC: &str = "periodic";
 /// All of them, cheapest first.
-pub const ALL: [&str; 5] = [ERTZ_KNOTHE, COLUMNS, PERIODIC, MOVING_SOURCE, FE];
+pub const ALL: [&str; 6] = [ROD, ERTZ_KNOTHE, COLUMNS, PERIODIC, MOVING_SOURCE, FE];

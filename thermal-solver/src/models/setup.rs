@@ -2,6 +2,7 @@
 
 use super::conduction::Conduction;
 use super::elements;
+use super::ends::Ends;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
@@ -114,7 +115,14 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             "remove the key, or write [thermal] model = \"moving-source\"",
         ));
     }
-    if given.has_effect(thermal_expansion::NAME) {
+    if conductance.is_some_and(|law| law.gas.is_some()) && !C::ENDS {
+        return Err(Refusal::new(
+            contact_conductance::GAS,
+            format!("model `{}` does not know of gaps between the surfaces", given.model),
+            "remove the key, or write [thermal] model = \"rod\"",
+        ));
+    }
+    if given.has_effect(thermal_expansion::NAME) && !C::ENDS {
         thermal_expansion::refuse_rest(&scene, given.mode)?;
     }
     let mut layout = Layout::default();
@@ -134,7 +142,9 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             };
             let criterion = phase_transformation::read(given)?;
             let current = joule_heat::read(given, &scene)?;
+            let ends = Ends::read(&given.case, &scene.names)?;
             let known = Frame {
+                ends,
                 scene,
                 partition,
                 conductance,

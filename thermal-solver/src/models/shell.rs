@@ -170,14 +170,18 @@ impl<C: Conduction> Model for Shell<C> {
         let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
         let drive = drive(&self.frame, C::AT_REST, C::REPEATS, step, inputs)?;
         self.speeds = drive.speeds;
-        if self.integrals.is_some() {
+        if self.integrals.is_some() && !C::ENDS {
             refuse_without_height(&self.frame, &drive)?;
         }
         let pressure = match self.frame.feels_pressure() {
             true => Some(checked(inputs, &field::PRESSURE, self.frame.grid.points())?.values),
             false => None,
         };
-        let rub = Rub { flux: flux.values, pressure };
+        let gap = match self.frame.feels_gap() {
+            true => Some(checked(inputs, &field::GAP, self.frame.grid.points())?.values),
+            false => None,
+        };
+        let rub = Rub { flux: flux.values, pressure, gap };
         let work = self.conduction.solve(&drive, &rub, &mut self.trial)?;
         self.add_background(&drive, flux.values, work.heat);
         let mut operations = work.operations;
@@ -206,10 +210,17 @@ impl<C: Conduction> Model for Shell<C> {
     }
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        let integrals = RISE_INTEGRALS.into_iter();
-        for spec in SURFACES.into_iter().chain(integrals).chain(SECTIONS).chain(&VOLUMES) {
+        for spec in SECTIONS.into_iter().chain(&VOLUMES) {
             if let Some(values) = outputs.get(spec) {
                 values.fill(0.0);
+            }
+        }
+        for body in 0..2 {
+            let first = self.conduction.first(body);
+            for (spec, value) in [SURFACES[body], RISE_INTEGRALS[body]].into_iter().zip(first) {
+                if let Some(values) = outputs.get(spec) {
+                    values.fill(value);
+                }
             }
         }
     }

@@ -5,6 +5,7 @@ use super::setup::configure;
 use crate::entry::ModelEntry;
 use crate::models::half_space::gap;
 use crate::resolution;
+use crate::scene::contact_keys;
 use crate::terms::Kind;
 use proto::accuracy::{Accuracy, Refinement, Simplification};
 use proto::description::{ModelSpec, names};
@@ -21,7 +22,7 @@ pub(in crate::models) const MODEL: ModelEntry = ModelEntry {
 const STUDY: &str = "wheel-rail-fe against wheel-rail (docs/paper-elements.md)";
 
 fn spec() -> ModelSpec {
-    let mut keys = own_keys();
+    let mut keys = [contact_keys(), own_keys()].concat();
     keys.extend(gap::keys());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {

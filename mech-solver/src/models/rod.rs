@@ -1,0 +1,225 @@
+//! Model `rod`: two rods end to end, that touch or do not.
+//!
+//! Each body is a rod along the normal of the contact, held at its far end; one without a length is rigid and stands. At the temperatures
+//! at the start their ends are a gap g₀ apart. Heat makes a rod longer by αW, W the integral of its rise over the length, so that
+//!
+//! g = g₀ − Σ αW,  p = 0        where that is positive,
+//! g = 0,  p = (Σ αW − g₀)/Σ(L/E)   where it is not:
+//!
+//! sides are free, nothing moves but along the rods, and inertia is none. No friction.
+//!
+//! Source: J. R. Barber, J. Dundurs, M. Comninou, J. Appl. Mech. 47 (1980) 871-874.
+
+use super::grids::{CONTACT_GRID, RIGID_GRID};
+use crate::effects;
+use crate::entry::ModelEntry;
+use crate::keys::CheckedParams;
+use crate::scene::Material;
+use crate::surface::Surface;
+use crate::terms::{Kind, Terms};
+use proto::accuracy::Accuracy;
+use proto::bodies::Bodies;
+use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::description::{KeySpec, ModelSpec, names};
+use proto::field::{self, FieldSpec};
+use proto::grid::{Grid, Structured};
+use proto::model::{Inputs, Model, Outputs, Setup, StateError, Step, StepError, StepReport};
+use proto::progress::Progress;
+use serde_json::{Value, json};
+use std::io::{self, Read, Write};
+
+/// Its entry in the list.
+pub(super) const MODEL: ModelEntry = ModelEntry {
+    name: "rod",
+    spec,
+    takes: &[Kind::Expansion, Kind::HeatShare],
+    configure,
+};
+
+const LENGTH: &str = "length";
+const AREA: &str = "mech.area";
+const GAP: &str = "mech.gap";
+
+fn keys() -> Vec<KeySpec> {
+    let length = "length of the rod, held at its far end; absent: the body is rigid and stands";
+    vec![
+        KeySpec::quantity(&format!("bodies.*.{LENGTH}"), "m", length).above(0.0),
+        KeySpec::quantity(AREA, "m2", "cross-section of the rods").required().above(0.0),
+        KeySpec::quantity(GAP, "m", "distance of the ends at the temperatures at the start")
+            .default_value(0.0)
+            .at_least(0.0),
+    ]
+}
+
+fn spec() -> ModelSpec {
+    ModelSpec {
+        name: MODEL.name.to_owned(),
+        summary: "two rods end to end, that touch or do not; no friction".to_owned(),
+        source: "Barber, Dundurs & Comninou, J. Appl. Mech. 47 (1980) 871-874".to_owned(),
+        steady: true,
+        transient: true,
+        rewinds: true,
+        consumes: Vec::new(),
+        provides: names(&[&field::PRESSURE, &field::GAP]),
+        keys: keys(),
+        accuracy: Accuracy::default(),
+    }
+}
+
+/// Two rods.
+#[derive(Clone, Debug, PartialEq)]
+struct Rods {
+    area: f64,
+    /// g₀ [m].
+    gap: f64,
+    /// α of the upper and the lower body [1/K].
+    expansion: [f64; 2],
+    /// Σ L/E [m/Pa].
+    flexibility: f64,
+}
+
+impl Rods {
+    fn read(configuration: &Configuration, expansion: Option<[f64; 2]>) -> Result<Self, Refusal> {
+        let case = CheckedParams::new(&configuration.case, keys());
+        let bodies = Bodies::read(&configuration.case)?;
+        let mut flexibility = 0.0;
+        for body in 0..2 {
+            let material = Material::read(&configuration.case, &bodies, body)?;
+            let length = case.maybe_number(&bodies.key(body, LENGTH))?;
+            flexibility += length.unwrap_or(0.0) / material.youngs_modulus;
+        }
+        if flexibility == 0.0 {
+            let reason = "both bodies are rigid and stand";
+            let fix = "write the length of at least one rod";
+            return Err(Refusal::new(&bodies.key(0, LENGTH), reason, fix));
+        }
+        let expansion = expansion.unwrap_or_default();
+        Ok(Self { area: case.number(AREA)?, gap: case.number(GAP)?, expansion, flexibility })
+    }
+
+    /// Gap and pressure where the ends have come nearer by some length [m].
+    fn pressed(&self, nearer: f64) -> [f64; 2] {
+        let open = self.gap - nearer;
+        if open > 0.0 { [open, 0.0] } else { [0.0, -open / self.flexibility] }
+    }
+}
+
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+    let rods = Rods::read(configuration, terms.expansion)?;
+    let side = rods.area.sqrt();
+    let end = Structured::contact_plane(0.0, 0.0, side, side, 1, 1);
+    let fields: Vec<FieldOnGrid> = field::TABLE
+        .iter()
+        .filter(|spec: &&FieldSpec| {
+            let mut asked = configuration.outputs.iter().chain(&configuration.observed);
+            asked.any(|name| name == spec.name)
+        })
+        .map(|spec| {
+            let grid = if *spec == field::SURFACE_SPEED { RIGID_GRID } else { CONTACT_GRID };
+            FieldOnGrid { field: spec.name.to_owned(), grid: grid.to_owned() }
+        })
+        .collect();
+    let used = |name: &&str| fields.iter().any(|on| on.grid == *name);
+    let grids = [CONTACT_GRID, RIGID_GRID].into_iter().filter(used);
+    let remark = if terms.expansion.is_none() {
+        effects::without(Kind::Expansion) + "nothing moves"
+    } else {
+        format!("ends {:.4e} m apart at the temperatures at the start", rods.gap)
+    };
+    let grids = grids.map(|name| Grid::structured(name, end)).collect();
+    let layout = Layout {
+        grids,
+        fields,
+        remarks: vec![remark],
+        ..Layout::default()
+    };
+    Ok(Box::new(Prepared { rods, terms, layout }))
+}
+
+/// A checked case and its grids.
+struct Prepared {
+    rods: Rods,
+    terms: Terms,
+    layout: Layout,
+}
+
+impl Setup for Prepared {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let state = self.rods.pressed(0.0);
+        Ok(Box::new(Contact { rods: self.rods, terms: self.terms, state }))
+    }
+}
+
+/// The model that runs.
+struct Contact {
+    rods: Rods,
+    terms: Terms,
+    /// Gap and pressure of the last solve.
+    state: [f64; 2],
+}
+
+impl Contact {
+    fn write(&self, outputs: &mut dyn Outputs) {
+        let [gap, pressure] = self.state;
+        let values = [(&field::GAP, gap), (&field::PRESSURE, pressure)];
+        let still = [(&field::FRICTION_POWER, 0.0), (&field::SURFACE_SPEED, 0.0)];
+        for (spec, value) in values.into_iter().chain(still) {
+            if let Some(values) = outputs.get(spec) {
+                values.fill(value);
+            }
+        }
+    }
+}
+
+impl Model for Contact {
+    fn solve(
+        &mut self,
+        _step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        let mut nearer = 0.0;
+        if self.terms.expansion.is_some() {
+            let fields = [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
+            for (field, coefficient) in fields.into_iter().zip(self.rods.expansion) {
+                nearer += coefficient * Surface::of(inputs, field)?.at(0.0, 0.0);
+            }
+        }
+        self.state = self.rods.pressed(nearer);
+        self.write(outputs);
+        Ok(StepReport { substeps: 1, work: 1, ..StepReport::default() })
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        self.write(outputs);
+    }
+
+    fn accept(&mut self) {
+        self.terms.accept();
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        self.write(outputs);
+    }
+
+    fn summary(&self) -> Value {
+        let [gap, pressure] = self.state;
+        json!({"contact": {
+            "gap_m": gap,
+            "max_pressure_pa": pressure,
+            "normal_force_n": pressure * self.rods.area,
+        }})
+    }
+
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        self.terms.save(into)
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        self.terms.restore(from)
+    }
+}
