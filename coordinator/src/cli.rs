@@ -15,6 +15,7 @@ use crate::report;
 use crate::report::page::Page;
 use crate::reproduce;
 use crate::stability;
+use crate::states;
 use crate::study::Variant;
 use crate::study::output::{Kind, kind};
 use case::{Alone, RawCase, judge_alone};
@@ -86,6 +87,8 @@ enum Command {
     Conform(conform::Arguments),
     /// Run the hard cases, drive their parameters to the edge, and print what held.
     Stability(stability::Arguments),
+    /// Find the steady states of a case with a loop, and which of them last.
+    States(states::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
     Export(ExportArguments),
     /// Switch off each effect in turn: what it changes in the answer, and what it costs.
@@ -331,6 +334,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Inspect(asked) => Ok(inspect_recording(asked)?),
         Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
+        Command::States(asked) => Ok(states::main(asked, arguments.quiet)?),
         Command::Ablate(asked) => Ok(ablate::main(asked, arguments.quiet)?),
         Command::Cost(asked) => Ok(cost::main(asked, arguments.quiet)?),
         Command::Stability(asked) => Ok(stability::main(asked, arguments.quiet)?),
@@ -539,9 +543,10 @@ fn conclude(
 }
 
 /// Every kind of study that leaves a page.
-const STUDIES: [Kind; 4] = [
+const STUDIES: [Kind; 5] = [
     kind::<cost::Study>(),
     kind::<ablate::Study>(),
+    kind::<states::Study>(),
     kind::<stability::Report>(),
     kind::<reproduce::Record>(),
 ];

@@ -18,6 +18,7 @@ mod replay;
 mod report;
 mod reproduce;
 mod stability;
+mod states;
 mod study;
 
 /// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.

@@ -61,7 +61,6 @@ pub(crate) fn stability(
     let mut report = Report {
         schema: Report::SCHEMA,
         suite: request.suite.name(),
-        waiting: request.suite.waiting.clone(),
         ..Report::default()
     };
     for entry in request.suite.chosen(&request.only)? {

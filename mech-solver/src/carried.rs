@@ -28,8 +28,11 @@ const PLACES: usize = 24;
 const HALVINGS: usize = 30;
 /// Periods of the wheel on its contact after an irregularity in which the load may still rise.
 const PERIODS_AFTER: f64 = 3.0;
-/// Waves of a corrugation until which the load has risen.
-const WAVES: f64 = 20.0;
+/// Waves of a corrugation, and turns of a flat, over which is looked for the largest load.
+const WAVES: f64 = 100.0;
+const TURNS: f64 = 10.0;
+/// A step over the time constants of the suspension, √(M/K) and M/C, at most.
+const OF_SUSPENSION: f64 = 0.5;
 
 /// A load over time.
 #[derive(Debug)]
@@ -90,7 +93,8 @@ impl Carried {
             kept: RefCell::new(vec![State { largest: load, ..State::default() }]),
         };
         let passing = axle.irregularity.map_or(f64::INFINITY, |form| form.length / speed);
-        own.step = (own.period() / STEPS).min(passing / STEPS_OVER);
+        let suspension = (axle.mass / axle.damping).min((axle.mass / axle.stiffness).sqrt());
+        own.step = (own.period() / STEPS).min(passing / STEPS_OVER).min(OF_SUSPENSION * suspension);
         Some(own)
     }
 
@@ -109,8 +113,8 @@ impl Carried {
         WindowLoad { mean: mean.max(0.0), largest: last.largest, apart: last.apart }
     }
 
-    /// The largest load until all of the irregularity has been passed and the wheel has come down again; of waves until they have
-    /// raised it, of a flat after two turns [N].
+    /// The largest load until all of the irregularity has been passed and the wheel has come down again; of waves, and of a flat that
+    /// comes round, that of the first of them, after which it may still rise [N].
     pub(crate) fn largest(&self) -> f64 {
         self.at(self.looked_at()).largest
     }
@@ -121,7 +125,7 @@ impl Carried {
             None => return 0.0,
             Some(form) if form.begins() == form.at => form.at + WAVES * form.length,
             Some(form) if form.body() == UPPER && self.circumference.is_finite() => {
-                form.at + form.length + 2.0 * self.circumference
+                form.at + form.length + TURNS * self.circumference
             }
             Some(form) => form.at + form.length,
         };

@@ -74,7 +74,8 @@ pub(crate) struct Removal {
     compliance: f64,
     /// Where the rows are.
     rows: Rows,
-    /// Depths that a passage through the latest contact takes off both bodies [m].
+    /// Depths that a passage takes off both bodies through the latest contact, and through the latest that was accepted [m].
+    trial: [Vec<f64>; 2],
     passage: [Vec<f64>; 2],
     /// Depths of all passages that were accepted [m].
     worn: [Vec<f64>; 2],
@@ -110,6 +111,7 @@ impl Removal {
             names: scene.names.clone(),
             compliance: scene.contact_compliance(),
             rows: Rows::default(),
+            trial: Default::default(),
             passage: Default::default(),
             worn: Default::default(),
             pressure: Vec::new(),
@@ -120,6 +122,7 @@ impl Removal {
     pub(crate) fn place(&mut self, grid: &Structured) {
         self.rows = Rows { first: grid.y(0), width: grid.dy(), count: grid.nj };
         let zeros = vec![0.0; grid.nj];
+        self.trial = [zeros.clone(), zeros.clone()];
         self.passage = [zeros.clone(), zeros.clone()];
         self.worn = [zeros.clone(), zeros.clone()];
         self.pressure = zeros;
@@ -157,9 +160,9 @@ impl Removal {
             let elements = row * grid.ni..(row + 1) * grid.ni;
             let driving: f64 = elements.clone().map(|at| self.law.driving(contact, at)).sum();
             let bodies = factors.into_iter().zip(contact.surface_speed);
-            for (passage, (factor, speed)) in self.passage.iter_mut().zip(bodies) {
+            for (trial, (factor, speed)) in self.trial.iter_mut().zip(bodies) {
                 let per_speed = if factor == 0.0 { 0.0 } else { factor / speed };
-                passage[row] = per_speed * driving * grid.dx();
+                trial[row] = per_speed * driving * grid.dx();
             }
             self.pressure[row] = contact.pressure[elements].iter().copied().fold(0.0, f64::max);
         }
@@ -168,7 +171,7 @@ impl Removal {
     /// Refuses a window that wears more than a profile can follow.
     pub(crate) fn refuse_too_much(&self) -> Result<(), StepError> {
         let stiffness = 0.5 * PI / (self.compliance * self.rows.width);
-        let [upper, lower] = &self.passage;
+        let [upper, lower] = &self.trial;
         let response = upper.iter().zip(lower).zip(&self.pressure);
         let largest = response
             .filter(|(_, pressure)| **pressure > 0.0)
@@ -217,6 +220,7 @@ impl Removal {
 
 impl State for Removal {
     fn accept(&mut self) {
+        std::mem::swap(&mut self.passage, &mut self.trial);
         for (worn, passage) in self.worn.iter_mut().zip(&self.passage) {
             for (sum, depth) in worn.iter_mut().zip(passage) {
                 *sum += self.passes * depth;

@@ -6,11 +6,15 @@ use crate::scene::Scene;
 use crate::situation::Situation;
 use crate::{LOWER, UPPER};
 use proto::advice::{self, Advice, Opinion};
+use proto::configuration::Mode;
 
-/// What the thermal side says of a scene. Of one whose contact nobody knows it says nothing.
+/// What the thermal side says of a scene. Of one whose contact nobody knows it says nothing, nor of a body at rest that warms for a time.
 #[must_use]
 pub fn opinion(asked: &advice::Scene) -> Opinion {
     let Ok(scene) = Scene::read(&asked.case) else { return Opinion::default() };
+    if asked.mode == Mode::Transient && scene.at_rest.contains(&true) {
+        return Opinion::default();
+    }
     let partition = Partition::read(&asked.case).unwrap_or(Partition::Equal);
     let shares = |speeds: [f64; 2]| partition.shares(&scene.materials, speeds);
     let Some(situation) = Situation::of(&scene, &asked.case, &asked.known, shares) else {

@@ -105,6 +105,7 @@ impl<'a> Situation<'a> {
         let body = self.hotter();
         let material = &self.scene.materials[body];
         let biot = coefficient * self.semi_axes[0] / material.conductivity;
-        -biot / (1.0 + self.peclet(body)).sqrt()
+        let share = biot / (1.0 + self.peclet(body)).sqrt();
+        -share / (1.0 + share)
     }
 }

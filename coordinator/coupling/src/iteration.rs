@@ -4,6 +4,7 @@
 use crate::accelerate::{self, Accelerator, StepTaken};
 use crate::converge::{Convergence, OnePass, Verdict, Why, Within};
 use crate::exchange::Exchange;
+use crate::gain::LoopGain;
 use crate::order::Order;
 use crate::part::Part;
 use crate::predict::Predictor;
@@ -55,6 +56,7 @@ pub struct Coupling {
     returned: Vec<f64>,
     step: Step,
     taken: StepTaken,
+    gain: Option<LoopGain>,
 }
 
 impl Coupling {
@@ -81,6 +83,7 @@ impl Coupling {
             returned: Vec::new(),
             step: Step::STEADY,
             taken: StepTaken::default(),
+            gain: None,
         }
     }
 
@@ -104,7 +107,21 @@ impl Coupling {
             returned,
             step: Step::STEADY,
             taken: StepTaken::default(),
+            gain: None,
         }
+    }
+
+    /// Finds the gain of the loop from now on, for which it keeps what the iterations of a window have changed.
+    #[must_use]
+    pub fn with_gain(self) -> Self {
+        Self { gain: Some(LoopGain::default()), ..self }
+    }
+
+    /// The gain of the loop in the last window: the eigenvalue with the largest real part of what a pass makes of a change of the
+    /// coupling data \[-\]. `None` if it is not looked for, or no two iterations differ.
+    #[must_use]
+    pub fn gain(&self) -> Option<f64> {
+        self.gain.as_ref().and_then(LoopGain::value)
     }
 
     /// Begins a window, or begins it again with another length. What an attempt that was not
@@ -112,6 +129,7 @@ impl Coupling {
     pub fn begin_window(&mut self, window: &Step) {
         self.step = Step { iteration: 0, ..*window };
         self.taken = StepTaken::default();
+        self.gain.iter_mut().for_each(LoopGain::begin_window);
         self.accelerator.begin_window();
         self.convergence.begin_window();
         self.predictor.predict(window.duration(), &mut self.sent);
@@ -129,6 +147,9 @@ impl Coupling {
         }
         self.order.pass(exchange, &self.step)?;
         exchange.returned(&mut self.returned);
+        if let Some(gain) = &mut self.gain {
+            gain.learn(&self.sent, &self.returned);
+        }
         let verdict = self.convergence.judge(self.step.iteration, &self.sent, &self.returned);
         self.taken = StepTaken::default();
         if verdict == Verdict::Continue {

@@ -82,6 +82,7 @@
 pub mod accelerate;
 pub mod converge;
 mod exchange;
+mod gain;
 mod index;
 mod iteration;
 pub mod map;

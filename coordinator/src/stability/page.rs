@@ -17,7 +17,7 @@ impl Shown for Report {
 
 fn of(report: &Report) -> Page {
     let good = report.as_expected();
-    let sections = [Some(overview(report)), Some(cases(report)), edges(report), waiting(report)];
+    let sections = [Some(overview(report)), Some(cases(report)), edges(report)];
     let mut sections: Vec<Section> = sections.into_iter().flatten().collect();
     sections.extend(report.cases.iter().map(details));
     Page {
@@ -51,7 +51,7 @@ fn overview(report: &Report) -> Section {
         headline(
             "Cases as expected",
             format!("{good} of {}", report.cases.len()),
-            format!("{} wait for a model or an effect", report.waiting.len()),
+            String::new(),
         ),
         headline(
             "Edges found",
@@ -88,15 +88,6 @@ fn edges(report: &Report) -> Option<Section> {
         "The bar stands between the last value that went as before and the first that did not.";
     let blocks = vec![Block::Text(text.to_owned()), Block::Table(table)];
     Section::of("Edges", blocks).filter(|_| report.cases.iter().any(|case| !case.sweeps.is_empty()))
-}
-
-fn waiting(report: &Report) -> Option<Section> {
-    let mut table = Table::new(["no.", "what is hard", "waits for"], 3);
-    for one in &report.waiting {
-        table.row([one.number.to_string(), one.title.clone(), one.waits_for.clone()]);
-    }
-    (!report.waiting.is_empty())
-        .then(|| Section { title: "Not yet met".to_owned(), blocks: vec![Block::Table(table)] })
 }
 
 /// A case with its bounds, and every run of its sweeps.

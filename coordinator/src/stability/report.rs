@@ -14,8 +14,6 @@ pub(crate) struct Report {
     pub suite: String,
     /// One entry a case.
     pub cases: Vec<CaseReport>,
-    /// Hard cases that wait for a model or an effect.
-    pub waiting: Vec<Waiting>,
     /// Seconds of all runs.
     pub wall_s: f64,
 }
@@ -23,19 +21,7 @@ pub(crate) struct Report {
 impl Kept for Report {
     const COMMAND: &'static str = "stability";
     const FILE: &'static str = "stability.json";
-    const SCHEMA: u32 = 1;
-}
-
-/// A hard case that no model or effect can meet yet.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Waiting {
-    /// Its number in the list of hard cases.
-    pub number: u32,
-    /// What is hard about it.
-    pub title: String,
-    /// What it waits for.
-    pub waits_for: String,
+    const SCHEMA: u32 = 2;
 }
 
 /// How one case and its sweeps went.

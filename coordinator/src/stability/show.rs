@@ -27,25 +27,14 @@ pub(super) fn case(case: &CaseReport) -> String {
     text
 }
 
-/// What waits, the sum, and where more is to be read.
+/// The sum, and where more is to be read.
 pub(super) fn tail(report: &Report, out: &Path) -> String {
-    let mut text = String::new();
-    for waiting in &report.waiting {
-        let _ = writeln!(
-            text,
-            "  {:2} {}: waits for {}",
-            waiting.number, waiting.title, waiting.waits_for
-        );
-    }
     let good = report.cases.iter().filter(|case| case.as_expected()).count();
-    let _ = writeln!(
-        text,
-        "\n{good} of {} cases as expected, {} wait; {} runs in {:.1} s\nresults {}",
+    format!(
+        "\n{good} of {} cases as expected; {} runs in {:.1} s\nresults {}\n",
         report.cases.len(),
-        report.waiting.len(),
         report.runs(),
         report.wall_s,
         out.display()
-    );
-    text
+    )
 }

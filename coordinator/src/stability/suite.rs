@@ -2,7 +2,6 @@
 //! driven.
 
 use super::figure::PowerProduct;
-use super::report::Waiting;
 use crate::study::Variant;
 use run::error::RunError;
 use serde::Deserialize;
@@ -17,8 +16,6 @@ pub(crate) struct Suite {
     /// What holds for every case that says nothing else.
     pub(super) every: Limits,
     entries: Vec<Entry>,
-    /// Hard cases that wait for a model or an effect.
-    pub(super) waiting: Vec<Waiting>,
 }
 
 /// The file as it is written.
@@ -27,8 +24,6 @@ pub(crate) struct Suite {
 struct SuiteText {
     every: Limits,
     hard: Vec<EntryText>,
-    #[serde(default)]
-    waiting: Vec<Waiting>,
 }
 
 /// Limits that no case may pass unless it says so.
@@ -288,7 +283,7 @@ impl Suite {
             entry.check(&entries).map_err(|reason| fault(Some(place), &reason))?;
             entries.push(entry);
         }
-        Ok(Self { path: path.to_owned(), every: read.every, entries, waiting: read.waiting })
+        Ok(Self { path: path.to_owned(), every: read.every, entries })
     }
 
     /// The suite's path as it was given.

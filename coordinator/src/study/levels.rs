@@ -107,7 +107,7 @@ impl Level {
 pub(crate) struct Offer {
     /// Choices of models that can run it, cheapest first.
     pub levels: Vec<Level>,
-    /// The others by their models, and why not.
+    /// The others by their models, and why not; a model that cannot run it with any other stands alone.
     pub refused: Vec<(String, String)>,
 }
 
@@ -116,15 +116,24 @@ pub(crate) struct Offer {
 /// # Errors
 /// What is wrong with the case as it stands.
 pub(crate) fn offered(case: &Path, base: &Variant) -> Result<Offer, RunError> {
-    let mut offer = Offer { levels: Vec::new(), refused: Vec::new() };
+    let (mut levels, mut others) = (Vec::new(), Vec::new());
     for level in all(&planned(case, base)?, base) {
         match planned(case, &level.variant) {
-            Ok(planned) => offer.levels.push(level.in_case(&planned)),
+            Ok(planned) => levels.push(level.in_case(&planned)),
             Err(error) if ends_study(&error) => return Err(error),
-            Err(error) => offer.refused.push((level.name(), reason(&error))),
+            Err(error) => others.push((level, reason(&error))),
         }
     }
-    Ok(offer)
+    let runs = |model: &(String, String)| levels.iter().any(|level| level.models.contains(model));
+    let mut refused: Vec<(String, String)> = Vec::new();
+    for (level, why) in &others {
+        let alone = level.models.iter().find(|model| !runs(model));
+        let name = alone.map_or_else(|| level.name(), |(role, model)| format!("{role} {model}"));
+        if refused.iter().all(|(known, _)| *known != name) {
+            refused.push((name, why.clone()));
+        }
+    }
+    Ok(Offer { levels, refused })
 }
 
 /// Every choice of models that the programs of a planned case describe, whether it can run the case or

@@ -97,16 +97,17 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let softest = materials.iter().filter_map(|material| own(material)).reduce(f64::min);
     let shear = softest.unwrap_or(TYPICAL) / 3f64.sqrt();
     let ratio = situation.known(PRESSURE).map_or(f64::NAN, |pressure| pressure / shear);
-    let why = match ratio > FIRST_YIELD {
-        true => {
-            "p0/k above 2.8 yields in the first passage, above 4 or so in every one; by how much is not estimated"
+    let advice = match ratio {
+        _ if ratio.is_nan() => Advice::new(EFFECT.name, "p0/k is not known before a run"),
+        _ if ratio > FIRST_YIELD => {
+            let why = "p0/k above 2.8 yields in the first passage, above 4 or so in every one; by how much is not estimated";
+            Advice::new(EFFECT.name, why).number("p0/k", ratio)
         }
-        false => "p0/k below 2.8 stays elastic",
+        _ => {
+            let advice = Advice::new(EFFECT.name, "p0/k below 2.8 stays elastic");
+            advice.number("p0/k", ratio).moves(PRESSURE, 0.0)
+        }
     };
-    let mut advice = Advice::new(EFFECT.name, why).number("p0/k", ratio);
-    if ratio <= FIRST_YIELD {
-        advice = advice.moves(PRESSURE, 0.0);
-    }
     let set = materials.iter().filter(|material| own(material).is_none());
     set.fold(advice, |advice, material| {
         advice.with(format!("{}={TYPICAL:e}", path(material, YIELD_STRESS)))

@@ -132,8 +132,8 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     if let (Some(effect), Some(_)) = (follows, &varying) {
         return Err(Refusal::new(
             &format!("effects.{effect}"),
-            "this model does not follow histories and what friction depends on at once",
-            "choose the model half-space, or give numbers in the place of columns",
+            "this model does not follow a load or columns that vary and what friction depends on at once",
+            "choose the model half-space, or give numbers in the place of columns and no axle",
         ));
     }
     let case = Case { scene, contact, law, terms, grid, wanted };

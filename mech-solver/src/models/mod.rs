@@ -1,4 +1,4 @@
-//! The models by name, cheapest first. A model is a module of this folder and one line in
+//! The models by name: those of round bodies, cheapest first, then those of bodies that repeat or end. A model is a module of this folder and one line in
 //! [`MODELS`].
 
 mod expected;
@@ -25,9 +25,9 @@ use proto::advice::Known;
 use proto::configuration::Refusal;
 use proto::params::Params;
 
-/// Every model of this crate, cheapest first.
+/// Every model of this crate: those of round bodies, cheapest first, and of others.
 pub const MODELS: &[ModelEntry] =
-    &[rod::MODEL, hertz_carter::MODEL, fastsim::MODEL, periodic::MODEL, half_space::MODEL, explicit_fe::MODEL];
+    &[hertz_carter::MODEL, fastsim::MODEL, half_space::MODEL, explicit_fe::MODEL, periodic::MODEL, rod::MODEL];
 
 /// The contact as the cheapest model that knows all creepages has it, its figures by their keys in the summary; `None` where it has none.
 pub(crate) fn estimated_contact(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {

@@ -30,7 +30,13 @@ pub(super) struct Varying {
     configuration: Configuration,
     /// The load under an axle, and that of steady rolling [N].
     carried: Option<(Rc<Carried>, f64)>,
+    /// The effect that makes an axle.
+    effect: &'static str,
 }
+
+/// Keys that prescribe a force: nothing carries one where contact is lost.
+const FORCES: [&str; 4] =
+    ["traction_coefficient", "tangential_force", "lateral_force", "spin_moment"];
 
 impl Varying {
     /// Of a configuration, if any of its values varies, or its load does under an axle.
@@ -49,7 +55,8 @@ impl Varying {
         if configuration.histories.is_none() && carried.is_none() {
             return Ok(None);
         }
-        Ok(Some(Self { configuration: configuration.clone(), carried }))
+        let effect = terms.effect_of(Kind::Axle).unwrap_or_default();
+        Ok(Some(Self { configuration: configuration.clone(), carried, effect }))
     }
 
     /// The case values of a window.
@@ -58,8 +65,32 @@ impl Varying {
         if let Some((carried, still)) = &self.carried {
             let mean = carried.window(step.start, step.end).mean;
             case.0["load"]["normal_force"] = mean.max(LOST * still).into();
+            if let Some(motion) = case.0["motion"].as_object_mut().filter(|_| mean <= LOST * still) {
+                let count = motion.len();
+                motion.retain(|key, _| !FORCES.contains(&key.as_str()));
+                if motion.len() < count {
+                    motion.entry("creepage").or_insert_with(|| serde_json::json!({"xi": 0.0}));
+                }
+            }
         }
         case
+    }
+
+    /// Refuses a window whose load is beyond what the grid was made for.
+    ///
+    /// # Errors
+    /// It is.
+    fn refuse_more(&self, step: &Step) -> Result<(), StepError> {
+        let Some((carried, _)) = &self.carried else { return Ok(()) };
+        let (load, most) = (carried.window(step.start, step.end).mean, carried.largest());
+        if load <= most {
+            return Ok(());
+        }
+        Err(StepError::NoSolution(format!(
+            "effects.{}: the load of this window is {load:.4e} N, beyond the {most:.4e} N for which the grid was made: it still \
+             rises after a hundred waves, or ten turns of a flat; write an earlier time.end, or more damping",
+            self.effect
+        )))
     }
 
     /// Adds to the section `contact` of the summary of a window what its axle has been through.
@@ -92,6 +123,7 @@ impl Varying {
     /// # Errors
     /// Its values make no scene.
     pub(super) fn scene(&self, step: &Step) -> Result<Scene, StepError> {
+        self.refuse_more(step)?;
         Scene::read(&self.case(step)).map_err(no_answer)
     }
 
@@ -186,8 +218,8 @@ fn carried(
     }
     match Carried::new(axle, &scene, &ellipse) {
         Some(carried) if carried.steps() > MOST_STEPS => refused(
-            "the wheel needs more than ten thousand periods on its contact to pass the irregularity",
-            "write a larger mass, a higher speed, or an irregularity that is nearer",
+            "the axle needs more than ten million steps to pass the irregularity",
+            "write a larger mass, less damping or stiffness, a higher speed, or an irregularity that is nearer",
         ),
         Some(carried) => Ok((Rc::new(carried), ellipse.normal_force)),
         None => refused("the spring of a given ellipse is not known", "remove [contact]"),

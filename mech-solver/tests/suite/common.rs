@@ -49,7 +49,7 @@ pub(crate) fn driven(mut case: Value, drive: &str, value: f64) -> Value {
     case
 }
 
-/// The case as a model can take it: one of bodies that repeat has no radii and slides.
+/// The case as a model can take it: one of bodies that repeat has no radii and slides, one of rods a length and an area.
 pub(crate) fn fitted(mut case: Value, model: &str) -> Value {
     case["mech"]["model"] = json!(model);
     if model == "periodic" {
@@ -60,6 +60,10 @@ pub(crate) fn fitted(mut case: Value, model: &str) -> Value {
         for (body, radius) in [("wheel", "radius_x"), ("rail", "radius_y")] {
             case["bodies"][body].as_object_mut().expect("a table").remove(radius);
         }
+    }
+    if model == "rod" {
+        case["bodies"]["rail"]["length"] = json!(0.1);
+        case["mech"]["area"] = json!(1e-4);
     }
     case
 }

@@ -59,7 +59,11 @@ fn every_model_says_how_accurate_it_is() {
     assert_eq!(description.check(), Ok(()));
     let effects: BTreeSet<_> = description.effects.iter().map(|effect| &effect.name).collect();
     for model in &description.models {
-        let refinement = model.accuracy.refinement.as_ref().expect("each has a grid");
+        // Rods meet in one element.
+        let Some(refinement) = &model.accuracy.refinement else {
+            assert_eq!(model.name, "rod");
+            continue;
+        };
         let keys = description.keys.iter().chain(&model.keys);
         assert!(keys.into_iter().any(|key| key.path == refinement.key), "{}", model.name);
         assert!(!refinement.source.is_empty());
@@ -236,10 +240,13 @@ fn unknown_names_are_refused() {
 /// else. Tolerance: rounding of a product.
 #[test]
 fn the_heat_is_a_share_of_the_friction_power() {
-    for model in description().models {
+    for model in description().models.into_iter().filter(|model| model.name != "rod") {
         let mut case = paper();
         case["mech"] = json!({"resolution": 3});
         case = fitted(case, &model.name);
+        if model.name == "periodic" {
+            case = without(case, "partial_slip");
+        }
         let whole = run(&case);
         case["effects"]["friction_heat"] = json!({"heat_share": 0.9});
         let part = run(&case);

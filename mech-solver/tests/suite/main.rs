@@ -12,6 +12,7 @@ mod hot;
 mod in_time;
 mod periodic;
 mod profiles;
+mod rod;
 mod rows;
 mod slip_friction;
 mod wearing;

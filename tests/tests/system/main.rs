@@ -51,6 +51,7 @@ mod report;
 mod reproduce;
 mod results;
 mod resume;
+mod rods;
 mod scenes;
 mod stability;
 mod start;

@@ -56,6 +56,7 @@ fn mechanical_models_answer_the_same_on_any_number_of_threads() {
             ("wheel-rail.toml", &["mech.resolution=3", "materials.steel.density=2e5"])
         }
         "periodic" => ("brake-block.toml", &["mech.resolution=64"]),
+        "rod" => ("thermo-elastic-rod.toml", &[]),
         _ => ("wheel-rail.toml", &["mech.resolution=12"]),
     });
 }
@@ -65,6 +66,7 @@ fn mechanical_models_answer_the_same_on_any_number_of_threads() {
 fn thermal_models_answer_the_same_on_any_number_of_threads() {
     models_of(&thermal_solver::ThermalSolver.description(), |model| match model {
         "periodic" => ("brake-block.toml", &["mech.resolution=64"]),
+        "rod" => ("thermo-elastic-rod.toml", &[]),
         _ => ("full-slip.toml", &["mech.resolution=100", "coupling.scheme=serial-explicit"]),
     });
 }

@@ -19,6 +19,7 @@
 
 use crate::effects::contact_conductance;
 use crate::effects::friction_heat::{self, Partition};
+use crate::effects::thermal_expansion;
 use crate::models::names;
 use crate::scene::Scene;
 use crate::situation::Situation;
@@ -113,6 +114,20 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<[Memory; 2], Refusal
         return Err(Refusal::new(
             &format!("effects.{}", contact_conductance::NAME),
             "the heat that flows between bodies of different bulk temperature is not found",
+            "remove it, or [effects.bulk_heating]",
+        ));
+    }
+    if scene.at_rest == [true; 2] {
+        return Err(Refusal::new(
+            &format!("effects.{NAME}"),
+            "nothing passes between bodies that are both at rest",
+            "write a motion.speed above 0, or remove the effect",
+        ));
+    }
+    if given.has_effect(thermal_expansion::NAME) {
+        return Err(Refusal::new(
+            &format!("effects.{}", thermal_expansion::NAME),
+            "by how much earlier passages have raised the surface is not found",
             "remove it, or [effects.bulk_heating]",
         ));
     }

@@ -13,6 +13,7 @@
 //! Source: Holm, *Electric Contacts* (1967) §1 and §14; Kohlrausch, Ann. Phys. 306 (1900) 132–158. Steady cases of bodies at rest.
 //! Left out: films on the surfaces, conductivities that depend on the temperature, and Thomson's and Peltier's heat.
 
+use super::contact_conductance;
 use crate::models::names;
 use crate::scene::Scene;
 use crate::situation::Situation;
@@ -92,6 +93,13 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<Option<Current>, Ref
             &format!("effects.{NAME}"),
             "the heat of a current is that of bodies at rest in a steady state",
             "write motion.speed = 0 and time.mode = \"steady\", or remove the effect",
+        ));
+    }
+    if given.has_effect(contact_conductance::NAME) {
+        return Err(Refusal::new(
+            &format!("effects.{}", contact_conductance::NAME),
+            "the heat of a current flows between bodies of one temperature where they touch",
+            "remove it, or [effects.joule_heat]",
         ));
     }
     let positive = |key: &str| match given.case.number(key)? {

@@ -11,6 +11,7 @@
 //! A_c1; plastic deformation. Steady cases and rows of a sequence.
 
 use crate::models::names;
+use crate::scene::Scene;
 use crate::situation::Situation;
 use crate::{LOWER, UPPER};
 use proto::advice::Advice;
@@ -102,8 +103,8 @@ pub fn spec() -> EffectSpec {
 /// The criterion of a case, if it asks for one.
 ///
 /// # Errors
-/// A value that is out of range, and a case in time.
-pub fn read(given: &Configuration) -> Result<Option<Criterion>, Refusal> {
+/// A value that is out of range, a case in time, and bodies at rest.
+pub fn read(given: &Configuration, scene: &Scene) -> Result<Option<Criterion>, Refusal> {
     if !given.has_effect(NAME) {
         return Ok(None);
     }
@@ -112,6 +113,13 @@ pub fn read(given: &Configuration) -> Result<Option<Criterion>, Refusal> {
             &format!("effects.{NAME}"),
             "what a place goes through is read along its row, in which a window of time has only an instant",
             "write time.mode = \"steady\" or \"sequence\", or remove the effect",
+        ));
+    }
+    if scene.at_rest == [true; 2] {
+        return Err(Refusal::new(
+            &format!("effects.{NAME}"),
+            "of bodies at rest no place is heated and quenched by a passage",
+            "write a motion.speed above 0, or remove the effect",
         ));
     }
     let specs = spec().keys;

@@ -125,7 +125,8 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let body = situation.hotter();
     let rise = situation.rises[body];
     let why = "effusivity of carbon steel at half the rise (EN 1993-1-2); needs a thermal_table for the material";
-    situation.moved(Advice::new(NAME, why), body, -0.5 * STEEL * rise)
+    let better = 0.5 * STEEL * rise;
+    situation.moved(Advice::new(NAME, why), body, -better / (1.0 + better))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::frame::Frame;
 use crate::effects::bulk_heating::Memory;
 use crate::window::Drive;
+use proto::model::StepError;
 use std::f64::consts::PI;
 
 /// Widths √(2κt) beyond which nothing has spread across.
@@ -25,11 +26,27 @@ impl Background {
     }
 
     /// Takes the heat of a passage: flux at the interface [W/m²], and the power into each body [W].
-    pub(super) fn take(&mut self, frame: &Frame, drive: &Drive, flux: &[f64], power: [f64; 2]) {
+    ///
+    /// # Errors
+    /// The next passage comes before this one is over.
+    pub(super) fn take(
+        &mut self,
+        frame: &Frame,
+        drive: &Drive,
+        flux: &[f64],
+        power: [f64; 2],
+    ) -> Result<(), StepError> {
         let grid = &frame.grid;
         for (body, power) in power.into_iter().enumerate() {
             let Memory { loss, passages, interval } = self.memories[body];
             self.bulk[body] = loss.map_or(0.0, |loss| power / loss);
+            let passing = grid.ni as f64 * grid.dx() / drive.speeds[body];
+            if passages > 0 && interval <= passing {
+                let name = frame.scene.names.key(body, "passage_interval");
+                return Err(StepError::NoSolution(format!(
+                    "`{name}` is {interval} s, and a place takes {passing:.3e} s to pass the contact: write a longer interval"
+                )));
+            }
             let per_area = drive.shares[body] * grid.dx() / drive.speeds[body];
             let left: Vec<f64> =
                 flux.chunks_exact(grid.ni).map(|row| per_area * row.iter().sum::<f64>()).collect();
@@ -39,6 +56,7 @@ impl Background {
                 self.add(frame, body, &left, time);
             }
         }
+        Ok(())
     }
 
     /// Adds what heat per area [J/m²] leaves after some time [s].

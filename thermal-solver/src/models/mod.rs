@@ -1,4 +1,4 @@
-//! The models, cheapest first: one file a model, one entry in the list here, its name in [`names`].
+//! The models, those of one contact first, cheapest first: one file a model, one entry in the list here, its name in [`names`].
 //!
 //! What models have in common stands beside them: [`setup`] checks a configuration and lays out the
 //! grids, [`inputs`] checks what comes in and splits the heat, [`summary`] fills the summary. A model
@@ -43,9 +43,8 @@ pub struct Entry {
     pub configure: fn(&Configuration) -> Result<Box<dyn Setup>, Refusal>,
 }
 
-/// All models, cheapest first.
+/// All models: those of one contact, cheapest first, and of bodies that repeat or end.
 pub const REGISTRY: &[Entry] = &[
-    Entry { name: names::ROD, spec: rod::spec, configure: setup::configure::<rod::Rods> },
     Entry {
         name: names::ERTZ_KNOTHE,
         spec: ertz_knothe::spec,
@@ -57,16 +56,17 @@ pub const REGISTRY: &[Entry] = &[
         configure: setup::configure::<columns::Columns>,
     },
     Entry {
-        name: names::PERIODIC,
-        spec: periodic::spec,
-        configure: setup::configure::<periodic::Periodic>,
-    },
-    Entry {
         name: names::MOVING_SOURCE,
         spec: moving_source::spec,
         configure: setup::configure::<moving_source::MovingSource>,
     },
     Entry { name: names::FE, spec: fe::spec, configure: setup::configure::<fe::FiniteElements> },
+    Entry {
+        name: names::PERIODIC,
+        spec: periodic::spec,
+        configure: setup::configure::<periodic::Periodic>,
+    },
+    Entry { name: names::ROD, spec: rod::spec, configure: setup::configure::<rod::Rods> },
 ];
 
 /// Prepares the model that a configuration names.

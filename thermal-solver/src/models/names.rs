@@ -12,5 +12,5 @@ pub const MOVING_SOURCE: &str = "moving-source";
 pub const FE: &str = "fe";
 /// Half-spaces under a flux that repeats.
 pub const PERIODIC: &str = "periodic";
-/// All of them, cheapest first.
-pub const ALL: [&str; 6] = [ROD, ERTZ_KNOTHE, COLUMNS, PERIODIC, MOVING_SOURCE, FE];
+/// All of them: those of one contact, cheapest first, then those of bodies that repeat or end.
+pub const ALL: [&str; 6] = [ERTZ_KNOTHE, COLUMNS, MOVING_SOURCE, FE, PERIODIC, ROD];

@@ -92,6 +92,14 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     if !C::AT_REST {
         refuse_rest(&scene, given.mode)?;
     }
+    let [upper, lower] = scene.initial_temperatures;
+    if partition == Partition::Continuity && upper != lower && scene.at_rest == [true; 2] {
+        return Err(Refusal::new(
+            friction_heat::PARTITION_KEY,
+            "surfaces share a temperature where friction heats them, and nothing rubs",
+            "write \"equal\", and [effects.contact_conductance] with conductance = \"1e12 W/(m2 K)\"",
+        ));
+    }
     let lacking = [
         (contact_conductance::NAME, C::EXCHANGES, "lets no heat flow between the surfaces"),
         (joule_heat::NAME, C::EXCHANGES && !C::ELEMENTS, "does not find potentials"),
@@ -140,7 +148,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
                 true => Some(bulk_heating::read(given, &scene)?),
                 false => None,
             };
-            let criterion = phase_transformation::read(given)?;
+            let criterion = phase_transformation::read(given, &scene)?;
             let current = joule_heat::read(given, &scene)?;
             let ends = Ends::read(&given.case, &scene.names)?;
             let known = Frame {

@@ -89,16 +89,22 @@ impl<C: Conduction> Shell<C> {
     }
 
     /// Adds what earlier passages have left to the rises of the surfaces.
-    fn add_background(&mut self, drive: &Drive, flux: &[f64], heat: [f64; 2]) {
-        let Some(background) = &mut self.background else { return };
+    fn add_background(
+        &mut self,
+        drive: &Drive,
+        flux: &[f64],
+        heat: [f64; 2],
+    ) -> Result<(), StepError> {
+        let Some(background) = &mut self.background else { return Ok(()) };
         let area = self.frame.grid.element_area();
-        background.take(&self.frame, drive, flux, heat.map(|sum| area * sum));
+        background.take(&self.frame, drive, flux, heat.map(|sum| area * sum))?;
         for (body, rise) in self.trial.iter_mut().enumerate() {
             for (row, values) in rise.chunks_exact_mut(self.frame.grid.ni).enumerate() {
                 let before = background.at(body, row);
                 values.iter_mut().for_each(|rise| *rise += before);
             }
         }
+        Ok(())
     }
 
     /// The middle of what is as hot as the hottest element: a current makes the contact of one temperature.
@@ -183,7 +189,7 @@ impl<C: Conduction> Model for Shell<C> {
         };
         let rub = Rub { flux: flux.values, pressure, gap };
         let work = self.conduction.solve(&drive, &rub, &mut self.trial)?;
-        self.add_background(&drive, flux.values, work.heat);
+        self.add_background(&drive, flux.values, work.heat)?;
         let mut operations = work.operations;
         if let Some(constriction) = &mut self.constriction {
             operations += constriction.solve(&self.frame, &drive, &rub, &mut self.trial)?;

@@ -16,7 +16,7 @@ use contract::step::Step;
 use coupling::Exchange as _;
 use coupling::converge::Verdict;
 use coupling::state::Reader;
-use coupling::windows::{self, Controller};
+use coupling::windows::{self, Controller, Windows};
 use coupling::{Coupling, WindowOutcome};
 use proto::recording::{Event, Iteration};
 use std::time::Instant;
@@ -272,6 +272,7 @@ impl<'a> March<'a> {
             if verdict != Verdict::Continue {
                 let outcome = self.coupling.outcome(verdict);
                 self.counts.final_residual = outcome.residual;
+                self.counts.loop_gain = self.coupling.gain();
                 let most = self.counts.max_iterations_in_window.max(outcome.iterations);
                 self.counts.max_iterations_in_window = most;
                 return Ok(outcome);
@@ -312,7 +313,11 @@ fn shown<'a>(tap: &'a Tap, bodies: Option<&Bodies>) -> Option<Shown<'a>> {
 fn coupling(plan: &Plan, session: &Session) -> Coupling {
     let scheme = plan.scheme.scheme;
     match (scheme.is_implicit(), scheme.is_parallel()) {
-        (true, parallel) => Coupling::implicit(&plan.implicit, parallel, session),
+        (true, parallel) => {
+            let coupling = Coupling::implicit(&plan.implicit, parallel, session);
+            // In time it is that of a window, which says nothing of a state.
+            if plan.windows == Windows::Steady { coupling.with_gain() } else { coupling }
+        }
         (false, true) => Coupling::explicit_parallel(),
         (false, false) => Coupling::explicit(),
     }

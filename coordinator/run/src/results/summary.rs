@@ -53,6 +53,9 @@ pub struct Counts {
     pub max_iterations_in_window: u32,
     /// Largest relative residual of the last iteration.
     pub final_residual: Option<f64>,
+    /// Gain of the loop of a steady case.
+    #[serde(skip)]
+    pub loop_gain: Option<f64>,
     /// Largest heat imbalance of a window, relative.
     pub energy_imbalance: Option<f64>,
     /// Bit by participant: it consumes a conservative field and reports no heat. A resumed run finds
@@ -189,8 +192,11 @@ fn coupling(of: &Ingredients) -> Value {
         "iterations": counts.iterations,
         "max_iterations_in_window": counts.max_iterations_in_window,
     });
-    let optional =
-        [("final_residual", counts.final_residual), ("energy_imbalance", counts.energy_imbalance)];
+    let optional = [
+        ("final_residual", counts.final_residual),
+        ("loop_gain", counts.loop_gain),
+        ("energy_imbalance", counts.energy_imbalance),
+    ];
     for (key, value) in optional {
         if let Some(value) = value.filter(|value| value.is_finite()) {
             section[key] = value.into();

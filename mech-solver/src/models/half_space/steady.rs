@@ -40,6 +40,8 @@ pub(super) struct Steady {
     answer: Option<(Answer, StepReport)>,
     /// The window of the answer.
     window: Step,
+    /// The last row that was accepted, and its answer.
+    shown: Option<(Answer, Step)>,
     /// The solution of the last row that has one, and its pressure: where the next one starts.
     near: Near,
     accepted: Near,
@@ -51,7 +53,8 @@ type Near = Option<(Solution, Vec<f64>, ForceSearch)>;
 impl Steady {
     pub(super) fn new(case: Case, following: Option<Following>) -> Self {
         let window = Step::STEADY;
-        Self { case, following, contact: None, answer: None, window, near: None, accepted: None }
+        let (contact, answer, shown) = (None, None, None);
+        Self { case, following, contact, answer, window, shown, near: None, accepted: None }
     }
 
     /// The answer of a row, from the accepted solution of an earlier one.
@@ -64,6 +67,7 @@ impl Steady {
         };
         let Some(following) = &self.following else { unreachable!("rows are of what varies") };
         let near = self.accepted.clone().filter(|_| following.warm);
+        following.varying.scene(step)?;
         let row = following.varying.configuration(step);
         let taken = match &mut self.case.terms.removal {
             Some(removal) => removal.follow(&row),
@@ -210,22 +214,25 @@ impl Model for Steady {
     fn accept(&mut self) {
         if self.following.is_some() {
             self.accepted.clone_from(&self.near);
+            self.shown = self.answer.take().map(|(answer, _)| (answer, self.window));
         }
         self.case.terms.accept();
     }
 
     fn observe(&mut self, outputs: &mut dyn Outputs) {
-        if let Some((answer, _)) = &self.answer {
+        let own = self.answer.as_ref().map(|(answer, _)| answer);
+        if let Some(answer) = self.shown.as_ref().map(|(answer, _)| answer).or(own) {
             self.case.observe(answer, &answer.friction_power, outputs);
         }
     }
 
     fn summary(&self) -> Value {
-        let Some((answer, _)) = &self.answer else { return json!({}) };
+        let Some(following) = &self.following else {
+            return self.answer.as_ref().map_or(json!({}), |(answer, _)| self.case.summary(answer));
+        };
+        let Some((answer, window)) = &self.shown else { return json!({}) };
         let mut summary = self.case.summary(answer);
-        if let Some(following) = &self.following {
-            following.varying.add_to(&mut summary["contact"], &self.window);
-        }
+        following.varying.add_to(&mut summary["contact"], window);
         summary
     }
 

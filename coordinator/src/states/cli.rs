@@ -1,0 +1,43 @@
+//! The subcommand.
+
+use super::page;
+use super::perform::{Request, study};
+use super::study::{Starts, Study};
+use crate::study::arguments::{CaseArguments, FolderArguments};
+use crate::study::output::{Kept, Printing, Shown};
+use crate::study::{planned, scratch};
+use clap::Args;
+use run::error::RunError;
+
+/// What `coordinator states` is asked.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    of: CaseArguments,
+    /// What the runs start from: a key, and its first and last value with so many runs between [SI].
+    #[arg(long, value_name = "KEY=FROM..TO/RUNS", value_parser = Starts::read)]
+    start: Starts,
+    #[command(flatten)]
+    folder: FolderArguments,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Makes the study, writes its files and prints it.
+///
+/// # Errors
+/// A case that cannot run or is not steady, the file system.
+pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+    let (case, base) = (asked.of.case.clone(), asked.of.base());
+    let standing = planned(&case, &asked.start.variant(&base, asked.start.from))?;
+    crate::logging::warn_of_replaced(&standing.case);
+    let name = format!("{}-states", standing.plan.name);
+    let folder = asked.folder.choose(Study::COMMAND, &name, &|_| false)?;
+    let scratch = scratch()?;
+    let printing = Printing { json: asked.json, quiet };
+    let request = Request { case, base, starts: asked.start.clone() };
+    let study = study(&request, &standing, printing.is_silent(), scratch.path())?;
+    study.publish(&folder)?;
+    printing.print(&study, || page::text(&study), &folder)
+}
