@@ -58,11 +58,8 @@ pub(crate) fn stability(
     tell: &mut dyn FnMut(&CaseReport),
 ) -> Result<Report, RunError> {
     let begun = Instant::now();
-    let mut report = Report {
-        schema: Report::SCHEMA,
-        suite: request.suite.name(),
-        ..Report::default()
-    };
+    let mut report =
+        Report { schema: Report::SCHEMA, suite: request.suite.name(), ..Report::default() };
     for entry in request.suite.chosen(&request.only)? {
         let case = run_entry(request, entry)?;
         tell(&case);

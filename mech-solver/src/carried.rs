@@ -31,8 +31,8 @@ const PERIODS_AFTER: f64 = 3.0;
 /// Waves of a corrugation, and turns of a flat, over which is looked for the largest load.
 const WAVES: f64 = 100.0;
 const TURNS: f64 = 10.0;
-/// A step over the time constants of the suspension, √(M/K) and M/C, at most.
-const OF_SUSPENSION: f64 = 0.5;
+/// A step over the time constants of the mass on its spring and damper, √(M/K) and M/C, at most.
+const OF_CONSTANTS: f64 = 0.5;
 
 /// A load over time.
 #[derive(Debug)]
@@ -93,8 +93,8 @@ impl Carried {
             kept: RefCell::new(vec![State { largest: load, ..State::default() }]),
         };
         let passing = axle.irregularity.map_or(f64::INFINITY, |form| form.length / speed);
-        let suspension = (axle.mass / axle.damping).min((axle.mass / axle.stiffness).sqrt());
-        own.step = (own.period() / STEPS).min(passing / STEPS_OVER).min(OF_SUSPENSION * suspension);
+        let sprung = (axle.mass / axle.damping).min((axle.mass / axle.stiffness).sqrt());
+        own.step = (own.period() / STEPS).min(passing / STEPS_OVER).min(OF_CONSTANTS * sprung);
         Some(own)
     }
 

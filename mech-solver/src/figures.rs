@@ -29,7 +29,11 @@ fn extent() -> Vec<FigureSpec> {
             .style(Style::Percent),
         figure("contact.gap_m", "m", "distance of the ends", "gap").headline(),
         figure("contact.separation_m", "m", "mean distance of the surfaces", "separation"),
-        FigureSpec::new("contact.pressure_deviation_pa", "Pa", "root mean square deviation from the mean pressure"),
+        FigureSpec::new(
+            "contact.pressure_deviation_pa",
+            "Pa",
+            "root mean square deviation from the mean pressure",
+        ),
     ]
 }
 

@@ -155,6 +155,12 @@ impl Convolution {
         (self.nx, self.ny)
     }
 
+    /// Elements of the padded grid along x and along y.
+    #[must_use]
+    pub fn padded_shape(&self) -> (usize, usize) {
+        (self.padded_x, self.padded_y)
+    }
+
     /// Transform of a kernel: `kernel(di, dj)` is the effect at an element on that of another,
     /// di and dj being the target's index minus the source's. Called for |di| < nx, |dj| < ny, and at
     /// most half the padded grid.

@@ -111,7 +111,8 @@ impl Waves {
         let last = (self.nx / 2) as i32;
         let part = |(wave, value): (usize, &Complex64)| {
             let (k, l) = self.numbers(wave);
-            let angle = TAU * (i * f64::from(k) / self.nx as f64 + j * f64::from(l) / self.ny as f64);
+            let angle =
+                TAU * (i * f64::from(k) / self.nx as f64 + j * f64::from(l) / self.ny as f64);
             let twice = if k == 0 || k == last { 1.0 } else { 2.0 };
             twice * (value.re * angle.cos() - value.im * angle.sin())
         };

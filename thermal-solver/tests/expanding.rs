@@ -67,6 +67,29 @@ fn both_models_have_one_integral() {
     assert!(apart < 1e-9 * largest(&exact), "{apart:e}");
 }
 
+/// Finite elements have it of what their nodes hold. Tolerance: jumps of the flux at the sides of its elements, and heat far behind the grid; a few tenths of a percent in the middle.
+#[test]
+fn finite_elements_have_the_same_integral() {
+    let (grid, flux) = heated();
+    let of = |model: &str, duration: f64, windows: usize| {
+        let mode = if duration.is_finite() { Mode::Transient } else { Mode::Steady };
+        let mut run = Run::new(model, mode, grid, case());
+        for _ in 0..windows {
+            run.advance(&flux, duration);
+        }
+        run.surfaces.of(INTEGRALS[0]).to_vec()
+    };
+    for (duration, windows) in [(f64::INFINITY, 1), (0.5 * grid.dx() / SPEED, 12)] {
+        let [exact, elements] = ["moving-source", "fe"].map(|model| of(model, duration, windows));
+        let apart = exact.iter().zip(&elements).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        println!("{duration}: {:.1e}", apart / largest(&exact));
+        let middle = (8 * grid.ni..9 * grid.ni).filter(|at| flux[*at] > 0.0);
+        let inside = middle.map(|at| (exact[at] - elements[at]).abs()).fold(0.0, f64::max);
+        assert!(inside < 5e-3 * largest(&exact), "{duration}: {inside:e}");
+        assert!(apart < 0.015 * largest(&exact), "{duration}: {apart:e} of {:e}", largest(&exact));
+    }
+}
+
 /// A state that was saved goes on with the same integrals, to the bit.
 #[test]
 fn a_restored_state_has_the_same_integrals() {

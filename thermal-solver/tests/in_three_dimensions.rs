@@ -445,8 +445,13 @@ fn at_high_speed_it_is_columns_in_time_too() {
 /// solver.
 #[test]
 fn a_restored_history_goes_on() {
-    let of =
-        [("periodic", None), ("moving-source", None), ("fe", None), ("fe", Some("bdf2")), ("fe", Some("iterative"))];
+    let of = [
+        ("periodic", None),
+        ("moving-source", None),
+        ("fe", None),
+        ("fe", Some("bdf2")),
+        ("fe", Some("iterative")),
+    ];
     for (model, option) in of {
         let repeats = model == "periodic";
         let grid = if repeats { even(plane(6)) } else { plane(6) };

@@ -37,6 +37,22 @@ fn heated(rows: usize, width: f64, flux: f64) -> (Structured, Vec<f64>) {
     (plane, (0..plane.points()).map(of).collect())
 }
 
+/// A passage that comes before the one before is over, and surfaces that earlier passages have raised.
+#[test]
+fn what_passages_have_no_answer_to_is_refused() {
+    let (plane, flux) = heated(3, 1e-3, 1e8);
+    let mut hasty = case("bulk_heating", json!({}));
+    hasty["bodies"]["rail"]["passages"] = json!(3);
+    hasty["bodies"]["rail"]["passage_interval"] = json!(1e-9);
+    let mut run = Run::new("columns", Mode::Steady, plane, hasty.clone());
+    let refused = run.try_solve(&flux, 0.0).unwrap_err().to_string();
+    assert!(refused.contains("bodies.rail.passage_interval"), "{refused}");
+    hasty["effects"]["thermal_expansion"] = json!({});
+    let given = configuration("columns", Mode::Steady, plane, hasty);
+    let refused = ThermalSolver.configure(&given).err().unwrap();
+    assert_eq!(refused.key, "effects.thermal_expansion");
+}
+
 fn figure(run: &Run, pointer: &str) -> f64 {
     let summary = run.model.summary();
     summary

@@ -176,6 +176,24 @@ fn what_does_not_rest_is_refused() {
     let resting = moving.clone();
     moving["motion"]["speed"] = json!(1.0);
     assert_eq!(key("moving-source", moving), Some("effects.joule_heat".to_owned()));
+    let with = |effect: &str, table: Value| {
+        let mut both = resting.clone();
+        both["effects"][effect] = table;
+        key("moving-source", both)
+    };
+    // What is not found together is not computed apart.
+    assert_eq!(
+        with("contact_conductance", json!({"conductance": 100.0})),
+        Some("effects.contact_conductance".to_owned())
+    );
+    assert_eq!(with("bulk_heating", json!({})), Some("effects.bulk_heating".to_owned()));
+    assert_eq!(
+        with("phase_transformation", json!({})),
+        Some("effects.phase_transformation".to_owned())
+    );
+    let mut warmer = rest(&json!({"friction_heat": {"partition": "continuity"}}));
+    warmer["bodies"]["wheel"]["initial_temperature"] = json!(400.0);
+    assert_eq!(key("moving-source", warmer), Some("effects.friction_heat.partition".to_owned()));
     assert_eq!(key("columns", resting), Some("motion.speed".to_owned()));
     assert_eq!(key("columns", rest(&json!({}))), Some("motion.speed".to_owned()));
 }

@@ -91,8 +91,10 @@ fn add_player(keys: &mut Vec<Known>, player: &Player<'_>, effects: &[String]) {
         active: active && player.needed,
     };
     keys.extend(player.description.keys.iter().map(|spec| known(spec, true)));
+    // Of a model that there is not, the first one stands for what it would read.
+    let standing = player.model.or(player.description.models.first());
     for model in &player.description.models {
-        let chosen = player.model.is_some_and(|m| m.name == model.name);
+        let chosen = standing.is_some_and(|m| m.name == model.name);
         keys.extend(model.keys.iter().map(|spec| known(spec, chosen)));
     }
     for effect in &player.description.effects {

@@ -39,10 +39,7 @@ fn section(text: &mut String, case: &CaseReport) {
 }
 
 /// A table; nothing without rows.
-fn table<const N: usize>(
-    head: [&str; N],
-    rows: impl Iterator<Item = [String; N]>,
-) -> String {
+fn table<const N: usize>(head: [&str; N], rows: impl Iterator<Item = [String; N]>) -> String {
     let mut table = Table::new(head, N);
     rows.for_each(|row| table.row(row));
     match table.rows.is_empty() {

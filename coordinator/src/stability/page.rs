@@ -48,11 +48,7 @@ fn overview(report: &Report) -> Section {
     let answers = report.cases.iter().flat_map(CaseReport::runs).filter(|(_, row)| row.answers());
     let worst_energy = answers.filter_map(|(_, row)| row.energy_imbalance).reduce(f64::max);
     let mut all = vec![
-        headline(
-            "Cases as expected",
-            format!("{good} of {}", report.cases.len()),
-            String::new(),
-        ),
+        headline("Cases as expected", format!("{good} of {}", report.cases.len()), String::new()),
         headline(
             "Edges found",
             format!("{edges} of {}", sweeps.len()),

@@ -28,7 +28,7 @@ impl Starts {
     /// # Errors
     /// What is wrong, for a person.
     pub(super) fn read(text: &str) -> Result<Self, String> {
-        let form = || format!("`{text}` is not of the form bodies.rod.start_rise=0..300/7");
+        let form = || format!("`{text}` is not of the form KEY=FROM..TO/RUNS, like KEY=0..300/7");
         let (key, range) = text.split_once('=').ok_or_else(form)?;
         let (ends, runs) = range.rsplit_once('/').ok_or_else(form)?;
         let (from, to) = ends.split_once("..").ok_or_else(form)?;
@@ -101,9 +101,9 @@ mod tests {
 
     #[test]
     fn starts_are_read() {
-        let starts = Starts::read("bodies.rod.start_rise=-10..50/4").unwrap();
+        let starts = Starts::read("bodies.one.start=-10..50/4").unwrap();
         assert_eq!(starts.values().collect::<Vec<_>>(), [-10.0, 10.0, 30.0, 50.0]);
-        assert_eq!(starts.key, "bodies.rod.start_rise");
+        assert_eq!(starts.key, "bodies.one.start");
         for wrong in ["a", "a=1..2", "a=1/3", "a=x..2/3", "a=1..inf/3", "a=1..2/1", "a=1..2/2.5"] {
             assert!(Starts::read(wrong).is_err(), "{wrong}");
         }

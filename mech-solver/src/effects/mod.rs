@@ -6,6 +6,7 @@ pub mod partial_slip;
 pub mod plasticity;
 pub mod pressure_limit;
 pub mod roughness;
+pub mod shear_limit;
 pub mod speed_friction;
 pub mod subsurface_stress;
 pub mod suspension;
@@ -26,6 +27,7 @@ pub const EFFECTS: &[Effect] = &[
     plasticity::EFFECT,
     pressure_limit::EFFECT,
     roughness::EFFECT,
+    shear_limit::EFFECT,
     speed_friction::EFFECT,
     subsurface_stress::EFFECT,
     suspension::EFFECT,

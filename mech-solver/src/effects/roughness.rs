@@ -55,8 +55,7 @@ const LONGEST: &str = "effects.roughness.longest_wavelength";
 const SHORTEST: &str = "effects.roughness.shortest_wavelength";
 const SEED: &str = "effects.roughness.seed";
 const AMPLITUDE: &str = "effects.roughness.amplitude";
-const WAVELENGTHS: [&str; 2] =
-    ["effects.roughness.wavelength_x", "effects.roughness.wavelength_y"];
+const WAVELENGTHS: [&str; 2] = ["effects.roughness.wavelength_x", "effects.roughness.wavelength_y"];
 
 fn keys() -> Vec<KeySpec> {
     const SOURCE: &str = "effects.roughness.source";
@@ -75,10 +74,18 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::integer(SEED, "seed of the random phases").default_value(1).at_least(0.0),
         KeySpec::quantity(AMPLITUDE, "m", "amplitude of a wave, which opens the gap at the origin")
             .one_of(SOURCE),
-        KeySpec::quantity(WAVELENGTHS[0], "m", "length of the wave along x; absent: the same all along x")
-            .above(0.0),
-        KeySpec::quantity(WAVELENGTHS[1], "m", "length of the wave along y; absent: the same all along y")
-            .above(0.0),
+        KeySpec::quantity(
+            WAVELENGTHS[0],
+            "m",
+            "length of the wave along x; absent: the same all along x",
+        )
+        .above(0.0),
+        KeySpec::quantity(
+            WAVELENGTHS[1],
+            "m",
+            "length of the wave along y; absent: the same all along y",
+        )
+        .above(0.0),
     ]
 }
 
@@ -174,8 +181,9 @@ impl GapTerm for Roughness {
         let whole = |key: &str, what: &str, length: f64, period: f64| match fits(period / length) {
             true => Ok(()),
             false => {
-                let reason =
-                    format!("{what} of {length} m does not repeat in a contact that does every {period} m");
+                let reason = format!(
+                    "{what} of {length} m does not repeat in a contact that does every {period} m"
+                );
                 Err(Refusal::new(key, reason, "let the period be a whole multiple of it"))
             }
         };
@@ -205,7 +213,11 @@ impl GapTerm for Roughness {
                             "waves as long as this do not repeat in a contact that does every {} and {} m",
                             periods[0], periods[1]
                         );
-                        return Err(Refusal::new(LONGEST, reason, "write at most half of the shorter period"));
+                        return Err(Refusal::new(
+                            LONGEST,
+                            reason,
+                            "write at most half of the shorter period",
+                        ));
                     }
                 }
                 Ok(())

@@ -136,7 +136,12 @@ impl NormalSolver {
         let flexibility = convolution.spectrum(|i, j| influence.zz(i, j));
         let preconditioner = preconditioner(&mut convolution, influence);
         let compliance = influence.elasticity.contact_compliance();
-        Self::with([flexibility, preconditioner], convolution, [influence.dx, influence.dy], compliance)
+        Self::with(
+            [flexibility, preconditioner],
+            convolution,
+            [influence.dx, influence.dy],
+            compliance,
+        )
     }
 
     /// Prepares for a contact that repeats every nx × ny elements dx × dy [m], nx even. A wave of the pressure with the

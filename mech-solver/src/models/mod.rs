@@ -26,8 +26,14 @@ use proto::configuration::Refusal;
 use proto::params::Params;
 
 /// Every model of this crate: those of round bodies, cheapest first, and of others.
-pub const MODELS: &[ModelEntry] =
-    &[hertz_carter::MODEL, fastsim::MODEL, half_space::MODEL, explicit_fe::MODEL, periodic::MODEL, rod::MODEL];
+pub const MODELS: &[ModelEntry] = &[
+    hertz_carter::MODEL,
+    fastsim::MODEL,
+    half_space::MODEL,
+    explicit_fe::MODEL,
+    periodic::MODEL,
+    rod::MODEL,
+];
 
 /// The contact as the cheapest model that knows all creepages has it, its figures by their keys in the summary; `None` where it has none.
 pub(crate) fn estimated_contact(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {

@@ -29,12 +29,8 @@ use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 
 /// Its entry in the list.
-pub(super) const MODEL: ModelEntry = ModelEntry {
-    name: "rod",
-    spec,
-    takes: &[Kind::Expansion, Kind::HeatShare],
-    configure,
-};
+pub(super) const MODEL: ModelEntry =
+    ModelEntry { name: "rod", spec, takes: &[Kind::Expansion, Kind::HeatShare], configure };
 
 const LENGTH: &str = "length";
 const AREA: &str = "mech.area";
@@ -127,12 +123,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
         format!("ends {:.4e} m apart at the temperatures at the start", rods.gap)
     };
     let grids = grids.map(|name| Grid::structured(name, end)).collect();
-    let layout = Layout {
-        grids,
-        fields,
-        remarks: vec![remark],
-        ..Layout::default()
-    };
+    let layout = Layout { grids, fields, remarks: vec![remark], ..Layout::default() };
     Ok(Box::new(Prepared { rods, terms, layout }))
 }
 

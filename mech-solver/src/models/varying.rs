@@ -21,6 +21,9 @@ const SMALLEST: f64 = 1.0 / 3.0;
 /// Share of the load that a window has in which contact is lost: nothing, for a solver that needs a load.
 const LOST: f64 = 1e-6;
 
+/// What means over windows may exceed the load that they are of, relative to it.
+const ROUNDING: f64 = 1e-9;
+
 /// More steps of an axle are not taken before a run.
 const MOST_STEPS: f64 = 1e7;
 
@@ -65,7 +68,8 @@ impl Varying {
         if let Some((carried, still)) = &self.carried {
             let mean = carried.window(step.start, step.end).mean;
             case.0["load"]["normal_force"] = mean.max(LOST * still).into();
-            if let Some(motion) = case.0["motion"].as_object_mut().filter(|_| mean <= LOST * still) {
+            if let Some(motion) = case.0["motion"].as_object_mut().filter(|_| mean <= LOST * still)
+            {
                 let count = motion.len();
                 motion.retain(|key, _| !FORCES.contains(&key.as_str()));
                 if motion.len() < count {
@@ -83,7 +87,7 @@ impl Varying {
     fn refuse_more(&self, step: &Step) -> Result<(), StepError> {
         let Some((carried, _)) = &self.carried else { return Ok(()) };
         let (load, most) = (carried.window(step.start, step.end).mean, carried.largest());
-        if load <= most {
+        if load <= most * (1.0 + ROUNDING) {
             return Ok(());
         }
         Err(StepError::NoSolution(format!(
@@ -91,6 +95,11 @@ impl Varying {
              rises after a hundred waves, or ten turns of a flat; write an earlier time.end, or more damping",
             self.effect
         )))
+    }
+
+    /// The load is that under an axle.
+    pub(super) fn is_carried(&self) -> bool {
+        self.carried.is_some()
     }
 
     /// Adds to the section `contact` of the summary of a window what its axle has been through.

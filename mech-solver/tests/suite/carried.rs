@@ -149,6 +149,30 @@ fn nothing_to_run_over_and_a_flat() {
     );
 }
 
+/// Where contact is lost nothing carries a prescribed force: the window has none, and the next ones have it again.
+#[test]
+fn a_force_is_lost_with_the_contact() {
+    for model in ["hertz-carter", "fastsim", "half-space"] {
+        let mut joint = case(model, "joint", 0.5e-3, 0.08);
+        joint["motion"] = json!({"speed": SPEED, "traction_coefficient": 0.2});
+        let (found, [_, apart]) = forces(&joint, 80);
+        let lost = found.iter().filter(|force| **force < 1e-5 * LOAD).count();
+        assert!(apart > 1e-3 && lost > 10, "{model}: {apart} {lost}");
+        assert!(found[79] > 0.1 * LOAD, "{model}: {}", found[79]);
+    }
+}
+
+/// A damper far stiffer than its mass is integrated with steps of its own time, and holds the wheel.
+#[test]
+fn a_stiff_damper_is_followed() {
+    let mut dip = case("hertz-carter", "dip", 0.1e-3, 0.08);
+    dip["effects"]["suspension"]["damping"] = json!(2e8);
+    let (found, _) = forces(&dip, 60);
+    let least = found.iter().copied().fold(f64::INFINITY, f64::min);
+    // The wheel stays where it is, and the rail's hollow takes most of the approach.
+    assert!(least < 0.2 * LOAD && found.iter().all(|force| *force < 1.2 * LOAD), "{least}");
+}
+
 #[test]
 fn an_axle_that_has_no_answer_is_refused() {
     let dip = case("half-space", "dip", 1e-4, 0.05);

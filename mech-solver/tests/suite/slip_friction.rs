@@ -2,6 +2,7 @@
 
 use super::common::{
     FRICTION, NoInputs, SPEED, Store, assert_close, configuration, driven, paper, refusal, run,
+    without,
 };
 use mech_solver::MechSolver;
 use proto::model::{Solver, Step};
@@ -52,6 +53,50 @@ fn a_force_beyond_the_maximum_is_refused() {
         let refused = solved.and_then(|_| model.acceptable()).unwrap_err().to_string();
         assert!(refused.contains("friction falls with"), "{refused}");
     }
+}
+
+/// A layer that yields cuts the friction bound off: all of a sliding contact carries ab π (τ(1 − t²) + ⅔ f p₀ t³), t = τ/(f p₀), and no element
+/// more than τ. Tolerance: the elements on the rim, in which the pressure is that of their middle.
+#[test]
+fn a_layer_that_yields_cuts_friction_off() {
+    for share in [0.25, 0.6, 0.95, 1.5] {
+        let free = run(&sliding(None));
+        let peak = FRICTION * free.number("max_pressure_pa");
+        let yields = run(&sliding(Some(share * peak)));
+        let [force, whole] = [&yields, &free].map(|run| run.number("creep_force_x_n"));
+        let cut = share.min(1.0);
+        assert_close(force / whole, 0.5 * (3.0 * cut - cut.powi(3)), 5e-3);
+        let largest = yields.number("max_traction_pa");
+        assert!(largest <= cut * peak * (1.0 + 1e-12), "{share}: {largest} {peak}");
+    }
+    // In rolling with partial slip a force that the layer carries is met, at a larger creepage, and no more than that.
+    let mut rolling = driven(paper(), "traction_coefficient", 0.3);
+    rolling["mech"] = json!({"model": "half-space", "resolution": 12});
+    let free = run(&rolling);
+    rolling["effects"]["shear_limit"] = json!({"yield_stress": 350e6});
+    let yields = run(&rolling);
+    assert_close(yields.number("traction_coefficient"), 0.3, 2e-4);
+    assert!(yields.number("creepage_xi") < 1.05 * free.number("creepage_xi"), "more creepage");
+    assert!(yields.number("max_traction_pa") <= 350e6 * (1.0 + 1e-9));
+    rolling["motion"] = json!({"speed": SPEED, "traction_coefficient": 0.55});
+    let configuration = configuration(&rolling);
+    let setup = MechSolver.configure(&configuration).unwrap();
+    let layout = setup.layout().clone();
+    let mut model = setup.build(&Progress::default()).unwrap();
+    let mut store = Store::for_layout(&layout, &configuration.outputs);
+    let solved = model.solve(&Step::STEADY, &NoInputs, &mut store);
+    let refused = solved.and_then(|_| model.acceptable()).unwrap_err().to_string();
+    assert!(refused.contains("between the surfaces yields"), "{refused}");
+}
+
+/// The paper's contact, all of which slides, with a layer that yields at this stress.
+fn sliding(yield_stress: Option<f64>) -> Value {
+    let mut case = without(driven(paper(), "creepage", -0.05), "partial_slip");
+    case["mech"] = json!({"model": "half-space", "resolution": 20});
+    if let Some(yield_stress) = yield_stress {
+        case["effects"]["shear_limit"] = json!({"yield_stress": yield_stress});
+    }
+    case
 }
 
 /// A film carries η V|ξ|/h on all of the contact, until friction bounds it. Tolerance: the elements on the edge, where friction

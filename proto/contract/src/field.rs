@@ -98,7 +98,7 @@ field_table! {
         "geometry of a grid that moves, on a topic of its own (grid/geometry.rs)";
     PRESSURE = "pressure" ["Pa"; 1], Consistent, Interface,
         "normal contact pressure, positive in compression";
-    GAP = "gap" ["m"; 1], Consistent, Interface,
+    GAP = "normal_gap" ["m"; 1], Consistent, Interface,
         "distance of the deformed surfaces, 0 where they touch";
     TRACTION = "traction" ["Pa"; 2], Consistent, Interface,
         "tangential traction (x, y) acting on the upper body";

@@ -124,6 +124,36 @@ fn a_last_row_without_an_answer_leaves_the_summary_of_the_one_before() {
     }
 }
 
+/// A row that is solved and may not be accepted leaves no figures behind: the summary is that of a run without it, wear included.
+#[test]
+fn a_row_that_wears_too_much_leaves_nothing() {
+    let rows = "row, passages, N [kN]\n0, 100, 60\n1, 100, 60\n";
+    let [without, with] = [rows.to_owned(), format!("{rows}2, 4e8, 130\n")].map(|table| {
+        let data = Data::new(&table);
+        let [passes, load, row] = [
+            ("effects.wear.passes", "passages"),
+            ("load.normal_force", "N"),
+            ("time.history", "row"),
+        ]
+        .map(|(key, name)| data.column(key, name));
+        let set = ["mech.resolution=8", "time.on_failure=skip", &passes, &load, &row];
+        let mut summary = Place::new().summary(&case("worn-profile.toml"), &sets(&set));
+        let skipped = summary["coupling"]["rows_without_answer"].take();
+        (["contact", "wear", "temperature"].map(|section| summary[section].take()), skipped)
+    });
+    assert_eq!((&without.1, &with.1), (&serde_json::json!(0), &serde_json::json!(1)));
+    // Both grids are as large as their largest row: the tolerance of the tractions.
+    for body in ["wheel", "rail"] {
+        for key in ["depth_per_passage_m", "max_depth_m", "worn_area_m2"] {
+            let [one, other] = [&without, &with].map(|run| run.0[1][body][key].as_f64().unwrap());
+            assert!((one / other - 1.0).abs() < 1e-4, "{body} {key}: {one} {other}");
+        }
+    }
+    assert!(without.0[1].to_string().contains("depth_per_passage_m"), "{}", without.0[1]);
+    let number = |of: &serde_json::Value| of["max_pressure_pa"].as_f64().unwrap();
+    assert!((number(&with.0[0]) / number(&without.0[0]) - 1.0).abs() < 0.05, "{with:?}");
+}
+
 /// Two iterations are too few for friction that falls with temperature, in every row.
 #[test]
 fn a_sequence_without_any_answer_has_failed() {

@@ -22,8 +22,7 @@ fn closed_form(ratio: f64) -> f64 {
 /// Growth of what is left of the hot spots when those that do not change are taken off, at the end of a run [1/s].
 fn growth(ratio: f64, window: f64, windows: usize) -> f64 {
     let speed = format!("bodies.surface.surface_speed={}", ratio * critical_speed());
-    let times =
-        [format!("time.window={window}"), format!("time.end={}", window * windows as f64)];
+    let times = [format!("time.window={window}"), format!("time.end={}", window * windows as f64)];
     let place = Place::new();
     place.summary(&case("brake-block.toml"), &sets(&[&speed, &times[0], &times[1]]));
     let columns = ["contact.pressure_deviation_pa"];
@@ -39,10 +38,12 @@ fn growth(ratio: f64, window: f64, windows: usize) -> f64 {
 fn hot_spots_grow_at_the_analytic_rate() {
     assert!((critical_speed() / 0.0741 - 1.0).abs() < 1e-3);
     let expected = closed_form(2.0);
-    let errors = [1e-3, 0.5e-3].map(|window| {
-        growth(2.0, window, (0.3_f64 / window).round() as usize) / expected - 1.0
-    });
-    println!("growth at 2 Vcr: {:.4} 1/s of {expected:.4}, errors {errors:.4?}", expected * (1.0 + errors[1]));
+    let errors = [1e-3, 0.5e-3]
+        .map(|window| growth(2.0, window, (0.3_f64 / window).round() as usize) / expected - 1.0);
+    println!(
+        "growth at 2 Vcr: {:.4} 1/s of {expected:.4}, errors {errors:.4?}",
+        expected * (1.0 + errors[1])
+    );
     assert!(errors[1].abs() < 0.02 && (errors[0] / errors[1] - 2.0).abs() < 0.1, "{errors:?}");
     let [below, above] = [0.99, 1.01].map(|ratio| growth(ratio, 0.01, 80));
     let ratio = 0.99 + 0.02 * below / (below - above);

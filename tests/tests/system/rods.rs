@@ -44,9 +44,11 @@ fn growth(gain: f64, window: f64) -> f64 {
 #[test]
 fn disturbances_grow_and_decay_at_the_leading_rates() {
     for (gain, expected) in [(0.96, -0.160_143_570_7), (1.02, 0.079_964_610_8)] {
-        let [coarse, fine] =
-            [4e-3, 5e-4].map(|window| growth(gain, window) / expected - 1.0);
-        println!("gain {gain}: rate {:.6}, errors {coarse:.2e}, {fine:.2e}", expected * (1.0 + fine));
+        let [coarse, fine] = [4e-3, 5e-4].map(|window| growth(gain, window) / expected - 1.0);
+        println!(
+            "gain {gain}: rate {:.6}, errors {coarse:.2e}, {fine:.2e}",
+            expected * (1.0 + fine)
+        );
         assert!(fine.abs() < 1e-3, "{gain}: {fine}");
         assert!((coarse / fine - 8.0).abs() < 2.0, "{gain}: {coarse} {fine}");
     }
@@ -83,7 +85,10 @@ fn states_are_found_with_their_stability() {
         assert_eq!(state["stable"], gain < 1.0);
         found.push(gap);
     }
-    assert_eq!((states[2]["stable"].as_bool(), states[2]["loop_gain"].as_f64()), (Some(true), Some(0.0)));
+    assert_eq!(
+        (states[2]["stable"].as_bool(), states[2]["loop_gain"].as_f64()),
+        (Some(true), Some(0.0))
+    );
     assert!(states[2]["values"]["contact.max_pressure_pa"].as_f64().unwrap() > 0.0);
     let page = std::fs::read_to_string(place.out().join("report.html")).unwrap();
     assert!(page.contains("unstable"), "{page}");

@@ -37,10 +37,7 @@ fn same_answers(role: &str, model: &ModelSpec, name: &str, settings: &[&str]) {
 }
 
 /// Every model on a case that it can take, with these settings.
-fn models_of(
-    solver: &Description,
-    case: impl Fn(&str) -> (&'static str, &'static [&'static str]),
-) {
+fn models_of(solver: &Description, case: impl Fn(&str) -> (&'static str, &'static [&'static str])) {
     assert!(!solver.models.is_empty());
     for model in &solver.models {
         let (name, settings) = case(&model.name);
@@ -52,9 +49,7 @@ fn models_of(
 fn mechanical_models_answer_the_same_on_any_number_of_threads() {
     models_of(&mech_solver::MechSolver.description(), |model| match model {
         // Elements of volumes cost more than those of surfaces.
-        "explicit-fe" => {
-            ("wheel-rail.toml", &["mech.resolution=3", "materials.steel.density=2e5"])
-        }
+        "explicit-fe" => ("wheel-rail.toml", &["mech.resolution=3", "materials.steel.density=2e5"]),
         "periodic" => ("brake-block.toml", &["mech.resolution=64"]),
         "rod" => ("thermo-elastic-rod.toml", &[]),
         _ => ("wheel-rail.toml", &["mech.resolution=12"]),

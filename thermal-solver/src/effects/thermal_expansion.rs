@@ -22,7 +22,9 @@ pub fn spec() -> EffectSpec {
         name: NAME.to_owned(),
         law: "W(k) = int T(k, z) exp(-k z) dz, of each body".to_owned(),
         source: "Barber, Elasticity (2010), thermoelastic displacement potentials".to_owned(),
-        models: [names::ROD, names::COLUMNS, names::PERIODIC, names::MOVING_SOURCE].map(str::to_owned).to_vec(),
+        models: [names::COLUMNS, names::MOVING_SOURCE, names::FE, names::PERIODIC, names::ROD]
+            .map(str::to_owned)
+            .to_vec(),
         consumes: Vec::new(),
         provides: field_names(&[RISE_INTEGRALS[1], RISE_INTEGRALS[0]]),
         keys: Vec::new(),

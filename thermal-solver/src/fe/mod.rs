@@ -15,7 +15,7 @@
 //! | [`law`], [`conductor`], [`direct`] | properties over temperature; Newton and conjugate gradients on a block; a sparse Cholesky in their place |
 //! | [`nature`], [`motion`], [`body`] | what a body is made of; a way to solve for it; which one |
 //! | [`held`], [`marched`], [`swept`], [`stepped`] | the four ways, with their states |
-//! | [`section`] | what is below a row |
+//! | [`section`], [`height`] | what is below a row; what raises the surface |
 //!
 //! Theory, sources and figures: docs/theory/fe.md.
 
@@ -25,6 +25,7 @@ pub mod body;
 pub mod conductor;
 pub mod creep;
 pub mod direct;
+pub mod height;
 pub mod held;
 pub mod law;
 pub mod marched;

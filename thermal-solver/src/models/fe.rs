@@ -12,6 +12,7 @@ use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::reconstruction::sum_of_means;
 use crate::fe::block::{Block, Elements, Solver, keys};
 use crate::fe::body::Body;
+use crate::fe::height::Height;
 use crate::fe::nature::Nature;
 use crate::fe::section::{Below, Between};
 use crate::moving_source::ages::Stretch;
@@ -84,6 +85,8 @@ pub struct FiniteElements {
     row_sums: Vec<f64>,
     line: Vec<f64>,
     threads: usize,
+    /// For the heights of the surfaces, once they are asked for.
+    heights: [Option<Height>; 2],
     /// What is below a row of a body's state, kept from one question to the next.
     below: RefCell<Option<(Stage, usize, usize, Below)>>,
 }
@@ -122,6 +125,7 @@ impl Conduction for FiniteElements {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
     const EXCHANGES: bool = true;
+    const EXPANDS: bool = true;
     const ELEMENTS: bool = true;
     const STATE_TAG: u8 = 4;
 
@@ -142,6 +146,7 @@ impl Conduction for FiniteElements {
             row_sums: vec![0.0; frame.grid.nj],
             line: vec![0.0; frame.grid.ni],
             threads: if unknowns(frame) < WORTH { 1 } else { frame.threads },
+            heights: [None, None],
             below: RefCell::new(None),
             frame: frame.clone(),
         }
@@ -219,6 +224,26 @@ impl Conduction for FiniteElements {
             *heat = sum_of_means(body.motion.flux(), &mut self.row_sums, &mut self.line);
         }
         Ok(work)
+    }
+
+    fn rise_integral(&mut self, body: usize, integral: &mut [f64]) -> u64 {
+        let Self { frame, bodies, heights, .. } = self;
+        let grid = &frame.grid;
+        let height = heights[body].get_or_insert_with(|| {
+            let (material, speed) = (&frame.scene.materials[body], expected_speed(frame, body));
+            let block = Block::new(grid, material, speed, &elements(frame, body));
+            Height::new(grid, &block.depths(), &block.faces())
+        });
+        let rows: Vec<Below> =
+            (0..grid.nj).map(|row| bodies[body].below(Stage::Trial, row)).collect();
+        let (columns, first) =
+            (grid.ni + height.behind, grid.x(0) - height.behind as f64 * grid.dx());
+        let level = |layer: usize, rises: &mut [f64]| {
+            for (below, rises) in rows.iter().zip(rises.chunks_exact_mut(columns)) {
+                below.level(below.depths[layer], grid.dx(), first, rises);
+            }
+        };
+        height.of(level, integral)
     }
 
     fn exchanged(&self) -> Option<f64> {

@@ -113,7 +113,10 @@ impl Conduction for Periodic {
             true => Ok(()),
             false => Err(Refusal::new(
                 "mech.resolution",
-                format!("model `periodic` takes an even number of elements along x, not {}", frame.grid.ni),
+                format!(
+                    "model `periodic` takes an even number of elements along x, not {}",
+                    frame.grid.ni
+                ),
                 "write an even number",
             )),
         }
@@ -204,7 +207,8 @@ impl Conduction for Periodic {
     }
 
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        let mut restored = [&self.bodies[UPPER].accepted, &self.bodies[LOWER].accepted].map(Instant::clone);
+        let mut restored =
+            [&self.bodies[UPPER].accepted, &self.bodies[LOWER].accepted].map(Instant::clone);
         let mut surfaces = self.accepted.clone();
         for (Instant { start, window }, surface) in restored.iter_mut().zip(&mut surfaces) {
             read_numbers(from, [&mut window.duration, &mut window.speed])?;

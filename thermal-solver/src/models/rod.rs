@@ -237,8 +237,7 @@ impl Conduction for Rods {
         let conductance = law.map_or(0.0, |law| {
             law.across(rub.pressure.map_or(0.0, |p| p[0]), rub.gap.map_or(0.0, |gap| gap[0]))
         });
-        let apart =
-            self.warmer + upper + by_upper * own[UPPER] - (lower + by_lower * own[LOWER]);
+        let apart = self.warmer + upper + by_upper * own[UPPER] - (lower + by_lower * own[LOWER]);
         self.flow = conductance * apart / (1.0 + conductance * (by_upper + by_lower));
         let fluxes = [own[UPPER] - self.flow, own[LOWER] + self.flow];
         for (at, (rod, [past, response])) in self.rods.iter_mut().zip(ends).enumerate() {

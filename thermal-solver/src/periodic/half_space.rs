@@ -77,12 +77,8 @@ impl HalfSpace {
         };
         let empty = || vec![Complex64::default(); numbers.len()];
         let past = Past { known: false, surface: empty(), integral: empty() };
-        let response = Response {
-            along: empty(),
-            surface: empty(),
-            integral: empty(),
-            ..Response::default()
-        };
+        let response =
+            Response { along: empty(), surface: empty(), integral: empty(), ..Response::default() };
         Self { material, numbers, rule, response, past, accepted: cold.clone(), trial: cold }
     }
 
@@ -239,8 +235,10 @@ impl HalfSpace {
         for (wave, sum) in sums.iter_mut().enumerate() {
             *sum *= (-rates[wave] * duration).exp();
             let own = match wave {
-                0 => Complex64::new(uniform(depth / (diffusivity * duration).sqrt()), 0.0)
-                    * (diffusivity * duration).sqrt(),
+                0 => {
+                    Complex64::new(uniform(depth / (diffusivity * duration).sqrt()), 0.0)
+                        * (diffusivity * duration).sqrt()
+                }
                 _ => {
                     let m = (rates[wave] / diffusivity).sqrt();
                     (-m * depth).exp() / m
@@ -321,7 +319,11 @@ mod tests {
                 }
                 let error = (surface[wave] - exact(0.0)).norm() / scale;
                 assert!(error < 1e-7, "{k} {speed} {windows:?}: {error:e}");
-                let reach = if k > 0.0 { (1.0 / k).min((kappa * total).sqrt()) } else { (kappa * total).sqrt() };
+                let reach = if k > 0.0 {
+                    (1.0 / k).min((kappa * total).sqrt())
+                } else {
+                    (kappa * total).sqrt()
+                };
                 for over in [0.2, 1.0, 2.5] {
                     let depth = over * reach;
                     let found = body.below(&body.accepted, depth)[wave];
@@ -344,7 +346,9 @@ mod tests {
         let heard: f64 = (0..100)
             .map(|panel| {
                 let end = |panel: i32| total.sqrt() * f64::from(panel) / 100.0;
-                integrate(end(panel), end(panel + 1), |r| 2.0 * r * libm::erfc(k * r * kappa.sqrt()))
+                integrate(end(panel), end(panel + 1), |r| {
+                    2.0 * r * libm::erfc(k * r * kappa.sqrt())
+                })
             })
             .sum();
         let capacity = STEEL.density * STEEL.specific_heat;

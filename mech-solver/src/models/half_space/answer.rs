@@ -112,6 +112,13 @@ impl Answer {
         self.traction = traction;
     }
 
+    /// It is on a grid of so many elements.
+    pub(super) fn is_on(&self, count: usize) -> bool {
+        let fields = [&self.traction, &self.slip_velocity].map(|field| field.len() == 2 * count);
+        let scalars = [&self.pressure, &self.friction_power].map(|field| field.len() == count);
+        fields.into_iter().chain(scalars).all(|fits| fits)
+    }
+
     /// What terms may know of it once it is accepted.
     pub(super) fn accepted(&self) -> Accepted<'_> {
         Accepted {

@@ -53,6 +53,16 @@ impl Case {
         Ok(())
     }
 
+    /// A contact that is smaller than an element carries no prescribed force; whether it is.
+    pub(super) fn rest_if_lost(&mut self) -> bool {
+        let [a, _] = self.footprint.semi_axes;
+        let lost = a < 0.5 * self.footprint.grid.dx() && self.driven.may_lose();
+        if lost {
+            self.driven = Driven::AT_REST;
+        }
+        lost
+    }
+
     /// Hertz's solution holds: smooth second-order surfaces, and neither terms nor tractions that change
     /// the pressure.
     pub(super) fn is_hertzian(&self) -> bool {

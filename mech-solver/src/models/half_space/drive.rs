@@ -47,6 +47,9 @@ pub(super) struct Driven {
 }
 
 impl Driven {
+    /// Nothing drives.
+    pub(super) const AT_REST: Self = Self { components: [Component::Creepage(0.0); 3] };
+
     /// Reads and checks it. `given` is the ellipse that the case gives, `ellipse` the contact where it
     /// is one; without `partial` all slides.
     pub(super) fn read(
@@ -94,6 +97,11 @@ impl Driven {
             }
         }
         prescribed
+    }
+
+    /// Without contact it is at rest: by a force, or already.
+    pub(super) fn may_lose(&self) -> bool {
+        self.has_force() || *self == Self::AT_REST
     }
 
     /// Some creepage follows from a force.

@@ -77,7 +77,8 @@ impl Steady {
             self.contact = Some(contact);
             return Err(no_answer(refusal));
         }
-        let near = near.map(|(solution, pressure, search)| {
+        let lost = following.varying.is_carried() && self.case.rest_if_lost();
+        let near = near.filter(|_| !lost).map(|(solution, pressure, search)| {
             contact.pressure = pressure;
             *contact.search() = search;
             Solution::new(solution.state)
@@ -242,7 +243,11 @@ impl Model for Steady {
             return Ok(());
         }
         let config = bincode::config::standard();
-        let written = bincode::serde::encode_into_std_write(&self.accepted, &mut into, config);
+        let shown = self.shown.as_ref().map(|(answer, Step { window, iteration, start, end })| {
+            (answer, (window, iteration, start, end))
+        });
+        let state = (&self.accepted, shown);
+        let written = bincode::serde::encode_into_std_write(state, &mut into, config);
         written.map(|_| ()).map_err(io::Error::other)
     }
 
@@ -253,16 +258,21 @@ impl Model for Steady {
         }
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
         let wrong = |reason: String| StateError(format!("half-space: {reason}"));
-        let near: Near = bincode::serde::decode_from_std_read(&mut from, config)
+        type Shown = Option<(Answer, (u64, u32, f64, f64))>;
+        let (near, shown): (Near, Shown) = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|error| wrong(error.to_string()))?;
         let count = self.case.footprint.grid.points();
         let fits = |(solution, pressure, _): &(Solution, Vec<f64>, ForceSearch)| {
             solution.state.fits(count) && pressure.len() == count
         };
-        if near.as_ref().is_some_and(|near| !fits(near)) {
+        let of_grid = |(answer, _): &(Answer, _)| answer.is_on(count);
+        if near.as_ref().is_some_and(|near| !fits(near)) || !shown.as_ref().is_none_or(of_grid) {
             return Err(wrong("it is a state on another grid".to_owned()));
         }
         self.accepted = near;
+        self.shown = shown.map(|(answer, (window, iteration, start, end))| {
+            (answer, Step { window, iteration, start, end })
+        });
         Ok(())
     }
 }

@@ -39,7 +39,11 @@ impl Case {
         }
         let Load::NormalForce(load) = scene.load else {
             let reason = "the approach of bodies without end has no meaning";
-            return Err(Refusal::new(APPROACH, reason, "write load.normal_force, that on one cell"));
+            return Err(Refusal::new(
+                APPROACH,
+                reason,
+                "write load.normal_force, that on one cell",
+            ));
         };
         let creepage = match scene.drive {
             Drive::Creepage { xi, eta, phi: 0.0 } => [xi, eta],

@@ -39,7 +39,8 @@ pub(super) fn refinement() -> Refinement {
         levels: vec![8, 16, 32, 64, 128, 256, 512],
         order: 2.0,
         error: 0.08,
-        source: "Westergaard's wave, a quarter of which touches, in the tests of this model".to_owned(),
+        source: "Westergaard's wave, a quarter of which touches, in the tests of this model"
+            .to_owned(),
     }
 }
 

@@ -1,0 +1,100 @@
+//! Effect `shear_limit`: the layer between the surfaces yields at a shear stress, whatever presses on it.
+//!
+//! |p_t| ≤ min(f p, τ_y): where friction would carry more than the yield stress τ_y of the third body, this flows, ideally plastic, and
+//! what it dissipates is its stress on the velocity over it, as friction's is. So a yield stress is a friction coefficient that falls
+//! with the pressure, f = τ_y/p. Together with `third_body_layer` it is an elastic–plastic layer.
+//!
+//! Source: Vollebregt, Wear 314 (2014) 87–95; Vollebregt, Voltr et al., Veh. Syst. Dyn. (2022), for elastic–plastic third bodies.
+//! Left out: hardening, and what is left of the layer's strain behind the contact.
+
+use crate::entry::Effect;
+use crate::keys::CheckedParams;
+use crate::situation::{POWER, PRESSURE, Situation};
+use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use proto::advice::Advice;
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+use proto::model::StepError;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "shear_limit",
+    law: "|p_t| <= min(f p, tau_y), with the yield stress tau_y of what is between the surfaces",
+    source: "Vollebregt, Wear 314 (2014) 87-95",
+    kinds: &[Kind::Friction],
+    consumes: &[],
+    provides: &[],
+    keys,
+    figures: Vec::new,
+    advise: Some(advise),
+    terms,
+};
+
+const YIELD_STRESS: &str = "effects.shear_limit.yield_stress";
+
+fn keys() -> Vec<KeySpec> {
+    vec![
+        KeySpec::quantity(
+            YIELD_STRESS,
+            "Pa",
+            "yield stress in shear of the layer between the surfaces",
+        )
+        .required()
+        .above(0.0),
+    ]
+}
+
+#[derive(Debug)]
+struct ShearLimit {
+    yield_stress: f64,
+}
+
+impl State for ShearLimit {}
+
+impl FrictionTerm for ShearLimit {
+    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
+        for (friction, pressure) in friction.iter_mut().zip(rubbing.pressure) {
+            if *friction * pressure > self.yield_stress {
+                *friction = self.yield_stress / pressure;
+            }
+        }
+        Ok(())
+    }
+
+    /// The pressure is the model's own.
+    fn follows_inputs(&self) -> bool {
+        false
+    }
+
+    fn shortfall(&self) -> &'static str {
+        "the layer between the surfaces yields"
+    }
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let case = CheckedParams::new(&configuration.case, keys());
+    let limit = ShearLimit { yield_stress: case.number(YIELD_STRESS)? };
+    Ok(Terms { friction: vec![Box::new(limit)], ..Terms::default() })
+}
+
+/// Yield stress of wear debris and iron oxides between wheel and rail, where the case has none [Pa].
+const TYPICAL: f64 = 300e6;
+
+/// An ellipse of friction cut off at t = τ_y/(f p₀) carries (3t − t³)/2 of it.
+fn advise(situation: &Situation<'_>) -> Advice {
+    let given = situation.case.maybe_number(YIELD_STRESS).ok().flatten();
+    let yield_stress = given.unwrap_or(TYPICAL);
+    let advice =
+        Advice::new(EFFECT.name, format!("what friction carries beyond {yield_stress:.1e} Pa"))
+            .with(format!("{YIELD_STRESS}={yield_stress:e}"));
+    let friction = situation.scene.friction_coefficient;
+    let Some(largest) = situation.known(PRESSURE).map(|pressure| friction * pressure) else {
+        return advice;
+    };
+    let cut = (yield_stress / largest).min(1.0);
+    let advice = advice.number("yield stress over largest friction", yield_stress / largest);
+    if cut == 1.0 {
+        return advice.moves(POWER, 0.0);
+    }
+    situation.with_friction(advice, friction * 0.5 * (3.0 * cut - cut.powi(3)))
+}

@@ -1,0 +1,58 @@
+//! What raises the surface of a body, from the temperatures of its nodes.
+//!
+//! W = ∫ ϑ̂ e^{−kz} dz for the wave number k along the surface ([`crate::moving_source::rise_integral`]), with the layers that the nodes
+//! stand for: each is a product in Fourier space, on a grid that is padded by as much as it is large, and goes on behind by a quarter of
+//! its length: what is further behind the grid is left out.
+
+use numerics::convolution::{Complex64, Convolution, Spectrum};
+use proto::grid::Structured;
+use std::f64::consts::TAU;
+
+/// The layers of a body.
+pub struct Height {
+    /// Columns of the grid, and of those behind it.
+    columns: usize,
+    /// Columns behind.
+    pub behind: usize,
+    convolution: Convolution,
+    /// Of every layer: its share Δz e^{−kz}.
+    layers: Vec<Spectrum>,
+    rises: Vec<f64>,
+    part: Vec<f64>,
+}
+
+impl Height {
+    /// With nodes at some depths [m], the last of which is held, and the faces between them.
+    #[must_use]
+    pub fn new(grid: &Structured, depths: &[f64], faces: &[f64]) -> Self {
+        let behind = grid.ni / 4;
+        let convolution = Convolution::new(grid.ni + behind, grid.nj);
+        let (along, across) = convolution.padded_shape();
+        let sides = [along as f64 * grid.dx(), across as f64 * grid.dy()];
+        let layer = |(depth, faces): (&f64, &[f64])| {
+            let thickness = faces[1] - faces[0];
+            convolution.factors(|k, l| {
+                let number = TAU * (f64::from(k) / sides[0]).hypot(f64::from(l) / sides[1]);
+                Complex64::new(thickness * (-number * depth).exp(), 0.0)
+            })
+        };
+        let layers = depths.iter().zip(faces.windows(2)).map(layer).collect();
+        let zero = vec![0.0; (grid.ni + behind) * grid.nj];
+        Self { columns: grid.ni, behind, convolution, layers, rises: zero.clone(), part: zero }
+    }
+
+    /// W [K m] of the rises that `fill(layer, rises)` says [K], row by row with the columns behind first; the multiply-adds that it took.
+    pub fn of(&mut self, mut fill: impl FnMut(usize, &mut [f64]), integral: &mut [f64]) -> u64 {
+        integral.fill(0.0);
+        for (number, layer) in self.layers.iter().enumerate() {
+            fill(number, &mut self.rises);
+            self.convolution.apply(layer, &self.rises, &mut self.part);
+            let rows = self.part.chunks_exact(self.columns + self.behind);
+            for (sums, parts) in integral.chunks_exact_mut(self.columns).zip(rows) {
+                let parts = &parts[self.behind..];
+                sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
+            }
+        }
+        (self.layers.len() * self.part.len()) as u64
+    }
+}
