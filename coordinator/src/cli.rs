@@ -7,6 +7,7 @@ use crate::conform;
 use crate::cost;
 use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
+use crate::keys;
 use crate::logging::{Level, Logging};
 use crate::output;
 use crate::progress::Progress;
@@ -79,6 +80,8 @@ enum Command {
     },
     /// Show the models and effects that the installed solvers offer.
     Solvers,
+    /// Show every key that a case may have: unit, range, default, and who reads it.
+    Keys(keys::Arguments),
     /// Show what a recording holds: windows, iterations, ranges, residuals, timings.
     Inspect(InspectArguments),
     /// Drive one participant through a recording, and compare all that it sends.
@@ -331,6 +334,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             Ok(print(false, &text)?)
         }
         Command::Solvers => Ok(solvers()?),
+        Command::Keys(asked) => Ok(keys::main(asked, &installed()?)?),
         Command::Inspect(asked) => Ok(inspect_recording(asked)?),
         Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
@@ -652,17 +656,22 @@ fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError
 }
 
 fn solvers() -> Result<(), RunError> {
+    installed()?.iter().try_for_each(|described| print(false, &show_solver(described)))
+}
+
+/// What the installed programs say of themselves.
+fn installed() -> Result<Vec<Description>, RunError> {
     let _asking = signals::end_at_once();
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()
         .map_err(|error| file_failure(std::path::Path::new("tokio"), &error))?;
-    for (role, program) in programs::installed() {
+    let described = programs::installed().into_iter().map(|(role, program)| {
         let described = runtime.block_on(program.describe(&role, Duration::from_secs(30)))?;
         described.check().map_err(|fault| program.misled(&role, fault))?;
-        print(false, &show_solver(&described))?;
-    }
-    Ok(())
+        Ok(described)
+    });
+    described.collect()
 }
 
 fn show_solver(of: &Description) -> String {

@@ -11,6 +11,7 @@ mod conform;
 mod cost;
 mod export;
 mod inspect;
+mod keys;
 mod logging;
 mod output;
 mod progress;

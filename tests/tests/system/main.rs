@@ -36,6 +36,7 @@ mod folders;
 mod histories;
 mod implicit;
 mod instability;
+mod keys;
 mod long_work;
 mod machine;
 mod mapping;

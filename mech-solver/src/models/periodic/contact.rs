@@ -92,12 +92,6 @@ impl Sliding {
             values.copy_from_slice(&self.case.scene.speeds.of_surfaces(self.case.creepage[0]));
         }
     }
-
-    /// Sum over the elements of what is so for each, over the mean pressure times their number [-].
-    fn share(&self, of: impl Fn(usize) -> f64) -> f64 {
-        let sum: f64 = (0..self.pressure.len()).map(of).sum();
-        sum / self.pressure.iter().sum::<f64>().max(f64::MIN_POSITIVE)
-    }
 }
 
 impl Model for Sliding {
@@ -151,13 +145,15 @@ impl Model for Sliding {
         let count = self.pressure.len() as f64;
         let square = self.pressure.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / count;
         let distances = self.distance.iter().zip(self.solver.displacement());
-        let separation = distances.map(|(h, u)| h + u).sum::<f64>() / count - solved.approach;
+        let separation = match solved.contact_elements == self.pressure.len() {
+            true => 0.0,
+            false => distances.map(|(h, u)| h + u).sum::<f64>() / count - solved.approach,
+        };
         let [vx, vy] = case.slip_velocity();
         let speed = vx.hypot(vy);
-        let friction = self.share(|at| self.friction[at] * self.pressure[at]);
-        let force = friction * solved.normal_force;
+        let bounds = || self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
+        let force = bounds().sum::<f64>() * area;
         let against = |part: f64| if speed > 0.0 { 0.0 - force * part / speed } else { 0.0 };
-        let bounds = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
         json!({"contact": {
             "max_pressure_pa": self.pressure.iter().copied().fold(0.0, f64::max),
             "pressure_deviation_pa": square.sqrt(),
@@ -171,7 +167,7 @@ impl Model for Sliding {
             "creepage_eta": case.creepage[1],
             "slip_area_ratio": f64::from(u8::from(speed > 0.0)),
             "max_slip_velocity_m_per_s": speed,
-            "max_traction_pa": if speed > 0.0 { bounds.fold(0.0, f64::max) } else { 0.0 },
+            "max_traction_pa": if speed > 0.0 { bounds().fold(0.0, f64::max) } else { 0.0 },
             "friction_power_w": if speed > 0.0 { force * speed } else { 0.0 },
         }})
     }

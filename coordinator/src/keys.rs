@@ -1,0 +1,186 @@
+//! `coordinator keys`: every key that a case may have: unit, range, default, and who reads it.
+//!
+//! The keys are those of the coordinator's own table and of what the installed programs describe; docs/case.md is written from them.
+
+use crate::output::print;
+use case::schema::{OwnKey, ROLE, Shape, own_keys};
+use clap::Args;
+use contract::description::{Description, KeyKind, KeySpec};
+use contract::text::json;
+use run::error::RunError;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// What `coordinator keys` is asked.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Show the keys alone whose path or meaning holds this.
+    pattern: Option<String>,
+    /// Print JSON.
+    #[arg(long, conflicts_with = "markdown")]
+    json: bool,
+    /// Print them as docs/case.md has them.
+    #[arg(long)]
+    markdown: bool,
+}
+
+/// A key, and all that read it alike.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Key {
+    #[serde(flatten)]
+    spec: KeySpec,
+    /// It takes a list of values.
+    list: bool,
+    /// Who reads it: the coordinator, a role, its models or its effects.
+    read_by: Vec<String>,
+}
+
+/// Prints the keys.
+///
+/// # Errors
+/// They cannot be printed, or none is like the pattern.
+pub(crate) fn main(asked: &Arguments, described: &[Description]) -> Result<(), RunError> {
+    let mut keys = all(described);
+    if let Some(pattern) = &asked.pattern {
+        let wanted = pattern.to_lowercase();
+        let like = |text: &str| text.to_lowercase().contains(&wanted);
+        keys.retain(|key| like(&key.spec.path) || like(&key.spec.help));
+        if keys.is_empty() {
+            let fix = "leave the pattern out to see all of them";
+            return Err(RunError::Usage(format!("no key is like `{pattern}`; {fix}")));
+        }
+    }
+    print(&match (asked.json, asked.markdown) {
+        (true, _) => json(&keys),
+        (_, true) => markdown(&keys),
+        _ => keys.iter().map(terminal).collect(),
+    })
+}
+
+/// All keys, by their sections: those of every case first, then those of participants.
+fn all(described: &[Description]) -> Vec<Key> {
+    let mut keys: Vec<Key> = Vec::new();
+    let mut add = |spec: &KeySpec, shape: Shape, reader: String| {
+        let list = shape != Shape::One;
+        match keys.iter_mut().find(|key| key.spec == *spec && key.list == list) {
+            Some(key) if key.read_by.contains(&reader) => {}
+            Some(key) => key.read_by.push(reader),
+            None => keys.push(Key { spec: spec.clone(), list, read_by: vec![reader] }),
+        }
+    };
+    for OwnKey { spec, shape } in own_keys() {
+        add(&spec, shape, "the coordinator".to_owned());
+    }
+    for Description { role, keys, models, effects, .. } in described {
+        keys.iter().for_each(|spec| add(spec, Shape::One, role.clone()));
+        for model in models {
+            let reader = format!("{role} {}", model.name);
+            model.keys.iter().for_each(|spec| add(spec, Shape::One, reader.clone()));
+        }
+        for effect in effects {
+            let reader = format!("effect {}", effect.name);
+            effect.keys.iter().for_each(|spec| add(spec, Shape::One, reader.clone()));
+        }
+    }
+    let order: Vec<String> = keys.iter().map(|key| section(key).to_owned()).collect();
+    let place = |key: &Key| order.iter().position(|other| other == section(key));
+    keys.sort_by(|a, b| (place(a), &a.spec.path).cmp(&(place(b), &b.spec.path)));
+    keys
+}
+
+fn section(key: &Key) -> &str {
+    key.spec.path.split('.').next().unwrap_or_default()
+}
+
+/// Type, or unit, or words.
+fn kind(key: &Key) -> String {
+    let one = match &key.spec.kind {
+        KeyKind::Quantity { unit } if unit == "1" => "number".to_owned(),
+        KeyKind::Quantity { unit } => unit.clone(),
+        KeyKind::Integer => "integer".to_owned(),
+        KeyKind::Flag => "true or false".to_owned(),
+        KeyKind::Choice { of } => of.join(" | "),
+        KeyKind::Text => "text".to_owned(),
+        KeyKind::File => "file".to_owned(),
+        KeyKind::NameIn { table } => format!("name in [{table}]"),
+    };
+    if key.list { format!("list of {one}") } else { one }
+}
+
+/// Bounds of a number.
+fn range(spec: &KeySpec) -> String {
+    let bounds = [(">", spec.above), ("≥", spec.at_least), ("≤", spec.at_most)];
+    let bounds = bounds.iter().filter_map(|(sign, bound)| {
+        let bound = (*bound)?;
+        Some(format!("{sign} {}", plain(bound)))
+    });
+    let below = spec.magnitude_below.join(" · ");
+    let below = (!below.is_empty()).then(|| format!("|…| < {below}"));
+    bounds.chain(below).collect::<Vec<_>>().join(", ")
+}
+
+/// Whether it has to be there, or what stands in its place.
+fn need(spec: &KeySpec) -> String {
+    let default = spec.default.as_ref().map(|value| match value.as_str() {
+        Some(word) => format!("default {word}"),
+        None => format!("default {}", value.as_f64().map_or(value.to_string(), plain)),
+    });
+    let group = match (&spec.one_of, spec.or_none) {
+        (Some(group), false) => Some(format!("one of {group}")),
+        (Some(group), true) => Some(format!("one of {group}, or none")),
+        _ => None,
+    };
+    let required = (spec.required && spec.one_of.is_none()).then(|| "required".to_owned());
+    let together = spec.together.as_ref().map(|group| format!("together: {group}"));
+    let varies = spec.varies.then(|| "may vary".to_owned());
+    let all = [required, group, together, default, varies];
+    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// A number as a case would have it.
+fn plain(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { value.to_string() }
+}
+
+fn terminal(key: &Key) -> String {
+    let facts = [kind(key), range(&key.spec), need(&key.spec)];
+    let facts: Vec<String> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
+    format!(
+        "{}  [{}]\n    {}\n    read by {}\n",
+        key.spec.path,
+        facts.join("; "),
+        key.spec.help,
+        key.read_by.join(", ")
+    )
+}
+
+/// The page docs/case.md.
+fn markdown(keys: &[Key]) -> String {
+    let mut text = format!(
+        "# Keys of a case\n\nEvery key that the coordinator and the installed programs read, as `coordinator keys --markdown` writes \
+         them; `coordinator keys PATTERN` shows some. A quantity is a number in the unit given, or a text with another one (`\"134 kN\"`); \
+         `*` stands for any name, `{ROLE}` for the name of a participant. A key that may vary takes a column of a table, \
+         `{{ file = \"run.csv\", column = \"N\" }}`.\n"
+    );
+    let mut last = "";
+    for key in keys {
+        if section(key) != last {
+            last = section(key);
+            let _ = write!(
+                text,
+                "\n## {last}\n\n| key | unit, type | range | | what | read by |\n| --- | --- | --- | --- | --- | --- |\n"
+            );
+        }
+        let cells = [kind(key), range(&key.spec), need(&key.spec), key.spec.help.clone()];
+        let cells = cells.map(|cell| cell.replace('|', "\\|"));
+        let _ = writeln!(
+            text,
+            "| `{}` | {} | {} |",
+            key.spec.path,
+            cells.join(" | "),
+            key.read_by.join(", ")
+        );
+    }
+    text
+}

@@ -1,0 +1,72 @@
+//! `coordinator keys`: every key that there is.
+
+use crate::harness::{Place, root};
+use serde_json::Value;
+
+/// The page of keys is what the programs say, and every key of every case that they run is on it.
+#[test]
+fn every_key_of_every_shipped_case_is_listed() {
+    let print = |option: &str| {
+        let ended = Place::new().start(&["keys", option]).wait();
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        ended.stdout
+    };
+    let page = std::fs::read_to_string(root().join("docs/case.md")).unwrap();
+    assert!(
+        page == print("--markdown"),
+        "docs/case.md is stale; write it with `coordinator keys --markdown`"
+    );
+    let keys: Value = serde_json::from_str(&print("--json")).unwrap();
+    let paths: Vec<&str> =
+        keys.as_array().unwrap().iter().map(|key| key["path"].as_str().unwrap()).collect();
+    let mut seen = 0;
+    for entry in std::fs::read_dir(root().join("cases")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let case: toml::Value = text.parse::<toml::Table>().unwrap().into();
+        let mut own = Vec::new();
+        flatten("", &case, &mut own);
+        // Other programs have keys of their own.
+        if own.iter().any(|key| key.ends_with(".command")) {
+            continue;
+        }
+        for key in own {
+            assert!(paths.iter().any(|known| fits(known, &key)), "{}: {key}", path.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 500, "{seen}");
+}
+
+/// A part of a path, or of what a key means, finds it; nothing is told so.
+#[test]
+fn a_pattern_finds_keys() {
+    let found = Place::new().start(&["keys", "semi-axis"]).wait();
+    assert!(found.stdout.contains("mech.resolution  [integer; ≥ 1, ≤ 2000;"), "{}", found.stdout);
+    assert!(found.stdout.contains("read by mech hertz-carter"), "{}", found.stdout);
+    let nothing = Place::new().start(&["keys", "no such thing"]).wait();
+    assert_eq!(nothing.code, Some(2), "{}", nothing.stdout);
+    assert!(nothing.stderr.contains("no key is like `no such thing`"), "{}", nothing.stderr);
+}
+
+/// Dotted keys of all values; a table of a file and a column is a value.
+fn flatten(path: &str, value: &toml::Value, keys: &mut Vec<String>) {
+    match value.as_table() {
+        Some(table) if !table.contains_key("column") => {
+            for (key, value) in table {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                flatten(&path, value, keys);
+            }
+        }
+        _ => keys.push(path.to_owned()),
+    }
+}
+
+fn fits(known: &str, key: &str) -> bool {
+    let (known, key): (Vec<&str>, Vec<&str>) = (known.split('.').collect(), key.split('.').collect());
+    let alike = |(known, key): (&&str, &&str)| *known == "*" || *known == "ROLE" || known == key;
+    known.len() == key.len() && known.iter().zip(&key).all(alike)
+}
