@@ -140,7 +140,11 @@ fn need(spec: &KeySpec) -> String {
 /// A number as a case would have it.
 fn plain(value: f64) -> String {
     let size = value.abs();
-    if size != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { value.to_string() }
+    if size != 0.0 && !(1e-3..1e6).contains(&size) {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
 }
 
 fn terminal(key: &Key) -> String {

@@ -17,7 +17,10 @@ pub(super) fn nearest<'a>(
         .into_iter()
         .map(|candidate| (strsim::damerau_levenshtein(&plain, &normal(candidate)), candidate))
         .filter(|(distance, _)| *distance <= limit)
-        .min_by_key(|(distance, _)| *distance)
+        // Of equally near ones the one that begins alike.
+        .min_by_key(|(distance, candidate)| {
+            (*distance, candidate.chars().next() != word.chars().next())
+        })
         .map(|(_, candidate)| candidate)
 }
 
@@ -55,6 +58,7 @@ mod tests {
         assert_eq!(nearest("halfspace", words), Some("half-space"));
         assert_eq!(nearest("Half_Space", words), Some("half-space"));
         assert_eq!(nearest("sped", words), Some("speed"));
+        assert_eq!(nearest("kNN", ["nN", "kN"]), Some("kN"));
         assert_eq!(nearest("columns", words), None);
         assert_eq!(nearest(&"x".repeat(100_000), words), None);
         assert_eq!(nearest("", words), None);

@@ -100,6 +100,28 @@ const KELVIN: Dimension = [0, 0, 0, 1, 0, 0, 0, 0];
 const BYTE: Dimension = [0, 0, 0, 0, 0, 0, 0, 1];
 const PRESSURE: Dimension = [-1, 1, -2, 0, 0, 0, 0, 0];
 
+/// What people write for units, in lower case, and how it is written here.
+const HABITS: &[(&str, &str)] = &[
+    ("kmh", "km/h"),
+    ("kph", "km/h"),
+    ("kmph", "km/h"),
+    ("mps", "m/s"),
+    ("sec", "s"),
+    ("msec", "ms"),
+    ("usec", "us"),
+    ("c", "°C"),
+    ("celsius", "°C"),
+    ("kelvin", "K"),
+    ("newton", "N"),
+    ("pascal", "Pa"),
+    ("watt", "W"),
+    ("joule", "J"),
+    ("metre", "m"),
+    ("meter", "m"),
+    ("micron", "um"),
+    ("microns", "um"),
+];
+
 /// Every symbol; those marked take the prefixes.
 const SYMBOLS: &[Symbol] = &[
     symbol("m", METRE, 0, true),
@@ -179,6 +201,10 @@ fn unknown(name: &str) -> UnitError {
         .flat_map(|s| PREFIXES.iter().map(move |(prefix, _)| format!("{prefix}{}", s.name)));
     let all: Vec<String> = SYMBOLS.iter().map(|s| s.name.to_owned()).chain(prefixed).collect();
     let words = || all.iter().map(String::as_str);
+    let habit = HABITS.iter().find(|(word, _)| *word == name.to_lowercase());
+    if let Some((_, unit)) = habit {
+        return UnitError::Unknown(name.to_owned(), Some((*unit).to_owned()));
+    }
     let other_case = words().find(|word| word.to_lowercase() == name.to_lowercase());
     let near = other_case.or_else(|| super::suggest::nearest(name, words()));
     UnitError::Unknown(name.to_owned(), near.map(str::to_owned))

@@ -66,7 +66,8 @@ fn flatten(path: &str, value: &toml::Value, keys: &mut Vec<String>) {
 }
 
 fn fits(known: &str, key: &str) -> bool {
-    let (known, key): (Vec<&str>, Vec<&str>) = (known.split('.').collect(), key.split('.').collect());
+    let (known, key): (Vec<&str>, Vec<&str>) =
+        (known.split('.').collect(), key.split('.').collect());
     let alike = |(known, key): (&&str, &&str)| *known == "*" || *known == "ROLE" || known == key;
     known.len() == key.len() && known.iter().zip(&key).all(alike)
 }
