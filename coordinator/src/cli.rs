@@ -34,6 +34,7 @@ use run::record::Compression;
 use run::results::place::RESULTS;
 use run::results::{Existing, ResultFolder, show};
 use run::signals;
+use run::warnings::{self, Warning};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -197,6 +198,9 @@ struct RunArguments {
     /// Write DIR/report.html at the end, whatever the end is.
     #[arg(long)]
     report: bool,
+    /// Make errors of warnings: of the case before anything runs, of the answer at the end.
+    #[arg(long)]
+    strict: bool,
     /// Choose models and resolution, the cheapest expected to meet this error, and state the error.
     #[arg(long, value_name = "ERROR", conflicts_with = "resume", value_parser = accuracy::Target::read_error)]
     accuracy: Option<f64>,
@@ -320,7 +324,13 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                         case.alone()?.not_judged_text()
                     )
                 }
-                false => case.plan().map(|_| format!("{shown}: no errors\n"))?,
+                false => {
+                    let planned = case.plan()?;
+                    let warnings = planned.plan.warnings.iter();
+                    let warnings: String =
+                        warnings.map(|warning| format!("warning: {warning}\n")).collect();
+                    format!("{warnings}{shown}: no errors\n")
+                }
             };
             Ok(print(arguments.quiet, &text)?)
         }
@@ -399,6 +409,9 @@ fn begin(run: &RunArguments, log: &Logging) -> Result<Begun, RunError> {
     let planning = Instant::now();
     let case = run.case();
     let planned = case.plan()?;
+    if run.strict {
+        refuse_warnings(&planned.plan.warnings)?;
+    }
     let plan_seconds = planning.elapsed().as_secs_f64();
     let folder = run.folder(&planned, &case.case)?;
     log_into(&folder, log)?;
@@ -541,9 +554,22 @@ fn conclude(
         Some(error) => Err(begun.report(error.and(written))),
         None => {
             let printed = written.and_then(|()| print(screen.quiet, &text()));
-            printed.map_err(|error| begun.report(error))
+            let strict = || match asked.strict {
+                true => refuse_warnings(&warnings::of_summary(&outcome.summary)),
+                false => Ok(()),
+            };
+            printed.and_then(|()| strict()).map_err(|error| begun.report(error))
         }
     }
+}
+
+/// Warnings are errors.
+fn refuse_warnings(warnings: &[Warning]) -> Result<(), RunError> {
+    let said: Vec<String> = warnings.iter().map(Warning::to_string).collect();
+    if said.is_empty() {
+        return Ok(());
+    }
+    Err(RunError::Usage(format!("{}; change it, or leave out --strict", said.join("\n  "))))
 }
 
 /// Every kind of study that leaves a page.

@@ -123,6 +123,7 @@ pub fn contact_keys() -> Vec<KeySpec> {
     let mut keys = motion_keys();
     keys.push(
         KeySpec::quantity(NORMAL_FORCE, "N", "normal force")
+            .expected(1e-6..=5e6, "heavy axles press with 2e5 N; check the unit")
             .varies()
             .required()
             .above(0.0)
@@ -136,6 +137,7 @@ pub fn contact_keys() -> Vec<KeySpec> {
     );
     keys.push(
         KeySpec::number("friction.coefficient", "friction coefficient")
+            .expected(0.0..=1.0, "dry steel has 0.3 to 0.6, clean metals and rubber more")
             .varies()
             .required()
             .above(0.0),
@@ -153,17 +155,20 @@ pub fn body_keys() -> Vec<KeySpec> {
             "m",
             "radius along x, of rolling; absent: straight, negative: concave",
         )
+        .expected(1e-4..=50.0, "bearing balls to mill rolls; check the unit")
         .varies(),
         KeySpec::quantity(
             "bodies.*.radius_y",
             "m",
             "lateral radius; absent: straight, negative: concave",
         )
+        .expected(1e-4..=1e3, "beyond a kilometre a body is straight; check the unit")
         .varies(),
         KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
         surface_speed_key(),
         KeySpec::quantity("materials.*.youngs_modulus", "Pa", "Young's modulus")
             .required()
+            .expected(1e4..=f64::INFINITY, "gels are stiffer; check the unit")
             .above(0.0),
         KeySpec::number("materials.*.poisson_ratio", "Poisson's ratio")
             .required()
@@ -204,6 +209,7 @@ fn motion_keys() -> Vec<KeySpec> {
             "m/s",
             "rolling speed, that of both surfaces but for the creepage; 0 for a shift without rolling",
         )
+        .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is a unit, too")
         .at_least(0.0).varies(),
         KeySpec::number(
             TRACTION_COEFFICIENT,

@@ -97,14 +97,17 @@ pub fn keys() -> Vec<KeySpec> {
     let property = |name: &str, unit: &str, help: &str| {
         KeySpec::quantity(&format!("materials.*.{name}"), unit, help).required().above(0.0)
     };
+    const SOLIDS: &str = "of solids; check the unit";
     vec![
         position_key(),
         KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
         initial_temperature_key(),
         surface_speed_key(),
-        property("density", "kg/m3", "mass per volume"),
-        property("specific_heat", "J/(kg K)", "heat per mass and temperature"),
-        property("conductivity", "W/(m K)", "heat flux per temperature gradient"),
+        property("density", "kg/m3", "mass per volume").expected(1.0..=3e4, SOLIDS),
+        property("specific_heat", "J/(kg K)", "heat per mass and temperature")
+            .expected(10.0..=1e4, SOLIDS),
+        property("conductivity", "W/(m K)", "heat flux per temperature gradient")
+            .expected(0.0..=5e3, SOLIDS),
         KeySpec::quantity(SPEED, "m/s", "rolling speed").at_least(0.0).varies(),
     ]
 }

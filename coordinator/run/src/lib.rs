@@ -23,6 +23,7 @@ pub mod sealed;
 pub mod session;
 pub mod signals;
 pub mod supervise;
+pub mod warnings;
 
 /// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
 #[cfg(test)]

@@ -8,6 +8,7 @@ mod history;
 mod places;
 mod setup;
 mod temperature;
+mod warnings;
 mod work;
 
 use super::page::{Block, Mood, Page, Section};
@@ -47,6 +48,7 @@ fn coupling(results: &Results) -> Option<Section> {
 /// Every section for which there is something to say.
 pub(super) fn all(results: &Results) -> Vec<Section> {
     let sections = [
+        warnings::section(results),
         headlines::section(results),
         history::section(results),
         fields::maps(results),

@@ -34,6 +34,7 @@ pub fn initial_temperature_key() -> KeySpec {
     let help = "initial temperature, over which temperatures are rises";
     KeySpec::quantity("bodies.*.initial_temperature", "K", help)
         .above(0.0)
+        .expected(100.0..=3000.0, "it is an absolute temperature; \"20 °C\" is 293.15 K")
         .default_value(INITIAL_TEMPERATURE)
 }
 
@@ -41,7 +42,10 @@ pub fn initial_temperature_key() -> KeySpec {
 #[must_use]
 pub fn surface_speed_key() -> KeySpec {
     let help = "speed at which the body's surface passes through the contact; absent: motion.speed";
-    KeySpec::quantity("bodies.*.surface_speed", "m/s", help).at_least(0.0).varies()
+    KeySpec::quantity("bodies.*.surface_speed", "m/s", help)
+        .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is a unit, too")
+        .at_least(0.0)
+        .varies()
 }
 
 /// The names that a case gives to the upper and the lower body.

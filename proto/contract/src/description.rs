@@ -8,6 +8,7 @@ use crate::configuration::{Configuration, Mode};
 use crate::field::{FieldKind, FieldSpec};
 use crate::figure::FigureSpec;
 use crate::grid::check_name;
+use crate::plausible::Plausible;
 use crate::refusal::Refusal;
 use crate::text::check_lines;
 use serde::{Deserialize, Serialize};
@@ -249,6 +250,9 @@ pub struct KeySpec {
     /// through [`Configuration::histories`].
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub varies: bool,
+    /// What is expected of it; a case is run whose value is otherwise, and told so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plausible: Option<Plausible>,
     /// One line for people.
     pub help: String,
 }
@@ -283,6 +287,17 @@ pub enum KeyKind {
     },
 }
 
+impl KeyKind {
+    /// The SI unit of a number, "1" for a plain one.
+    #[must_use]
+    pub fn unit(&self) -> &str {
+        match self {
+            Self::Quantity { unit } => unit,
+            _ => "1",
+        }
+    }
+}
+
 impl KeySpec {
     fn new(path: &str, kind: KeyKind, help: &str) -> Self {
         Self {
@@ -298,6 +313,7 @@ impl KeySpec {
             or_none: false,
             together: None,
             varies: false,
+            plausible: None,
             help: help.to_owned(),
         }
     }
@@ -411,6 +427,18 @@ impl KeySpec {
     #[must_use]
     pub fn varies(mut self) -> Self {
         self.varies = true;
+        self
+    }
+
+    /// Expected in this range of magnitudes, and why.
+    #[must_use]
+    pub fn expected(mut self, range: std::ops::RangeInclusive<f64>, why: &str) -> Self {
+        let (least, most) = (*range.start(), *range.end());
+        self.plausible = Some(Plausible {
+            least: (least > 0.0).then_some(least),
+            most: most.is_finite().then_some(most),
+            why: why.to_owned(),
+        });
         self
     }
 

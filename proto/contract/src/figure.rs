@@ -5,6 +5,7 @@
 //! case, and a part `#` for the place in a list, whose entries a person reads line by line:
 //! `contact.max_pressure_pa`, `temperature.*.max_rise_k`, `contact.each_patch.#.y_m`.
 
+use crate::plausible::Plausible;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -58,6 +59,9 @@ pub struct FigureSpec {
     /// participant itself does not give it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub derived: Option<Derived>,
+    /// What is expected of it; what is otherwise is told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plausible: Option<Plausible>,
 }
 
 fn digits() -> usize {
@@ -174,7 +178,15 @@ impl FigureSpec {
             rank: None,
             driven_by: None,
             derived: None,
+            plausible: None,
         }
+    }
+
+    /// Expected up to this magnitude, and why.
+    #[must_use]
+    pub fn expected_below(mut self, most: f64, why: &str) -> Self {
+        self.plausible = Some(Plausible { least: None, most: Some(most), why: why.to_owned() });
+        self
     }
 
     /// On this line, under this name.

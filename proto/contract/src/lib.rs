@@ -14,6 +14,7 @@
 //! | [`params`] | typed access to the case values inside a configuration |
 //! | [`advice`] | what a participant thinks of effects in a scene |
 //! | [`accuracy`] | what a model says of its errors |
+//! | [`plausible`] | what is expected of a value |
 //! | [`message`] | the fixed layouts of commands, replies and field headers |
 //! | [`text`] | text from outside: what may reach a terminal or a label |
 //!
@@ -30,6 +31,7 @@ pub mod grid;
 pub mod history;
 pub mod message;
 pub mod params;
+pub mod plausible;
 mod refusal;
 pub mod step;
 pub mod text;

@@ -60,5 +60,6 @@ mod threads;
 mod time;
 mod two_way;
 mod volume;
+mod warnings;
 
 use tests::harness;

@@ -2,6 +2,7 @@
 
 use crate::deadlines::Deadlines;
 use crate::programs::Program;
+use crate::warnings::Warning;
 use case::Case;
 use contract::bodies::Bodies;
 use contract::configuration::{Configuration, Layout, Mode};
@@ -46,6 +47,8 @@ pub struct Plan {
     pub fields: Vec<Field>,
     /// The figures of the summary, with the names of the bodies.
     pub figures: Vec<FigureSpec>,
+    /// Values of the case that are not expected.
+    pub warnings: Vec<Warning>,
     /// Every effect that some participant offers.
     pub effects: Vec<Effect>,
     /// Windows between outputs; `None` for the last window only.

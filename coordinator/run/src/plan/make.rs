@@ -9,6 +9,7 @@ use super::volume;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::programs::Program;
+use crate::warnings;
 use case::schema::WELL_KNOWN_ROLES;
 use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
 use contract::configuration::{Configuration, Estimate, Input, Layout};
@@ -242,6 +243,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         scheme,
         implicit: case.coupling.implicit.clone(),
         interpolation: case.coupling.interpolation,
+        warnings: warnings::of_case(participants.iter()),
         participants,
         figures,
         idle: idle.collect(),

@@ -17,6 +17,9 @@ impl Display for Plan {
             write!(f, " · {title}")?;
         }
         writeln!(f)?;
+        for warning in &self.warnings {
+            writeln!(f, "\nwarning    {warning}")?;
+        }
         self.show_time(f)?;
         self.show_processes(f)?;
         self.show_effects(f)?;

@@ -2,6 +2,7 @@
 
 use super::figures::{Entry, Group, List, groups};
 use crate::format::{bytes, counted, number, seconds};
+use crate::warnings;
 use contract::figure::FigureSpec;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -20,6 +21,9 @@ pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> Str
         let _ = write!(out, " · {title}");
     }
     let _ = writeln!(out, "\n  {}: {}", word("/status"), word("/reason"));
+    for warning in warnings::of_summary(summary) {
+        let _ = writeln!(out, "  warning   {warning}");
+    }
     for group in groups(summary, figures) {
         match group {
             Group::Line(one) => line(&mut out, one.name, &texts(&one.entries)),

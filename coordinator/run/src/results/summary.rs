@@ -4,6 +4,7 @@
 //! are no participant's to write, and what one participant has said no other can change.
 
 use crate::plan::Plan;
+use crate::warnings;
 use contract::message::Finished;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -118,7 +119,8 @@ pub struct Ingredients<'a> {
 }
 
 /// Keys that only the coordinator writes.
-const OWN: [&str; 7] = ["schema", "case", "status", "reason", "coupling", "cost", "effects"];
+const OWN: [&str; 8] =
+    ["schema", "case", "status", "reason", "warnings", "coupling", "cost", "effects"];
 
 /// What all participants say, in one object.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -173,6 +175,11 @@ pub fn build(of: &Ingredients) -> Value {
     });
     for (key, value) in &of.sections.merged {
         summary[key] = value.clone();
+    }
+    let figures = warnings::of_figures(&summary, &of.plan.figures);
+    let warnings: Vec<_> = of.plan.warnings.iter().cloned().chain(figures).collect();
+    if !warnings.is_empty() {
+        summary["warnings"] = json!(warnings);
     }
     summary["coupling"] = coupling(of);
     summary["cost"] = cost(of);
