@@ -22,7 +22,12 @@ fn extent() -> Vec<FigureSpec> {
         figure(SEMI_AXIS_A, "m", "semi-axis along x", "a").unless_several(PATCHES).headline(),
         figure("contact.semi_axis_b_m", "m", "semi-axis along y", "b").unless_several(PATCHES),
         figure("contact.max_pressure_pa", "Pa", "maximum pressure", "p0")
-            .expected_below(4e9, "rail and bearing steels have a hardness of 3 to 7 GPa, and yield before (effects.plasticity, effects.pressure_limit)").rank(4).headline(),
+            .expected_below(
+                4e9,
+                "rail and bearing steels have a hardness of 3 to 7 GPa, and yield before",
+            )
+            .rank(4)
+            .headline(),
         figure(NORMAL_FORCE, "N", "normal force", "N").headline(),
         figure("contact.approach_m", "m", "approach", "approach").rank(9).headline(),
         FigureSpec::new("contact.area_m2", "m2", "contact area"),

@@ -6,6 +6,7 @@
 
 mod alone;
 mod contents;
+mod expected;
 mod figures;
 mod make;
 mod mapping;

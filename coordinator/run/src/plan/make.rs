@@ -1,6 +1,7 @@
 //! Making a plan: describe, validate, route, estimate.
 
 use super::contents::{Field, Participant, Plan, Planned, SchemeChoice};
+use super::expected;
 use super::figures;
 use super::rewind::cannot_rewind;
 use super::route::{self, Candidate};
@@ -9,7 +10,6 @@ use super::volume;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::programs::Program;
-use crate::warnings;
 use case::schema::WELL_KNOWN_ROLES;
 use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
 use contract::configuration::{Configuration, Estimate, Input, Layout};
@@ -243,7 +243,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         scheme,
         implicit: case.coupling.implicit.clone(),
         interpolation: case.coupling.interpolation,
-        warnings: warnings::of_case(participants.iter()),
+        warnings: expected::warnings(participants.iter()),
         participants,
         figures,
         idle: idle.collect(),
