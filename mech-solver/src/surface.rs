@@ -1,6 +1,7 @@
 //! A field of a surface that comes in, wherever its elements are.
 
-use proto::field::FieldSpec;
+use crate::scene::Body;
+use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::{Inputs, StepError, first_non_finite};
 
@@ -47,6 +48,29 @@ impl<'a> Surface<'a> {
         (1.0 - t) * ((1.0 - s) * at(i, j) + s * at(right, j))
             + t * ((1.0 - s) * at(i, upper) + s * at(right, upper))
     }
+}
+
+/// Adds by how much heat raises both surfaces together at the elements of a grid [m]: 2(1 + ν)α W of each body
+/// ([`crate::effects::thermal_expansion`]), with these coefficients α [1/K].
+///
+/// # Errors
+/// An input is missing or unusable.
+pub(crate) fn raise(
+    inputs: &dyn Inputs,
+    bodies: &[Body; 2],
+    coefficients: [f64; 2],
+    grid: &Structured,
+    rises: &mut [f64],
+) -> Result<(), StepError> {
+    let fields = [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
+    for ((body, field), coefficient) in bodies.iter().zip(fields).zip(coefficients) {
+        let integral = Surface::of(inputs, field)?;
+        let factor = 2.0 * (1.0 + body.material.poisson_ratio) * coefficient;
+        for (index, rise) in rises.iter_mut().enumerate() {
+            *rise += factor * integral.at(grid.x(index % grid.ni), grid.y(index / grid.ni));
+        }
+    }
+    Ok(())
 }
 
 /// Elements go forward along x in i and along y in j.

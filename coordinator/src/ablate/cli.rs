@@ -3,7 +3,7 @@
 use super::perform::{Request, study};
 use super::runs;
 use super::study::Study;
-use crate::study::arguments::{CaseArguments, FolderArguments};
+use crate::study::arguments::{CaseArguments, FolderArguments, RepeatArguments};
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::{planned, scratch};
 use clap::Args;
@@ -14,6 +14,8 @@ use run::error::RunError;
 pub(crate) struct Arguments {
     #[command(flatten)]
     of: CaseArguments,
+    #[command(flatten)]
+    times: RepeatArguments,
     #[command(flatten)]
     folder: FolderArguments,
     /// Print JSON.
@@ -33,7 +35,7 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let folder = asked.folder.choose(Study::COMMAND, &name, &|_| false)?;
     let scratch = scratch()?;
     let printing = Printing { json: asked.json, quiet };
-    let request = Request { case, base, repeat: asked.of.repeat };
+    let request = Request { case, base, repeat: asked.times.repeat };
     let study = study(&request, printing.is_silent(), scratch.path())?;
     study.publish(&folder)?;
     printing.print(&study, || runs::text(&study), &folder)

@@ -4,7 +4,7 @@ use super::finished::FinishedRuns;
 use super::study::{Request, Study};
 use super::sweep::Places;
 use super::{analysis, page, runs, show, sweep};
-use crate::study::arguments::{CaseArguments, FolderArguments};
+use crate::study::arguments::{CaseArguments, FolderArguments, RepeatArguments};
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Kept, Printing, Shown};
@@ -18,6 +18,8 @@ use std::path::Path;
 pub(crate) struct Arguments {
     #[command(flatten)]
     of: CaseArguments,
+    #[command(flatten)]
+    times: RepeatArguments,
     /// Vary a key, coarsest value first, in place of the default plan: a model, a resolution, a
     /// window, a tolerance; may be given several times.
     #[arg(long, value_name = "KEY=V1,V2")]
@@ -109,7 +111,7 @@ fn request(asked: &Arguments) -> Result<Request, RunError> {
         vary: axes.collect::<Result<_, _>>()?,
         quantity: asked.quantity.clone(),
         references: references.collect::<Result<_, _>>()?,
-        repeat: asked.of.repeat,
+        repeat: asked.times.repeat,
         longest_run: asked.longest_run,
     })
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use run::error::RunError;
 use std::path::{Path, PathBuf};
 
-/// The case of a study, and how often it is run.
+/// The case of a study.
 #[derive(Debug, Args)]
 pub(crate) struct CaseArguments {
     /// The case file.
@@ -17,6 +17,11 @@ pub(crate) struct CaseArguments {
     /// Remove a key for all runs.
     #[arg(long, value_name = "KEY")]
     unset: Vec<String>,
+}
+
+/// How often the runs of a study are made.
+#[derive(Debug, Args)]
+pub(crate) struct RepeatArguments {
     /// Make each run so often; its times are the least.
     #[arg(long, value_name = "TIMES", default_value_t = 2,
           value_parser = clap::value_parser!(u32).range(1..))]

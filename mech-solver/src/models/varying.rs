@@ -84,7 +84,7 @@ impl Varying {
     ///
     /// # Errors
     /// It is.
-    fn refuse_more(&self, step: &Step) -> Result<(), StepError> {
+    pub(super) fn refuse_more(&self, step: &Step) -> Result<(), StepError> {
         let Some((carried, _)) = &self.carried else { return Ok(()) };
         let (load, most) = (carried.window(step.start, step.end).mean, carried.largest());
         if load <= most * (1.0 + ROUNDING) {

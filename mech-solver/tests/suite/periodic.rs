@@ -37,13 +37,16 @@ fn a_wave_that_is_pressed_in_part() {
         let sine = (0.5 * PI * share).sin();
         let mean = closing() * sine * sine;
         let mut errors = Vec::new();
-        for resolution in [64, 256] {
+        for resolution in [16, 64, 256] {
             let run = run(&wavy(mean, resolution));
             let element = 1.0 / resolution as f64;
             assert!((run.number("area_ratio") - share).abs() < 2.0 * element, "{share}");
-            errors.push((run.number("max_pressure_pa") * sine / (2.0 * mean) - 1.0).abs());
+            errors.push(run.number("max_pressure_pa") * sine / (2.0 * mean) - 1.0);
         }
-        assert!(errors[0] < 0.03 && errors[1] < 0.01, "{share}: {errors:?}");
+        println!("{share} touches: {errors:.6?}");
+        // Of second order at least; a quarter of sixteen elements are four.
+        let within = errors.iter().zip([0.02, 1e-3, 1e-4]).all(|(error, most)| error.abs() < most);
+        assert!(within, "{share}: {errors:?}");
     }
 }
 

@@ -65,6 +65,7 @@ fn a_layer_that_yields_cuts_friction_off() {
         let yields = run(&sliding(Some(share * peak)));
         let [force, whole] = [&yields, &free].map(|run| run.number("creep_force_x_n"));
         let cut = share.min(1.0);
+        println!("{share}: {} of {}", force / whole, 0.5 * (3.0 * cut - cut.powi(3)));
         assert_close(force / whole, 0.5 * (3.0 * cut - cut.powi(3)), 5e-3);
         let largest = yields.number("max_traction_pa");
         assert!(largest <= cut * peak * (1.0 + 1e-12), "{share}: {largest} {peak}");

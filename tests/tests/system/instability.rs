@@ -33,7 +33,7 @@ fn growth(ratio: f64, window: f64, windows: usize) -> f64 {
 }
 
 /// At twice the critical speed growth is the analytic one within 2 %, of first order in the window; below and above it the rates change their sign at
-/// the speed 0.0741 m/s, within 1 %. Tolerance of the rate: half of what the window makes, b Δt/2 … of 0.5 ms.
+/// the speed 0.0741 m/s, within 1 %. Tolerance of their ratio: second order in the window.
 #[test]
 fn hot_spots_grow_at_the_analytic_rate() {
     assert!((critical_speed() / 0.0741 - 1.0).abs() < 1e-3);

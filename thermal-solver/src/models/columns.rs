@@ -96,6 +96,7 @@ impl Conduction for Columns {
     const AT_REST: bool = false;
     const EXCHANGES: bool = false;
     const EXPANDS: bool = true;
+    const KEEPS_WINDOWS: bool = true;
     const STATE_TAG: u8 = 2;
 
     fn new(frame: &Frame) -> Self {

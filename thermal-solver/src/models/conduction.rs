@@ -51,6 +51,8 @@ pub trait Conduction: Sized + 'static {
     const EXCHANGES: bool;
     /// It knows what the heat does to the height of the surfaces ([`crate::moving_source::rise_integral`]).
     const EXPANDS: bool = false;
+    /// For that it keeps what every window of the past does.
+    const KEEPS_WINDOWS: bool = false;
     /// It has elements of its own ([`crate::fe::block`]).
     const ELEMENTS: bool = false;
     /// Every place of both surfaces is always rubbed, or always again.

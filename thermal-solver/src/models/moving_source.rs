@@ -184,6 +184,7 @@ impl Conduction for MovingSource {
     const AT_REST: bool = true;
     const EXCHANGES: bool = true;
     const EXPANDS: bool = true;
+    const KEEPS_WINDOWS: bool = true;
     const STATE_TAG: u8 = 3;
 
     fn new(frame: &Frame) -> Self {

@@ -49,7 +49,7 @@ fn by_quadrature() -> Simplification {
     Simplification::always("wave numbers in depth by Gauss's rule", 1e-8, source)
 }
 
-/// Time of a solve over the elements of the grid, both bodies, measured [s].
+/// Time of a solve over the elements of the grid, both bodies, about [s].
 const SECONDS_PER_POINT: f64 = 2e-6;
 /// Memory over the elements of the grid: the states of both bodies [byte].
 const BYTES_PER_POINT: u64 = 2 * 2 * 190 * 8;

@@ -308,7 +308,7 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
     for body in [LOWER, UPPER] {
         if asked(RISE_INTEGRALS[body]) {
             layout.fields.push(on(RISE_INTEGRALS[body], CONTACT));
-            if frame.mode == Mode::Transient && body == LOWER {
+            if C::KEEPS_WINDOWS && frame.mode == Mode::Transient && body == LOWER {
                 layout.remarks.push(
                     "heat that raises surfaces keeps an influence of every window of the past, beyond the memory and time above"
                         .to_owned(),

@@ -1,9 +1,8 @@
 //! Surfaces that heat raises ([`crate::effects::thermal_expansion`]).
 
 use super::case::Case;
-use crate::surface::Surface;
+use crate::surface::raise;
 use proto::configuration::Refusal;
-use proto::field;
 use proto::model::{Inputs, StepError};
 
 /// Refuses what has no answer with surfaces that rise.
@@ -44,15 +43,7 @@ impl Case {
         let grid = &self.footprint.grid;
         self.rises.clear();
         self.rises.resize(grid.points(), 0.0);
-        let fields = [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
-        for (body, (field, coefficient)) in fields.into_iter().zip(coefficients).enumerate() {
-            let integral = Surface::of(inputs, field)?;
-            let ratio = self.scene.bodies[body].material.poisson_ratio;
-            let factor = 2.0 * (1.0 + ratio) * coefficient;
-            for (index, rise) in self.rises.iter_mut().enumerate() {
-                *rise += factor * integral.at(grid.x(index % grid.ni), grid.y(index / grid.ni));
-            }
-        }
+        raise(inputs, &self.scene.bodies, coefficients, grid, &mut self.rises)?;
         Ok(true)
     }
 }

@@ -60,6 +60,9 @@ impl Steady {
     /// The answer of a row, from the accepted solution of an earlier one.
     fn row(&mut self, step: &Step, inputs: &dyn Inputs) -> Result<(Answer, StepReport), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        if let Some(following) = &self.following {
+            following.varying.refuse_more(step)?;
+        }
         // Its operators are those of the case as configured, whichever row comes first.
         let mut contact = match self.contact.take() {
             Some(contact) => contact,
@@ -67,7 +70,6 @@ impl Steady {
         };
         let Some(following) = &self.following else { unreachable!("rows are of what varies") };
         let near = self.accepted.clone().filter(|_| following.warm);
-        following.varying.scene(step)?;
         let row = following.varying.configuration(step);
         let taken = match &mut self.case.terms.removal {
             Some(removal) => removal.follow(&row),

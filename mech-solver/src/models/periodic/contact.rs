@@ -3,7 +3,7 @@
 use super::case::Case;
 use crate::half_space::normal::{NormalContact, NormalSolver, Prescribed};
 use crate::slip::RigidSlip;
-use crate::surface::Surface;
+use crate::surface::raise;
 use crate::terms::Rubbing;
 use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
@@ -18,6 +18,8 @@ pub(super) struct Sliding {
     heights: Vec<f64>,
     /// The same, less what heat raises [m].
     distance: Vec<f64>,
+    /// What heat raises [m].
+    rises: Vec<f64>,
     pressure: Vec<f64>,
     friction: Vec<f64>,
     solved: Option<NormalContact>,
@@ -34,6 +36,7 @@ impl Sliding {
             solver,
             distance: heights.clone(),
             heights,
+            rises: vec![0.0; if case.terms.expansion.is_some() { grid.points() } else { 0 }],
             pressure: vec![0.0; grid.points()],
             friction: vec![case.scene.friction_coefficient; grid.points()],
             solved: None,
@@ -43,19 +46,12 @@ impl Sliding {
 
     /// Takes by how much heat raises the surfaces from the distance.
     fn expand(&mut self, inputs: &dyn Inputs) -> Result<(), StepError> {
-        self.distance.copy_from_slice(&self.heights);
         let Some(coefficients) = self.case.terms.expansion else { return Ok(()) };
-        let grid = &self.case.grid;
-        let fields = [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
-        for (body, (field, coefficient)) in fields.into_iter().zip(coefficients).enumerate() {
-            let integral = Surface::of(inputs, field)?;
-            let ratio = self.case.scene.bodies[body].material.poisson_ratio;
-            let factor = 2.0 * (1.0 + ratio) * coefficient;
-            for (index, distance) in self.distance.iter_mut().enumerate() {
-                let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
-                *distance -= factor * integral.at(x, y);
-            }
-        }
+        let Case { scene, grid, .. } = &self.case;
+        self.rises.fill(0.0);
+        raise(inputs, &scene.bodies, coefficients, grid, &mut self.rises)?;
+        let raised = self.heights.iter().zip(&self.rises).map(|(height, rise)| height - rise);
+        self.distance.iter_mut().zip(raised).for_each(|(distance, raised)| *distance = raised);
         Ok(())
     }
 
