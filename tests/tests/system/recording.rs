@@ -395,12 +395,13 @@ fn a_solver_started_by_hand_is_served() {
     let path = recording.display().to_string();
     let serving = place.start(&["replay", &path, "--only", "thermal", "--serve"]);
     let runs = place.runtime();
+    // A folder whose name begins with a dot is still being made, and gets its name when it is complete.
     let folder = || {
-        std::fs::read_dir(&runs)
-            .ok()?
-            .flatten()
-            .map(|e| e.path())
-            .find(|p| p.join("run.json").is_file())
+        let complete = |p: &std::path::Path| {
+            let name = p.file_name().and_then(|n| n.to_str());
+            name.is_some_and(|n| !n.starts_with('.')) && p.join("run.json").is_file()
+        };
+        std::fs::read_dir(&runs).ok()?.flatten().map(|e| e.path()).find(|p| complete(p))
     };
     wait_until("the run's folder", || folder().is_some());
     let solver = std::process::Command::new(programs().join("thermal-solver"))
