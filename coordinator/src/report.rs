@@ -1,9 +1,12 @@
 //! `coordinator report`: one page about a run, which needs nothing but itself.
 //!
-//! A result directory → [`source::Results`] → [`page::Section`]s → `report.html`. The page holds no
-//! script and asks for nothing: plots are inline SVG, surface maps are small images within it, and
-//! all colours are style-sheet variables, so that light and dark are one file. What a run did not
-//! write has no section.
+//! A result directory → [`source::Results`] → [`page::Section`]s → `report.html`. The page asks for
+//! nothing: plots are inline SVG, surface maps are small images within it, and all colours are
+//! style-sheet variables, so that light and dark are one file. A script of its own (`page.js`) adds
+//! what paper cannot: values under the pointer, details, decades, files. It reads them off the drawings
+//! that the page, a picture and a printout share; a library of plots would draw everything a second
+//! time, weigh ten (uPlot: lines alone) to a hundred times as much (Plotly: maps) and print worse. What a run did not write has no
+//! section.
 //!
 //! A further section is one function that returns [`page::Section`]s, made of the blocks
 //! [`plot::Figure`], [`map::Heatmap`], [`lanes::Lanes`] and [`table::Table`].
@@ -15,8 +18,10 @@ mod html;
 pub(crate) mod image;
 pub(crate) mod lanes;
 pub(crate) mod map;
+pub(crate) mod maps;
 pub(crate) mod page;
 pub(crate) mod palette;
+mod places;
 pub(crate) mod plot;
 mod sections;
 pub(crate) mod source;

@@ -147,7 +147,8 @@ impl Frame<'_> {
     #[must_use]
     pub(crate) fn svg(&self) -> String {
         let ([left, right], [bottom, top]) = (self.x.paper, self.y.paper);
-        let mut out = self.numbers_below() + &self.numbers_beside();
+        let beside = format!("<g class=\"beside\">\n{}</g>\n", self.numbers_beside());
+        let mut out = self.numbers_below() + &beside;
         let _ = writeln!(
             out,
             "<path class=\"frame\" d=\"M{left:.2} {top:.2}V{bottom:.2}H{right:.2}\"/>"

@@ -1,7 +1,7 @@
 //! Bars to both sides of nought, one a name.
 
 use super::axis::Axis;
-use super::canvas::{RIGHT, WIDTH, figure, view};
+use super::canvas::{Drawing, RIGHT, WIDTH};
 use super::html::escape;
 use run::format::number;
 use std::fmt::Write as _;
@@ -58,8 +58,14 @@ impl Bars {
             .iter()
             .map(|(name, value)| format!("{name}: {}", number(*value, 3)))
             .collect();
-        let view = view(&self.title, &said.join(". "), bottom + BELOW, &svg);
-        figure(&self.title, &view, "")
+        Drawing {
+            title: &self.title,
+            description: said.join(". "),
+            size: [WIDTH, bottom + BELOW],
+            content: svg,
+            ..Drawing::default()
+        }
+        .html()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::html::escape;
 
-/// Width of every plot's view box; the page scales it.
+/// Width of a plot's view box; the page scales it.
 pub(super) const WIDTH: f64 = 440.0;
 /// Where the plot's own area begins and ends on the paper.
 pub(super) const LEFT: f64 = 76.0;
@@ -29,20 +29,46 @@ pub(super) struct Key<'a> {
 }
 
 /// The names of lines, with their colours.
-pub(super) fn legend(keys: &[Key<'_>]) -> String {
+fn legend(keys: &[Key<'_>]) -> String {
     let item =
         |key: &Key<'_>| format!("<li><i class=\"key {}\"></i>{}</li>", key.class, escape(key.name));
     format!("<ul class=\"legend\">{}</ul>\n", keys.iter().map(item).collect::<String>())
 }
 
-/// An SVG with a title and a description for readers who cannot see it.
-pub(super) fn view(title: &str, description: &str, height: f64, content: &str) -> String {
-    format!(
-        "<svg class=\"plot\" role=\"img\" viewBox=\"0 0 {WIDTH} {height:.0}\" \
-         xmlns=\"http://www.w3.org/2000/svg\">\n<title>{}</title>\n<desc>{}</desc>\n{content}</svg>\n",
-        escape(title),
-        escape(description)
-    )
+/// A drawing, before it is part of a page or a file of its own.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Drawing<'a> {
+    /// What is shown.
+    pub(super) title: &'a str,
+    /// For readers who cannot see it.
+    pub(super) description: String,
+    /// What tells lines apart; empty where there is nothing to tell.
+    pub(super) keys: Vec<Key<'a>>,
+    /// Width and height of the view box.
+    pub(super) size: [f64; 2],
+    /// The elements.
+    pub(super) content: String,
+    /// Attributes that the page's script reads values from, with a space before each.
+    pub(super) data: String,
+    /// A sentence below it.
+    pub(super) note: &'a str,
+}
+
+impl Drawing<'_> {
+    /// The drawing within a page: title, legend, an SVG, note.
+    pub(super) fn html(&self) -> String {
+        let legend = if self.keys.is_empty() { String::new() } else { legend(&self.keys) };
+        let [width, height] = self.size;
+        let svg = format!(
+            "<svg class=\"plot\" role=\"img\" viewBox=\"0 0 {width:.0} {height:.0}\"{} \
+             xmlns=\"http://www.w3.org/2000/svg\">\n<title>{}</title>\n<desc>{}</desc>\n{}</svg>\n",
+            self.data,
+            escape(self.title),
+            escape(&self.description),
+            self.content
+        );
+        figure(self.title, &(legend + &svg), self.note)
+    }
 }
 
 /// A drawing with its title above and its note below.

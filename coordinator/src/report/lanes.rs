@@ -1,7 +1,7 @@
 //! Which process worked when: one lane a process, bars along time.
 
 use super::axis::Axis;
-use super::canvas::{COLOURS, RIGHT, figure, view};
+use super::canvas::{COLOURS, Drawing, RIGHT, WIDTH};
 use super::html::escape;
 use run::format::Scale;
 use std::fmt::Write as _;
@@ -71,7 +71,15 @@ impl Lanes {
             format!("{}: {} in {} pieces.", lane.name, scale.show(busy, 4), lane.bars.len())
         };
         let described = self.lanes.iter().map(total).collect::<Vec<_>>().join(" ");
-        figure(&self.title, &view(&self.title, &described, bottom + 48.0, &svg), &self.note)
+        Drawing {
+            title: &self.title,
+            description: described,
+            size: [WIDTH, bottom + 48.0],
+            content: svg,
+            note: &self.note,
+            ..Drawing::default()
+        }
+        .html()
     }
 }
 

@@ -11,6 +11,11 @@ use std::fmt::{Display, Formatter, Result};
 
 /// Fonts, grid and everything else of the page.
 const STYLE: &str = include_str!("style.css");
+/// What reads values from drawings; the page says all that it has to say without it.
+const SCRIPT: &str = include_str!("page.js");
+
+/// What a browser may load for the page: what is in it.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:";
 
 /// One figure of the head of the page.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,7 +133,11 @@ impl Section {
         for group in self.blocks.chunk_by(|a, b| a.is_drawing() == b.is_drawing()) {
             let inner: String = group.iter().map(Block::html).collect();
             match group[0].is_drawing() {
-                true => out += &format!("<div class=\"plots\">\n{inner}</div>\n"),
+                true => {
+                    let all_maps = group.iter().all(|block| matches!(block, Block::Heatmap(_)));
+                    let class = if all_maps { "plots maps" } else { "plots" };
+                    out += &format!("<div class=\"{class}\">\n{inner}</div>\n");
+                }
                 false => out += &inner,
             }
         }
@@ -177,6 +186,8 @@ impl Display for Page {
         writeln!(f, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>")?;
         writeln!(f, "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>")?;
         writeln!(f, "<meta name=\"color-scheme\" content=\"light dark\"/>")?;
+        // Whatever the page is made to say, it asks nobody for anything.
+        writeln!(f, "<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"/>")?;
         // An icon of its own keeps a browser from asking for one.
         writeln!(f, "<link rel=\"icon\" href=\"data:,\"/>")?;
         writeln!(
@@ -188,7 +199,8 @@ impl Display for Page {
         for section in &self.sections {
             f.write_str(&section.html())?;
         }
-        writeln!(f, "</main>\n</body>\n</html>")
+        // Marked so that the page stays well-formed XML, too.
+        writeln!(f, "</main>\n<script>//<![CDATA[\n{SCRIPT}//]]></script>\n</body>\n</html>")
     }
 }
 

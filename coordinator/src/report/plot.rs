@@ -1,8 +1,9 @@
 //! Lines over an axis.
 
 use super::axis::{Axis, Frame};
-use super::canvas::{COLOURS, Key, LEFT, RIGHT, figure, legend, mark, view};
-use super::standalone::Standalone;
+use super::canvas::{COLOURS, Drawing, Key, LEFT, RIGHT, WIDTH, mark};
+use super::html::escape;
+use super::standalone;
 use run::format::number;
 use std::fmt::Write as _;
 
@@ -97,23 +98,34 @@ impl Figure {
     /// The plot as HTML.
     #[must_use]
     pub(crate) fn html(&self) -> String {
-        let keys = self.keys();
-        let legend = if keys.is_empty() { String::new() } else { legend(&keys) };
-        let svg = view(&self.title, &self.describe(), HEIGHT, &self.content());
-        figure(&self.title, &(legend + &svg), &self.note)
+        self.drawing().html()
     }
 
     /// The plot as an SVG file that needs nothing else, with its title and legend.
     #[must_use]
     pub(crate) fn standalone(&self) -> String {
-        Standalone {
+        standalone::svg(&self.drawing())
+    }
+
+    fn drawing(&self) -> Drawing<'_> {
+        let [x, y] = self.axes();
+        let axis = |axis: &Axis, name: &str, label: &str| {
+            let ([low, high], [from, to]) = (axis.range, axis.paper);
+            let scale = if axis.decades { "decades" } else { "linear" };
+            format!(
+                " data-{name}=\"{low} {high} {from} {to} {scale}\" data-{name}-label=\"{}\"",
+                escape(label)
+            )
+        };
+        Drawing {
             title: &self.title,
-            description: &self.describe(),
-            keys: &self.keys(),
-            height: HEIGHT,
-            content: &self.content(),
+            description: self.describe(),
+            keys: self.keys(),
+            size: [WIDTH, HEIGHT],
+            content: self.content(&x, &y),
+            data: axis(&x, "x", &self.x_label) + &axis(&y, "y", &self.y_label),
+            note: &self.note,
         }
-        .svg()
     }
 
     /// What tells the lines apart; nothing for one alone.
@@ -125,23 +137,26 @@ impl Figure {
         self.lines.iter().enumerate().map(key).collect()
     }
 
-    /// Axes and lines.
-    fn content(&self) -> String {
+    fn axes(&self) -> [Axis; 2] {
         let all = || self.lines.iter().flat_map(|line| &line.points);
         let x = match self.decades_x {
             true => Axis::decades(all().map(|p| p[0]), [LEFT, RIGHT]),
             false => Axis::linear(all().map(|p| p[0]), false, [LEFT, RIGHT]),
         };
-        let x = Axis { whole: self.whole, ..x };
         let zero = self.from_zero.then_some(0.0).into_iter();
         let y = match self.decades {
             true => Axis::decades(all().map(|p| p[1]), [BOTTOM, TOP]),
             false => Axis::linear(all().map(|p| p[1]).chain(zero), true, [BOTTOM, TOP]),
         };
+        [Axis { whole: self.whole, ..x }, y]
+    }
+
+    /// Axes and lines.
+    fn content(&self, x: &Axis, y: &Axis) -> String {
         let (x_label, y_label) = (self.x_label.as_str(), self.y_label.as_str());
-        let mut svg = Frame { x: &x, y: &y, x_label, y_label, grid: true }.svg();
+        let mut svg = Frame { x, y, x_label, y_label, grid: true }.svg();
         for (n, line) in self.lines.iter().enumerate() {
-            line.draw(&mut svg, n, &x, &y);
+            line.draw(&mut svg, n, x, y);
         }
         svg
     }
@@ -182,7 +197,11 @@ impl Line {
             begun = place.is_some();
         }
         if places.iter().flatten().count() > 1 {
-            let _ = writeln!(svg, "<path class=\"line {class}\" d=\"{path}\"/>");
+            let _ = writeln!(
+                svg,
+                "<path class=\"line {class}\" data-name=\"{}\" d=\"{path}\"/>",
+                escape(&self.name)
+            );
         }
         if self.dots {
             for [x, y] in places.iter().flatten() {

@@ -5,7 +5,6 @@ mod energy;
 mod fields;
 mod headlines;
 mod history;
-mod places;
 mod setup;
 mod temperature;
 mod warnings;

@@ -3,7 +3,7 @@
 //! The file has a ground of its own, so that it can be read on white and on dark paper alike, and
 //! follows the reader's preference for light or dark where browsers pass that on to pictures.
 
-use super::canvas::{Key, WIDTH, mark};
+use super::canvas::{Drawing, Key, mark};
 use super::html::{PLOT_STYLE, escape};
 use std::fmt::Write as _;
 
@@ -20,75 +20,64 @@ const KEY: f64 = 44.0;
 /// Drawing units a pixel of the picture's natural size.
 const SCALE: f64 = 1.35;
 
-/// What goes into the file.
-pub(super) struct Standalone<'a> {
-    /// What is shown.
-    pub(super) title: &'a str,
-    /// For readers who cannot see it.
-    pub(super) description: &'a str,
-    /// The legend; empty without one.
-    pub(super) keys: &'a [Key<'a>],
-    /// Height of the drawing.
-    pub(super) height: f64,
-    /// The drawing.
-    pub(super) content: &'a str,
+/// The file's content.
+pub(super) fn svg(of: &Drawing<'_>) -> String {
+    let [width, height] = of.size;
+    let mut head = String::new();
+    let mut y = MARGIN + 16.0;
+    for line in wrapped(of.title, width) {
+        let text = escape(&line);
+        let _ = writeln!(head, "<text class=\"title\" x=\"{MARGIN}\" y=\"{y:.2}\">{text}</text>");
+        y += LINE;
+    }
+    y = legend(&of.keys, width, &mut head, y);
+    let top = y - 8.0;
+    let height = top + height;
+    let [wide, high] = [width, height].map(|length| SCALE * length);
+    format!(
+        "<svg class=\"plot\" role=\"img\" width=\"{wide:.0}\" height=\"{high:.0}\" \
+         viewBox=\"0 0 {width} {height:.0}\" xmlns=\"http://www.w3.org/2000/svg\">\n\
+         <title>{}</title>\n<desc>{}</desc>\n<style>\n{PLOT_STYLE}</style>\n\
+         <rect class=\"ground\" width=\"100%\" height=\"100%\" rx=\"8\"/>\n{head}\
+         <g transform=\"translate(0 {top:.2})\">\n{}</g>\n</svg>\n",
+        escape(of.title),
+        escape(&of.description),
+        of.content
+    )
 }
 
-impl Standalone<'_> {
-    /// The file's content.
-    pub(super) fn svg(&self) -> String {
-        let mut head = String::new();
-        let mut y = MARGIN + 16.0;
-        for line in wrapped(self.title) {
-            let text = escape(&line);
-            let _ =
-                writeln!(head, "<text class=\"title\" x=\"{MARGIN}\" y=\"{y:.2}\">{text}</text>");
-            y += LINE;
+/// Draws the legend from `y` on; where it ends.
+fn legend(keys: &[Key<'_>], wide: f64, svg: &mut String, mut y: f64) -> f64 {
+    let mut x = MARGIN;
+    for (n, key) in keys.iter().enumerate() {
+        let width = KEY + LETTER * key.name.chars().count() as f64;
+        if n > 0 && x + width > wide - MARGIN {
+            (x, y) = (MARGIN, y + LINE);
         }
-        y = self.legend(&mut head, y);
-        let top = y - 8.0;
-        let height = top + self.height;
-        let [wide, high] = [WIDTH, height].map(|length| SCALE * length);
-        format!(
-            "<svg class=\"plot\" role=\"img\" width=\"{wide:.0}\" height=\"{high:.0}\" \
-             viewBox=\"0 0 {WIDTH} {height:.0}\" xmlns=\"http://www.w3.org/2000/svg\">\n\
-             <title>{}</title>\n<desc>{}</desc>\n<style>\n{PLOT_STYLE}</style>\n\
-             <rect class=\"ground\" width=\"100%\" height=\"100%\" rx=\"8\"/>\n{head}\
-             <g transform=\"translate(0 {top:.2})\">\n{}</g>\n</svg>\n",
-            escape(self.title),
-            escape(self.description),
-            self.content
-        )
+        let middle = y - 5.0;
+        *svg += &sample(&key.class, [x, x + 24.0], middle);
+        let (at, name) = (x + 31.0, escape(key.name));
+        let _ = writeln!(svg, "<text class=\"label\" x=\"{at:.2}\" y=\"{y:.2}\">{name}</text>");
+        x += width;
     }
+    if keys.is_empty() { y } else { y + LINE }
+}
 
-    /// Draws the legend from `y` on; where it ends.
-    fn legend(&self, svg: &mut String, mut y: f64) -> f64 {
-        let mut x = MARGIN;
-        for (n, key) in self.keys.iter().enumerate() {
-            let width = KEY + LETTER * key.name.chars().count() as f64;
-            if n > 0 && x + width > WIDTH - MARGIN {
-                (x, y) = (MARGIN, y + LINE);
-            }
-            let middle = y - 5.0;
-            match key.class.as_str() {
-                "mark" => *svg += &mark([x + 12.0, middle]),
-                class => {
-                    let end = x + 24.0;
-                    let path = format!("M{x:.2} {middle:.2}H{end:.2}");
-                    let _ = writeln!(svg, "<path class=\"line {class}\" d=\"{path}\"/>");
-                }
-            }
-            let (at, name) = (x + 31.0, escape(key.name));
-            let _ = writeln!(svg, "<text class=\"label\" x=\"{at:.2}\" y=\"{y:.2}\">{name}</text>");
-            x += width;
-        }
-        if self.keys.is_empty() { y } else { y + LINE }
+/// What a class looks like, between two places.
+fn sample(class: &str, [left, right]: [f64; 2], y: f64) -> String {
+    let line = format!("M{left:.2} {y:.2}H{right:.2}");
+    match class {
+        "mark" => mark([left + 12.0, y]),
+        class if class.starts_with("edge") => format!(
+            "<path class=\"casing\" d=\"{line}\"/>\n<path class=\"edge {class}\" d=\"{line}\"/>\n"
+        ),
+        class => format!("<path class=\"line {class}\" d=\"{line}\"/>\n"),
     }
 }
 
 /// The title in lines as wide as the drawing.
-fn wrapped(title: &str) -> Vec<String> {
-    let most = ((WIDTH - 2.0 * MARGIN) / TITLE_LETTER) as usize;
+fn wrapped(title: &str, width: f64) -> Vec<String> {
+    let most = ((width - 2.0 * MARGIN) / TITLE_LETTER) as usize;
     let mut lines = vec![String::new()];
     for word in title.split(' ') {
         let line = lines.last_mut().expect("there is one from the start");
@@ -106,6 +95,7 @@ fn wrapped(title: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::canvas::WIDTH;
     use super::super::plot::Figure;
     use super::*;
 
@@ -125,7 +115,7 @@ mod tests {
     #[test]
     fn a_long_title_takes_several_lines() {
         let title = "word ".repeat(30);
-        let lines = wrapped(title.trim());
+        let lines = wrapped(title.trim(), WIDTH);
         assert!(lines.len() > 1 && lines.iter().all(|line| line.len() <= 52), "{lines:?}");
         assert_eq!(lines.join(" "), title.trim());
     }

@@ -203,6 +203,8 @@ impl Sources<'_> {
             values,
             from_zero: true,
             true_shape: true,
+            arrows: None,
+            edges: Vec::new(),
             note: String::new(),
         })
     }
@@ -218,7 +220,7 @@ impl Sources<'_> {
     fn image(&self, run: &str, grid: &str, name: &str) -> Result<(Image, Field), String> {
         let image = self.series(run, grid)?.image;
         let image = image.ok_or_else(|| format!("{grid} of `{run}` is not an image"))?;
-        let field = image.fields.iter().find(|field| field.name == name).cloned();
+        let field = image.field(name).cloned();
         let field = field.ok_or_else(|| format!("{grid} of `{run}` has no field `{name}`"))?;
         Ok((image, field))
     }

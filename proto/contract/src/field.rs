@@ -134,6 +134,23 @@ field_table! {
         "largest shear stress of the upper body in a vertical plane along x over the surface";
 }
 
+/// A line that maps of a surface show: where a field begins to differ from zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// The field.
+    pub field: &'static FieldSpec,
+    /// Only where this one differs from zero.
+    pub within: Option<&'static FieldSpec>,
+    /// What the line is.
+    pub words: &'static str,
+}
+
+/// The edges of a contact, for pictures of it.
+pub const EDGES: &[Edge] = &[
+    Edge { field: &PRESSURE, within: None, words: "edge of contact" },
+    Edge { field: &SLIP_VELOCITY, within: Some(&PRESSURE), words: "between stick and slip" },
+];
+
 /// The row with this name, if the table has one.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static FieldSpec> {

@@ -42,6 +42,8 @@ pub struct Look {
     pub scroll_width: u32,
     /// Left, top, width and height of every plot [px].
     pub plots: Vec<[u32; 4]>,
+    /// What the page says of the middle of every plot that has values.
+    pub read: Vec<String>,
     /// Addresses that the page has asked for.
     pub fetched: Vec<String>,
     columns: u32,
@@ -53,11 +55,15 @@ impl Look {
     /// What the probe tells of a page, and its picture.
     fn new(layout: &Value, columns: u32, pixels: Vec<[u8; 3]>) -> Self {
         let plots = layout["plots"].as_array().unwrap().iter();
-        let fetched = layout["fetched"].as_array().unwrap().iter();
+        let texts = |name: &str| {
+            let all = layout[name].as_array().unwrap().iter();
+            all.map(|text| text.as_str().unwrap().to_owned()).collect()
+        };
         Self {
             scroll_width: numbers(&layout["size"])[0],
             plots: plots.map(|plot| numbers(plot).try_into().unwrap()).collect(),
-            fetched: fetched.map(|name| name.as_str().unwrap().to_owned()).collect(),
+            read: texts("read"),
+            fetched: texts("fetched"),
             columns,
             pixels,
         }
@@ -132,10 +138,19 @@ const PROBE: &str = r#"<script>addEventListener("load", () => setTimeout(() => {
     const r = plot.getBoundingClientRect();
     return [r.left, r.top, r.width, r.height].map(Math.floor);
   });
+  // What the page says of the middle of every plot that has values.
+  const read = [...document.querySelectorAll("svg.plot[data-x]")].map(plot => {
+    const r = plot.getBoundingClientRect();
+    const [clientX, clientY] = [r.left + r.width / 2, r.top + r.height / 2];
+    plot.dispatchEvent(new PointerEvent("pointermove", { clientX, clientY }));
+    const reading = document.querySelector(".reading").textContent;
+    plot.dispatchEvent(new PointerEvent("pointerleave"));
+    return reading;
+  });
   const fetched = performance.getEntriesByType("resource").map(entry => entry.name);
   const root = document.documentElement;
   const size = [root.scrollWidth, root.scrollHeight];
-  parent.postMessage({ plots, fetched, size }, "*");
+  parent.postMessage({ plots, read, fetched, size }, "*");
 }, 100));</script>"#;
 
 /// A page that shows another one in frames of these widths, side by side: windows cannot be as narrow
@@ -258,6 +273,10 @@ pub fn assert_shown(page: &Path, views: &[View], plots: usize) {
         let width = look.scroll_width;
         assert!(width <= view.width, "{view:?}: the page is {width} wide");
         assert_eq!(look.fetched, Vec::<String>::new(), "{view:?}");
+        for text in &look.read {
+            let is_read = !text.is_empty() && !text.contains("NaN") && !text.contains("undefined");
+            assert!(is_read, "{view:?}: a plot says `{text}` of its middle");
+        }
         let light = look.paper().iter().map(|c| u32::from(*c)).sum::<u32>() > 3 * 128;
         assert_eq!(light, view.scheme == Scheme::Light, "{view:?}: {:?}", look.paper());
         for plot in 0..look.plots.len() {

@@ -1,8 +1,8 @@
 //! The audit of the heat that crosses.
 
-use super::places::label;
 use super::work::windows;
 use crate::report::page::Block;
+use crate::report::places::label;
 use crate::report::plot::Figure;
 use crate::report::source::Results;
 use crate::report::table::Table;

@@ -1,21 +1,16 @@
 //! The surface fields of the newest instant: maps, and lines through their largest values.
 
-use super::places::{AXES, is_surface, label, places};
 use super::temperature;
-use crate::report::map::Heatmap;
+use crate::report::maps;
 use crate::report::page::{Block, Section};
+use crate::report::places::{AXES, is_surface, label, places};
 use crate::report::plot::Figure;
-use crate::report::source::{Field, Image, Results, Table};
-use run::format::{Scale, sentence, words};
+use crate::report::source::{Results, Table};
+use run::format::{Scale, words};
 
 /// Every field of every grid, the mechanical ones first as the files are named.
 pub(super) fn maps(results: &Results) -> Option<Section> {
-    let mut blocks = Vec::new();
-    for series in &results.series {
-        let Some(image) = &series.image else { continue };
-        blocks
-            .extend(image.fields.iter().filter_map(|field| map(image, field)).map(Block::Heatmap));
-    }
+    let mut blocks: Vec<Block> = maps::all(results).into_iter().map(Block::Heatmap).collect();
     if !blocks.is_empty() {
         let when = when(results);
         let axes = match results.summary.get("contact") {
@@ -25,15 +20,13 @@ pub(super) fn maps(results: &Results) -> Option<Section> {
         blocks.insert(
             0,
             Block::Text(format!(
-                "{when}{axes} Blank is zero, or rounding beside the largest value."
+                "{when}{axes} Blank is zero, or rounding beside the largest value; a cross marks the \
+                 largest value, thin lines join equal ones."
             )),
         );
     }
     Section::of("Fields", blocks)
 }
-
-/// Values below this part of the largest are rounding.
-const ROUNDING: f64 = 1e-14;
 
 fn when(results: &Results) -> String {
     let newest = results.series.iter().filter_map(|series| series.instants.last());
@@ -41,45 +34,6 @@ fn when(results: &Results) -> String {
         0.0 => "The fields of the last window.".to_owned(),
         time => format!("The fields at {}.", Scale::of("s", time).show(time, 4)),
     }
-}
-
-/// A field as a map; `None` where cells do not lie in a plane, or all is zero.
-fn map(image: &Image, field: &Field) -> Option<Heatmap> {
-    let [horizontal, upright] = image.plane()?;
-    let mut values = field.magnitudes();
-    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    if largest == 0.0 || image.cells[upright] < 2 || image.cells[horizontal] < 2 {
-        return None;
-    }
-    let scale = Scale::of(&field.unit, largest);
-    let is_zero = |value: &f64| value.abs() <= ROUNDING * largest;
-    let from_zero = values.iter().any(is_zero);
-    for value in &mut values {
-        *value = if is_zero(value) { f64::NAN } else { *value / scale.factor };
-    }
-    let axis = |axis: usize| {
-        let borders = image.borders(axis);
-        let scale = Scale::of("m", borders[0].abs().max(borders[1].abs()));
-        let label = format!("{} [{}]", AXES[axis], scale.unit);
-        (borders.map(|border| border / scale.factor), label)
-    };
-    let ((x, x_label), (y, y_label)) = (axis(horizontal), axis(upright));
-    let meaning = contract::field::find(&field.name).map(|spec| spec.meaning);
-    let length = if field.components > 1 { "Length of the vector: " } else { "" };
-    let note = meaning.map(|meaning| format!("{length}{meaning}.")).unwrap_or_default();
-    Some(Heatmap {
-        title: words(&field.name),
-        x_label,
-        y_label,
-        value_label: scale.unit,
-        x,
-        y,
-        columns: image.cells[horizontal],
-        values,
-        from_zero,
-        true_shape: upright == 1,
-        note: sentence(&note),
-    })
 }
 
 /// Lines in the rolling direction, one figure for each grid and unit; then depth and time.

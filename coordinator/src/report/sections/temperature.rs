@@ -1,6 +1,6 @@
 //! Temperature over the depth, and how it has built up.
 
-use super::places::{AXES, is_surface, places};
+use crate::report::places::{AXES, is_surface, places};
 use crate::report::plot::Figure;
 use crate::report::source::{Field, GridSeries, Image, Results};
 use run::format::{Scale, words};

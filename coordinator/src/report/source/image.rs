@@ -23,6 +23,8 @@ pub(crate) struct Field {
     pub name: String,
     /// Its SI unit.
     pub unit: String,
+    /// One line for people.
+    pub meaning: String,
     /// Components of a vector; 1 for a scalar.
     pub components: usize,
     /// Values, cell by cell, x fastest; the components of a cell next to each other.
@@ -37,6 +39,12 @@ impl Image {
         let Cells { corner, spacing, counts, order } = Cells::of(&fields.peek()?.grid)?;
         let fields = fields.map(|field| Field::of(field, &order)).collect();
         Some(Self { corner, spacing, cells: counts, fields })
+    }
+
+    /// The field of this name.
+    #[must_use]
+    pub(crate) fn field(&self, name: &str) -> Option<&Field> {
+        self.fields.iter().find(|field| field.name == name)
     }
 
     /// The two axes of the plane in which the cells lie, in the order of x, y, z.
@@ -99,6 +107,7 @@ impl Field {
         Self {
             name: field.kind.name.clone(),
             unit: field.kind.unit.clone(),
+            meaning: field.kind.meaning.clone(),
             components,
             values: order.iter().flat_map(of).map(|at| field.values[at]).collect(),
         }

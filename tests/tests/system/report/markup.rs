@@ -77,6 +77,12 @@ pub(super) fn elements(page: &str) -> Vec<Element> {
     let mut open: Vec<usize> = Vec::new();
     let mut rest = page.strip_prefix("<!DOCTYPE html>\n").expect("a document type");
     while let Some((text, tagged)) = rest.split_once('<') {
+        if let Some(script) = tagged.strip_prefix("![CDATA[") {
+            let (script, after) = script.split_once("]]>").expect("character data that end");
+            all[*open.last().expect("data in an element")].text += script;
+            rest = after;
+            continue;
+        }
         let (tag, after) = tagged.split_once('>').expect("a tag that ends");
         assert!(!text.contains('>'), "a bare > in `{text:.80}`");
         assert_entities(text);

@@ -1,19 +1,19 @@
 //! Axes, and places along them.
 
-use crate::report::axis::extent;
-use crate::report::source::{GridSeries, Image, Table};
+use super::axis::extent;
+use super::source::{GridSeries, Image, Table};
 use run::format::Scale;
 
 /// Names of the axes.
-pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
+pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The grid is a surface, and no section below one.
-pub(super) fn is_surface(series: &GridSeries) -> bool {
+pub(crate) fn is_surface(series: &GridSeries) -> bool {
     series.image.as_ref().and_then(Image::plane) == Some([0, 1])
 }
 
 /// The coordinate along a line, with its label.
-pub(super) fn places(line: &Table) -> Option<(String, Vec<f64>)> {
+pub(crate) fn places(line: &Table) -> Option<(String, Vec<f64>)> {
     let columns = AXES.iter().filter_map(|axis| Some((axis, line.column(&format!("{axis} [m]"))?)));
     let length =
         |values: &[f64]| extent(values.iter().copied()).map_or(0.0, |[low, high]| high - low);
@@ -24,7 +24,7 @@ pub(super) fn places(line: &Table) -> Option<(String, Vec<f64>)> {
 }
 
 /// What an axis is labelled with.
-pub(super) fn label(name: &str, unit: &str) -> String {
+pub(crate) fn label(name: &str, unit: &str) -> String {
     match (name, unit) {
         (name, "") => name.to_owned(),
         ("", unit) => unit.to_owned(),

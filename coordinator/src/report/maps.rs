@@ -1,0 +1,198 @@
+//! The fields of the newest instant of a run as maps, with the edges of the contact on those of a surface.
+
+use super::axis::extent;
+use super::map::{Arrows, Edge, Heatmap, Polyline, contours};
+use super::places::{AXES, is_surface, label};
+use super::source::{Field, Image, Results};
+use contract::field::EDGES;
+use run::format::{Scale, number, sentence, words};
+
+/// Values below this part of the largest are rounding.
+const ROUNDING: f64 = 1e-14;
+/// A field differs from zero from this part of its largest value on: more than the residual of a solve,
+/// and reached within the first element.
+const EDGE: f64 = 1e-3;
+
+/// Every field of every grid, in the order of their files: the mechanical ones first.
+#[must_use]
+pub(crate) fn all(results: &Results) -> Vec<Heatmap> {
+    named(results).into_iter().map(|(_, map)| map).collect()
+}
+
+/// The same, each with the name of its field.
+#[must_use]
+pub(crate) fn named(results: &Results) -> Vec<(String, Heatmap)> {
+    let edges = edges(results);
+    let mut maps = Vec::new();
+    for series in &results.series {
+        let Some(image) = &series.image else { continue };
+        let edges = if is_surface(series) { edges.as_slice() } else { &[] };
+        let map = |field: &Field| Some((field.name.clone(), map(image, field, edges)?));
+        maps.extend(image.fields.iter().filter_map(map));
+    }
+    maps
+}
+
+/// The edges of the contact, in metres; none on a field that has not been written out.
+fn edges(results: &Results) -> Vec<Edge> {
+    let surfaces = results.series.iter().filter(|series| is_surface(series));
+    let images: Vec<&Image> = surfaces.filter_map(|series| series.image.as_ref()).collect();
+    let find = |name: &str| {
+        let mut found = images.iter().filter_map(|image| Some((*image, image.field(name)?)));
+        found.next().map(|(image, field)| (image, differs(field)))
+    };
+    let found = EDGES.iter().filter_map(|edge| {
+        let (image, mut inside) = find(edge.field.name)?;
+        let mut outside = 0.0;
+        if let Some(within) = edge.within {
+            let (other, differs) = find(within.name)?;
+            if other.cells != image.cells {
+                return None;
+            }
+            outside = f64::NAN;
+            let masked = inside.iter_mut().zip(differs).filter(|(_, other)| *other == 0.0);
+            masked.for_each(|(value, _)| *value = outside);
+        }
+        let lines = edge_of(image, &inside, outside);
+        (!lines.is_empty()).then(|| Edge { name: edge.words.to_owned(), lines })
+    });
+    found.collect()
+}
+
+/// 1 in every cell whose value differs from zero, 0 in the others.
+fn differs(field: &Field) -> Vec<f64> {
+    let values = field.magnitudes();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    values.iter().map(|value| f64::from(u8::from(*value > EDGE * largest))).collect()
+}
+
+/// The lines between cells with 0 and with 1 \[m\]; `outside` is what cells beyond the grid have.
+fn edge_of(image: &Image, inside: &[f64], outside: f64) -> Vec<Polyline> {
+    let [columns, rows] = [image.cells[0], image.cells[1]];
+    let wide = columns + 2;
+    let mut framed = vec![outside; wide * (rows + 2)];
+    for (n, value) in inside.iter().enumerate() {
+        framed[(n / columns + 1) * wide + n % columns + 1] = *value;
+    }
+    let place = |[i, j]: [f64; 2]| {
+        [0, 1].map(|axis| image.corner[axis] + ([i, j][axis] - 0.5) * image.spacing[axis])
+    };
+    let lines = contours(&framed, wide, 0.5).into_iter();
+    lines.map(|line| line.into_iter().map(place).collect()).collect()
+}
+
+/// A field as a map; `None` where cells do not lie in a plane, or all is zero.
+fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
+    let [horizontal, upright] = image.plane()?;
+    let mut values = field.magnitudes();
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    if largest == 0.0 || image.cells[upright] < 2 || image.cells[horizontal] < 2 {
+        return None;
+    }
+    let scale = Scale::of(&field.unit, largest);
+    let is_zero = |value: &f64| value.abs() <= ROUNDING * largest;
+    let from_zero = values.iter().any(is_zero);
+    let most = largest_at(image, field, &values, &scale);
+    for value in &mut values {
+        *value = if is_zero(value) { f64::NAN } else { *value / scale.factor };
+    }
+    let lengths = [horizontal, upright].map(|axis| {
+        let borders = image.borders(axis);
+        Scale::of("m", borders[0].abs().max(borders[1].abs()))
+    });
+    let borders = |n: usize, axis: usize| image.borders(axis).map(|b| b / lengths[n].factor);
+    let scaled = |edge: &Edge| {
+        let place = |p: &[f64; 2]| [p[0] / lengths[0].factor, p[1] / lengths[1].factor];
+        let line = |line: &Polyline| line.iter().map(place).collect();
+        Edge { name: edge.name.clone(), lines: edge.lines.iter().map(line).collect() }
+    };
+    let length = if field.components > 1 { "Length of the vector: " } else { "" };
+    Some(Heatmap {
+        title: words(&field.name),
+        x_label: label(AXES[horizontal], &lengths[0].unit),
+        y_label: label(AXES[upright], &lengths[1].unit),
+        value_label: scale.unit,
+        x: borders(0, horizontal),
+        y: borders(1, upright),
+        columns: image.cells[horizontal],
+        values,
+        from_zero,
+        true_shape: upright == 1,
+        arrows: arrows(field).filter(|_| upright == 1),
+        edges: edges.iter().map(scaled).collect(),
+        note: format!("{}. {most}", sentence(&format!("{length}{}", field.meaning))),
+    })
+}
+
+/// The largest value and its place, as a sentence.
+fn largest_at(image: &Image, field: &Field, values: &[f64], scale: &Scale) -> String {
+    let (Some([_, most]), Some(plane)) = (extent(values.iter().copied()), image.plane()) else {
+        return String::new();
+    };
+    let columns = image.cells[plane[0]];
+    // Of those that are as large but for rounding the one nearest to the middle.
+    let off = |at: &usize| {
+        image.middle(plane[0], at % columns).hypot(image.middle(plane[1], at / columns))
+    };
+    let as_large = (0..values.len()).filter(|&at| values[at] >= most - 1e-9 * most.abs());
+    let Some(at) = as_large.min_by(|a, b| off(a).total_cmp(&off(b))) else { return String::new() };
+    let place = [0, 1].map(|n| {
+        let middle = image.middle(plane[n], [at % columns, at / columns][n]);
+        let borders = image.borders(plane[n]);
+        let length = Scale::of("m", borders[0].abs().max(borders[1].abs()));
+        // What is nought but for rounding is nought.
+        let middle = if middle.abs() < 1e-9 * image.spacing[plane[n]] { 0.0 } else { middle };
+        format!("{} {}", AXES[plane[n]], length.show(middle, 3))
+    });
+    let what = if field.components > 1 { "Longest" } else { "Largest" };
+    let unit = if scale.unit.is_empty() { "" } else { "\u{a0}" };
+    let most = number(most / scale.factor, 4);
+    format!("{what} {most}{unit}{} at {}.", scale.unit, place.join(", "))
+}
+
+/// The vectors of a field with two or three components.
+fn arrows(field: &Field) -> Option<Arrows> {
+    let component = |n: usize| field.values.iter().skip(n).step_by(field.components).copied();
+    (field.components > 1).then(|| Arrows { x: component(0).collect(), y: component(1).collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(values: Vec<f64>) -> (Image, Field) {
+        let field = Field {
+            name: "pressure".to_owned(),
+            unit: "Pa".to_owned(),
+            meaning: "normal pressure".to_owned(),
+            components: 1,
+            values,
+        };
+        let (corner, spacing) = ([-1e-3, -1e-3, 0.0], [1e-3; 3]);
+        (Image { corner, spacing, cells: [3, 2, 0], fields: vec![field.clone()] }, field)
+    }
+
+    #[test]
+    fn an_edge_goes_round_what_differs_from_zero() {
+        let (image, field) = image(vec![0.0, 5e6, 0.0, 0.0, 1e3, 0.0]);
+        let lines = edge_of(&image, &differs(&field), 0.0);
+        assert_eq!(lines.len(), 1);
+        assert_eq!(lines[0].first(), lines[0].last());
+        // Round the lower cell of the middle column; 1 kPa beside 5 MPa is nothing.
+        let reach = |axis: usize| lines[0].iter().map(move |p| p[axis]).fold(f64::MIN, f64::max);
+        assert!((reach(0) - 1e-3).abs() < 1e-15 && reach(1).abs() < 1e-15, "{lines:?}");
+    }
+
+    #[test]
+    fn the_largest_value_is_told_with_its_place() {
+        let (image, field) = image(vec![0.0, 5e6, 0.0, 0.0, 1e3, 2e6]);
+        let map = map(&image, &field, &[]).unwrap();
+        assert!(
+            map.note.ends_with("Largest 5.000\u{a0}MPa at x 0.500\u{a0}mm, y −0.500\u{a0}mm."),
+            "{}",
+            map.note
+        );
+        assert_eq!((map.x, map.y, map.x_label.as_str()), ([-1.0, 2.0], [-1.0, 1.0], "x [mm]"));
+        assert!(map.from_zero && map.true_shape && map.arrows.is_none());
+    }
+}
