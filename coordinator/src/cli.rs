@@ -10,6 +10,7 @@ use crate::inspect::{self, Wanted};
 use crate::keys;
 use crate::logging::{Level, Logging};
 use crate::output;
+use crate::picture;
 use crate::progress::Progress;
 use crate::replay;
 use crate::report;
@@ -105,6 +106,8 @@ enum Command {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
+    /// Draw the fields of a run as PNG, SVG or PDF, for papers and slides.
+    Picture(picture::Arguments),
     /// Run a published study again, and lay tables and figures beside what was printed.
     Reproduce(reproduce::Arguments),
 }
@@ -357,6 +360,10 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             let _reading = signals::end_at_once();
             let path = report::write(&page_about(folder)?, folder)?;
             Ok(print(arguments.quiet, &format!("{}\n", path.display()))?)
+        }
+        Command::Picture(asked) => {
+            let _reading = signals::end_at_once();
+            Ok(print(arguments.quiet, &picture::act(asked)?)?)
         }
         Command::Reproduce(asked) => Ok(reproduce::main(asked, arguments.quiet)?),
     }

@@ -14,6 +14,7 @@ mod inspect;
 mod keys;
 mod logging;
 mod output;
+mod picture;
 mod progress;
 mod replay;
 mod report;

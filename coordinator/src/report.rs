@@ -24,6 +24,7 @@ pub(crate) mod palette;
 mod places;
 pub(crate) mod plot;
 mod sections;
+pub(crate) mod sheet;
 pub(crate) mod source;
 mod standalone;
 pub(crate) mod table;

@@ -88,7 +88,8 @@ impl Heatmap {
         standalone::svg(&self.drawing())
     }
 
-    fn drawing(&self) -> Drawing<'_> {
+    /// The map as it is drawn.
+    pub(super) fn drawing(&self) -> Drawing<'_> {
         let drawn = self.drawn();
         let [width, height] = self.size();
         let (left, bottom) = (LEFT, TOP + height);

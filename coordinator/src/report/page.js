@@ -74,7 +74,8 @@
       const said = Number.isNaN(value) ? "blank" : shown(value) + " " + m.unit;
       return said + "\n" + m.x.label + " " + shown(x) + "\n" + m.y.label + " " + shown(y);
     }
-    const near = lines(svg).filter(line => line.points.length).map(line => {
+    const seen = line => getComputedStyle(line.path).display !== "none";
+    const near = lines(svg).filter(line => line.points.length && seen(line)).map(line => {
       const apart = point => Math.abs(point.px - px);
       const point = line.points.reduce((a, b) => (apart(b) < apart(a) ? b : a));
       return { name: line.name, point };
@@ -226,6 +227,26 @@
     svg.addEventListener("dblclick", () => svg.setAttribute("viewBox", whole));
   };
 
+  // One instant at a time, in the place of some of them.
+  const slider = (figure, svg) => {
+    const instants = [...svg.querySelectorAll(".instant")];
+    if (!instants.length) return;
+    const others = [...svg.querySelectorAll(".line:not(.instant), .dot")];
+    const legend = figure.querySelector(".legend");
+    const label = make("label", "slider");
+    const input = make("input", "");
+    const said = make("span", "", "some");
+    Object.assign(input, { type: "range", min: -1, max: instants.length - 1, value: -1 });
+    input.addEventListener("input", () => {
+      const chosen = Number(input.value);
+      instants.forEach((line, n) => { line.style.display = n === chosen ? "inline" : ""; });
+      [...others, legend].forEach(node => { node.style.display = chosen < 0 ? "" : "none"; });
+      said.textContent = chosen < 0 ? "some" : instants[chosen].getAttribute("data-name");
+    });
+    label.append("instant ", input, " ", said);
+    svg.after(label);
+  };
+
   const button = (text, title, act) => {
     const node = make("button", "", text);
     node.type = "button";
@@ -252,6 +273,7 @@
       button("SVG", "Save the drawing", () => save(name + ".svg", "image/svg+xml", alone(svg))),
       button("CSV", "Save the values", () => save(name + ".csv", "text/csv", csv(svg))));
     figure.querySelector("figcaption").append(tools);
+    slider(figure, svg);
     zoom(svg);
   }
 })();

@@ -47,6 +47,8 @@ pub(crate) struct Figure {
     pub from_zero: bool,
     /// The lines.
     pub lines: Vec<Line>,
+    /// Lines of which a reader of the page may choose one, in the place of the others.
+    pub frames: Vec<Line>,
     /// A sentence below it.
     pub note: String,
 }
@@ -68,6 +70,7 @@ impl Figure {
             decades: false,
             from_zero: true,
             lines: Vec::new(),
+            frames: Vec::new(),
             note: String::new(),
         }
     }
@@ -138,7 +141,7 @@ impl Figure {
     }
 
     fn axes(&self) -> [Axis; 2] {
-        let all = || self.lines.iter().flat_map(|line| &line.points);
+        let all = || self.lines.iter().chain(&self.frames).flat_map(|line| &line.points);
         let x = match self.decades_x {
             true => Axis::decades(all().map(|p| p[0]), [LEFT, RIGHT]),
             false => Axis::linear(all().map(|p| p[0]), false, [LEFT, RIGHT]),
@@ -156,7 +159,10 @@ impl Figure {
         let (x_label, y_label) = (self.x_label.as_str(), self.y_label.as_str());
         let mut svg = Frame { x, y, x_label, y_label, grid: true }.svg();
         for (n, line) in self.lines.iter().enumerate() {
-            line.draw(&mut svg, n, x, y);
+            line.draw(&mut svg, &line.class(n), x, y);
+        }
+        for frame in &self.frames {
+            frame.draw(&mut svg, "s0 instant", x, y);
         }
         svg
     }
@@ -180,8 +186,7 @@ impl Line {
         if self.marks { "mark".to_owned() } else { format!("s{}", n % COLOURS) }
     }
 
-    fn draw(&self, svg: &mut String, n: usize, x: &Axis, y: &Axis) {
-        let class = self.class(n);
+    fn draw(&self, svg: &mut String, class: &str, x: &Axis, y: &Axis) {
         let place = |p: &[f64; 2]| Some([x.place(p[0])?, y.place(p[1])?]);
         let places: Vec<Option<[f64; 2]>> = thinned(&self.points).iter().map(place).collect();
         if self.marks {

@@ -5,6 +5,7 @@
 
 use super::canvas::{Drawing, Key, mark};
 use super::html::{PLOT_STYLE, escape};
+use run::format::sentence;
 use std::fmt::Write as _;
 
 /// Margin round the drawing.
@@ -22,28 +23,32 @@ const SCALE: f64 = 1.35;
 
 /// The file's content.
 pub(super) fn svg(of: &Drawing<'_>) -> String {
-    let [width, height] = of.size;
-    let mut head = String::new();
-    let mut y = MARGIN + 16.0;
-    for line in wrapped(of.title, width) {
-        let text = escape(&line);
-        let _ = writeln!(head, "<text class=\"title\" x=\"{MARGIN}\" y=\"{y:.2}\">{text}</text>");
-        y += LINE;
-    }
-    y = legend(&of.keys, width, &mut head, y);
-    let top = y - 8.0;
-    let height = top + height;
+    let (inner, [width, height]) = whole(of);
     let [wide, high] = [width, height].map(|length| SCALE * length);
     format!(
         "<svg class=\"plot\" role=\"img\" width=\"{wide:.0}\" height=\"{high:.0}\" \
          viewBox=\"0 0 {width} {height:.0}\" xmlns=\"http://www.w3.org/2000/svg\">\n\
          <title>{}</title>\n<desc>{}</desc>\n<style>\n{PLOT_STYLE}</style>\n\
-         <rect class=\"ground\" width=\"100%\" height=\"100%\" rx=\"8\"/>\n{head}\
-         <g transform=\"translate(0 {top:.2})\">\n{}</g>\n</svg>\n",
+         <rect class=\"ground\" width=\"100%\" height=\"100%\" rx=\"8\"/>\n{inner}</svg>\n",
         escape(of.title),
         escape(&of.description),
-        of.content
     )
+}
+
+/// Title, legend and drawing one below the other; width and height of them all.
+pub(super) fn whole(of: &Drawing<'_>) -> (String, [f64; 2]) {
+    let [width, height] = of.size;
+    let mut svg = String::new();
+    let mut y = MARGIN + 16.0;
+    for line in wrapped(&sentence(of.title), width) {
+        let text = escape(&line);
+        let _ = writeln!(svg, "<text class=\"title\" x=\"{MARGIN}\" y=\"{y:.2}\">{text}</text>");
+        y += LINE;
+    }
+    y = legend(&of.keys, width, &mut svg, y);
+    let top = y - 8.0;
+    let _ = write!(svg, "<g transform=\"translate(0 {top:.2})\">\n{}</g>\n", of.content);
+    (svg, [width, top + height])
 }
 
 /// Draws the legend from `y` on; where it ends.
@@ -104,7 +109,7 @@ mod tests {
         let line = vec![[0.0, 1.0], [1.0, 3.0]];
         let figure = Figure::new("a title", "x", "y").with("ours", line.clone());
         let svg = figure.with_marks("printed", line).standalone();
-        for part in ["<style>", "class=\"ground\"", ">a title</text>", ">ours</text>"] {
+        for part in ["<style>", "class=\"ground\"", ">A title</text>", ">ours</text>"] {
             assert!(svg.contains(part), "`{part}` is missing in {svg}");
         }
         // Two in the plot, one in the legend.

@@ -46,6 +46,7 @@ mod off_means_off;
 mod paper;
 mod paraview;
 mod patches;
+mod picture;
 mod python;
 mod recording;
 mod report;

@@ -72,8 +72,8 @@ pub(super) fn edges(all: &[Edge], x: &Axis, y: &Axis) -> String {
     svg
 }
 
-/// Arrows, one for each block of cells, from the middle of the block on; the longest is as long as the
-/// blocks are apart.
+/// Arrows, one for each block of cells, half of it on either side of the block's middle; the longest is
+/// as long as the blocks are apart.
 pub(super) fn arrows(of: &Arrows, columns: usize, x: &Axis, y: &Axis) -> String {
     let rows = of.x.len() / columns;
     let every = columns.max(rows).div_ceil(ARROWS);
@@ -95,13 +95,14 @@ pub(super) fn arrows(of: &Arrows, columns: usize, x: &Axis, y: &Axis) -> String 
         if !size.is_finite() || size < SHORTEST {
             continue;
         }
-        let from = [
+        let middle = [
             x.paper[0] + (place.0 as f64 + 0.5) * cell[0],
             y.paper[0] + (place.1 as f64 + 0.5) * cell[1],
         ];
         // Upward is to smaller numbers on the paper.
         let along = [u / size, -v / size];
-        let to = [from[0] + size * along[0], from[1] + size * along[1]];
+        let end = |side: f64| [0, 1].map(|n| middle[n] + 0.5 * side * size * along[n]);
+        let (from, to) = (end(-1.0), end(1.0));
         let barb = |side: f64| {
             let head = 4.5f64.min(0.5 * size);
             let back = [along[0] + 0.6 * side * along[1], along[1] - 0.6 * side * along[0]];
@@ -143,7 +144,7 @@ mod tests {
     fn an_arrow_points_where_its_vector_does() {
         let one = Arrows { x: vec![0.0], y: vec![3.0] };
         let svg = arrows(&one, 1, &axis([0.0, 40.0]), &axis([40.0, 0.0]));
-        assert!(svg.contains("d=\"M20.0 20.0L20.0 -20.0"), "upward: {svg}");
+        assert!(svg.contains("d=\"M20.0 40.0L20.0 0.0"), "upward: {svg}");
         let still = Arrows { x: vec![0.0], y: vec![0.0] };
         assert_eq!(arrows(&still, 1, &axis([0.0, 40.0]), &axis([40.0, 0.0])), "");
     }

@@ -1,12 +1,14 @@
 //! Temperature over the depth, and how it has built up.
 
 use crate::report::places::{AXES, is_surface, places};
-use crate::report::plot::Figure;
+use crate::report::plot::{Figure, Line};
 use crate::report::source::{Field, GridSeries, Image, Results};
 use run::format::{Scale, words};
 
-/// Most instants shown in one figure.
+/// Most instants shown in one figure at once.
 const INSTANTS: usize = 6;
+/// Most instants among which a reader may choose.
+const FRAMES: usize = 60;
 
 /// Depth profiles below the hottest points; lines through them, through time.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
@@ -56,20 +58,38 @@ fn build_up(series: &GridSeries) -> Option<Figure> {
     let (x_label, _) = places(series.line.as_ref()?)?;
     let mut figure = Figure::new(format!("{} through time", words(&name)), x_label, "K");
     figure.note = "Along the row of the largest value of each instant.".to_owned();
-    let mut chosen: Vec<usize> = (0..INSTANTS.min(count))
-        .map(|k| (k * (count - 1)).div_ceil((INSTANTS.min(count) - 1).max(1)))
-        .collect();
-    chosen.dedup();
-    for instant in chosen {
+    let line = |instant: usize| {
         let line = series.line_at(instant)?;
         let (_, places) = places(&line)?;
         let values = line.column(&format!("{name} [K]"))?;
-        let time = series.instants[instant].0;
         let points = places.iter().zip(&values).map(|(x, v)| [*x, *v]).collect();
-        figure = figure.with(Scale::of("s", time).show(time, 4), points);
-        if let Some(line) = figure.lines.last_mut() {
-            line.dots = false;
-        }
+        let time = series.instants[instant].0;
+        let name = Scale::of("s", time).show(time, 4);
+        Some(Line { name, points, dots: false, marks: false })
+    };
+    figure.lines = evenly(INSTANTS, count).map(line).collect::<Option<_>>()?;
+    if count > INSTANTS {
+        figure.frames = evenly(FRAMES, count).map(line).collect::<Option<_>>()?;
     }
     figure.has_points().then_some(figure)
+}
+
+/// At most `most` of `count` instants, the first and the last among them.
+fn evenly(most: usize, count: usize) -> impl Iterator<Item = usize> {
+    let parts = most.min(count).max(2);
+    (0..parts.min(count)).map(move |k| (k * (count - 1)).div_ceil(parts - 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instants_are_chosen_evenly_with_both_ends() {
+        let of = |most, count| evenly(most, count).collect::<Vec<_>>();
+        assert_eq!(of(6, 3), [0, 1, 2]);
+        assert_eq!(of(6, 2), [0, 1]);
+        assert_eq!(of(3, 101), [0, 50, 100]);
+        assert_eq!(of(6, 1000).len(), 6);
+    }
 }

@@ -1,0 +1,103 @@
+//! `coordinator picture`: the maps of a report as a file for papers and slides, without a browser.
+
+mod convert;
+
+use crate::report::maps;
+use crate::report::sheet::{Ground, sheet};
+use crate::report::source::Results;
+use clap::Args;
+use convert::Format;
+use run::error::RunError;
+use run::results::write::replace;
+use std::path::PathBuf;
+
+/// Largest width of a picture \[px\].
+const WIDEST: u32 = 20_000;
+
+/// What to draw, and where.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The result directory.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Fields to draw, in this order [default: all].
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    field: Vec<String>,
+    /// The file, whose ending says what it is: png, svg or pdf [default: DIR/picture.png].
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Drawings beside each other [default: one alone, or two].
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..))]
+    columns: Option<u16>,
+    /// Width of a PNG.
+    #[arg(long, value_name = "PIXELS", default_value_t = 1600,
+          value_parser = clap::value_parser!(u32).range(64..=i64::from(WIDEST)))]
+    width: u32,
+    /// Light on dark.
+    #[arg(long)]
+    dark: bool,
+}
+
+/// Draws; the line to print.
+///
+/// # Errors
+/// No run has written into the folder; it has no such field; an ending that means no format; the file
+/// system.
+pub(crate) fn act(arguments: &Arguments) -> Result<String, RunError> {
+    let path = arguments.out.clone().unwrap_or_else(|| arguments.folder.join("picture.png"));
+    let format = Format::of(&path)?;
+    let results = Results::read(&arguments.folder)?;
+    let maps = chosen(maps::named(&results), &arguments.field, &arguments.folder)?;
+    let columns = arguments.columns.map_or_else(|| maps.len().clamp(1, 2), usize::from);
+    let ground = if arguments.dark { Ground::Dark } else { Ground::Light };
+    let svg = sheet(results.word("/case"), &maps, columns, ground);
+    replace(&path, &format.bytes(svg, arguments.width)?)?;
+    Ok(format!("{}\n", path.display()))
+}
+
+/// The maps of these fields; all without a name.
+fn chosen<T>(
+    all: Vec<(String, T)>,
+    names: &[String],
+    folder: &std::path::Path,
+) -> Result<Vec<T>, RunError> {
+    let shown = folder.display();
+    if all.is_empty() {
+        let why = "no field on a regular grid that differs from zero";
+        return Err(RunError::Usage(format!("{shown} has {why}: there is nothing to draw")));
+    }
+    if names.is_empty() {
+        return Ok(all.into_iter().map(|(_, map)| map).collect());
+    }
+    let known: Vec<String> = all.iter().map(|(name, _)| name.clone()).collect();
+    let mut all: Vec<(String, Option<T>)> =
+        all.into_iter().map(|(n, map)| (n, Some(map))).collect();
+    let mut find = |wanted: &String| {
+        let found = all.iter_mut().find(|(name, map)| name == wanted && map.is_some());
+        found.and_then(|(_, map)| map.take()).ok_or_else(|| {
+            let known = known.join(", ");
+            RunError::Usage(format!("--field {wanted}: {shown} has no such field; it has {known}"))
+        })
+    };
+    names.iter().map(&mut find).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_drawn_in_the_order_in_which_they_are_named() {
+        let all = || vec![("a".to_owned(), 1), ("b".to_owned(), 2), ("c".to_owned(), 3)];
+        let of = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+            chosen(all(), &names, std::path::Path::new("r"))
+        };
+        assert_eq!(of(&[]).unwrap(), [1, 2, 3]);
+        assert_eq!(of(&["c", "a"]).unwrap(), [3, 1]);
+        let wrong = of(&["d"]).unwrap_err().to_string();
+        assert!(wrong.contains("--field d: r has no such field; it has a, b, c"), "{wrong}");
+        let none = chosen(Vec::<(String, i32)>::new(), &[], std::path::Path::new("r"));
+        assert!(none.unwrap_err().to_string().contains("nothing to draw"));
+    }
+}
