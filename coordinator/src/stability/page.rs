@@ -1,13 +1,17 @@
 //! The page about a suite.
 
-use super::report::{CaseReport, Report, SweepReport};
+use super::report::{CaseReport, Report, RunResult, SweepReport};
 use super::rows::{self, OTHERWISE, course, factor};
 use crate::report::page::{Block, Headline, Mood, Page, Section};
+use crate::report::plot::Figure;
 use crate::report::table::Table;
 use crate::study::output::Shown;
 use run::error::RunError;
 use run::format::number;
 use std::path::Path;
+
+/// From this ratio of the largest to the least value on they are drawn by decades.
+const DECADES: f64 = 20.0;
 
 impl Shown for Report {
     fn page(&self, _: &Path) -> Result<Page, RunError> {
@@ -95,6 +99,7 @@ fn details(case: &CaseReport) -> Section {
     if let Some((_, message)) = &case.row.error {
         blocks.push(Block::Verbatim("It ended with".to_owned(), message.trim_end().to_owned()));
     }
+    blocks.extend(case.sweeps.iter().filter_map(plot).map(Block::Figure));
     blocks.extend(case.sweeps.iter().map(|sweep| {
         Block::Folded(
             format!("{}: {} runs", sweep.parameter, sweep.rows.len()),
@@ -102,6 +107,44 @@ fn details(case: &CaseReport) -> Section {
         )
     }));
     Section { title: format!("{}. {}", case.number, case.name), blocks }
+}
+
+/// What each quantity takes of its bound over the values of a sweep; `None` where fewer than three are
+/// numbers with an answer.
+fn plot(sweep: &SweepReport) -> Option<Figure> {
+    let answers = sweep.rows.iter().filter(|(_, row)| row.error.is_none());
+    let numbers = answers.filter_map(|(value, row)| Some((value.parse::<f64>().ok()?, row)));
+    let mut rows: Vec<(f64, &RunResult)> = numbers.collect();
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (least, most) = (rows.first()?.0, rows.last()?.0);
+    let mut names: Vec<&str> = Vec::new();
+    for finding in rows.iter().flat_map(|(_, row)| &row.findings) {
+        if !names.contains(&finding.name.as_str()) {
+            names.push(&finding.name);
+        }
+    }
+    let mut figure = Figure::new(&sweep.parameter, &sweep.parameter, "part of the bound");
+    figure.decades = true;
+    figure.decades_x = least > 0.0 && most > DECADES * least;
+    for name in names {
+        let share = |row: &RunResult| row.findings.iter().find(|f| f.name == name)?.share;
+        let points = rows.iter().filter_map(|(value, row)| Some([*value, share(row)?]));
+        figure = figure.with(name, points.filter(|point| point[1] > 0.0).collect());
+    }
+    figure.lines.retain(|line| line.points.len() > 2);
+    if figure.lines.is_empty() {
+        return None;
+    }
+    figure.note = match sweep.edge().map(|n| sweep.rows[n].0.as_str()) {
+        Some(edge) => format!("1 is the bound. From {edge} on: {}.", beyond(sweep)),
+        None => "1 is the bound; every value keeps it.".to_owned(),
+    };
+    Some(figure.with("bound", vec![[least, 1.0], [most, 1.0]]))
+}
+
+/// What is beyond the edge of a sweep, in words.
+fn beyond(sweep: &SweepReport) -> &str {
+    sweep.beyond.as_deref().unwrap_or("it goes otherwise than before")
 }
 
 fn findings(case: &CaseReport) -> Table {

@@ -29,10 +29,20 @@ fn fields_are_drawn_as_png_svg_and_pdf() {
     let (many, width) = colours(&all);
     assert!(many > 200 && width == 1600, "{many} colours, {width} wide");
     let at = |name: &str| place.out().join(name).display().to_string();
-    let dark = draw(&["--field", "traction,rail_temperature", "--dark", "--width", "640", "-o", &at("d.png")]);
+    let dark = draw(&[
+        "--field",
+        "traction,rail_temperature",
+        "--dark",
+        "--width",
+        "640",
+        "-o",
+        &at("d.png"),
+    ]);
     assert!(colours(&dark).1 == 640 && colours(&dark).0 > 100);
     let svg = fs::read_to_string(draw(&["--field", "traction", "-o", &at("t.svg")])).unwrap();
-    for part in ["class=\"arrow\"", "class=\"contour\"", "edge edge1", "class=\"peak\"", ">Traction<"] {
+    for part in
+        ["class=\"arrow\"", "class=\"contour\"", "edge edge1", "class=\"peak\"", ">Traction<"]
+    {
         assert!(svg.contains(part), "no `{part}` in the drawing");
     }
     assert!(!svg.contains("var(") && !svg.contains("pressure"), "of one field, for any program");

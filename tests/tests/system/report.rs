@@ -280,7 +280,7 @@ fn a_browser_shows_the_page_of_effects() {
 
 #[test]
 fn a_browser_shows_the_page_of_hard_cases() {
-    assert_study_is_drawn(&["stability", "--only", "coarse-columns", "--no-sweep"], 0);
+    assert_study_is_drawn(&["stability", "--only", "coarse-columns"], 2);
 }
 
 /// The checks see what they are for: plots that are not drawn, a page that is too wide, a request.
