@@ -20,6 +20,7 @@ use crate::stability;
 use crate::states;
 use crate::study::Variant;
 use crate::study::output::{Kind, kind};
+use crate::sweep;
 use case::{Alone, RawCase, judge_alone};
 use clap::{Args, Parser, Subcommand};
 use contract::description::Description;
@@ -94,6 +95,8 @@ enum Command {
     Stability(stability::Arguments),
     /// Find the steady states of a case with a loop, and which of them last.
     States(states::Arguments),
+    /// Run a case over values of its keys: a row a point, plots over what varies.
+    Sweep(sweep::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
     Export(ExportArguments),
     /// Switch off each effect in turn: what it changes in the answer, and what it costs.
@@ -352,6 +355,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
         Command::States(asked) => Ok(states::main(asked, arguments.quiet)?),
+        Command::Sweep(asked) => Ok(sweep::main(asked, arguments.quiet)?),
         Command::Ablate(asked) => Ok(ablate::main(asked, arguments.quiet)?),
         Command::Cost(asked) => Ok(cost::main(asked, arguments.quiet)?),
         Command::Stability(asked) => Ok(stability::main(asked, arguments.quiet)?),
@@ -580,10 +584,11 @@ fn refuse_warnings(warnings: &[Warning]) -> Result<(), RunError> {
 }
 
 /// Every kind of study that leaves a page.
-const STUDIES: [Kind; 5] = [
+const STUDIES: [Kind; 6] = [
     kind::<cost::Study>(),
     kind::<ablate::Study>(),
     kind::<states::Study>(),
+    kind::<sweep::Study>(),
     kind::<stability::Report>(),
     kind::<reproduce::Record>(),
 ];

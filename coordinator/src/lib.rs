@@ -22,6 +22,7 @@ mod reproduce;
 mod stability;
 mod states;
 mod study;
+mod sweep;
 
 /// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
 #[cfg(test)]

@@ -57,10 +57,12 @@ mod rods;
 mod scenes;
 mod stability;
 mod start;
+mod sweep;
 mod threads;
 mod time;
 mod two_way;
 mod volume;
+mod wake;
 mod warnings;
 
 use tests::harness;

@@ -17,7 +17,7 @@ fn colours(path: &Path) -> (usize, u32) {
 #[test]
 fn fields_are_drawn_as_png_svg_and_pdf() {
     let place = Place::new();
-    place.summary(&case("wheel-rail.toml"), &["mech.resolution=10"]);
+    place.summary(&case("wheel-rail.toml"), &["--set", "mech.resolution=10"]);
     let out = place.out().display().to_string();
     let draw = |more: &[&str]| {
         let ended = place.start(&[&["picture", &out], more].concat()).wait();
@@ -53,7 +53,7 @@ fn fields_are_drawn_as_png_svg_and_pdf() {
 #[test]
 fn what_cannot_be_drawn_is_told() {
     let place = Place::new();
-    place.summary(&case("wheel-rail.toml"), &["mech.resolution=10"]);
+    place.summary(&case("wheel-rail.toml"), &["--set", "mech.resolution=10"]);
     let out = place.out().display().to_string();
     let told = |arguments: &[&str], text: &str| {
         let ended = place.start(&[&["picture"], arguments].concat()).wait();

@@ -289,17 +289,21 @@ fn the_browser_checks_find_what_is_wrong() {
     let place = Place::new();
     place.summary(&case("cold-start.toml"), &["--report"]);
     let page = page(&place);
-    let spoilt = |what: &str| {
+    let write = |page: &str, what: &str| {
         let path = place.out().join("spoilt.html");
         std::fs::write(&path, page.replace("</body>", &format!("{what}</body>"))).unwrap();
         path
     };
+    let spoilt = |what: &str| write(&page, what);
     let (looks, _) = look(&spoilt("<style>.plot * { visibility: hidden }</style>"), &[PHONE]);
     let hidden = &looks[0];
     assert!((0..hidden.plots.len()).all(|plot| !hidden.is_drawn(plot)));
     let image = "http://report.invalid/x.png";
     let what = format!("<div style=\"width: 900px\">x</div><img src=\"{image}\"/>");
-    let (looks, requests) = look(&spoilt(&what), &[PHONE]);
+    let (_, requests) = look(&spoilt(&what), &[PHONE]);
+    assert_eq!(requests, Vec::<String>::new(), "the page's policy forbids it");
+    let open = page.replace("http-equiv=\"Content-Security-Policy\"", "name=\"none\"");
+    let (looks, requests) = look(&write(&open, &what), &[PHONE]);
     assert!(looks[0].scroll_width >= 900, "{}", looks[0].scroll_width);
     assert_eq!(requests, [image]);
     assert_eq!(looks[0].fetched, [image]);

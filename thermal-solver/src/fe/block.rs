@@ -39,7 +39,8 @@ const AHEAD: f64 = 10.0;
 const FIRST_LAYER: &str = "thermal.first_layer";
 const LAYER_RATIO: &str = "thermal.layer_ratio";
 const DEPTH: &str = "thermal.depth";
-const WAKE: &str = "thermal.wake";
+/// How far behind the middle of the contact temperatures are found [m].
+pub const WAKE: &str = "thermal.wake";
 const SCHEME: &str = "thermal.scheme";
 const STEP: &str = "thermal.step";
 const SOLVER: &str = "thermal.solver";

@@ -6,7 +6,7 @@ use super::fields::fields;
 use super::frame::Frame;
 use super::names;
 use super::normal_only::{along_the_surface, along_the_surface_at};
-use super::setup::{resolution, section_key};
+use super::setup::{resolution, section_key, wake};
 use super::summary::{Peak, hottest};
 use crate::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
@@ -42,7 +42,7 @@ pub fn spec() -> ModelSpec {
         rewinds: true,
         consumes,
         provides,
-        keys: vec![resolution(), section_key()],
+        keys: vec![resolution(), wake(), section_key()],
         accuracy: Accuracy { refinement: None, simplifications: vec![along_the_surface()] },
     }
 }

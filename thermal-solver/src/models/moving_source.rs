@@ -10,7 +10,7 @@ use super::fields::fields;
 use super::frame::Frame;
 use super::interface::{Flow, Interface, Rubbing, both};
 use super::names;
-use super::setup::{resolution, section_key};
+use super::setup::{resolution, section_key, wake};
 use super::summary::{Peak, hottest};
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::history::{History, Window};
@@ -46,7 +46,7 @@ pub fn spec() -> ModelSpec {
         rewinds: true,
         consumes,
         provides,
-        keys: vec![resolution(), section_key()],
+        keys: vec![resolution(), wake(), section_key()],
         accuracy: Accuracy { refinement: None, simplifications: vec![by_quadrature()] },
     }
 }

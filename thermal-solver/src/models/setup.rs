@@ -14,6 +14,7 @@ use crate::effects::natures;
 use crate::effects::phase_transformation;
 use crate::effects::thermal_expansion;
 use crate::effects::volume_temperature::VOLUMES;
+use crate::fe::block::WAKE;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};
@@ -60,6 +61,14 @@ pub fn resolution_across() -> KeySpec {
     let help =
         "elements across the heat flux's grid; absent: as wide as they are long, or its grid";
     KeySpec::integer(RESOLUTION_ACROSS, help).at_least(1.0).at_most(1e5)
+}
+
+/// The key for temperatures behind the heat flux's grid.
+#[must_use]
+pub fn wake() -> KeySpec {
+    let help = "how far behind the middle of the contact temperatures are given; absent: as far as the heat \
+                flux's grid goes";
+    KeySpec::quantity(WAKE, "m", help).above(0.0)
 }
 
 /// Checks a configuration for a model.
@@ -137,7 +146,10 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     let mut frame = None;
     match heat_grid(given)? {
         Some(arriving) => {
-            let grid = own_grid(given, &arriving)?;
+            let mut grid = own_grid(given, &arriving)?;
+            if !C::ELEMENTS && given.case.has(WAKE) {
+                grid = with_wake(grid, given.case.number(WAKE)?)?;
+            }
             let moves = given.inputs.iter().any(|i| i.moves && is_heat(i));
             let section_y = section_y(given)?;
             let (mode, threads) = (given.mode, given.threads);
@@ -273,6 +285,27 @@ fn own_grid(given: &Configuration, arriving: &Structured) -> Result<Structured, 
     origin[0] += 0.5 * (dx - arriving.dx());
     origin[1] += 0.5 * (dy - arriving.dy());
     Ok(Structured { origin, step_i: [dx, 0.0, 0.0], step_j: [0.0, dy, 0.0], ni, nj })
+}
+
+/// Most columns of a grid with what is behind it.
+const MOST_COLUMNS: f64 = 1e5;
+
+/// The grid with as many more columns as reach so far behind its middle [m].
+fn with_wake(grid: Structured, wake: f64) -> Result<Structured, Refusal> {
+    let (dx, columns) = (grid.dx(), grid.ni as f64);
+    let more = ((wake / dx - 0.5 * columns) * (1.0 - 1e-12)).ceil().max(0.0);
+    if columns + more > MOST_COLUMNS {
+        return Err(Refusal::new(
+            WAKE,
+            format!(
+                "{wake} m are {more} elements of {dx:.3e} m, and {MOST_COLUMNS} at most can be"
+            ),
+            "make it shorter, or elements longer with thermal.resolution",
+        ));
+    }
+    let mut origin = grid.origin;
+    origin[0] -= more * dx;
+    Ok(Structured { origin, ni: grid.ni + more as usize, ..grid })
 }
 
 fn not_a_plane(input: &Input) -> Refusal {

@@ -1,0 +1,117 @@
+//! What a sweep has found so far: `sweep.json`, and `sweep.csv` for everything else.
+
+use super::vary::Vary;
+use crate::study::Variant;
+use crate::study::output::Kept;
+use crate::study::quantity::Quantity;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A sweep, as `sweep.json` has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Study {
+    /// Version of this layout.
+    pub schema: u32,
+    /// Every point has been run.
+    pub complete: bool,
+    /// Name of the case.
+    pub case: String,
+    /// What the case is about.
+    pub title: Option<String>,
+    /// The case file.
+    pub file: String,
+    /// What is changed for all runs, as options of `run`.
+    pub options: Vec<String>,
+    /// What varies.
+    pub vary: Vec<Vary>,
+    /// Keys of the quantities that are drawn: those that participants rank, or show large.
+    pub drawn: Vec<String>,
+    /// The quantities that the runs give, those of most interest first.
+    pub quantities: Vec<Quantity>,
+    /// One for each point that has been run, in the order of the points.
+    pub rows: Vec<Row>,
+    /// Seconds of all runs.
+    pub wall_s: f64,
+}
+
+impl Kept for Study {
+    const COMMAND: &'static str = "sweep";
+    const FILE: &'static str = "sweep.json";
+    const SCHEMA: u32 = 1;
+}
+
+/// One point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Row {
+    /// An index into the values of each key.
+    pub at: Vec<usize>,
+    /// Quantities by key; empty where there is no answer.
+    pub values: BTreeMap<String, f64>,
+    /// Why there is no answer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failed: Option<String>,
+    /// Seconds of the run.
+    pub wall_s: f64,
+}
+
+impl Study {
+    /// A sweep of which nothing has been run.
+    #[must_use]
+    pub(super) fn new(plan: &run::plan::Plan, file: String, base: &Variant, vary: &[Vary]) -> Self {
+        let figures = plan.figures.iter().filter(|one| one.rank.is_some() || one.headline);
+        Self {
+            schema: Self::SCHEMA,
+            complete: false,
+            case: plan.name.clone(),
+            title: plan.title.clone(),
+            file,
+            options: base.options(),
+            vary: vary.to_vec(),
+            drawn: figures.map(|figure| figure.key.clone()).collect(),
+            quantities: Vec::new(),
+            rows: Vec::new(),
+            wall_s: 0.0,
+        }
+    }
+
+    /// Another one is of the same points of the same case.
+    #[must_use]
+    pub(super) fn asks_the_same(&self, other: &Self) -> bool {
+        let asked = |one: &Self| (one.file.clone(), one.options.clone(), one.vary.clone());
+        self.schema == other.schema && asked(self) == asked(other)
+    }
+
+    /// The values of a row's keys.
+    pub(super) fn varied<'a>(&'a self, row: &'a Row) -> impl Iterator<Item = &'a str> {
+        self.vary
+            .iter()
+            .zip(&row.at)
+            .map(|(one, at)| one.values.get(*at).map_or("", String::as_str))
+    }
+
+    /// The quantities that are not the same in all rows: those are what a sweep is for.
+    pub(super) fn changing(&self) -> impl Iterator<Item = &Quantity> {
+        self.quantities.iter().filter(|one| {
+            let mut values = self.rows.iter().filter_map(|row| row.values.get(&one.key));
+            let first = values.next();
+            values.any(|value| Some(value) != first)
+        })
+    }
+
+    /// A row a point: keys, quantities by their keys in `summary.json`, seconds, and why there is no answer.
+    #[must_use]
+    pub(super) fn csv(&self) -> Vec<u8> {
+        let mut out = csv::Writer::from_writer(Vec::new());
+        let keys = self.vary.iter().map(|one| one.key.as_str());
+        let quantities = self.quantities.iter().map(|one| one.key.as_str());
+        // A writer into memory does not fail.
+        let _ = out.write_record(keys.chain(quantities).chain(["wall_s", "failed"]));
+        for row in &self.rows {
+            let values = self.quantities.iter().map(|one| row.values.get(&one.key));
+            let values = values.map(|value| value.map(f64::to_string).unwrap_or_default());
+            let ends = [row.wall_s.to_string(), row.failed.clone().unwrap_or_default()];
+            let _ = out.write_record(self.varied(row).map(str::to_owned).chain(values).chain(ends));
+        }
+        out.into_inner().unwrap_or_default()
+    }
+}

@@ -1,0 +1,81 @@
+//! `coordinator sweep`: a row a point, failed points kept, a stopped sweep gone on with.
+
+use crate::harness::Table;
+use crate::harness::{Place, case, wait_until};
+use serde_json::Value;
+use std::path::Path;
+
+fn kept(place: &Place) -> Option<Value> {
+    serde_json::from_slice(&std::fs::read(place.out().join("sweep.json")).ok()?).ok()
+}
+
+fn table(out: &Path) -> Table {
+    Table::read(&out.join("sweep.csv"))
+}
+
+#[test]
+fn a_grid_has_a_row_a_point_and_keeps_those_without_an_answer() {
+    let place = Place::new();
+    let (file, out) = (case("wheel-rail.toml"), place.out().display().to_string());
+    let vary = ["motion.traction_coefficient=0.2,0.5,0.7", "motion.speed=20..40/2"];
+    let arguments = ["sweep", &file, "--set", "mech.resolution=8", "--out", &out];
+    let vary = vary.iter().flat_map(|vary| ["--vary", vary]);
+    let ended = place.start(&arguments.into_iter().chain(vary).collect::<Vec<_>>()).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = table(&place.out());
+    assert_eq!(table.texts("motion.speed"), ["20.0", "40.0", "20.0", "40.0", "20.0", "40.0"]);
+    let rises = table.texts("temperature.rail.max_rise_k");
+    let numbers: Vec<f64> = rises[..4].iter().map(|text| text.parse().unwrap()).collect();
+    // Twice the speed takes twice the power and heats √2 times as much.
+    for pair in numbers.chunks(2) {
+        assert!((pair[1] / pair[0] - 2f64.sqrt()).abs() < 1e-3, "{numbers:?}");
+    }
+    assert_eq!(rises[4..], ["", ""], "more than friction allows");
+    let failed = table.texts("failed");
+    assert!(failed[..4].iter().all(|text| text.is_empty()), "{failed:?}");
+    assert!(failed[4].contains("traction"), "{failed:?}");
+    assert!(ended.stdout.contains("motion.speed"), "{}", ended.stdout);
+    let page = std::fs::read_to_string(place.out().join("report.html")).unwrap();
+    assert!(page.contains("Rail temperature rise"), "the figure over what varies");
+    place.assert_nothing_left();
+}
+
+#[test]
+fn a_sweep_that_was_stopped_runs_nothing_twice() {
+    let place = Place::new();
+    let (file, out) = (case("wheel-rail.toml"), place.out().display().to_string());
+    let vary = "motion.traction_coefficient=0.01..0.59/60";
+    let arguments =
+        ["sweep", &file, "--set", "mech.model=hertz-carter", "--vary", vary, "--out", &out];
+    let sweep = place.start(&arguments);
+    let rows = || kept(&place).map_or(0, |kept| kept["rows"].as_array().unwrap().len());
+    wait_until("a row", || rows() > 0 || place.out().join("sweep.csv").exists());
+    sweep.signal(rustix::process::Signal::INT);
+    let ended = sweep.wait();
+    let before = kept(&place).unwrap();
+    if ended.code != Some(0) {
+        assert_eq!(before["complete"], false);
+        let ended = place.start(&arguments).wait();
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    }
+    let after = kept(&place).unwrap();
+    let [before, after] = [before, after].map(|kept| kept["rows"].as_array().unwrap().clone());
+    assert_eq!(after.len(), 60);
+    for row in &before {
+        assert!(after.contains(row), "not run again, or it would have taken another time: {row}");
+    }
+    place.assert_nothing_left();
+}
+
+#[test]
+fn what_cannot_vary_is_told() {
+    let place = Place::new();
+    let told = |vary: &str, text: &str| {
+        let ended = place.start(&["sweep", &case("wheel-rail.toml"), "--vary", vary]).wait();
+        assert_eq!(ended.code, Some(2), "{vary}: {}", ended.stderr);
+        assert!(ended.stderr.contains(text), "{vary}: {}", ended.stderr);
+    };
+    told("motion.speed", "names no value");
+    told("motion.speed=1..x/3", "an end that is no number");
+    told("motion.sped=1,2", "motion.speed");
+}
