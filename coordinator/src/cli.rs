@@ -3,12 +3,14 @@
 use crate::ablate;
 use crate::accuracy::{self, Decision, Search};
 use crate::advise;
+use crate::colour::{self, Colours};
 use crate::conform;
 use crate::cost;
 use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
 use crate::keys;
 use crate::logging::{Level, Logging};
+use crate::manual;
 use crate::output;
 use crate::picture;
 use crate::progress::Progress;
@@ -22,22 +24,24 @@ use crate::study::Variant;
 use crate::study::output::{Kind, kind};
 use crate::sweep;
 use case::{Alone, RawCase, judge_alone};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use contract::description::Description;
-use contract::text::{json, one_line};
+use contract::text::{json, one_line, visible};
 use proto::recording::End;
 use run::checkpoint::{Checkpoint, Checkpoints, Corrupt};
 use run::error::{RunError, file_failure};
 use run::format::counted;
 use run::perform::{self, Outcome, RunStart};
 use run::plan::{Planned, Shown, plan};
+use run::plan_file::PlanFile;
 use run::programs::{self, Program};
 use run::record::Compression;
 use run::results::place::RESULTS;
 use run::results::{Existing, ResultFolder, show};
 use run::signals;
 use run::warnings::{self, Warning};
-use std::io::{IsTerminal, Write};
+use serde_json::json;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -52,6 +56,15 @@ pub struct Arguments {
     /// Print errors only, whatever else says what reaches the screen.
     #[arg(long, short, global = true)]
     quiet: bool,
+    /// Colours: on a terminal, always or never.
+    #[arg(
+        long,
+        global = true,
+        value_name = "WHEN",
+        default_value = "auto",
+        hide_possible_values = true
+    )]
+    color: Colours,
     #[command(subcommand)]
     command: Command,
 }
@@ -68,6 +81,9 @@ enum Command {
         /// Start no program: judge a case from elsewhere by the coordinator's own keys alone.
         #[arg(long)]
         no_start: bool,
+        /// Print JSON: errors and warnings, each with key, place, reason and fix.
+        #[arg(long, conflicts_with = "no_start")]
+        json: bool,
     },
     /// Show what a case will run and what not, and why. Starts the programs that the case names, to
     /// ask them what they offer.
@@ -80,9 +96,16 @@ enum Command {
         /// Say of every effect, in the case or not, whether it matters, by about how much, and what it costs.
         #[arg(long, conflicts_with = "no_start")]
         advise: bool,
+        /// Print JSON, as plan.json has it.
+        #[arg(long, conflicts_with_all = ["no_start", "advise"])]
+        json: bool,
     },
     /// Show the models and effects that the installed solvers offer.
-    Solvers,
+    Solvers {
+        /// Print JSON: the descriptions, as the programs give them.
+        #[arg(long)]
+        json: bool,
+    },
     /// Show every key that a case may have: unit, range, default, and who reads it.
     Keys(keys::Arguments),
     /// Show what a recording holds: windows, iterations, ranges, residuals, timings.
@@ -113,6 +136,10 @@ enum Command {
     Picture(picture::Arguments),
     /// Run a published study again, and lay tables and figures beside what was printed.
     Reproduce(reproduce::Arguments),
+    /// Print the script with which a shell completes commands.
+    Completions(manual::Completions),
+    /// Write the pages of the manual.
+    Man(manual::Pages),
 }
 
 #[derive(Debug, Args)]
@@ -207,6 +234,9 @@ struct RunArguments {
     /// Make errors of warnings: of the case before anything runs, of the answer at the end.
     #[arg(long)]
     strict: bool,
+    /// Print JSON at the end, as summary.json has it.
+    #[arg(long)]
+    json: bool,
     /// Choose models and resolution, the cheapest expected to meet this error, and state the error.
     #[arg(long, value_name = "ERROR", conflicts_with = "resume", value_parser = accuracy::Target::read_error)]
     accuracy: Option<f64>,
@@ -277,6 +307,7 @@ pub fn main(since: Instant) -> u8 {
         Ok(arguments) => arguments,
         Err(error) => return usage_error(&error),
     };
+    colour::choose(arguments.color);
     let level = if arguments.quiet { Some(Level::Error) } else { arguments.log };
     let log = Logging::install(level);
     match act(&arguments, &log, since) {
@@ -320,36 +351,34 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                 (None, None) => run_case(&begin(run, log)?, run, &screen),
             }
         }
-        Command::Check { case, no_start } => {
+        Command::Check { case, no_start: true, .. } => {
             let _asking = signals::end_at_once();
-            let shown = case.case.display();
-            let text = match no_start {
-                true => {
-                    format!(
-                        "{shown}: no errors in what was checked\n{}",
-                        case.alone()?.not_judged_text()
-                    )
-                }
-                false => {
-                    let planned = case.plan()?;
-                    let warnings = planned.plan.warnings.iter();
-                    let warnings: String =
-                        warnings.map(|warning| format!("warning: {warning}\n")).collect();
-                    format!("{warnings}{shown}: no errors\n")
-                }
-            };
+            let (shown, rest) = (case.case.display(), case.alone()?.not_judged_text());
+            let text = format!("{shown}: no errors in what was checked\n{rest}");
             Ok(print(arguments.quiet, &text)?)
         }
-        Command::Plan { case, no_start, advise } => {
+        Command::Check { case, json: true, .. } => Ok(check_as_json(case)?),
+        Command::Check { case, .. } => {
             let _asking = signals::end_at_once();
-            let text = match (no_start, advise) {
-                (true, _) => Shown(&case.alone()?).to_string(),
-                (false, false) => case.plan()?.plan.to_string(),
-                (false, true) => advised(case)?,
-            };
-            Ok(print(false, &text)?)
+            let planned = case.plan()?;
+            let warnings = planned.plan.warnings.iter();
+            let warnings: String =
+                warnings.map(|warning| format!("warning: {warning}\n")).collect();
+            let text = format!("{warnings}{}: no errors\n", case.case.display());
+            Ok(print(arguments.quiet, &text)?)
         }
-        Command::Solvers => Ok(solvers()?),
+        Command::Plan { case, no_start, advise, json: as_json } => {
+            let _asking = signals::end_at_once();
+            let text = match (no_start, advise, as_json) {
+                (true, ..) => Shown(&case.alone()?).to_string(),
+                (_, _, true) => json(&PlanFile::of(&case.plan()?.plan)),
+                (_, false, _) => case.plan()?.plan.to_string(),
+                (_, true, _) => advised(case)?,
+            };
+            Ok(if *as_json { print(false, &text)? } else { print_lines(false, &text)? })
+        }
+        Command::Solvers { json: true } => Ok(print(false, &json(&installed()?))?),
+        Command::Solvers { json: false } => Ok(solvers()?),
         Command::Keys(asked) => Ok(keys::main(asked, &installed()?)?),
         Command::Inspect(asked) => Ok(inspect_recording(asked)?),
         Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
@@ -370,7 +399,29 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             Ok(print(arguments.quiet, &picture::act(asked)?)?)
         }
         Command::Reproduce(asked) => Ok(reproduce::main(asked, arguments.quiet)?),
+        Command::Completions(asked) => {
+            Ok(print(false, &manual::completions(asked, Arguments::command()))?)
+        }
+        Command::Man(asked) => {
+            Ok(print(arguments.quiet, &manual::pages(asked, Arguments::command())?)?)
+        }
     }
+}
+
+/// Prints the errors or the warnings of a case; its errors are those of the command.
+fn check_as_json(asked: &CaseArguments) -> Result<(), RunError> {
+    let _asking = signals::end_at_once();
+    let planned = asked.plan();
+    let problem = |one: &case::Problem| json!({"key": one.key, "place": one.place.to_string(), "reason": one.reason, "fix": one.fix});
+    let (errors, warnings) = match &planned {
+        Ok(planned) => (Vec::new(), planned.plan.warnings.clone()),
+        Err(RunError::Case(problems)) => {
+            (problems.list().iter().map(problem).collect(), Vec::new())
+        }
+        Err(_) => return planned.map(drop),
+    };
+    print(false, &json(&json!({"case": asked.case, "errors": errors, "warnings": warnings})))?;
+    planned.map(drop)
 }
 
 /// The plan of a case, and what its effects are worth.
@@ -564,7 +615,10 @@ fn conclude(
         }
         Some(error) => Err(begun.report(error.and(written))),
         None => {
-            let printed = written.and_then(|()| print(screen.quiet, &text()));
+            let printed = written.and_then(|()| match asked.json {
+                true => print(false, &json(&outcome.summary)),
+                false => print_lines(screen.quiet, &text()),
+            });
             let strict = || match asked.strict {
                 true => refuse_warnings(&warnings::of_summary(&outcome.summary)),
                 false => Ok(()),
@@ -735,6 +789,17 @@ fn print(quiet: bool, text: &str) -> Result<(), RunError> {
     if quiet { Ok(()) } else { output::print(text) }
 }
 
+/// Prints lines with names, in colours where there are some.
+fn print_lines(quiet: bool, text: &str) -> Result<(), RunError> {
+    match quiet {
+        true => Ok(()),
+        false if colour::on(&std::io::stdout()) => {
+            output::print_raw(&colour::named_lines(&visible(text)))
+        }
+        false => output::print(text),
+    }
+}
+
 fn print_error(error: &RunError) {
     if let RunError::Both { first, second } = error {
         print_error(first);
@@ -743,10 +808,13 @@ fn print_error(error: &RunError) {
     let mut stderr = std::io::stderr().lock();
     let _ = match error {
         RunError::Case(problems) => {
-            writeln!(stderr, "{}", problems.render(stderr.is_terminal()))
+            writeln!(stderr, "{}", problems.render(colour::on(&stderr)))
         }
         // Whatever it quotes, an error is one line.
-        other => writeln!(stderr, "error: {}", one_line(&other.to_string())),
+        other => {
+            let error = colour::error(colour::on(&stderr));
+            writeln!(stderr, "{error}: {}", one_line(&other.to_string()))
+        }
     };
 }
 

@@ -6,10 +6,11 @@
 //! written then. `RUST_LOG` chooses what is logged to both, but never less than `info` to the file;
 //! `--log LEVEL` what reaches the screen.
 
+use crate::colour;
 use indicatif::ProgressBar;
 use proto::logging::{ignored, wanted};
 use std::fs::File;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tracing_subscriber::Layer as _;
 use tracing_subscriber::filter::{FilterExt as _, LevelFilter, Targets};
@@ -68,7 +69,7 @@ impl Logging {
             // What a run says is part of its results.
             .with_filter(wanted(LevelFilter::INFO).or(LevelFilter::INFO));
         let screen = tracing_subscriber::fmt::layer()
-            .with_ansi(io::stderr().is_terminal() && !no_color())
+            .with_ansi(colour::on(&io::stderr()))
             .with_writer(log.screen.clone())
             .without_time()
             .log_internal_errors(false)
@@ -111,11 +112,6 @@ impl Logging {
     pub(crate) fn share_screen(&self, bar: Option<&ProgressBar>) {
         *self.screen.0.lock().unwrap_or_else(PoisonError::into_inner) = bar.cloned();
     }
-}
-
-/// The user wants no colours (<https://no-color.org>).
-fn no_color() -> bool {
-    std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
 }
 
 /// Where `log.jsonl` goes: memory first, the file once there is one.

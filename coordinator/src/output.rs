@@ -9,8 +9,16 @@ use std::io::{self, Write};
 /// # Errors
 /// It cannot be written, to a full device for example.
 pub(crate) fn print(text: &str) -> Result<(), RunError> {
+    print_raw(&visible(text))
+}
+
+/// Writes a text as it is: one of which everything from outside is visible.
+///
+/// # Errors
+/// It cannot be written.
+pub(crate) fn print_raw(text: &str) -> Result<(), RunError> {
     let mut out = io::stdout();
-    match out.write_all(visible(text).as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         // `| head` has read what it wanted.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written.map_err(|error| failure(&error)),

@@ -24,6 +24,7 @@ pub mod session;
 pub mod signals;
 pub mod supervise;
 pub mod warnings;
+pub mod wrap;
 
 /// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
 #[cfg(test)]

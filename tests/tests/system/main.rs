@@ -58,6 +58,7 @@ mod scenes;
 mod stability;
 mod start;
 mod sweep;
+mod terminal;
 mod threads;
 mod time;
 mod two_way;

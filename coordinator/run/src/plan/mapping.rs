@@ -6,7 +6,7 @@ use contract::field::Mapping;
 use contract::grid::Grid;
 use coupling::ParticipantIndex;
 use coupling::map::{GridMapping, Method};
-use std::fmt::{Formatter, Result};
+use std::fmt::{Result, Write};
 
 /// The grids of a field's producer and of one of its consumers, if it has to be mapped from the one
 /// to the other; `None` if they match, or are not known. Grids of which one may move do not match,
@@ -39,7 +39,7 @@ impl Plan {
         self.mapped(field).iter().map(bytes).sum()
     }
 
-    pub(super) fn show_mappings(&self, f: &mut Formatter<'_>) -> Result {
+    pub(super) fn show_mappings(&self, f: &mut String) -> Result {
         let mut head = "mapping";
         for field in &self.fields {
             for (one, grids) in self.mapped(field) {
@@ -67,7 +67,7 @@ fn form(preserves: Mapping) -> &'static str {
 }
 
 /// The mapping is made to see what it covers.
-fn show_quality(f: &mut Formatter<'_>, field: &Field, [source, wanted]: [&Grid; 2]) -> Result {
+fn show_quality(f: &mut String, field: &Field, [source, wanted]: [&Grid; 2]) -> Result {
     let mut line = |text: &str| writeln!(f, "{:10} {:26} {text}", "", "");
     let sizes = format!("{} to {} elements", source.points(), wanted.points());
     match GridMapping::between(source, wanted, field.method, field.kind.mapping) {

@@ -2,16 +2,25 @@
 
 use super::contents::{Participant, Plan, geometry_bytes};
 use crate::format::{bytes, counted, seconds};
+use crate::wrap;
 use coupling::ParticipantIndex;
 use coupling::settings::Implicit;
 use coupling::windows::Windows;
-use std::fmt::{Display, Formatter, Result};
+use std::fmt::{Display, Formatter, Result, Write};
 
 /// Smaller relative errors of a model are not listed.
 const SHOWN: f64 = 5e-5;
 
 impl Display for Plan {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let mut text = String::new();
+        self.write(&mut text)?;
+        f.write_str(&wrap::columns(&text))
+    }
+}
+
+impl Plan {
+    fn write(&self, f: &mut String) -> Result {
         write!(f, "{}", self.name)?;
         if let Some(title) = &self.title {
             write!(f, " · {title}")?;
@@ -27,10 +36,8 @@ impl Display for Plan {
         self.show_mappings(f)?;
         self.show_cost(f)
     }
-}
 
-impl Plan {
-    fn show_time(&self, f: &mut Formatter<'_>) -> Result {
+    fn show_time(&self, f: &mut String) -> Result {
         writeln!(f, "\ntime       {}", in_time(&self.windows))?;
         let scheme = self.scheme.scheme;
         writeln!(f, "scheme     {}: {}", scheme.word(), self.scheme.reason)?;
@@ -55,7 +62,7 @@ impl Plan {
         Ok(())
     }
 
-    fn show_processes(&self, f: &mut Formatter<'_>) -> Result {
+    fn show_processes(&self, f: &mut String) -> Result {
         writeln!(f, "\nprocesses  coordinator")?;
         for p in &self.participants {
             let how = if p.attach { "started by hand" } else { "started" };
@@ -75,7 +82,7 @@ impl Plan {
     }
 
     /// What a model leaves out with these effects, and in this very case, with its size.
-    fn show_left_out(&self, p: &Participant, f: &mut Formatter<'_>) -> Result {
+    fn show_left_out(&self, p: &Participant, f: &mut String) -> Result {
         let active = |name: &str| self.effects.iter().any(|e| e.active && e.name == name);
         let models = p.description.models.iter();
         let model = models.filter(|model| model.name == p.configuration.model);
@@ -89,7 +96,7 @@ impl Plan {
         Ok(())
     }
 
-    fn show_effects(&self, f: &mut Formatter<'_>) -> Result {
+    fn show_effects(&self, f: &mut String) -> Result {
         let mut head = "effects";
         writeln!(f)?;
         for effect in &self.effects {
@@ -104,7 +111,7 @@ impl Plan {
         Ok(())
     }
 
-    fn show_fields(&self, f: &mut Formatter<'_>) -> Result {
+    fn show_fields(&self, f: &mut String) -> Result {
         let role = |index: ParticipantIndex| self.participants[index].role.as_str();
         let mut head = "fields";
         writeln!(f)?;
@@ -129,7 +136,7 @@ impl Plan {
     }
 
     /// The grids that move, and the volumes.
-    fn show_grids(&self, f: &mut Formatter<'_>) -> Result {
+    fn show_grids(&self, f: &mut String) -> Result {
         for (one, p) in self.participants.iter_enumerated() {
             let Some(layout) = &p.estimate else { continue };
             for name in &layout.moving {
@@ -149,7 +156,7 @@ impl Plan {
         Ok(())
     }
 
-    fn show_cost(&self, f: &mut Formatter<'_>) -> Result {
+    fn show_cost(&self, f: &mut String) -> Result {
         let mut head = "cost";
         writeln!(f)?;
         for p in &self.participants {

@@ -3,6 +3,7 @@
 use super::figures::{Entry, Group, List, groups};
 use crate::format::{bytes, counted, number, seconds};
 use crate::warnings;
+use crate::wrap;
 use contract::figure::FigureSpec;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -22,7 +23,7 @@ pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> Str
     }
     let _ = writeln!(out, "\n  {}: {}", word("/status"), word("/reason"));
     for warning in warnings::of_summary(summary) {
-        let _ = writeln!(out, "  warning   {warning}");
+        let _ = writeln!(out, "{}", wrap::columns(&format!("  warning   {warning}")));
     }
     for group in groups(summary, figures) {
         match group {
@@ -107,7 +108,7 @@ fn cost(summary: &Value) -> Vec<Option<String>> {
 fn line(out: &mut String, head: &str, entries: &[Option<String>]) {
     let there: Vec<&str> = entries.iter().flatten().map(String::as_str).collect();
     if !there.is_empty() {
-        let _ = writeln!(out, "  {head:9} {}", there.join("   "));
+        let _ = writeln!(out, "{}", wrap::entries(&format!("  {head:9} "), &there));
     }
 }
 
