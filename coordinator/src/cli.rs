@@ -4,6 +4,7 @@ use crate::ablate;
 use crate::accuracy::{self, Decision, Search};
 use crate::advise;
 use crate::colour::{self, Colours};
+use crate::compare;
 use crate::conform;
 use crate::cost;
 use crate::export::{self, Target};
@@ -132,6 +133,8 @@ enum Command {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
+    /// Say what differs between two results: case, figures, fields and time.
+    Compare(compare::Arguments),
     /// Draw the fields of a run as PNG, SVG or PDF, for papers and slides.
     Picture(picture::Arguments),
     /// Run a published study again, and lay tables and figures beside what was printed.
@@ -394,6 +397,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             let path = report::write(&page_about(folder)?, folder)?;
             Ok(print(arguments.quiet, &format!("{}\n", path.display()))?)
         }
+        Command::Compare(asked) => Ok(compare::main(asked, arguments.quiet)?),
         Command::Picture(asked) => {
             let _reading = signals::end_at_once();
             Ok(print(arguments.quiet, &picture::act(asked)?)?)

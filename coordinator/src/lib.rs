@@ -8,6 +8,7 @@ mod accuracy;
 mod advise;
 pub mod cli;
 mod colour;
+mod compare;
 mod conform;
 mod cost;
 mod export;

@@ -24,6 +24,7 @@ mod advise;
 mod audit;
 mod bad_cases;
 mod c_interface;
+mod compare;
 mod conform;
 mod cost;
 mod crowd;

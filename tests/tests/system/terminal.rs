@@ -59,12 +59,15 @@ fn what_is_printed_as_json_is_what_the_files_have() {
         .map(|one| one["role"].clone())
         .collect();
     assert_eq!(roles, ["mech", "thermal"]);
-    let wrong = ["check", &file, "--json", "--set", "motion.sped=3", "--unset", "load.normal_force"];
+    let wrong =
+        ["check", &file, "--json", "--set", "motion.sped=3", "--unset", "load.normal_force"];
     let wrong = parsed(&place, &wrong, 2);
     let errors = wrong["errors"].as_array().unwrap();
     let sped = errors.iter().find(|one| one["key"] == "motion.sped").unwrap();
     assert_eq!(sped["fix"], "write `motion.speed`");
-    assert!(errors.len() >= 2 && errors.iter().all(|one| one["place"] != "" && one["reason"] != ""));
+    assert!(
+        errors.len() >= 2 && errors.iter().all(|one| one["place"] != "" && one["reason"] != "")
+    );
     let odd = ["check", &file, "--json", "--set", "bodies.wheel.radius_x=420"];
     let odd = parsed(&place, &odd, 0);
     assert_eq!(odd["errors"], serde_json::json!([]));
