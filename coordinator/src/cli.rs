@@ -12,6 +12,7 @@ use crate::inspect::{self, Wanted};
 use crate::keys;
 use crate::logging::{Level, Logging};
 use crate::manual;
+use crate::new;
 use crate::output;
 use crate::picture;
 use crate::progress::Progress;
@@ -101,6 +102,8 @@ enum Command {
         #[arg(long, conflicts_with_all = ["no_start", "advise"])]
         json: bool,
     },
+    /// Write a case that runs, with a line on every key, to begin from.
+    New(new::Arguments),
     /// Show the models and effects that the installed solvers offer.
     Solvers {
         /// Print JSON: the descriptions, as the programs give them.
@@ -212,7 +215,7 @@ struct ExportArguments {
 
 #[derive(Clone, Debug, Args)]
 struct RunArguments {
-    /// The case file.
+    /// The case file, or - for standard input.
     #[arg(required_unless_present = "resume")]
     case: Option<PathBuf>,
     /// Change a key: dotted name and TOML value (a bare word is a text).
@@ -253,7 +256,7 @@ struct RunArguments {
 
 #[derive(Debug, Args)]
 struct CaseArguments {
-    /// The case file.
+    /// The case file, or - for standard input.
     case: PathBuf,
     /// Change a key: dotted name and TOML value (a bare word is a text).
     #[arg(long, value_name = "KEY=VALUE")]
@@ -380,6 +383,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             };
             Ok(if *as_json { print(false, &text)? } else { print_lines(false, &text)? })
         }
+        Command::New(asked) => Ok(print(arguments.quiet, &new::act(asked, installed)?)?),
         Command::Solvers { json: true } => Ok(print(false, &json(&installed()?))?),
         Command::Solvers { json: false } => Ok(solvers()?),
         Command::Keys(asked) => Ok(keys::main(asked, &installed()?)?),

@@ -1,6 +1,9 @@
 //! `coordinator keys`: every key that a case may have: unit, range, default, and who reads it.
 //!
-//! The keys are those of the coordinator's own table and of what the installed programs describe; docs/case.md is written from them.
+//! The keys are those of the coordinator's own table and of what the installed programs describe; docs/case.md and
+//! docs/case.schema.json are written from them.
+
+mod schema;
 
 use crate::output::print;
 use case::schema::{OwnKey, ROLE, Shape, own_keys};
@@ -8,6 +11,7 @@ use clap::Args;
 use contract::description::{Description, KeyKind, KeySpec};
 use contract::text::json;
 use run::error::RunError;
+use run::wrap;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -22,6 +26,9 @@ pub(crate) struct Arguments {
     /// Print them as docs/case.md has them.
     #[arg(long)]
     markdown: bool,
+    /// Print a JSON Schema of cases, with which editors complete and check.
+    #[arg(long, conflicts_with_all = ["json", "markdown", "pattern"])]
+    schema: bool,
 }
 
 /// A key, and all that read it alike.
@@ -50,9 +57,10 @@ pub(crate) fn main(asked: &Arguments, described: &[Description]) -> Result<(), R
             return Err(RunError::Usage(format!("no key is like `{pattern}`; {fix}")));
         }
     }
-    print(&match (asked.json, asked.markdown) {
-        (true, _) => json(&keys),
-        (_, true) => markdown(&keys),
+    print(&match (asked.json, asked.markdown, asked.schema) {
+        (true, ..) => json(&keys),
+        (_, true, _) => markdown(&keys),
+        (.., true) => json(&schema::schema(&keys, described)),
         _ => keys.iter().map(terminal).collect(),
     })
 }
@@ -147,16 +155,36 @@ fn plain(value: f64) -> String {
     }
 }
 
-fn terminal(key: &Key) -> String {
+/// Type or unit, range, and whether it has to be there.
+fn facts(key: &Key) -> String {
     let facts = [kind(key), range(&key.spec), need(&key.spec)];
     let facts: Vec<String> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
-    format!(
+    facts.join("; ")
+}
+
+/// What there is to say of a key of a case, by its dotted path; nothing of one that nobody reads.
+pub(crate) fn about(described: &[Description]) -> impl Fn(&str) -> Option<String> {
+    let keys = all(described);
+    move |path| {
+        let fits = |known: &str| {
+            let mut parts = (known.split('.'), path.split('.'));
+            let alike = |(known, own): (&str, &str)| ["*", ROLE, own].contains(&known);
+            parts.0.clone().count() == parts.1.clone().count()
+                && std::iter::zip(&mut parts.0, &mut parts.1).all(alike)
+        };
+        let key = keys.iter().find(|key| fits(&key.spec.path))?;
+        Some(format!("{} [{}]", key.spec.help, facts(key)))
+    }
+}
+
+fn terminal(key: &Key) -> String {
+    wrap::columns(&format!(
         "{}  [{}]\n    {}\n    read by {}\n",
         key.spec.path,
-        facts.join("; "),
+        facts(key),
         key.spec.help,
         key.read_by.join(", ")
-    )
+    ))
 }
 
 /// The page docs/case.md.

@@ -16,6 +16,7 @@ mod inspect;
 mod keys;
 mod logging;
 mod manual;
+mod new;
 mod output;
 mod picture;
 mod progress;

@@ -6,7 +6,7 @@ use super::{schema, text};
 use contract::text::is_hidden;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use toml::de::DeTable;
 
 /// Largest case file \[byte\].
@@ -40,12 +40,33 @@ pub struct RawParticipant {
     pub place: Place,
 }
 
+/// What stands for standard input in the place of a file.
+const STANDARD_INPUT: &str = "-";
+
+/// All of standard input: it can be read once, and a study reads its case for every run.
+fn standard_input() -> &'static Result<Vec<u8>, String> {
+    static READ: OnceLock<Result<Vec<u8>, String>> = OnceLock::new();
+    READ.get_or_init(|| {
+        let mut bytes = Vec::new();
+        let read = std::io::stdin().take(LARGEST + 1).read_to_end(&mut bytes);
+        read.map(|_| bytes).map_err(|error| error.to_string())
+    })
+}
+
 impl RawCase {
-    /// Reads a case file.
+    /// Reads a case file; `-` is standard input, whose relative paths are meant from the current folder.
     ///
     /// # Errors
     /// The file cannot be read, is not UTF-8 or is not TOML; all errors of syntax at once.
     pub fn read(path: &Path) -> Result<Self, Problems> {
+        if path == Path::new(STANDARD_INPUT) {
+            let bytes = standard_input();
+            let bytes = bytes.as_ref().map_err(|error| {
+                let reason = format!("cannot be read: {error}");
+                whole_file("<stdin>", reason, "pipe a case into the command, or name a file")
+            })?;
+            return Self::parse_bytes("<stdin>", bytes);
+        }
         let name = path.display().to_string();
         let mut bytes = Vec::new();
         let file = std::fs::File::open(path);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// The case of a study.
 #[derive(Debug, Args)]
 pub(crate) struct CaseArguments {
-    /// The case file.
+    /// The case file, or - for standard input.
     pub case: PathBuf,
     /// Change a key for all runs: dotted name and TOML value (a bare word is a text).
     #[arg(long, value_name = "KEY=VALUE")]

@@ -41,6 +41,45 @@ fn every_key_of_every_shipped_case_is_listed() {
     assert!(seen > 500, "{seen}");
 }
 
+/// The schema for editors is what the programs say; every case that they run is valid by it, and mistakes are not.
+#[test]
+fn the_schema_knows_what_a_case_may_have() {
+    let ended = Place::new().start(&["keys", "--schema"]).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let kept = std::fs::read_to_string(root().join("docs/case.schema.json")).unwrap();
+    assert!(kept == ended.stdout, "stale; write it with `coordinator keys --schema`");
+    let mut schemas = boon::Schemas::new();
+    let mut compiler = boon::Compiler::new();
+    compiler.add_resource("case.json", serde_json::from_str(&kept).unwrap()).unwrap();
+    let schema = compiler.compile("case.json", &mut schemas).unwrap();
+    let judge = |text: &str| {
+        let case = serde_json::to_value(text.parse::<toml::Table>().unwrap()).unwrap();
+        schemas.validate(&case, schema, None, None).map_err(|error| error.to_string())
+    };
+    let mut seen = 0;
+    for entry in std::fs::read_dir(root().join("cases")).unwrap() {
+        let path = entry.unwrap().path();
+        let is_case = path.extension().is_some_and(|extension| extension == "toml");
+        let text = if is_case { std::fs::read_to_string(&path).unwrap() } else { continue };
+        // Other programs have tables of their own.
+        if !text.contains("\ncommand =") {
+            judge(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            seen += 1;
+        }
+    }
+    assert!(seen > 30, "{seen}");
+    for wrong in [
+        "[frction]\ncoefficient = 0.6",
+        "[motion]\nsped = 3",
+        "[load]\nnormal_force = true",
+        "[mech]\nmodel = \"half-space\"\nresolution = -3",
+        "[bodies.wheel]\nposition = \"above\"",
+        "[effects.friction_heta]",
+    ] {
+        assert!(judge(wrong).is_err(), "{wrong}");
+    }
+}
+
 /// A part of a path, or of what a key means, finds it; nothing is told so.
 #[test]
 fn a_pattern_finds_keys() {

@@ -42,6 +42,7 @@ mod long_work;
 mod machine;
 mod mapping;
 mod moving;
+mod new;
 mod off_means_off;
 #[path = "../shared/paper.rs"]
 mod paper;
