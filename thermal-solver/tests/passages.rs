@@ -130,8 +130,6 @@ fn what_has_no_background_is_refused() {
     assert_eq!(refused(Mode::Steady, asked.clone()), "bodies.wheel.passage_interval");
     asked["bodies"]["wheel"]["passage_interval"] = json!(0.1);
     assert_eq!(refused(Mode::Transient, asked.clone()), "effects.bulk_heating");
-    let transforming = case("phase_transformation", json!({}));
-    assert_eq!(refused(Mode::Transient, transforming), "effects.phase_transformation");
 }
 
 /// Rise of a column at a depth, a time after an even flux set in that lasts a while, from its error functions (Carslaw & Jaeger, 2.9).

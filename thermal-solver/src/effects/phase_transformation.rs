@@ -3,12 +3,18 @@
 //! A place transforms if its temperature exceeds A_c1 + s log₁₀(Ṫ/Ṫ₀), with the rate Ṫ = V ∂T/∂x at which it is heated through A_c1 and
 //! the shift s for a tenfold rate, and if it then cools through A_c1 faster than the critical rate of martensite. In steady motion
 //! what a place goes through is what stands along its row, so that the transformed layer has a cross-section, its width and its greatest
-//! depth, and goes on along the rolling direction as long as the scene does. The layer is the intersection of those of both
+//! depth, and goes on along the rolling direction as long as the scene does: it has no length. The layer is the intersection of those of both
 //! conditions at a depth; whether the whole depth is quenched is decided at the surface.
+//!
+//! In time every place of the material is followed on its way through the contact. The layer is as long as the longest row of places
+//! that have become austenite, without those that then cooled too slowly: of a body that passes, the way of its material while the
+//! contact is hot enough, and of one that stays, as a locked wheel, the length of the patch above the temperature. What is still hot
+//! at the end of the run is counted, and given apart (`hot_length_m`): that it quenches once the slide is over is not
+//! computed. A body at rest in a steady case is hot without end; all of its layer is of that kind.
 //!
 //! Source: Naeimi et al., par. 5.6 (600 °C); Ahlström & Karlsson, Wear 232 (1999) 1–14 and 15–24, for the transformation
 //! under a sliding wheel and its critical rates. Left out: the time that carbon needs, which the shift stands for; pressure, which lowers
-//! A_c1; plastic deformation. Steady cases and rows of a sequence.
+//! A_c1; plastic deformation.
 
 use crate::models::names;
 use crate::scene::Scene;
@@ -93,6 +99,8 @@ pub fn spec() -> EffectSpec {
         figures: vec![
             figure("depth_m", "m", "depth of the transformed layer", "depth").headline(),
             figure("width_m", "m", "width of the transformed layer", "width"),
+            figure("length_m", "m", "length of the transformed layer along the rolling direction", "length"),
+            figure("hot_length_m", "m", "length of what is still austenite at the end", "hot at the end"),
             figure("temperature_margin_k", "K", "highest temperature over that of transformation", "margin").digits(3),
             figure("heating_rate_k_per_s", "K/s", "heating rate through the start temperature", "heating").digits(3),
             figure("cooling_rate_k_per_s", "K/s", "cooling rate through the start temperature", "cooling").digits(3),
@@ -103,16 +111,20 @@ pub fn spec() -> EffectSpec {
 /// The criterion of a case, if it asks for one.
 ///
 /// # Errors
-/// A value that is out of range, a case in time, and bodies at rest.
-pub fn read(given: &Configuration, scene: &Scene) -> Result<Option<Criterion>, Refusal> {
+/// A value that is out of range, bodies at rest, and places that come again and again in a case in time.
+pub fn read(
+    given: &Configuration,
+    scene: &Scene,
+    repeats: bool,
+) -> Result<Option<Criterion>, Refusal> {
     if !given.has_effect(NAME) {
         return Ok(None);
     }
-    if given.mode == Mode::Transient {
+    if given.mode == Mode::Transient && repeats {
         return Err(Refusal::new(
             &format!("effects.{NAME}"),
-            "what a place goes through is read along its row, in which a window of time has only an instant",
-            "write time.mode = \"steady\" or \"sequence\", or remove the effect",
+            "in time every place is followed until it has passed, and where contacts repeat it comes again",
+            "write time.mode = \"steady\" or \"sequence\", another [thermal] model, or remove the effect",
         ));
     }
     if scene.at_rest == [true; 2] {

@@ -26,6 +26,7 @@ pub mod rod;
 pub mod setup;
 pub mod shell;
 mod summary;
+mod transforming;
 mod white_layer;
 
 use proto::configuration::{Configuration, Refusal};

@@ -160,7 +160,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
                 true => Some(bulk_heating::read(given, &scene)?),
                 false => None,
             };
-            let criterion = phase_transformation::read(given, &scene)?;
+            let criterion = phase_transformation::read(given, &scene, C::REPEATS)?;
             let current = joule_heat::read(given, &scene)?;
             let ends = Ends::read(&given.case, &scene.names)?;
             let known = Frame {

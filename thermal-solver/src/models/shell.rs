@@ -7,9 +7,11 @@ use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
 use super::inputs::{checked, drive, refuse_without_height};
 use super::summary::{self, Peak, Solution};
+use super::transforming::{self, Transforming};
 use super::white_layer::{Cycle, WhiteLayer};
 use crate::effects::volume_temperature::VOLUMES;
 use crate::window::{Drive, Stage};
+use proto::configuration::Mode;
 use proto::field;
 use proto::grid::{Grid, Structured};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
@@ -17,6 +19,8 @@ use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
 const STATE_VERSION: u8 = 1;
+/// Depth over the length of the grid that a body at rest is looked at.
+const DEEPEST: f64 = 2.0;
 /// As hot as the hottest, over its rise.
 const AS_HOT: f64 = 0.999;
 
@@ -37,6 +41,10 @@ pub struct Shell<C> {
     speeds: [f64; 2],
     /// What has transformed in the accepted state, where that is asked for; unknown after a restored one.
     layers: [Option<WhiteLayer>; 2],
+    /// What transforms in the course of time, where that is asked for.
+    transforming: Option<[Transforming; 2]>,
+    /// Duration of the last window [s].
+    duration: f64,
     /// The elements of the bodies that are written out.
     volumes: Vec<Grid>,
 }
@@ -53,6 +61,9 @@ impl<C: Conduction> Shell<C> {
             background: frame.memories.map(|memories| Background::new(memories, frame.grid.nj)),
             speeds: frame.scene.speeds,
             layers: [None, None],
+            transforming: (frame.criterion.is_some() && frame.mode == Mode::Transient)
+                .then(|| [Transforming::new(&frame.grid), Transforming::new(&frame.grid)]),
+            duration: f64::INFINITY,
             trial: [zero.clone(), zero.clone()],
             accepted: [zero.clone(), zero],
             solved: false,
@@ -123,26 +134,58 @@ impl<C: Conduction> Shell<C> {
         Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, row })
     }
 
+    /// What has transformed in the window that was accepted, before which the rises were those of the trial.
+    fn transform_in_time(&mut self) {
+        let Self { frame, conduction, transforming, trial, accepted, speeds, duration, .. } = self;
+        let (Some(criterion), Some(bodies)) = (frame.criterion, transforming) else { return };
+        let mut rises = vec![0.0; frame.grid.ni + frame.behind()];
+        for (body, transforming) in bodies.iter_mut().enumerate() {
+            let criterion = criterion.over(frame.scene.initial_temperatures[body]);
+            let window = transforming::Window {
+                rises: [&trial[body], &accepted[body]],
+                duration: *duration,
+                speed: speeds[body],
+                diffusivity: frame.scene.materials[body].diffusivity(),
+            };
+            let highest = |row: usize, depth: f64| {
+                let depth = [frame.depth(body, depth)];
+                conduction.section(Stage::Accepted, body, row, &depth, &mut rises);
+                rises.iter().copied().fold(0.0, f64::max)
+            };
+            transforming.follow(&window, &criterion, highest);
+        }
+    }
+
     /// What has transformed in the accepted state.
     fn transform(&mut self) {
+        if self.transforming.is_some() {
+            return self.transform_in_time();
+        }
         let Self { frame, conduction, background, accepted, layers, speeds, .. } = self;
         let Some(criterion) = frame.criterion else { return };
         let columns = frame.grid.ni;
         let mut rises = vec![0.0; columns + frame.behind()];
         for body in 0..2 {
-            if speeds[body] == 0.0 {
-                layers[body] = None;
-                continue;
+            let mut criterion = criterion.over(frame.scene.initial_temperatures[body]);
+            let rests = speeds[body] == 0.0;
+            if rests {
+                // What stays in the contact is hot as long as the scene lasts.
+                criterion.critical_rate = 0.0;
             }
-            let criterion = criterion.over(frame.scene.initial_temperatures[body]);
             let passing = frame.grid.dx() / speeds[body];
-            let deepest = (LEVELS - 1) as f64 * frame.level_spacing(body);
+            let deepest = match rests {
+                true => DEEPEST * columns as f64 * frame.grid.dx(),
+                false => (LEVELS - 1) as f64 * frame.level_spacing(body),
+            };
             let along = |row: usize, depth: f64| {
                 let depth = [frame.depth(body, depth)];
                 conduction.section(Stage::Accepted, body, row, &depth, &mut rises);
                 let before = background.as_ref().map_or(0.0, |before| before.at(body, row));
                 rises.iter_mut().for_each(|rise| *rise += before);
-                Cycle::of(&rises, passing, criterion.start)
+                match rests {
+                    true => Cycle::at_rest(&rises),
+                    false => Cycle::of(&rises, passing, criterion.start),
+                }
             };
             // What stays below the start temperature is of no interest but for the hottest row.
             let highest = |row: &usize| {
@@ -152,7 +195,13 @@ impl<C: Conduction> Shell<C> {
             let hottest = (0..frame.grid.nj).max_by(|a, b| highest(a).total_cmp(&highest(b)));
             let rows = (0..frame.grid.nj)
                 .filter(|row| Some(*row) == hottest || highest(row) >= criterion.start);
-            layers[body] = Some(WhiteLayer::of(rows, &criterion, deepest, along));
+            let layer = WhiteLayer::of(rows, &criterion, deepest, along);
+            let warm = |row: &[f64]| row.iter().filter(|rise| **rise >= criterion.start).count();
+            let longest = accepted[body].chunks_exact(columns).map(warm).max().unwrap_or(0);
+            layers[body] = Some(match rests {
+                true => layer.with_length(longest as f64 * frame.grid.dx()),
+                false => layer,
+            });
         }
     }
 
@@ -175,7 +224,7 @@ impl<C: Conduction> Model for Shell<C> {
         self.solved = false;
         let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
         let drive = drive(&self.frame, C::AT_REST, C::REPEATS, step, inputs)?;
-        self.speeds = drive.speeds;
+        (self.speeds, self.duration) = (drive.speeds, drive.duration);
         if self.integrals.is_some() && !C::ENDS {
             refuse_without_height(&self.frame, &drive)?;
         }
@@ -278,6 +327,9 @@ impl<C: Conduction> Model for Shell<C> {
             if let Some(layer) = &self.layers[body] {
                 summary["white_layer"][name] = layer.figures(self.frame.grid.dy());
             }
+            if let Some(bodies) = &self.transforming {
+                summary["white_layer"][name] = bodies[body].figures();
+            }
         }
         summary
     }
@@ -288,6 +340,7 @@ impl<C: Conduction> Model for Shell<C> {
         write_numbers(into, self.accepted.iter().flatten())?;
         write_numbers(into, self.integrals.iter().flatten().flatten())?;
         write_numbers(into, self.background.iter().flat_map(Background::numbers))?;
+        self.transforming.iter().flatten().try_for_each(|body| body.save(into))?;
         self.conduction.save(into)
     }
 
@@ -307,7 +360,12 @@ impl<C: Conduction> Model for Shell<C> {
         read_numbers(from, integrals.iter_mut().flatten().flatten())?;
         let mut background = self.background.clone();
         read_numbers(from, background.iter_mut().flat_map(Background::numbers_mut))?;
+        let transforming = match &self.transforming {
+            Some([upper, lower]) => Some([upper.restored(from)?, lower.restored(from)?]),
+            None => None,
+        };
         self.conduction.restore(from)?;
+        self.transforming = transforming;
         self.accepted = accepted;
         self.integrals = integrals;
         self.background = background;

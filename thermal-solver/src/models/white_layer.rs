@@ -8,7 +8,7 @@ use crate::effects::phase_transformation::Criterion;
 use serde_json::{Value, json};
 
 /// Halvings of the depth.
-const HALVINGS: usize = 12;
+pub(super) const HALVINGS: usize = 12;
 
 /// What a place at some depth of a row goes through.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,6 +39,11 @@ impl Cycle {
         Self { highest, rates: [heating, cooling] }
     }
 
+    /// Of a row that rests, and has become as hot as this [K] without end.
+    pub(super) fn at_rest(rises: &[f64]) -> Self {
+        Self { highest: rises.iter().copied().fold(0.0, f64::max), rates: [0.0; 2] }
+    }
+
     /// By how much the highest temperature exceeds that of transformation; below 0 where it is not reached [K].
     pub(super) fn margin(&self, criterion: &Criterion) -> f64 {
         self.highest - criterion.temperature(self.rates[0])
@@ -50,7 +55,7 @@ impl Cycle {
 }
 
 /// The rate of cooling through the start temperature behind the row, T = C/√(t − t₀) through its last two centres [K/s].
-fn later(rises: &[f64], passing: f64, start: f64) -> f64 {
+pub(super) fn later(rises: &[f64], passing: f64, start: f64) -> f64 {
     let [last, before] = [rises[0], rises.get(1).copied().unwrap_or(0.0)];
     if before <= last {
         return 0.0;
@@ -68,6 +73,8 @@ pub(super) struct WhiteLayer {
     /// Of the hottest row.
     hottest: Cycle,
     margin: f64,
+    /// Of a body at rest [m]; that of a passage goes on as long as the scene.
+    length: Option<f64>,
 }
 
 impl WhiteLayer {
@@ -103,6 +110,11 @@ impl WhiteLayer {
         layer
     }
 
+    /// The layer of a body at rest, as long as what is hot of it [m].
+    pub(super) fn with_length(self, length: f64) -> Self {
+        Self { length: Some(length), ..self }
+    }
+
     /// Its figures; `row_width` is that of a row [m]. Rates that there are none of are absent.
     pub(super) fn figures(&self, row_width: f64) -> Value {
         let mut figures = json!({
@@ -110,6 +122,10 @@ impl WhiteLayer {
             "width_m": self.rows as f64 * row_width,
             "temperature_margin_k": self.margin,
         });
+        if let Some(length) = self.length {
+            figures["length_m"] = json!(length);
+            figures["hot_length_m"] = json!(length);
+        }
         let names = ["heating_rate_k_per_s", "cooling_rate_k_per_s"];
         for (name, rate) in names.into_iter().zip(self.hottest.rates) {
             if rate > 0.0 {
