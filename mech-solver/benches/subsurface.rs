@@ -55,7 +55,7 @@ fn subsurface(criterion: &mut Criterion) {
             group.bench_function(BenchmarkId::new(name, nx), |bencher| {
                 let load = SurfaceLoad::new(&scene.grid, &scene.pressure, traction);
                 let [mises, shear] = &mut values;
-                bencher.iter(|| black_box(section.equivalents(&load, mises, shear)));
+                bencher.iter(|| black_box(section.equivalents(&load, None, mises, shear)));
             });
         }
     }

@@ -1,5 +1,6 @@
 //! What an accepted contact is to a term, and what a term remembers of it.
 
+use crate::surface::Surface;
 use proto::model::StateError;
 use std::io::{self, Read, Write};
 
@@ -38,4 +39,6 @@ pub(crate) struct Accepted<'a> {
     pub(crate) friction_power: &'a [f64],
     /// Speeds at which the material of both bodies passes through [m/s].
     pub(crate) surface_speed: [f64; 2],
+    /// The rises of both bodies integrated over their depth, where they expand and that is observed [K·m].
+    pub(crate) heated: Option<[Surface<'a>; 2]>,
 }

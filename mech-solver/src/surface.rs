@@ -4,6 +4,7 @@ use crate::scene::Body;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::{Inputs, StepError, first_non_finite};
+use serde::{Deserialize, Serialize};
 
 /// Values at the elements of a grid along x and y, which may be another one in every solve.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +13,40 @@ pub(crate) struct Surface<'a> {
     values: &'a [f64],
 }
 
+/// The values of a surface, kept.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct KeptSurface {
+    grid: Structured,
+    values: Vec<f64>,
+}
+
+impl KeptSurface {
+    /// Of an input.
+    ///
+    /// # Errors
+    /// Those of [`Surface::of`].
+    pub(crate) fn of(inputs: &dyn Inputs, field: &FieldSpec) -> Result<Self, StepError> {
+        let Surface { grid, values } = Surface::of(inputs, field)?;
+        Ok(Self { grid: *grid, values: values.to_vec() })
+    }
+
+    /// A value for every element.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.values.len() == self.grid.points()
+    }
+
+    /// To look at.
+    pub(crate) fn seen(&self) -> Surface<'_> {
+        Surface { grid: &self.grid, values: &self.values }
+    }
+}
+
 impl<'a> Surface<'a> {
+    /// Grid and values.
+    pub(crate) fn parts(&self) -> (&'a Structured, &'a [f64]) {
+        (self.grid, self.values)
+    }
+
     /// Of an input.
     ///
     /// # Errors

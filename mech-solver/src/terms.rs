@@ -125,6 +125,12 @@ pub(crate) trait Observation: State + Debug {
     /// Learns where the contact is solved; comes before all else.
     fn place(&mut self, place: &Place);
 
+    /// Learns that both bodies expand where they are warm, with these coefficients [1/K], and how fast they pass [m/s].
+    ///
+    /// # Errors
+    /// It has no answer to that.
+    fn expand(&mut self, coefficients: [f64; 2], speeds: [f64; 2]) -> Result<(), Refusal>;
+
     /// Grids of its own, by name.
     fn grids(&self) -> Vec<(&'static str, Structured)>;
 

@@ -4,12 +4,16 @@
 //! ½(σ₁ − σ₃) of the elastic half-spaces under pressure and tractions
 //! ([`crate::half_space::subsurface`]).
 //!
-//! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5.
+//! Where the bodies expand as they are warm, their thermal stress is added ([`crate::half_space::subsurface::WarmBody`]): the rise at a depth
+//! follows from its integrals at the surface, which raise that too, as the material moves steadily. A body at rest, in which heat
+//! stays where it was and whose depth follows from all that was before, is refused with that.
+//!
+//! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5; for thermal stress Goodier, Phil. Mag. 23 (1937).
 
 use crate::entry::Effect;
-use crate::half_space::subsurface::{Section, SurfaceLoad};
+use crate::half_space::subsurface::{RiseIntegral, Section, Stress, SurfaceLoad, WarmBody};
 use crate::keys::CheckedParams;
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 use crate::situation::{PRESSURE, Situation};
 use crate::terms::{Accepted, Kind, Observation, Place, State, Terms};
 use proto::advice::Advice;
@@ -25,8 +29,9 @@ use serde_json::{Value, json};
 pub const EFFECT: Effect = Effect {
     name: "subsurface_stress",
     law: "von Mises stress sqrt(3 J2) and largest shear stress (s1 - s3)/2 of the elastic half-spaces \
-          in a vertical section",
-    source: "Johnson, Contact Mechanics (1985) par. 3.2, 3.6; Love, Phil. Trans. R. Soc. A 228 (1929)",
+          in a vertical section, with the thermal stress of bodies that expand",
+    source: "Johnson, Contact Mechanics (1985) par. 3.2, 3.6; Love, Phil. Trans. R. Soc. A 228 (1929); \
+             Goodier, Phil. Mag. 23 (1937) 1017-1032",
     kinds: &[Kind::Observation],
     consumes: &[],
     provides: &[&VON_MISES[0], &VON_MISES[1], &MAX_SHEAR[0], &MAX_SHEAR[1]],
@@ -48,7 +53,23 @@ const DEPTH_KEY: &str = "effects.subsurface_stress.depth";
 const LAYERS: &str = "effects.subsurface_stress.layers";
 const LATERAL: &str = "effects.subsurface_stress.y";
 
+/// What the diffusivity is made of.
+const THERMAL: [(&str, &str, &str); 3] = [
+    ("conductivity", "W/(m K)", "heat flux per temperature gradient; of bodies that expand"),
+    ("density", "kg/m3", "mass per volume; of bodies that expand"),
+    ("specific_heat", "J/(kg K)", "heat per mass and temperature; of bodies that expand"),
+];
+
 fn keys() -> Vec<KeySpec> {
+    let thermal = THERMAL.map(|(name, unit, help)| {
+        KeySpec::quantity(&format!("materials.*.{name}"), unit, help).above(0.0)
+    });
+    let mut keys = own_keys();
+    keys.extend(thermal);
+    keys
+}
+
+fn own_keys() -> Vec<KeySpec> {
     vec![
         KeySpec::quantity(
             DEPTH_KEY,
@@ -78,8 +99,13 @@ struct Sections {
     y: Option<f64>,
     /// What the case calls the bodies.
     names: Bodies,
-    /// Poisson's ratios of both bodies.
-    poisson: [f64; 2],
+    /// Materials of both bodies, and by name.
+    materials: [Material; 2],
+    called: [String; 2],
+    /// Conductivity [W/(m·K)], density [kg/m³] and specific heat [J/(kg·K)] of both, where the case says so.
+    thermal: [[Option<f64>; 3]; 2],
+    /// Coefficients of thermal expansion of bodies that expand [1/K].
+    expansion: Option<[f64; 2]>,
     on: Option<Plane>,
     results: Option<[Fields; 2]>,
 }
@@ -102,11 +128,22 @@ struct Fields {
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
     let scene = Scene::read(&configuration.case)?;
+    let material = |body: usize| configuration.case.text(&scene.names.key(body, "material"));
+    let called = [material(0)?.to_owned(), material(1)?.to_owned()];
+    let mut thermal = [[None; 3]; 2];
+    for (values, material) in thermal.iter_mut().zip(&called) {
+        for (value, (name, ..)) in values.iter_mut().zip(THERMAL) {
+            *value = case.maybe_number(&format!("materials.{material}.{name}"))?;
+        }
+    }
     let sections = Sections {
         depth: case.maybe_number(DEPTH_KEY)?,
         layers: usize::try_from(case.integer(LAYERS)?).expect("the key's range is positive"),
         y: case.maybe_number(LATERAL)?,
-        poisson: scene.materials().map(|material| material.poisson_ratio),
+        materials: scene.materials(),
+        called,
+        thermal,
+        expansion: None,
         names: scene.names,
         on: None,
         results: None,
@@ -115,6 +152,25 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
 }
 
 impl State for Sections {}
+
+impl Sections {
+    /// Thermal stresses of a body in its section, where it expands.
+    fn thermal(&self, plane: &Plane, accepted: &Accepted<'_>, body: usize) -> Option<Vec<Stress>> {
+        let (expansion, heated) = (self.expansion?[body], accepted.heated?[body]);
+        let [conductivity, density, specific_heat] = self.thermal[body];
+        let Material { youngs_modulus, poisson_ratio } = self.materials[body];
+        let warm = WarmBody {
+            youngs_modulus,
+            poisson_ratio,
+            expansion,
+            diffusivity: conductivity? / (density? * specific_heat?),
+            speed: accepted.surface_speed[body],
+        };
+        let (grid, values) = heated.parts();
+        let xs: Vec<f64> = (0..plane.contact.ni).map(|column| plane.contact.x(column)).collect();
+        Some(warm.stresses(&RiseIntegral { grid, values }, &xs, plane.y, &plane.depths))
+    }
+}
 
 impl Observation for Sections {
     fn place(&mut self, place: &Place) {
@@ -125,6 +181,32 @@ impl Observation for Sections {
             y: self.y.unwrap_or(place.peak_y),
             depths: (0..self.layers).map(|k| (k as f64 + 0.5) * step).collect(),
         });
+    }
+
+    fn expand(&mut self, coefficients: [f64; 2], speeds: [f64; 2]) -> Result<(), Refusal> {
+        for (body, speed) in speeds.into_iter().enumerate() {
+            let lacking = THERMAL.iter().zip(self.thermal[body]).find(|(_, value)| value.is_none());
+            if let Some(((name, ..), _)) = lacking {
+                return Err(Refusal::new(
+                    &format!("materials.{}.{name}", self.called[body]),
+                    "missing: the thermal stress in the section needs the diffusivity",
+                    format!("write it, or remove effects.{}", EFFECT.name),
+                ));
+            }
+            if speed <= 0.0 {
+                return Err(Refusal::new(
+                    &self.names.key(body, "surface_speed"),
+                    format!(
+                        "`{}` is at rest: how deep its heat is follows from all that was before, and the thermal stress in \
+                         the section is that of steady motion",
+                        self.names.0[body]
+                    ),
+                    format!("write a speed above 0 m/s, or remove effects.{}", EFFECT.name),
+                ));
+            }
+        }
+        self.expansion = Some(coefficients);
+        Ok(())
     }
 
     /// The section of the upper body lies above the contact, that of the lower one below.
@@ -147,15 +229,17 @@ impl Observation for Sections {
     }
 
     fn observe(&mut self, accepted: &Accepted<'_>) {
-        let Some(Plane { contact, y, depths }) = &self.on else { return };
+        let Some(plane @ Plane { contact, y, depths }) = &self.on else { return };
         let turned: Vec<f64> = accepted.traction.iter().map(|value| -value).collect();
         let on = [accepted.traction, &turned];
         self.results = Some(std::array::from_fn(|body| {
             let load = SurfaceLoad::new(contact, accepted.pressure, on[body]);
-            let mut section = Section::new(contact, self.poisson[body], *y, depths);
+            let mut section = Section::new(contact, self.materials[body].poisson_ratio, *y, depths);
             let zeros = vec![0.0; section.points()];
             let mut fields = Fields { von_mises: zeros.clone(), max_shear: zeros };
-            section.equivalents(&load, &mut fields.von_mises, &mut fields.max_shear);
+            let thermal = self.thermal(plane, accepted, body);
+            let Fields { von_mises, max_shear } = &mut fields;
+            section.equivalents(&load, thermal.as_deref(), von_mises, max_shear);
             fields
         }));
     }

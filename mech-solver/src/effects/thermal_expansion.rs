@@ -11,8 +11,8 @@
 //! The effect closes a loop: heat changes the contact, and that the heat.
 //!
 //! Source: Barber, *Elasticity* (2010), thermoelastic displacement potentials. Left out for half-spaces: the stretching along the
-//! surface, which makes a slip of the order of the difference of αϑ between both surfaces; for both models thermal stress, which
-//! `subsurface_stress` does not add.
+//! surface, which makes a slip of the order of the difference of αϑ between both surfaces. Thermal stress is in the sections of half-spaces
+//! ([`super::subsurface_stress`]), and in the stress of finite elements as far as their first layer resolves it.
 
 use crate::entry::Effect;
 use crate::keys::CheckedParams;

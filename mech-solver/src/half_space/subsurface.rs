@@ -45,10 +45,12 @@
 mod element;
 mod section;
 mod stress;
+mod thermal;
 
 pub use element::{Element, UnitStresses};
 pub use section::{Effort, Section};
 pub use stress::Stress;
+pub use thermal::{RiseIntegral, WarmBody};
 
 use proto::grid::Structured;
 

@@ -151,7 +151,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     let place = Place { grid, semi_axes, peak_y: footprint.peak_y.unwrap_or(0.0) };
     terms.observations.iter_mut().for_each(|term| term.place(&place));
     terms.removal.iter_mut().for_each(|removal| removal.place(&grid));
-    let case = Case {
+    let mut case = Case {
         memory: memory(configuration, &scene, terms.adhesion)?,
         terms,
         shift_duration: 0.0,
@@ -160,6 +160,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
         driven,
         footprint,
         rises: Vec::new(),
+        heated: None,
     };
     if case.bodies.is_coupled() && case.footprint.gap.is_none() {
         return Err(Refusal::new(
@@ -173,6 +174,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     }
     if let Some(effect) = case.terms.effect_of(Kind::Expansion) {
         expansion::refuse(&case, effect)?;
+        case.expand_observed()?;
     }
     if case.memory && case.driven.has_force() && case.terms.friction_follows_slip() {
         return Err(Refusal::new(

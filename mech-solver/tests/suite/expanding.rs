@@ -1,12 +1,13 @@
 //! Surfaces that heat raises.
 
-use super::common::{Store, configuration, paper};
+use super::common::{SPEED, Store, configuration, driven, paper, refusal};
 use mech_solver::MechSolver;
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
 use proto::model::{InputField, Inputs, Solver, Step, StepError};
 use proto::progress::Progress;
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 
 /// Integrals of the rise that are paraboloids, on a grid wider and finer than the contact's.
 struct Raised {
@@ -120,4 +121,98 @@ fn an_integral_that_is_no_number_is_refused() {
     raised.values[1][17] = f64::NAN;
     let error = contact(&case(1.2e-5), &raised).unwrap_err().to_string();
     assert!(error.contains("lower_rise_integral"), "{error}");
+}
+
+/// An even flux that sets in ahead of a small contact, on both bodies.
+struct Heated(Raised);
+
+/// Flux over the conductivity [K/m], where it sets in [m], and the diffusivity of the steel [m²/s].
+const GRADIENT: f64 = 6e6;
+const SETS_IN: f64 = 14e-3;
+const DIFFUSIVITY: f64 = 50.0 / (7850.0 * 419.5);
+
+impl Heated {
+    fn new() -> Self {
+        let plane = Structured::contact_plane(-15e-3, -15e-3, 2e-4, 2e-4, 151, 151);
+        let at = |index: usize| {
+            DIFFUSIVITY / SPEED * GRADIENT * (SETS_IN - plane.x(index % plane.ni)).max(0.0)
+        };
+        let values: Vec<f64> = (0..plane.points()).map(at).collect();
+        let grid = Grid::structured("contact", plane);
+        Self(Raised { grid, values: [values.clone(), values] })
+    }
+
+    /// Rise of a column at a place and a depth (Carslaw & Jaeger, 2.9), by the integral of Duhamel in √t [K].
+    fn rise(x: f64, depth: f64) -> f64 {
+        let root = ((SETS_IN - x) / SPEED).sqrt();
+        let parts = 4000;
+        let step = root / f64::from(parts);
+        let part = |n: i32| {
+            let root = (f64::from(n) + 0.5) * step;
+            (-(depth / root).powi(2) / (4.0 * DIFFUSIVITY)).exp() * step
+        };
+        2.0 * GRADIENT * (DIFFUSIVITY / PI).sqrt() * (0..parts).map(part).sum::<f64>()
+    }
+}
+
+fn in_section() -> Value {
+    let mut case = driven(case(1.2e-5), "creepage", -1e-6);
+    let more = [("density", 7850.0), ("specific_heat", 419.5), ("conductivity", 50.0)];
+    for (name, value) in more {
+        case["materials"]["steel"][name] = json!(value);
+    }
+    case["load"]["normal_force"] = json!(1e3);
+    case["effects"]["subsurface_stress"] = json!({"depth": 1e-4, "layers": 5});
+    case
+}
+
+/// Beside a small contact what is warm is pressed in its plane by Eαϑ/(1 − ν), which is the equivalent stress there, and twice the
+/// largest shear stress. Tolerance: a hundredth of the surface's for what the contact and the edges of the heat add.
+#[test]
+fn the_section_has_the_thermal_stress() {
+    let names = ["upper_section", "lower_section"];
+    let mut configuration = configuration(&in_section());
+    configuration.observed = names
+        .iter()
+        .flat_map(|name| ["von_mises_stress", "max_shear_stress"].map(|of| format!("{name}_{of}")))
+        .collect();
+    let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
+    let layout = setup.layout().clone();
+    let mut model = setup.build(&Progress::default()).expect("a checked case builds");
+    let mut store = Store::for_layout(&layout, &configuration.outputs);
+    model.solve(&Step::STEADY, &Heated::new().0, &mut store).expect("a solution");
+    model.accept();
+    let mut sections = Store::for_layout(&layout, &configuration.observed);
+    model.observe(&mut sections);
+    let stress = 210e9 * 1.2e-5 / 0.7;
+    for name in names {
+        let grid = layout.grid_of(&format!("{name}_von_mises_stress")).expect("it is asked for");
+        let grid = grid.as_structured().expect("a plane");
+        for (column, level) in [(0, 0), (0, 4), (grid.ni - 1, 0), (grid.ni - 1, 2)] {
+            let [x, _, z] = grid.centre(column, level);
+            let expected = stress * Heated::rise(x, z.abs());
+            let at = level * grid.ni + column;
+            let of = |which: &str| sections.0[&format!("{name}_{which}")][at];
+            let (found, shear) = (of("von_mises_stress"), of("max_shear_stress"));
+            println!("{name} {x:e} {z:e}: {found:e} {expected:e} {shear:e}");
+            let tolerance = 0.01 * stress * Heated::rise(x, 0.0);
+            assert!((found - expected).abs() < tolerance, "{found} {expected}");
+            assert!((2.0 * shear - expected).abs() < tolerance, "{shear} {expected}");
+        }
+    }
+}
+
+/// The section needs the diffusivity, and material that moves.
+#[test]
+fn a_section_without_a_rise_at_depth_is_refused() {
+    let key = |case: &Value| refusal(&configuration(case)).key;
+    let mut lacking = in_section();
+    lacking["materials"]["steel"].as_object_mut().expect("a table").remove("density");
+    assert_eq!(key(&lacking), "materials.steel.density");
+    lacking["effects"].as_object_mut().expect("a table").remove("subsurface_stress");
+    assert!(MechSolver.configure(&configuration(&lacking)).is_ok(), "needed by the section alone");
+    let mut locked = in_section();
+    locked["bodies"]["wheel"]["surface_speed"] = json!(0.0);
+    locked["motion"] = json!({"speed": SPEED});
+    assert_eq!(key(&locked), "bodies.wheel.surface_speed");
 }

@@ -145,19 +145,22 @@ impl Section {
     }
 
     /// Equivalent stress of von Mises and largest shear stress under a load [Pa], in the order of
-    /// [`Section::stresses`].
+    /// [`Section::stresses`], with the stresses that there are `besides`, if any.
     ///
     /// # Panics
     /// If the load is on another grid or a slice has another length than [`Section::points`].
     pub fn equivalents(
         &mut self,
         load: &SurfaceLoad<'_>,
+        besides: Option<&[Stress]>,
         von_mises: &mut [f64],
         max_shear: &mut [f64],
     ) -> Effort {
         let points = self.points();
         assert_eq!([von_mises.len(), max_shear.len()], [points; 2], "values on the section");
+        assert_eq!(besides.map_or(points, <[Stress]>::len), points, "stresses on the section");
         self.solve(load, |index, stress| {
+            let stress = besides.map_or(stress, |besides| stress + besides[index]);
             von_mises[index] = stress.von_mises();
             max_shear[index] = stress.max_shear();
         })

@@ -4,6 +4,7 @@ mod element;
 mod load;
 mod section;
 mod tensor;
+mod thermal;
 
 /// Largest absolute value of the components.
 fn largest(stress: &Stress) -> f64 {

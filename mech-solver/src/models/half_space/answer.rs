@@ -8,6 +8,7 @@ use crate::half_space::extent::Moments;
 use crate::half_space::levels::Solution;
 use crate::half_space::tangential::{Creepage, ElementState};
 use crate::models::summary::add_patches;
+use crate::surface::KeptSurface;
 use crate::terms::{Accepted, Terms};
 use proto::field;
 use proto::grid::Structured;
@@ -28,6 +29,8 @@ pub(super) struct Answer {
     approach: Option<f64>,
     /// The power balance, where there is one.
     pub(super) balance: Option<Balance>,
+    /// What heat has done to both bodies, where it expands them and that is observed.
+    heated: Option<[KeptSurface; 2]>,
 }
 
 impl Answer {
@@ -95,6 +98,7 @@ impl Answer {
             surface_speed: speeds.of_surfaces(along),
             creepage,
             approach: contact.approach,
+            heated: case.heated.clone(),
             ..Self::default()
         }
     }
@@ -116,7 +120,8 @@ impl Answer {
     pub(super) fn is_on(&self, count: usize) -> bool {
         let fields = [&self.traction, &self.slip_velocity].map(|field| field.len() == 2 * count);
         let scalars = [&self.pressure, &self.friction_power].map(|field| field.len() == count);
-        fields.into_iter().chain(scalars).all(|fits| fits)
+        let heated = self.heated.iter().flatten().all(KeptSurface::is_whole);
+        fields.into_iter().chain(scalars).all(|fits| fits) && heated
     }
 
     /// What terms may know of it once it is accepted.
@@ -127,6 +132,7 @@ impl Answer {
             slip_velocity: &self.slip_velocity,
             friction_power: &self.friction_power,
             surface_speed: self.surface_speed,
+            heated: self.heated.as_ref().map(|bodies| bodies.each_ref().map(KeptSurface::seen)),
         }
     }
 

@@ -6,6 +6,7 @@ use crate::ellipse::Ellipse;
 use crate::half_space::extent::sample;
 use crate::half_space::influence::Elasticity;
 use crate::scene::{GivenPatch, Scene};
+use crate::surface::KeptSurface;
 use crate::terms::Terms;
 use proto::configuration::{Configuration, Refusal};
 use proto::field;
@@ -23,6 +24,8 @@ pub(super) struct Case {
     pub(super) footprint: Footprint,
     /// By how much the heat raises both surfaces together, at the elements' centres, where that is among the effects [m].
     pub(super) rises: Vec<f64>,
+    /// What came in of both bodies for that, where it is observed.
+    pub(super) heated: Option<[KeptSurface; 2]>,
     /// The tractions of one step matter to the next.
     pub(super) memory: bool,
     /// Duration of a shift, known when the window is [s].

@@ -1,8 +1,9 @@
 //! Surfaces that heat raises ([`crate::effects::thermal_expansion`]).
 
 use super::case::Case;
-use crate::surface::raise;
+use crate::surface::{KeptSurface, raise};
 use proto::configuration::Refusal;
+use proto::field;
 use proto::model::{Inputs, StepError};
 
 /// Refuses what has no answer with surfaces that rise.
@@ -34,6 +35,16 @@ pub(super) fn refuse(case: &Case, effect: &str) -> Result<(), Refusal> {
 }
 
 impl Case {
+    /// Lets what is observed know of it.
+    ///
+    /// # Errors
+    /// Some of it has no answer.
+    pub(super) fn expand_observed(&mut self) -> Result<(), Refusal> {
+        let Some(coefficients) = self.terms.expansion else { return Ok(()) };
+        let speeds = self.scene.speeds.of_surfaces(0.0);
+        self.terms.observations.iter_mut().try_for_each(|term| term.expand(coefficients, speeds))
+    }
+
     /// Takes by how much heat raises the surfaces; whether it may.
     ///
     /// # Errors
@@ -44,6 +55,10 @@ impl Case {
         self.rises.clear();
         self.rises.resize(grid.points(), 0.0);
         raise(inputs, &self.scene.bodies, coefficients, grid, &mut self.rises)?;
+        if !self.terms.observations.is_empty() {
+            let [upper, lower] = [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
+            self.heated = Some([KeptSurface::of(inputs, upper)?, KeptSurface::of(inputs, lower)?]);
+        }
         Ok(true)
     }
 }

@@ -64,7 +64,7 @@ fn textbook_maxima_below_a_hertz_contact() {
     let mut section = Section::new(&disc.grid, NU, 0.0, &depths);
     let (mut mises, mut shear) = (vec![0.0; section.points()], vec![0.0; section.points()]);
     let load = SurfaceLoad::new(&disc.grid, &disc.pressure, &[]);
-    section.equivalents(&load, &mut mises, &mut shear);
+    section.equivalents(&load, None, &mut mises, &mut shear);
     let columns = disc.grid.ni;
     let deep = 10 * columns;
     let best = (deep..shear.len()).max_by(|a, b| shear[*a].total_cmp(&shear[*b])).unwrap();

@@ -58,7 +58,7 @@ fn equivalents_are_those_of_the_stresses() {
     let mut stresses = vec![Stress::default(); section.points()];
     let (mut von_mises, mut max_shear) = (vec![0.0; stresses.len()], vec![0.0; stresses.len()]);
     let effort = section.stresses(&load, &mut stresses);
-    assert_eq!(section.equivalents(&load, &mut von_mises, &mut max_shear), effort);
+    assert_eq!(section.equivalents(&load, None, &mut von_mises, &mut max_shear), effort);
     for ((stress, mises), shear) in stresses.iter().zip(von_mises).zip(max_shear) {
         assert_eq!((stress.von_mises(), stress.max_shear()), (mises, shear));
         assert!(mises > 0.0);
