@@ -29,7 +29,7 @@ use serde_json::{Value, json};
 pub const EFFECT: Effect = Effect {
     name: "subsurface_stress",
     law: "von Mises stress sqrt(3 J2) and largest shear stress (s1 - s3)/2 of the elastic half-spaces \
-          in a vertical section, with the thermal stress of bodies that expand",
+          in a vertical section, with the thermal stress of bodies that expand as they move steadily",
     source: "Johnson, Contact Mechanics (1985) par. 3.2, 3.6; Love, Phil. Trans. R. Soc. A 228 (1929); \
              Goodier, Phil. Mag. 23 (1937) 1017-1032",
     kinds: &[Kind::Observation],

@@ -25,7 +25,8 @@ use proto::field;
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
     name: "thermal_expansion",
-    law: "u(k) = 2 (1 + nu) alpha int T(k, z) exp(-k z) dz; in finite elements a strain alpha T",
+    law: "u(k) = 2 (1 + nu) alpha int T(k, z) exp(-k z) dz; in finite elements a strain alpha T; \
+          thermal stress in sections of half-spaces",
     source: "Barber, Elasticity (2010), thermoelastic displacement potentials",
     kinds: &[Kind::Expansion],
     consumes: &[&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL],
