@@ -23,8 +23,8 @@
 //! In a skin that is thin against the waves σ_nn = σ_tt = −Sϑ; at rest H = 0, and a steady temperature leaves no stress but σ_tt.
 //!
 //! The integrals are those of the elements of a grid, the waves along x all those that the grid resolves, as an integral over k_x and not as
-//! a series: the wake of a periodic image would reach the contact. Behind the grid W falls to zero over a length of the grid, which heat
-//! ahead of it does not feel. Across, the grid repeats with as much room again. Waves near the surface are exact, as far as the means
+//! a series: the wake of a periodic image would reach the contact. Behind the grid W goes on as a wake that falls over fifty times its
+//! length: heat that has come in stays, while material is fast. Across, the grid repeats with as much room again. Waves near the surface are exact, as far as the means
 //! of elements are: a rise that varies within an element is smoothed.
 //!
 //! Source: J. N. Goodier, Phil. Mag. 23 (1937) 1017–1032; J. R. Barber, *Elasticity* (2010), ch. 22 and 23. Deviation: the rise is written by W.
@@ -68,6 +68,9 @@ const GAUSS: [(f64, f64); 4] = [
     (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
+
+/// Length of the wake in which W falls to 1/e, over that of the grid.
+const WAKE: f64 = 50.0;
 
 /// Phase of a panel of the rule, over the largest distance between a heated place and one of the section.
 const PHASE: f64 = 10.0;
@@ -248,16 +251,10 @@ impl<'a> Sources<'a> {
         vec![Complex64::default(); self.rows]
     }
 
-    /// Columns behind the grid over which W falls.
-    fn behind(&self) -> usize {
-        self.heat.grid.ni
-    }
-
     /// Largest distance along x between a heated place and one of the section [m].
     fn reach(&self, xs: &[f64]) -> f64 {
         let grid = self.heat.grid;
-        let first = grid.x(0) - self.behind() as f64 * grid.dx();
-        let ends = [first, grid.x(grid.ni - 1)];
+        let ends = [grid.x(0), grid.x(grid.ni - 1)];
         xs.iter().flat_map(|x| ends.map(|end| (x - end).abs())).fold(grid.dx(), f64::max)
     }
 
@@ -266,19 +263,12 @@ impl<'a> Sources<'a> {
         let grid = self.heat.grid;
         let step = Complex64::from_polar(1.0, -kx * grid.dx());
         let first = Complex64::from_polar(grid.dx(), -kx * grid.x(0));
-        // What the first column stands for: itself, and what falls behind it.
-        let mut falling = Complex64::default();
-        let mut phase = first;
-        for column in 0..self.behind() {
-            let share = column as f64 / self.behind() as f64;
-            falling += phase * (0.5 + 0.5 * (PI * share).cos());
-            phase *= step.conj();
-        }
         let mut phases = vec![first; grid.ni];
         for column in 1..grid.ni {
             phases[column] = phases[column - 1] * step;
         }
-        phases[0] = falling;
+        // The first column stands for itself and for the wake behind it, a geometric series.
+        phases[0] = first / (1.0 - step.conj() * (-1.0 / (WAKE * grid.ni as f64)).exp());
         rows.fill(Complex64::default());
         for (row, values) in rows.iter_mut().zip(self.heat.values.chunks_exact(grid.ni)) {
             *row = values.iter().zip(&phases).map(|(value, phase)| phase * value).sum();

@@ -152,7 +152,7 @@ fn erfc(x: f64) -> f64 {
 
 /// A flux that rises and falls as a parabola and is wide across, on fast material: a skin in which σ_xx = σ_yy = −Eαϑ/(1 − ν), with ϑ by Duhamel's
 /// integral of columns, on the way, behind and ahead; the surface is free. Tolerance: a skin is a part √(κ/(Va)) of the length a deep,
-/// and stretches by twice as much at most; 2e-4 for the elements.
+/// and stretches by half as much again at most; 2e-4 for the elements.
 #[test]
 fn a_skin_is_pressed_in_its_plane() {
     for speed in [40.0, 4000.0] {
@@ -184,7 +184,7 @@ fn skin_at(speed: f64) {
     let depths = [0.05 * skin, 0.5 * skin, skin, 3.0 * skin];
     let found = body.stresses(&heat, &xs, 0.0, &depths);
     let hottest = rise(-0.3 * a, 0.0);
-    let tolerance = 2.0 * skin / a + 2e-4;
+    let tolerance = 1.5 * skin / a + 2e-4;
     let mut worst = 0.0_f64;
     for (at, stress) in found.iter().enumerate() {
         let (x, z) = (xs[at % 5], depths[at / 5]);
@@ -197,4 +197,32 @@ fn skin_at(speed: f64) {
         assert_eq!((stress.xy, stress.yz), (0.0, 0.0));
     }
     println!("skin {:.1e} of the length: {worst:.1e}", skin / a);
+}
+
+/// A grid that ends a tenth of the length behind the section, as that of a contact does, or far behind it. Tolerance: a twentieth of the
+/// skin's depth over the length, for the wake falls where it should stay.
+#[test]
+fn the_end_of_the_grid_hardly_matters() {
+    let a = 5e-3;
+    let body = WarmBody { speed: 40.0, ..BODY };
+    let skin = (body.diffusivity * a / body.speed).sqrt();
+    let integral = |x: f64| {
+        let xi = (-x / a).clamp(-1.0, 1.0);
+        body.diffusivity / body.speed * a * (xi - xi.powi(3) / 3.0 + 2.0 / 3.0)
+    };
+    let xs: Vec<f64> = (0..25).map(|n| a * (-1.2 + 0.1 * f64::from(n))).collect();
+    let depths = [0.1 * skin, skin, 0.1 * a];
+    let of = |end: f64| {
+        let columns = ((end + 1.25) * 60.0) as usize;
+        let first = 1.25 * a - columns as f64 * a / 60.0;
+        let grid = Structured::contact_plane(first, 0.0, a / 60.0, 1.0, columns, 1);
+        let values: Vec<f64> = (0..columns).map(|i| integral(grid.x(i))).collect();
+        body.stresses(&RiseIntegral { grid: &grid, values: &values }, &xs, 0.0, &depths)
+    };
+    let (near, far) = (of(1.3), of(12.0));
+    let hottest = far.iter().map(largest).fold(0.0, f64::max);
+    let apart = near.iter().zip(&far).map(|(one, other)| largest(&(*one - *other)));
+    let worst = apart.fold(0.0, f64::max) / hottest;
+    println!("{worst:.1e} of the largest stress, skin {:.1e}", skin / a);
+    assert!(worst < 0.05 * skin / a, "{worst}");
 }
