@@ -13,7 +13,7 @@
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
 //! | [`force_search`] | the creepages at which prescribed forces are met |
 //! | [`levels`] | the tangential problem by continuation in resolution |
-//! | [`subsurface`] | stresses inside a body, at points and on vertical sections |
+//! | [`subsurface`] | stresses inside a body, at points and on vertical sections, and those of heat |
 //!
 //! A field on nx × ny elements is a slice of nx·ny values, row after row: element (i, j) has the
 //! index j·nx + i, i along x and j along y. Sums of influence over the grid are convolutions of

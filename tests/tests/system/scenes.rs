@@ -91,3 +91,64 @@ fn a_body_at_rest_has_no_steady_state_in_columns() {
         assert!(ended.stderr.contains("heated without end"), "{}", ended.stderr);
     }
 }
+
+/// The white layer of a wheel that does not turn: an ellipse of flux on columns is over A_c1 where its rise at the end, q√(t/π)/β of one half of
+/// it, is, and in the middle so deep as the error function says. Tolerances: an element at both ends of the length, two elements across;
+/// 1 % of the depth.
+#[test]
+fn the_white_layer_of_a_locked_wheel() {
+    let summary = Place::new().summary(&case("locked-wheel-white-layer.toml"), &[]);
+    let contact = |name: &str| summary["contact"][name].as_f64().unwrap();
+    let (a, b) = (contact("semi_axis_a_m"), contact("semi_axis_b_m"));
+    let (needed, time) = (1000.15 - 293.15, 0.02_f64);
+    let flux = 0.5 * 0.06 * contact("max_pressure_pa") * 5.0;
+    let highest = 2.0 * flux * (time / PI).sqrt() / effusivity();
+    let share = (1.0 - (needed / highest).powi(2)).sqrt();
+    let layer = |name: &str| summary["white_layer"]["wheel"][name].as_f64().unwrap();
+    let element = a / 20.0;
+    let length = layer("length_m");
+    assert!((length - 2.0 * a * share).abs() < 2.0 * element, "{length} {}", 2.0 * a * share);
+    assert_eq!(length, layer("hot_length_m"), "it has not cooled yet");
+    let width = layer("width_m");
+    assert!((width - 2.0 * b * share).abs() < 2.0 * element, "{width} {}", 2.0 * b * share);
+    // ierfc(x) = 2/√π ∫ (u - x) e^(-u²) du from x on.
+    let ierfc = |x: f64| {
+        let (parts, far) = (4000, 6.0);
+        let step = (far - x) / f64::from(parts);
+        let part = |n: i32| {
+            let u = x + (f64::from(n) + 0.5) * step;
+            (u - x) * (-u * u).exp() * step
+        };
+        2.0 / PI.sqrt() * (0..parts).map(part).sum::<f64>()
+    };
+    let (mut inside, mut outside) = (0.0, 6.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (inside + outside);
+        match highest * PI.sqrt() * ierfc(middle) > needed {
+            true => inside = middle,
+            false => outside = middle,
+        }
+    }
+    let depth = 2.0 * inside * (50.0 / (7850.0 * 419.5) * time).sqrt();
+    assert!((layer("depth_m") / depth - 1.0).abs() < 0.01, "{} {depth}", layer("depth_m"));
+    assert_eq!(summary["white_layer"]["rail"]["length_m"], 0.0);
+}
+
+/// Heat moves the largest stress from below the contact to the surface: a skin that may not stretch has Eαϑ/(1 − ν), from which the pressure, where
+/// it is, takes away: less than that of the highest rise, and most of it.
+#[test]
+fn heat_brings_the_largest_stress_to_the_surface() {
+    let warm = Place::new().summary(&case("thermal-stress.toml"), &[]);
+    let mut more = sets(&["effects.subsurface_stress.depth=8 mm"]);
+    more.extend(["--unset", "effects.thermal_expansion"]);
+    let cold = Place::new().summary(&case("thermal-stress.toml"), &more);
+    for body in ["wheel", "rail"] {
+        let number =
+            |of: &serde_json::Value, name: &str| of["stress"][body][name].as_f64().unwrap();
+        assert!(number(&cold, "von_mises_depth_m") > 1e-3);
+        assert!(number(&warm, "von_mises_depth_m") < 1e-5);
+        let rise = warm["temperature"][body]["max_rise_k"].as_f64().unwrap();
+        let share = number(&warm, "max_von_mises_pa") / (210e9 * 1.2e-5 / 0.7 * rise);
+        assert!((0.7..1.0).contains(&share), "{body}: {share}");
+    }
+}
