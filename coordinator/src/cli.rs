@@ -267,6 +267,15 @@ struct CaseArguments {
 }
 
 impl CaseArguments {
+    /// The file as messages name it.
+    fn shown(&self) -> String {
+        if self.case == Path::new("-") {
+            "<stdin>".to_owned()
+        } else {
+            self.case.display().to_string()
+        }
+    }
+
     fn read(&self) -> Result<RawCase, RunError> {
         // It may be a pipe that nobody writes to.
         let reading = signals::end_at_once();
@@ -359,7 +368,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         }
         Command::Check { case, no_start: true, .. } => {
             let _asking = signals::end_at_once();
-            let (shown, rest) = (case.case.display(), case.alone()?.not_judged_text());
+            let (shown, rest) = (case.shown(), case.alone()?.not_judged_text());
             let text = format!("{shown}: no errors in what was checked\n{rest}");
             Ok(print(arguments.quiet, &text)?)
         }
@@ -370,7 +379,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             let warnings = planned.plan.warnings.iter();
             let warnings: String =
                 warnings.map(|warning| format!("warning: {warning}\n")).collect();
-            let text = format!("{warnings}{}: no errors\n", case.case.display());
+            let text = format!("{warnings}{}: no errors\n", case.shown());
             Ok(print(arguments.quiet, &text)?)
         }
         Command::Plan { case, no_start, advise, json: as_json } => {
@@ -381,7 +390,8 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                 (_, false, _) => case.plan()?.plan.to_string(),
                 (_, true, _) => advised(case)?,
             };
-            Ok(if *as_json { print(false, &text)? } else { print_lines(false, &text)? })
+            let printed = if *as_json { print(false, &text) } else { print_lines(false, &text) };
+            Ok(printed?)
         }
         Command::New(asked) => Ok(print(arguments.quiet, &new::act(asked, installed)?)?),
         Command::Solvers { json: true } => Ok(print(false, &json(&installed()?))?),
@@ -612,7 +622,14 @@ fn conclude(
 ) -> Result<(), Ended> {
     let folder = &begun.folder;
     let written = if asked.report { report_on(&folder.path()) } else { Ok(()) };
-    let text = || perform::report(&outcome, &begun.planned.plan, folder);
+    let text = || {
+        let shown = folder.shown().display().to_string();
+        let next = match asked.report {
+            true => format!("  page      {shown}/{}\n", report::FILE),
+            false => format!("  next      coordinator report {shown}\n"),
+        };
+        perform::report(&outcome, &begun.planned.plan, folder) + &next
+    };
     match outcome.error {
         // It has an answer, if not as accurate as was asked for.
         Some(error @ RunError::Inaccurate { .. }) => {

@@ -27,6 +27,11 @@ pub fn case(name: &str) -> String {
     root().join("cases").join(name).display().to_string()
 }
 
+/// A text for people without its breaks of lines and columns: one space between words.
+pub fn flat(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// `--set` before each of these settings.
 pub fn sets<'a>(settings: &[&'a str]) -> Vec<&'a str> {
     settings.iter().flat_map(|set| ["--set", set]).collect()

@@ -103,7 +103,7 @@ pub fn keys() -> Vec<KeySpec> {
         KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
         initial_temperature_key(),
         surface_speed_key(),
-        property("density", "kg/m3", "mass per volume").expected(1.0..=3e4, SOLIDS),
+        property("density", "kg/m3", "mass per volume").expected(20.0..=3e4, SOLIDS),
         property("specific_heat", "J/(kg K)", "heat per mass and temperature")
             .expected(10.0..=1e4, SOLIDS),
         property("conductivity", "W/(m K)", "heat flux per temperature gradient")

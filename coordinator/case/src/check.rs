@@ -2,7 +2,7 @@
 
 use super::example::{example, in_range, range, with_unit};
 use super::known::Known;
-use super::quantity::parse_quantity;
+use super::quantity::{QuantityError, parse_quantity};
 use super::schema::Shape;
 use super::suggest::{any_of, nearest};
 use super::tree::{Node, Origin, Value};
@@ -44,7 +44,12 @@ fn one(spec: &KeySpec, node: &Node, folder: &Path) -> Result<Json, Fault> {
         (KeyKind::Quantity { unit }, Value::Number { value, .. }) => within(spec, *value, unit),
         (KeyKind::Quantity { unit }, Value::Text(text)) => {
             let value = parse_quantity(text, unit).map_err(|error| {
-                let fix = format!("write {}", wanted(spec, unit));
+                let fix = match &error {
+                    QuantityError::DecimalComma(text) => {
+                        format!("write \"{}\"", text.replacen(',', ".", 1))
+                    }
+                    _ => format!("write {}", wanted(spec, unit)),
+                };
                 Fault { reason: error.to_string(), fix }
             })?;
             within(spec, value, unit)

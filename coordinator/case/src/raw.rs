@@ -284,9 +284,23 @@ fn syntax(source: &Arc<Source>, errors: &[toml::de::Error]) -> Problems {
             .span()
             .and_then(|span| source.text.get(span))
             .is_some_and(|there| there.trim().is_empty());
-        problems.push(syntax_problem(place, error.message(), empty));
+        let comma = error.span().and_then(|span| decimal_comma(&source.text, span.start));
+        problems.push(match comma {
+            Some(fix) => Problem::new(place, "", "invalid TOML: a decimal comma", fix),
+            None => syntax_problem(place, error.message(), empty),
+        });
     }
     Problems::new(Arc::clone(source), problems)
+}
+
+/// What to write where a number has a comma in the place of its point.
+fn decimal_comma(text: &str, at: usize) -> Option<String> {
+    let (before, after) = (text.get(..at)?, text.get(at..)?.strip_prefix(',')?);
+    let digits = |c: char| c.is_ascii_digit();
+    let whole = &before[before.trim_end_matches(digits).len()..];
+    let decimals = after.split(|c| !digits(c)).next().unwrap_or_default();
+    let both = !whole.is_empty() && !decimals.is_empty();
+    both.then(|| format!("write {whole}.{decimals}, with a point"))
 }
 
 /// An error of the TOML parser; `empty` if there is nothing at its place.

@@ -1,7 +1,7 @@
 //! The comparison as a person reads it.
 
+use super::difference::{Comparison, FigureDifference};
 use super::fields::FieldDifference;
-use super::{Comparison, FigureDifference};
 use run::format::{Scale, counted, number, of_key, seconds, words};
 use run::wrap;
 use std::fmt::Write as _;

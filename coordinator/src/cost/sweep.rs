@@ -79,7 +79,14 @@ pub(super) fn sweep(
         levels,
     };
     let points = sweep.points();
-    let mut steps = Steps::new(quiet, points.len());
+    // What was made before takes no time now; what cannot be planned ends at once.
+    let expected = |point: &Point| match places.kept.run(&point.variant.options()) {
+        Some(_) => 0.0,
+        None => planned(&request.case, &point.variant)
+            .map_or(0.0, |planned| OVERHEAD + expected_seconds(&planned.plan)),
+    };
+    let work = points.iter().map(expected).collect();
+    let mut steps = Steps::of_work(quiet, work);
     for point in &points {
         steps.step(&sweep.describe(point));
         match places.kept.run(&point.variant.options()) {
@@ -90,6 +97,9 @@ pub(super) fn sweep(
     steps.finish();
     Ok(sweep)
 }
+
+/// Seconds of a run besides what its participants expect of their work: processes that start and end.
+const OVERHEAD: f64 = 0.06;
 
 /// Keys that change how a case is computed, and not what it is, begin like this, or with a role.
 const NUMERICAL: [&str; 3] = ["time.", "coupling.", "mapping."];

@@ -3,12 +3,10 @@
 //! A name that a user chooses, a body's or a material's, is any property; a table at the top that is none of
 //! ours is a participant of another program, which names its command.
 
-use super::{Key, facts};
+use super::key::{Key, facts};
+use case::schema::ROLE;
 use contract::description::{Description, KeyKind};
 use serde_json::{Map, Value, json};
-
-/// Stands for the name of a participant in a path.
-use case::schema::ROLE;
 
 /// The schema of a case.
 pub(super) fn schema(keys: &[Key], described: &[Description]) -> Value {

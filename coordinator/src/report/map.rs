@@ -17,7 +17,7 @@ use run::format::number;
 use std::fmt::Write as _;
 
 /// Width of a map's view box: more than other plots have, since there is more to see.
-const WIDTH: f64 = 640.0;
+const WIDTH: f64 = 660.0;
 /// Where a map ends at most on the paper, and where its colour bar is.
 const RIGHT: f64 = 540.0;
 const TOP: f64 = 14.0;

@@ -188,11 +188,14 @@ mod tests {
         let (image, field) = image(vec![0.0, 5e6, 0.0, 0.0, 1e3, 2e6]);
         let map = map(&image, &field, &[]).unwrap();
         assert!(
-            map.note.ends_with("Largest 5.000\u{a0}MPa at x 0.500\u{a0}mm, y −0.500\u{a0}mm."),
+            map.note.ends_with("Largest 5.000\u{a0}MPa at x 0.500\u{a0}mm, y −500\u{a0}µm."),
             "{}",
             map.note
         );
-        assert_eq!((map.x, map.y, map.x_label.as_str()), ([-1.0, 2.0], [-1.0, 1.0], "x [mm]"));
+        // Two millimetres are seen in millimetres, one in micrometres.
+        let near = |a: [f64; 2], b: [f64; 2]| (0..2).all(|n| (a[n] - b[n]).abs() < 1e-9);
+        assert!(near(map.x, [-1.0, 2.0]) && near(map.y, [-1000.0, 1000.0]), "{:?}", map.y);
+        assert_eq!([map.x_label.as_str(), map.y_label.as_str()], ["x [mm]", "y [µm]"]);
         assert!(map.from_zero && map.true_shape && map.arrows.is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! `run --accuracy`: the error that is stated, and the true one.
 
-use crate::harness::{Place, case, number};
+use crate::harness::{Place, case, flat, number};
 use thermal_solver::reference::{ellipse, polynomial, scales};
 
 /// A scene, and the rail's largest rise there \[K\] with what it is known to, relative.
@@ -156,7 +156,7 @@ fn a_plan_says_what_models_leave_out() {
         let set = format!("thermal.model={model}");
         let ended = place.start(&["plan", &case("slow-rolling.toml"), "--set", &set]).wait();
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-        ended.stdout
+        flat(&ended.stdout)
     };
     let columns = plan("columns");
     for line in ["leaves out: no conduction along the surface, 0.02 %", "at Pe = 13.488, 7.39 %: "]

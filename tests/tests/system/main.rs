@@ -41,6 +41,7 @@ mod keys;
 mod long_work;
 mod machine;
 mod mapping;
+mod mistakes;
 mod moving;
 mod new;
 mod off_means_off;

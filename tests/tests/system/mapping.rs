@@ -4,6 +4,7 @@
 use crate::harness::Place;
 use crate::harness::case;
 use crate::harness::completed as run;
+use crate::harness::flat;
 use crate::harness::number;
 use coupling::map::GridMapping;
 use coupling::map::Method;
@@ -173,10 +174,14 @@ fn work_of_loops_with_mappings() {
 
 #[test]
 fn the_plan_tells_what_is_mapped_and_how_well() {
+    let told = |command: &str, name: &str, settings: &[&str]| {
+        let (code, text) = shown(command, name, settings);
+        (code, flat(&text))
+    };
     let settings = ["mech.resolution=20", "thermal.resolution=59"];
-    let (_, plan) = shown("plan", "wheel-rail.toml", &settings);
+    let (_, plan) = told("plan", "wheel-rail.toml", &settings);
     for told in [
-        "mech -> thermal          intersection, conservative",
+        "mech -> thermal intersection, conservative",
         "1419 to 2714 elements; \
                   all of",
     ] {
@@ -184,14 +189,14 @@ fn the_plan_tells_what_is_mapped_and_how_well() {
     }
     assert!(!plan.contains("warning"), "{plan}");
     let nearest = [&settings[..], &["mapping.method=nearest-neighbour"]].concat();
-    let (_, plan) = shown("plan", "wheel-rail.toml", &nearest);
+    let (_, plan) = told("plan", "wheel-rail.toml", &nearest);
     assert!(plan.contains("nearest-neighbour, conservative"), "{plan}");
     assert!(
         plan.contains("warning: this conserves the integral but does not bound the density"),
         "{plan}"
     );
     let aside = ["relay.offset=20", "mapping.fields.relay_value.method=radial-basis"];
-    let (_, plan) = shown("plan", "linear.toml", &aside);
+    let (_, plan) = told("plan", "linear.toml", &aside);
     assert!(plan.contains("radial-basis, consistent"), "{plan}");
     assert!(plan.contains("nearest-projection, consistent"), "{plan}");
     let told = "warning: 20 of 100 elements lie beyond the other grid's border, up to 19500.000 mm";

@@ -1,7 +1,7 @@
 //! Several patches, lateral creepage and spin, through the whole of three processes: on the screen, in
 //! the summary, in tables and sections.
 
-use crate::harness::{Place, case, number};
+use crate::harness::{Place, case, flat, number};
 use std::path::{Path, PathBuf};
 
 /// A rail with two equal crowns of 300 mm at ±20 mm, and a case of a straight wheel on it.
@@ -85,8 +85,12 @@ fn lateral_creepage_and_spin_are_told() {
     ];
     let ended = place.run(&case("wheel-rail.toml"), &more);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    let line =
-        |text: &str| text.lines().find(|line| line.contains("friction ")).unwrap().to_owned();
+    // What a line goes on with stands below it.
+    let line = |text: &str| {
+        let (_, after) = text.split_once("\n  friction ").unwrap();
+        let own = after.lines().enumerate().take_while(|(n, l)| *n == 0 || l.starts_with("     "));
+        flat(&own.map(|(_, line)| line).collect::<Vec<_>>().join(" "))
+    };
     let lateral = line(&ended.stdout);
     assert!(lateral.contains("F_y -") && lateral.contains("creepage η 0.2000 %"), "{lateral}");
     assert!(!lateral.contains("|F|/N 0.0000") && !lateral.contains("F_x"), "{lateral}");

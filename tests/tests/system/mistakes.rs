@@ -1,0 +1,63 @@
+//! What people get wrong in a case, and what they are told: `mistakes.toml`, and docs/mistakes.md made of it.
+
+use crate::harness::{Place, root};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::process::Stdio;
+
+/// What `check` says of a case from standard input, and its exit code.
+fn told(case: &str) -> (String, Option<i32>) {
+    let place = Place::new();
+    let mut command = place.command(&["check", "-"]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let _ = child.stdin.take().unwrap().write_all(case.as_bytes());
+    let ended = child.wait_with_output().unwrap();
+    let text = [ended.stdout, ended.stderr].concat();
+    (String::from_utf8(text).unwrap().replace("<stdin>", "case.toml"), ended.status.code())
+}
+
+/// Every mistake is told with its place, reason and fix, and the page has what is said to the letter.
+/// `COSIM_WRITE_MISTAKES=1` writes it.
+#[test]
+fn every_mistake_is_told() {
+    let base = std::fs::read_to_string(root().join("cases/wheel-rail.toml")).unwrap();
+    let list: toml::Table = include_str!("mistakes.toml").parse().unwrap();
+    let mut page = String::from(
+        "# Mistakes in a case, and what is said of them\n\nEach is made in `cases/wheel-rail.toml`, and answered by `coordinator check`, as \
+         the tests do it (`tests/tests/system/mistakes.toml`; this page is written by them). Several at once are told at once.\n",
+    );
+    let all = list["mistake"].as_array().unwrap();
+    assert!(all.len() >= 50, "{}", all.len());
+    for one in all {
+        let what = one["what"].as_str().unwrap();
+        let mut case =
+            one.get("text").map_or(base.as_str(), |text| text.as_str().unwrap()).to_owned();
+        let mut written = Vec::new();
+        for edit in one.get("edits").and_then(|edits| edits.as_array()).into_iter().flatten() {
+            let [from, to] = [0, 1].map(|n| edit[n].as_str().unwrap());
+            assert!(case.contains(from), "{what}: the case has no `{from}`");
+            case = case.replacen(from, to, 1);
+            written.push(to);
+        }
+        let (said, code) = told(&case);
+        let expected = one.get("code").map_or(2, |code| code.as_integer().unwrap());
+        assert_eq!(code.map(i64::from), Some(expected), "{what}: {said}");
+        for words in one["says"].as_array().unwrap() {
+            let words = words.as_str().unwrap().replace("<stdin>", "case.toml");
+            assert!(said.contains(&words), "{what}: `{words}` is not in\n{said}");
+        }
+        let _ = write!(page, "\n## {what}\n\n");
+        let written = written.join("\n");
+        if !written.trim().is_empty() {
+            let _ = write!(page, "```toml\n{}\n```\n\n", written.trim_end());
+        }
+        let _ = write!(page, "```text\n{}\n```\n", said.trim_end());
+    }
+    let path = root().join("docs/mistakes.md");
+    if std::env::var_os("COSIM_WRITE_MISTAKES").is_some() {
+        std::fs::write(&path, &page).unwrap();
+    }
+    let kept = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(kept == page, "docs/mistakes.md is stale; run this test with COSIM_WRITE_MISTAKES=1");
+}
