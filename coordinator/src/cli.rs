@@ -50,7 +50,7 @@ use std::time::{Duration, Instant};
 
 /// Plans, runs and couples mechanical-thermal contact simulations.
 #[derive(Debug, Parser)]
-#[command(name = "coordinator", version, propagate_version = true)]
+#[command(name = "coordinator", version, propagate_version = true, max_term_width = 80)]
 pub struct Arguments {
     /// What reaches the screen [default: RUST_LOG, or warn].
     #[arg(long, global = true, value_name = "LEVEL")]
@@ -630,18 +630,21 @@ fn conclude(
         };
         perform::report(&outcome, &begun.planned.plan, folder) + &next
     };
+    // However the run ended: what it has is what is printed.
+    let print_json = || print(false, &json(&outcome.summary));
     match outcome.error {
+        Some(error) if asked.json => Err(begun.report(error.and(written).and(print_json()))),
         // It has an answer, if not as accurate as was asked for.
         Some(error @ RunError::Inaccurate { .. }) => {
             let plan = &begun.planned.plan;
             let text = show::text(&outcome.summary, plan.title.as_deref(), &plan.figures);
-            let printed = print(screen.quiet, &text);
+            let printed = print_lines(screen.quiet, &text);
             Err(begun.report(error.and(written).and(printed)))
         }
         Some(error) => Err(begun.report(error.and(written))),
         None => {
             let printed = written.and_then(|()| match asked.json {
-                true => print(false, &json(&outcome.summary)),
+                true => print_json(),
                 false => print_lines(screen.quiet, &text()),
             });
             let strict = || match asked.strict {

@@ -25,6 +25,7 @@ use run::perform::{self, RunStart};
 use run::plan::{Plan, Planned, plan};
 use run::progress::silent;
 use run::results::{Existing, ResultFolder};
+use run::signals;
 use serde_json::Value;
 use std::path::Path;
 use std::time::Instant;
@@ -61,7 +62,10 @@ impl Variant {
 /// # Errors
 /// Whatever is wrong with the case, or with the programs it names.
 pub(crate) fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
+    // It may be a pipe that nobody writes to.
+    let reading = signals::end_at_once();
     let mut raw = RawCase::read(case)?;
+    drop(reading);
     raw.apply(&variant.set, &variant.unset)?;
     plan(raw)
 }

@@ -18,7 +18,8 @@ fn parsed(place: &Place, arguments: &[&str], code: i32) -> Value {
 fn lines_are_no_longer_than_a_terminal_is_wide() {
     let place = Place::new();
     let (file, out) = (case("falling-friction.toml"), place.out().display().to_string());
-    for arguments in [&["run", &file, "--out", &out][..], &["plan", &file]] {
+    let help = ["run", "--help"];
+    for arguments in [&["run", &file, "--out", &out][..], &["plan", &file], &help] {
         let text = printed(&place, arguments, 0);
         let long: Vec<&str> = text.lines().filter(|line| line.chars().count() > 80).collect();
         // One word, a path say, stays whole.
@@ -47,6 +48,22 @@ fn what_is_printed_as_json_is_what_the_files_have() {
     let small = "mech.resolution=8";
     let summary = parsed(&place, &["run", &file, "--set", small, "--out", &out, "--json"], 0);
     assert_eq!(summary, place.read_summary());
+    // A run that fails says so, too.
+    let other = Place::new();
+    let out = other.out().display().to_string();
+    let falling = case("falling-friction.toml");
+    let failing = [
+        "run",
+        &falling,
+        "--set",
+        "coupling.max_iterations=2",
+        "--out",
+        &out,
+        "--replace",
+        "--json",
+    ];
+    let failing = parsed(&other, &failing, 3);
+    assert_eq!(failing["status"], "failed");
     let plan = parsed(&place, &["plan", &file, "--set", small, "--json"], 0);
     let kept = std::fs::read(place.out().join("plan.json")).unwrap();
     let kept: Value = serde_json::from_slice(&kept).unwrap();
