@@ -1,7 +1,7 @@
 //! Files from elsewhere: cases and recordings that somebody else has written, with anything in them.
 //! Nothing that they name is started or written unasked, and nothing in them reaches a terminal raw.
 
-use crate::harness::{Ended, Place, case, programs};
+use crate::harness::{Ended, Place, case, flat, programs};
 use proto::message::{CommandKind, Topics};
 use proto::recording::{Compression, Event, Head, Item, Recording, RecordingWriter};
 use std::fs::File;
@@ -225,5 +225,5 @@ fn a_case_is_judged_without_starting_what_it_names() {
     let started = place.start(&["check", &path]).wait();
     assert!(mark.exists() && started.code == Some(1), "{}", started.stderr);
     let help = place.start(&["check", "--help"]).wait();
-    assert!(help.stdout.contains("Starts the programs"), "{}", help.stdout);
+    assert!(flat(&help.stdout).contains("Starts the programs"), "{}", help.stdout);
 }
