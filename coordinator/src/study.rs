@@ -15,6 +15,7 @@ pub(crate) mod levels;
 pub(crate) mod output;
 pub(crate) mod progress;
 pub(crate) mod quantity;
+mod range;
 pub(crate) mod richardson;
 pub(crate) mod spent;
 pub(crate) mod table;
@@ -62,8 +63,8 @@ impl Variant {
 /// # Errors
 /// Whatever is wrong with the case, or with the programs it names.
 pub(crate) fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
-    // It may be a pipe that nobody writes to.
-    let reading = signals::end_at_once();
+    // A pipe that nobody writes to. Otherwise a signal ends the study in order, with what it keeps.
+    let reading = (case == Path::new("-")).then(signals::end_at_once);
     let mut raw = RawCase::read(case)?;
     drop(reading);
     raw.apply(&variant.set, &variant.unset)?;

@@ -2,6 +2,8 @@
 //!
 //! It uses nothing else of this crate, so that everything may use it.
 
+use std::time::Duration;
+
 /// A unit to show values in, and how many SI units it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
@@ -133,6 +135,16 @@ pub fn number(value: f64, digits: usize) -> String {
         format!("{mantissa:.*} × 10{}", digits.min(3) - 1, superscript(magnitude))
     };
     text.replace('-', "−")
+}
+
+/// A time in minutes and seconds, or hours, minutes and seconds: "1:23", "2:03:04".
+#[must_use]
+pub fn clock(time: Duration) -> String {
+    let seconds = time.as_secs();
+    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+        (0, minutes, seconds) => format!("{minutes}:{seconds:02}"),
+        (hours, minutes, seconds) => format!("{hours}:{minutes:02}:{seconds:02}"),
+    }
 }
 
 /// An exponent in raised digits.

@@ -1,5 +1,6 @@
 //! How far a run is.
 
+use crate::format::clock;
 use contract::message::ProgressReport;
 use contract::text::one_line;
 use std::fmt;
@@ -58,11 +59,7 @@ impl fmt::Display for Work<'_> {
             0 => write!(f, "{done}")?,
             of => write!(f, "{done}/{of}")?,
         }
-        let Some(left) = self.left.map(|left| left.as_secs()) else { return Ok(()) };
-        match (left / 3600, left / 60 % 60, left % 60) {
-            (0, minutes, seconds) => write!(f, ", {minutes}:{seconds:02} left"),
-            (hours, minutes, seconds) => write!(f, ", {hours}:{minutes:02}:{seconds:02} left"),
-        }
+        self.left.map_or(Ok(()), |left| write!(f, ", {} left", clock(left)))
     }
 }
 

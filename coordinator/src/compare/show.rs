@@ -9,6 +9,8 @@ use std::path::Path;
 
 /// Figures with a line of their own at most.
 const MOST: usize = 24;
+/// Differences below this are written with a power of ten [%].
+const LEAST: f64 = 1e-3;
 
 pub(super) fn text(of: &Comparison, [a, b]: [&Path; 2]) -> String {
     let mut out = format!("A {}\nB {}\n", a.display(), b.display());
@@ -44,9 +46,7 @@ fn figures(out: &mut String, of: &Comparison) {
         let largest = [a, b].into_iter().flatten().fold(0.0, |l: f64, v| l.max(v.abs()));
         let scale = of_key(key, largest);
         let [a, b] = [a, b].map(|v| v.map_or("–".to_owned(), |v| scale.show(v, 6)));
-        let change = relative.map_or_else(String::new, |r| {
-            format!("{}{} %", if r > 0.0 { "+" } else { "" }, number(100.0 * r, 2))
-        });
+        let change = relative.map_or_else(String::new, change);
         let _ = writeln!(out, "  {head:9} {name:27} {a:>13} → {b:13} {change:>9}");
         head = "";
     }
@@ -63,10 +63,21 @@ fn figures(out: &mut String, of: &Comparison) {
     }
 }
 
+/// A relative difference in per cent, short even where it is next to nothing.
+fn change(relative: f64) -> String {
+    let percent = 100.0 * relative;
+    let sign = if percent > 0.0 { "+" } else { "" };
+    match percent.abs() < LEAST {
+        true => format!("{sign}{percent:.0e} %").replace('-', "−"),
+        false => format!("{sign}{} %", number(percent, 2)),
+    }
+}
+
 fn fields(out: &mut String, of: &Comparison) {
     let mut head = "fields";
     for one in &of.fields {
-        let _ = writeln!(out, "  {head:9} {:27} {}", words(&one.field), said(one));
+        let line = format!("  {head:9} {:27} {}", words(&one.field), said(one));
+        let _ = writeln!(out, "{}", wrap::columns(&line));
         head = "";
     }
     let interpolated =

@@ -98,7 +98,7 @@ fn write(study: &Study, folder: &StudyFolder) -> Result<(), RunError> {
 }
 
 fn request(asked: &Arguments) -> Result<Request, RunError> {
-    let axes = asked.vary.iter().map(|option| Axis::parse(option));
+    let axes = asked.vary.iter().map(|option| Axis::read(option).map_err(RunError::Usage));
     let references = asked.reference.iter().map(|option| reference(option));
     if asked.longest_run.is_nan() || asked.longest_run <= 0.0 {
         return Err(RunError::Usage(

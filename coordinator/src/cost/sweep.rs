@@ -82,6 +82,7 @@ pub(super) fn sweep(
     // What was made before takes no time now; what cannot be planned ends at once.
     let expected = |point: &Point| match places.kept.run(&point.variant.options()) {
         Some(_) => 0.0,
+        None if quiet => 1.0,
         None => planned(&request.case, &point.variant)
             .map_or(0.0, |planned| OVERHEAD + expected_seconds(&planned.plan)),
     };

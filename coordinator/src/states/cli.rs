@@ -2,8 +2,9 @@
 
 use super::page;
 use super::perform::{Request, study};
-use super::study::{Starts, Study};
+use super::study::Study;
 use crate::study::arguments::{CaseArguments, FolderArguments};
+use crate::study::axis::Axis;
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::{planned, scratch};
 use clap::Args;
@@ -14,9 +15,9 @@ use run::error::RunError;
 pub(crate) struct Arguments {
     #[command(flatten)]
     of: CaseArguments,
-    /// What the runs start from: a key, and its first and last value with so many runs between [SI].
-    #[arg(long, value_name = "KEY=FROM..TO/RUNS", value_parser = Starts::read)]
-    start: Starts,
+    /// What the runs start from: a key, and its values or a range [SI].
+    #[arg(long, value_name = "KEY=A,B,C|FROM..TO/COUNT", value_parser = Axis::read)]
+    start: Axis,
     #[command(flatten)]
     folder: FolderArguments,
     /// Print JSON.
@@ -30,7 +31,7 @@ pub(crate) struct Arguments {
 /// A case that cannot run or is not steady, the file system.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let (case, base) = (asked.of.case.clone(), asked.of.base());
-    let standing = planned(&case, &asked.start.variant(&base, asked.start.from))?;
+    let standing = planned(&case, &base.with(&asked.start.key, &asked.start.values[0]))?;
     crate::logging::warn_of_replaced(&standing.case);
     let name = format!("{}-states", standing.plan.name);
     let folder = asked.folder.choose(Study::COMMAND, &name, &|_| false)?;

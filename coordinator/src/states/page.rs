@@ -24,7 +24,11 @@ impl Shown for Study {
             mood: if self.failed.is_empty() { Mood::Good } else { Mood::Open },
             reason: format!(
                 "{} from {} to {} in {} runs of `{}`",
-                varied.key, varied.from, varied.to, varied.runs, self.file
+                varied.key,
+                varied.values.first().map_or("", String::as_str),
+                varied.values.last().map_or("", String::as_str),
+                varied.values.len(),
+                self.file
             ),
             sections: Section::of("States", blocks.collect()).into_iter().collect(),
         })

@@ -1,6 +1,7 @@
 //! The runs from all starts, and which of their answers are the same.
 
-use super::study::{Starts, State, Study};
+use super::study::{State, Study};
+use crate::study::axis::Axis;
 use crate::study::levels::reason;
 use crate::study::output::Kept;
 use crate::study::progress::Steps;
@@ -23,7 +24,7 @@ pub(super) struct Request {
     /// What is changed in it for all runs.
     pub(super) base: Variant,
     /// What varies between them.
-    pub(super) starts: Starts,
+    pub(super) starts: Axis,
 }
 
 /// Runs a steady case from every start.
@@ -44,13 +45,18 @@ pub(super) fn study(
         let file = request.case.display();
         return Err(RunError::Usage(format!("{file} has one state: {why}; {fix}")));
     }
+    let key = &request.starts.key;
+    let Some((starts, _)) = request.starts.numbers() else {
+        let fix = "write SI numbers";
+        return Err(RunError::Usage(format!("--start {key}: a start is no number; {fix}")));
+    };
     let quantities = Quantities::of_figures(&plan.figures);
-    let mut steps = Steps::new(quiet, request.starts.runs as usize);
+    let mut steps = Steps::new(quiet, starts.len());
     let (mut states, mut failed): (Vec<State>, _) = (Vec::new(), Vec::new());
     let mut known: Vec<Quantity> = Vec::new();
-    for start in request.starts.values() {
-        steps.step(&format!("{} = {start}", request.starts.key));
-        let variant = request.starts.variant(&request.base, start).with("output.fields", "none");
+    for (start, written) in starts.into_iter().zip(&request.starts.values) {
+        steps.step(&format!("{key} = {written}"));
+        let variant = request.base.with(key, written).with("output.fields", "none");
         let summary = match run(&request.case, &variant, scratch) {
             Ok(summary) => summary,
             Err(error) if ends_study(&error) => return Err(error),

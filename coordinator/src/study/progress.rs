@@ -2,6 +2,7 @@
 //! elsewhere, nothing with `--quiet`.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use run::format::clock;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
@@ -103,15 +104,6 @@ fn left(elapsed: Duration, done: f64) -> Option<Duration> {
     (done > 0.0).then(|| elapsed.mul_f64((1.0 - done).max(0.0) / done))
 }
 
-/// Minutes and seconds, or hours, minutes and seconds.
-fn clock(left: Duration) -> String {
-    let seconds = left.as_secs();
-    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
-        (0, minutes, seconds) => format!("{minutes}:{seconds:02}"),
-        (hours, minutes, seconds) => format!("{hours}:{minutes:02}:{seconds:02}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,9 +117,5 @@ mod tests {
         assert!((left.as_secs_f64() - 60.0).abs() < 1e-9);
         assert_eq!(super::left(Duration::from_secs(3), part(&work, 0)), None);
         assert_eq!(part(&[], 1), 0.0);
-        assert_eq!(
-            [59, 83, 7384].map(|s| clock(Duration::from_secs(s))),
-            ["0:59", "1:23", "2:03:04"]
-        );
     }
 }

@@ -3,8 +3,8 @@
 use super::page;
 use super::perform::fill;
 use super::study::Study;
-use super::vary::Vary;
 use crate::study::arguments::{CaseArguments, FolderArguments};
+use crate::study::axis::Axis;
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::quantity::Quantities;
 use crate::study::{Variant, planned, scratch};
@@ -18,8 +18,8 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     of: CaseArguments,
     /// What varies: a key, and its values or a range; several make a grid.
-    #[arg(long, required = true, value_name = "KEY=A,B,C|FROM..TO/COUNT", value_parser = Vary::read)]
-    vary: Vec<Vary>,
+    #[arg(long, required = true, value_name = "KEY=A,B,C|FROM..TO/COUNT", value_parser = Axis::read)]
+    vary: Vec<Axis>,
     #[command(flatten)]
     folder: FolderArguments,
     /// Print JSON.
@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
 /// A case that cannot run, the user has stopped it, the file system.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let (case, base) = (asked.of.case.clone(), asked.of.base());
-    let first = |all: Variant, one: &Vary| all.with(&one.key, &one.values[0]);
+    let first = |all: Variant, one: &Axis| all.with(&one.key, &one.values[0]);
     let standing = planned(&case, &asked.vary.iter().fold(base.clone(), first))?;
     crate::logging::warn_of_replaced(&standing.case);
     let begun = Study::new(&standing.plan, case.display().to_string(), &base, &asked.vary);

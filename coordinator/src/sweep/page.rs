@@ -2,10 +2,10 @@
 //! second one, a map over two.
 
 use super::study::{Row, Study};
-use super::vary::Vary;
 use crate::report::map::Heatmap;
 use crate::report::page::{Block, Mood, Page, Section};
 use crate::report::plot::Figure;
+use crate::study::axis::Axis;
 use crate::study::output::Shown;
 use crate::study::quantity::Quantity;
 use crate::study::table::{Cell, Column, Table};
@@ -107,8 +107,8 @@ type Numbers = (Vec<f64>, String);
 fn lines(
     study: &Study,
     of: &Quantity,
-    (n, along, (places, unit)): (usize, &Vary, Numbers),
-    each: Option<(usize, &Vary)>,
+    (n, along, (places, unit)): (usize, &Axis, Numbers),
+    each: Option<(usize, &Axis)>,
 ) -> Block {
     let values = || study.rows.iter().filter_map(|row| row.values.get(&of.key));
     let scale = of_key(&of.key, values().fold(0.0, |l: f64, v| l.max(v.abs())));
@@ -135,7 +135,7 @@ fn lines(
 }
 
 /// The quantity over two keys; `None` unless both are evenly spaced, as elements of a map are.
-fn map(study: &Study, of: &Quantity, [first, second]: [&Vary; 2]) -> Option<Heatmap> {
+fn map(study: &Study, of: &Quantity, [first, second]: [&Axis; 2]) -> Option<Heatmap> {
     let ((x, x_unit), (y, y_unit)) = (first.numbers()?, second.numbers()?);
     let borders = |places: &[f64]| {
         let step = (places.last()? - places[0]) / (places.len() as f64 - 1.0);

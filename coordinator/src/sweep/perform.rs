@@ -1,7 +1,7 @@
 //! The runs of a sweep, one after the other; what has been run is never run again.
 
 use super::study::{Row, Study};
-use super::vary::points;
+use crate::study::axis::points;
 use crate::study::folder::StudyFolder;
 use crate::study::levels::reason;
 use crate::study::output::Kept;

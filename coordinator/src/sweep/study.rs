@@ -1,7 +1,7 @@
 //! What a sweep has found so far: `sweep.json`, and `sweep.csv` for everything else.
 
-use super::vary::Vary;
 use crate::study::Variant;
+use crate::study::axis::Axis;
 use crate::study::output::Kept;
 use crate::study::quantity::Quantity;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ pub(crate) struct Study {
     /// What is changed for all runs, as options of `run`.
     pub options: Vec<String>,
     /// What varies.
-    pub vary: Vec<Vary>,
+    pub vary: Vec<Axis>,
     /// Keys of the quantities that are drawn: those that participants rank, or show large.
     pub drawn: Vec<String>,
     /// The quantities that the runs give, those of most interest first.
@@ -57,7 +57,7 @@ pub(crate) struct Row {
 impl Study {
     /// A sweep of which nothing has been run.
     #[must_use]
-    pub(super) fn new(plan: &run::plan::Plan, file: String, base: &Variant, vary: &[Vary]) -> Self {
+    pub(super) fn new(plan: &run::plan::Plan, file: String, base: &Variant, vary: &[Axis]) -> Self {
         let figures = plan.figures.iter().filter(|one| one.rank.is_some() || one.headline);
         Self {
             schema: Self::SCHEMA,

@@ -23,7 +23,12 @@ fn the_same_case_gives_the_same_bits() {
     let [a, b] = [result(&[]), result(&[])];
     let text = compared(&a, &b, &[]);
     assert!(text.contains("fields the same to the bit"), "{text}");
-    assert!(!text.contains('→') || text.contains("wall"), "{text}");
+    // Nothing but times has changed.
+    let changed = text.lines().take_while(|line| !line.starts_with("  time"));
+    assert!(
+        changed.clone().count() == 3 && changed.clone().all(|line| !line.contains('→')),
+        "{text}"
+    );
 }
 
 #[test]
@@ -39,17 +44,17 @@ fn what_differs_is_told_with_its_size_and_place() {
     let [hot, cold] = ["a", "b"].map(|of| rise[of].as_f64().unwrap());
     assert!((rise["relative"].as_f64().unwrap() - (cold - hot) / hot).abs() < 1e-12);
     let field = &of("fields", "field", "rail_temperature");
-    // One is the other by a factor, so that every norm is.
+    // Heat goes with V, and what it raises with its root: one field is the other times a factor, to
+    // rounding, and so is every norm of their difference.
     let ratio = 1.0 - cold / hot;
     let l2 = field["difference"]["l2"].as_f64().unwrap();
-    assert!((l2 / ratio - 1.0).abs() < 2e-2, "{l2} {ratio}");
+    assert!((l2 / ratio - 1.0).abs() < 1e-9, "{l2} {ratio}");
     // Nothing mechanical depends on the speed.
     assert!(told["same_fields"].as_u64().unwrap() >= 2, "{told}");
     let text = compared(&a, &b, &[]);
-    assert!(
-        text.contains("motion.speed") && text.lines().all(|line| line.chars().count() <= 90),
-        "{text}"
-    );
+    assert!(text.contains("motion.speed"), "{text}");
+    // The names of the folders stand alone on their lines.
+    assert!(text.lines().skip(2).all(|line| line.chars().count() <= 80), "{text}");
 }
 
 #[test]

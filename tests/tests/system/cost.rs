@@ -175,7 +175,8 @@ fn a_study_that_is_stopped_goes_on() {
     let ended = running.wait();
     assert_eq!(ended.code, Some(130), "{}", ended.stderr);
     let first = kept();
-    assert!(ended.stderr.contains(&format!("{} finished runs are kept", first.len())));
+    let told = format!("{} finished runs are kept", first.len());
+    assert!(ended.stderr.contains(&told), "{told}: {}", ended.stderr);
     let other = [&arguments[..], &["--set", "motion.speed=30"]].concat();
     let refused = place.start(&other).wait();
     assert_eq!(refused.code, Some(2), "another study: {}", refused.stderr);
@@ -220,7 +221,7 @@ fn what_cannot_be_studied_is_refused() {
                 .all(|name| { name == ".cosim-results" || name == "cost.unfinished.json" })
         );
     };
-    refused(&["--vary", "mech.resolution"], "--vary key=v1,v2");
+    refused(&["--vary", "mech.resolution"], "write KEY=A,B,C");
     refused(&["--quantity", "contact.colour"], "no run has the quantity `contact.colour`");
     refused(&["--reference", "x=y"], "is not KEY=NUMBER");
     refused(&["--set", "friction.coefficient=-1"], "friction.coefficient");

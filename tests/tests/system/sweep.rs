@@ -75,7 +75,7 @@ fn what_cannot_vary_is_told() {
         assert_eq!(ended.code, Some(2), "{vary}: {}", ended.stderr);
         assert!(ended.stderr.contains(text), "{vary}: {}", ended.stderr);
     };
-    told("motion.speed", "names no value");
+    told("motion.speed", "names no key with values");
     told("motion.speed=1..x/3", "an end that is no number");
     told("motion.sped=1,2", "motion.speed");
 }

@@ -21,7 +21,8 @@ pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> Str
     if let Some(title) = title {
         let _ = write!(out, " · {title}");
     }
-    let _ = writeln!(out, "\n  {}: {}", word("/status"), word("/reason"));
+    let status = format!("  {}: {}", word("/status"), word("/reason"));
+    let _ = writeln!(out, "\n{}", wrap::columns(&status));
     for warning in warnings::of_summary(summary) {
         let _ = writeln!(out, "{}", wrap::columns(&format!("  warning   {warning}")));
     }

@@ -1,0 +1,70 @@
+//! Values between two ends: `FROM..TO/COUNT`, evenly, or `FROM..TO/COUNTlog`, in a constant ratio.
+
+/// Most values.
+const MOST: u32 = 100_000;
+
+/// The values of a range, as a case would have them; `None` for a text that is no range.
+///
+/// # Errors
+/// What is wrong with it, after the text itself.
+pub(super) fn read(text: &str) -> Option<Result<Vec<String>, String>> {
+    let (ends, count) = text.rsplit_once('/')?;
+    let (from, to) = ends.split_once("..")?;
+    Some(values(from, to, count.trim()))
+}
+
+fn values(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    let (Some(from), Some(to)) = (number(from), number(to)) else {
+        return Err("has an end that is no number (a range has SI numbers)".to_owned());
+    };
+    let (count, log) = match count.strip_suffix("log") {
+        Some(count) => (count, true),
+        None => (count, false),
+    };
+    let count: u32 = count.parse().map_err(|_| "has a count that is no whole number".to_owned())?;
+    if !(2..=MOST).contains(&count) {
+        return Err(format!("has {count} values, and a range has 2 to {MOST}"));
+    }
+    if log && from * to <= 0.0 {
+        return Err("has ends without a ratio: they need one sign, and not 0".to_owned());
+    }
+    let value = |n: u32| {
+        let part = f64::from(n) / f64::from(count - 1);
+        let value = match (n, log) {
+            (0, _) => from,
+            (n, _) if n == count - 1 => to,
+            (_, true) => from * (to / from).powf(part),
+            (_, false) => from + part * (to - from),
+        };
+        // As written by hand: without what rounding adds.
+        let short: f64 = format!("{value:.12e}").parse().unwrap_or(value);
+        format!("{short:?}")
+    };
+    Ok((0..count).map(value).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_lie_between_two_ends() {
+        let of = |text: &str| read(text).map(Result::unwrap);
+        let some = |values: &[&str]| Some(values.iter().map(|v| (*v).to_owned()).collect());
+        assert_eq!(of("0.1..0.4/4"), some(&["0.1", "0.2", "0.3", "0.4"]));
+        assert_eq!(of("-10..50/4"), some(&["-10.0", "10.0", "30.0", "50.0"]));
+        assert_eq!(of("1..1e4/3log"), some(&["1.0", "100.0", "10000.0"]));
+        assert_eq!(of("-1..-4/3log"), some(&["-1.0", "-2.0", "-4.0"]));
+        assert_eq!(of("up/down,left"), None);
+        for (wrong, why) in [
+            ("1..x/3", "no number"),
+            ("1..inf/3", "no number"),
+            ("1..2/1", "has 1 values"),
+            ("1..2/2.5", "no whole number"),
+            ("-1..2/4log", "without a ratio"),
+        ] {
+            assert!(read(wrong).unwrap().unwrap_err().contains(why), "{wrong}");
+        }
+    }
+}
