@@ -24,6 +24,7 @@
 mod advice;
 pub mod axle;
 mod carried;
+mod curve;
 pub mod effects;
 mod ellipse;
 pub mod entry;
@@ -40,6 +41,7 @@ mod resolution;
 pub mod scene;
 mod situation;
 mod slip;
+mod softening;
 mod state;
 mod strips;
 mod support;

@@ -12,6 +12,7 @@
 //! | `Adhesion` | that surfaces may stick | the tangential contact; without it all of the contact slides |
 //! | `Layer` | a tangential flexibility [m/Pa], in series | the displacement difference |
 //! | `Expansion` | coefficients of thermal expansion [1/K] | the undeformed distance, or the stress of finite elements |
+//! | `Softening` | stiffness and yield stress over temperature | the stress of finite elements |
 //! | `Flow` | how the material of each body flows | the stress of finite elements |
 //! | `Axle` | a mass that carries the load, and what it runs over | the height of the upper body |
 //! | `HeatShare` | a factor | the friction power that is provided as heat |
@@ -27,6 +28,7 @@ use crate::axle::Axle;
 use crate::explicit::kernel::Flow;
 use crate::removal::Removal;
 use crate::slip::RigidSlip;
+use crate::softening::Softening;
 use proto::configuration::Refusal;
 use proto::field::FieldSpec;
 use proto::grid::Structured;
@@ -50,6 +52,8 @@ pub enum Kind {
     Layer,
     /// Materials that expand where they are warm.
     Expansion,
+    /// Materials that are softer where they are warm.
+    Softening,
     /// Materials that flow.
     Flow,
     /// What carries the load, and runs over irregularities.
@@ -158,6 +162,7 @@ pub(crate) struct Terms {
     pub(crate) adhesion: bool,
     pub(crate) layers: Vec<f64>,
     pub(crate) expansion: Option<[f64; 2]>,
+    pub(crate) softening: [Option<Softening>; 2],
     pub(crate) flow: [Option<Flow>; 2],
     pub(crate) axle: Option<Axle>,
     pub(crate) heat_shares: Vec<f64>,
@@ -174,6 +179,9 @@ impl Terms {
         self.pressure_bounds.extend(more.pressure_bounds);
         self.adhesion |= more.adhesion;
         self.layers.extend(more.layers);
+        for (own, more) in self.softening.iter_mut().zip(more.softening) {
+            *own = own.take().or(more);
+        }
         for (own, more) in self.flow.iter_mut().zip(more.flow) {
             *own = own.or(more);
         }
@@ -228,7 +236,17 @@ impl Terms {
 
     /// The contact depends on what comes in.
     pub(crate) fn follow_inputs(&self) -> bool {
-        self.friction.iter().any(|term| term.follows_inputs()) || self.expansion.is_some()
+        self.friction.iter().any(|term| term.follows_inputs()) || self.warms()
+    }
+
+    /// Materials expand or soften where they are warm.
+    pub(crate) fn warms(&self) -> bool {
+        self.expansion.is_some() || self.softens()
+    }
+
+    /// A material softens where it is warm.
+    pub(crate) fn softens(&self) -> bool {
+        self.softening.iter().any(Option::is_some)
     }
 
     /// Flexibility of all layers together [m/Pa].

@@ -105,3 +105,52 @@ fn below_the_yield_stress_it_is_elastic() {
     }
     assert_eq!(one.plastic_work(8), [0.0; 2]);
 }
+
+/// A bar all of which has a share of its stiffness and one of its yield stress is one of that stiffness, those moduli of hardening
+/// and that yield stress. Rounding.
+#[test]
+fn softer_is_less_stiff_and_yields_sooner() {
+    let [stiffness, yields] = [0.75, 0.5];
+    let flow = Flow { yield_stress: 240e6, hardening: [8e9, 12e9] };
+    let mut warm = bar(Some(flow));
+    warm.soften(|_, _, _| Ok::<_, ()>([stiffness, yields])).unwrap();
+    let softer = Flow {
+        yield_stress: yields * flow.yield_stress,
+        hardening: flow.hardening.map(|modulus| stiffness * modulus),
+    };
+    let solid =
+        Solid { lame: warm.solid.lame.map(|l| stiffness * l), flow: Some(softer), ..warm.solid };
+    let mut other = Block::new(16, 1e-3, warm.section.clone(), solid, Held::Nothing);
+    for part in [0.3, 1.0, 4.0, -2.0, 6.0] {
+        let gamma = part * 1e-3;
+        let (a, b) = (shear_stress(&mut warm, gamma), shear_stress(&mut other, gamma));
+        assert!((a / b - 1.0).abs() < 1e-12, "{part}: {a:e} {b:e}");
+    }
+    assert!(warm.plastic_work(8)[1] > 1e-3);
+    let (one, two) = (warm.elastic_energy(), other.elastic_energy());
+    assert!((one[0] / two[0] - 1.0).abs() < 1e-12, "{one:?} {two:?}");
+}
+
+/// Shares stay where they are while the material goes back: those of a straight line are met between two places of the columns
+/// as at them, and so is the mean of both elements at a node. Tolerance: stress along, γ²/2 of Green's strain, differs between
+/// both elements; a quarter of an element is 7e-3.
+#[test]
+fn shares_stay_in_their_place() {
+    let share = |x: f64| 0.7 - 20.0 * x;
+    let gamma = 1e-3;
+    let cold = shear_stress(&mut bar(None), gamma);
+    let mut block = bar(None);
+    block
+        .soften(|x, y, depth| {
+            assert!((y - 0.5e-3).abs() < 1e-15 && (depth - 1e-3).abs() < 1e-15);
+            Ok::<_, ()>([share(x), 1.0])
+        })
+        .unwrap();
+    for way in [0.0, 0.25e-3, 0.5e-3, 0.3e-3] {
+        block.travel(way);
+        let stress = shear_stress(&mut block, gamma);
+        let expected = share(block.place(8)) * cold;
+        assert!((stress / expected - 1.0).abs() < 1e-4, "{way}: {stress:e} {expected:e}");
+    }
+    assert!(block.soften(|_, _, _| Err("beyond")).is_err());
+}

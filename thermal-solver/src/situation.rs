@@ -93,6 +93,14 @@ impl<'a> Situation<'a> {
         advice.moves(self.rise_of(body), if counts { relative } else { 0.0 })
     }
 
+    /// Rise of a body behind the contact, integrated over its depth [K·m]: heat per area over its capacity.
+    #[must_use]
+    pub fn rise_integral(&self, body: usize) -> f64 {
+        let (material, [_, b]) = (&self.scene.materials[body], self.semi_axes);
+        let swept = self.speeds[body] * 0.5 * PI * b;
+        self.heat[body] / (swept * material.density * material.specific_heat)
+    }
+
     /// Va/(2κ) of a body.
     #[must_use]
     pub fn peclet(&self, body: usize) -> f64 {

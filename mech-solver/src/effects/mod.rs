@@ -12,6 +12,7 @@ pub mod subsurface_stress;
 pub mod suspension;
 pub mod temperature_friction;
 pub mod thermal_expansion;
+pub mod thermal_softening;
 pub mod third_body_layer;
 pub mod viscous_layer;
 pub mod wear;
@@ -33,6 +34,7 @@ pub const EFFECTS: &[Effect] = &[
     suspension::EFFECT,
     temperature_friction::EFFECT,
     thermal_expansion::EFFECT,
+    thermal_softening::EFFECT,
     third_body_layer::EFFECT,
     viscous_layer::EFFECT,
     wear::EFFECT,

@@ -17,6 +17,7 @@
 //! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over the
 //! slip velocity.
 
+use crate::curve::Curve;
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::situation::{POWER, Situation};
@@ -52,9 +53,6 @@ const BEYOND: &str = "effects.temperature_friction.beyond";
 
 /// The surfaces whose temperatures count.
 const SURFACES: [FieldSpec; 2] = [field::UPPER_TEMPERATURE, field::LOWER_TEMPERATURE];
-/// Larger files are refused.
-const MOST_BYTES: u64 = 1 << 24;
-
 fn keys() -> Vec<KeySpec> {
     const LAW: &str = "effects.temperature_friction.law";
     vec![
@@ -81,13 +79,8 @@ enum FrictionLaw {
         /// T_c [K].
         scale: f64,
     },
-    /// Straight lines between points.
-    Table {
-        /// Temperature rises [K], rising, and coefficients.
-        points: Vec<(f64, f64)>,
-        /// The first and last coefficient hold beyond the table.
-        clamp: bool,
-    },
+    /// Coefficients over temperature rises [K].
+    Table(Curve<1>),
 }
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
@@ -98,12 +91,15 @@ fn read(params: &Params) -> Result<FrictionLaw, Refusal> {
     let case = CheckedParams::new(params, keys());
     if case.has(TABLE) {
         let path = case.text(TABLE)?;
-        let points = read_table(Path::new(path)).map_err(|reason| {
+        let clamps = case.text(BEYOND)? == "clamp";
+        let curve = Curve::read(Path::new(path), clamps, |[friction]| match *friction > 0.0 {
+            true => Ok(()),
+            false => Err("has no friction coefficient above 0".to_owned()),
+        });
+        return curve.map(FrictionLaw::Table).map_err(|reason| {
             let fix = "give lines of two numbers, temperature rising";
             Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
-        })?;
-        let clamp = case.text(BEYOND)? == "clamp";
-        return Ok(FrictionLaw::Table { points, clamp });
+        });
     }
     Ok(FrictionLaw::Decay { hot: case.number(LIMIT)?, scale: case.number(DECAY)? })
 }
@@ -113,21 +109,7 @@ impl FrictionLaw {
     fn coefficient(&self, cold: f64, temperature: f64) -> Option<f64> {
         match self {
             Self::Decay { hot, scale } => Some(hot + (cold - hot) * (-temperature / scale).exp()),
-            Self::Table { points, clamp } => {
-                let right = points.partition_point(|(at, _)| *at <= temperature);
-                let (first, last) = (points[0], points[points.len() - 1]);
-                if temperature == last.0 {
-                    return Some(last.1);
-                }
-                match right {
-                    0 => clamp.then_some(first.1),
-                    _ if right == points.len() => clamp.then_some(last.1),
-                    _ => {
-                        let ((t0, f0), (t1, f1)) = (points[right - 1], points[right]);
-                        Some(f0 + (f1 - f0) * (temperature - t0) / (t1 - t0))
-                    }
-                }
-            }
+            Self::Table(curve) => curve.at(temperature).map(|[friction]| friction),
         }
     }
 }
@@ -156,42 +138,6 @@ impl FrictionTerm for FrictionLaw {
     fn shortfall(&self) -> &'static str {
         "the contact is too hot for the force"
     }
-}
-
-/// Lines of two numbers; `#` begins a comment.
-fn read_table(path: &Path) -> Result<Vec<(f64, f64)>, String> {
-    let bytes = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-    if bytes > MOST_BYTES {
-        return Err(format!("has {bytes} bytes"));
-    }
-    parse_table(&std::fs::read(path).map_err(|error| error.to_string())?)
-}
-
-fn parse_table(text: &[u8]) -> Result<Vec<(f64, f64)>, String> {
-    let text = std::str::from_utf8(text).map_err(|_| "is not text".to_owned())?;
-    let mut points: Vec<(f64, f64)> = Vec::new();
-    for (line, number) in text.lines().zip(1..) {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        if line.is_empty() {
-            continue;
-        }
-        let words: Vec<f64> = line
-            .split([',', ' ', '\t'])
-            .filter(|word| !word.is_empty())
-            .map_while(|word| word.parse().ok().filter(|value: &f64| value.is_finite()))
-            .collect();
-        match words[..] {
-            [_, friction] if friction <= 0.0 => {
-                return Err(format!("has no friction coefficient above 0 in line {number}"));
-            }
-            [temperature, _] if points.last().is_some_and(|(last, _)| temperature <= *last) => {
-                return Err(format!("does not rise in line {number}"));
-            }
-            [temperature, friction] => points.push((temperature, friction)),
-            _ => return Err(format!("is not two numbers in line {number}")),
-        }
-    }
-    if points.is_empty() { Err("has no line".to_owned()) } else { Ok(points) }
 }
 
 /// Friction of hot steel over that of cold, where the case has no law.
@@ -228,7 +174,6 @@ fn advise(situation: &Situation<'_>) -> Advice {
 mod tests {
     use super::*;
     use crate::slip::RigidSlip;
-    use proptest::prelude::*;
     use proto::grid::Structured;
     use proto::model::Inputs;
 
@@ -244,24 +189,8 @@ mod tests {
         assert!((value - (0.2 + 0.4 / std::f64::consts::E)).abs() < 1e-15);
     }
 
-    #[test]
-    fn table_lines_and_ends() {
-        let points = parse_table(b"# rise, f\n0, 0.5\n100 0.3\n200\t0.2 # hot\n").unwrap();
-        let law = |clamp| FrictionLaw::Table { points: points.clone(), clamp };
-        assert_eq!(law(false).coefficient(0.6, 50.0), Some(0.4));
-        assert_eq!(law(false).coefficient(0.6, 200.0), Some(0.2));
-        assert_eq!(
-            (law(false).coefficient(0.6, 201.0), law(false).coefficient(0.6, -1.0)),
-            (None, None)
-        );
-        assert_eq!(law(true).coefficient(0.6, 1e9), Some(0.2));
-        assert_eq!(law(true).coefficient(0.6, -1.0), Some(0.5));
-        for (text, part) in
-            [("", "no line"), ("1,2\n1,2", "line 2"), ("1", "line 1"), ("0,0", "above 0")]
-        {
-            let error = parse_table(text.as_bytes()).unwrap_err();
-            assert!(error.contains(part), "{error}");
-        }
+    fn table(lines: &[u8]) -> FrictionLaw {
+        FrictionLaw::Table(Curve::of(lines, false, |_| Ok(())).unwrap())
     }
 
     struct Surfaces(proto::grid::Grid, Vec<f64>);
@@ -276,7 +205,7 @@ mod tests {
     /// rather than misread.
     #[test]
     fn friction_follows_a_grid_that_moves() {
-        let mut law = FrictionLaw::Table { points: vec![(0.0, 1.0), (10.0, 2.0)], clamp: false };
+        let mut law = table(b"0 1\n10 2");
         let own = Structured::contact_plane(0.0, 0.0, 0.5, 0.5, 3, 2);
         let mut friction = vec![0.6; 6];
         for shift in [0.0, 0.25] {
@@ -302,21 +231,10 @@ mod tests {
         let grid = proto::grid::Grid::structured("contact", own);
         let surfaces = Surfaces(grid, vec![-1e6; 6]);
         let decay = FrictionLaw::Decay { hot: 0.0, scale: 10.0 };
-        let table = FrictionLaw::Table { points: vec![(0.0, 0.6), (10.0, 0.2)], clamp: false };
-        for mut law in [decay, table] {
+        for mut law in [decay, table(b"0 0.6\n10 0.2")] {
             let mut friction = vec![0.6; 6];
             law.apply(&rubbing(&surfaces, &own), &mut friction).unwrap();
             assert_eq!(friction, [0.6; 6]);
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..100), t in -1e6f64..1e6) {
-            if let Ok(points) = parse_table(&bytes) {
-                let law = FrictionLaw::Table { points, clamp: true };
-                prop_assert!(law.coefficient(0.6, t).is_some_and(|f| f > 0.0));
-            }
         }
     }
 }

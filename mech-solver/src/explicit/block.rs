@@ -19,6 +19,26 @@ const HOURGLASS: f64 = 0.175;
 const POWER_ITERATIONS: usize = 60;
 const POWER_MARGIN: f64 = 1.03;
 
+/// Something of a kernel whose constants are whether elements are curved, flow, and are softer than their row.
+macro_rules! of_facts {
+    ($facts:expr, $kernel:ident $fields:tt, |$it:ident| $use:expr) => {
+        match $facts {
+            [false, false, false] => of_facts!(@ $kernel [false, false, false] $fields, $it, $use),
+            [true, false, false] => of_facts!(@ $kernel [true, false, false] $fields, $it, $use),
+            [false, true, false] => of_facts!(@ $kernel [false, true, false] $fields, $it, $use),
+            [true, true, false] => of_facts!(@ $kernel [true, true, false] $fields, $it, $use),
+            [false, false, true] => of_facts!(@ $kernel [false, false, true] $fields, $it, $use),
+            [true, false, true] => of_facts!(@ $kernel [true, false, true] $fields, $it, $use),
+            [false, true, true] => of_facts!(@ $kernel [false, true, true] $fields, $it, $use),
+            [true, true, true] => of_facts!(@ $kernel [true, true, true] $fields, $it, $use),
+        }
+    };
+    (@ $kernel:ident [$curved:tt, $flows:tt, $softer:tt] { $($field:ident),* }, $it:ident, $use:expr) => {{
+        let $it = $kernel::<$curved, $flows, $softer> { $($field),* };
+        $use
+    }};
+}
+
 /// What a body is made of, and where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid {
@@ -70,6 +90,8 @@ pub struct Block {
     pub behind: f64,
     /// What expands, if anything does.
     expansion: Option<Expansion>,
+    /// What is softer than it is cold, if anything is.
+    softening: Option<Softening>,
     /// Forces on a plane of nodes: of the layer above it, of the one below, on the plane below that one.
     planes: [[Vec<f64>; 3]; 3],
 }
@@ -119,6 +141,7 @@ impl Block {
             damping: 0.0,
             behind: 0.0,
             expansion: None,
+            softening: None,
             planes: std::array::from_fn(|_| nodes(1)),
         }
     }
@@ -142,6 +165,7 @@ impl Block {
             damping: 0.0,
             behind: 0.0,
             expansion: None,
+            softening: None,
             planes: Default::default(),
         };
         std::mem::replace(self, nothing)
@@ -180,7 +204,7 @@ impl Block {
     }
 
     /// Lets its first layer expand: `stretch` is the strain without stress, integrated over the depth [m], at a place
-    /// (x, y) [m] of the contact, where it stays while the material goes back.
+    /// (x, y) [m] of the contact, where it stays while the material goes back. What softens has to be known before.
     pub fn expand(&mut self, stretch: impl Fn(f64, f64) -> f64) {
         let ([columns, across, _], stride) = (self.counts, self.stride);
         let [lambda, mu] = self.solid.lame;
@@ -193,7 +217,11 @@ impl Block {
             let divergence = self.stiffness[row].shape.divergence();
             for column in 0..columns {
                 let x = first + (column as f64 + 0.5) * self.length;
-                let push = -(3.0 * lambda + 2.0 * mu) * area * stretch(x, 0.5 * (y0 + y1));
+                let share = self
+                    .softening
+                    .as_ref()
+                    .map_or(1.0, |softening| softening.shares[0][row * columns + column]);
+                let push = -share * (3.0 * lambda + 2.0 * mu) * area * stretch(x, 0.5 * (y0 + y1));
                 for (end, of_end) in divergence.iter().enumerate() {
                     for (corner, weights) in of_end.iter().enumerate() {
                         let at = (row + corner % 2) * stride + column + end;
@@ -205,6 +233,32 @@ impl Block {
             }
         }
         self.expansion = Some(Expansion { forces });
+    }
+
+    /// Lets its first layer be softer: `shares` are those of its stiffness and of its yield stress, above 0 and 1 at most, at a
+    /// place (x, y) [m] of the contact where the layer is so deep [m]. They stay there while the material goes back.
+    ///
+    /// # Errors
+    /// Those of `shares`.
+    pub fn soften<E>(
+        &mut self,
+        mut shares: impl FnMut(f64, f64, f64) -> Result<[f64; 2], E>,
+    ) -> Result<(), E> {
+        let [columns, across, _] = self.counts;
+        let mut all = [0, 1].map(|_| Vec::with_capacity(across * columns));
+        let first = -0.5 * columns as f64 * self.length;
+        for row in 0..across {
+            let [[y0, z0], [y1, z1], [_, z2], [_, z3]] = self.section.corners(row, 0);
+            let depth = 0.5 * (z2 - z0 + z3 - z1);
+            for column in 0..columns {
+                let x = first + (column as f64 + 0.5) * self.length;
+                let of_element = shares(x, 0.5 * (y0 + y1), depth)?;
+                all.iter_mut().zip(of_element).for_each(|(all, share)| all.push(share));
+            }
+        }
+        let now = all.clone();
+        self.softening = Some(Softening { shares: all, now });
+        Ok(())
     }
 
     /// Adds what the expansion does to a plane of nodes to those forces.
@@ -226,6 +280,9 @@ impl Block {
             force.fill(0.0);
         }
         self.add_expansion(0, 0);
+        if let Some(softening) = &mut self.softening {
+            softening.follow(self.counts[0], self.behind / self.length);
+        }
         for layer in 0..deep {
             self.resist(layer);
             if layer == 0 {
@@ -276,8 +333,17 @@ impl Block {
         let [elements, across, _] = self.counts;
         let plane = (across + 1) * self.stride;
         let Self {
-            planes: [_, own, below], damped, stiffness, stride, plastic, solid, arch, ..
+            planes: [_, own, below],
+            damped,
+            stiffness,
+            stride,
+            plastic,
+            softening,
+            solid,
+            arch,
+            ..
         } = self;
+        let softening = softening.as_ref().filter(|_| layer == 0);
         let of_row = if plastic.is_empty() { 0 } else { PLASTIC * elements };
         own.iter_mut().chain(below.iter_mut()).for_each(|force| force.fill(0.0));
         let [ox, oy, oz] = own;
@@ -292,13 +358,10 @@ impl Block {
             let force = [[x0, y0, z0], [x1, y1, z1], [x2, y2, z2], [x3, y3, z3]];
             let at = layer * across + row;
             let plastic = &mut plastic[at * of_row..(at + 1) * of_row];
-            let row = Row { elements, stiffness: &stiffness[at], displacement };
-            match (solid.radius.is_finite(), solid.flow.is_some()) {
-                (true, false) => arch.dispatch(Forces::<true, false> { row, force, plastic }),
-                (false, false) => arch.dispatch(Forces::<false, false> { row, force, plastic }),
-                (true, true) => arch.dispatch(Forces::<true, true> { row, force, plastic }),
-                (false, true) => arch.dispatch(Forces::<false, true> { row, force, plastic }),
-            }
+            let shares = softening.map_or([&[][..]; 2], |softer| softer.of_row(row, elements));
+            let row = Row { elements, stiffness: &stiffness[at], displacement, shares };
+            let facts = [solid.radius.is_finite(), solid.flow.is_some(), softening.is_some()];
+            of_facts!(facts, Forces { row, force, plastic }, |forces| arch.dispatch(forces));
         }
     }
 
@@ -313,13 +376,13 @@ impl Block {
             let plastic = &self.plastic[row * of_row..(row + 1) * of_row];
             let start = row / across * plane + row % across * self.stride;
             let displacement = rows_of(&self.damped, start, plane, self.stride);
-            let row = Row { elements, stiffness, displacement };
-            let energy = match (self.solid.radius.is_finite(), self.solid.flow.is_some()) {
-                (true, false) => self.arch.dispatch(Energy::<true, false> { row, plastic }),
-                (false, false) => self.arch.dispatch(Energy::<false, false> { row, plastic }),
-                (true, true) => self.arch.dispatch(Energy::<true, true> { row, plastic }),
-                (false, true) => self.arch.dispatch(Energy::<false, true> { row, plastic }),
-            };
+            let softening = self.softening.as_ref().filter(|_| row < across);
+            let shares = softening.map_or([&[][..]; 2], |softer| softer.of_row(row, elements));
+            let row = Row { elements, stiffness, displacement, shares };
+            let solid = &self.solid;
+            let facts = [solid.radius.is_finite(), solid.flow.is_some(), softening.is_some()];
+            let energy =
+                of_facts!(facts, Energy { row, plastic }, |energy| self.arch.dispatch(energy));
             sums.iter_mut().zip(energy).for_each(|(sum, energy)| *sum += energy);
         }
         sums
@@ -436,6 +499,32 @@ impl Block {
 struct Expansion {
     /// On the first and the second plane of nodes [N], where columns are at their places.
     forces: [[Vec<f64>; 3]; 2],
+}
+
+/// Shares of the stiffness and of the yield stress in the first layer: row of elements after row.
+struct Softening {
+    /// Where columns are at their places.
+    shares: [Vec<f64>; 2],
+    /// Where the columns are now.
+    now: [Vec<f64>; 2],
+}
+
+impl Softening {
+    /// Follows columns that are behind their places by a part of an element.
+    fn follow(&mut self, columns: usize, part: f64) {
+        for (now, from) in self.now.iter_mut().zip(&self.shares) {
+            for (now, from) in now.chunks_exact_mut(columns).zip(from.chunks_exact(columns)) {
+                now[0] = from[0];
+                for (now, pair) in now[1..].iter_mut().zip(from.windows(2)) {
+                    *now = part * pair[0] + (1.0 - part) * pair[1];
+                }
+            }
+        }
+    }
+
+    fn of_row(&self, row: usize, elements: usize) -> [&[f64]; 2] {
+        self.now.each_ref().map(|now| &now[row * elements..(row + 1) * elements])
+    }
 }
 
 /// A step of a row of nodes in one direction.

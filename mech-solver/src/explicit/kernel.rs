@@ -13,6 +13,9 @@
 //! for linear kinematic hardening makes the back stress (2/3) H_k e. What was plastically done is
 //! σ_y κ + H_i κ²/2 + H_k e:e/3, whatever the way (Simo & Hughes, Computational Inelasticity (1998), box 3.1).
 //!
+//! Elements that are softer by a share s of their stiffness and yield at a share r of their yield stress have sλ, sμ, a bound of
+//! √(2/3) (r σ_y + s H_i κ)/2sμ, and sk: moduli of hardening fall with the stiffness.
+//!
 //! In a body that rolls, the nodes of the two ends have their displacements in directions that are turned by half an angle to
 //! either side of the middle's.
 //!
@@ -76,10 +79,12 @@ pub struct Row<'a> {
     pub stiffness: &'a Stiffness,
     /// Displacements [m].
     pub displacement: Rows<&'a [f64]>,
+    /// Shares of the stiffness and of the yield stress that each element has; of a row that has all of both, nothing.
+    pub shares: [&'a [f64]; 2],
 }
 
 /// Adds the forces of a row [N] to those of its rows of nodes.
-pub struct Forces<'a, const CURVED: bool, const FLOWS: bool> {
+pub struct Forces<'a, const CURVED: bool, const FLOWS: bool, const SOFTER: bool> {
     /// The row.
     pub row: Row<'a>,
     /// Forces by which the nodes resist.
@@ -89,14 +94,16 @@ pub struct Forces<'a, const CURVED: bool, const FLOWS: bool> {
 }
 
 /// The elastic energy of a row [J]: of the strain, and of the hourglass modes.
-pub struct Energy<'a, const CURVED: bool, const FLOWS: bool> {
+pub struct Energy<'a, const CURVED: bool, const FLOWS: bool, const SOFTER: bool> {
     /// The row.
     pub row: Row<'a>,
     /// As for the forces.
     pub plastic: &'a [f64],
 }
 
-impl<const CURVED: bool, const FLOWS: bool> WithSimd for Forces<'_, CURVED, FLOWS> {
+impl<const CURVED: bool, const FLOWS: bool, const SOFTER: bool> WithSimd
+    for Forces<'_, CURVED, FLOWS, SOFTER>
+{
     type Output = ();
 
     #[inline(always)]
@@ -104,7 +111,8 @@ impl<const CURVED: bool, const FLOWS: bool> WithSimd for Forces<'_, CURVED, FLOW
         let Self { row, force, plastic } = self;
         let lanes = S::F64_LANES;
         let groups = row.elements / lanes;
-        let material = Material::new(s, row.stiffness);
+        let whole = Material::new(s, row.stiffness);
+        let shares = row.shares.map(|shares| S::as_simd_f64s(shares).0);
         let [near, far] = [0, 1].map(|from| views::<S>(&row.displacement, from, groups));
         let mut out = force.map(|row| row.map(|row| &mut S::as_mut_simd_f64s(row).0[..=groups]));
         let plastic = S::as_mut_simd_f64s(plastic).0;
@@ -114,20 +122,27 @@ impl<const CURVED: bool, const FLOWS: bool> WithSimd for Forces<'_, CURVED, FLOW
         let mut carried = [[zero; 3]; 4];
         #[allow(clippy::needless_range_loop, reason = "it indexes rows of six vectors alike")]
         for group in 0..groups {
-            let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, &material);
+            let own;
+            let material = if SOFTER {
+                own = whole.softer(s, shares[0][group], shares[1][group]);
+                &own
+            } else {
+                &whole
+            };
+            let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, material);
             let mut strains = [zero; PLASTIC];
             if FLOWS {
                 for (k, strain) in strains.iter_mut().enumerate() {
                     *strain = plastic[k * groups + group];
                 }
             }
-            let Answer { mut ends, .. } = answer::<S, FLOWS>(s, &material, &ends, &mut strains);
+            let Answer { mut ends, .. } = answer::<S, FLOWS>(s, material, &ends, &mut strains);
             if FLOWS {
                 for (k, strain) in strains.iter().enumerate() {
                     plastic[k * groups + group] = *strain;
                 }
             }
-            ends = ends.turned_back::<CURVED>(s, &material);
+            ends = ends.turned_back::<CURVED>(s, material);
             for corner in 0..4 {
                 for k in 0..3 {
                     let (sum, difference) = (ends.sum[corner][k], ends.difference[corner][k]);
@@ -146,7 +161,9 @@ impl<const CURVED: bool, const FLOWS: bool> WithSimd for Forces<'_, CURVED, FLOW
     }
 }
 
-impl<const CURVED: bool, const FLOWS: bool> WithSimd for Energy<'_, CURVED, FLOWS> {
+impl<const CURVED: bool, const FLOWS: bool, const SOFTER: bool> WithSimd
+    for Energy<'_, CURVED, FLOWS, SOFTER>
+{
     type Output = [f64; 2];
 
     #[inline(always)]
@@ -154,15 +171,23 @@ impl<const CURVED: bool, const FLOWS: bool> WithSimd for Energy<'_, CURVED, FLOW
         let Self { row, plastic } = self;
         let plastic = S::as_simd_f64s(plastic).0;
         let groups = row.elements / S::F64_LANES;
-        let material = Material::new(s, row.stiffness);
+        let whole = Material::new(s, row.stiffness);
+        let shares = row.shares.map(|shares| S::as_simd_f64s(shares).0);
         let [near, far] = [0, 1].map(|from| views::<S>(&row.displacement, from, groups));
         let mut sums = [s.splat_f64s(0.0); 2];
         for group in 0..groups {
-            let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, &material);
+            let own;
+            let material = if SOFTER {
+                own = whole.softer(s, shares[0][group], shares[1][group]);
+                &own
+            } else {
+                &whole
+            };
+            let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, material);
             let strain =
                 |k: usize| if FLOWS { plastic[k * groups + group] } else { s.splat_f64s(0.0) };
             let mut strains = std::array::from_fn(strain);
-            let Answer { energy, .. } = answer::<S, FLOWS>(s, &material, &ends, &mut strains);
+            let Answer { energy, .. } = answer::<S, FLOWS>(s, material, &ends, &mut strains);
             for k in 0..2 {
                 sums[k] = s.add_f64s(sums[k], energy[k]);
             }
@@ -179,6 +204,7 @@ fn views<'a, S: Simd>(rows: &Rows<&'a [f64]>, from: usize, groups: usize) -> Row
 }
 
 /// The constants of a row, in every lane.
+#[derive(Clone, Copy)]
 struct Material<S: Simd> {
     along: [S::f64s; 4],
     across: [[S::f64s; 3]; 2],
@@ -204,6 +230,21 @@ impl<S: Simd> Material<S> {
             hourglass: all(*hourglass),
             flow: flow.map(all),
             turn: [all(shape.half_angle.cos()), all(shape.half_angle.sin())],
+        }
+    }
+}
+
+impl<S: Simd> Material<S> {
+    /// Of elements with shares of its stiffness and of its yield stress.
+    #[inline(always)]
+    fn softer(&self, s: S, stiffness: S::f64s, yields: S::f64s) -> Self {
+        let [stress, isotropic, kinematic] = self.flow;
+        let stress = s.mul_f64s(stress, s.div_f64s(yields, stiffness));
+        Self {
+            lame: self.lame.map(|lame| s.mul_f64s(stiffness, lame)),
+            hourglass: s.mul_f64s(stiffness, self.hourglass),
+            flow: [stress, isotropic, kinematic],
+            ..*self
         }
     }
 }

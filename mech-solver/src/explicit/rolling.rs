@@ -155,6 +155,20 @@ impl Rolling {
         }
     }
 
+    /// Lets the first layers of the upper and the lower body be softer ([`Block::soften`]).
+    ///
+    /// # Errors
+    /// Those of `shares`.
+    pub fn soften<E>(
+        &mut self,
+        mut shares: impl FnMut(usize, f64, f64, f64) -> Result<[f64; 2], E>,
+    ) -> Result<(), E> {
+        self.bodies
+            .iter_mut()
+            .enumerate()
+            .try_for_each(|(which, body)| body.soften(|x, y, depth| shares(which, x, y, depth)))
+    }
+
     /// What follows begins in steady rolling, of which these are means.
     pub fn begin(&mut self, means: &Means) {
         let [upper, lower] = self.motion.travelled;

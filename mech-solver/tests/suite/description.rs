@@ -88,6 +88,9 @@ fn support_agrees_with_configure() {
             case["materials"]["steel"]["yield_stress"] = json!(1e9);
             case["materials"]["steel"]["thermal_expansion"] = json!(1e-5);
             case["materials"]["steel"]["wear_per_joule"] = json!(1e-12);
+            let softer =
+                concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/materials/steel-softening.csv");
+            case["materials"]["steel"]["softening_table"] = json!(softer);
             // An effect's required parameters are quantities, of its alternatives one is: a pressure of
             // 1 GPa, of any other unit a small positive number.
             let needed = |key: &&KeySpec| key.required || key.one_of.is_some();

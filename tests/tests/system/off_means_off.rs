@@ -102,6 +102,7 @@ an_effect_that_is_off_leaves_no_trace! {
     an_effect_that_is_off_leaves_no_trace_in_a_white_layer("white-etching-layer.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_in_a_resting_contact("electric-contact.toml", &["friction_heat", "partial_slip"]);
     an_effect_that_is_off_leaves_no_trace_over_a_joint("rail-joint.toml", &["friction_heat", "partial_slip"]);
+    an_effect_that_is_off_leaves_no_trace_in_steel_that_softens("softening.toml", &["friction_heat", "partial_slip", "plasticity"]);
     an_effect_that_is_off_leaves_no_trace_in_steel_that_flows("yielding.toml", &["friction_heat", "partial_slip"]);
 }
 

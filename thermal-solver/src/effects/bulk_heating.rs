@@ -19,7 +19,7 @@
 
 use crate::effects::contact_conductance;
 use crate::effects::friction_heat::{self, Partition};
-use crate::effects::thermal_expansion;
+use crate::effects::integrated;
 use crate::models::names;
 use crate::scene::Scene;
 use crate::situation::Situation;
@@ -124,10 +124,10 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<[Memory; 2], Refusal
             "write a motion.speed above 0, or remove the effect",
         ));
     }
-    if given.has_effect(thermal_expansion::NAME) {
+    if let Some(effect) = integrated::active(given) {
         return Err(Refusal::new(
-            &format!("effects.{}", thermal_expansion::NAME),
-            "by how much earlier passages have raised the surface is not found",
+            &format!("effects.{effect}"),
+            "how much heat earlier passages have left below the surface is not found",
             "remove it, or [effects.bulk_heating]",
         ));
     }

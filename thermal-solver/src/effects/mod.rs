@@ -4,11 +4,13 @@ pub mod bulk_heating;
 pub mod contact_conductance;
 pub mod convection;
 pub mod friction_heat;
+pub mod integrated;
 pub mod joule_heat;
 pub mod phase_transformation;
 pub mod radiation;
 pub mod temperature_material;
 pub mod thermal_expansion;
+pub mod thermal_softening;
 pub mod volume_temperature;
 
 use crate::fe::conductor::Surroundings;
@@ -46,6 +48,11 @@ pub const REGISTRY: &[Effect] = &[
         name: thermal_expansion::NAME,
         spec: thermal_expansion::spec,
         advise: Some(thermal_expansion::advise),
+    },
+    Effect {
+        name: thermal_softening::NAME,
+        spec: thermal_softening::spec,
+        advise: Some(thermal_softening::advise),
     },
     Effect {
         name: contact_conductance::NAME,

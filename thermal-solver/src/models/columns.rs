@@ -95,7 +95,7 @@ impl Conduction for Columns {
     const TRANSIENT: bool = true;
     const AT_REST: bool = false;
     const EXCHANGES: bool = false;
-    const EXPANDS: bool = true;
+    const INTEGRATES: bool = true;
     const KEEPS_WINDOWS: bool = true;
     const STATE_TAG: u8 = 2;
 

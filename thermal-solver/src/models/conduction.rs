@@ -50,7 +50,7 @@ pub trait Conduction: Sized + 'static {
     /// It finds what flows between the surfaces where they touch.
     const EXCHANGES: bool;
     /// It knows what the heat does to the height of the surfaces ([`crate::moving_source::rise_integral`]).
-    const EXPANDS: bool = false;
+    const INTEGRATES: bool = false;
     /// For that it keeps what every window of the past does.
     const KEEPS_WINDOWS: bool = false;
     /// It has elements of its own ([`crate::fe::block`]).

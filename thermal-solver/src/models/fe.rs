@@ -125,7 +125,7 @@ impl Conduction for FiniteElements {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
     const EXCHANGES: bool = true;
-    const EXPANDS: bool = true;
+    const INTEGRATES: bool = true;
     const ELEMENTS: bool = true;
     const STATE_TAG: u8 = 4;
 

@@ -183,7 +183,7 @@ impl Conduction for MovingSource {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
     const EXCHANGES: bool = true;
-    const EXPANDS: bool = true;
+    const INTEGRATES: bool = true;
     const KEEPS_WINDOWS: bool = true;
     const STATE_TAG: u8 = 3;
 

@@ -72,7 +72,7 @@ impl Conduction for Periodic {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
     const EXCHANGES: bool = false;
-    const EXPANDS: bool = true;
+    const INTEGRATES: bool = true;
     const REPEATS: bool = true;
     const STATE_TAG: u8 = 5;
 

@@ -175,7 +175,7 @@ impl Conduction for Rods {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
     const EXCHANGES: bool = true;
-    const EXPANDS: bool = true;
+    const INTEGRATES: bool = true;
     const ENDS: bool = true;
     const STATE_TAG: u8 = 6;
 

@@ -9,10 +9,10 @@ use super::shell::Shell;
 use crate::effects::bulk_heating;
 use crate::effects::contact_conductance::{self, Conductance};
 use crate::effects::friction_heat::{self, Partition};
+use crate::effects::integrated;
 use crate::effects::joule_heat;
 use crate::effects::natures;
 use crate::effects::phase_transformation;
-use crate::effects::thermal_expansion;
 use crate::effects::volume_temperature::VOLUMES;
 use crate::fe::block::WAKE;
 use crate::scene::Scene;
@@ -113,9 +113,11 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
         (contact_conductance::NAME, C::EXCHANGES, "lets no heat flow between the surfaces"),
         (joule_heat::NAME, C::EXCHANGES && !C::ELEMENTS, "does not find potentials"),
         (bulk_heating::NAME, !C::ELEMENTS, "has properties that may depend on the temperature"),
-        (thermal_expansion::NAME, C::EXPANDS, "does not integrate the rise over the depth"),
     ];
-    for (effect, has, why) in lacking {
+    let integrated = integrated::active(given);
+    let unable = integrated
+        .map(|effect| (effect, C::INTEGRATES, "does not integrate the rise over the depth"));
+    for (effect, has, why) in lacking.into_iter().chain(unable) {
         if given.has_effect(effect) && !has {
             return Err(Refusal::new(
                 &format!("effects.{effect}"),
@@ -139,8 +141,8 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             "remove the key, or write [thermal] model = \"rod\"",
         ));
     }
-    if given.has_effect(thermal_expansion::NAME) && !C::ENDS {
-        thermal_expansion::refuse_rest(&scene, given.mode)?;
+    if let Some(effect) = integrated.filter(|_| !C::ENDS) {
+        integrated::refuse_rest(&scene, given.mode, effect)?;
     }
     let mut layout = Layout::default();
     let mut frame = None;

@@ -15,7 +15,15 @@ use proto::field;
 pub(in crate::models) const MODEL: ModelEntry = ModelEntry {
     name: "explicit-fe",
     spec,
-    takes: &[Kind::Adhesion, Kind::Layer, Kind::Expansion, Kind::Flow, Kind::Axle, Kind::HeatShare],
+    takes: &[
+        Kind::Adhesion,
+        Kind::Layer,
+        Kind::Expansion,
+        Kind::Softening,
+        Kind::Flow,
+        Kind::Axle,
+        Kind::HeatShare,
+    ],
     configure,
 };
 /// Where its errors were measured.

@@ -8,7 +8,9 @@ use super::passage::Report;
 use crate::explicit::rolling::{Means, Rolling};
 use crate::explicit::settle::settle_again;
 use crate::models::varying::no_answer;
+use crate::softening::LEAST_SHARE;
 use crate::surface::Surface;
+use crate::terms::{Kind, Terms};
 use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::Value;
@@ -18,8 +20,6 @@ use std::io::{self, Read, Write};
 pub(super) struct Heated {
     rolling: Rolling,
     curve: CreepCurve,
-    /// Coefficients of thermal expansion of the upper and the lower body [1/K].
-    coefficients: [f64; 2],
     fields: Fields,
     wanted: Vec<&'static FieldSpec>,
     report: Report,
@@ -34,15 +34,14 @@ impl Heated {
         mut rolling: Rolling,
         means: &Means,
         curve: CreepCurve,
-        coefficients: [f64; 2],
         fields: Fields,
         wanted: Vec<&'static FieldSpec>,
         report: Report,
     ) -> Self {
         let mut cold = Vec::new();
         rolling.keep(&mut cold);
-        let summary = warm_summary(&rolling, means);
-        Self { rolling, curve, coefficients, fields, wanted, report, cold, summary }
+        let summary = warm_summary(&rolling, means, fields.terms.softens().then_some(1.0));
+        Self { rolling, curve, fields, wanted, report, cold, summary }
     }
 
     fn write(&self, outputs: &mut dyn Outputs) {
@@ -50,13 +49,51 @@ impl Heated {
     }
 }
 
-/// The figures but for those of the elastic energy, which would count what expands freely.
-fn warm_summary(rolling: &Rolling, means: &Means) -> Value {
+/// The figures but for those of the elastic energy, which would count what expands freely, and with the share of the stiffness
+/// that the softest element has left that of plastic flow, which would depend on how warm what flowed was.
+fn warm_summary(rolling: &Rolling, means: &Means, least_share: Option<f64>) -> Value {
     let mut summary = outcome::summary(rolling, means);
     if let Some(figures) = summary["contact"].as_object_mut() {
         figures.retain(|name, _| name != "elastic_energy_j" && name != "hourglass_energy_ratio");
+        if let Some(share) = least_share {
+            figures.remove("plastic_power_w");
+            figures.insert(LEAST_SHARE.to_owned(), share.into());
+        }
     }
     summary
+}
+
+/// Lets the first layers have the properties of their temperatures; the least share of the stiffness, if any material softens.
+///
+/// # Errors
+/// A temperature that a table does not have.
+fn warm(
+    rolling: &mut Rolling,
+    terms: &Terms,
+    integrals: &[Surface<'_>; 2],
+) -> Result<Option<f64>, StepError> {
+    let mut least = None;
+    if terms.softens() {
+        let mut smallest = 1.0_f64;
+        rolling.soften(|body, x, y, depth| {
+            let Some(softening) = &terms.softening[body] else { return Ok([1.0; 2]) };
+            let shares = softening.at(integrals[body].at(x, y) / depth).map_err(|temperature| {
+                StepError::NoSolution(format!(
+                    "elements of the {} body come to {temperature:.1} K, beyond their softening_table; extend it, or write \
+                     effects.{}.beyond = \"clamp\"",
+                    ["upper", "lower"][body],
+                    terms.effect_of(Kind::Softening).unwrap_or_default(),
+                ))
+            })?;
+            smallest = smallest.min(shares[0]);
+            Ok(shares)
+        })?;
+        least = Some(smallest);
+    }
+    if let Some(coefficients) = terms.expansion {
+        rolling.expand(|body, x, y| coefficients[body] * integrals[body].at(x, y));
+    }
+    Ok(least)
 }
 
 impl Model for Heated {
@@ -70,15 +107,15 @@ impl Model for Heated {
             Surface::of(inputs, &field::UPPER_RISE_INTEGRAL)?,
             Surface::of(inputs, &field::LOWER_RISE_INTEGRAL)?,
         ];
-        let Self { rolling, curve, coefficients, report, cold, .. } = self;
+        let Self { rolling, curve, fields, report, cold, .. } = self;
         rolling.restore(cold);
         let before = rolling.steps();
-        rolling.expand(|body, x, y| coefficients[body] * integrals[body].at(x, y));
+        let least_share = warm(rolling, &fields.terms, &integrals)?;
         let settled = settle_again(rolling, |ratio| curve.creepage(ratio), &mut **report);
         let (means, met) = settled.map_err(no_answer)?;
         outcome::check(&self.rolling, &means).map_err(no_answer)?;
         met_force(&means, met).map_err(no_answer)?;
-        self.summary = warm_summary(&self.rolling, &means);
+        self.summary = warm_summary(&self.rolling, &means, least_share);
         self.write(outputs);
         let elements: u64 = self.rolling.bodies.iter().map(|body| body.elements() as u64).sum();
         let steps = self.rolling.steps() - before;

@@ -9,6 +9,7 @@ use super::surfaces::Surfaces;
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::explicit::block::{Block, Held, Solid};
 use crate::explicit::contact::Law;
+use crate::explicit::kernel::Flow;
 use crate::explicit::plane::Plane;
 use crate::explicit::quality::Quality;
 use crate::explicit::rolling::{Asked, Rolling};
@@ -18,6 +19,7 @@ use crate::keys::CheckedParams;
 use crate::models::precomputed::{self, Precomputed};
 use crate::resolution;
 use crate::scene::{Drive, GivenPatch, Load, Scene};
+use crate::softening::Softening;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Layout, Mode, Refusal};
 use proto::field::FieldSpec;
@@ -64,8 +66,12 @@ pub(super) fn configure(
     terms: Terms,
 ) -> Result<Box<dyn Setup>, Refusal> {
     let case = &configuration.case;
-    let scene = Scene::read(case)?;
+    let mut scene = Scene::read(case)?;
     check(configuration, &scene, &terms)?;
+    for (body, softening) in scene.bodies.iter_mut().zip(&terms.softening) {
+        let [stiffness, _] = softening.as_ref().map_or([1.0; 2], Softening::of_body);
+        body.material.youngs_modulus *= stiffness;
+    }
     let resolution = resolution::read(case, RESOLUTION)?;
     let surfaces = Surfaces::read(configuration, &scene, resolution)?;
     let element = surfaces.ellipse.semi_axis_a / resolution as f64;
@@ -94,7 +100,7 @@ pub(super) fn configure(
         1e9 * step,
         1e3 * steps * step * asked.speed
     ));
-    if terms.expansion.is_some() {
+    if terms.warms() {
         layout.memory_bytes += elements as u64 * BYTES_PER_ELEMENT[1];
         layout.solve_seconds += expected_steps_again(&asked, step) * per_step;
     }
@@ -179,11 +185,12 @@ fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<
                 "write time.mode = \"transient\" with a window and an end, or remove the effect",
             ));
         }
-        if let Some(other) = terms.effect_of(Kind::Expansion) {
+        let warm = [Kind::Expansion, Kind::Softening].into_iter();
+        if let Some(other) = warm.filter_map(|kind| terms.effect_of(kind)).next() {
             return Err(Refusal::new(
                 &format!("effects.{other}"),
                 format!(
-                    "explicit elements expand in steady rolling, not on the axle of effects.{effect}"
+                    "heat changes explicit elements in steady rolling, not on the axle of effects.{effect}"
                 ),
                 "remove one of them",
             ));
@@ -299,13 +306,13 @@ fn solid(
             "write 0.499 or less",
         ));
     }
+    let softer = terms.softening[which].as_ref().map_or([1.0; 2], Softening::of_body);
+    let flow = terms.flow[which].map(|flow| Flow {
+        yield_stress: softer[1] * flow.yield_stress,
+        hardening: flow.hardening.map(|modulus| softer[0] * modulus),
+    });
     let lambda = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
-    Ok(Solid {
-        lame: [lambda, body.material.shear_modulus()],
-        density,
-        flow: terms.flow[which],
-        radius,
-    })
+    Ok(Solid { lame: [lambda, body.material.shear_modulus()], density, flow, radius })
 }
 
 fn wave_speed(solid: &Solid) -> f64 {
@@ -371,8 +378,8 @@ impl Setup for Prepared {
             rolling.begin(&means);
             return Ok(Box::new(Passage::new(rolling, &means, axle, fields, wanted, report)));
         }
-        if let Some(coefficients) = fields.terms.expansion {
-            let model = Heated::new(rolling, &means, curve, coefficients, fields, wanted, report);
+        if fields.terms.warms() {
+            let model = Heated::new(rolling, &means, curve, fields, wanted, report);
             return Ok(Box::new(model));
         }
         let values = |spec: &&'static FieldSpec| (*spec, fields.values(spec, &rolling));

@@ -1,0 +1,108 @@
+//! Effect `thermal_softening`: Young's modulus and the yield stress fall with the temperature.
+//!
+//! A material with a `softening_table` has E(T) = s_E(T) E and σ_y(T) = s_y(T) σ_y, with shares from lines of temperature [K],
+//! s_E and s_y, straight between, that fall; temperatures are absolute: the body's `initial_temperature`, which all of it has, and
+//! the rise in the first layer of elements. Poisson's ratio is
+//! constant; moduli of hardening fall with E. An element of the first layer has the temperature of the mean rise over its
+//! depth h, W/h, with the integral W of the rise over the depth that the thermal side provides: all heat is taken to be in
+//! that layer, as in [`super::thermal_expansion`]. So elements that are deeper than the heat soften less than the surface
+//! does, and a layer that is thinner than the heat, more than it should: the case is then beyond this effect.
+//!
+//! The stress is that of the strain at the shares of the moment (hypoelastic changes with the temperature are left out), and the
+//! power of plastic flow, which would depend on the temperature at which it flowed, is no figure.
+//!
+//! The effect closes a loop: heat changes the contact, and that the heat.
+//!
+//! Source: EN 1993-1-2:2005, table 3.1 (reduction factors of carbon steel).
+
+use crate::curve::Curve;
+use crate::entry::Effect;
+use crate::keys::CheckedParams;
+use crate::softening::{LEAST_SHARE, Softening};
+use crate::terms::{Kind, Terms};
+use proto::bodies::{Bodies, initial_temperature_key};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+use proto::field;
+use proto::figure::{FigureSpec, Style};
+use std::path::Path;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "thermal_softening",
+    law: "E(T) = s_E(T) E and yield stress s_y(T) sigma_y in the first layer of finite elements, T the mean over its depth",
+    source: "EN 1993-1-2:2005, table 3.1",
+    kinds: &[Kind::Softening],
+    consumes: &[&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL],
+    provides: &[],
+    keys,
+    figures,
+    advise: None,
+    terms,
+};
+
+const TABLE: &str = "softening_table";
+const BEYOND: &str = "effects.thermal_softening.beyond";
+
+fn path(material: &str) -> String {
+    format!("materials.{material}.{TABLE}")
+}
+
+fn keys() -> Vec<KeySpec> {
+    let help = "lines of temperature [K], share of Young's modulus and share of the yield stress, temperature rising";
+    vec![
+        KeySpec::file(&path("*"), help),
+        KeySpec::choice(BEYOND, &["refuse", "clamp"], "what happens beyond a table")
+            .default_value("refuse"),
+        initial_temperature_key(),
+    ]
+}
+
+fn figures() -> Vec<FigureSpec> {
+    let words = "least share of Young's modulus in an element of the surface";
+    vec![
+        FigureSpec::new(&format!("contact.{LEAST_SHARE}"), "1", words)
+            .on("softening", "stiffness left")
+            .style(Style::Percent),
+    ]
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let case = &configuration.case;
+    let names = Bodies::read(case)?;
+    let own = CheckedParams::new(case, keys());
+    let clamps = own.text(BEYOND)? == "clamp";
+    let mut softening = [None, None];
+    for (which, softening) in softening.iter_mut().enumerate() {
+        let key = path(case.text(&names.key(which, "material"))?);
+        if !own.has(&key) {
+            continue;
+        }
+        let file = own.text(&key)?;
+        let refused = |reason: String| {
+            let fix = "give lines of temperature and two shares above 0 and 1 at most, temperature rising";
+            Refusal::new(&key, format!("`{file}` {reason}"), fix)
+        };
+        let initial = own.number(&names.key(which, "initial_temperature"))?;
+        let curve = Curve::read(Path::new(file), clamps, |shares| {
+            match shares.iter().all(|share| *share > 0.0 && *share <= 1.0) {
+                true => Ok(()),
+                false => Err("has a share that is not above 0 and 1 at most".to_owned()),
+            }
+        });
+        let curve = curve.map_err(refused)?;
+        if !curve.falls() {
+            return Err(refused("has a share that rises with the temperature".to_owned()));
+        }
+        let reason = format!("does not have {initial} K, at which the body begins");
+        *softening = Some(Softening::new(curve, initial).ok_or_else(|| refused(reason))?);
+    }
+    if softening.iter().all(Option::is_none) {
+        return Err(Refusal::new(
+            "effects.thermal_softening",
+            "no body is of a material that softens",
+            format!("write {}, or remove the effect", path("NAME")),
+        ));
+    }
+    Ok(Terms { softening, ..Terms::default() })
+}
