@@ -1,10 +1,40 @@
-//! The shipped cases that need no other file, as scenes of `coordinator new`.
+//! The shipped cases that need no other file, as scenes of `coordinator new`; the commit that `-V` says.
 
 use std::fmt::Write as _;
 use std::path::Path;
+use std::process::Command;
 use std::{env, fs};
 
 fn main() {
+    name_commit();
+    scenes();
+}
+
+/// The commit that is built, where it is one.
+fn name_commit() {
+    let git = |arguments: &[&str]| {
+        let ended = Command::new("git")
+            .args(arguments)
+            .output()
+            .ok()
+            .filter(|ended| ended.status.success())?;
+        Some(String::from_utf8(ended.stdout).ok()?.trim().to_owned())
+    };
+    let commit = git(&["rev-parse", "--short=10", "HEAD"]);
+    // Every commit writes a line there.
+    if let Some(log) =
+        git(&["rev-parse", "--git-path", "logs/HEAD"]).filter(|log| Path::new(log).exists())
+    {
+        println!("cargo:rerun-if-changed={log}");
+    }
+    let named = commit.map_or(String::new(), |commit| format!(" ({commit})"));
+    println!(
+        "cargo:rustc-env=COORDINATOR_VERSION={}{named}",
+        env::var("CARGO_PKG_VERSION").expect("Cargo sets it")
+    );
+}
+
+fn scenes() {
     let folder =
         Path::new(&env::var("CARGO_MANIFEST_DIR").expect("Cargo sets it")).join("../cases");
     println!("cargo:rerun-if-changed={}", folder.display());

@@ -3,6 +3,7 @@
 use crate::ablate;
 use crate::accuracy::{self, Decision, Search};
 use crate::advise;
+use crate::catalogue;
 use crate::colour::{self, Colours};
 use crate::compare;
 use crate::conform;
@@ -50,7 +51,7 @@ use std::time::{Duration, Instant};
 
 /// Plans, runs and couples mechanical-thermal contact simulations.
 #[derive(Debug, Parser)]
-#[command(name = "coordinator", version, propagate_version = true, max_term_width = 80)]
+#[command(name = "coordinator", version = env!("COORDINATOR_VERSION"), propagate_version = true, max_term_width = 80)]
 pub struct Arguments {
     /// What reaches the screen [default: RUST_LOG, or warn].
     #[arg(long, global = true, value_name = "LEVEL")]
@@ -112,6 +113,10 @@ enum Command {
     },
     /// Show every key that a case may have: unit, range, default, and who reads it.
     Keys(keys::Arguments),
+    /// Show every field that participants exchange or write: unit, components, and who gives it.
+    Fields(catalogue::Arguments),
+    /// Show every number of a summary: unit, meaning, what is expected, and who gives it.
+    Figures(catalogue::Arguments),
     /// Show what a recording holds: windows, iterations, ranges, residuals, timings.
     Inspect(InspectArguments),
     /// Drive one participant through a recording, and compare all that it sends.
@@ -397,6 +402,8 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Solvers { json: true } => Ok(print(false, &json(&installed()?))?),
         Command::Solvers { json: false } => Ok(solvers()?),
         Command::Keys(asked) => Ok(keys::main(asked, &installed()?)?),
+        Command::Fields(asked) => Ok(catalogue::fields(asked, &installed()?)?),
+        Command::Figures(asked) => Ok(catalogue::figures(asked, &installed()?)?),
         Command::Inspect(asked) => Ok(inspect_recording(asked)?),
         Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),

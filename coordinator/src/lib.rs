@@ -6,6 +6,7 @@
 mod ablate;
 mod accuracy;
 mod advise;
+mod catalogue;
 pub mod cli;
 mod colour;
 mod compare;

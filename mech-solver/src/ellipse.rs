@@ -1,6 +1,7 @@
 //! The elliptic contact patch that several models share: Hertz's solution, or the ellipse that the
 //! case gives under `[contact]`, with the grid that covers it and the friction limit it sets.
 
+use crate::measures::Measures;
 use crate::reference::hertz;
 use crate::resolution::{MOST, RESOLUTION};
 use crate::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene};
@@ -30,6 +31,8 @@ pub(crate) struct Ellipse {
     pub(crate) approach: Option<f64>,
     /// Normal force that the ellipse carries [N].
     pub(crate) normal_force: f64,
+    /// What it is held against.
+    pub(crate) measures: Measures,
 }
 
 /// What a grid has to cover: one ellipse, or several.
@@ -90,17 +93,18 @@ impl Ellipse {
     /// Solves the normal contact, or takes the given ellipse.
     pub(crate) fn solve(scene: &Scene, given: Option<GivenPatch>) -> Result<Self, Refusal> {
         let ellipse = match given {
-            Some(patch) => Self::of_given_patch(patch),
+            Some(patch) => Self::of_given_patch(scene, patch),
             None => Self::of_hertz(scene)?,
         };
         ellipse.refuse_beyond_floating_point(scene)?;
         Ok(ellipse)
     }
 
-    fn of_given_patch(patch: GivenPatch) -> Self {
+    fn of_given_patch(scene: &Scene, patch: GivenPatch) -> Self {
         let GivenPatch { semi_axis_a, semi_axis_b, max_pressure } = patch;
         let normal_force = hertz::normal_force(semi_axis_a, semi_axis_b, max_pressure);
-        Self { semi_axis_a, semi_axis_b, max_pressure, approach: None, normal_force }
+        let measures = Measures::of(scene);
+        Self { semi_axis_a, semi_axis_b, max_pressure, approach: None, normal_force, measures }
     }
 
     fn of_hertz(scene: &Scene) -> Result<Self, Refusal> {
@@ -120,6 +124,7 @@ impl Ellipse {
             max_pressure: solution.max_pressure,
             approach: Some(solution.approach),
             normal_force,
+            measures: Measures::of(scene),
         }
         .within_the_bodies(scene)
     }

@@ -1,5 +1,6 @@
 //! The figures of the section `contact` of the summary.
 
+use crate::measures;
 use proto::figure::{FigureSpec, Style};
 
 /// Normal force [N].
@@ -11,7 +12,7 @@ const SEMI_AXIS_A: &str = "contact.semi_axis_a_m";
 
 /// All of them, in the order in which a person reads them. A model without one leaves it out.
 pub(crate) fn figures() -> Vec<FigureSpec> {
-    [extent(), patches(), forces(), motion(), slip()].concat()
+    [extent(), patches(), forces(), motion(), slip(), measures::figures()].concat()
 }
 
 /// Size, pressure and load. Of several patches the size is that of each.
@@ -106,7 +107,10 @@ fn slip() -> Vec<FigureSpec> {
             .absolute()
             .rank(8),
         figure("max_slip_velocity_m_per_s", "m/s", "largest slip velocity", "slip").digits(4),
-        figure("friction_power_w", "W", "friction power", "power").rank(6).headline(),
+        figure("friction_power_w", "W", "friction power", "power")
+            .expected_below(1.6e6, "a locomotive's axle has 1.6 MW for all that it does")
+            .rank(6)
+            .headline(),
         FigureSpec::new("contact.max_traction_pa", "Pa", "largest traction"),
     ]
 }

@@ -32,6 +32,7 @@ pub mod explicit;
 mod figures;
 pub mod half_space;
 mod keys;
+mod measures;
 pub mod models;
 #[cfg(test)]
 mod quadrature;

@@ -68,6 +68,8 @@ pub struct Body {
     pub radius_y: f64,
     /// Elastic constants.
     pub material: Material,
+    /// Yield stress, if it is known [Pa].
+    pub yield_stress: Option<f64>,
 }
 
 /// How fast the surfaces pass through the contact.
@@ -174,6 +176,13 @@ pub fn body_keys() -> Vec<KeySpec> {
             .required()
             .above(-1.0)
             .at_most(0.5),
+        KeySpec::quantity(
+            "materials.*.yield_stress",
+            "Pa",
+            "yield stress; the summary says how far the contact is from shakedown, and explicit elements may flow",
+        )
+        .expected(1e4..=1e10, "the hardest steels have 3 GPa; check the unit")
+        .above(0.0),
     ]
 }
 
@@ -402,7 +411,9 @@ fn read_body(
             radius => Ok(radius.unwrap_or(f64::INFINITY)),
         }
     };
+    let material = case.text(&names.key(body, "material"))?;
     Ok(Body {
+        yield_stress: case.maybe_number(&format!("materials.{material}.yield_stress"))?,
         radius_x: radius("radius_x")?,
         radius_y: radius("radius_y")?,
         material: Material::read(params, names, body)?,

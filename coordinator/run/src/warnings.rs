@@ -11,7 +11,10 @@ use std::fmt;
 pub struct Warning {
     /// Dotted key of the case, or of the summary.
     pub key: String,
-    /// Its value (SI).
+    /// What of it the value is, if it is not its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quantity: Option<String>,
+    /// The value (SI).
     pub value: f64,
     /// Its SI unit.
     pub unit: String,
@@ -26,18 +29,23 @@ impl Warning {
     pub(crate) fn of(key: &str, value: f64, unit: &str, expected: &Plausible) -> Option<Self> {
         let bound = expected.bound_passed(value)?;
         let unit = if unit == "1" { String::new() } else { unit.to_owned() };
-        Some(Self { key: key.to_owned(), value, unit, bound, why: expected.why.clone() })
+        let (key, why) = (key.to_owned(), expected.why.clone());
+        Some(Self { key, quantity: None, value, unit, bound, why })
     }
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { key, value, unit, bound, why } = self;
+        let Self { key, quantity, value, unit, bound, why } = self;
         let side = if value.abs() < *bound { "at least" } else { "at most" };
         let space = if unit.is_empty() { "" } else { " " };
+        let is = match quantity {
+            Some(quantity) => format!("has a {quantity} of"),
+            None => "is".to_owned(),
+        };
         write!(
             f,
-            "{key} is {}{space}{unit}, {side} {}{space}{unit} is expected: {why}",
+            "{key} {is} {}{space}{unit}, {side} {}{space}{unit} is expected: {why}",
             plain(*value),
             plain(*bound)
         )

@@ -44,9 +44,7 @@ fn keys() -> Vec<KeySpec> {
     let modulus = |key: &str, help: &str| {
         KeySpec::quantity(&path("*", key), "Pa", help).at_least(0.0).default_value(0.0)
     };
-    let yields = "yield stress; a material without one stays elastic";
     vec![
-        KeySpec::quantity(&path("*", YIELD_STRESS), "Pa", yields).above(0.0),
         modulus(ISOTROPIC, "rise of the yield stress over plastic strain"),
         modulus(KINEMATIC, "modulus H_k with which the yield surface follows the plastic strain"),
     ]
@@ -69,7 +67,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let mut flow = [None; 2];
     for (which, flow) in flow.iter_mut().enumerate() {
         let material = configuration.case.text(&scene.names.key(which, "material"))?;
-        if let Some(yield_stress) = own.maybe_number(&path(material, YIELD_STRESS))? {
+        if let Some(yield_stress) = scene.bodies[which].yield_stress {
             let hardening = |key: &str| own.number(&path(material, key));
             let hardening = [hardening(ISOTROPIC)?, hardening(KINEMATIC)?];
             *flow = Some(Flow { yield_stress, hardening });

@@ -5,5 +5,6 @@ pub mod cattaneo;
 pub mod elliptic_integrals;
 pub mod hertz;
 pub mod kalker;
+pub mod shakedown;
 pub mod simplified;
 pub mod subsurface;

@@ -189,6 +189,13 @@ impl FigureSpec {
         self
     }
 
+    /// Less is told, as beyond what is expected for a reason.
+    #[must_use]
+    pub fn expected_above(mut self, least: f64, why: &str) -> Self {
+        self.plausible = Some(Plausible { least: Some(least), most: None, why: why.to_owned() });
+        self
+    }
+
     /// On this line, under this name.
     #[must_use]
     pub fn on(mut self, line: &str, short: &str) -> Self {

@@ -1,6 +1,6 @@
-//! `coordinator keys`: every key that there is.
+//! `coordinator keys`, `fields`, `figures`: every key, field and number of a summary that there is.
 
-use crate::harness::{Place, root};
+use crate::harness::{Place, case, root};
 use serde_json::Value;
 
 /// The page of keys is what the programs say, and every key of every case that they run is on it.
@@ -109,4 +109,65 @@ fn fits(known: &str, key: &str) -> bool {
         (known.split('.').collect(), key.split('.').collect());
     let alike = |(known, key): (&&str, &&str)| *known == "*" || *known == "ROLE" || known == key;
     known.len() == key.len() && known.iter().zip(&key).all(alike)
+}
+
+/// The pages of fields and figures are what the programs say; every field that a run writes and every figure that its lines show is
+/// on them, and a pattern shows some.
+#[test]
+fn every_field_and_figure_is_listed() {
+    let print = |arguments: &[&str]| {
+        let ended = Place::new().start(arguments).wait();
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        ended.stdout
+    };
+    let names = |what: &str, key: &str| -> Vec<String> {
+        let page = std::fs::read_to_string(root().join(format!("docs/{what}.md"))).unwrap();
+        let made = print(&[what, "--markdown"]);
+        assert!(
+            page == made,
+            "docs/{what}.md is stale; write it with `coordinator {what} --markdown`"
+        );
+        let all: Value = serde_json::from_str(&print(&[what, "--json"])).unwrap();
+        all.as_array().unwrap().iter().map(|one| one[key].as_str().unwrap().to_owned()).collect()
+    };
+    let (fields, figures) = (names("fields", "name"), names("figures", "key"));
+    let place = Place::new();
+    let summary = place.summary(&case("third-body.toml"), &[]);
+    let plan: Value =
+        serde_json::from_str(&print(&["plan", &case("third-body.toml"), "--json"])).unwrap();
+    for field in plan["fields"].as_array().unwrap() {
+        let named = field["name"].as_str().unwrap();
+        let plain = named.replace("rail_", "lower_").replace("wheel_", "upper_");
+        assert!(fields.contains(&plain), "{named}");
+    }
+    for key in ["contact", "temperature.rail"] {
+        let section = summary.pointer(&format!("/{}", key.replace('.', "/"))).unwrap();
+        let described =
+            |name: &str| figures.contains(&format!("{key}.{name}").replace("rail", "*"));
+        let shown = [
+            "max_pressure_pa",
+            "friction_power_w",
+            "size_over_radius",
+            "max_rise_k",
+            "penetration_depth_m",
+        ];
+        for name in shown.iter().filter(|name| section.get(name).is_some()) {
+            assert!(described(name), "{key}.{name}");
+        }
+    }
+    let found = print(&["fields", "slip"]);
+    assert!(found.contains("slip_velocity  [m/s]") && !found.contains("pressure"), "{found}");
+    let nothing = Place::new().start(&["figures", "no such thing"]).wait();
+    assert_eq!(nothing.code, Some(2));
+}
+
+/// The version names the commit that was built, where there is one.
+#[test]
+fn the_version_names_its_commit() {
+    let said = Place::new().start(&["-V"]).wait().stdout;
+    assert!(said.starts_with(&format!("coordinator {}", env!("CARGO_PKG_VERSION"))), "{said}");
+    let commit = said.trim_end().split_once(" (").map(|(_, commit)| commit.trim_end_matches(')'));
+    let is_hash = |text: &str| text.len() == 10 && text.chars().all(|c| c.is_ascii_hexdigit());
+    let versioned = root().join(".git").exists();
+    assert_eq!(commit.is_some_and(is_hash), versioned, "{said}");
 }

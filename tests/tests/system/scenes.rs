@@ -2,6 +2,7 @@
 
 use crate::harness::{Place, case, sets};
 use mech_solver::reference::hertz;
+use serde_json::Value;
 use std::f64::consts::PI;
 
 /// Steel of the shipped cases: effusivity [J/(m² K √s)].
@@ -60,14 +61,19 @@ fn gear_flank() {
 }
 
 /// One place rubbed by q0 = f p0 V/2 since the start: 2 q0 √(t/π)/β. Tolerance 0.5 %: the mean over the
-/// element in the middle, and what conduction along the surface would take is left out by both.
+/// element in the middle. What conduction along the surface takes is left out by both; that it is much in the pin is told.
 #[test]
 fn a_body_at_rest_warms_with_the_root_of_time() {
     for (name, body, speed, friction, end) in [
         ("pin-on-disc.toml", "pin", 1.0, 0.5, 400e-6),
         ("locked-wheel.toml", "wheel", 5.0, 0.1, 2e-3),
     ] {
-        let summary = Place::new().summary(&case(name), &[]);
+        let summary = Place::new().summary(&case(name), &sets(&["thermal.model=columns"]));
+        let told = |warning: &Value| {
+            warning["key"] == "thermal.model" && warning["quantity"] == "relative error"
+        };
+        let warnings = summary["warnings"].as_array();
+        assert_eq!(warnings.is_some_and(|list| list.iter().any(told)), body == "pin", "{name}");
         let pressure = summary["contact"]["max_pressure_pa"].as_f64().unwrap();
         let flux = 0.5 * friction * pressure * speed;
         let expected = 2.0 * flux * (end / PI).sqrt() / effusivity();
@@ -79,7 +85,7 @@ fn a_body_at_rest_warms_with_the_root_of_time() {
 /// Under heat without end a body at rest has no steady state in one dimension: refused, and why.
 #[test]
 fn a_body_at_rest_has_no_steady_state_in_columns() {
-    let mut more = sets(&["time.mode=steady"]);
+    let mut more = sets(&["time.mode=steady", "thermal.model=columns"]);
     for key in ["time.window", "time.end"] {
         more.extend(["--unset", key]);
     }

@@ -28,6 +28,28 @@ pub(super) fn warnings<'a>(participants: impl Iterator<Item = &'a Participant>) 
     warnings
 }
 
+/// A model that leaves out more is no model of the scene. What models say here is an upper bound.
+const MOST_LEFT_OUT: f64 = 0.15;
+
+/// Of what models leave out in this scene, as they estimate it.
+pub(super) fn left_out<'a>(participants: impl Iterator<Item = &'a Participant>) -> Vec<Warning> {
+    let of = |participant: &'a Participant| {
+        let key = format!("{}.model", participant.role);
+        let layout = participant.estimate.iter();
+        let large =
+            layout.flat_map(|layout| &layout.left_out).filter(|one| one.error > MOST_LEFT_OUT);
+        large.map(move |one| Warning {
+            key: key.clone(),
+            quantity: Some("relative error".to_owned()),
+            value: one.error,
+            unit: String::new(),
+            bound: MOST_LEFT_OUT,
+            why: format!("{} ({})", one.what, one.source),
+        })
+    };
+    participants.flat_map(of).collect()
+}
+
 /// The numbers of a case under a path in which `*` stands for any one name.
 fn instances(case: &Params, path: &str) -> Vec<(String, f64)> {
     let mut found = vec![(String::new(), &case.0)];

@@ -54,6 +54,8 @@ async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {
     warn_of_unread_keys(&case, &described);
     let mut plan = route_case(&case, &described)?;
     estimate(&case, &mut plan).await?;
+    let left_out = expected::left_out(plan.participants.iter());
+    plan.warnings.extend(left_out);
     Ok(Planned { case, plan })
 }
 

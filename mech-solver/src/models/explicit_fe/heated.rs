@@ -8,6 +8,7 @@ use super::passage::Report;
 use crate::explicit::rolling::{Means, Rolling};
 use crate::explicit::settle::settle_again;
 use crate::models::varying::no_answer;
+use crate::scene::Scene;
 use crate::softening::LEAST_SHARE;
 use crate::surface::Surface;
 use crate::terms::{Kind, Terms};
@@ -40,7 +41,8 @@ impl Heated {
     ) -> Self {
         let mut cold = Vec::new();
         rolling.keep(&mut cold);
-        let summary = warm_summary(&rolling, means, fields.terms.softens().then_some(1.0));
+        let summary =
+            warm_summary(&fields.scene, &rolling, means, fields.terms.softens().then_some(1.0));
         Self { rolling, curve, fields, wanted, report, cold, summary }
     }
 
@@ -51,8 +53,13 @@ impl Heated {
 
 /// The figures but for those of the elastic energy, which would count what expands freely, and with the share of the stiffness
 /// that the softest element has left that of plastic flow, which would depend on how warm what flowed was.
-fn warm_summary(rolling: &Rolling, means: &Means, least_share: Option<f64>) -> Value {
-    let mut summary = outcome::summary(rolling, means);
+fn warm_summary(
+    scene: &Scene,
+    rolling: &Rolling,
+    means: &Means,
+    least_share: Option<f64>,
+) -> Value {
+    let mut summary = outcome::summary(scene, rolling, means);
     if let Some(figures) = summary["contact"].as_object_mut() {
         figures.retain(|name, _| name != "elastic_energy_j" && name != "hourglass_energy_ratio");
         if let Some(share) = least_share {
@@ -115,7 +122,7 @@ impl Model for Heated {
         let (means, met) = settled.map_err(no_answer)?;
         outcome::check(&self.rolling, &means).map_err(no_answer)?;
         met_force(&means, met).map_err(no_answer)?;
-        self.summary = warm_summary(&self.rolling, &means, least_share);
+        self.summary = warm_summary(&self.fields.scene, &self.rolling, &means, least_share);
         self.write(outputs);
         let elements: u64 = self.rolling.bodies.iter().map(|body| body.elements() as u64).sum();
         let steps = self.rolling.steps() - before;

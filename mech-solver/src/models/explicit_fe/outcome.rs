@@ -4,6 +4,7 @@ use crate::explicit::block::Block;
 use crate::explicit::rolling::{Means, Rolling};
 use crate::half_space::area::contact_area;
 use crate::half_space::extent::Moments;
+use crate::measures::{Measures, add_elements};
 use crate::models::precomputed::count;
 use crate::models::summary::add_patches;
 use crate::scene::Scene;
@@ -108,8 +109,10 @@ impl Fields {
 }
 
 /// Its part of `summary.json`.
-pub(super) fn summary(rolling: &Rolling, means: &Means) -> Value {
-    json!({ "contact": figures(rolling, means) })
+pub(super) fn summary(scene: &Scene, rolling: &Rolling, means: &Means) -> Value {
+    let mut contact = figures(rolling, means);
+    Measures::of_elements(scene).add_to(&mut contact);
+    json!({ "contact": contact })
 }
 
 /// Nothing of nothing is nothing.
@@ -160,6 +163,7 @@ fn figures(rolling: &Rolling, means: &Means) -> Value {
         "elements": rolling.bodies.iter().map(Block::elements).sum::<usize>(),
     });
     add_patches(&mut figures, &plane.grid, &pressure);
+    add_elements(&mut figures, &plane.grid);
     if rolling.bodies.iter().any(|body| body.solid.flow.is_some()) {
         let (plastic, grown) = plastic(rolling);
         figures["plastic_power_w"] = json!(plastic);

@@ -65,7 +65,7 @@ impl Passage {
     ) -> Self {
         let mut kept = Vec::new();
         rolling.keep(&mut kept);
-        let accepted = outcome::summary(&rolling, means);
+        let accepted = outcome::summary(&fields.scene, &rolling, means);
         let totals = Totals::default();
         Self { rolling, axle, fields, wanted, report, kept, totals, trial: None, accepted }
     }
@@ -105,7 +105,7 @@ impl Model for Passage {
         if let Some((means, duration)) = self.trial.take() {
             self.rolling.keep(&mut self.kept);
             self.totals.add(&means, duration);
-            let mut summary = outcome::summary(&self.rolling, &means);
+            let mut summary = outcome::summary(&self.fields.scene, &self.rolling, &means);
             summary["contact"]["friction_work_j"] = self.totals.friction.into();
             summary["contact"]["apart_s"] = self.totals.apart.into();
             summary["contact"]["largest_normal_force_n"] = self.totals.largest.into();

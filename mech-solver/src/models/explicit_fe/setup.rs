@@ -384,7 +384,7 @@ impl Setup for Prepared {
         }
         let values = |spec: &&'static FieldSpec| (*spec, fields.values(spec, &rolling));
         Ok(Box::new(Precomputed {
-            summary: outcome::summary(&rolling, &means),
+            summary: outcome::summary(&fields.scene, &rolling, &means),
             work: rolling.steps() * elements,
             fields: wanted.iter().map(values).collect(),
         }))

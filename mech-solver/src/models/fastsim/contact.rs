@@ -254,6 +254,7 @@ impl Contact {
             "power_imbalance": self.power_imbalance(),
         });
         extend(&mut contact, creep);
+        ellipse.measures.add_to(&mut contact);
         json!({ "contact": contact })
     }
 }

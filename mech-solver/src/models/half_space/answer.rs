@@ -7,6 +7,7 @@ use crate::half_space::area::contact_area;
 use crate::half_space::extent::Moments;
 use crate::half_space::levels::Solution;
 use crate::half_space::tangential::{Creepage, ElementState};
+use crate::measures::{Measures, add_elements};
 use crate::models::summary::add_patches;
 use crate::surface::KeptSurface;
 use crate::terms::{Accepted, Terms};
@@ -161,6 +162,8 @@ impl Answer {
             "friction_power_w": self.friction_power.iter().sum::<f64>() * area,
         });
         add_patches(&mut figures, grid, &self.pressure);
+        add_elements(&mut figures, grid);
+        Measures::of(&case.scene).add_to(&mut figures);
         let names = match case.scene.speeds.rolling > 0.0 {
             true => ["creepage_xi", "creepage_eta", "creepage_phi_per_m"],
             false => ["shift_x_m", "shift_y_m", "turn_rad"],

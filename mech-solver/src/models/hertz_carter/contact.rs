@@ -112,6 +112,7 @@ impl Contact {
             "friction_power_w": self.friction_power(),
         });
         extend(&mut contact, creep);
+        self.ellipse.measures.add_to(&mut contact);
         json!({ "contact": contact })
     }
 }

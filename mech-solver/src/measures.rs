@@ -1,0 +1,140 @@
+//! Figures of a contact by which one judges whether its material and its model suffice.
+
+use crate::reference::shakedown;
+use crate::scene::Scene;
+use proto::figure::FigureSpec;
+use proto::grid::Structured;
+use serde_json::Value;
+
+/// A contact of half of a body's radius is no half-space.
+const HALF_SPACE: f64 = 0.2;
+/// Elements across a patch below which its pressure is a guess.
+const ELEMENTS: f64 = 8.0;
+
+const SHEAR_RATIO: &str = "pressure_over_shear_strength";
+const SHAKEDOWN: &str = "shakedown_ratio";
+const SIZE: &str = "size_over_radius";
+const ACROSS: &str = "elements_across";
+
+/// What a contact is held against.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Measures {
+    /// Yield stress in shear of the softer body, k [Pa].
+    shear_strength: Option<f64>,
+    /// Radii of both bodies along and across the motion, of either the smaller [m].
+    radii: [f64; 2],
+}
+
+impl Measures {
+    /// Of a scene.
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let yields = scene.bodies.iter().filter_map(|body| body.yield_stress);
+        let least = |one: f64, other: f64| one.abs().min(other.abs());
+        let [upper, lower] = &scene.bodies;
+        Self {
+            shear_strength: yields.reduce(f64::min).map(|stress| stress / 3.0_f64.sqrt()),
+            radii: [least(upper.radius_x, lower.radius_x), least(upper.radius_y, lower.radius_y)],
+        }
+    }
+
+    /// Of bodies of finite elements, which may be of any size.
+    pub(crate) fn of_elements(scene: &Scene) -> Self {
+        Self { radii: [f64::INFINITY; 2], ..Self::of(scene) }
+    }
+
+    /// Adds what it says of figures of a contact: of its pressure under its forces, and of its size.
+    pub(crate) fn add_to(&self, contact: &mut Value) {
+        let figure = |name: &str| contact.get(name).and_then(Value::as_f64);
+        let [pressure, load] = ["max_pressure_pa", "normal_force_n"].map(figure);
+        let force = |name: &str| figure(name).unwrap_or(0.0);
+        let tangential = force("creep_force_x_n").hypot(force("creep_force_y_n"));
+        let size = ["semi_axis_a_m", "semi_axis_b_m"]
+            .map(figure)
+            .iter()
+            .zip(self.radii)
+            .filter_map(|(axis, radius)| Some((*axis)? / radius))
+            .fold(0.0, f64::max);
+        if size > 0.0 {
+            contact[SIZE] = size.into();
+        }
+        if let (Some(strength), Some(pressure), Some(load)) = (self.shear_strength, pressure, load)
+            && load > 0.0
+        {
+            contact[SHEAR_RATIO] = (pressure / strength).into();
+            contact[SHAKEDOWN] = (pressure / strength / shakedown::limit(tangential / load)).into();
+        }
+    }
+}
+
+/// Adds how many elements lie across a contact, or across the smallest of its patches if all are listed.
+pub(crate) fn add_elements(contact: &mut Value, grid: &Structured) {
+    let across = |patch: &Value| {
+        let axis = |name: &str| patch.get(name).and_then(Value::as_f64);
+        Some(
+            (2.0 * axis("semi_axis_a_m")? / grid.dx())
+                .min(2.0 * axis("semi_axis_b_m")? / grid.dy()),
+        )
+    };
+    let listed = contact.get("each_patch").and_then(Value::as_array);
+    let all = listed.filter(|list| contact["patches"].as_u64() == Some(list.len() as u64));
+    let least = match all {
+        Some(list) => list.iter().filter_map(across).reduce(f64::min),
+        None => across(contact),
+    };
+    if let Some(least) = least.filter(|least| *least > 0.0) {
+        contact[ACROSS] = least.into();
+    }
+}
+
+/// Their descriptions.
+pub(crate) fn figures() -> Vec<FigureSpec> {
+    let figure = |name: &str, words| FigureSpec::new(&format!("contact.{name}"), "1", words);
+    vec![
+        figure(SHEAR_RATIO, "p0 over the yield stress in shear").on("material", "p0/k").digits(3),
+        figure(SHAKEDOWN, "p0/k over the limit of elastic shakedown")
+            .expected_below(
+                1.0,
+                "beyond elastic shakedown the material flows in every passage, until it hardens \
+                 (a line contact, all of which slides; Johnson 1985, 9.2)",
+            )
+            .on("material", "of the shakedown limit")
+            .digits(3),
+        figure(SIZE, "semi-axis over the body's radius").expected_below(
+            HALF_SPACE,
+            "the bodies are no half-spaces to so large a contact (Johnson 1985, 4.1)",
+        ),
+        figure(ACROSS, "elements across the narrowest patch").expected_above(
+            ELEMENTS,
+            "pressures of so few elements are a guess; raise mech.resolution",
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// p₀/k and its part of the limit with the softer body's strength; sizes over the smaller radius of either direction.
+    #[test]
+    fn a_contact_is_held_against_its_limits() {
+        let measures = Measures { shear_strength: Some(300e6), radii: [0.5, f64::INFINITY] };
+        let mut contact = json!({"max_pressure_pa": 1.2e9, "normal_force_n": 1e5, "creep_force_x_n": -5e4,
+            "semi_axis_a_m": 5e-3, "semi_axis_b_m": 8e-3});
+        measures.add_to(&mut contact);
+        assert_eq!(contact[SHEAR_RATIO], 4.0);
+        assert_eq!(contact[SHAKEDOWN], 2.0, "1/0.5 is the limit");
+        assert_eq!(contact[SIZE], 0.01);
+        let grid = Structured::contact_plane(0.0, 0.0, 1e-3, 2e-3, 20, 20);
+        add_elements(&mut contact, &grid);
+        assert_eq!(contact[ACROSS], 8.0);
+        contact["each_patch"] = json!([{"semi_axis_a_m": 1e-3, "semi_axis_b_m": 8e-3}, {"semi_axis_a_m": 5e-3, "semi_axis_b_m": 8e-3}]);
+        contact["patches"] = json!(2);
+        add_elements(&mut contact, &grid);
+        assert_eq!(contact[ACROSS], 2.0);
+        let soft = Measures { shear_strength: None, ..measures };
+        let mut other = json!({"max_pressure_pa": 1e9, "normal_force_n": 0.0});
+        soft.add_to(&mut other);
+        assert_eq!(other.get(SHAKEDOWN), None);
+    }
+}

@@ -1,0 +1,77 @@
+//! The pressure up to which a surface that is rolled over shakes down to elastic: what flows in the first passages leaves
+//! residual stresses that keep the later ones elastic.
+//!
+//! Of residual stresses that do not change along the motion, equilibrium with a free surface leaves normal ones in the plane of
+//! the surface, which can take away what makes the material yield but for the shear stress τ_xz. So (Melan) the limit is
+//! p₀/k = 1/max |τ_xz/p₀|, with the yield stress k in shear. Under a pressure p₀√(1 − x²), all of which slides with a traction
+//! coefficient μ, in half widths a of a line contact,
+//!
+//! τ_xz/p₀ = −n (m² − z²)/(m² + n²) − μ [m (1 + (z² + n²)/(m² + n²)) − 2z],
+//!
+//! m² = ½ [√((1 − x² + z²)² + 4x²z²) + (1 − x² + z²)], n² = m² − (1 − x² + z²), n with the sign of x.
+//!
+//! Without friction that is 4.0 (half a width below the surface); from μ = 0.367 on it is 1/μ, at the surface. A contact that is
+//! wide along the motion's axis only is the worst: a circular one has 4.7 without friction.
+//!
+//! Source: Johnson, *Contact Mechanics* (1985), 4.2(c), 7.1 and 9.2.
+
+/// Steps across half of the contact's width in which the largest shear stress is looked for.
+const STEPS: i32 = 64;
+/// As far as it is looked for, in half widths: beside the middle, and below the surface.
+const REACH: [i32; 2] = [STEPS * 3 / 2, STEPS];
+
+/// p₀/k up to which a surface shakes down, at a traction coefficient [-].
+#[must_use]
+pub fn limit(traction: f64) -> f64 {
+    let step = 1.0 / f64::from(STEPS);
+    let at =
+        |i: i32, k: i32| shear_stress(f64::from(i) * step, f64::from(k) * step, traction.abs());
+    let below = (-REACH[0]..=REACH[0]).flat_map(|i| (1..=REACH[1]).map(move |k| (i, k)));
+    let largest = below.map(|(i, k)| at(i, k).abs()).fold(traction.abs(), f64::max);
+    largest.recip()
+}
+
+/// τ_xz/p₀ at a place in half widths, below the surface.
+fn shear_stress(x: f64, z: f64, traction: f64) -> f64 {
+    let part = 1.0 - x * x + z * z;
+    let m2 = 0.5 * ((part * part + 4.0 * x * x * z * z).sqrt() + part);
+    let (m, n2) = (m2.sqrt(), m2 - part);
+    let n = n2.max(0.0).sqrt() * x.signum();
+    let sum = m2 + n2;
+    let normal = -n * (m2 - z * z) / sum;
+    normal - traction * (m * (1.0 + (z * z + n2) / sum) - 2.0 * z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// Johnson's figures: 4.0 without friction, 0.25 p₀ at 0.87 and 0.5 half widths; from 0.367 on at the surface. Tolerance: the
+    /// steps, of second order, and the digits quoted.
+    #[test]
+    fn johnsons_figures() {
+        assert!((limit(0.0) - 4.0).abs() < 2e-3, "{}", limit(0.0));
+        assert!((shear_stress(0.75_f64.sqrt(), 0.5, 0.0).abs() - 0.25).abs() < 1e-12);
+        assert!((limit(0.58) - 1.0 / 0.58).abs() < 1e-12);
+        let at_surface = |traction: f64| (limit(traction) * traction - 1.0).abs() < 1e-12;
+        assert!(at_surface(0.372) && !at_surface(0.362), "{} {}", limit(0.362), limit(0.372));
+        assert!(limit(-0.1) < limit(0.05));
+    }
+
+    /// Equilibrium along the motion of the stress that the pressure makes: far below, what passes a plane in depth is nothing of it and
+    /// all of the traction. Tolerance: a tenth of what is beyond the ends X of the sum, where stresses fall like those of a line load, 4z/πX of it.
+    #[test]
+    fn shear_stresses_carry_the_traction() {
+        let traction = 0.4;
+        for z in [0.3, 1.0] {
+            let (step, count) = (1e-3, 200_000);
+            let sum: f64 = (-count..=count)
+                .map(|i| shear_stress(f64::from(i) * step, z, traction) * step)
+                .sum();
+            let beyond = 4.0 * z / (PI * f64::from(count) * step);
+            let expected = -traction * 0.5 * PI * (1.0 - beyond);
+            assert!((sum / expected - 1.0).abs() < 0.1 * beyond, "{z}: {sum} {expected}");
+        }
+    }
+}
