@@ -78,6 +78,11 @@ pub struct Levels {
     search: ForceSearch,
 }
 
+/// Where the rigid slip of a step is taken, ahead of an element's centre, over the way of the step. The step's elastic slip is that of its
+/// middle, and the traction that it turns against that of its end: in between, errors of forces under spin nearly cancel
+/// (docs/theory/half-space.md). CONTACT has the same.
+pub const RIGID_SLIP_AHEAD: f64 = 1.0 / 6.0;
+
 /// One grid.
 #[derive(Debug)]
 struct Level {
@@ -106,7 +111,7 @@ impl Level {
             }
         };
         let (distance, ahead) = match motion {
-            Motion::SteadyRolling | Motion::RollingStep => (dx, 0.5 * dx),
+            Motion::SteadyRolling | Motion::RollingStep => (dx, RIGID_SLIP_AHEAD * dx),
             Motion::Shift => (1.0, 0.0),
         };
         Self {

@@ -59,8 +59,7 @@ pub struct Problem<'a> {
     /// Distance Δq rolled in the step [m]; 1 in a shift, where the creepages are distances [m] and a
     /// rotation [rad].
     pub distance: f64,
-    /// Where in the step the rigid slip is taken, ahead of an element's centre: half the distance
-    /// rolled, 0 in a shift [m].
+    /// Where in the step the rigid slip is taken, ahead of an element's centre; 0 in a shift [m].
     pub ahead: f64,
     /// Area of an element [m²].
     pub element_area: f64,

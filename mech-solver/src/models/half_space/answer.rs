@@ -28,6 +28,9 @@ pub(super) struct Answer {
     pub(super) creepage: Creepage,
     slip_area_ratio: f64,
     approach: Option<f64>,
+    /// Where along x the moment is taken that does the work of the spin: as far ahead as the middle of a step is beyond where its
+    /// rigid slip is taken [m].
+    pub(super) pivot: f64,
     /// The power balance, where there is one.
     pub(super) balance: Option<Balance>,
     /// What heat has done to both bodies, where it expands them and that is observed.
@@ -47,7 +50,7 @@ impl Answer {
             let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
             let rigid = [xi - phi * y, eta + phi * x];
             let size = rigid[0].hypot(rigid[1]);
-            let middle = [rigid[0], rigid[1] + phi * passage.ahead];
+            let middle = [rigid[0], rigid[1] + phi * passage.middle];
             for component in 0..2 {
                 slip[component * count + index] = middle[component] * passage.distance;
                 if size > 0.0 {
@@ -75,6 +78,8 @@ impl Answer {
             |which: ElementState| state.element.iter().filter(|e| **e == which).count() as f64;
         let (slip, stick) = (count_of(ElementState::Slip), count_of(ElementState::Adhesion));
         answer.slip_area_ratio = if slip + stick > 0.0 { slip / (slip + stick) } else { 0.0 };
+        let passage = case.passage();
+        answer.pivot = passage.middle - passage.ahead;
         let before = before.map(|before| before.concat());
         answer.set(case, state.traction.concat(), state.slip.concat(), before.as_deref());
         answer

@@ -5,6 +5,7 @@ use super::geometry::Footprint;
 use crate::ellipse::Ellipse;
 use crate::half_space::extent::sample;
 use crate::half_space::influence::Elasticity;
+use crate::half_space::levels::RIGID_SLIP_AHEAD;
 use crate::scene::{GivenPatch, Scene};
 use crate::surface::KeptSurface;
 use crate::terms::Terms;
@@ -85,10 +86,16 @@ impl Case {
     pub(super) fn passage(&self) -> Passage {
         let (dx, speed) = (self.footprint.grid.dx(), self.scene.speeds.rolling);
         match speed > 0.0 {
-            true => Passage { distance: dx, ahead: 0.5 * dx, duration: dx / speed, rolls: true },
+            true => Passage {
+                distance: dx,
+                ahead: RIGID_SLIP_AHEAD * dx,
+                middle: 0.5 * dx,
+                duration: dx / speed,
+                rolls: true,
+            },
             false => {
                 let duration = self.shift_duration;
-                Passage { distance: 1.0, ahead: 0.0, duration, rolls: false }
+                Passage { distance: 1.0, ahead: 0.0, middle: 0.0, duration, rolls: false }
             }
         }
     }
@@ -96,7 +103,7 @@ impl Case {
     /// The contact grid, shifted upstream by half an element if the bodies roll.
     pub(super) fn passage_grid(&self) -> Structured {
         let mut passage = self.footprint.grid;
-        passage.origin[0] += self.passage().ahead;
+        passage.origin[0] += self.passage().middle;
         passage
     }
 
@@ -138,6 +145,8 @@ pub(super) struct Passage {
     pub(super) distance: f64,
     /// Where the rigid slip is taken, ahead of an element's centre [m].
     pub(super) ahead: f64,
+    /// The middle of the way, ahead of an element's centre [m].
+    pub(super) middle: f64,
     /// How long it takes [s].
     pub(super) duration: f64,
     /// Particles come from the upstream element.

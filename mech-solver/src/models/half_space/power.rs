@@ -5,6 +5,9 @@
 //!
 //! P = −V(ξ F_x + η F_y + φ M_z) + V ∫ p_n ∂h/∂x dA.
 //!
+//! M_z is the moment about a place as far ahead of the middle as the middle of a step is beyond where its rigid slip is taken:
+//! Δx/3 in rolling with a stick zone, as the traction of a step's beginning and that of its end have the same part in it.
+//!
 //! The last term is there for bodies of different elastic constants only: their pressure slips against
 //! the tractions, (p_{I+e_x} − p_{I−e_x})/2 · A_zt p_t in every element by the symmetry of Maxwell and
 //! Betti, and A_zt p_t is what the normal contact closes, δ − h − A_zz p_n, in which the part of A_zz
@@ -48,7 +51,8 @@ impl Balance {
             let at = [grid.x(index % grid.ni), grid.y(index / grid.ni)];
             exchanged += against(answer.creepage, at, [*traction.0, *traction.1])[1];
         }
-        let [_, forces @ ..] = answer.sums(grid).map(|sum| sum * grid.element_area());
+        let [_, mut forces @ ..] = answer.sums(grid).map(|sum| sum * grid.element_area());
+        forces[2] -= answer.pivot * forces[1];
         let work: f64 = forces.iter().zip(answer.creepage).map(|(f, c)| f * c).sum();
         Self {
             friction: friction(grid, answer),
