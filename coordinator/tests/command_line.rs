@@ -16,7 +16,15 @@ fn text(bytes: &[u8]) -> &str {
 fn it_tells_its_version_and_its_commands() {
     let version = coordinator(&["--version"]);
     assert!(version.status.success());
-    assert_eq!(text(&version.stdout), concat!("coordinator ", env!("CARGO_PKG_VERSION"), "\n"));
+    let said =
+        text(&version.stdout).strip_prefix(concat!("coordinator ", env!("CARGO_PKG_VERSION")));
+    let commit = said.unwrap().trim_end();
+    // Where there is a repository, the commit that was built.
+    let is_commit = |text: &str| text.len() == 10 && text.chars().all(|c| c.is_ascii_hexdigit());
+    let named = commit.strip_prefix(" (").and_then(|rest| rest.strip_suffix(')'));
+    assert!(commit.is_empty() || named.is_some_and(is_commit), "{commit}");
+    let repository = concat!(env!("CARGO_MANIFEST_DIR"), "/../.git");
+    assert_eq!(named.is_some(), std::path::Path::new(repository).exists());
     let help = coordinator(&["--help"]);
     assert!(help.status.success());
     let commands = [
@@ -24,6 +32,8 @@ fn it_tells_its_version_and_its_commands() {
         "plan",
         "check",
         "solvers",
+        "fields",
+        "figures",
         "conform",
         "inspect",
         "replay",

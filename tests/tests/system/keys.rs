@@ -160,14 +160,3 @@ fn every_field_and_figure_is_listed() {
     let nothing = Place::new().start(&["figures", "no such thing"]).wait();
     assert_eq!(nothing.code, Some(2));
 }
-
-/// The version names the commit that was built, where there is one.
-#[test]
-fn the_version_names_its_commit() {
-    let said = Place::new().start(&["-V"]).wait().stdout;
-    assert!(said.starts_with(&format!("coordinator {}", env!("CARGO_PKG_VERSION"))), "{said}");
-    let commit = said.trim_end().split_once(" (").map(|(_, commit)| commit.trim_end_matches(')'));
-    let is_hash = |text: &str| text.len() == 10 && text.chars().all(|c| c.is_ascii_hexdigit());
-    let versioned = root().join(".git").exists();
-    assert_eq!(commit.is_some_and(is_hash), versioned, "{said}");
-}
