@@ -4,109 +4,32 @@
 //! They are those of the contract's table and of what the installed programs describe; docs/fields.md and docs/figures.md are
 //! written from them.
 
+use crate::listing::Listing;
 use crate::output::print;
-use clap::Args;
 use contract::description::{Description, EffectSpec, ModelSpec};
 use contract::field::{self, FieldKind, FieldSpec};
 use contract::figure::FigureSpec;
 use contract::text::json;
 use run::error::RunError;
 use run::wrap;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// What is asked of either.
-#[derive(Debug, Args)]
-pub(crate) struct Arguments {
-    /// Show those alone whose name or meaning holds this.
-    pattern: Option<String>,
-    /// Print JSON.
-    #[arg(long, conflicts_with = "markdown")]
-    json: bool,
-    /// Print them as the page in docs has them.
-    #[arg(long)]
-    markdown: bool,
-}
-
 /// Something that participants give.
-trait Output: Serialize {
-    fn name(&self) -> &str;
-    fn unit(&self) -> &str;
-    fn meaning(&self) -> String;
-    fn given_by(&self) -> &[String];
-}
-
-#[derive(Debug, Serialize)]
-struct Field {
-    #[serde(flatten)]
-    kind: FieldKind,
-    provided_by: Vec<String>,
-    consumed_by: Vec<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct Figure {
-    #[serde(flatten)]
-    spec: FigureSpec,
+struct Output {
+    name: String,
+    unit: String,
+    meaning: String,
     given_by: Vec<String>,
-}
-
-impl Output for Field {
-    fn name(&self) -> &str {
-        &self.kind.name
-    }
-
-    fn unit(&self) -> &str {
-        &self.kind.unit
-    }
-
-    fn meaning(&self) -> String {
-        let Self { kind, consumed_by, .. } = self;
-        let components = match kind.components {
-            1 => String::new(),
-            count => format!("; {count} components"),
-        };
-        let read = match consumed_by.is_empty() {
-            true => String::new(),
-            false => format!("; read by {}", consumed_by.join(", ")),
-        };
-        format!("{}{components}{read}", kind.meaning)
-    }
-
-    fn given_by(&self) -> &[String] {
-        &self.provided_by
-    }
-}
-
-impl Output for Figure {
-    fn name(&self) -> &str {
-        &self.spec.key
-    }
-
-    fn unit(&self) -> &str {
-        &self.spec.unit
-    }
-
-    fn meaning(&self) -> String {
-        let expected = self.spec.plausible.as_ref().map_or(String::new(), |bounds| {
-            let least = bounds.least.map(|least| format!("at least {least}"));
-            let most = bounds.most.map(|most| format!("at most {most}"));
-            let both: Vec<String> = least.into_iter().chain(most).collect();
-            format!("; expected is {}: {}", both.join(" and "), bounds.why)
-        });
-        format!("{}{expected}", self.spec.words)
-    }
-
-    fn given_by(&self) -> &[String] {
-        &self.given_by
-    }
+    /// All that is described of it.
+    described: Value,
 }
 
 /// Prints the fields.
 ///
 /// # Errors
 /// They cannot be printed, or none is like the pattern.
-pub(crate) fn fields(asked: &Arguments, described: &[Description]) -> Result<(), RunError> {
+pub(crate) fn fields(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
     let own = described.iter().flat_map(|of| of.fields.iter().cloned());
     let kinds = field::TABLE.iter().map(FieldSpec::kind).chain(own);
     // The geometry of a grid travels on a topic of its own.
@@ -116,10 +39,25 @@ pub(crate) fn fields(asked: &Arguments, described: &[Description]) -> Result<(),
         let consumes = |model: &ModelSpec| model.consumes.contains(&kind.name);
         let with = |effect: &EffectSpec| effect.provides.contains(&kind.name);
         let needs = |effect: &EffectSpec| effect.consumes.contains(&kind.name);
-        Field {
-            provided_by: those(described, provides, with),
-            consumed_by: those(described, consumes, needs),
-            kind,
+        let provided_by = those(described, provides, with);
+        let consumed_by = those(described, consumes, needs);
+        let components = match kind.components {
+            1 => String::new(),
+            count => format!("; {count} components"),
+        };
+        let read = match consumed_by.is_empty() {
+            true => String::new(),
+            false => format!("; read by {}", consumed_by.join(", ")),
+        };
+        let mut all = json!(kind);
+        all["provided_by"] = json!(provided_by);
+        all["consumed_by"] = json!(consumed_by);
+        Output {
+            meaning: format!("{}{components}{read}", kind.meaning),
+            name: kind.name,
+            unit: kind.unit,
+            given_by: provided_by,
+            described: all,
         }
     };
     let intro = "Every field that the installed programs exchange or write out, as `coordinator fields --markdown` writes them; \
@@ -132,9 +70,24 @@ pub(crate) fn fields(asked: &Arguments, described: &[Description]) -> Result<(),
 ///
 /// # Errors
 /// They cannot be printed, or none is like the pattern.
-pub(crate) fn figures(asked: &Arguments, described: &[Description]) -> Result<(), RunError> {
-    let of =
-        |spec: &FigureSpec, giver: String| Figure { spec: spec.clone(), given_by: vec![giver] };
+pub(crate) fn figures(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
+    let of = |spec: &FigureSpec, giver: String| {
+        let expected = spec.plausible.as_ref().map_or(String::new(), |bounds| {
+            let least = bounds.least.map(|least| format!("at least {least}"));
+            let most = bounds.most.map(|most| format!("at most {most}"));
+            let both: Vec<String> = least.into_iter().chain(most).collect();
+            format!("; expected is {}: {}", both.join(" and "), bounds.why)
+        });
+        let mut all = json!(spec);
+        all["given_by"] = json!([giver]);
+        Output {
+            name: spec.key.clone(),
+            unit: spec.unit.clone(),
+            meaning: format!("{}{expected}", spec.words),
+            given_by: vec![giver],
+            described: all,
+        }
+    };
     let all = described.iter().flat_map(|Description { role, figures, effects, .. }| {
         let with_effects = effects.iter().flat_map(move |effect| {
             let giver = format!("effect {}", effect.name);
@@ -172,48 +125,27 @@ fn those(
     found
 }
 
-fn show<T: Output>(
-    asked: &Arguments,
-    mut all: Vec<T>,
-    title: &str,
-    intro: &str,
-) -> Result<(), RunError> {
-    if let Some(pattern) = &asked.pattern {
-        let wanted = pattern.to_lowercase();
-        let like = |text: &str| text.to_lowercase().contains(&wanted);
-        all.retain(|one| like(one.name()) || like(&one.meaning()));
-        if all.is_empty() {
-            let fix = "leave the pattern out to see all of them";
-            return Err(RunError::Usage(format!("nothing is like `{pattern}`; {fix}")));
-        }
-    }
+fn show(asked: &Listing, all: Vec<Output>, title: &str, intro: &str) -> Result<(), RunError> {
+    let all = asked.pick(all, |one| [&one.name, &one.meaning])?;
     print(&match (asked.json, asked.markdown) {
-        (true, _) => json(&all),
+        (true, _) => json(&all.iter().map(|one| &one.described).collect::<Vec<_>>()),
         (_, true) => markdown(&all, title, intro),
         _ => all.iter().map(terminal).collect(),
     })
 }
 
-fn terminal<T: Output>(one: &T) -> String {
-    let given = one.given_by().join(", ");
-    let text =
-        format!("{}  [{}]\n    {}\n    from {given}\n", one.name(), one.unit(), one.meaning());
-    wrap::columns(&text)
+fn terminal(Output { name, unit, meaning, given_by, .. }: &Output) -> String {
+    let given = given_by.join(", ");
+    wrap::columns(&format!("{name}  [{unit}]\n    {meaning}\n    from {given}\n"))
 }
 
-fn markdown<T: Output>(all: &[T], title: &str, intro: &str) -> String {
+fn markdown(all: &[Output], title: &str, intro: &str) -> String {
     let mut text = format!(
         "# {title}\n\n{intro}\n\n| name | unit | what | from |\n| --- | --- | --- | --- |\n"
     );
-    for one in all {
-        let meaning = one.meaning().replace('|', "\\|");
-        let _ = writeln!(
-            text,
-            "| `{}` | {} | {meaning} | {} |",
-            one.name(),
-            one.unit(),
-            one.given_by().join(", ")
-        );
+    for Output { name, unit, meaning, given_by, .. } in all {
+        let (meaning, given) = (meaning.replace('|', "\\|"), given_by.join(", "));
+        let _ = writeln!(text, "| `{name}` | {unit} | {meaning} | {given} |");
     }
     text
 }

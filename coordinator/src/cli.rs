@@ -11,6 +11,7 @@ use crate::cost;
 use crate::export::{self, Target};
 use crate::inspect::{self, Wanted};
 use crate::keys;
+use crate::listing::Listing;
 use crate::logging::{Level, Logging};
 use crate::manual;
 use crate::new;
@@ -114,9 +115,9 @@ enum Command {
     /// Show every key that a case may have: unit, range, default, and who reads it.
     Keys(keys::Arguments),
     /// Show every field that participants exchange or write: unit, components, and who gives it.
-    Fields(catalogue::Arguments),
+    Fields(Listing),
     /// Show every number of a summary: unit, meaning, what is expected, and who gives it.
-    Figures(catalogue::Arguments),
+    Figures(Listing),
     /// Show what a recording holds: windows, iterations, ranges, residuals, timings.
     Inspect(InspectArguments),
     /// Drive one participant through a recording, and compare all that it sends.

@@ -8,6 +8,7 @@ mod schema;
 
 pub(crate) use key::about;
 
+use crate::listing::Listing;
 use crate::output::print;
 use case::schema::ROLE;
 use clap::Args;
@@ -21,14 +22,8 @@ use std::fmt::Write as _;
 /// What `coordinator keys` is asked.
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Show the keys alone whose path or meaning holds this.
-    pattern: Option<String>,
-    /// Print JSON.
-    #[arg(long, conflicts_with = "markdown")]
-    json: bool,
-    /// Print them as docs/case.md has them.
-    #[arg(long)]
-    markdown: bool,
+    #[command(flatten)]
+    of: Listing,
     /// Print a JSON Schema of cases, with which editors complete and check.
     #[arg(long, conflicts_with_all = ["json", "markdown", "pattern"])]
     schema: bool,
@@ -39,17 +34,8 @@ pub(crate) struct Arguments {
 /// # Errors
 /// They cannot be printed, or none is like the pattern.
 pub(crate) fn main(asked: &Arguments, described: &[Description]) -> Result<(), RunError> {
-    let mut keys = all(described);
-    if let Some(pattern) = &asked.pattern {
-        let wanted = pattern.to_lowercase();
-        let like = |text: &str| text.to_lowercase().contains(&wanted);
-        keys.retain(|key| like(&key.spec.path) || like(&key.spec.help));
-        if keys.is_empty() {
-            let fix = "leave the pattern out to see all of them";
-            return Err(RunError::Usage(format!("no key is like `{pattern}`; {fix}")));
-        }
-    }
-    print(&match (asked.json, asked.markdown, asked.schema) {
+    let keys = asked.of.pick(all(described), |key| [&key.spec.path, &key.spec.help])?;
+    print(&match (asked.of.json, asked.of.markdown, asked.schema) {
         (true, ..) => json(&keys),
         (_, true, _) => markdown(&keys),
         (.., true) => json(&schema::schema(&keys, described)),

@@ -15,6 +15,7 @@ mod cost;
 mod export;
 mod inspect;
 mod keys;
+mod listing;
 mod logging;
 mod manual;
 mod new;

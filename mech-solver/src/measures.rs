@@ -6,9 +6,9 @@ use proto::figure::FigureSpec;
 use proto::grid::Structured;
 use serde_json::Value;
 
-/// A contact of half of a body's radius is no half-space.
+/// Part of a radius beyond which a body is no half-space to a contact.
 const HALF_SPACE: f64 = 0.2;
-/// Elements across a patch below which its pressure is a guess.
+/// Elements across a patch below which friction power is off by a tenth (docs/theory/half-space.md, at a/5).
 const ELEMENTS: f64 = 8.0;
 
 const SHEAR_RATIO: &str = "pressure_over_shear_strength";
@@ -105,7 +105,7 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
         ),
         figure(ACROSS, "elements across the narrowest patch").expected_above(
             ELEMENTS,
-            "pressures of so few elements are a guess; raise mech.resolution",
+            "friction power of so few elements is off by a tenth; raise mech.resolution",
         ),
     ]
 }

@@ -122,13 +122,7 @@ impl<const CURVED: bool, const FLOWS: bool, const SOFTER: bool> WithSimd
         let mut carried = [[zero; 3]; 4];
         #[allow(clippy::needless_range_loop, reason = "it indexes rows of six vectors alike")]
         for group in 0..groups {
-            let own;
-            let material = if SOFTER {
-                own = whole.softer(s, shares[0][group], shares[1][group]);
-                &own
-            } else {
-                &whole
-            };
+            let material = &whole.of_group::<SOFTER>(s, &shares, group);
             let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, material);
             let mut strains = [zero; PLASTIC];
             if FLOWS {
@@ -176,13 +170,7 @@ impl<const CURVED: bool, const FLOWS: bool, const SOFTER: bool> WithSimd
         let [near, far] = [0, 1].map(|from| views::<S>(&row.displacement, from, groups));
         let mut sums = [s.splat_f64s(0.0); 2];
         for group in 0..groups {
-            let own;
-            let material = if SOFTER {
-                own = whole.softer(s, shares[0][group], shares[1][group]);
-                &own
-            } else {
-                &whole
-            };
+            let material = &whole.of_group::<SOFTER>(s, &shares, group);
             let ends = Ends::read(s, &near, &far, group).turned::<CURVED>(s, material);
             let strain =
                 |k: usize| if FLOWS { plastic[k * groups + group] } else { s.splat_f64s(0.0) };
@@ -235,9 +223,13 @@ impl<S: Simd> Material<S> {
 }
 
 impl<S: Simd> Material<S> {
-    /// Of elements with shares of its stiffness and of its yield stress.
+    /// Of a group of elements, with their shares of its stiffness and of its yield stress if they are softer.
     #[inline(always)]
-    fn softer(&self, s: S, stiffness: S::f64s, yields: S::f64s) -> Self {
+    fn of_group<const SOFTER: bool>(&self, s: S, shares: &[&[S::f64s]; 2], group: usize) -> Self {
+        if !SOFTER {
+            return *self;
+        }
+        let [stiffness, yields] = shares.map(|shares| shares[group]);
         let [stress, isotropic, kinematic] = self.flow;
         let stress = s.mul_f64s(stress, s.div_f64s(yields, stiffness));
         Self {

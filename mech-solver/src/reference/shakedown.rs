@@ -10,13 +10,13 @@
 //!
 //! m² = ½ [√((1 − x² + z²)² + 4x²z²) + (1 − x² + z²)], n² = m² − (1 − x² + z²), n with the sign of x.
 //!
-//! Without friction that is 4.0 (half a width below the surface); from μ = 0.367 on it is 1/μ, at the surface. A contact that is
-//! wide along the motion's axis only is the worst: a circular one has 4.7 without friction.
+//! Without friction that is 4.0 (half a width below the surface); from μ = 0.367 on it is 1/μ, at the surface. Other
+//! contacts bear more: a circular one 4.7 without friction.
 //!
 //! Source: Johnson, *Contact Mechanics* (1985), 4.2(c), 7.1 and 9.2.
 
 /// Steps across half of the contact's width in which the largest shear stress is looked for.
-const STEPS: i32 = 64;
+const STEPS: i32 = 32;
 /// As far as it is looked for, in half widths: beside the middle, and below the surface.
 const REACH: [i32; 2] = [STEPS * 3 / 2, STEPS];
 

@@ -88,7 +88,7 @@ fn a_pattern_finds_keys() {
     assert!(found.stdout.contains("read by mech hertz-carter"), "{}", found.stdout);
     let nothing = Place::new().start(&["keys", "no such thing"]).wait();
     assert_eq!(nothing.code, Some(2), "{}", nothing.stdout);
-    assert!(nothing.stderr.contains("no key is like `no such thing`"), "{}", nothing.stderr);
+    assert!(nothing.stderr.contains("nothing is like `no such thing`"), "{}", nothing.stderr);
 }
 
 /// Dotted keys of all values; a table of a file and a column is a value.

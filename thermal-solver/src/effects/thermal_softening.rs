@@ -28,7 +28,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let hottest = situation.scene.initial_temperatures[body] + situation.rises[body];
     let (from, slope) = FALLS;
     let lost = (slope * (hottest - from)).clamp(0.0, 1.0);
-    // Half of the strain that carries a contact is in a depth of half its width; heat is in much less.
+    // What carries a contact is about as deep as it is wide; heat is in a part of that.
     let [_, b] = situation.semi_axes;
     let depth = match situation.rises[body] > 0.0 {
         true => situation.rise_integral(body) / situation.rises[body],

@@ -11,7 +11,7 @@ use crate::models::varying::no_answer;
 use crate::scene::Scene;
 use crate::softening::LEAST_SHARE;
 use crate::surface::Surface;
-use crate::terms::{Kind, Terms};
+use crate::terms::Kind;
 use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::Value;
@@ -76,7 +76,7 @@ fn warm_summary(
 /// A temperature that a table does not have.
 fn warm(
     rolling: &mut Rolling,
-    terms: &Terms,
+    Fields { scene, terms }: &Fields,
     integrals: &[Surface<'_>; 2],
 ) -> Result<Option<f64>, StepError> {
     let mut least = None;
@@ -86,9 +86,9 @@ fn warm(
             let Some(softening) = &terms.softening[body] else { return Ok([1.0; 2]) };
             let shares = softening.at(integrals[body].at(x, y) / depth).map_err(|temperature| {
                 StepError::NoSolution(format!(
-                    "elements of the {} body come to {temperature:.1} K, beyond their softening_table; extend it, or write \
+                    "elements of `{}` come to {temperature:.1} K, beyond their softening_table; extend it, or write \
                      effects.{}.beyond = \"clamp\"",
-                    ["upper", "lower"][body],
+                    scene.names.0[body],
                     terms.effect_of(Kind::Softening).unwrap_or_default(),
                 ))
             })?;
@@ -117,7 +117,7 @@ impl Model for Heated {
         let Self { rolling, curve, fields, report, cold, .. } = self;
         rolling.restore(cold);
         let before = rolling.steps();
-        let least_share = warm(rolling, &fields.terms, &integrals)?;
+        let least_share = warm(rolling, fields, &integrals)?;
         let settled = settle_again(rolling, |ratio| curve.creepage(ratio), &mut **report);
         let (means, met) = settled.map_err(no_answer)?;
         outcome::check(&self.rolling, &means).map_err(no_answer)?;
