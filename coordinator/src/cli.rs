@@ -8,8 +8,8 @@ use crate::colour::{self, Colours};
 use crate::compare;
 use crate::conform;
 use crate::cost;
-use crate::export::{self, Target};
-use crate::inspect::{self, Wanted};
+use crate::export;
+use crate::inspect;
 use crate::keys;
 use crate::listing::Listing;
 use crate::logging::{Level, Logging};
@@ -24,21 +24,19 @@ use crate::report::page::Page;
 use crate::reproduce;
 use crate::stability;
 use crate::states;
-use crate::study::Variant;
 use crate::study::output::{Kind, kind};
+use crate::study::{Variant, expected_seconds};
 use crate::sweep;
 use case::{Alone, RawCase, judge_alone};
-use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use contract::description::Description;
 use contract::text::{json, one_line, visible};
-use proto::recording::End;
 use run::checkpoint::{Checkpoint, Checkpoints, Corrupt};
 use run::error::{RunError, file_failure};
-use run::format::counted;
 use run::perform::{self, Outcome, RunStart};
 use run::plan::{Planned, Shown, plan};
 use run::plan_file::PlanFile;
-use run::programs::{self, Program};
+use run::programs;
 use run::record::Compression;
 use run::results::place::RESULTS;
 use run::results::{Existing, ResultFolder, show};
@@ -119,9 +117,9 @@ enum Command {
     /// Show every number of a summary: unit, meaning, what is expected, and who gives it.
     Figures(Listing),
     /// Show what a recording holds: windows, iterations, ranges, residuals, timings.
-    Inspect(InspectArguments),
+    Inspect(inspect::Arguments),
     /// Drive one participant through a recording, and compare all that it sends.
-    Replay(ReplayArguments),
+    Replay(replay::Arguments),
     /// Put a participant through the whole contract, and print how it went.
     Conform(conform::Arguments),
     /// Run the hard cases, drive their parameters to the edge, and print what held.
@@ -131,7 +129,7 @@ enum Command {
     /// Run a case over values of its keys: a row a point, plots over what varies.
     Sweep(sweep::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
-    Export(ExportArguments),
+    Export(export::Arguments),
     /// Switch off each effect in turn: what it changes in the answer, and what it costs.
     Ablate(ablate::Arguments),
     /// Show what accuracy costs in time, over models, resolutions, windows and tolerances.
@@ -152,71 +150,6 @@ enum Command {
     Completions(manual::Completions),
     /// Write the pages of the manual.
     Man(manual::Pages),
-}
-
-#[derive(Debug, Args)]
-struct ReplayArguments {
-    /// The recording.
-    recording: PathBuf,
-    /// Role of the participant to drive.
-    #[arg(long, value_name = "ROLE")]
-    only: String,
-    /// The program to drive, with its arguments [default: ROLE-solver].
-    #[arg(long, num_args = 1.., value_name = "COMMAND", conflicts_with = "serve")]
-    command: Vec<String>,
-    /// Largest difference that passes, relative to the largest value of a sample [default: none,
-    /// bit-identical].
-    #[arg(long, value_name = "RELATIVE")]
-    tolerance: Option<f64>,
-    /// Begin with this window, from a recorded state.
-    #[arg(long, value_name = "WINDOW")]
-    from: Option<u64>,
-    /// End with this window.
-    #[arg(long, value_name = "WINDOW")]
-    until: Option<u64>,
-    /// Change a value of the recorded configuration: dotted name and SI number, or text.
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// Ask before every command.
-    #[arg(long)]
-    step: bool,
-    /// Wait for a solver that is started by hand, in a debugger say; nothing has a deadline.
-    #[arg(long)]
-    serve: bool,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
-}
-
-#[derive(Debug, Args)]
-struct InspectArguments {
-    /// The recording.
-    recording: PathBuf,
-    /// List the samples of this field (or topic) one by one.
-    #[arg(long, value_name = "NAME")]
-    field: Option<String>,
-    /// List iterations and samples of this window.
-    #[arg(long, value_name = "NUMBER")]
-    window: Option<u64>,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
-}
-
-#[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("form").required(true).multiple(true).args(["vtk", "csv"]))]
-struct ExportArguments {
-    /// The recording.
-    recording: PathBuf,
-    /// Folder for VTK series (`.vti`, `.vtu`, `.pvd`).
-    #[arg(long, value_name = "DIR")]
-    vtk: Option<PathBuf>,
-    /// Folder for CSV, one file a topic and instant.
-    #[arg(long, value_name = "DIR")]
-    csv: Option<PathBuf>,
-    /// Every iteration, and not only what was accepted.
-    #[arg(long)]
-    iterations: bool,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -324,7 +257,9 @@ impl From<RunError> for Ended {
 
 /// Does what the command line asks for; the exit code.
 pub fn main(since: Instant) -> u8 {
-    let arguments = match Arguments::try_parse() {
+    let command = Arguments::command().color(colour::of_help(std::env::args_os()));
+    let parsed = command.try_get_matches().and_then(|found| Arguments::from_arg_matches(&found));
+    let arguments = match parsed {
         Ok(arguments) => arguments,
         Err(error) => return usage_error(&error),
     };
@@ -405,15 +340,15 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Keys(asked) => Ok(keys::main(asked, &installed()?)?),
         Command::Fields(asked) => Ok(catalogue::fields(asked, &installed()?)?),
         Command::Figures(asked) => Ok(catalogue::figures(asked, &installed()?)?),
-        Command::Inspect(asked) => Ok(inspect_recording(asked)?),
-        Command::Replay(asked) => Ok(replay_recording(asked, arguments.quiet)?),
+        Command::Inspect(asked) => Ok(inspect::main(asked)?),
+        Command::Replay(asked) => Ok(replay::main(asked, arguments.quiet)?),
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
         Command::States(asked) => Ok(states::main(asked, arguments.quiet)?),
         Command::Sweep(asked) => Ok(sweep::main(asked, arguments.quiet)?),
         Command::Ablate(asked) => Ok(ablate::main(asked, arguments.quiet)?),
         Command::Cost(asked) => Ok(cost::main(asked, arguments.quiet)?),
         Command::Stability(asked) => Ok(stability::main(asked, arguments.quiet)?),
-        Command::Export(asked) => Ok(export_recording(asked, arguments.quiet)?),
+        Command::Export(asked) => Ok(export::main(asked, arguments.quiet)?),
         Command::Report { folder } => {
             let _reading = signals::end_at_once();
             let path = report::write(&page_about(folder)?, folder)?;
@@ -444,7 +379,10 @@ fn check_as_json(asked: &CaseArguments) -> Result<(), RunError> {
         Err(RunError::Case(problems)) => {
             (problems.list().iter().map(problem).collect(), Vec::new())
         }
-        Err(_) => return planned.map(drop),
+        Err(other) => {
+            let nowhere = json!({"key": "", "place": "", "reason": other.to_string(), "fix": ""});
+            (vec![nowhere], Vec::new())
+        }
     };
     print(false, &json(&json!({"case": asked.case, "errors": errors, "warnings": warnings})))?;
     planned.map(drop)
@@ -611,7 +549,8 @@ fn refine(run: &RunArguments, answer: &ResultFolder, log: &Logging) -> Result<Be
 fn perform(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Outcome {
     let Begun { planned, folder, plan_seconds, from } = begun;
     let start = RunStart { since: screen.since, plan_seconds: *plan_seconds };
-    let progress = Progress::new(screen.quiet, planned.plan.windows.count());
+    let plan = &planned.plan;
+    let progress = Progress::new(screen.quiet, plan.windows.count(), expected_seconds(plan));
     screen.log.share_screen(progress.bar());
     let progress: Rc<dyn run::progress::Progress> = Rc::new(progress);
     let mut outcome = perform::run(planned, folder, &progress, start, from.as_ref(), asked.record);
@@ -696,93 +635,6 @@ fn report_on(folder: &Path) -> Result<(), RunError> {
     report::write(&report::of_run(folder)?, folder).map(drop)
 }
 
-fn inspect_recording(asked: &InspectArguments) -> Result<(), RunError> {
-    let _reading = signals::end_at_once();
-    let path = &asked.recording;
-    let wanted = Wanted { field: asked.field.clone(), window: asked.window };
-    let mut recording = inspect::open(path)?;
-    let survey = inspect::survey(&mut recording, &wanted);
-    let damaged = |damage: &String| Err(inspect::unreadable(path, damage));
-    if asked.json {
-        print(false, &json(&survey))?;
-        return survey.damage.as_ref().map_or(Ok(()), damaged);
-    }
-    print(false, &inspect::text(&survey, path))?;
-    if let Some(details) = &survey.details {
-        print(false, &inspect::details_text(details, wanted.window.is_none()))?;
-    }
-    survey.damage.as_ref().map_or(Ok(()), damaged)
-}
-
-fn replay_recording(asked: &ReplayArguments, quiet: bool) -> Result<(), RunError> {
-    if asked.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
-        return Err(RunError::Usage("--tolerance must be a number of at least 0".to_owned()));
-    }
-    let words = words(&asked.command)?;
-    let program = (!words.is_empty()).then(|| Program::of_role(&asked.only, Some(&words)));
-    let request = replay::Request {
-        recording: asked.recording.clone(),
-        only: asked.only.clone(),
-        program,
-        serve: asked.serve,
-        tolerance: asked.tolerance,
-        from: asked.from,
-        until: asked.until,
-        set: asked.set.iter().map(|option| assignment(option)).collect::<Result<_, _>>()?,
-        step: asked.step,
-    };
-    let replay = replay::replay(&request)?;
-    if asked.json {
-        print(false, &json(&replay))?;
-    } else {
-        print(quiet, &replay::text(&replay, &request))?;
-    }
-    let compared = &replay.comparison;
-    let first = compared.first.as_ref().map(replay::difference);
-    match (first.or_else(|| compared.other.clone()), &replay.damage) {
-        (Some(difference), _) => Err(RunError::Differs(difference)),
-        (None, Some(damage)) => Err(inspect::unreadable(&asked.recording, damage)),
-        (None, None) if compared.samples == 0 => {
-            Err(RunError::Usage("there was nothing to compare in these windows".to_owned()))
-        }
-        (None, None) => Ok(()),
-    }
-}
-
-/// A program and its arguments; one text with spaces is a command line, quoted as in a shell.
-fn words(command: &[String]) -> Result<Vec<String>, RunError> {
-    let [line] = command else { return Ok(command.to_vec()) };
-    let open = || RunError::Usage(format!("--command has a quote that is not closed: {line}"));
-    shlex::split(line).ok_or_else(open)
-}
-
-/// A key and a value: a number, true or false, or a text.
-fn assignment(option: &str) -> Result<(String, serde_json::Value), RunError> {
-    let (key, value) = option
-        .split_once('=')
-        .filter(|(key, _)| !key.is_empty())
-        .ok_or_else(|| RunError::Usage(format!("`--set {option}` is not KEY=VALUE")))?;
-    let value = serde_json::from_str(value).unwrap_or_else(|_| value.into());
-    Ok((key.to_owned(), value))
-}
-
-fn export_recording(asked: &ExportArguments, quiet: bool) -> Result<(), RunError> {
-    let ExportArguments { recording: path, vtk, csv, iterations } = asked;
-    let reading = signals::end_at_once();
-    let mut recording = inspect::open(path)?;
-    drop(reading);
-    let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
-    let instants = export::export(path, &mut recording, &target)?;
-    let mut text = counted(instants, "instant");
-    for folder in [vtk, csv].into_iter().flatten() {
-        text += &format!(" -> {}", folder.display());
-    }
-    if let End::Cut(bytes) = recording.end() {
-        text += &format!(" (the recording is truncated after {bytes} bytes)");
-    }
-    print(quiet, &(text + "\n"))
-}
-
 fn solvers() -> Result<(), RunError> {
     installed()?.iter().try_for_each(|described| print(false, &show_solver(described)))
 }
@@ -852,19 +704,4 @@ fn print_error(error: &RunError) {
             writeln!(stderr, "{error}: {}", one_line(&other.to_string()))
         }
     };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_text_is_a_command_line() {
-        let split = |command: &[&str]| {
-            words(&command.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>())
-        };
-        assert_eq!(split(&["a 'b c' d\\ e"]).unwrap(), ["a", "b c", "d e"]);
-        assert_eq!(split(&["a b", "c"]).unwrap(), ["a b", "c"]);
-        assert!(split(&["a 'b"]).unwrap_err().to_string().contains("quote"));
-    }
 }

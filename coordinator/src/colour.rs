@@ -1,5 +1,7 @@
 //! Colours on a terminal: of words that say how something went, and of the names of lines.
 
+use clap::ColorChoice;
+use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::sync::OnceLock;
 
@@ -20,6 +22,19 @@ static CHOSEN: OnceLock<Colours> = OnceLock::new();
 /// Chooses for the whole process; the first choice stays.
 pub(crate) fn choose(colours: Colours) {
     let _ = CHOSEN.set(colours);
+}
+
+/// What help and errors of the command line are to have, which are printed before the options are known.
+#[must_use]
+pub(crate) fn of_help(arguments: impl Iterator<Item = OsString>) -> ColorChoice {
+    let words: Vec<String> = arguments.map(|word| word.to_string_lossy().into_owned()).collect();
+    let apart = words.windows(2).filter(|pair| pair[0] == "--color").map(|pair| pair[1].as_str());
+    let joined = words.iter().filter_map(|word| word.strip_prefix("--color="));
+    match apart.chain(joined).next() {
+        Some("always") => ColorChoice::Always,
+        Some("never") => ColorChoice::Never,
+        _ => ColorChoice::Auto,
+    }
 }
 
 /// What is written there has colours.

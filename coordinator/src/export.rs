@@ -4,6 +4,10 @@
 //! each value. By default one instant a window, the accepted one; with every iteration, the instants
 //! are numbered in the order of the recording.
 
+mod cli;
+
+pub(crate) use cli::{Arguments, main};
+
 use crate::inspect::failed;
 use contract::bodies::Bodies;
 use contract::configuration::Configuration;

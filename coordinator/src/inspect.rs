@@ -1,9 +1,11 @@
 //! `coordinator inspect`: what a recording holds, in one pass over the file.
 
+mod cli;
 mod range;
 mod show;
 mod survey;
 
+pub(crate) use cli::{Arguments, main};
 pub(crate) use range::Range;
 pub(crate) use show::{details_text, text};
 pub(crate) use survey::{Details, FieldSurvey, Survey, Wanted, survey};

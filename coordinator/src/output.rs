@@ -51,6 +51,12 @@ impl Speaker {
         Self { quiet, said: Ok(()) }
     }
 
+    /// It writes nothing.
+    #[must_use]
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
     /// Writes a text.
     pub(crate) fn say(&mut self, text: &str) {
         if !self.quiet && self.said.is_ok() {

@@ -1,6 +1,7 @@
 //! Progress of a run: a bar on a terminal, plain lines elsewhere, nothing with `--quiet`.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use run::format::clock;
 use run::progress::Work;
 use std::cell::Cell;
 use std::io::{IsTerminal, Write};
@@ -10,8 +11,12 @@ use std::time::{Duration, Instant};
 const PLAIN: Duration = Duration::from_secs(5);
 /// Time between two plain lines about long work, and before the first.
 const PLAIN_WORK: Duration = Duration::from_secs(10);
+/// Longest time that is expected in words [s].
+const LONGEST: f64 = 1e7;
 /// The line on a terminal while a participant does long work.
-const WORK: &str = "{msg}";
+const WORK: &str = "{spinner} {elapsed} {msg}";
+/// Time between two turns of its spinner.
+const TURN: Duration = Duration::from_millis(120);
 
 /// Where progress is shown.
 #[derive(Debug)]
@@ -37,9 +42,10 @@ pub(crate) enum Progress {
 }
 
 impl Progress {
-    /// Chooses how to show the progress of `total` windows; `None` if nobody knows how many.
+    /// Chooses how to show the progress of `total` windows, `None` if nobody knows how many, which are
+    /// expected to take so long \[s\].
     #[must_use]
-    pub(crate) fn new(quiet: bool, total: Option<u64>) -> Self {
+    pub(crate) fn new(quiet: bool, total: Option<u64>, expected: f64) -> Self {
         if quiet {
             Self::Silent
         } else if std::io::stderr().is_terminal() {
@@ -50,6 +56,11 @@ impl Progress {
                 None => Some("{pos} windows {msg} {elapsed}"),
             };
             bar.set_style(style(windows.unwrap_or(WORK)));
+            if windows.is_none() {
+                let expected = Duration::from_secs_f64(expected.clamp(0.0, LONGEST));
+                bar.set_message(format!("of about {} expected", clock(expected)));
+                bar.enable_steady_tick(TURN);
+            }
             Self::Bar { bar, windows, working: Cell::new(false) }
         } else {
             Self::Lines { total, last: Cell::new(Instant::now()) }

@@ -9,6 +9,7 @@
 //! Samples are renumbered, so that a replay may begin in the middle ([`Request::from`]): at the
 //! last state of the participant that the recording holds before.
 
+mod cli;
 mod compare;
 mod drive;
 mod feed;
@@ -19,6 +20,7 @@ mod tests;
 mod told;
 mod walk;
 
+pub(crate) use cli::{Arguments, main};
 pub(crate) use compare::Difference;
 pub(crate) use request::{Replay, Request};
 pub(crate) use show::{difference, text};

@@ -28,6 +28,7 @@ mod values;
 pub(crate) use cli::{Arguments, main};
 pub(crate) use record::Record;
 
+use crate::output::Speaker;
 use crate::study::arguments::FolderArguments;
 use crate::study::output::{Kept, Shown};
 use render::Rendered;
@@ -49,19 +50,19 @@ pub(crate) struct Request<'a> {
     pub check: Option<&'a Path>,
 }
 
-/// Runs a study, and writes or compares what is asked for; `say` is called for each run.
+/// Runs a study, and writes or compares what is asked for.
 ///
 /// # Errors
 /// [`RunError::Usage`] for a study that is wrong, before anything has run; those of its runs;
 /// [`RunError::Stale`] if a text that is kept says something else.
-pub(crate) fn reproduce(request: &Request, say: &mut dyn FnMut(&str)) -> Result<(), RunError> {
+pub(crate) fn reproduce(request: &Request, speaker: &mut Speaker) -> Result<(), RunError> {
     let file = request.study;
     let study = Study::read(file)?;
     check::check(&study, file)?;
     render::rehearse(&study, file)?;
     let runs = perform::rehearse(&study, file)?;
     let folder = request.folder.choose(Record::COMMAND, &study.name, &Record::is_unfinished)?;
-    let record = perform::perform(&study, file, &runs, &folder, say)?;
+    let record = perform::perform(&study, file, &runs, &folder, speaker)?;
     let out = folder.open()?;
     let rendered = Rendered::of(&record, &out)?;
     rendered.write(&out.join(render::TEXT), "img")?;
@@ -70,7 +71,7 @@ pub(crate) fn reproduce(request: &Request, say: &mut dyn FnMut(&str)) -> Result<
         rendered.write(path, &images_beside(path))?;
     }
     request.check.map_or(Ok(()), |kept| compare(&rendered, kept))?;
-    say(&format!("{}\n", folder.path().display()));
+    speaker.say(&format!("{}\n", folder.path().display()));
     Ok(())
 }
 

@@ -26,8 +26,10 @@ pub(crate) use cli::{Arguments, main};
 pub(crate) use report::{CaseReport, Report, RunResult, SweepReport};
 pub(crate) use suite::Suite;
 
-use crate::study::Variant;
+use crate::output::Speaker;
 use crate::study::output::Kept;
+use crate::study::progress::Steps;
+use crate::study::{Variant, expected_run_seconds, planned};
 use case_run::CaseRun;
 use judge::judge;
 use run::error::RunError;
@@ -48,26 +50,45 @@ pub(crate) struct Request {
     pub out: PathBuf,
 }
 
-/// Runs the cases; `tell` is called for each as soon as it and its sweeps are done.
+/// Runs the cases, and says how each went as soon as it and its sweeps are done.
 ///
 /// # Errors
 /// A case that the suite does not have, a folder that cannot be written, or the user has stopped. A
 /// case that goes otherwise than expected is no error here.
-pub(crate) fn stability(
-    request: &Request,
-    tell: &mut dyn FnMut(&CaseReport),
-) -> Result<Report, RunError> {
+pub(crate) fn stability(request: &Request, speaker: &mut Speaker) -> Result<Report, RunError> {
     let begun = Instant::now();
     let mut report =
         Report { schema: Report::SCHEMA, suite: request.suite.name(), ..Report::default() };
-    for entry in request.suite.chosen(&request.only)? {
+    let chosen = request.suite.chosen(&request.only)?;
+    let quiet = speaker.is_quiet();
+    let expected = |entry: &&Entry| if quiet { 1.0 } else { expected_seconds(request, entry) };
+    let mut steps = Steps::of_work(quiet, chosen.iter().map(expected).collect());
+    for entry in chosen {
+        steps.step(&entry.name);
         let case = run_entry(request, entry)?;
-        tell(&case);
+        steps.aside(|| speaker.say(&show::case(&case)));
         report.cases.push(case);
     }
+    steps.finish();
     report.wall_s = begun.elapsed().as_secs_f64();
     report.complete = true;
     Ok(report)
+}
+
+/// What a case and its sweeps are expected to take \[s\]. The runs of a quick case's sweeps count like the case itself; it would
+/// take longer to plan them.
+fn expected_seconds(request: &Request, entry: &Entry) -> f64 {
+    const QUICK: f64 = 0.5;
+    let of = |variant: &Variant| expected_run_seconds(planned(&entry.case, variant).ok().as_ref());
+    let base = entry.variant();
+    let own = of(&base);
+    let sweeps = if request.sweeps { entry.sweeps.as_slice() } else { &[] };
+    let values = sweeps.iter().flat_map(|sweep| sweep.values.iter().map(move |one| (sweep, one)));
+    let swept = values.map(|(sweep, value)| match own < QUICK {
+        true => own,
+        false => of(&sweep.at(&base, value)),
+    });
+    own + swept.sum::<f64>()
 }
 
 fn run_entry(request: &Request, entry: &Entry) -> Result<CaseReport, RunError> {

@@ -103,11 +103,17 @@ const EXPECTED_ITERATIONS: f64 = 10.0;
 /// What the participants of a plan expect it to take in all \[s\].
 #[must_use]
 pub(crate) fn expected_seconds(plan: &Plan) -> f64 {
-    let windows = plan.windows.count().unwrap_or(1) as f64;
-    let implicit = plan.scheme.scheme.is_implicit();
-    let solves = windows * if implicit { EXPECTED_ITERATIONS } else { 1.0 };
-    let estimates = plan.participants.iter().filter_map(|p| p.estimate.as_ref());
-    estimates.map(|layout| layout.build_seconds + solves * layout.solve_seconds).sum()
+    let solves = if plan.scheme.scheme.is_implicit() { EXPECTED_ITERATIONS } else { 1.0 };
+    plan.participants.iter().map(|one| one.expected_seconds(&plan.windows, solves)).sum()
+}
+
+/// Seconds of a run besides what its participants expect of their work: processes that start and end.
+const OVERHEAD: f64 = 0.06;
+
+/// How long a run of a variant is expected to take \[s\]; one that cannot be planned ends at once.
+#[must_use]
+pub(crate) fn expected_run_seconds(planned: Option<&Planned>) -> f64 {
+    planned.map_or(0.0, |planned| OVERHEAD + expected_seconds(&planned.plan))
 }
 
 /// A folder for the results of runs that nobody looks at; gone with it.

@@ -64,7 +64,7 @@ fn forces() -> Vec<FigureSpec> {
     const MOMENT: &str = "contact.spin_moment_nm";
     let figure = |key, unit, words, short| FigureSpec::new(key, unit, words).on("friction", short);
     vec![
-        figure("contact.traction_ratio", "1", "traction coefficient |F|/N", "|F|/N")
+        figure(measures::TRACTION_RATIO, "1", "traction coefficient |F|/N", "|F|/N")
             .ratio(&FORCES, NORMAL_FORCE)
             .digits(4)
             .absolute()

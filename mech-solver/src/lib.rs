@@ -75,6 +75,7 @@ impl Solver for MechSolver {
             keys: scene::body_keys(),
             fields: Vec::new(),
             figures: figures::figures(),
+            diagrams: vec![measures::shakedown_diagram()],
             renamed: scene::renamed(),
         }
     }

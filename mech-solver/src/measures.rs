@@ -2,6 +2,7 @@
 
 use crate::reference::shakedown;
 use crate::scene::Scene;
+use proto::diagram::{Diagram, Line};
 use proto::figure::FigureSpec;
 use proto::grid::Structured;
 use serde_json::Value;
@@ -10,6 +11,9 @@ use serde_json::Value;
 const HALF_SPACE: f64 = 0.2;
 /// Elements across a patch below which friction power is off by a tenth (docs/theory/half-space.md, at a/5).
 const ELEMENTS: f64 = 8.0;
+
+/// Key of the tangential over the normal force.
+pub(crate) const TRACTION_RATIO: &str = "contact.traction_ratio";
 
 const SHEAR_RATIO: &str = "pressure_over_shear_strength";
 const SHAKEDOWN: &str = "shakedown_ratio";
@@ -108,6 +112,27 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
             "friction power of so few elements is off by a tenth; raise mech.resolution",
         ),
     ]
+}
+
+/// p₀/k over the traction coefficient, with the limits of a line contact.
+pub(crate) fn shakedown_diagram() -> Diagram {
+    const TRACTIONS: [f64; 12] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.42, 0.5, 0.6, 0.8];
+    let line = |name: &str, limit: fn(f64) -> f64| Line {
+        name: name.to_owned(),
+        points: TRACTIONS.map(|traction| [traction, limit(traction)]).to_vec(),
+    };
+    Diagram {
+        title: "Shakedown".to_owned(),
+        x: TRACTION_RATIO.to_owned(),
+        y: format!("contact.{SHEAR_RATIO}"),
+        lines: vec![
+            line("elastic from the first passage on", shakedown::elastic_limit),
+            line("elastic after the first passages", shakedown::limit),
+        ],
+        note: "Between the lines the material flows until residual stresses hold it; above the upper one in every \
+               passage, until it hardens. Of a line contact, all of which slides, ideally plastic (Johnson 1985, 9.2)."
+            .to_owned(),
+    }
 }
 
 #[cfg(test)]

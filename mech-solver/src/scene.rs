@@ -133,6 +133,7 @@ pub fn contact_keys() -> Vec<KeySpec> {
     );
     keys.push(
         KeySpec::quantity(APPROACH, "m", "approach of the bodies, from first touch")
+            .expected(0.0..=1e-3, "a loaded wheel approaches the rail by 0.1 mm; check the unit")
             .varies()
             .above(0.0)
             .one_of("load"),

@@ -19,8 +19,8 @@
 //! Invariants held here are listed in `docs/ARCHITECTURE.md`.
 
 pub use contract::{
-    PROTOCOL_VERSION, accuracy, advice, bodies, configuration, description, field, figure, grid,
-    history, message, params, text,
+    PROTOCOL_VERSION, accuracy, advice, bodies, configuration, description, diagram, field, figure,
+    grid, history, message, params, text,
 };
 
 pub mod binary;

@@ -70,6 +70,7 @@ impl Solver for Long {
                 count("stop_at", "step at which progress stops; absent: none"),
             ],
             fields: vec![LEFT_VALUE.kind(), RIGHT_VALUE.kind()],
+            diagrams: Vec::new(),
             renamed: Vec::new(),
             figures: Vec::new(),
         }

@@ -227,6 +227,7 @@ impl Solver for Lumped {
             keys,
             fields: [SOURCE_FLUX, SECOND_FLUX, BODY_TEMPERATURE].map(|f| f.kind()).into(),
             figures: Vec::new(),
+            diagrams: Vec::new(),
             renamed: Vec::new(),
         }
     }

@@ -149,6 +149,7 @@ impl Solver for Toy {
             ],
             fields,
             figures: Vec::new(),
+            diagrams: Vec::new(),
             renamed: Vec::new(),
         }
     }

@@ -60,6 +60,7 @@ impl Solver for ThermalSolver {
             keys: scene::keys(),
             fields: effects::volume_temperature::VOLUMES.map(|field| field.kind()).to_vec(),
             figures: figures::figures(),
+            diagrams: Vec::new(),
             renamed: effects::renamed(),
         }
     }

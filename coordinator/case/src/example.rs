@@ -5,14 +5,34 @@ use super::quote::quoted;
 use super::schema::Shape;
 use contract::description::{KeyKind, KeySpec};
 
-/// Magnitudes that people know, by unit.
+/// Magnitudes that people know, by unit; of those of one unit the first that is expected of a key.
 const FAMILIAR: &[(&str, &str)] = &[
     ("m", "0.5 m"),
+    ("m", "0.1 mm"),
     ("N", "100 kN"),
+    ("N", "1 kN"),
     ("Pa", "200 GPa"),
+    ("Pa", "500 MPa"),
+    ("W/(m K)", "50 W/(m K)"),
+    ("J/(kg K)", "450 J/(kg K)"),
+    ("1/K", "1.2e-5 1/K"),
+    ("N m", "100 N m"),
+    ("m2", "1e-4 m2"),
+    ("kg", "1000 kg"),
+    ("N/m", "1e6 N/m"),
+    ("N s/m", "2500 N s/m"),
+    ("A", "100 A"),
+    ("K/s", "100 K/s"),
+    ("m3/J", "1e-14 m3/J"),
+    ("V m/A", "2e-7 V m/A"),
+    ("W/(m2 K)", "20 W/(m2 K)"),
+    ("Pa s", "0.1 Pa s"),
+    ("m/Pa", "1e-15 m/Pa"),
+    ("s/m", "0.01 s/m"),
     ("m/s", "30 m/s"),
     ("s", "1 ms"),
     ("kg/m3", "7850 kg/m3"),
+    ("kg/m^3", "7850 kg/m^3"),
     ("K", "300 K"),
     ("B", "64 MB"),
 ];
@@ -58,11 +78,18 @@ pub(super) fn example(spec: &KeySpec, shape: Shape) -> String {
 
 fn quantity(spec: &KeySpec, unit: &str) -> String {
     let familiar = FAMILIAR.iter().filter(|(of, _)| *of == unit).map(|(_, text)| *text);
-    let fits = |text: &&str| parse_quantity(text, unit).is_ok_and(|value| in_range(spec, value));
-    if let Some(text) = familiar.into_iter().find(fits) {
+    let allowed = |value| in_range(spec, value);
+    let expected = |value| spec.plausible.as_ref().is_none_or(|p| p.bound_passed(value).is_none());
+    let find = |fits: &dyn Fn(f64) -> bool| {
+        let fits = |text: &&str| parse_quantity(text, unit).is_ok_and(fits);
+        familiar.clone().find(fits)
+    };
+    let found = find(&|value| allowed(value) && expected(value)).or_else(|| find(&allowed));
+    if let Some(text) = found {
         return quoted(text);
     }
-    let text = with_unit(number(spec, &[0.5, 1.0]), unit);
+    // Poisson's ratio of metals, and a coefficient of friction.
+    let text = with_unit(number(spec, &[0.3, 1.0]), unit);
     if unit == "1" { text } else { quoted(&text) }
 }
 
@@ -91,7 +118,10 @@ mod tests {
         let of = |spec: KeySpec| example(&spec, Shape::One);
         assert_eq!(of(KeySpec::quantity("a", "N", "").above(0.0)), "\"100 kN\"");
         assert_eq!(of(KeySpec::quantity("a", "N", "").at_most(-1.0)), "\"-1 N\"");
-        assert_eq!(of(KeySpec::quantity("a", "J/(kg K)", "")), "\"0.5 J/(kg K)\"");
+        assert_eq!(of(KeySpec::quantity("a", "J/(kg K)", "")), "\"450 J/(kg K)\"");
+        assert_eq!(of(KeySpec::quantity("a", "m", "").expected(0.0..=1e-3, "small")), "\"0.1 mm\"");
+        assert_eq!(of(KeySpec::quantity("a", "m", "").expected(9.0..=9.0, "large")), "\"0.5 m\"");
+        assert_eq!(of(KeySpec::quantity("a", "rad", "")), "\"0.3 rad\"");
         assert_eq!(of(KeySpec::number("a", "").above(2.0).at_most(3.0)), "2.5");
         assert_eq!(of(KeySpec::integer("a", "").at_most(9.0)), "1");
         assert_eq!(of(KeySpec::choice("a", &["x", "y"], "")), "\"x\"");

@@ -62,6 +62,15 @@ impl Windows {
         }
     }
 
+    /// Time to which a run goes, whose windows have a duration [s]; otherwise 0.
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        match self {
+            Self::Steady | Self::Sequence(_) => 0.0,
+            Self::Fixed { end, .. } | Self::Adaptive { end, .. } => *end,
+        }
+    }
+
     /// Start and end [s] of a window that begins at `start`, has the number `index` and should have
     /// this length [s]; fixed windows have the length of the case, counted from 0.
     fn interval(&self, index: u64, start: f64, length: f64) -> (f64, f64) {

@@ -4,6 +4,7 @@ use crate::error::RunError;
 use crate::plan::{Effect, Field, Participant, Plan};
 use crate::results::ResultFolder;
 use contract::configuration::Layout;
+use contract::diagram::Diagram;
 use contract::figure::FigureSpec;
 use contract::text::json;
 use coupling::ParticipantIndex;
@@ -49,6 +50,9 @@ pub struct PlanFile {
     /// The figures of the summary, with the names of the bodies.
     #[serde(default)]
     pub figures: Vec<FigureSpec>,
+    /// Diagrams of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub diagrams: Vec<Diagram>,
     /// The plan as `coordinator plan` prints it.
     pub text: String,
 }
@@ -80,6 +84,9 @@ pub struct Estimate {
     pub build_seconds: f64,
     /// Processor seconds of one solve.
     pub solve_seconds: f64,
+    /// Processor seconds of a solve besides that for each second of its window [s/s].
+    #[serde(default)]
+    pub seconds_per_second: f64,
     /// Memory of its arrays \[byte\].
     pub memory_bytes: u64,
     /// What its model makes of the case.
@@ -157,6 +164,7 @@ impl PlanFile {
             effects: plan.effects.iter().map(EffectPlan::of).collect(),
             fields: plan.fields.iter().map(|field| FieldPlan::of(field, plan)).collect(),
             figures: plan.figures.clone(),
+            diagrams: plan.diagrams.clone(),
             text: plan.to_string(),
         }
     }
@@ -182,6 +190,7 @@ impl Estimate {
             grids: grids.collect(),
             build_seconds: layout.build_seconds,
             solve_seconds: layout.solve_seconds,
+            seconds_per_second: layout.seconds_per_second,
             memory_bytes: layout.memory_bytes,
             remarks: layout.remarks.clone(),
         }

@@ -131,6 +131,7 @@ fn nobody(role: &str) -> Description {
         keys: Vec::new(),
         fields: Vec::new(),
         figures: Vec::new(),
+        diagrams: Vec::new(),
         renamed: Vec::new(),
     }
 }

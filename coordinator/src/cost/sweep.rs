@@ -8,7 +8,7 @@ use crate::study::levels::{Level, Offer, offered, reason};
 use crate::study::progress::Steps;
 use crate::study::quantity::Quantities;
 use crate::study::spent::{Spent, Stopwatch};
-use crate::study::{Variant, ends_study, expected_seconds, perform, planned};
+use crate::study::{Variant, ends_study, expected_run_seconds, expected_seconds, perform, planned};
 use coupling::windows::Windows;
 use run::error::RunError;
 use run::plan::{Plan, Planned};
@@ -83,8 +83,7 @@ pub(super) fn sweep(
     let expected = |point: &Point| match places.kept.run(&point.variant.options()) {
         Some(_) => 0.0,
         None if quiet => 1.0,
-        None => planned(&request.case, &point.variant)
-            .map_or(0.0, |planned| OVERHEAD + expected_seconds(&planned.plan)),
+        None => expected_run_seconds(planned(&request.case, &point.variant).ok().as_ref()),
     };
     let work = points.iter().map(expected).collect();
     let mut steps = Steps::of_work(quiet, work);
@@ -98,9 +97,6 @@ pub(super) fn sweep(
     steps.finish();
     Ok(sweep)
 }
-
-/// Seconds of a run besides what its participants expect of their work: processes that start and end.
-const OVERHEAD: f64 = 0.06;
 
 /// Keys that change how a case is computed, and not what it is, begin like this, or with a role.
 const NUMERICAL: [&str; 3] = ["time.", "coupling.", "mapping."];

@@ -44,6 +44,7 @@ fn description() -> Description {
         keys: Vec::new(),
         fields: Vec::new(),
         figures: Vec::new(),
+        diagrams: Vec::new(),
         renamed: Vec::new(),
     }
 }

@@ -4,7 +4,7 @@ use super::axis::extent;
 use super::map::{Arrows, Edge, Heatmap, Polyline, contours};
 use super::places::{AXES, is_surface, label};
 use super::source::{Field, Image, Results};
-use contract::field::EDGES;
+use contract::field::{EDGES, QUOTIENTS, Quotient};
 use run::format::{Scale, number, sentence, words};
 
 /// Values below this part of the largest are rounding.
@@ -27,10 +27,25 @@ pub(crate) fn named(results: &Results) -> Vec<(String, Heatmap)> {
     for series in &results.series {
         let Some(image) = &series.image else { continue };
         let edges = if is_surface(series) { edges.as_slice() } else { &[] };
+        let made: Vec<Field> = QUOTIENTS.iter().filter_map(|one| quotient(image, one)).collect();
         let map = |field: &Field| Some((field.name.clone(), map(image, field, edges)?));
-        maps.extend(image.fields.iter().filter_map(map));
+        maps.extend(image.fields.iter().chain(&made).filter_map(map));
     }
     maps
+}
+
+/// A field that is made of two; `None` where one of them is absent.
+fn quotient(image: &Image, made: &Quotient) -> Option<Field> {
+    let [of, over] = [made.of, made.over].map(|spec| image.field(spec.name));
+    let over = &over?.values;
+    let ratio = |(of, over): (f64, &f64)| if *over == 0.0 { 0.0 } else { of / over };
+    Some(Field {
+        name: made.name.to_owned(),
+        unit: made.unit.to_owned(),
+        meaning: made.meaning.to_owned(),
+        components: 1,
+        values: of?.magnitudes().into_iter().zip(over).map(ratio).collect(),
+    })
 }
 
 /// The edges of the contact, in metres; none on a field that has not been written out.
@@ -181,6 +196,18 @@ mod tests {
         // Round the lower cell of the middle column; 1 kPa beside 5 MPa is nothing.
         let reach = |axis: usize| lines[0].iter().map(move |p| p[axis]).fold(f64::MIN, f64::max);
         assert!((reach(0) - 1e-3).abs() < 1e-15 && reach(1).abs() < 1e-15, "{lines:?}");
+    }
+
+    #[test]
+    fn traction_over_pressure_is_nothing_beside_the_contact() {
+        let (mut image, pressure) = image(vec![0.0, 5e6, 0.0, 0.0, 1e6, 0.0]);
+        let [of] = QUOTIENTS else { panic!("{QUOTIENTS:?}") };
+        assert!(quotient(&image, of).is_none());
+        let mut values = vec![0.0; 12];
+        [values[2], values[3], values[9]] = [-3e6, 4e6, 2e5];
+        image.fields.push(Field { name: of.of.name.to_owned(), components: 2, values, ..pressure });
+        let made = quotient(&image, of).unwrap();
+        assert_eq!(made.values, [0.0, 1.0, 0.0, 0.0, 0.2, 0.0]);
     }
 
     #[test]

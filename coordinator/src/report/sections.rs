@@ -1,6 +1,7 @@
 //! What a report says, section by section.
 
 mod convergence;
+mod diagrams;
 mod energy;
 mod fields;
 mod headlines;
@@ -50,6 +51,7 @@ pub(super) fn all(results: &Results) -> Vec<Section> {
         warnings::section(results),
         headlines::section(results),
         history::section(results),
+        diagrams::section(results),
         fields::maps(results),
         fields::lines(results),
         coupling(results),

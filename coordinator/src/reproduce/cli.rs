@@ -35,6 +35,6 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
         check: asked.check.as_deref(),
     };
     let mut speaker = Speaker::new(quiet);
-    let outcome = reproduce(&request, &mut |line| speaker.say(line));
+    let outcome = reproduce(&request, &mut speaker);
     speaker.end(outcome)
 }

@@ -49,7 +49,7 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     // What is interrupted can be begun again in the same folder.
     Report { schema: Report::SCHEMA, ..Report::default() }.write(&folder)?;
     speaker.say(&show::head());
-    let report = stability(&request, &mut |case| speaker.say(&show::case(case)))?;
+    let report = stability(&request, &mut speaker)?;
     report.publish(&folder)?;
     if asked.json {
         print(&json(&report))?;

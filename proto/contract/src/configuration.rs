@@ -115,6 +115,10 @@ pub struct Layout {
     pub peaks: BTreeMap<String, [f64; 3]>,
     /// Expected processor seconds of one solve.
     pub solve_seconds: f64,
+    /// Expected processor seconds of a solve besides that for each second of its window, of a model that has
+    /// time steps of its own [s/s].
+    #[serde(default, skip_serializing_if = "is_nought")]
+    pub seconds_per_second: f64,
     /// Expected processor seconds of what is done once, whatever the number of solves.
     #[serde(default, skip_serializing_if = "is_nought")]
     pub build_seconds: f64,

@@ -5,6 +5,7 @@
 
 use crate::accuracy::Accuracy;
 use crate::configuration::{Configuration, Mode};
+use crate::diagram::Diagram;
 use crate::field::{FieldKind, FieldSpec};
 use crate::figure::FigureSpec;
 use crate::grid::check_name;
@@ -44,6 +45,9 @@ pub struct Description {
     /// The figures of its part of the summary, in the order in which a person reads them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<FigureSpec>,
+    /// Diagrams of its figures.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub diagrams: Vec<Diagram>,
     /// Keys of earlier versions, with what stands in their place now.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub renamed: Vec<Renamed>,
@@ -72,7 +76,7 @@ impl Description {
     /// # Errors
     /// Names that are no plain words, texts that are more than one line, fields without components or
     /// with a unit that does not fit its label, figures that [`FigureSpec::check`] refuses or that stand
-    /// twice, and expectations of accuracy that make no sense.
+    /// twice, diagrams that [`Diagram::check`] refuses, and expectations of accuracy that make no sense.
     pub fn check(&self) -> Result<(), String> {
         check_lines("description", self)?;
         check_name("role", &self.role)?;
@@ -97,6 +101,8 @@ impl Description {
                 return Err(format!("figure `{}` stands twice", figure.key));
             }
         }
+        let keys = figures.iter().map(|figure| figure.key.as_str());
+        self.diagrams.iter().try_for_each(|diagram| diagram.check(keys.clone()))?;
         Ok(())
     }
 
@@ -498,6 +504,7 @@ mod tests {
             keys: Vec::new(),
             fields: Vec::new(),
             figures: Vec::new(),
+            diagrams: Vec::new(),
             renamed: Vec::new(),
         }
     }

@@ -151,6 +151,30 @@ pub const EDGES: &[Edge] = &[
     Edge { field: &SLIP_VELOCITY, within: Some(&PRESSURE), words: "between stick and slip" },
 ];
 
+/// A map that is made of two fields on the same grid: the length of one over the other, where that differs from zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quotient {
+    /// What is divided.
+    pub of: &'static FieldSpec,
+    /// What it is divided by, a scalar.
+    pub over: &'static FieldSpec,
+    /// Its name.
+    pub name: &'static str,
+    /// Its SI unit.
+    pub unit: &'static str,
+    /// One line for people.
+    pub meaning: &'static str,
+}
+
+/// The quotients that pictures of a contact show.
+pub const QUOTIENTS: &[Quotient] = &[Quotient {
+    of: &TRACTION,
+    over: &PRESSURE,
+    name: "traction_over_pressure",
+    unit: "1",
+    meaning: "traction over pressure: the coefficient of friction where surfaces slip, less where they stick",
+}];
+
 /// The row with this name, if the table has one.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static FieldSpec> {

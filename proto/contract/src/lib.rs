@@ -9,6 +9,7 @@
 //! | [`step`] | one solve, and what a model reports of it |
 //! | [`description`] | what a participant says of itself: models, effects, case keys, fields |
 //! | [`figure`] | the figures of its summary: what they are, and how they are shown and compared |
+//! | [`diagram`] | diagrams of two figures, with lines that are known |
 //! | [`configuration`] | what a participant receives: its part of the case, its inputs and outputs |
 //! | [`history`] | case values that vary: columns of a table |
 //! | [`params`] | typed access to the case values inside a configuration |
@@ -25,6 +26,7 @@ pub mod advice;
 pub mod bodies;
 pub mod configuration;
 pub mod description;
+pub mod diagram;
 pub mod field;
 pub mod figure;
 pub mod grid;

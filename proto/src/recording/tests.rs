@@ -19,6 +19,7 @@ fn head() -> Head {
         keys: Vec::new(),
         fields: Vec::new(),
         figures: Vec::new(),
+        diagrams: Vec::new(),
         renamed: Vec::new(),
     };
     let participant = Participant {

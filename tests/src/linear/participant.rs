@@ -146,6 +146,7 @@ impl Solver for Linear {
             .collect(),
             fields: vec![RELAY_VALUE.kind(), OPERATOR_VALUE.kind()],
             figures: Vec::new(),
+            diagrams: Vec::new(),
             renamed: Vec::new(),
         }
     }

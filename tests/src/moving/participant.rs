@@ -128,6 +128,7 @@ impl Solver for Moving {
             keys: keys.chain(self.own_keys()).collect(),
             fields: [MOVING_FLUX, MOVING_PLACE, PLATE_TEMPERATURE].map(|f| f.kind()).to_vec(),
             figures: Vec::new(),
+            diagrams: Vec::new(),
             renamed: Vec::new(),
         }
     }

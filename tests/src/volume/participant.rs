@@ -77,6 +77,7 @@ impl Solver for Block {
                 KeySpec::choice("volume.fault", FAULTS, "way to misbehave").default_value("none"),
             ],
             fields: fields.map(|field| field.kind()).to_vec(),
+            diagrams: Vec::new(),
             renamed: Vec::new(),
             figures: Vec::new(),
         }

@@ -160,14 +160,14 @@ const ROWS: &[BadCase] = &[
         replace: "traction_coefficient = 0.58",
         by: "",
         errors: &[
-            r#"15:1 motion: missing; mech needs exactly one of motion.traction_coefficient, motion.tangential_force or motion.creepage | add one of `traction_coefficient = 0.5`, `tangential_force = "100 kN"` or `creepage = { xi = 0.5 }` to [motion]"#,
+            r#"15:1 motion: missing; mech needs exactly one of motion.traction_coefficient, motion.tangential_force or motion.creepage | add one of `traction_coefficient = 0.3`, `tangential_force = "100 kN"` or `creepage = { xi = 0.3 }` to [motion]"#,
         ],
     },
     BadCase {
         replace: "[motion]\nspeed = \"140 km/h\"\ntraction_coefficient = 0.58\n",
         by: "",
         errors: &[
-            r#"case.toml motion: missing section [motion] | add [motion] with `speed = "30 m/s"` and one of `traction_coefficient = 0.5`, `tangential_force = "100 kN"` or `creepage = { xi = 0.5 }`"#,
+            r#"case.toml motion: missing section [motion] | add [motion] with `speed = "30 m/s"` and one of `traction_coefficient = 0.3`, `tangential_force = "100 kN"` or `creepage = { xi = 0.3 }`"#,
         ],
     },
     BadCase {
@@ -181,7 +181,7 @@ const ROWS: &[BadCase] = &[
         replace: "traction_coefficient = 0.58",
         by: "creepage = { eta = 0.01 }",
         errors: &[
-            "17:1 motion.creepage.xi: missing; mech needs the creepage | add `xi = 0.5` to [motion.creepage]",
+            "17:1 motion.creepage.xi: missing; mech needs the creepage | add `xi = 0.3` to [motion.creepage]",
         ],
     },
     BadCase {
@@ -354,11 +354,11 @@ const ROWS: &[BadCase] = &[
              [coupling.fields.presure]\nrelative = -1\n[load]",
         errors: &[
             r#"19:16 coupling.acceleration: unknown acceleration `iqn` | write "auto", "none", "constant", "aitken", "anderson", "iqn-ils" or "iqn-imvj""#,
-            "20:14 coupling.relaxation: 3 is not above 0 and at most 2 | write a value that is above 0 and at most 2, for example 0.5",
-            "21:10 coupling.filter: 0 is not at least 1e-7 and at most 0.9 | write a value that is at least 1e-7 and at most 0.9, for example 0.5",
+            "20:14 coupling.relaxation: 3 is not above 0 and at most 2 | write a value that is above 0 and at most 2, for example 0.3",
+            "21:10 coupling.filter: 0 is not at least 1e-7 and at most 0.9 | write a value that is at least 1e-7 and at most 0.9, for example 0.3",
             "22:18 coupling.min_iterations: 200 is more than coupling.max_iterations = 100 | lower it, or raise coupling.max_iterations",
             "23:1 coupling.fields.presure: unknown field `presure`; did you mean `pressure`? | the participants provide friction_power and pressure",
-            "24:12 coupling.fields.presure.relative: -1 is not above 0 | write a value that is above 0, for example 0.5",
+            "24:12 coupling.fields.presure.relative: -1 is not above 0 | write a value that is above 0, for example 0.3",
         ],
     },
     BadCase {

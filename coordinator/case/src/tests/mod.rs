@@ -87,6 +87,7 @@ fn description(role: &str, standalone: bool) -> Description {
         keys: Vec::new(),
         fields: Vec::new(),
         figures: Vec::new(),
+        diagrams: Vec::new(),
         renamed: Vec::new(),
     }
 }

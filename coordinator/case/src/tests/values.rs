@@ -184,7 +184,7 @@ fn groups_and_products_work_within_each_entry_of_a_table() {
         lines(&error),
         [
             "35:1 layers.b: missing; mech needs exactly one of layers.b.stiffness or \
-             layers.b.flexibility | add one of `stiffness = 0.5` or `flexibility = 0.5` to \
+             layers.b.flexibility | add one of `stiffness = 0.3` or `flexibility = 0.3` to \
              [layers.b]",
             "37:15 layers.c.flexibility: -2 is not below layers.c.limit = 1 in magnitude | lower \
              it, or raise layers.c.limit",

@@ -7,6 +7,7 @@ use case::Case;
 use contract::bodies::Bodies;
 use contract::configuration::{Configuration, Layout, Mode};
 use contract::description::Description;
+use contract::diagram::Diagram;
 use contract::field::{FieldKind, GEOMETRY};
 use contract::figure::FigureSpec;
 use contract::grid::Grid;
@@ -47,6 +48,8 @@ pub struct Plan {
     pub fields: Vec<Field>,
     /// The figures of the summary, with the names of the bodies.
     pub figures: Vec<FigureSpec>,
+    /// Diagrams of them.
+    pub diagrams: Vec<Diagram>,
     /// Values of the case that are not expected.
     pub warnings: Vec<Warning>,
     /// Every effect that some participant offers.
@@ -87,6 +90,18 @@ pub struct Participant {
     pub figures: Vec<String>,
     /// What it expects, if it estimates.
     pub estimate: Option<Layout>,
+}
+
+impl Participant {
+    /// Processor seconds that it expects of a run over these windows, each solved so many times; one that
+    /// expects nothing counts as 0, and windows that nobody can count as one.
+    #[must_use]
+    pub fn expected_seconds(&self, windows: &Windows, solves: f64) -> f64 {
+        self.estimate.as_ref().map_or(0.0, |layout| {
+            let each = layout.solve_seconds * windows.count().unwrap_or(1) as f64;
+            layout.build_seconds + solves * (each + layout.seconds_per_second * windows.end())
+        })
+    }
 }
 
 /// One field that exists at run time.

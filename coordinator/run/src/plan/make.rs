@@ -235,6 +235,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
     let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
     let mut participants = participants(case, &running, &fields, scheme.scheme)?;
     let figures = figures::gather(participants.iter_mut(), case.bodies.as_ref());
+    let diagrams = participants.iter().flat_map(|p| p.description.diagrams.clone()).collect();
     Ok(Plan {
         name: case.name.clone(),
         bodies: case.bodies.clone(),
@@ -248,6 +249,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         warnings: expected::warnings(participants.iter()),
         participants,
         figures,
+        diagrams,
         idle: idle.collect(),
         effects: route::effects(&offers, case),
         fields,

@@ -165,14 +165,15 @@ impl Plan {
                     0.0 => String::new(),
                     once => format!("about {} once, ", seconds(once)),
                 };
-                let total =
-                    |windows: u64| seconds(e.build_seconds + e.solve_seconds * windows as f64);
-                let total = self.windows.count().map(|n| format!(", {} in all", total(n)));
+                let known = self.windows.count().filter(|count| *count > 0);
+                let all = p.expected_seconds(&self.windows, 1.0);
+                let total = known.map(|_| format!(", {} in all", seconds(all)));
+                let windows = known.unwrap_or(1) as f64;
                 writeln!(
                     f,
                     "{head:10} {:10} {once}about {} a window{}, {} of arrays",
                     p.role,
-                    seconds(e.solve_seconds),
+                    seconds((all - e.build_seconds) / windows),
                     total.unwrap_or_default(),
                     bytes(e.memory_bytes)
                 )?;

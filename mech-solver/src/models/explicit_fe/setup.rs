@@ -106,11 +106,11 @@ pub(super) fn configure(
     }
     if terms.axle.is_some() {
         layout.memory_bytes += elements as u64 * BYTES_PER_ELEMENT[1];
-        layout.remarks.push(format!(
-            "from steady rolling on, a millisecond takes {:.0} steps, about {:.2} s",
-            1e-3 / step,
-            1e-3 / step * per_step
-        ));
+        layout.seconds_per_second = per_step / step;
+        layout.remarks[0] = format!(
+            "rolls steadily first; from there a millisecond takes {:.0} steps",
+            1e-3 / step
+        );
     }
     refuse_at_once(&terms, asked.half_length)?;
     layout.remarks.extend(surfaces.remarks);

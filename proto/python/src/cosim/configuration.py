@@ -265,6 +265,8 @@ class Layout:
     """
     solve_seconds: float = 0.0
     """Expected processor seconds of one solve."""
+    seconds_per_second: float = 0.0
+    """Expected processor seconds of a solve besides that for each second of its window."""
     build_seconds: float = 0.0
     """Expected processor seconds of `build`; the deadline for building follows it."""
     memory_bytes: int = 0
@@ -294,7 +296,7 @@ class Layout:
         for name in self.moving:
             if self.grid(name) is None:
                 raise ValueError(f"`{name}` moves, which is not a grid")
-        for seconds in (self.solve_seconds, self.build_seconds):
+        for seconds in (self.solve_seconds, self.seconds_per_second, self.build_seconds):
             if not (math.isfinite(seconds) and seconds >= 0.0):
                 raise ValueError(f"an expected time of {seconds} s")
         for one in self.left_out:
@@ -325,6 +327,7 @@ class Layout:
         optional: dict[str, Any] = {
             "inputs": _placed(self.inputs),
             "moving": list(self.moving),
+            "seconds_per_second": float(self.seconds_per_second),
             "build_seconds": float(self.build_seconds),
             "left_out": [one.to_json() for one in self.left_out],
             "closed_forms": {key: float(exact) for key, exact in self.closed_forms.items()},
