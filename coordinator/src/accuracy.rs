@@ -9,6 +9,9 @@
 //!    times finer than before if that is coarser, and on the one in between, and so on until the error
 //!    is within the target. The finest grid that misses it ends the search.
 //!
+//! From three grids on, what they are extrapolated to may meet the target before the finest of them does: it is the answer
+//! then, with an error of its own.
+//!
 //! The error that is stated is that of the grid, with its factor of safety, and what the models are
 //! expected to err by. A peak that jumps between elements can agree on two grids by chance; so the
 //! error of a figure is never taken below that of the figure that drives it, as described: of a
@@ -19,15 +22,16 @@ mod choice;
 mod section;
 mod target;
 
-pub(crate) use section::{Stated, StatedRun};
 pub(crate) use target::Target;
 
 use crate::study::levels::Level;
 use crate::study::quantity::{Quantities, Quantity};
-use crate::study::richardson::{Estimate, Sample};
+use crate::study::richardson::{Estimate, Limit, ORDER_OF_LIMITS, Sample};
 use crate::study::{Variant, planned, run, scratch};
 use choice::Choice;
+use contract::figure::Measure;
 use run::error::RunError;
+use section::{Stated, StatedFigure, StatedRun, Taken};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -69,8 +73,10 @@ pub(crate) struct Search {
     case: PathBuf,
     target: Target,
     known: Quantities,
-    /// The quantity of the target, and what drives it.
+    /// The quantity of the target, what drives it, and then all others with a relative error.
     quantities: Vec<Quantity>,
+    /// How many of them the target is for.
+    watched: usize,
     level: Level,
     /// Length of a window at the resolution of a step, and end of the run \[s\]; `None` for a steady
     /// case.
@@ -93,6 +99,7 @@ impl Search {
             case: case.to_owned(),
             known: Quantities::of_figures(&standing.plan.figures),
             quantities: Vec::new(),
+            watched: 0,
             target,
             level,
             window,
@@ -135,6 +142,12 @@ impl Search {
     fn note(&mut self, step: usize, summary: &Value, wall_s: f64) -> Result<(), RunError> {
         if self.quantities.is_empty() {
             self.quantities = self.target.quantities(summary, &self.known)?;
+            self.watched = self.quantities.len();
+            let others = self.known.all(summary).into_iter();
+            let relative = |one: &Quantity| one.measure == Measure::Relative;
+            let new: Vec<_> =
+                others.filter(|one| relative(one) && !self.quantities.contains(one)).collect();
+            self.quantities.extend(new);
         }
         let values = self.quantities.iter().map(|one| one.value(summary)).collect();
         self.runs.retain(|run| run.step != step);
@@ -149,7 +162,12 @@ impl Search {
         let room = self.target.relative - self.level.model_error();
         let order = self.order().unwrap_or(1.0);
         let fineness = |step: usize| self.fineness(step);
-        let expected = |step: usize| grid_error * (fineness(at) / fineness(step)).powf(order);
+        // Of two grids there is no second limit yet: of the second one about as much is left as it errs.
+        let limit_error = self.limit_error().unwrap_or(grid_error);
+        let expected = |step: usize| {
+            let falls = (fineness(at) / fineness(step)).powf(order);
+            (grid_error * falls).min(limit_error * falls.powf(ORDER_OF_LIMITS))
+        };
         (at..self.level.steps())
             .find(|step| expected(*step) <= room)
             .unwrap_or(self.level.steps() - 1)
@@ -167,21 +185,34 @@ impl Search {
 
     /// Estimated relative error of the finest grid so far; `None` with fewer than two.
     fn grid_error(&self) -> Option<f64> {
-        let errors = (0..self.quantities.len()).filter_map(|index| {
+        let errors = (0..self.watched).filter_map(|index| {
             let estimate = self.estimate(index)?;
-            let value = self.runs.last()?.values[index]?;
-            Some(if estimate.error == 0.0 { 0.0 } else { (estimate.error / value).abs() })
+            Some(relative(estimate.error, self.runs.last()?.values[index]?))
         });
         errors.max_by(f64::total_cmp)
     }
 
+    /// Estimated relative error of what the grids are extrapolated to; `None` with fewer than three.
+    fn limit_error(&self) -> Option<f64> {
+        let limits = (0..self.watched).filter_map(|index| self.limit(index));
+        limits.map(|limit| relative(limit.error, limit.value)).max_by(f64::total_cmp)
+    }
+
     /// What the grids say of a quantity.
     fn estimate(&self, index: usize) -> Option<Estimate> {
+        Estimate::of(&self.samples(index), self.order()?)
+    }
+
+    /// What the grids are extrapolated to.
+    fn limit(&self, index: usize) -> Option<Limit> {
+        Limit::of(&self.samples(index), self.order()?)
+    }
+
+    fn samples(&self, index: usize) -> Vec<Sample> {
         let sample = |run: &GridRun| {
             Some(Sample { level: self.fineness(run.step), value: run.values[index]? })
         };
-        let samples: Vec<Sample> = self.runs.iter().filter_map(sample).collect();
-        Estimate::of(&samples, self.order()?)
+        self.runs.iter().filter_map(sample).collect()
     }
 
     /// Takes the summary of the run of [`Search::variant`], adds what is known of its error to it, and
@@ -219,11 +250,24 @@ impl Search {
 
     /// What the runs so far say of the last one's error.
     fn stated(&self) -> Stated {
-        let value = self.runs.last().and_then(|run| run.values[0]).unwrap_or(f64::NAN);
-        let estimate = self.estimate(0);
+        let of_run = self.runs.last().and_then(|run| run.values[0]).unwrap_or(f64::NAN);
         // Models without a resolution have no error of a grid.
-        let grid_error = self.grid_error().unwrap_or(0.0);
+        let run_error = self.grid_error().unwrap_or(0.0);
         let model_error = self.level.model_error();
+        let meets = |error: f64| error + model_error <= self.target.relative;
+        let limit = self.limit_error().zip(self.limit(0));
+        let (taken, value, grid_error) = match limit.filter(|_| !meets(run_error)) {
+            Some((error, limit)) if error < run_error => (Taken::Extrapolated, limit.value, error),
+            _ => (Taken::Run, of_run, run_error),
+        };
+        let figure = |(index, of): (usize, &Quantity)| {
+            let Limit { value, error } = self.limit(index)?;
+            Some(StatedFigure { key: of.key.clone(), value, grid_error: relative(error, value) })
+        };
+        let figures = match taken {
+            Taken::Extrapolated => self.quantities.iter().enumerate().filter_map(figure).collect(),
+            Taken::Run => Vec::new(),
+        };
         let estimated_error = grid_error + model_error;
         let run = |run: &GridRun| StatedRun {
             settings: self.level.keys_at(run.step).map(|(r, n)| (r.key.clone(), n)).collect(),
@@ -236,9 +280,13 @@ impl Search {
             estimated_error,
             grid_error,
             model_error,
-            met: estimated_error <= self.target.relative,
+            met: meets(grid_error),
+            taken,
             value,
-            extrapolated: estimate.map(|estimate| estimate.limit),
+            extrapolated: limit
+                .map(|(_, limit)| limit.value)
+                .or(self.estimate(0).map(|of| of.limit)),
+            figures,
             models: self.level.name(),
             runs: self.runs.iter().map(run).collect(),
         }
@@ -247,18 +295,19 @@ impl Search {
     /// The error of an answer that misses the target.
     #[must_use]
     pub(crate) fn missed(&self) -> RunError {
-        let Stated { quantity, estimated_error, target, extrapolated, .. } = self.stated();
-        let near = extrapolated.map(|value| format!(", or take the extrapolated {value:.6e}"));
+        let Stated { quantity, estimated_error, target, .. } = self.stated();
         RunError::Inaccurate {
             quantity,
             estimated: estimated_error,
             target,
-            fix: format!(
-                "ask for less, or set a finer resolution and run without --accuracy{}",
-                near.unwrap_or_default()
-            ),
+            fix: "ask for less, or set a finer resolution and run without --accuracy".to_owned(),
         }
     }
+}
+
+/// An error over a value; nothing of nothing is nothing.
+fn relative(error: f64, value: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { (error / value).abs() }
 }
 
 #[cfg(test)]
@@ -291,6 +340,7 @@ mod tests {
             case: PathBuf::new(),
             target: Target { relative: target, quantity: None },
             quantities: [RISE, POWER].map(|key| Quantities::default().of(key)).to_vec(),
+            watched: 2,
             known: Quantities::default(),
             level,
             window: None,
@@ -330,7 +380,7 @@ mod tests {
         met.refine().unwrap();
         assert_eq!(met.variant().set, ["mech.resolution=20"]);
         assert_eq!(met.judge(&mut summary(101.0, 101.0), 0.4).unwrap(), Decision::Met);
-        let mut missed = search(0.02, 1.0, 120.0, 120.0);
+        let mut missed = search(0.01, 1.0, 120.0, 120.0);
         assert_eq!(missed.judge(&mut summary(110.0, 110.0), 0.2).unwrap(), Decision::Refine);
         missed.refine().unwrap();
         assert_eq!(missed.judge(&mut summary(105.0, 105.0), 0.4).unwrap(), Decision::Missed);
@@ -338,8 +388,28 @@ mod tests {
         assert_eq!(error.exit_code(), 3);
         let text = error.to_string();
         assert!(
-            text.contains("above the requested 2 %") && text.contains("extrapolated 1.000000e2"),
+            text.contains("above the requested 1 %") && text.contains("finer resolution"),
             "{text}"
+        );
+    }
+
+    /// Three grids whose limits agree: the finest errs by 5 %, what they are extrapolated to by 1 %.
+    #[test]
+    fn a_limit_may_be_the_answer() {
+        let mut search = search(0.02, 1.0, 120.0, 240.0);
+        assert_eq!(search.judge(&mut summary(110.0, 220.0), 0.2).unwrap(), Decision::Refine);
+        search.refine().unwrap();
+        let mut last = summary(105.0, 210.0);
+        assert_eq!(search.judge(&mut last, 0.4).unwrap(), Decision::Met);
+        let said = &last["accuracy"];
+        assert_eq!(
+            (said["taken"].as_str(), said["value"].as_f64()),
+            (Some("extrapolated"), Some(100.0))
+        );
+        assert!((said["estimated_error"].as_f64().unwrap() - 0.011).abs() < 1e-12, "{said}");
+        assert_eq!(
+            (&said["figures"][1]["key"], &said["figures"][1]["value"]),
+            (&json!(POWER), &json!(200.0))
         );
     }
 

@@ -94,7 +94,12 @@ fn most_left_out(level: &Level) -> String {
 /// level expects to meet the target.
 fn coarsest(level: &Level, target: &Target) -> Option<usize> {
     let first = usize::from(level.steps() > 1);
-    let meets = |step: &usize| level.model_error() + level.grid_error(*step) <= target.relative;
+    let error = |step| {
+        level
+            .limit_error(step)
+            .map_or_else(|| level.grid_error(step), |limit| limit.min(level.grid_error(step)))
+    };
+    let meets = |step: &usize| level.model_error() + error(*step) <= target.relative;
     (first..level.steps()).find(meets)
 }
 

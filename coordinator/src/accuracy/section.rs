@@ -11,21 +11,47 @@ pub(crate) struct Stated {
     pub target: f64,
     /// Estimated relative error: that of the grid and that of the models.
     pub estimated_error: f64,
-    /// Of which the grid, with a factor of safety.
+    /// Of which the grids, with a factor of safety.
     pub grid_error: f64,
     /// Of which the models, as they expect of themselves.
     pub model_error: f64,
     /// The estimated error is within the target.
     pub met: bool,
-    /// The quantity.
+    /// What the errors are those of.
+    pub taken: Taken,
+    /// The quantity: of the finest run, or extrapolated.
     pub value: f64,
     /// The quantity on an infinitely fine grid, as far as the grids tell.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extrapolated: Option<f64>,
+    /// The figures on an infinitely fine grid, where that is what is taken.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub figures: Vec<StatedFigure>,
     /// The models that were chosen.
     pub models: String,
     /// The runs, coarsest first.
     pub runs: Vec<StatedRun>,
+}
+
+/// What is taken as the answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Taken {
+    /// The finest run.
+    Run,
+    /// What the three finest grids are extrapolated to.
+    Extrapolated,
+}
+
+/// A figure on an infinitely fine grid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct StatedFigure {
+    /// Its key.
+    pub key: String,
+    /// The figure.
+    pub value: f64,
+    /// Estimated relative error of the grids.
+    pub grid_error: f64,
 }
 
 /// One run on the way to the answer.

@@ -1,6 +1,7 @@
 //! What the installed models offer for a case: every choice of models that can run it, and the
 //! resolutions worth running, as their descriptions say.
 
+use super::richardson::ORDER_OF_LIMITS;
 use super::{Variant, ends_study, planned};
 use case::Problem;
 use contract::accuracy::{Refinement, Simplification};
@@ -99,6 +100,17 @@ impl Level {
     #[must_use]
     pub(crate) fn grid_error(&self, step: usize) -> f64 {
         self.keys_at(step).map(|(one, level)| one.at(f64::from(level))).sum()
+    }
+
+    /// Expected relative error of what the resolution at a step and the two before it are extrapolated to; `None`
+    /// without them.
+    #[must_use]
+    pub(crate) fn limit_error(&self, step: usize) -> Option<f64> {
+        let falls = |(one, level): (&Refinement, u32)| {
+            let part = one.at(f64::from(level)) / one.error.max(f64::MIN_POSITIVE);
+            one.error * part.powf(ORDER_OF_LIMITS)
+        };
+        (step >= 2).then(|| self.keys_at(step).map(falls).sum())
     }
 }
 

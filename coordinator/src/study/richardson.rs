@@ -14,6 +14,16 @@
 //! high an order by chance; it is the expected one where none is seen; and the factor is 1.5 where
 //! Roache takes
 //! 3.
+//!
+//! **The limit itself as the answer.** Two pairs of three grids give two limits, L₁ of the coarser and L₂ of the finer pair, at the
+//! expected order p. What is left in them beyond C h^p moves with the elements at the edges, and was measured to fall like
+//! h^(3p/2) (docs/theory/accuracy.md); so the error of L₂ is
+//!
+//! ```text
+//! max( 1.5 |L₂ − L₁|/(r^(3p/2) − 1),  |L₂ − v₃|/5 )
+//! ```
+//!
+//! The second term is there because two limits may agree by chance.
 
 /// Factor of safety where the expected order is seen.
 const SAFETY_SEEN: f64 = 1.25;
@@ -21,6 +31,11 @@ const SAFETY_SEEN: f64 = 1.25;
 const SAFETY: f64 = 1.5;
 /// How near to the expected order one that is seen has to be.
 const NEAR: f64 = 0.1;
+
+/// The share of the leading error that is the least error of a limit.
+const LEAST_SHARE: f64 = 0.2;
+/// Order of what is left in a limit, over the expected order.
+pub(crate) const ORDER_OF_LIMITS: f64 = 1.5;
 
 /// A quantity on one grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +78,31 @@ impl Estimate {
             limit: fine.value + correction,
             error: safety * correction.abs(),
         })
+    }
+}
+
+/// The quantity on an infinitely fine grid, as an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Limit {
+    /// The quantity.
+    pub value: f64,
+    /// Its estimated error, in its own unit, with the factor of safety.
+    pub error: f64,
+}
+
+impl Limit {
+    /// From the samples of one quantity, coarsest grid first; `None` with fewer than three grids.
+    #[must_use]
+    pub(crate) fn of(samples: &[Sample], expected_order: f64) -> Option<Self> {
+        let [.., first, second, third] = samples else { return None };
+        let limit = |coarse: &Sample, fine: &Sample| {
+            let ratio = (fine.level / coarse.level).powf(expected_order);
+            fine.value + (fine.value - coarse.value) / (ratio - 1.0)
+        };
+        let [before, value] = [limit(first, second), limit(second, third)];
+        let falls = (third.level / second.level).powf(ORDER_OF_LIMITS * expected_order);
+        let left = SAFETY * (value - before).abs() / (falls - 1.0);
+        Some(Self { value, error: left.max(LEAST_SHARE * (value - third.value).abs()) })
     }
 }
 
@@ -128,6 +168,21 @@ mod tests {
         assert!((estimate.limit - 1.0).abs() < 1e-12);
         assert!((estimate.error - SAFETY * 0.05).abs() < 1e-12);
         assert_eq!(Estimate::of(&values[..1], 1.0), None);
+    }
+
+    /// Of an error C/n + D/n^1.5 the second term is left, and found with its factor of safety; a limit that two pairs agree
+    /// on by chance has a fifth of the leading error.
+    #[test]
+    fn a_limit_states_what_is_left_in_it() {
+        let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 0.5 / n + 2.0 * n.powf(-1.5));
+        let limit = Limit::of(&values, 1.0).unwrap();
+        let left = (limit.value - 3.0).abs();
+        assert!((limit.error / left - SAFETY).abs() < 1e-9, "{limit:?}");
+        let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 5.0 / n);
+        let limit = Limit::of(&values, 1.0).unwrap();
+        assert!((limit.value - 3.0).abs() < 1e-12);
+        assert!((limit.error / (LEAST_SHARE * 5.0 / 40.0) - 1.0).abs() < 1e-9, "{limit:?}");
+        assert_eq!(Limit::of(&values[..2], 1.0), None);
     }
 
     /// An order above the expected one would make the error look smaller than it is.

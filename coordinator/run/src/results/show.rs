@@ -84,13 +84,16 @@ fn accuracy(summary: &Value) -> Vec<Option<String>> {
     let percent = |key: &str| of(key).map(|error| format!("{} %", number(100.0 * error, 2)));
     let word = |key: &str| section.get(key).and_then(Value::as_str).map(str::to_owned);
     let value = of("value").map(|value| number(value, 5)).unwrap_or_default();
+    let taken = section.get("taken").and_then(Value::as_str) == Some("extrapolated");
+    let limit = of("extrapolated").filter(|_| !taken);
     vec![
         word("quantity").map(|key| format!("{key} {value}")),
         percent("estimated_error").map(|error| format!("± {error}")),
         percent("target").map(|error| format!("of {error} asked for")),
         percent("grid_error").map(|error| format!("grid {error}")),
         percent("model_error").map(|error| format!("models {error}")),
-        of("extrapolated").map(|value| format!("extrapolated {}", number(value, 5))),
+        limit.map(|value| format!("extrapolated {}", number(value, 5))),
+        taken.then(|| "extrapolated from three grids, other figures beside it".to_owned()),
         word("models"),
     ]
 }
