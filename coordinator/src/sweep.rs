@@ -4,6 +4,7 @@
 //! was stopped goes on with what it lacks. [`page`] draws what has changed.
 
 mod cli;
+mod design;
 mod page;
 mod perform;
 mod study;

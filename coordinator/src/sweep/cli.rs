@@ -1,7 +1,8 @@
 //! The subcommand.
 
+use super::design::Asked;
 use super::page;
-use super::perform::fill;
+use super::perform::{How, fill};
 use super::study::Study;
 use crate::study::arguments::{CaseArguments, FolderArguments};
 use crate::study::axis::Axis;
@@ -17,9 +18,11 @@ use std::path::Path;
 pub(crate) struct Arguments {
     #[command(flatten)]
     of: CaseArguments,
-    /// What varies: a key, and its values or a range; several make a grid.
-    #[arg(long, required = true, value_name = "KEY=A,B,C|FROM..TO/COUNT", value_parser = Axis::read)]
-    vary: Vec<Axis>,
+    #[command(flatten)]
+    points: Asked,
+    /// Points that are run at a time [default: as many as there are cores].
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
     #[command(flatten)]
     folder: FolderArguments,
     /// Print JSON.
@@ -33,10 +36,11 @@ pub(crate) struct Arguments {
 /// A case that cannot run, the user has stopped it, the file system.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let (case, base) = (asked.of.case.clone(), asked.of.base());
+    let design = asked.points.design()?;
     let first = |all: Variant, one: &Axis| all.with(&one.key, &one.values[0]);
-    let standing = planned(&case, &asked.vary.iter().fold(base.clone(), first))?;
+    let standing = planned(&case, &design.vary.iter().fold(base.clone(), first))?;
     crate::logging::warn_of_replaced(&standing.case);
-    let begun = Study::new(&standing.plan, case.display().to_string(), &base, &asked.vary);
+    let begun = Study::new(&standing.plan, case.display().to_string(), &base, design);
     let goes_on = |folder: &Path| stopped(folder).is_some_and(|other| other.asks_the_same(&begun));
     let name = format!("{}-sweep", begun.case);
     let folder = asked.folder.choose(Study::COMMAND, &name, &goes_on)?;
@@ -48,8 +52,16 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let quantities = Quantities::of_figures(&standing.plan.figures);
     let scratch = scratch()?;
     let printing = Printing { json: asked.json, quiet };
-    let place = (printing.is_silent(), scratch.path());
-    fill(&mut study, &case, &base, &quantities, &folder, place)?;
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let how = How {
+        case: &case,
+        base: &base,
+        quantities: &quantities,
+        jobs: asked.jobs.map_or_else(cores, usize::from),
+        scratch: scratch.path(),
+        quiet: printing.is_silent(),
+    };
+    fill(&mut study, &how, &folder)?;
     folder.write("sweep.csv", &study.csv())?;
     study.publish(&folder)?;
     printing.print(&study, || page::text(&study), &folder)

@@ -88,6 +88,10 @@ fn table(study: &Study, columns: usize) -> Table<'_, Row> {
 /// A quantity over the key that varies, or over two.
 fn drawings(study: &Study, of: &Quantity) -> Vec<Block> {
     let Some((first, others)) = study.vary.split_first() else { return Vec::new() };
+    if study.paired && !others.is_empty() {
+        let each = study.vary.iter().enumerate();
+        return each.filter_map(|(n, one)| marks(study, of, (n, one, one.numbers()?))).collect();
+    }
     match (first.numbers(), others) {
         (Some(along), []) => vec![lines(study, of, (0, first, along), None)],
         (Some(along), [second]) => {
@@ -103,6 +107,22 @@ fn drawings(study: &Study, of: &Quantity) -> Vec<Block> {
 }
 
 type Numbers = (Vec<f64>, String);
+
+/// The quantity of each point over one of the keys that vary together.
+fn marks(
+    study: &Study,
+    of: &Quantity,
+    (n, along, (places, unit)): (usize, &Axis, Numbers),
+) -> Option<Block> {
+    let values = || study.rows.iter().filter_map(|row| row.values.get(&of.key));
+    let scale = of_key(&of.key, values().fold(0.0, |l: f64, v| l.max(v.abs())));
+    let mut figure =
+        Figure::new(sentence(&of.name), labelled(&along.key, &unit), scale.unit.clone());
+    (figure.from_zero, figure.decades_x) = (false, by_decades(&places));
+    let point = |row: &Row| Some([places[row.at[n]], row.values.get(&of.key)? / scale.factor]);
+    let points: Vec<[f64; 2]> = study.rows.iter().filter_map(point).collect();
+    (!points.is_empty()).then(|| Block::Figure(figure.with_marks(sentence(&of.name), points)))
+}
 
 fn lines(
     study: &Study,

@@ -1,5 +1,6 @@
 //! What a sweep has found so far: `sweep.json`, and `sweep.csv` for everything else.
 
+use super::design::Design;
 use crate::study::Variant;
 use crate::study::axis::Axis;
 use crate::study::output::Kept;
@@ -24,6 +25,9 @@ pub(crate) struct Study {
     pub options: Vec<String>,
     /// What varies.
     pub vary: Vec<Axis>,
+    /// The n-th values of all keys are a point; otherwise all combinations are.
+    #[serde(default)]
+    pub paired: bool,
     /// Keys of the quantities that are drawn: those that participants rank, or show large.
     pub drawn: Vec<String>,
     /// The quantities that the runs give, those of most interest first.
@@ -57,7 +61,12 @@ pub(crate) struct Row {
 impl Study {
     /// A sweep of which nothing has been run.
     #[must_use]
-    pub(super) fn new(plan: &run::plan::Plan, file: String, base: &Variant, vary: &[Axis]) -> Self {
+    pub(super) fn new(
+        plan: &run::plan::Plan,
+        file: String,
+        base: &Variant,
+        design: Design,
+    ) -> Self {
         let figures = plan.figures.iter().filter(|one| one.rank.is_some() || one.headline);
         Self {
             schema: Self::SCHEMA,
@@ -66,7 +75,8 @@ impl Study {
             title: plan.title.clone(),
             file,
             options: base.options(),
-            vary: vary.to_vec(),
+            vary: design.vary,
+            paired: design.paired,
             drawn: figures.map(|figure| figure.key.clone()).collect(),
             quantities: Vec::new(),
             rows: Vec::new(),
@@ -77,7 +87,8 @@ impl Study {
     /// Another one is of the same points of the same case.
     #[must_use]
     pub(super) fn asks_the_same(&self, other: &Self) -> bool {
-        let asked = |one: &Self| (one.file.clone(), one.options.clone(), one.vary.clone());
+        let asked =
+            |one: &Self| (one.file.clone(), one.options.clone(), one.vary.clone(), one.paired);
         self.schema == other.schema && asked(self) == asked(other)
     }
 

@@ -67,6 +67,40 @@ fn a_sweep_that_was_stopped_runs_nothing_twice() {
     place.assert_nothing_left();
 }
 
+/// The rows of a table, the last of which asks for more than friction allows; and a Latin hypercube, the same with the same seed.
+#[test]
+fn points_may_come_from_a_table_or_a_seed() {
+    let place = Place::new();
+    let (file, out) = (case("wheel-rail.toml"), place.out().display().to_string());
+    let points = place.out().with_file_name("points.csv");
+    let rows =
+        "motion.speed,load.normal_force,motion.traction_coefficient\n20,60 kN,0.3\n40,134 kN,0.7\n";
+    std::fs::write(&points, rows).unwrap();
+    let points = points.display().to_string();
+    let sweep = |more: &[&str]| {
+        let fixed =
+            ["sweep", &file, "--set", "mech.model=hertz-carter", "--out", &out, "--replace"];
+        let ended = place.start(&[&fixed[..], more].concat()).wait();
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        table(&place.out())
+    };
+    let of_table = sweep(&["--table", &points]);
+    assert_eq!(of_table.texts("load.normal_force"), ["60 kN", "134 kN"]);
+    let failed = of_table.texts("failed");
+    assert!(failed[0].is_empty() && failed[1].contains("0.7 is not below"), "{failed:?}");
+    let vary =
+        ["--vary", "motion.speed=10..60/6", "--vary", "motion.traction_coefficient=0.1..0.5/6"];
+    let latin = |seed: &str| -> Vec<String> {
+        let table = sweep(&[&vary[..], &["--latin", seed]].concat());
+        let values = table.texts("motion.traction_coefficient");
+        values.into_iter().map(str::to_owned).collect()
+    };
+    let [one, same, other] = ["1", "1", "2"].map(latin);
+    assert_eq!((&one, one.len()), (&same, 6));
+    assert_ne!(one, other);
+    place.assert_nothing_left();
+}
+
 #[test]
 fn what_cannot_vary_is_told() {
     let place = Place::new();
