@@ -18,6 +18,7 @@ pub(crate) const TRACTION_RATIO: &str = "contact.traction_ratio";
 const SHEAR_RATIO: &str = "pressure_over_shear_strength";
 const SHAKEDOWN: &str = "shakedown_ratio";
 const SIZE: &str = "size_over_radius";
+const T_GAMMA: &str = "t_gamma_n";
 const ACROSS: &str = "elements_across";
 
 /// What a contact is held against.
@@ -52,12 +53,20 @@ impl Measures {
         let [pressure, load] = ["max_pressure_pa", "normal_force_n"].map(figure);
         let force = |name: &str| figure(name).unwrap_or(0.0);
         let tangential = force("creep_force_x_n").hypot(force("creep_force_y_n"));
+        let t_gamma = figure("creepage_xi").zip(figure("creepage_eta")).map(|(xi, eta)| {
+            let spin = figure("creepage_phi_per_m").unwrap_or(0.0) * force("spin_moment_nm");
+            // Of no slip it is 0, not −0.
+            0.0 - (force("creep_force_x_n") * xi + force("creep_force_y_n") * eta + spin)
+        });
         let size = ["semi_axis_a_m", "semi_axis_b_m"]
             .map(figure)
             .iter()
             .zip(self.radii)
             .filter_map(|(axis, radius)| Some((*axis)? / radius))
             .fold(0.0, f64::max);
+        if let Some(work) = t_gamma {
+            contact[T_GAMMA] = work.into();
+        }
         if size > 0.0 {
             contact[SIZE] = size.into();
         }
@@ -94,6 +103,13 @@ pub(crate) fn add_elements(contact: &mut Value, grid: &Structured) {
 pub(crate) fn figures() -> Vec<FigureSpec> {
     let figure = |name: &str, words| FigureSpec::new(&format!("contact.{name}"), "1", words);
     vec![
+        FigureSpec::new(
+            &format!("contact.{T_GAMMA}"),
+            "N",
+            "T-gamma number, the work of creep forces for each metre rolled",
+        )
+        .on("friction", "Tγ")
+        .digits(4),
         figure(SHEAR_RATIO, "p0 over the yield stress in shear").on("material", "p0/k").digits(3),
         figure(SHAKEDOWN, "p0/k over the limit of elastic shakedown")
             .expected_below(
@@ -139,6 +155,19 @@ pub(crate) fn shakedown_diagram() -> Diagram {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    /// Forces times creepages and moment times spin, against the forces.
+    #[test]
+    fn the_work_for_each_metre() {
+        let measures = Measures { shear_strength: None, radii: [f64::INFINITY; 2] };
+        let mut contact = json!({"creep_force_x_n": 2e4, "creep_force_y_n": -1e4, "spin_moment_nm": -10.0,
+            "creepage_xi": -2e-3, "creepage_eta": 1e-3, "creepage_phi_per_m": 0.3});
+        measures.add_to(&mut contact);
+        assert!((contact[T_GAMMA].as_f64().unwrap() - 53.0).abs() < 1e-12, "{contact}");
+        let mut shifted = json!({"creep_force_x_n": 2e4, "shift_x_m": 1e-6});
+        measures.add_to(&mut shifted);
+        assert_eq!(shifted.get(T_GAMMA), None);
+    }
 
     /// p₀/k and its part of the limit with the softer body's strength; sizes over the smaller radius of either direction.
     #[test]

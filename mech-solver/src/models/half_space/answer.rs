@@ -168,7 +168,6 @@ impl Answer {
         });
         add_patches(&mut figures, grid, &self.pressure);
         add_elements(&mut figures, grid);
-        Measures::of(&case.scene).add_to(&mut figures);
         let names = match case.scene.speeds.rolling > 0.0 {
             true => ["creepage_xi", "creepage_eta", "creepage_phi_per_m"],
             false => ["shift_x_m", "shift_y_m", "turn_rad"],
@@ -177,6 +176,7 @@ impl Answer {
             // Adding zero turns −0 into 0.
             figures[name] = (value + 0.0).into();
         }
+        Measures::of(&case.scene).add_to(&mut figures);
         if let Some(balance) = &self.balance {
             balance.add_to(&mut figures);
         }
