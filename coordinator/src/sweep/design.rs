@@ -3,6 +3,7 @@
 use crate::study::axis::{Axis, points};
 use clap::Args;
 use run::error::{RunError, file_failure};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// The options.
@@ -60,14 +61,43 @@ impl Asked {
     }
 }
 
-/// The points: an index into the values of each key.
-pub(super) fn points_of(vary: &[Axis], paired: bool) -> Vec<Vec<usize>> {
-    match paired {
-        true => (0..vary.first().map_or(0, |one| one.values.len()))
-            .map(|n| vec![n; vary.len()])
-            .collect(),
-        false => points(vary).collect(),
+/// One of so many parts of a sweep: every so many points, from this one on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Part {
+    /// Which part, from 1 on.
+    pub one: usize,
+    /// How many there are.
+    pub of: usize,
+}
+
+impl Part {
+    /// Reads `3/8`.
+    ///
+    /// # Errors
+    /// Says what is wrong with the text.
+    pub(super) fn read(text: &str) -> Result<Self, String> {
+        let wrong = || format!("`{text}` is no part; write 3/8 for the third of eight");
+        let (one, of) = text.split_once('/').ok_or_else(wrong)?;
+        let number = |text: &str| text.trim().parse::<usize>().map_err(|_| wrong());
+        let part = Self { one: number(one)?, of: number(of)? };
+        if (1..=part.of).contains(&part.one) { Ok(part) } else { Err(wrong()) }
     }
+
+    /// The point of this number, from 0 on, is in it.
+    fn has(self, n: usize) -> bool {
+        n % self.of == self.one - 1
+    }
+}
+
+/// The points, or those of a part: an index into the values of each key.
+pub(super) fn points_of(vary: &[Axis], paired: bool, part: Option<Part>) -> Vec<Vec<usize>> {
+    let length = vary.first().map_or(0, |one| one.values.len());
+    let all: Vec<Vec<usize>> = match paired {
+        true => (0..length).map(|n| vec![n; vary.len()]).collect(),
+        false => points(vary).collect(),
+    };
+    let wanted = |(n, _): &(usize, Vec<usize>)| part.is_none_or(|part| part.has(*n));
+    all.into_iter().enumerate().filter(wanted).map(|(_, at)| at).collect()
 }
 
 /// The columns of a table.
@@ -112,11 +142,26 @@ mod tests {
     #[test]
     fn side_by_side_there_are_as_many_points_as_values() {
         let grid = asked(&["a=1,2,3", "b=4,5,6"]).design().unwrap();
-        assert_eq!(points_of(&grid.vary, grid.paired).len(), 9);
+        assert_eq!(points_of(&grid.vary, grid.paired, None).len(), 9);
         let paired = Asked { paired: true, ..asked(&["a=1,2,3", "b=4,5,6"]) }.design().unwrap();
-        assert_eq!(points_of(&paired.vary, paired.paired), [[0, 0], [1, 1], [2, 2]]);
+        assert_eq!(points_of(&paired.vary, paired.paired, None), [[0, 0], [1, 1], [2, 2]]);
         let uneven = Asked { paired: true, ..asked(&["a=1,2,3", "b=4,5"]) }.design();
         assert!(uneven.unwrap_err().to_string().contains("--vary b has 2 values, and a has 3"));
+    }
+
+    /// Every point is in one part.
+    #[test]
+    fn parts_are_the_whole() {
+        let Design { vary, paired } = asked(&["a=1,2,3", "b=4,5,6"]).design().unwrap();
+        let part = |one| points_of(&vary, paired, Some(Part { one, of: 4 }));
+        assert_eq!(part(1), [[0, 0], [1, 1], [2, 2]]);
+        let mut all: Vec<_> = (1..=4).flat_map(part).collect();
+        all.sort();
+        assert_eq!(all, points_of(&vary, paired, None));
+        assert_eq!(Part::read("3/8"), Ok(Part { one: 3, of: 8 }));
+        for wrong in ["", "3", "0/8", "9/8", "1/0", "a/b", "-1/2"] {
+            assert!(Part::read(wrong).unwrap_err().contains("write 3/8"), "{wrong}");
+        }
     }
 
     /// Each value once; the same seed gives the same order, another one another.

@@ -1,17 +1,16 @@
 //! The runs of a sweep, some at a time; what has been run is never run again.
 
-use super::design::points_of;
 use super::study::{Row, Study};
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::levels::reason;
 use crate::study::output::Kept;
 use crate::study::progress::Steps;
-use crate::study::quantity::{Quantities, Quantity};
+use crate::study::quantity::Quantities;
 use crate::study::{Variant, ends_study, run};
 use run::error::RunError;
 use serde_json::Value;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
@@ -45,10 +44,7 @@ type Ended = (Result<Value, RunError>, f64);
 /// # Errors
 /// The user has stopped it, the file system.
 pub(super) fn fill(study: &mut Study, how: &How<'_>, folder: &StudyFolder) -> Result<(), RunError> {
-    let done: HashSet<&Vec<usize>> = study.rows.iter().map(|row| &row.at).collect();
-    let mut missing = points_of(&study.vary, study.paired);
-    missing.retain(|at| !done.contains(at));
-    let points: Vec<Point> = missing.into_iter().map(|at| Point::new(study, at)).collect();
+    let points: Vec<Point> = study.missing().into_iter().map(|at| Point::new(study, at)).collect();
     let mut steps = Steps::new(how.quiet, points.len());
     let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
     let outcome = thread::scope(|scope| {
@@ -163,7 +159,7 @@ impl Study {
                 for one in all.iter().filter(|one| !one.key.starts_with("coupling.")) {
                     let Some(value) = one.value(&summary) else { continue };
                     row.values.insert(one.key.clone(), value);
-                    learn(&mut self.quantities, one);
+                    self.learn(one);
                 }
             }
             Err(error) if ends_study(&error) => return Err(error),
@@ -172,11 +168,5 @@ impl Study {
         self.wall_s += wall_s;
         self.rows.push(row);
         Ok(())
-    }
-}
-
-fn learn(known: &mut Vec<Quantity>, one: &Quantity) {
-    if known.iter().all(|other| other.key != one.key) {
-        known.push(one.clone());
     }
 }

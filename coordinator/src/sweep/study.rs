@@ -1,12 +1,12 @@
 //! What a sweep has found so far: `sweep.json`, and `sweep.csv` for everything else.
 
-use super::design::Design;
+use super::design::{Design, Part, points_of};
 use crate::study::Variant;
 use crate::study::axis::Axis;
 use crate::study::output::Kept;
 use crate::study::quantity::Quantity;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// A sweep, as `sweep.json` has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +28,9 @@ pub(crate) struct Study {
     /// The n-th values of all keys are a point; otherwise all combinations are.
     #[serde(default)]
     pub paired: bool,
+    /// Only this part of the points is wanted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<Part>,
     /// Keys of the quantities that are drawn: those that participants rank, or show large.
     pub drawn: Vec<String>,
     /// The quantities that the runs give, those of most interest first.
@@ -77,6 +80,7 @@ impl Study {
             options: base.options(),
             vary: design.vary,
             paired: design.paired,
+            part: None,
             drawn: figures.map(|figure| figure.key.clone()).collect(),
             quantities: Vec::new(),
             rows: Vec::new(),
@@ -87,9 +91,47 @@ impl Study {
     /// Another one is of the same points of the same case.
     #[must_use]
     pub(super) fn asks_the_same(&self, other: &Self) -> bool {
+        self.is_of_the_same_points(other) && self.part == other.part
+    }
+
+    /// Another one is of the same points of the same case, or of a part of them.
+    #[must_use]
+    fn is_of_the_same_points(&self, other: &Self) -> bool {
         let asked =
             |one: &Self| (one.file.clone(), one.options.clone(), one.vary.clone(), one.paired);
         self.schema == other.schema && asked(self) == asked(other)
+    }
+
+    /// The points that are wanted and have not been run.
+    #[must_use]
+    pub(super) fn missing(&self) -> Vec<Vec<usize>> {
+        let done: HashSet<&Vec<usize>> = self.rows.iter().map(|row| &row.at).collect();
+        let mut wanted = points_of(&self.vary, self.paired, self.part);
+        wanted.retain(|at| !done.contains(at));
+        wanted
+    }
+
+    /// Takes what another sweep of the same points, or of a part of them, has found; false if it is of others.
+    #[must_use]
+    pub(super) fn collect(&mut self, other: Self) -> bool {
+        if !self.is_of_the_same_points(&other) {
+            return false;
+        }
+        let wanted: HashSet<Vec<usize>> = self.missing().into_iter().collect();
+        for row in other.rows.into_iter().filter(|row| wanted.contains(&row.at)) {
+            self.wall_s += row.wall_s;
+            self.rows.push(row);
+        }
+        other.quantities.iter().for_each(|one| self.learn(one));
+        self.rows.sort_by(|a, b| a.at.cmp(&b.at));
+        true
+    }
+
+    /// A run has this quantity.
+    pub(super) fn learn(&mut self, one: &Quantity) {
+        if self.quantities.iter().all(|other| other.key != one.key) {
+            self.quantities.push(one.clone());
+        }
     }
 
     /// The values of a row's keys.

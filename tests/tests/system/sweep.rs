@@ -101,6 +101,52 @@ fn points_may_come_from_a_table_or_a_seed() {
     place.assert_nothing_left();
 }
 
+/// Two of three parts, made apart: the third is run by the sweep that collects them, whose table is that of one sweep alone.
+#[test]
+fn parts_are_collected_and_what_is_missing_is_run() {
+    let place = Place::new();
+    let file = case("wheel-rail.toml");
+    let vary = "motion.traction_coefficient=0.1..0.7/7";
+    let sweep = |name: &str, more: &[&str]| {
+        let out = place.out().with_file_name(name).display().to_string();
+        let fixed =
+            ["sweep", &file, "--set", "mech.model=hertz-carter", "--vary", vary, "--out", &out];
+        let ended = place.start(&[&fixed[..], more].concat()).wait();
+        (ended, out)
+    };
+    let parts = ["1/3", "3/3"].map(|part| {
+        let (ended, out) = sweep(&part.replace('/', "-"), &["--part", part]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        out
+    });
+    let rows = |out: &str| table(Path::new(out)).texts("motion.traction_coefficient").len();
+    assert_eq!([rows(&parts[0]), rows(&parts[1])], [3, 2]);
+    let (ended, collected) = sweep("all", &["--collect", &parts[0], &parts[1]]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("5 points collected, 2 points missing, run now"),
+        "{}",
+        ended.stderr
+    );
+    let (ended, whole) = sweep("whole", &["--jobs", "1"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let [collected, whole] = [collected, whole].map(|out| table(Path::new(&out)));
+    for key in [
+        "motion.traction_coefficient",
+        "temperature.rail.max_rise_k",
+        "contact.creepage_xi",
+        "failed",
+    ] {
+        assert_eq!(collected.texts(key), whole.texts(key), "{key}");
+    }
+    let out = place.out().display().to_string();
+    let other = ["sweep", &file, "--vary", vary, "--out", &out, "--collect", &parts[0]];
+    let ended = place.start(&other).wait();
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert!(ended.stderr.contains("is of other points"), "{}", ended.stderr);
+    place.assert_nothing_left();
+}
+
 #[test]
 fn what_cannot_vary_is_told() {
     let place = Place::new();
