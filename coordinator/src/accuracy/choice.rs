@@ -95,9 +95,8 @@ fn most_left_out(level: &Level) -> String {
 fn coarsest(level: &Level, target: &Target) -> Option<usize> {
     let first = usize::from(level.steps() > 1);
     let error = |step| {
-        level
-            .limit_error(step)
-            .map_or_else(|| level.grid_error(step), |limit| limit.min(level.grid_error(step)))
+        let limit = level.limit_error(step).unwrap_or(f64::INFINITY);
+        limit.min(level.grid_error(step))
     };
     let meets = |step: &usize| level.model_error() + error(*step) <= target.relative;
     (first..level.steps()).find(meets)
