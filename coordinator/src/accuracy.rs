@@ -9,6 +9,9 @@
 //!    times finer than before if that is coarser, and on the one in between, and so on until the error
 //!    is within the target. The finest grid that misses it ends the search.
 //!
+//! `run --extrapolate` has no target: the models of the case on its own grid and on two coarser ones, and what the three
+//! are extrapolated to, with its error.
+//!
 //! From three grids on, what they are extrapolated to may meet the target before the finest of them does: it is the answer
 //! then, with an error of its own.
 //!
@@ -24,7 +27,7 @@ mod target;
 
 pub(crate) use target::Target;
 
-use crate::study::levels::Level;
+use crate::study::levels::{Level, standing};
 use crate::study::quantity::{Quantities, Quantity};
 use crate::study::richardson::{Estimate, Limit, ORDER_OF_LIMITS, Sample};
 use crate::study::{Variant, planned, run, scratch};
@@ -40,6 +43,9 @@ use std::time::Instant;
 const LONGEST_WINDOW: i32 = -2;
 /// Order of the error in the length of a window.
 const WINDOW_ORDER: f64 = 1.0;
+
+/// How much coarser the grids are that a plain run is extrapolated with.
+const COARSER: [u32; 2] = [4, 2];
 
 /// Steps of resolution that are taken at once: an error that two coarse grids tell is a poor guide for
 /// grids much finer.
@@ -113,6 +119,33 @@ impl Search {
         Ok(search)
     }
 
+    /// Takes the models and the grid that the case has, and runs on two coarser grids.
+    ///
+    /// # Errors
+    /// A case that cannot run, models without a resolution, a run that fails.
+    pub(crate) fn extrapolate(
+        case: &Path,
+        base: &Variant,
+        quantity: Option<String>,
+    ) -> Result<Self, RunError> {
+        let planned = planned(case, base)?;
+        let level = standing(&planned, base, &COARSER)?;
+        let step = COARSER.len();
+        let mut search = Self {
+            case: case.to_owned(),
+            known: Quantities::of_figures(&planned.plan.figures),
+            quantities: Vec::new(),
+            watched: 0,
+            target: Target { relative: None, quantity },
+            window: choice::window(&planned.plan).map(|times| (times, step)),
+            level,
+            step,
+            runs: Vec::new(),
+        };
+        (0..step).try_for_each(|coarser| search.try_out(coarser))?;
+        Ok(search)
+    }
+
     /// The case of the next run.
     #[must_use]
     pub(crate) fn variant(&self) -> Variant {
@@ -159,7 +192,7 @@ impl Search {
     /// The coarsest step from one on, whose grid errs like this, at which the error is expected within
     /// the target.
     fn needed(&self, grid_error: f64, at: usize) -> usize {
-        let room = self.target.relative - self.level.model_error();
+        let room = self.target.most() - self.level.model_error();
         let order = self.order().unwrap_or(1.0);
         let fineness = |step: usize| self.fineness(step);
         // Of two grids there is no second limit yet: of the second one about as much is left as it errs.
@@ -254,9 +287,11 @@ impl Search {
         // Models without a resolution have no error of a grid.
         let run_error = self.grid_error().unwrap_or(0.0);
         let model_error = self.level.model_error();
-        let meets = |error: f64| error + model_error <= self.target.relative;
+        let meets = |error: f64| error + model_error <= self.target.most();
+        // Without a target the better of both is the answer.
+        let enough = |error: f64| self.target.relative.is_some() && meets(error);
         let limit = self.limit_error().zip(self.limit(0));
-        let (taken, value, grid_error) = match limit.filter(|_| !meets(run_error)) {
+        let (taken, value, grid_error) = match limit.filter(|_| !enough(run_error)) {
             Some((error, limit)) if error < run_error => (Taken::Extrapolated, limit.value, error),
             _ => (Taken::Run, of_run, run_error),
         };
@@ -299,7 +334,7 @@ impl Search {
         RunError::Inaccurate {
             quantity,
             estimated: estimated_error,
-            target,
+            target: target.unwrap_or_default(),
             fix: "ask for less, or set a finer resolution and run without --accuracy".to_owned(),
         }
     }
@@ -338,7 +373,7 @@ mod tests {
         let values = vec![Some(rise), Some(power)];
         Search {
             case: PathBuf::new(),
-            target: Target { relative: target, quantity: None },
+            target: Target { relative: Some(target), quantity: None },
             quantities: [RISE, POWER].map(|key| Quantities::default().of(key)).to_vec(),
             watched: 2,
             known: Quantities::default(),

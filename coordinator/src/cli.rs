@@ -183,10 +183,13 @@ struct RunArguments {
     #[arg(long)]
     json: bool,
     /// Choose models and resolution, the cheapest expected to meet this error, and state the error.
-    #[arg(long, value_name = "ERROR", conflicts_with = "resume", value_parser = accuracy::Target::read_error)]
+    #[arg(long, value_name = "ERROR", group = "stated", conflicts_with = "resume", value_parser = accuracy::Target::read_error)]
     accuracy: Option<f64>,
-    /// The quantity that --accuracy means, a dotted key of summary.json [default: that which participants rank first].
-    #[arg(long, value_name = "KEY", requires = "accuracy")]
+    /// Run on grids twice and four times coarser too, and state what the three are extrapolated to, with the error.
+    #[arg(long, group = "stated", conflicts_with = "resume")]
+    extrapolate: bool,
+    /// The quantity whose error is stated, a dotted key of summary.json [default: that which participants rank first].
+    #[arg(long, value_name = "KEY", requires = "stated")]
     quantity: Option<String>,
     /// Go on with the run of this result directory from its last checkpoint.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out", "replace"])]
@@ -294,9 +297,9 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
     match &arguments.command {
         Command::Run(run) => {
             let screen = Screen { quiet: arguments.quiet, log, since };
-            match (run.accuracy, &run.resume) {
-                (Some(relative), _) => run_to(relative, run, &screen),
-                (None, Some(folder)) => match resume(folder, log)? {
+            match &run.resume {
+                _ if run.accuracy.is_some() || run.extrapolate => run_to(run, &screen),
+                Some(folder) => match resume(folder, log)? {
                     Some(begun) => run_case(&begun, run, &screen),
                     None => {
                         let shown = folder.display();
@@ -304,7 +307,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                         Ok(print(arguments.quiet, &text)?)
                     }
                 },
-                (None, None) => run_case(&begin(run, log)?, run, &screen),
+                None => run_case(&begin(run, log)?, run, &screen),
             }
         }
         Command::Check { case, no_start: true, .. } => {
@@ -496,13 +499,16 @@ fn run_case(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<(), 
     conclude(begun, perform(begun, asked, screen), asked, screen)
 }
 
-/// Models and resolution are chosen, and once more if the error turns out too large. The answer that there
+/// The error is stated. With a target models and resolution are chosen, and once more if the error turns out too large. The answer that there
 /// is stays until a better one has come to its end.
-fn run_to(relative: f64, asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
+fn run_to(asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
     let case = asked.case.as_ref().expect("required unless a run is resumed");
     let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
-    let target = accuracy::Target { relative, quantity: asked.quantity.clone() };
-    let mut search = Search::begin(case, &base, target)?;
+    let (relative, quantity) = (asked.accuracy, asked.quantity.clone());
+    let mut search = match asked.extrapolate {
+        true => Search::extrapolate(case, &base, quantity)?,
+        false => Search::begin(case, &base, accuracy::Target { relative, quantity })?,
+    };
     let mut answer: Option<ResultFolder> = None;
     loop {
         let Variant { set, unset } = search.variant();

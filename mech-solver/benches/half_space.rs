@@ -7,10 +7,10 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use mech_solver::half_space::extent::sample;
-use mech_solver::half_space::force_search::Prescribed;
 use mech_solver::half_space::influence::{Elasticity, Influence};
 use mech_solver::half_space::levels::{Contact, Levels, Motion};
 use mech_solver::half_space::normal::{self, NormalSolver};
+use mech_solver::half_space::tangential::Prescribed;
 use mech_solver::reference::hertz;
 use mech_solver::scene::Material;
 use proto::grid::Structured;

@@ -10,8 +10,13 @@
 //! inside the grid are ever transformed or stored: columns are gathered some at a time, padded,
 //! transformed, multiplied by Â, transformed back and cut to ny values while they are in the
 //! cache. Nothing is allocated after the construction, except by building a [`Spectrum`].
+//!
+//! Kernels are transformed in double precision. Where seven digits are enough, as within Krylov
+//! iterations, a spectrum is rounded to single precision ([`Spectrum::rounded`]) and applied to fields of
+//! it, in half the time.
 
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+pub use rustfft::FftNum;
 use rustfft::{Fft, FftPlanner, num_complex::Complex};
 use std::sync::Arc;
 
@@ -25,9 +30,9 @@ pub type Complex64 = Complex<f64>;
 ///
 /// Valid for every [`Convolution`] of the same nx and ny.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spectrum {
+pub struct Spectrum<T = f64> {
     /// Â(k, l)/(P_x P_y), column after column: index k·P_y + l, k ≤ P_x/2.
-    values: Vec<Complex64>,
+    values: Vec<Complex<T>>,
     /// P_x P_y.
     size: f64,
 }
@@ -52,6 +57,16 @@ impl Spectrum {
         Self::combine([self], |[value]| function(value))
     }
 
+    /// Single precision, of the spectrum times a factor.
+    #[must_use]
+    pub fn rounded(&self, factor: f64) -> Spectrum<f32> {
+        let single = |value: &Complex64| {
+            let value = value * factor;
+            Complex::new(value.re as f32, value.im as f32)
+        };
+        Spectrum { values: self.values.iter().map(single).collect(), size: self.size }
+    }
+
     /// The values Â(k, l), in no specified order.
     pub fn values(&self) -> impl Iterator<Item = Complex64> + '_ {
         self.values.iter().map(|value| value * self.size)
@@ -59,31 +74,31 @@ impl Spectrum {
 }
 
 /// Plans and working memory for convolutions on one grid.
-pub struct Convolution {
+pub struct Convolution<T = f64> {
     nx: usize,
     ny: usize,
     padded_x: usize,
     padded_y: usize,
-    rows_forward: Arc<dyn RealToComplex<f64>>,
-    rows_inverse: Arc<dyn ComplexToReal<f64>>,
-    columns_forward: Arc<dyn Fft<f64>>,
-    columns_inverse: Arc<dyn Fft<f64>>,
-    row: Vec<f64>,
-    scratch: Vec<Complex64>,
+    rows_forward: Arc<dyn RealToComplex<T>>,
+    rows_inverse: Arc<dyn ComplexToReal<T>>,
+    columns_forward: Arc<dyn Fft<T>>,
+    columns_inverse: Arc<dyn Fft<T>>,
+    row: Vec<T>,
+    scratch: Vec<Complex<T>>,
     /// Transformed rows, ny × (P_x/2 + 1), one for each component.
-    half: [Vec<Complex64>; 2],
+    half: [Vec<Complex<T>>; 2],
     /// Columns in work, up to BLOCK × P_y, one for each component.
-    block: [Vec<Complex64>; 2],
+    block: [Vec<Complex<T>>; 2],
 }
 
-impl std::fmt::Debug for Convolution {
+impl<T> std::fmt::Debug for Convolution<T> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { nx, ny, padded_x, padded_y, .. } = self;
         write!(formatter, "Convolution({nx} x {ny}, padded to {padded_x} x {padded_y})")
     }
 }
 
-impl Convolution {
+impl<T: FftNum> Convolution<T> {
     /// Plans the transforms for nx × ny elements, padded so that there are no periodic images.
     ///
     /// # Panics
@@ -130,7 +145,7 @@ impl Convolution {
             columns_forward.get_inplace_scratch_len(),
             columns_inverse.get_inplace_scratch_len(),
         ];
-        let zeros = |len: usize| vec![Complex64::default(); len];
+        let zeros = |len: usize| vec![Complex::new(T::zero(), T::zero()); len];
         let half = zeros(ny * (padded_x / 2 + 1));
         let block = zeros(BLOCK * padded_y);
         Self {
@@ -142,7 +157,7 @@ impl Convolution {
             rows_inverse,
             columns_forward,
             columns_inverse,
-            row: vec![0.0; padded_x],
+            row: vec![T::zero(); padded_x],
             scratch: zeros(scratch.into_iter().max().unwrap_or(0)),
             half: [half.clone(), half],
             block: [block.clone(), block],
@@ -161,6 +176,164 @@ impl Convolution {
         (self.padded_x, self.padded_y)
     }
 
+    /// Convolution of `input` with a kernel; both fields have nx·ny values.
+    ///
+    /// # Panics
+    /// If a field or the spectrum belongs to another grid.
+    pub fn apply(&mut self, kernel: &Spectrum<T>, input: &[T], output: &mut [T]) {
+        self.check(&[kernel], &[input], &[output]);
+        self.rows_in(0, input);
+        for first in (0..self.columns()).step_by(BLOCK) {
+            let count = BLOCK.min(self.columns() - first);
+            let len = count * self.padded_y;
+            self.gather(0, first, count);
+            let at = first * self.padded_y;
+            for (value, factor) in self.block[0][..len].iter_mut().zip(&kernel.values[at..]) {
+                *value = *value * factor;
+            }
+            self.scatter(0, first, count);
+        }
+        self.rows_out(0, output);
+    }
+
+    /// Sum of the convolutions of two fields, each with its own kernel.
+    ///
+    /// # Panics
+    /// If a field or a spectrum belongs to another grid.
+    pub fn apply_sum(&mut self, kernels: [&Spectrum<T>; 2], input: [&[T]; 2], output: &mut [T]) {
+        self.check(&kernels, &input, &[output]);
+        self.rows_in(0, input[0]);
+        self.rows_in(1, input[1]);
+        for first in (0..self.columns()).step_by(BLOCK) {
+            let count = BLOCK.min(self.columns() - first);
+            let range = first * self.padded_y..(first + count) * self.padded_y;
+            self.gather(0, first, count);
+            self.gather(1, first, count);
+            let [block, other] = &mut self.block;
+            let [one, two] = kernels.map(|kernel| &kernel.values[range.clone()]);
+            for (((x, y), a), b) in block.iter_mut().zip(other.iter()).zip(one).zip(two) {
+                *x = a * *x + b * y;
+            }
+            self.scatter(0, first, count);
+        }
+        self.rows_out(0, output);
+    }
+
+    /// Convolution of a vector field with a tensor of kernels, out_r = Σ_c kernels[r][c] ∗ in_c.
+    ///
+    /// # Panics
+    /// If a field or a spectrum belongs to another grid.
+    pub fn apply_tensor(
+        &mut self,
+        kernels: &[[&Spectrum<T>; 2]; 2],
+        input: [&[T]; 2],
+        output: [&mut [T]; 2],
+    ) {
+        let [[xx, xy], [yx, yy]] = *kernels;
+        let [output_x, output_y] = output;
+        self.check(&[xx, xy, yx, yy], &input, &[output_x, output_y]);
+        self.rows_in(0, input[0]);
+        self.rows_in(1, input[1]);
+        for first in (0..self.columns()).step_by(BLOCK) {
+            let count = BLOCK.min(self.columns() - first);
+            let range = first * self.padded_y..(first + count) * self.padded_y;
+            self.gather(0, first, count);
+            self.gather(1, first, count);
+            let [block_x, block_y] = &mut self.block;
+            let rows = xx.values[range.clone()].iter().zip(&xy.values[range.clone()]);
+            let rows = rows.zip(yx.values[range.clone()].iter().zip(&yy.values[range]));
+            let fields = block_x.iter_mut().zip(block_y.iter_mut());
+            for ((x, y), ((xx, xy), (yx, yy))) in fields.zip(rows) {
+                (*x, *y) = (xx * *x + xy * *y, yx * *x + yy * *y);
+            }
+            self.scatter(0, first, count);
+            self.scatter(1, first, count);
+        }
+        self.rows_out(0, output_x);
+        self.rows_out(1, output_y);
+    }
+
+    fn columns(&self) -> usize {
+        self.padded_x / 2 + 1
+    }
+
+    fn check(&self, spectra: &[&Spectrum<T>], input: &[&[T]], output: &[&mut [T]]) {
+        let (fields, len) = (self.nx * self.ny, self.columns() * self.padded_y);
+        let size = (self.padded_x * self.padded_y) as f64;
+        assert!(
+            input.iter().all(|field| field.len() == fields)
+                && output.iter().all(|field| field.len() == fields)
+                && spectra.iter().all(|one| one.values.len() == len && one.size == size),
+            "a field or spectrum is not of the grid of {} x {} elements",
+            self.nx,
+            self.ny
+        );
+    }
+
+    /// Transforms `row`, which it destroys.
+    fn transform_row(&mut self, transformed: &mut [Complex<T>]) {
+        self.rows_forward
+            .process_with_scratch(&mut self.row, transformed, &mut self.scratch)
+            .expect("all lengths are the plan's");
+    }
+
+    /// Transforms the rows of a field.
+    fn rows_in(&mut self, component: usize, input: &[T]) {
+        let columns = self.columns();
+        let mut half = std::mem::take(&mut self.half[component]);
+        for (values, transformed) in input.chunks_exact(self.nx).zip(half.chunks_exact_mut(columns))
+        {
+            self.row[..self.nx].copy_from_slice(values);
+            self.row[self.nx..].fill(T::zero());
+            self.transform_row(transformed);
+        }
+        self.half[component] = half;
+    }
+
+    /// Copies columns from the rows, pads and transforms them.
+    fn gather(&mut self, component: usize, first: usize, count: usize) {
+        let (columns, padded) = (self.columns(), self.padded_y);
+        let block = &mut self.block[component][..count * padded];
+        for (line, row) in self.half[component].chunks_exact(columns).enumerate() {
+            for (column, value) in row[first..first + count].iter().enumerate() {
+                block[column * padded + line] = *value;
+            }
+        }
+        for column in block.chunks_exact_mut(padded) {
+            column[self.ny..].fill(Complex::new(T::zero(), T::zero()));
+        }
+        self.columns_forward.process_with_scratch(block, &mut self.scratch);
+    }
+
+    /// Transforms columns back and copies them to the rows.
+    fn scatter(&mut self, component: usize, first: usize, count: usize) {
+        let (columns, padded) = (self.columns(), self.padded_y);
+        let block = &mut self.block[component][..count * padded];
+        self.columns_inverse.process_with_scratch(block, &mut self.scratch);
+        for (line, row) in self.half[component].chunks_exact_mut(columns).enumerate() {
+            for (column, value) in row[first..first + count].iter_mut().enumerate() {
+                *value = block[column * padded + line];
+            }
+        }
+    }
+
+    /// Transforms the rows back to a field.
+    fn rows_out(&mut self, component: usize, output: &mut [T]) {
+        let columns = self.columns();
+        let rows = self.half[component].chunks_exact_mut(columns);
+        for (transformed, values) in rows.zip(output.chunks_exact_mut(self.nx)) {
+            // Zero but for rounding; the plan insists on it.
+            transformed[0].im = T::zero();
+            transformed[columns - 1].im = T::zero();
+            self.rows_inverse
+                .process_with_scratch(transformed, &mut self.row, &mut self.scratch)
+                .expect("all lengths are the plan's and the ends are real");
+            values.copy_from_slice(&self.row[..self.nx]);
+        }
+    }
+}
+
+impl Convolution<f64> {
     /// Transform of a kernel: `kernel(di, dj)` is the effect at an element on that of another,
     /// di and dj being the target's index minus the source's. Called for |di| < nx, |dj| < ny, and at
     /// most half the padded grid.
@@ -199,162 +372,6 @@ impl Convolution {
             .map(|(column, line)| factor(column, line) / size)
             .collect();
         Spectrum { values, size }
-    }
-
-    /// Convolution of `input` with a kernel; both fields have nx·ny values.
-    ///
-    /// # Panics
-    /// If a field or the spectrum belongs to another grid.
-    pub fn apply(&mut self, kernel: &Spectrum, input: &[f64], output: &mut [f64]) {
-        self.check(&[kernel], &[input], &[output]);
-        self.rows_in(0, input);
-        for first in (0..self.columns()).step_by(BLOCK) {
-            let count = BLOCK.min(self.columns() - first);
-            let len = count * self.padded_y;
-            self.gather(0, first, count);
-            let at = first * self.padded_y;
-            for (value, factor) in self.block[0][..len].iter_mut().zip(&kernel.values[at..]) {
-                *value *= factor;
-            }
-            self.scatter(0, first, count);
-        }
-        self.rows_out(0, output);
-    }
-
-    /// Sum of the convolutions of two fields, each with its own kernel.
-    ///
-    /// # Panics
-    /// If a field or a spectrum belongs to another grid.
-    pub fn apply_sum(&mut self, kernels: [&Spectrum; 2], input: [&[f64]; 2], output: &mut [f64]) {
-        self.check(&kernels, &input, &[output]);
-        self.rows_in(0, input[0]);
-        self.rows_in(1, input[1]);
-        for first in (0..self.columns()).step_by(BLOCK) {
-            let count = BLOCK.min(self.columns() - first);
-            let range = first * self.padded_y..(first + count) * self.padded_y;
-            self.gather(0, first, count);
-            self.gather(1, first, count);
-            let [block, other] = &mut self.block;
-            let [one, two] = kernels.map(|kernel| &kernel.values[range.clone()]);
-            for (((x, y), a), b) in block.iter_mut().zip(other.iter()).zip(one).zip(two) {
-                *x = a * *x + b * y;
-            }
-            self.scatter(0, first, count);
-        }
-        self.rows_out(0, output);
-    }
-
-    /// Convolution of a vector field with a tensor of kernels, out_r = Σ_c kernels[r][c] ∗ in_c.
-    ///
-    /// # Panics
-    /// If a field or a spectrum belongs to another grid.
-    pub fn apply_tensor(
-        &mut self,
-        kernels: &[[&Spectrum; 2]; 2],
-        input: [&[f64]; 2],
-        output: [&mut [f64]; 2],
-    ) {
-        let [[xx, xy], [yx, yy]] = *kernels;
-        let [output_x, output_y] = output;
-        self.check(&[xx, xy, yx, yy], &input, &[output_x, output_y]);
-        self.rows_in(0, input[0]);
-        self.rows_in(1, input[1]);
-        for first in (0..self.columns()).step_by(BLOCK) {
-            let count = BLOCK.min(self.columns() - first);
-            let range = first * self.padded_y..(first + count) * self.padded_y;
-            self.gather(0, first, count);
-            self.gather(1, first, count);
-            let [block_x, block_y] = &mut self.block;
-            let rows = xx.values[range.clone()].iter().zip(&xy.values[range.clone()]);
-            let rows = rows.zip(yx.values[range.clone()].iter().zip(&yy.values[range]));
-            let fields = block_x.iter_mut().zip(block_y.iter_mut());
-            for ((x, y), ((xx, xy), (yx, yy))) in fields.zip(rows) {
-                (*x, *y) = (xx * *x + xy * *y, yx * *x + yy * *y);
-            }
-            self.scatter(0, first, count);
-            self.scatter(1, first, count);
-        }
-        self.rows_out(0, output_x);
-        self.rows_out(1, output_y);
-    }
-
-    fn columns(&self) -> usize {
-        self.padded_x / 2 + 1
-    }
-
-    fn check(&self, spectra: &[&Spectrum], input: &[&[f64]], output: &[&mut [f64]]) {
-        let (fields, len) = (self.nx * self.ny, self.columns() * self.padded_y);
-        let size = (self.padded_x * self.padded_y) as f64;
-        assert!(
-            input.iter().all(|field| field.len() == fields)
-                && output.iter().all(|field| field.len() == fields)
-                && spectra.iter().all(|one| one.values.len() == len && one.size == size),
-            "a field or spectrum is not of the grid of {} x {} elements",
-            self.nx,
-            self.ny
-        );
-    }
-
-    /// Transforms `row`, which it destroys.
-    fn transform_row(&mut self, transformed: &mut [Complex64]) {
-        self.rows_forward
-            .process_with_scratch(&mut self.row, transformed, &mut self.scratch)
-            .expect("all lengths are the plan's");
-    }
-
-    /// Transforms the rows of a field.
-    fn rows_in(&mut self, component: usize, input: &[f64]) {
-        let columns = self.columns();
-        let mut half = std::mem::take(&mut self.half[component]);
-        for (values, transformed) in input.chunks_exact(self.nx).zip(half.chunks_exact_mut(columns))
-        {
-            self.row[..self.nx].copy_from_slice(values);
-            self.row[self.nx..].fill(0.0);
-            self.transform_row(transformed);
-        }
-        self.half[component] = half;
-    }
-
-    /// Copies columns from the rows, pads and transforms them.
-    fn gather(&mut self, component: usize, first: usize, count: usize) {
-        let (columns, padded) = (self.columns(), self.padded_y);
-        let block = &mut self.block[component][..count * padded];
-        for (line, row) in self.half[component].chunks_exact(columns).enumerate() {
-            for (column, value) in row[first..first + count].iter().enumerate() {
-                block[column * padded + line] = *value;
-            }
-        }
-        for column in block.chunks_exact_mut(padded) {
-            column[self.ny..].fill(Complex64::default());
-        }
-        self.columns_forward.process_with_scratch(block, &mut self.scratch);
-    }
-
-    /// Transforms columns back and copies them to the rows.
-    fn scatter(&mut self, component: usize, first: usize, count: usize) {
-        let (columns, padded) = (self.columns(), self.padded_y);
-        let block = &mut self.block[component][..count * padded];
-        self.columns_inverse.process_with_scratch(block, &mut self.scratch);
-        for (line, row) in self.half[component].chunks_exact_mut(columns).enumerate() {
-            for (column, value) in row[first..first + count].iter_mut().enumerate() {
-                *value = block[column * padded + line];
-            }
-        }
-    }
-
-    /// Transforms the rows back to a field.
-    fn rows_out(&mut self, component: usize, output: &mut [f64]) {
-        let columns = self.columns();
-        let rows = self.half[component].chunks_exact_mut(columns);
-        for (transformed, values) in rows.zip(output.chunks_exact_mut(self.nx)) {
-            // Zero but for rounding; the plan insists on it.
-            transformed[0].im = 0.0;
-            transformed[columns - 1].im = 0.0;
-            self.rows_inverse
-                .process_with_scratch(transformed, &mut self.row, &mut self.scratch)
-                .expect("all lengths are the plan's and the ends are real");
-            values.copy_from_slice(&self.row[..self.nx]);
-        }
     }
 }
 

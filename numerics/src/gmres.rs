@@ -32,7 +32,8 @@ pub struct Achieved {
     pub reduction: f64,
 }
 
-/// An operator and its preconditioner on vectors of one length.
+/// An operator and its preconditioner. The operator may take more unknowns than it has equations, where
+/// the preconditioner answers with those alone that meet the others (a constraint preconditioner).
 pub trait Preconditioned {
     /// out = A x.
     fn operate(&mut self, x: &[f64], out: &mut [f64]);
@@ -61,7 +62,7 @@ impl Gmres {
         copy_scaled(slot(&mut self.basis, 0), right, 1.0 / scale);
         let mut steps = 0;
         while steps < MOST_STEPS && self.target[steps].abs() > reduction * scale {
-            let next = self.expand(system, steps, right.len());
+            let next = self.expand(system, steps, [right.len(), x.len()]);
             steps += 1;
             if next == 0.0 {
                 break;
@@ -72,12 +73,17 @@ impl Gmres {
     }
 
     /// One Arnoldi step; the norm of the new direction.
-    fn expand(&mut self, system: &mut dyn Preconditioned, step: usize, len: usize) -> f64 {
+    fn expand(
+        &mut self,
+        system: &mut dyn Preconditioned,
+        step: usize,
+        [equations, unknowns]: [usize; 2],
+    ) -> f64 {
         let direction = slot(&mut self.directions, step);
-        direction.resize(len, 0.0);
+        direction.resize(unknowns, 0.0);
         system.precondition(&self.basis[step], direction);
         let mut vector = std::mem::take(slot(&mut self.basis, step + 1));
-        vector.resize(len, 0.0);
+        vector.resize(equations, 0.0);
         system.operate(&self.directions[step], &mut vector);
         let column = slot(&mut self.factor, step);
         column.clear();

@@ -98,7 +98,7 @@ fn coarsest(level: &Level, target: &Target) -> Option<usize> {
         let limit = level.limit_error(step).unwrap_or(f64::INFINITY);
         limit.min(level.grid_error(step))
     };
-    let meets = |step: &usize| level.model_error() + error(*step) <= target.relative;
+    let meets = |step: &usize| level.model_error() + error(*step) <= target.most();
     (first..level.steps()).find(meets)
 }
 
@@ -111,7 +111,7 @@ fn none(standing: &Planned, base: &Variant, target: &Target, refused: &[String])
     let (error, name) = best.unwrap_or((f64::NAN, "no model".to_owned()));
     let mut text = format!(
         "no models are expected to meet {} %; the best, {name}, expect {:.2} %",
-        percent(target.relative),
+        percent(target.most()),
         100.0 * error
     );
     for one in refused {

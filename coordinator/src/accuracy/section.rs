@@ -7,8 +7,9 @@ use serde::Serialize;
 pub(crate) struct Stated {
     /// Key of the quantity.
     pub quantity: String,
-    /// Largest relative error that was asked for.
-    pub target: f64,
+    /// Largest relative error that was asked for, if one was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<f64>,
     /// Estimated relative error: that of the grid and that of the models.
     pub estimated_error: f64,
     /// Of which the grids, with a factor of safety.

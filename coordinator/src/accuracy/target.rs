@@ -8,13 +8,19 @@ use serde_json::Value;
 /// A target of accuracy.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Target {
-    /// Largest relative error.
-    pub relative: f64,
+    /// Largest relative error; `None` for whatever the case's own grid gives.
+    pub relative: Option<f64>,
     /// Key of the quantity in the summary; `None` for the first of interest that the summary has.
     pub quantity: Option<String>,
 }
 
 impl Target {
+    /// Largest relative error.
+    #[must_use]
+    pub(crate) fn most(&self) -> f64 {
+        self.relative.unwrap_or(f64::INFINITY)
+    }
+
     /// Reads `1%` or `0.01`.
     ///
     /// # Errors
@@ -97,7 +103,7 @@ mod tests {
             "contact": {"friction_power_w": 2.0, "max_pressure_pa": 3.0},
         });
         let keys = |quantity: Option<&str>| -> Result<Vec<String>, RunError> {
-            let target = Target { relative: 0.01, quantity: quantity.map(str::to_owned) };
+            let target = Target { relative: Some(0.01), quantity: quantity.map(str::to_owned) };
             Ok(target.quantities(&summary, &known)?.into_iter().map(|one| one.key).collect())
         };
         let both = ["temperature.rail.max_rise_k", "contact.friction_power_w"];

@@ -123,6 +123,50 @@ pub(crate) struct Offer {
     pub refused: Vec<(String, String)>,
 }
 
+/// The models that a case has, on its own grid and those `coarser`, as the factors by which they are.
+///
+/// # Errors
+/// None of the models says what refines it, or a grid is too coarse to be made coarser.
+pub(crate) fn standing(
+    planned: &Planned,
+    base: &Variant,
+    coarser: &[u32],
+) -> Result<Level, RunError> {
+    let participants = &planned.plan.participants;
+    let models = participants.iter().map(|p| (p.role.clone(), p.configuration.model.clone()));
+    let mut level = Level::of(planned, models.collect(), base).in_case(planned);
+    if level.refinements.is_empty() {
+        return Err(RunError::Usage(format!(
+            "{} cannot be extrapolated: none of its models says which key refines it; run without \
+             --extrapolate",
+            level.name()
+        )));
+    }
+    for one in &mut level.refinements {
+        let own = participants.iter().find_map(|participant| set_to(participant, &one.key));
+        let own = own.filter(|own| own / coarser[0] > 0).ok_or_else(|| {
+            RunError::Usage(format!(
+                "--extrapolate takes grids {} times coarser; set {} to {} or more, or run without",
+                coarser[0], one.key, coarser[0]
+            ))
+        })?;
+        one.error = one.at(f64::from(own / coarser[0]));
+        one.levels = coarser.iter().map(|factor| own / factor).chain([own]).collect();
+    }
+    Ok(level)
+}
+
+/// The value of a key that a participant reads: the case's, or its default.
+fn set_to(participant: &run::plan::Participant, key: &str) -> Option<u32> {
+    let configuration = &participant.configuration;
+    let models = participant.description.models.iter();
+    let keys =
+        models.filter(|model| model.name == configuration.model).flat_map(|model| &model.keys);
+    let default = keys.filter(|spec| spec.path == key).find_map(|spec| spec.default.as_ref());
+    let value = configuration.case.get(key).or(default)?;
+    value.as_u64().and_then(|value| u32::try_from(value).ok())
+}
+
 /// Every choice of models for a case: those that its programs describe, tried by planning.
 ///
 /// # Errors

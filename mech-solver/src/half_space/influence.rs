@@ -134,7 +134,7 @@ impl Influence {
         let integral = self.integral(
             (x, y),
             |x, y| along_first(x, y) + along_first(y, x),
-            |x, y| 1.0 / x.hypot(y),
+            |x, y| (x * x + y * y).sqrt().recip(),
         );
         self.elasticity.contact_compliance() / PI * integral
     }
@@ -223,7 +223,8 @@ impl Influence {
     ) -> f64 {
         let (x, y) = (x.abs(), y.abs());
         let (half_x, half_y) = (0.5 * self.dx, 0.5 * self.dy);
-        if x.hypot(y) > FAR * self.dx.max(self.dy) {
+        let far = FAR * self.dx.max(self.dy);
+        if x * x + y * y > far * far {
             let row = |t: f64| -> f64 {
                 GAUSS.iter().map(|(s, weight)| weight * kernel(x + s * half_x, t)).sum()
             };
@@ -233,6 +234,29 @@ impl Influence {
         let (left, right, low, high) = (x - half_x, x + half_x, y - half_y, y + half_y);
         (primitive(right, high) - primitive(right, low))
             - (primitive(left, high) - primitive(left, low))
+    }
+}
+
+/// Values of all offsets of a grid that are even in both of them, each evaluated once.
+#[derive(Clone, Debug)]
+pub struct Quarter<T> {
+    width: usize,
+    values: Vec<T>,
+}
+
+impl<T: Copy> Quarter<T> {
+    /// Evaluates at the offsets of up to `width` − 1 elements along x and `height` − 1 along y.
+    #[must_use]
+    pub fn new(width: usize, height: usize, value: impl Fn(i32, i32) -> T) -> Self {
+        let rows = 0..height as i32;
+        let row = |j: i32| (0..width as i32).map(move |i| (i, j));
+        Self { width, values: rows.flat_map(row).map(|(i, j)| value(i, j)).collect() }
+    }
+
+    /// The value at an offset of either sign.
+    #[must_use]
+    pub fn value(&self, i: i32, j: i32) -> T {
+        self.values[j.unsigned_abs() as usize * self.width + i.unsigned_abs() as usize]
     }
 }
 

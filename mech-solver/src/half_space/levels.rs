@@ -6,27 +6,30 @@
 //! axis), which keeps its sum; the direction and the share p/g of the traction are prolonged
 //! bilinearly over the elements in contact, the state of an element by its nearest neighbour.
 //!
-//! Prescribed forces are found on every grid ([`super::force_search`]), from the creepages and the
-//! slopes of the coarser one.
+//! Prescribed forces are met on every grid, from the creepages of the coarser one.
 
-use super::force_search::{ForceSearch, NotFound, Prescribed, Scales};
 use super::influence::{Elasticity, Influence};
 use super::slip_operator::SlipOperator;
 use super::tangential::{
-    Creepage, ElementState, NotConverged, Problem, TangentialSolver, TangentialState,
+    ElementState, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState, Wanted,
 };
 use proto::grid::Structured;
 use serde::{Deserialize, Serialize};
 
 /// Grids with no more elements than this along their longer side are not made coarser.
 const COARSEST: usize = 26;
-/// On coarser grids tractions have settled when they change by less than this share of the largest;
-/// a Newton step leaves about a third of that as error.
-const COARSE_TOLERANCE: f64 = 1e-4;
+/// On coarser grids tractions have settled when they change by less than this share of the largest.
+const COARSE_TOLERANCE: f64 = 1e-2;
 /// A prescribed force is met to this share of f N on coarser grids.
-const COARSE_FORCE: f64 = 1e-4;
+const COARSE_FORCE: f64 = 1e-3;
 /// On the finest grid the same: this share of the tolerance of the tractions.
 const FORCE_SHARE: f64 = 0.01;
+/// Small forces are met to this share of themselves.
+const SMALL_FORCE: f64 = 1e-4;
+/// Rounding of the forces over f N.
+const ROUNDING: f64 = 1e-13;
+/// Forces beyond f N by less than this share of it are rounding of who prescribes them.
+const BEYOND: f64 = 1e-6;
 
 /// How the bodies move on each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +78,6 @@ impl Contact {
 pub struct Levels {
     contact: Contact,
     levels: Vec<Level>,
-    search: ForceSearch,
 }
 
 /// Where the rigid slip of a step is taken, ahead of an element's centre, over the way of the step. The step's elastic slip is that of its
@@ -127,38 +129,60 @@ impl Level {
         }
     }
 
-    /// Solves with prescribed creepages or forces; the number of Newton steps.
+    /// Solves with prescribed creepages or forces, from the state; the number of Newton steps.
     fn find(
         &mut self,
         target: &Target<'_>,
-        search: &mut ForceSearch,
-        start: Option<Creepage>,
         state: &mut TangentialState,
     ) -> Result<usize, TangentialError> {
         let most_force = self.most_force();
         let Self { nx, distance, ahead, area, x, y, bound, solver, .. } = self;
-        let (nx, distance, ahead, element_area) = (*nx, *distance, *ahead, *area);
-        let slip_history = target.slip_history;
-        let problem = Problem { nx, distance, ahead, element_area, x, y, bound, slip_history };
-        if !target.prescribed.has_force() {
-            state.creepage = target.prescribed.creepage;
-            return Ok(solver.solve(&problem, state, target.scales.accuracy)?.newton_steps);
+        let Target { prescribed, slip_history, .. } = *target;
+        let mut problem = Problem {
+            nx: *nx,
+            distance: *distance,
+            ahead: *ahead,
+            element_area: *area,
+            x,
+            y,
+            bound,
+            slip_history,
+            wanted: None,
+        };
+        for (k, creepage) in state.creepage.iter_mut().enumerate() {
+            if prescribed.force[k].is_none() {
+                *creepage = prescribed.creepage[k];
+            }
         }
-        let moment_arm = problem.largest_moment() / most_force;
-        refuse_beyond_friction(target.prescribed, most_force, moment_arm)?;
-        let scales = Scales { most_force, ..target.scales };
-        let mut newton_steps = 0;
-        search.find(target.prescribed, start, &scales, |creepage, tolerance| {
-            state.creepage = creepage;
-            newton_steps += solver.solve(&problem, state, tolerance)?.newton_steps;
-            Ok::<_, TangentialError>(state.forces(&problem))
-        })?;
-        Ok(newton_steps)
+        if prescribed.has_force() {
+            problem.wanted = Some(target.wanted(most_force));
+        }
+        Ok(solver.solve(&problem, state, target.accuracy)?.newton_steps)
     }
 
     /// f N on this grid [N].
     fn most_force(&self) -> f64 {
         self.bound.iter().sum::<f64>() * self.area
+    }
+
+    /// The moment of a contact that turns about the origin, Σ g r dA [N m].
+    fn most_moment(&self) -> f64 {
+        let row = |(bounds, y): (&[f64], &f64)| -> f64 {
+            bounds.iter().zip(&self.x).map(|(g, x)| g * x.hypot(*y)).sum()
+        };
+        self.bound.chunks_exact(self.nx).zip(&self.y).map(row).sum::<f64>() * self.area
+    }
+
+    fn refuse_beyond_friction(&self, prescribed: &Prescribed) -> Result<(), TangentialError> {
+        let [x, y, moment] = prescribed.force.map(Option::unwrap_or_default);
+        let (force, most) = (x.hypot(y), self.most_force());
+        if force > most * (1.0 + BEYOND) {
+            return Err(TangentialError::BeyondFriction { force, most });
+        }
+        match moment.abs() > self.most_moment() {
+            true => Err(TangentialError::MomentBeyondFriction { moment, most: self.most_moment() }),
+            false => Ok(()),
+        }
     }
 }
 
@@ -166,23 +190,32 @@ impl Level {
 struct Target<'a> {
     prescribed: &'a Prescribed,
     slip_history: Option<[&'a [f64]; 2]>,
-    scales: Scales,
+    /// Accuracy of the tractions.
+    accuracy: f64,
+    /// Error of the forces allowed, over f N.
+    tolerance: f64,
+    /// −∂F_x/∂ξ at small creepage, roughly [N], or [N/m] in a shift.
+    slope: f64,
+    /// A length of the contact [m].
+    length: f64,
 }
 
-fn refuse_beyond_friction(
-    prescribed: &Prescribed,
-    most_force: f64,
-    arm: f64,
-) -> Result<(), TangentialError> {
-    let [x, y, moment] = prescribed.force.map(Option::unwrap_or_default);
-    let force = x.hypot(y);
-    if force > most_force * (1.0 + COARSE_FORCE) {
-        return Err(TangentialError::BeyondFriction { force, most: most_force });
-    }
-    let most = arm * most_force;
-    match moment.abs() > most {
-        true => Err(TangentialError::MomentBeyondFriction { moment, most }),
-        false => Ok(()),
+impl Target<'_> {
+    /// The forces, on a grid that carries f N at most.
+    fn wanted(&self, most_force: f64) -> Wanted {
+        let Prescribed { force, creepage } = *self.prescribed;
+        let [x, y, moment] = force.map(|one| one.unwrap_or_default().abs());
+        // Small forces that nothing but their creepage makes.
+        let alone = self.slip_history.is_none() && creepage == [0.0; 3];
+        let size = x.max(y).max(moment / self.length) / most_force;
+        let relative =
+            if alone && size > 0.0 { (SMALL_FORCE * size).max(ROUNDING) } else { f64::INFINITY };
+        Wanted {
+            force,
+            tolerance: self.tolerance.min(relative) * most_force,
+            length: self.length,
+            creepage: most_force / self.slope,
+        }
     }
 }
 
@@ -222,9 +255,6 @@ pub enum TangentialError {
         /// Σ g r dA about the origin [N m].
         most: f64,
     },
-    /// The forces were not found.
-    #[error(transparent)]
-    NoCreepage(#[from] NotFound),
 }
 
 impl Solution {
@@ -249,7 +279,7 @@ impl Levels {
             grid.step_j = grid.step_j.map(|value| 2.0 * value);
             levels.push(Level::new(&grid, contact));
         }
-        Self { contact: *contact, levels, search: ForceSearch::default() }
+        Self { contact: *contact, levels }
     }
 
     /// Solves for this traction bound g [Pa] on the finest grid, coarsest grid first.
@@ -262,25 +292,26 @@ impl Levels {
         prescribed: &Prescribed,
     ) -> Result<Solution, TangentialError> {
         self.restrict(bound);
+        self.levels[0].refuse_beyond_friction(prescribed)?;
+        let most_force = self.levels[0].most_force();
         let applied = self.levels[0].solver.work().0;
         let mut state = TangentialState::default();
         let mut newton_steps = 0;
-        self.search = ForceSearch::default();
         for index in (0..self.levels.len()).rev() {
-            let target = self.target(prescribed, None, index == 0);
+            // What the bound of a coarser grid loses at its edge, forces lose too.
+            let share = self.levels[index].most_force() / most_force;
+            let prescribed = Prescribed {
+                force: prescribed.force.map(|one| one.map(|force| share * force)),
+                ..*prescribed
+            };
+            let target = self.target(&prescribed, None, index == 0);
             let (fine, coarse) = self.levels.split_at_mut(index + 1);
             let level = &mut fine[index];
-            let start = match coarse.first() {
-                None => {
-                    state = TangentialState::at_rest(&level.bound, [0.0; 3]);
-                    None
-                }
-                Some(coarse) => {
-                    state = prolong(coarse, &state, level);
-                    Some(state.creepage)
-                }
+            state = match coarse.first() {
+                None => TangentialState::at_rest(&level.bound, [0.0; 3]),
+                Some(coarse) => prolong(coarse, &state, level),
             };
-            newton_steps += level.find(&target, &mut self.search, start, &mut state)?;
+            newton_steps += level.find(&target, &mut state)?;
         }
         let operator_applications = self.levels[0].solver.work().0 - applied;
         Ok(Solution { state, operator_applications, newton_steps })
@@ -301,11 +332,10 @@ impl Levels {
         let target = self.target(prescribed, slip_history, true);
         let level = &mut self.levels[0];
         level.bound.copy_from_slice(bound);
+        level.refuse_beyond_friction(prescribed)?;
         let applied = level.solver.work().0;
-        let state = &mut solution.state;
-        state.fit(bound);
-        let start = Some(state.creepage).filter(|creepage| *creepage != [0.0; 3]);
-        solution.newton_steps += level.find(&target, &mut self.search, start, state)?;
+        solution.state.fit(bound);
+        solution.newton_steps += level.find(&target, &mut solution.state)?;
         solution.operator_applications += level.solver.work().0 - applied;
         Ok(())
     }
@@ -318,11 +348,6 @@ impl Levels {
             "the operator of this motion is not A"
         );
         self.levels[0].solver.apply(traction, displacement);
-    }
-
-    /// The search for prescribed forces, whose slopes serve the next solve.
-    pub fn search(&mut self) -> &mut ForceSearch {
-        &mut self.search
     }
 
     fn target<'a>(
@@ -340,10 +365,7 @@ impl Levels {
         };
         let accuracy = if finest { self.contact.tolerance } else { COARSE_TOLERANCE };
         let tolerance = if finest { FORCE_SHARE * accuracy } else { COARSE_FORCE };
-        let length = (a * b).sqrt();
-        let passive = slip_history.is_none();
-        let scales = Scales { slope, length, most_force: 0.0, tolerance, accuracy, passive };
-        Target { prescribed, slip_history, scales }
+        Target { prescribed, slip_history, accuracy, tolerance, slope, length: (a * b).sqrt() }
     }
 
     fn restrict(&mut self, bound: &[f64]) {

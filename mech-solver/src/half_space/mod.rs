@@ -11,7 +11,6 @@
 //! | [`coupling`] | what normal and tangential contact do to each other when the bodies differ |
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
-//! | [`force_search`] | the creepages at which prescribed forces are met |
 //! | [`levels`] | the tangential problem by continuation in resolution |
 //! | [`subsurface`] | stresses inside a body, at points and on vertical sections, and those of heat |
 //!
@@ -23,7 +22,6 @@ pub mod area;
 pub mod coupling;
 pub mod curve;
 pub mod extent;
-pub mod force_search;
 pub mod influence;
 mod initial_pressure;
 pub mod levels;

@@ -46,7 +46,7 @@ mod error;
 pub use super::prescribed::Prescribed;
 pub use error::NormalError;
 
-use super::influence::Influence;
+use super::influence::{Influence, Quarter};
 use super::initial_pressure;
 use numerics::convolution::{Complex64, Convolution, Spectrum};
 use std::f64::consts::TAU;
@@ -81,9 +81,9 @@ pub struct NormalSolver {
     pub iteration_limit: usize,
     /// Largest pressure p̂ that the bodies carry [Pa]; infinite unless set.
     pub pressure_bound: f64,
-    convolution: Convolution,
-    flexibility: Spectrum,
-    preconditioner: Spectrum,
+    /// A and M, each with its convolution.
+    flexibility: (Convolution, Spectrum),
+    preconditioner: (Convolution, Spectrum),
     area: f64,
     compliance: f64,
     work: Work,
@@ -132,13 +132,14 @@ impl NormalSolver {
     /// Prepares for grids of nx × ny elements.
     #[must_use]
     pub fn new(nx: usize, ny: usize, influence: &Influence) -> Self {
+        let quarter = Quarter::new(nx, ny, |i, j| influence.zz(i, j));
         let mut convolution = Convolution::new(nx, ny);
-        let flexibility = convolution.spectrum(|i, j| influence.zz(i, j));
-        let preconditioner = preconditioner(&mut convolution, influence);
+        let flexibility = convolution.spectrum(|i, j| quarter.value(i, j));
+        let mut rough = Convolution::barely_padded(nx, ny);
+        let preconditioner = preconditioner(&mut rough, &quarter);
         let compliance = influence.elasticity.contact_compliance();
         Self::with(
-            [flexibility, preconditioner],
-            convolution,
+            [(convolution, flexibility), (rough, preconditioner)],
             [influence.dx, influence.dy],
             compliance,
         )
@@ -163,22 +164,21 @@ impl NormalSolver {
         let factor = |k, l| Complex64::new(2.0 * compliance / wave_number(k, l), 0.0);
         let flexibility = convolution.factors(factor);
         let inverse = flexibility.map(|value| Complex64::new(1.0 / value.re, 0.0));
-        Self::with([flexibility, inverse], convolution, [dx, dy], compliance)
+        let again = Convolution::cyclic(nx, ny);
+        Self::with([(convolution, flexibility), (again, inverse)], [dx, dy], compliance)
     }
 
     fn with(
-        [flexibility, preconditioner]: [Spectrum; 2],
-        convolution: Convolution,
+        [flexibility, preconditioner]: [(Convolution, Spectrum); 2],
         [dx, dy]: [f64; 2],
         compliance: f64,
     ) -> Self {
-        let (nx, ny) = convolution.shape();
+        let (nx, ny) = flexibility.0.shape();
         let zeros = vec![0.0; nx * ny];
         Self {
             tolerance: Self::TOLERANCE,
             iteration_limit: Self::ITERATION_LIMIT,
             pressure_bound: f64::INFINITY,
-            convolution,
             flexibility,
             preconditioner,
             area: dx * dy,
@@ -199,7 +199,7 @@ impl NormalSolver {
     /// Elements along x and along y.
     #[must_use]
     pub fn shape(&self) -> (usize, usize) {
-        self.convolution.shape()
+        self.flexibility.0.shape()
     }
 
     /// u = A p of the pressure that was solved for last [m].
@@ -288,7 +288,7 @@ impl NormalSolver {
         progress: &mut Progress,
     ) -> bool {
         if progress.stale {
-            self.convolution.apply(&self.flexibility, pressure, &mut self.work.displacement);
+            apply(&mut self.flexibility, pressure, &mut self.work.displacement);
             progress.convolutions += 1;
             progress.stale = false;
         }
@@ -351,7 +351,7 @@ impl NormalSolver {
             let open = given - distance[at] - work.displacement[at];
             work.residual[at] = if *flag { open } else { 0.0 };
         }
-        self.convolution.apply(&self.preconditioner, &work.residual, &mut work.step);
+        apply(&mut self.preconditioner, &work.residual, &mut work.step);
         progress.convolutions += 1;
         work.cut(|work| &mut work.step);
         progress.approach = given;
@@ -360,7 +360,7 @@ impl NormalSolver {
                 for (value, flag) in work.image.iter_mut().zip(&work.in_contact) {
                     *value = f64::from(u8::from(*flag));
                 }
-                self.convolution.apply(&self.preconditioner, &work.image, &mut work.punch);
+                apply(&mut self.preconditioner, &work.image, &mut work.punch);
                 progress.convolutions += 1;
                 work.cut(|work| &mut work.punch);
             }
@@ -392,7 +392,7 @@ impl NormalSolver {
     /// Goes along d, cuts pressures that leave their bounds and restores the load.
     fn advance(&mut self, prescribed: Prescribed, pressure: &mut [f64], progress: &mut Progress) {
         let work = &mut self.work;
-        self.convolution.apply(&self.flexibility, &work.direction, &mut work.image);
+        apply(&mut self.flexibility, &work.direction, &mut work.image);
         progress.convolutions += 1;
         let curvature = dot(&work.direction, &work.image);
         let length = dot(&work.direction, &work.residual) / curvature;
@@ -419,7 +419,7 @@ impl NormalSolver {
     }
 
     fn result(&self, pressure: &[f64], progress: &Progress) -> NormalContact {
-        let (nx, ny) = self.convolution.shape();
+        let (nx, ny) = self.flexibility.0.shape();
         let on_edge = |at: usize| {
             let (i, j) = (at % nx, at / nx);
             i == 0 || j == 0 || i == nx - 1 || j == ny - 1
@@ -486,11 +486,15 @@ impl Work {
 /// The window lets the kernel end smoothly within the grid. Its transform is positive (Fejér), and
 /// so is A's, hence also their convolution, the symbol; without the window the cut kernel's ripple
 /// makes some values negative, and the iteration fails.
-fn preconditioner(convolution: &mut Convolution, influence: &Influence) -> Spectrum {
+fn preconditioner(convolution: &mut Convolution, kernel: &Quarter<f64>) -> Spectrum {
     let (nx, ny) = convolution.shape();
     let window = |offset: i32, count: usize| 1.0 - f64::from(offset.abs()) / count as f64;
-    let kernel = |i: i32, j: i32| influence.zz(i, j) * window(i, nx) * window(j, ny);
+    let kernel = |i: i32, j: i32| kernel.value(i, j) * window(i, nx) * window(j, ny);
     convolution.spectrum(kernel).map(|value| Complex64::new(1.0 / value.re, 0.0))
+}
+
+fn apply((convolution, spectrum): &mut (Convolution, Spectrum), input: &[f64], output: &mut [f64]) {
+    convolution.apply(spectrum, input, output);
 }
 
 /// Bodies that do not press on each other.

@@ -28,42 +28,49 @@
 //! discretisation; Vollebregt, Wear 314 (2014) for Fourier preconditioning of the shift problem.
 //! The damped shift is this project's.
 
-use super::influence::Influence;
-use numerics::convolution::{Convolution, Spectrum};
+use super::influence::{Influence, Quarter};
+use numerics::convolution::{Convolution, FftNum, Spectrum};
 
 /// Memory of the damped shift, in semi-axes.
 const MEMORY: f64 = 1.5;
 
-/// A symmetric tensor of spectra.
+/// A symmetric tensor of spectra, and the convolution that applies it.
 #[derive(Debug)]
-struct Tensor {
-    xx: Spectrum,
-    yy: Spectrum,
-    xy: Spectrum,
+struct Tensor<T> {
+    convolution: Convolution<T>,
+    xx: Spectrum<T>,
+    yy: Spectrum<T>,
+    xy: Spectrum<T>,
 }
 
-impl Tensor {
-    fn of(convolution: &mut Convolution, kernel: impl Fn(i32, i32) -> [f64; 3]) -> Self {
-        Self {
-            xx: convolution.spectrum(|i, j| kernel(i, j)[0]),
-            yy: convolution.spectrum(|i, j| kernel(i, j)[1]),
-            xy: convolution.spectrum(|i, j| kernel(i, j)[2]),
-        }
+impl Tensor<f64> {
+    fn of(mut convolution: Convolution, kernel: impl Fn(i32, i32) -> [f64; 3]) -> Self {
+        let mut component = |k: usize| convolution.spectrum(|i, j| kernel(i, j)[k]);
+        let [xx, yy, xy] = std::array::from_fn(&mut component);
+        Self { convolution, xx, yy, xy }
     }
 
-    fn apply(&self, convolution: &mut Convolution, input: [&[f64]; 2], output: [&mut [f64]; 2]) {
+    /// The tensor times a factor, applied by a convolution of the same grid.
+    fn rounded(&self, convolution: Convolution<f32>, factor: f64) -> Tensor<f32> {
+        let [xx, yy, xy] = [&self.xx, &self.yy, &self.xy].map(|one| one.rounded(factor));
+        Tensor { convolution, xx, yy, xy }
+    }
+}
+
+impl<T: FftNum> Tensor<T> {
+    fn apply(&mut self, input: [&[T]; 2], output: [&mut [T]; 2]) {
         let kernels = [[&self.xx, &self.xy], [&self.xy, &self.yy]];
-        convolution.apply_tensor(&kernels, input, output);
+        self.convolution.apply_tensor(&kernels, input, output);
     }
 }
 
 /// B of steady rolling, or A, and its approximate inverse on one grid.
 #[derive(Debug)]
 pub struct SlipOperator {
-    convolution: Convolution,
-    operator: Tensor,
-    rough_convolution: Convolution,
-    inverse: Tensor,
+    operator: Tensor<f64>,
+    /// B or A over `self_influence`, and the inverse times it.
+    single: Tensor<f32>,
+    inverse: Tensor<f32>,
     self_influence: f64,
     applications: usize,
     preconditionings: usize,
@@ -103,20 +110,13 @@ impl SlipOperator {
         damping: Option<f64>,
         kernel: impl Fn(i32, i32) -> [f64; 3],
     ) -> Self {
-        let mut convolution = Convolution::new(nx, ny);
         let self_influence = kernel(0, 0)[0];
-        let operator = Tensor::of(&mut convolution, kernel);
-        let mut rough_convolution = Convolution::barely_padded(nx, ny);
-        let inverse = approximate_inverse(&mut rough_convolution, table, damping);
-        Self {
-            convolution,
-            operator,
-            rough_convolution,
-            inverse,
-            self_influence,
-            applications: 0,
-            preconditionings: 0,
-        }
+        let operator = Tensor::of(Convolution::new(nx, ny), kernel);
+        let single = operator.rounded(Convolution::new(nx, ny), self_influence.recip());
+        let inverse = approximate_inverse(Convolution::barely_padded(nx, ny), table, damping);
+        let inverse = inverse.rounded(Convolution::barely_padded(nx, ny), self_influence);
+        let (applications, preconditionings) = (0, 0);
+        Self { operator, single, inverse, self_influence, applications, preconditionings }
     }
 
     /// Slip of an element by its own unit traction [m/Pa].
@@ -134,24 +134,30 @@ impl SlipOperator {
     /// slip = B traction, or A traction [m]; fields of nx·ny values, components x and y.
     pub fn apply(&mut self, traction: [&[f64]; 2], slip: [&mut [f64]; 2]) {
         self.applications += 1;
-        self.operator.apply(&mut self.convolution, traction, slip);
+        self.operator.apply(traction, slip);
     }
 
-    /// traction ≈ B⁻¹ slip, or A⁻¹ slip [Pa].
-    pub fn apply_inverse(&mut self, slip: [&[f64]; 2], traction: [&mut [f64]; 2]) {
+    /// The same in single precision, over [`SlipOperator::self_influence`] [Pa].
+    pub fn apply_single(&mut self, traction: [&[f32]; 2], slip: [&mut [f32]; 2]) {
+        self.applications += 1;
+        self.single.apply(traction, slip);
+    }
+
+    /// traction ≈ B⁻¹ slip, or A⁻¹ slip, in single precision, times [`SlipOperator::self_influence`] [m].
+    pub fn apply_inverse(&mut self, slip: [&[f32]; 2], traction: [&mut [f32]; 2]) {
         self.preconditionings += 1;
-        self.inverse.apply(&mut self.rough_convolution, slip, traction);
+        self.inverse.apply(slip, traction);
     }
 }
 
 fn approximate_inverse(
-    convolution: &mut Convolution,
+    convolution: Convolution,
     table: &Table,
     damping: Option<f64>,
-) -> Tensor {
+) -> Tensor<f64> {
     let (nx, ny) = convolution.shape();
     let window = |at: i32, count: usize| 1.0 - f64::from(at.unsigned_abs()) / count as f64;
-    let direct = Tensor::of(convolution, |i, j| {
+    let Tensor { mut convolution, xx, yy, xy } = Tensor::of(convolution, |i, j| {
         let weight = window(i, nx) * window(j, ny);
         table.value(i, j).map(|value| weight * value)
     });
@@ -161,41 +167,32 @@ fn approximate_inverse(
         _ => 0.0,
     });
     let of = |which: fn(f64, f64, f64) -> f64| {
-        Spectrum::combine([&direct.xx, &direct.yy, &direct.xy, &shift], |[xx, yy, xy, shift]| {
+        Spectrum::combine([&xx, &yy, &xy, &shift], |[xx, yy, xy, shift]| {
             let (xx, yy, xy) = (xx.re, yy.re, xy.re);
             shift.inv() * (which(xx, yy, xy) / (xx * yy - xy * xy))
         })
     };
-    Tensor { xx: of(|_, yy, _| yy), yy: of(|xx, _, _| xx), xy: of(|_, _, xy| -xy) }
+    let (along, across, mixed) = (of(|_, yy, _| yy), of(|xx, _, _| xx), of(|_, _, xy| -xy));
+    Tensor { convolution, xx: along, yy: across, xy: mixed }
 }
 
-/// Influence numbers [xx, yy, xy] of all offsets that occur, evaluated once: a quarter of the plane,
-/// since xx and yy are even and xy is odd in both offsets.
-struct Table {
-    width: usize,
-    values: Vec<[f64; 3]>,
-}
+/// Influence numbers [xx, yy, xy] of all offsets that occur.
+struct Table(Quarter<[f64; 3]>);
 
 impl Table {
     fn new(influence: &Influence, layer_flexibility: f64, nx: usize, ny: usize) -> Self {
+        let value = |i, j| {
+            let own = if (i, j) == (0, 0) { layer_flexibility } else { 0.0 };
+            [influence.xx(i, j) + own, influence.yy(i, j) + own, influence.xy(i, j)]
+        };
         // One more than the grid along x, for the upstream neighbour.
-        let width = nx + 1;
-        let mut values = Vec::with_capacity(width * ny);
-        for j in 0..ny as i32 {
-            for i in 0..width as i32 {
-                values.push([influence.xx(i, j), influence.yy(i, j), influence.xy(i, j)]);
-            }
-        }
-        values[0][0] += layer_flexibility;
-        values[0][1] += layer_flexibility;
-        Self { width, values }
+        Self(Quarter::new(nx + 1, ny, value))
     }
 
+    /// xx and yy are even in both offsets, xy is odd in both.
     fn value(&self, i: i32, j: i32) -> [f64; 3] {
-        let at = j.unsigned_abs() as usize * self.width + i.unsigned_abs() as usize;
-        let [xx, yy, xy] = self.values[at];
-        let odd = if (i < 0) == (j < 0) { xy } else { -xy };
-        [xx, yy, odd]
+        let [xx, yy, xy] = self.0.value(i, j);
+        [xx, yy, if (i < 0) == (j < 0) { xy } else { -xy }]
     }
 
     /// Influence on the element less that on its upstream neighbour.

@@ -140,9 +140,50 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
     let slow = ["--accuracy", "5%", "--set", "motion.speed=0.01"];
     let columns = [&slow[..], &["--set", "thermal.model=columns"]].concat();
     refused(&columns, &["no models are expected to meet", "conduction along the surface, at Pe"]);
-    refused(&["--quantity", "contact.area_m2"], &["--accuracy"]);
+    refused(&["--quantity", "contact.area_m2"], &["--accuracy", "--extrapolate"]);
+    refused(&["--accuracy", "5%", "--extrapolate"], &["cannot be used with"]);
+    refused(
+        &["--extrapolate", "--set", "mech.resolution=3"],
+        &["set mech.resolution to 4 or more"],
+    );
+    let closed = ["--set", "thermal.model=ertz-knothe", "--set", "mech.model=hertz-carter"];
+    refused(&[&["--extrapolate"], &closed[..]].concat(), &["none of its models"]);
     let summary = Place::new().summary(&case("wheel-rail.toml"), &slow);
     assert_eq!(summary["accuracy"]["models"], "half-space + fe");
+}
+
+/// A case on its own grid and two coarser ones, and what they are extrapolated to: 227.47 K is of wheel-rail's grids of 160
+/// and 320 elements, to 1e-4 (docs/theory/accuracy.md).
+#[test]
+fn a_plain_run_is_extrapolated() {
+    let place = Place::new();
+    let summary = place.summary(&case("wheel-rail.toml"), &["--extrapolate"]);
+    let said = &summary["accuracy"];
+    let grids: Vec<u64> = said["runs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|run| run["settings"][0][1].as_u64().unwrap())
+        .collect();
+    assert_eq!((grids, said["taken"].as_str()), (vec![10, 20, 40], Some("extrapolated")));
+    let of = |value: f64| (value / 227.47 - 1.0).abs();
+    let (limit, own) =
+        (number(&summary, "/accuracy/value"), number(&summary, "/temperature/rail/max_rise_k"));
+    let stated = number(&summary, "/accuracy/estimated_error");
+    assert!(of(limit) < stated + 1e-4 && of(limit) < 0.5 * of(own), "{limit} ± {stated}, {own}");
+    assert!(said.get("target").is_none());
+
+    let place = Place::new();
+    let more = [
+        "--extrapolate",
+        "--quantity",
+        "contact.friction_power_w",
+        "--set",
+        "mech.model=hertz-carter",
+    ];
+    let summary = place
+        .summary(&case("wheel-rail.toml"), &[&more[..], &["--set", "mech.resolution=8"]].concat());
+    assert_eq!(summary["accuracy"]["quantity"], "contact.friction_power_w");
 }
 
 /// The result directory is that of any run: a recording and a report come with it.

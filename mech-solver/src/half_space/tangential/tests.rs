@@ -1,5 +1,7 @@
+use super::linear::{Border, System, Unknowns};
 use super::*;
 use crate::half_space::influence::{Elasticity, Influence};
+use crate::half_space::slip_operator::SlipOperator;
 use crate::scene::Material;
 
 /// A circular contact of radius 1 with n elements along it, under a semi-elliptic bound.
@@ -29,6 +31,7 @@ impl Disc {
             y: &self.x,
             bound: &self.bound,
             slip_history: None,
+            wanted: None,
         }
     }
 
@@ -55,16 +58,17 @@ fn linear_steps_hardly_depend_on_the_resolution() {
             disc.bound[*index] > 0.0 && x > 0.4 * (1.0 - y * y).max(0.0).sqrt()
         };
         let sticking: Vec<usize> = (0..disc.bound.len()).filter(sticks).collect();
+        let unknowns = Unknowns { sticking, slipping: Vec::new() };
         let zeros = || vec![0.0; disc.bound.len()];
         let (mut field, mut image) = ([zeros(), zeros()], [zeros(), zeros()]);
-        let mut right = vec![0.0; 2 * sticking.len()];
-        right[..sticking.len()].fill(1.0);
+        let mut right = vec![0.0; unknowns.len()];
+        right[..unknowns.sticking.len()].fill(1.0);
         let mut system = System {
             operator: &mut solver.operator,
             field: &mut field,
             image: &mut image,
-            sticking: &sticking,
-            slipping: &[],
+            unknowns: &unknowns,
+            border: &mut Border::default(),
         };
         let mut x = vec![0.0; right.len()];
         let achieved = solver.gmres.solve(&mut system, &right, 1e-6, &mut x);
@@ -90,7 +94,8 @@ fn newton_steps_of_a_solve_from_rest() {
 /// Coulomb's law in every element: within the bound and no slip, or on it and against the slip. The
 /// tolerances are those of the Newton iteration, 1e-4 of the largest bound in the traction.
 fn assert_solved(problem: &Problem, state: &TangentialState) {
-    let rigid = state.creepage[0].hypot(state.creepage[1]) * problem.distance;
+    let [xi, eta, phi] = state.creepage;
+    let rigid = (xi.hypot(eta) + phi.abs()) * problem.distance;
     for (index, element) in state.element.iter().enumerate() {
         let p = [state.traction[0][index], state.traction[1][index]];
         let s = [state.slip[0][index], state.slip[1][index]];
@@ -120,7 +125,7 @@ fn kalkers_coefficients_of_the_circle() {
     let force = |creepage: Creepage, component: usize| {
         let mut state = TangentialState::at_rest(problem.bound, creepage);
         disc.solver().solve(&problem, &mut state, 1e-6).unwrap();
-        -state.forces(&problem)[component] / (shear * small)
+        -problem.forces(&state)[component] / (shear * small)
     };
     let found = [
         (force([small, 0.0, 0.0], 0), 4.12),
@@ -140,7 +145,7 @@ fn mirror_and_reversal() {
     let solve = |creepage: Creepage| {
         let mut state = TangentialState::at_rest(problem.bound, creepage);
         disc.solver().solve(&problem, &mut state, 1e-8).unwrap();
-        state.forces(&problem)
+        problem.forces(&state)
     };
     let forces = solve([-0.3, 0.2, 0.1]);
     let reversed = solve([0.3, -0.2, -0.1]);
@@ -152,4 +157,102 @@ fn mirror_and_reversal() {
             assert!((other[k] - sign[k] * forces[k]).abs() < 1e-7, "{forces:?} {other:?}");
         }
     }
+}
+
+impl Disc {
+    /// f N, and forces over it, the moment over the radius besides.
+    fn wanting(&self, shares: [Option<f64>; 3]) -> (Problem<'_>, f64) {
+        let most: f64 = self.bound.iter().sum::<f64>() / (self.n * self.n) as f64;
+        let force = shares.map(|share| share.map(|share| share * most));
+        // Creepage of 0.5: a good part of this disc slips.
+        let wanted = Wanted { force, tolerance: 1e-6 * most, length: 1.0, creepage: 0.5 };
+        (Problem { wanted: Some(wanted), ..self.problem() }, most)
+    }
+}
+
+/// The creepages that are found for forces give those forces, whichever of them are prescribed. The tolerances: of
+/// the forces, 1e-6 f N, and of tractions that settle to 1e-7.
+#[test]
+fn creepages_of_forces_make_those_forces() {
+    let disc = Disc::new(12);
+    let mut solver = disc.solver();
+    for (shares, given) in [
+        ([Some(0.5), None, None], [0.0; 3]),
+        ([Some(-0.9), None, None], [0.0, 0.2, 0.1]),
+        ([Some(0.3), Some(-0.6), None], [0.0, 0.0, -0.3]),
+        ([None, Some(0.5), None], [-0.1, 0.0, 0.0]),
+        ([Some(0.4), Some(0.3), Some(0.1)], [0.0; 3]),
+        ([None, None, Some(-0.3)], [0.0; 3]),
+        ([Some(0.999), None, None], [0.0; 3]),
+    ] {
+        let (problem, most) = disc.wanting(shares);
+        let mut state = TangentialState::at_rest(problem.bound, given);
+        solver.solve(&problem, &mut state, 1e-7).unwrap();
+        assert_solved(&problem, &state);
+        let bare = disc.problem();
+        let mut again = TangentialState::at_rest(bare.bound, state.creepage);
+        solver.solve(&bare, &mut again, 1e-7).unwrap();
+        let forces = bare.forces(&again);
+        for k in 0..3 {
+            match shares[k] {
+                Some(share) => {
+                    assert!((forces[k] / most - share).abs() < 2e-6, "{shares:?}: {forces:?}")
+                }
+                None => assert_eq!(state.creepage[k], given[k]),
+            }
+        }
+    }
+}
+
+/// A force takes hardly more products with the operator than its creepage.
+#[test]
+fn a_force_costs_no_more_than_its_creepage() {
+    for n in [10, 20, 40] {
+        let disc = Disc::new(n);
+        let mut solver = disc.solver();
+        for share in [0.1, 0.5, 0.9, 0.99] {
+            let (problem, _) = disc.wanting([Some(share), None, None]);
+            let mut spent = |problem: &Problem, creepage| {
+                let before = solver.work().0;
+                let mut state = TangentialState::at_rest(problem.bound, creepage);
+                solver.solve(problem, &mut state, 1e-4).unwrap();
+                (state.creepage, solver.work().0 - before)
+            };
+            let (creepage, force) = spent(&problem, [0.0; 3]);
+            let (_, alone) = spent(&disc.problem(), creepage);
+            assert!(2 * force <= 3 * alone, "{n}, {share}: {force} products against {alone}");
+        }
+    }
+}
+
+/// Closer and closer to full slip the creepage grows, and a start from full slip comes back.
+#[test]
+fn forces_up_to_full_slip() {
+    let disc = Disc::new(12);
+    let mut solver = disc.solver();
+    let mut last = 0.0;
+    for gap in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
+        let (problem, most) = disc.wanting([Some(1.0 - gap), None, None]);
+        let mut state = TangentialState::at_rest(problem.bound, [0.0; 3]);
+        solver.solve(&problem, &mut state, 1e-6).unwrap();
+        assert!(-state.creepage[0] > last, "{gap}: {:?} after {last}", state.creepage);
+        assert!((problem.forces(&state)[0] / most - 1.0 + gap).abs() <= 1e-6);
+        last = -state.creepage[0];
+    }
+    let bare = disc.problem();
+    let mut state = TangentialState::at_rest(bare.bound, [-100.0, 0.0, 0.0]);
+    solver.solve(&bare, &mut state, 1e-6).unwrap();
+    let (problem, most) = disc.wanting([Some(0.5), None, None]);
+    solver.solve(&problem, &mut state, 1e-6).unwrap();
+    assert!((problem.forces(&state)[0] / most - 0.5).abs() <= 1e-6, "{:?}", state.creepage);
+}
+
+/// Forces and a moment that friction does not carry together.
+#[test]
+fn forces_out_of_reach_are_said() {
+    let disc = Disc::new(10);
+    let (problem, _) = disc.wanting([Some(0.9), Some(0.0), Some(0.6)]);
+    let mut state = TangentialState::at_rest(problem.bound, [0.0; 3]);
+    let error = disc.solver().solve(&problem, &mut state, 1e-4).unwrap_err();
+    assert!(error.to_string().contains("beyond what friction carries"), "{error}");
 }

@@ -7,11 +7,10 @@ use super::balance::{PowerError, PressurePower};
 use super::case::Case;
 use super::drive::Driven;
 use crate::half_space::coupling::Coupling;
-use crate::half_space::force_search::{self, ForceSearch};
 use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
-use crate::half_space::tangential::{Creepage, TangentialState};
+use crate::half_space::tangential::{self, Creepage, TangentialState};
 use crate::models::shortfall::Shortfall;
 use crate::slip::RigidSlip;
 use crate::terms::Rubbing;
@@ -247,7 +246,7 @@ impl ContactSolver {
 
     /// What is prescribed at the latest pressure; where friction depends on what comes in, of a force
     /// beyond it what it carries.
-    fn prescribed(&mut self, driven: &Driven) -> force_search::Prescribed {
+    fn prescribed(&mut self, driven: &Driven) -> tangential::Prescribed {
         let mut prescribed = driven.at(self.normal_force());
         let [x, y, _] = prescribed.force.map(Option::unwrap_or_default);
         let asked = x.hypot(y);
@@ -314,11 +313,6 @@ impl ContactSolver {
         let gap = |at: usize| undeformed[at] + distance[at] + by_pressure[at] - approach;
         let (grid, duration) = (&case.footprint.grid, case.passage().duration);
         Some(PressurePower::of(grid, duration, &self.pressure, undeformed, gap))
-    }
-
-    /// The force search, whose slopes are part of a state.
-    pub(super) fn search(&mut self) -> &mut ForceSearch {
-        self.levels.as_mut().expect("partial slip has its operators").search()
     }
 
     /// The tangential displacement difference of an instant, by tractions and pressure [m]; for

@@ -2,7 +2,7 @@
 
 use crate::effects;
 use crate::ellipse::Ellipse;
-use crate::half_space::force_search::Prescribed;
+use crate::half_space::tangential::Prescribed;
 use crate::keys::CheckedParams;
 use crate::reference::carter;
 use crate::scene::{Drive, Load, SPEED, Scene, shift_keys};

@@ -9,7 +9,6 @@ use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
-use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
 use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
@@ -47,8 +46,8 @@ pub(super) struct Steady {
     accepted: Near,
 }
 
-/// A solution, the pressure under it, and what its forces have taught.
-type Near = Option<(Solution, Vec<f64>, ForceSearch)>;
+/// A solution, and the pressure under it.
+type Near = Option<(Solution, Vec<f64>)>;
 
 impl Steady {
     pub(super) fn new(case: Case, following: Option<Following>) -> Self {
@@ -80,9 +79,8 @@ impl Steady {
             return Err(no_answer(refusal));
         }
         let lost = following.varying.is_carried() && self.case.rest_if_lost();
-        let near = near.filter(|_| !lost).map(|(solution, pressure, search)| {
+        let near = near.filter(|_| !lost).map(|(solution, pressure)| {
             contact.pressure = pressure;
-            *contact.search() = search;
             Solution::new(solution.state)
         });
         let solved = self.solve_row(&mut contact, near, inputs);
@@ -100,8 +98,7 @@ impl Steady {
         self.case.expand(inputs)?;
         contact.follow(&self.case, near.is_some()).map_err(no_solution)?;
         let (answer, report, solution) = self.settled(contact, near, inputs)?;
-        self.near =
-            solution.map(|found| (found, contact.pressure.clone(), contact.search().clone()));
+        self.near = solution.map(|found| (found, contact.pressure.clone()));
         Ok((answer, report))
     }
 
@@ -264,7 +261,7 @@ impl Model for Steady {
         let (near, shown): (Near, Shown) = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|error| wrong(error.to_string()))?;
         let count = self.case.footprint.grid.points();
-        let fits = |(solution, pressure, _): &(Solution, Vec<f64>, ForceSearch)| {
+        let fits = |(solution, pressure): &(Solution, Vec<f64>)| {
             solution.state.fits(count) && pressure.len() == count
         };
         let of_grid = |(answer, _): &(Answer, _)| answer.is_on(count);

@@ -19,7 +19,6 @@ use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
-use crate::half_space::force_search::ForceSearch;
 use crate::half_space::levels::{Motion, Solution};
 use crate::half_space::tangential::TangentialState;
 use crate::models::shortfall::Shortfall;
@@ -55,7 +54,6 @@ struct Memory {
     approach: Option<f64>,
     /// Displacement differences u, x and y [m].
     displacement: [Vec<f64>; 2],
-    search: ForceSearch,
     /// Fields of the step in progress.
     answer: Answer,
     /// Time left of the step in progress [s].
@@ -77,7 +75,6 @@ impl Memory {
             pressure: contact.pressure.clone(),
             approach: contact.approach,
             displacement,
-            search: ForceSearch::default(),
             answer: Answer::at_rest(case, contact),
             left: 0.0,
             shift: [0.0; 3],
@@ -119,7 +116,6 @@ impl Transient {
         self.trial.solution.operator_applications = 0;
         self.contact.pressure.clone_from(&self.accepted.pressure);
         self.contact.approach = self.accepted.approach;
-        *self.contact.search() = self.accepted.search.clone();
         self.power.fill(0.0);
         let mut report = StepReport::default();
         let mut rest = duration;
@@ -142,7 +138,6 @@ impl Transient {
         if duration == 0.0 {
             self.power.clone_from(&self.trial.answer.friction_power);
         }
-        self.trial.search = self.contact.search().clone();
         report.inner_iterations = self.trial.solution.newton_steps as u32;
         report.work = self.trial.solution.operator_applications as u64;
         Ok(report)

@@ -1,0 +1,240 @@
+//! The linear system of a Newton step, bordered by the creepages that are unknown.
+//!
+//! Unknown are the steps dp of the tractions, both components in the adhesion area and across the
+//! traction in the slip area, and the steps dc of the creepages whose forces F* are prescribed:
+//!
+//! K dp + W dc = −S,  G dp = F* − F,
+//!
+//! with K the linearised slip, W the rigid slip of unit creepages and G the sums that make forces of
+//! tractions. With P an approximate inverse of K (that of [`SlipOperator`] in the adhesion area, the
+//! diagonal in the slip area) the constraint preconditioner
+//!
+//! dc = (G P W)⁻¹ (G P r − f),  dp = P r − P W dc
+//!
+//! meets G dp = f exactly, whatever P is. GMRES so runs over steps that leave the forces alone, from
+//! one that makes the forces what they have to be.
+//!
+//! Source: Keller, Gould and Wathen, SIAM J. Matrix Anal. Appl. 21 (2000) 1300, for the
+//! preconditioner.
+
+use super::problem::Problem;
+use super::state::{ElementState, TangentialState};
+use crate::half_space::slip_operator::SlipOperator;
+use nalgebra::{Matrix3, Vector3};
+use numerics::gmres::Preconditioned;
+
+/// An element of the slip area.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    pub(super) index: usize,
+    /// Unit vector across the traction.
+    pub(super) across: [f64; 2],
+    /// |S|/g [m/Pa].
+    stiffness: f64,
+}
+
+/// The unknown tractions: of the adhesion area along x, then along y, then of the slip area.
+#[derive(Debug, Default)]
+pub(super) struct Unknowns {
+    pub(super) sticking: Vec<usize>,
+    pub(super) slipping: Vec<Turn>,
+}
+
+impl Unknowns {
+    pub(super) fn len(&self) -> usize {
+        2 * self.sticking.len() + self.slipping.len()
+    }
+
+    /// Takes the elements of a state under its bound.
+    pub(super) fn choose(&mut self, state: &TangentialState, bound: &[f64]) {
+        self.sticking.clear();
+        self.slipping.clear();
+        let ([px, py], [sx, sy]) = (&state.traction, &state.slip);
+        for (index, element) in state.element.iter().enumerate() {
+            match element {
+                ElementState::Exterior => {}
+                ElementState::Adhesion => self.sticking.push(index),
+                ElementState::Slip => {
+                    let g = bound[index];
+                    let across = [-py[index] / g, px[index] / g];
+                    let stiffness = sx[index].hypot(sy[index]) / g;
+                    self.slipping.push(Turn { index, across, stiffness });
+                }
+            }
+        }
+    }
+
+    /// The values of a vector field at the unknowns.
+    pub(super) fn restrict(&self, field: impl Fn(usize) -> [f64; 2], out: &mut Vec<f64>) {
+        out.clear();
+        out.extend(self.sticking.iter().map(|at| field(*at)[0]));
+        out.extend(self.sticking.iter().map(|at| field(*at)[1]));
+        let across = |Turn { index, across, .. }: &Turn| {
+            let [x, y] = field(*index);
+            across[0] * x + across[1] * y
+        };
+        out.extend(self.slipping.iter().map(across));
+    }
+
+    /// The values of the adhesion area as a vector field, zero elsewhere.
+    fn spread_sticking(&self, x: &[f64], field: &mut [Vec<f32>; 2]) {
+        let count = self.sticking.len();
+        for (component, values) in field.iter_mut().zip([&x[..count], &x[count..]]) {
+            component.fill(0.0);
+            self.sticking.iter().zip(values).for_each(|(at, value)| component[*at] = *value as f32);
+        }
+    }
+
+    /// The values of the slip area as a part of a vector field.
+    fn spread_slipping(&self, x: &[f64], [along_x, along_y]: &mut [Vec<f32>; 2]) {
+        for (Turn { index, across, .. }, value) in self.slipping.iter().zip(x) {
+            along_x[*index] = (across[0] * value) as f32;
+            along_y[*index] = (across[1] * value) as f32;
+        }
+    }
+
+    /// The values of a vector field at the adhesion area, times a factor.
+    fn gather_sticking(&self, field: &[Vec<f32>; 2], factor: f64, out: &mut [f64]) {
+        let (x, y) = out.split_at_mut(self.sticking.len());
+        for (component, out) in field.iter().zip([x, y]) {
+            self.sticking
+                .iter()
+                .zip(out)
+                .for_each(|(at, value)| *value = factor * f64::from(component[*at]));
+        }
+    }
+}
+
+/// Creepages that are unknown, and the forces that they have to make.
+#[derive(Debug, Default)]
+pub(super) struct Border {
+    /// Components of the creepage that are unknown; those below are in their order.
+    pub(super) components: Vec<usize>,
+    /// W, G and P W at the unknown tractions.
+    rigid_slip: [Vec<f64>; 3],
+    force: [Vec<f64>; 3],
+    answer: [Vec<f64>; 3],
+    /// (G P W)⁻¹; `None` where tractions do not change the forces, as where all slips alike.
+    inverse: Option<Matrix3<f64>>,
+}
+
+impl Border {
+    /// A creepage is unknown, and tractions know how.
+    pub(super) fn is_singular(&self) -> bool {
+        self.inverse.is_none()
+    }
+
+    /// G dp.
+    fn force_of(&self, step: &[f64]) -> Vector3<f64> {
+        let mut sum = Vector3::zeros();
+        for (sum, force) in sum.iter_mut().zip(&self.force).take(self.components.len()) {
+            *sum = force.iter().zip(step).map(|(force, step)| force * step).sum();
+        }
+        sum
+    }
+
+    /// (G P W)⁻¹ of forces [N], into the creepages.
+    fn creepages(&self, force: Vector3<f64>, out: &mut [f64]) {
+        let found = self.inverse.unwrap_or_else(Matrix3::zeros) * force;
+        out.copy_from_slice(&found.as_slice()[..out.len()]);
+    }
+}
+
+/// Adds columns by factors.
+fn add(columns: &[Vec<f64>; 3], factors: &[f64], sign: f64, out: &mut [f64]) {
+    for (column, factor) in columns.iter().zip(factors) {
+        out.iter_mut().zip(column).for_each(|(out, value)| *out += sign * factor * value);
+    }
+}
+
+/// The system.
+pub(super) struct System<'a> {
+    pub(super) operator: &'a mut SlipOperator,
+    pub(super) field: &'a mut [Vec<f32>; 2],
+    pub(super) image: &'a mut [Vec<f32>; 2],
+    pub(super) unknowns: &'a Unknowns,
+    pub(super) border: &'a mut Border,
+}
+
+impl System<'_> {
+    /// Makes the border for the creepages that a problem leaves unknown.
+    pub(super) fn make_border(&mut self, problem: &Problem) {
+        self.border.components.clear();
+        let Some(wanted) = &problem.wanted else { return };
+        self.border.components.extend((0..3).filter(|k| wanted.force[*k].is_some()));
+        let count = self.border.components.len();
+        let mut product = Matrix3::identity();
+        for at in 0..count {
+            let component = self.border.components[at];
+            let slip = |index| problem.rigid_slip(component, index);
+            self.unknowns.restrict(slip, &mut self.border.rigid_slip[at]);
+            let force = |index| problem.force_of(component, index);
+            self.unknowns.restrict(force, &mut self.border.force[at]);
+            let mut answer = std::mem::take(&mut self.border.answer[at]);
+            answer.resize(self.unknowns.len(), 0.0);
+            let slip = std::mem::take(&mut self.border.rigid_slip[at]);
+            self.approximate(&slip, &mut answer);
+            (self.border.rigid_slip[at], self.border.answer[at]) = (slip, answer);
+        }
+        for at in 0..count {
+            product.set_column(at, &self.border.force_of(&self.border.answer[at]));
+        }
+        self.border.inverse =
+            product.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite()));
+    }
+
+    /// The step that makes up for what forces lack, as far as P knows.
+    pub(super) fn towards(&self, lack: [f64; 3], out: &mut [f64]) {
+        let components = &self.border.components;
+        let lack = Vector3::from_fn(|at, _| components.get(at).map_or(0.0, |k| -lack[*k]));
+        let (step, creepage) = out.split_at_mut(self.unknowns.len());
+        self.border.creepages(lack, creepage);
+        step.fill(0.0);
+        add(&self.border.answer, creepage, -1.0, step);
+    }
+
+    /// out = P x.
+    fn approximate(&mut self, x: &[f64], out: &mut [f64]) {
+        let unknowns = self.unknowns;
+        let count = 2 * unknowns.sticking.len();
+        unknowns.spread_sticking(&x[..count], self.field);
+        let ([fx, fy], [ix, iy]) = (&*self.field, &mut *self.image);
+        self.operator.apply_inverse([fx, fy], [ix, iy]);
+        let own = self.operator.self_influence();
+        unknowns.gather_sticking(self.image, own.recip(), &mut out[..count]);
+        for ((turn, out), x) in unknowns.slipping.iter().zip(&mut out[count..]).zip(&x[count..]) {
+            *out = x / (own + turn.stiffness);
+        }
+    }
+}
+
+impl Preconditioned for System<'_> {
+    fn operate(&mut self, x: &[f64], out: &mut [f64]) {
+        let unknowns = self.unknowns;
+        let count = 2 * unknowns.sticking.len();
+        let (step, creepage) = x.split_at(unknowns.len());
+        unknowns.spread_sticking(&step[..count], self.field);
+        unknowns.spread_slipping(&step[count..], self.field);
+        let ([fx, fy], [ix, iy]) = (&*self.field, &mut *self.image);
+        self.operator.apply_single([fx, fy], [ix, iy]);
+        let own = self.operator.self_influence();
+        unknowns.gather_sticking(self.image, own, &mut out[..count]);
+        let [ix, iy] = &*self.image;
+        for ((turn, out), x) in unknowns.slipping.iter().zip(&mut out[count..]).zip(&step[count..])
+        {
+            let Turn { index, across, stiffness } = turn;
+            let along = across[0] * f64::from(ix[*index]) + across[1] * f64::from(iy[*index]);
+            *out = own * along + stiffness * x;
+        }
+        add(&self.border.rigid_slip, creepage, 1.0, out);
+    }
+
+    fn precondition(&mut self, x: &[f64], out: &mut [f64]) {
+        let (step, creepage) = out.split_at_mut(self.unknowns.len());
+        self.approximate(x, step);
+        if !creepage.is_empty() {
+            self.border.creepages(self.border.force_of(step), creepage);
+            add(&self.border.answer, creepage, -1.0, step);
+        }
+    }
+}

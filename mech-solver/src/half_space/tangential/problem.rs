@@ -1,0 +1,132 @@
+//! The tangential problem on one grid, and what is prescribed of it.
+
+use super::state::{Creepage, TangentialState};
+
+/// A force for some components, a creepage for the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prescribed {
+    /// Creepages [-, -, rad/m], or shifts [m, m, rad]; where a force is prescribed, not used.
+    pub creepage: Creepage,
+    /// Longitudinal and lateral force [N] and spin moment [N m] on body 1; `None` where the creepage
+    /// is prescribed.
+    pub force: [Option<f64>; 3],
+}
+
+impl Prescribed {
+    /// All creepages.
+    #[must_use]
+    pub fn creepages(creepage: Creepage) -> Self {
+        Self { creepage, force: [None; 3] }
+    }
+
+    /// A longitudinal force [N]; no lateral creepage and no spin.
+    #[must_use]
+    pub fn longitudinal_force(force: f64) -> Self {
+        Self { creepage: [0.0; 3], force: [Some(force), None, None] }
+    }
+
+    /// Whether any force is prescribed.
+    #[must_use]
+    pub fn has_force(&self) -> bool {
+        self.force.iter().any(Option::is_some)
+    }
+}
+
+/// The problem on one grid of nx × ny elements.
+#[derive(Debug)]
+pub struct Problem<'a> {
+    /// Elements along x.
+    pub nx: usize,
+    /// Distance Δq rolled in the step [m]; 1 in a shift, where the creepages are distances [m] and a
+    /// rotation [rad].
+    pub distance: f64,
+    /// Where in the step the rigid slip is taken, ahead of an element's centre; 0 in a shift [m].
+    pub ahead: f64,
+    /// Area of an element [m²].
+    pub element_area: f64,
+    /// Centres along x [m].
+    pub x: &'a [f64],
+    /// Centres along y [m].
+    pub y: &'a [f64],
+    /// Traction bound g = f p_n [Pa]; 0 outside the contact.
+    pub bound: &'a [f64],
+    /// Slip s₀ that is there without tractions, x and y [m].
+    pub slip_history: Option<[&'a [f64]; 2]>,
+    /// Forces that are prescribed; their creepages are unknown.
+    pub wanted: Option<Wanted>,
+}
+
+/// Forces that a contact has to carry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// Longitudinal and lateral force [N] and spin moment [N m] on body 1; `None` where the creepage is
+    /// given.
+    pub force: [Option<f64>; 3],
+    /// Largest error of the forces [N], and of the moment over the length.
+    pub tolerance: f64,
+    /// A length of the contact [m].
+    pub length: f64,
+    /// Size of the creepages at which a good part of the contact slips; spin times the length.
+    pub creepage: f64,
+}
+
+impl Wanted {
+    /// Size of creepages, or of their steps.
+    pub(super) fn size(&self, creepage: Creepage) -> f64 {
+        let of = |k: usize| if self.force[k].is_some() { creepage[k] } else { 0.0 };
+        of(0).hypot(of(1)).hypot(of(2) * self.length)
+    }
+}
+
+impl Problem<'_> {
+    /// Force on body 1, x and y [N], and its moment about z [N m].
+    #[must_use]
+    pub fn forces(&self, state: &TangentialState) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (row, y) in self.y.iter().enumerate() {
+            let range = row * self.nx..(row + 1) * self.nx;
+            let rows = state.traction[0][range.clone()].iter().zip(&state.traction[1][range]);
+            for ((px, py), x) in rows.zip(self.x) {
+                sum[0] += px;
+                sum[1] += py;
+                sum[2] += x * py - y * px;
+            }
+        }
+        sum.map(|value| value * self.element_area)
+    }
+
+    /// Rigid slip of an element in the step by one unit of a component of the creepage [m per unit].
+    pub(super) fn rigid_slip(&self, component: usize, index: usize) -> [f64; 2] {
+        let (x, y) = (self.x[index % self.nx] + self.ahead, self.y[index / self.nx]);
+        let slip = match component {
+            0 => [1.0, 0.0],
+            1 => [0.0, 1.0],
+            _ => [-y, x],
+        };
+        slip.map(|value| value * self.distance)
+    }
+
+    /// A component of the forces by a unit of traction on an element, along x and along y [N/Pa].
+    pub(super) fn force_of(&self, component: usize, index: usize) -> [f64; 2] {
+        let (x, y) = (self.x[index % self.nx], self.y[index / self.nx]);
+        let force = match component {
+            0 => [1.0, 0.0],
+            1 => [0.0, 1.0],
+            _ => [-y, x],
+        };
+        force.map(|value| value * self.element_area)
+    }
+
+    /// F* − F of the forces that are prescribed [N], [N m].
+    pub(super) fn lack(&self, state: &TangentialState) -> [f64; 3] {
+        let Some(wanted) = &self.wanted else { return [0.0; 3] };
+        let forces = self.forces(state);
+        std::array::from_fn(|k| wanted.force[k].map_or(0.0, |wanted| wanted - forces[k]))
+    }
+
+    /// The largest of what forces lack, over their tolerance.
+    pub(super) fn error(&self, lack: [f64; 3]) -> f64 {
+        let Some(wanted) = &self.wanted else { return 0.0 };
+        lack[0].abs().max(lack[1].abs()).max(lack[2].abs() / wanted.length) / wanted.tolerance
+    }
+}

@@ -1,0 +1,78 @@
+//! Tractions, slips and what every element does.
+
+use serde::{Deserialize, Serialize};
+
+/// What an element does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ElementState {
+    /// No contact.
+    Exterior,
+    /// The surfaces stick.
+    Adhesion,
+    /// The surfaces slip.
+    Slip,
+}
+
+/// Creepages [ξ, η, φ]: longitudinal [-], lateral [-], spin [rad/m].
+pub type Creepage = [f64; 3];
+
+/// A solution, or the start of one.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct TangentialState {
+    /// Tractions on body 1, x and y [Pa].
+    pub traction: [Vec<f64>; 2],
+    /// Slip distance of body 1 relative to body 2 over a step, x and y [m].
+    pub slip: [Vec<f64>; 2],
+    /// What each element does.
+    pub element: Vec<ElementState>,
+    /// Creepages.
+    pub creepage: Creepage,
+}
+
+impl TangentialState {
+    /// It belongs to a grid of this many elements.
+    #[must_use]
+    pub fn fits(&self, count: usize) -> bool {
+        let pairs = [&self.traction, &self.slip];
+        let whole = |pair: &[Vec<f64>; 2]| pair.iter().all(|field| field.len() == count);
+        self.element.len() == count && pairs.into_iter().all(whole)
+    }
+
+    /// Everything adheres, nothing pulls.
+    #[must_use]
+    pub fn at_rest(bound: &[f64], creepage: Creepage) -> Self {
+        let zeros = vec![0.0; bound.len()];
+        let state = |bound: &f64| match *bound > 0.0 {
+            true => ElementState::Adhesion,
+            false => ElementState::Exterior,
+        };
+        Self {
+            traction: [zeros.clone(), zeros.clone()],
+            slip: [zeros.clone(), zeros],
+            element: bound.iter().map(state).collect(),
+            creepage,
+        }
+    }
+
+    /// Makes the state fit for another bound: elements enter and leave the contact, tractions are
+    /// cut, those that slip grow with the bound.
+    pub fn fit(&mut self, bound: &[f64]) {
+        let [px, py] = &mut self.traction;
+        for (index, (element, g)) in self.element.iter_mut().zip(bound).enumerate() {
+            let size = px[index].hypot(py[index]);
+            *element = match *element {
+                _ if *g == 0.0 => ElementState::Exterior,
+                ElementState::Slip if size > 0.0 => ElementState::Slip,
+                _ if size > *g => ElementState::Slip,
+                _ => ElementState::Adhesion,
+            };
+            let factor = match *element {
+                ElementState::Exterior => 0.0,
+                ElementState::Adhesion => 1.0,
+                ElementState::Slip => g / size,
+            };
+            px[index] *= factor;
+            py[index] *= factor;
+        }
+    }
+}
