@@ -12,7 +12,7 @@ use super::held::{Checks, HeldOut, axpy, dot};
 /// Most terms.
 const MOST: usize = 160;
 /// Points for each term, at least.
-const POINTS_A_TERM: usize = 3;
+const POINTS_A_TERM: usize = 2;
 /// Terms that are tried after the best so far, and as many again as a part of its number.
 const PATIENCE: (usize, usize) = (8, 2);
 /// Fewer terms are kept if their error is at most so many times the least.

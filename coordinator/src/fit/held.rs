@@ -64,7 +64,7 @@ fn inner_sets(values: &[f64]) -> Vec<Vec<u32>> {
 /// Most keys of which the corners are looked at: they have twice as many with each.
 const MOST_CORNERED: usize = 8;
 /// One of so many points is held out for a corner.
-const ONE_OF: usize = 40;
+const ONE_OF: usize = 12;
 
 /// The points nearest to each corner that is empty. Twice as far from it lie about `2^keys` times as many: so many at
 /// most are taken.
