@@ -59,16 +59,15 @@ impl Made {
 pub(super) fn fitted(samples: &Samples) -> (Vec<FittedFigure>, Vec<(String, String)>) {
     let (axes, held) = (Axes::of(samples), HeldOut::of(&samples.key_values));
     let next = AtomicUsize::new(0);
+    let take = || {
+        let n = next.fetch_add(1, Ordering::Relaxed);
+        Some((n, samples.figures.get(n)?))
+    };
     let work = || {
         let mut done = Vec::new();
-        while let Some((n, (quantity, values))) = {
-            let n = next.fetch_add(1, Ordering::Relaxed);
-            samples.figures.get(n).map(|one| (n, one))
-        } {
-            done.push((
-                n,
-                fit(quantity, values, &axes, &held).map_err(|why| (quantity.key.clone(), why)),
-            ));
+        while let Some((n, (quantity, values))) = take() {
+            let found = fit(quantity, values, &axes, &held);
+            done.push((n, found.map_err(|why| (quantity.key.clone(), why))));
         }
         done
     };

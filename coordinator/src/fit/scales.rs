@@ -127,8 +127,7 @@ pub(super) fn fit(
     }
     let best = search(&values, axes, held, &linear).ok_or("it cannot be fitted")?;
     let part = best.0.rms / values.spread();
-    // Of no number either.
-    if !(part <= TELLS) {
+    if part.is_nan() || part > TELLS {
         let why = "the error at points held out is as large as what varies";
         return Err(format!("{why}: {:.0} % of it", 100.0 * part));
     }
@@ -157,9 +156,9 @@ fn search(values: &Values<'_>, axes: &Axes, held: &HeldOut, linear: &[Scale]) ->
         better(&mut best, Scale::Log, scales);
         better(&mut best, Scale::Linear, scales);
     }
-    for n in 0..axes.0.len() {
+    for (n, log) in logs.iter().enumerate() {
         let (_, scale, mut scales) = best.clone()?;
-        scales[n] = if scales[n] == Scale::Log { Scale::Linear } else { logs[n] };
+        scales[n] = if scales[n] == Scale::Log { Scale::Linear } else { *log };
         better(&mut best, scale, &scales);
     }
     best
