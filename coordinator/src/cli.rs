@@ -3,12 +3,14 @@
 use crate::ablate;
 use crate::accuracy::{self, Decision, Search};
 use crate::advise;
+use crate::ask;
 use crate::catalogue;
 use crate::colour::{self, Colours};
 use crate::compare;
 use crate::conform;
 use crate::cost;
 use crate::export;
+use crate::fit;
 use crate::inspect;
 use crate::keys;
 use crate::listing::Listing;
@@ -128,6 +130,10 @@ enum Command {
     States(states::Arguments),
     /// Run a case over values of its keys: a row a point, plots over what varies.
     Sweep(sweep::Arguments),
+    /// Fit the figures of a sweep, with errors, for `ask` and for simulations that link to them.
+    Fit(fit::Arguments),
+    /// Print the figures of a surrogate at a point, with their errors, or at the rows of a table.
+    Ask(ask::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
     Export(export::Arguments),
     /// Switch off each effect in turn: what it changes in the answer, and what it costs.
@@ -348,6 +354,8 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
         Command::States(asked) => Ok(states::main(asked, arguments.quiet)?),
         Command::Sweep(asked) => Ok(sweep::main(asked, arguments.quiet)?),
+        Command::Fit(asked) => Ok(fit::main(asked, arguments.quiet)?),
+        Command::Ask(asked) => Ok(ask::main(asked)?),
         Command::Ablate(asked) => Ok(ablate::main(asked, arguments.quiet)?),
         Command::Cost(asked) => Ok(cost::main(asked, arguments.quiet)?),
         Command::Stability(asked) => Ok(stability::main(asked, arguments.quiet)?),

@@ -6,7 +6,7 @@
 mod key;
 mod schema;
 
-pub(crate) use key::about;
+pub(crate) use key::{about, units};
 
 use crate::listing::Listing;
 use crate::output::print;

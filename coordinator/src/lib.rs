@@ -6,6 +6,7 @@
 mod ablate;
 mod accuracy;
 mod advise;
+mod ask;
 mod catalogue;
 pub mod cli;
 mod colour;
@@ -13,6 +14,7 @@ mod compare;
 mod conform;
 mod cost;
 mod export;
+mod fit;
 mod inspect;
 mod keys;
 mod listing;

@@ -116,13 +116,29 @@ pub(super) fn facts(key: &Key) -> String {
 pub(crate) fn about(described: &[Description]) -> impl Fn(&str) -> Option<String> {
     let keys = all(described);
     move |path| {
-        let fits = |known: &str| {
-            let mut parts = (known.split('.'), path.split('.'));
-            let alike = |(known, own): (&str, &str)| ["*", ROLE, own].contains(&known);
-            parts.0.clone().count() == parts.1.clone().count()
-                && std::iter::zip(&mut parts.0, &mut parts.1).all(alike)
-        };
-        let key = keys.iter().find(|key| fits(&key.spec.path))?;
+        let key = keys.iter().find(|key| fits(&key.spec.path, path))?;
         Some(format!("{} [{}]", key.spec.help, facts(key)))
     }
+}
+
+/// The SI unit of keys by their dotted paths: "1" of a plain number, empty where it is none or nobody reads it.
+pub(crate) fn units<'a>(
+    described: &[Description],
+    paths: impl Iterator<Item = &'a str>,
+) -> Vec<String> {
+    let keys = all(described);
+    let unit = |path: &str| match &keys.iter().find(|key| fits(&key.spec.path, path))?.spec.kind {
+        KeyKind::Quantity { unit } => Some(unit.clone()),
+        KeyKind::Integer => Some("1".to_owned()),
+        _ => None,
+    };
+    paths.map(|path| unit(path).unwrap_or_default()).collect()
+}
+
+/// A path is of a key that is known; names stand in the place of what is any name there.
+fn fits(known: &str, path: &str) -> bool {
+    let mut parts = (known.split('.'), path.split('.'));
+    let alike = |(known, own): (&str, &str)| ["*", ROLE, own].contains(&known);
+    parts.0.clone().count() == parts.1.clone().count()
+        && std::iter::zip(&mut parts.0, &mut parts.1).all(alike)
 }

@@ -4,8 +4,7 @@ use super::range;
 use serde::{Deserialize, Serialize};
 
 /// How values are written.
-const FORM: &str =
-    "KEY=A,B,C, or KEY=FROM..TO/COUNT like motion.speed=10..50/5, or KEY=FROM..TO/COUNTlog";
+const FORM: &str = "KEY=A,B,C, or KEY=FROM..TO/COUNT like motion.speed=10..50/5, or KEY=FROM..TO/COUNTlog, or /COUNTcheb";
 
 /// A key and the values it takes, one run after the other.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

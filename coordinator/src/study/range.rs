@@ -1,4 +1,6 @@
-//! Values between two ends: `FROM..TO/COUNT`, evenly, or `FROM..TO/COUNTlog`, in a constant ratio.
+//! Values between two ends: `FROM..TO/COUNT`, evenly, `FROM..TO/COUNTlog`, in a constant ratio, or
+//! `FROM..TO/COUNTcheb`, denser towards the ends as polynomials through them need it: the extrema of a Chebyshev
+//! polynomial (Trefethen, Approximation Theory and Approximation Practice, 2013, ch. 2).
 
 /// Most values.
 const MOST: u32 = 100_000;
@@ -13,29 +15,39 @@ pub(super) fn read(text: &str) -> Option<Result<Vec<String>, String>> {
     Some(values(from, to, count.trim()))
 }
 
+/// How values lie between the ends.
+#[derive(Clone, Copy, PartialEq)]
+enum Spacing {
+    Even,
+    Log,
+    Chebyshev,
+}
+
 fn values(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
     let (Some(from), Some(to)) = (number(from), number(to)) else {
         return Err("has an end that is no number (a range has SI numbers)".to_owned());
     };
-    let (count, log) = match count.strip_suffix("log") {
-        Some(count) => (count, true),
-        None => (count, false),
-    };
+    let spacings = [("log", Spacing::Log), ("cheb", Spacing::Chebyshev)];
+    let spaced = spacings.iter().find_map(|(word, one)| Some((count.strip_suffix(word)?, *one)));
+    let (count, spacing) = spaced.unwrap_or((count, Spacing::Even));
     let count: u32 = count.parse().map_err(|_| "has a count that is no whole number".to_owned())?;
     if !(2..=MOST).contains(&count) {
         return Err(format!("has {count} values, and a range has 2 to {MOST}"));
     }
-    if log && from * to <= 0.0 {
+    if spacing == Spacing::Log && from * to <= 0.0 {
         return Err("has ends without a ratio: they need one sign, and not 0".to_owned());
     }
     let value = |n: u32| {
         let part = f64::from(n) / f64::from(count - 1);
-        let value = match (n, log) {
+        let value = match (n, spacing) {
             (0, _) => from,
             (n, _) if n == count - 1 => to,
-            (_, true) => from * (to / from).powf(part),
-            (_, false) => from + part * (to - from),
+            (_, Spacing::Log) => from * (to / from).powf(part),
+            (_, Spacing::Even) => from + part * (to - from),
+            (_, Spacing::Chebyshev) => {
+                from + 0.5 * (1.0 - (std::f64::consts::PI * part).cos()) * (to - from)
+            }
         };
         // As written by hand: without what rounding adds.
         let short: f64 = format!("{value:.12e}").parse().unwrap_or(value);
@@ -55,6 +67,10 @@ mod tests {
         assert_eq!(of("0.1..0.4/4"), some(&["0.1", "0.2", "0.3", "0.4"]));
         assert_eq!(of("-10..50/4"), some(&["-10.0", "10.0", "30.0", "50.0"]));
         assert_eq!(of("1..1e4/3log"), some(&["1.0", "100.0", "10000.0"]));
+        assert_eq!(
+            of("0..2/5cheb"),
+            some(&["0.0", "0.2928932188135", "1.0", "1.707106781187", "2.0"])
+        );
         assert_eq!(of("-1..-4/3log"), some(&["-1.0", "-2.0", "-4.0"]));
         assert_eq!(of("up/down,left"), None);
         for (wrong, why) in [

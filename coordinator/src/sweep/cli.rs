@@ -4,6 +4,7 @@ use super::design::{Asked, Part};
 use super::page;
 use super::perform::{How, fill};
 use super::study::Study;
+use crate::fit;
 use crate::study::arguments::{CaseArguments, FolderArguments};
 use crate::study::axis::Axis;
 use crate::study::output::{Kept, Printing, Shown};
@@ -32,6 +33,9 @@ pub(crate) struct Arguments {
     /// Points that are run at a time [default: as many as there are cores].
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
+    /// Fit the figures that were found, with errors, for `ask`: fit.json.
+    #[arg(long, conflicts_with = "part")]
+    fit: bool,
     #[command(flatten)]
     folder: FolderArguments,
     /// Print JSON.
@@ -51,14 +55,16 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     crate::logging::warn_of_replaced(&standing.case);
     let of = case.display().to_string();
     let begun = Study { part: asked.part, ..Study::new(&standing.plan, of, &base, design) };
-    let goes_on = |folder: &Path| stopped(folder).is_some_and(|other| other.asks_the_same(&begun));
+    let goes_on =
+        |folder: &Path| earlier(folder, asked.fit).is_some_and(|other| other.asks_the_same(&begun));
     let part = asked.part.map(|Part { one, of }| format!("-{one}-of-{of}"));
     let name = format!("{}-sweep{}", begun.case, part.unwrap_or_default());
     let folder = asked.folder.choose(Study::COMMAND, &name, &goes_on)?;
-    let mut study = match stopped(folder.path()).filter(|other| other.asks_the_same(&begun)) {
-        Some(earlier) if !asked.folder.replace => earlier,
-        _ => begun,
-    };
+    let mut study =
+        match earlier(folder.path(), asked.fit).filter(|other| other.asks_the_same(&begun)) {
+            Some(earlier) if !asked.folder.replace => earlier,
+            _ => begun,
+        };
     for other in &asked.collect {
         collect(&mut study, other)?;
     }
@@ -81,7 +87,10 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     fill(&mut study, &how, &folder)?;
     folder.write("sweep.csv", &study.csv())?;
     study.publish(&folder)?;
-    printing.print(&study, || page::text(&study), &folder)
+    // That of an earlier table is none of this one.
+    folder.remove(fit::FILE)?;
+    let fitted = if asked.fit { fit::after_sweep(&study, &folder)? } else { String::new() };
+    printing.print(&study, || page::text(&study) + &fitted, &folder)
 }
 
 /// Takes the rows of a sweep in another folder, finished or not.
@@ -112,8 +121,8 @@ fn tell_missing(study: &Study) {
     );
 }
 
-/// A sweep of this folder that was stopped.
-fn stopped(folder: &Path) -> Option<Study> {
+/// A sweep of this folder that was stopped, or has come to its end too: what is fitted need not be run again.
+fn earlier(folder: &Path, complete: bool) -> Option<Study> {
     let text = std::fs::read(folder.join(Study::FILE)).ok()?;
-    serde_json::from_slice(&text).ok().filter(|study: &Study| !study.complete)
+    serde_json::from_slice(&text).ok().filter(|study: &Study| complete || !study.complete)
 }

@@ -1,6 +1,7 @@
 //! What a sweep has found so far: `sweep.json`, and `sweep.csv` for everything else.
 
 use super::design::{Design, Part, points_of};
+use crate::keys;
 use crate::study::Variant;
 use crate::study::axis::Axis;
 use crate::study::output::Kept;
@@ -25,6 +26,9 @@ pub(crate) struct Study {
     pub options: Vec<String>,
     /// What varies.
     pub vary: Vec<Axis>,
+    /// The SI unit of each key that varies, "1" for a plain number, empty if it is not known.
+    #[serde(default)]
+    pub units: Vec<String>,
     /// The n-th values of all keys are a point; otherwise all combinations are.
     #[serde(default)]
     pub paired: bool,
@@ -61,6 +65,12 @@ pub(crate) struct Row {
     pub wall_s: f64,
 }
 
+/// The units of what varies.
+fn units(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
+    let described: Vec<_> = plan.participants.iter().map(|one| one.description.clone()).collect();
+    keys::units(&described, design.vary.iter().map(|one| one.key.as_str()))
+}
+
 impl Study {
     /// A sweep of which nothing has been run.
     #[must_use]
@@ -78,6 +88,7 @@ impl Study {
             title: plan.title.clone(),
             file,
             options: base.options(),
+            units: units(plan, &design),
             vary: design.vary,
             paired: design.paired,
             part: None,

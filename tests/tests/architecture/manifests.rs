@@ -17,8 +17,9 @@ const ORDER: &[(&str, &[&str])] = &[
     ("thermal-solver", &["contract", "proto", "numerics"]),
     ("coupling", &["contract"]),
     ("case", &["contract", "coupling"]),
+    ("surrogate", &[]),
     ("run", &["contract", "proto", "coupling", "case"]),
-    ("coordinator", &["contract", "proto", "coupling", "case", "run"]),
+    ("coordinator", &["contract", "proto", "coupling", "case", "surrogate", "run"]),
 ];
 
 /// Crates that are libraries for others, and what they do without, directly and through others.
@@ -107,7 +108,7 @@ fn the_contract_is_plain_data() {
 #[test]
 fn libraries_do_without_transport_and_command_line() {
     let manifests = manifests();
-    for name in ["contract", "coupling", "case"] {
+    for name in ["contract", "coupling", "case", "surrogate"] {
         let all = closure(name, &manifests);
         let wrong: Vec<_> = WITHOUT.iter().filter(|one| all.contains(**one)).collect();
         assert!(wrong.is_empty(), "{name} uses {wrong:?}, directly or through others");

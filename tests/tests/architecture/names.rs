@@ -12,8 +12,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use tests::harness::root;
 use thermal_solver::ThermalSolver;
 
-const FOLDERS: [&str; 4] =
-    ["coordinator/coupling/src", "coordinator/case/src", "coordinator/run/src", "coordinator/src"];
+const FOLDERS: [&str; 5] = [
+    "coordinator/coupling/src",
+    "coordinator/case/src",
+    "coordinator/surrogate/src",
+    "coordinator/run/src",
+    "coordinator/src",
+];
 
 /// Names that are also words for what the coordinator itself has: columns of tables and of secants;
 /// the geometry of grids; the patches of a surface.

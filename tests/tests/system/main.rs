@@ -60,6 +60,7 @@ mod rods;
 mod scenes;
 mod stability;
 mod start;
+mod surrogate;
 mod sweep;
 mod terminal;
 mod threads;
