@@ -8,8 +8,6 @@ use serde_json::{Map, Value, json};
 
 /// Strips listed at most: the first of them all.
 const MOST_STRIPS: usize = 32;
-/// Parts of the way from one neighbour's centre to the other's that are looked at.
-const PLACES: usize = 8;
 /// A surface is colder than it was where it is so by more than this part of its highest rise.
 const UNDERSHOOT: f64 = 1e-3;
 
@@ -49,8 +47,7 @@ pub(super) trait Solution {
 }
 
 /// The hottest place of a surface with these rises [K]: along the row of its hottest element, by the rises
-/// `rise_at(row, x)` between the neighbours' centres. These are smooth within an element only, so that two
-/// maxima may lie there; the one beside the hottest of some places is taken.
+/// `rise_at(row, x)` between the neighbours' centres.
 pub(super) fn hottest(
     grid: &Structured,
     rise: &[f64],
@@ -62,11 +59,7 @@ pub(super) fn hottest(
     }
     let (row, column) = (hottest / grid.ni, hottest % grid.ni);
     let (low, high) = (grid.x(column.saturating_sub(1)), grid.x((column + 1).min(grid.ni - 1)));
-    let step = (high - low) / PLACES as f64;
-    let places = (1..PLACES).map(|place| low + place as f64 * step);
-    let near = places.map(|x| (rise_at(row, x), x)).reduce(|a, b| if b.0 > a.0 { b } else { a });
-    let (_, near) = near?;
-    let (x, rise) = maximum(near - step, near + step, |x| rise_at(row, x));
+    let (x, rise) = maximum(low, high, |x| rise_at(row, x));
     Some(Peak { rise, x, row })
 }
 
