@@ -7,17 +7,18 @@
 use proto::configuration::Refusal;
 use proto::description::{KeyKind, KeySpec};
 use proto::params::Params;
+use std::borrow::Cow;
 
 /// Case values together with the specifications of the keys that may be read.
 pub(crate) struct CheckedParams<'a> {
     params: &'a Params,
-    specs: Vec<KeySpec>,
+    specs: Cow<'a, [KeySpec]>,
 }
 
 impl<'a> CheckedParams<'a> {
     /// Values of `params` that `specs` describe.
-    pub(crate) fn new(params: &'a Params, specs: Vec<KeySpec>) -> Self {
-        Self { params, specs }
+    pub(crate) fn new(params: &'a Params, specs: impl Into<Cow<'a, [KeySpec]>>) -> Self {
+        Self { params, specs: specs.into() }
     }
 
     /// A number, or its default [SI]; refused when missing or out of range.

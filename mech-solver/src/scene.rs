@@ -5,6 +5,7 @@ use proto::bodies::{Bodies, LOWER, UPPER, position_key, surface_speed_key};
 use proto::configuration::Refusal;
 use proto::description::{KeySpec, Renamed};
 use proto::params::Params;
+use std::sync::LazyLock;
 
 /// Elastic constants of one body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +119,9 @@ pub struct GivenPatch {
     /// Pressure p_0 at the centre [Pa].
     pub max_pressure: f64,
 }
+
+/// What [`Scene::read`] reads, made once: a history has a scene in every row.
+static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(|| [body_keys(), contact_keys()].concat());
 
 /// The keys of a contact that bears a load and moves: all that [`Scene::read`] reads besides [`body_keys`].
 #[must_use]
@@ -275,7 +279,7 @@ impl Scene {
     /// A key that is missing or out of range, a tread radius of zero, and none or several of the
     /// alternatives that drive the wheel.
     pub fn read(params: &Params) -> Result<Self, Refusal> {
-        let case = CheckedParams::new(params, [body_keys(), contact_keys()].concat());
+        let case = CheckedParams::new(params, &KEYS[..]);
         let names = Bodies::read(params)?;
         let prescribed = read_surface_speeds(&case, &names)?;
         let [upper, lower] = [UPPER, LOWER].map(|body| read_body(params, &case, &names, body));
@@ -386,7 +390,7 @@ impl Material {
     /// # Errors
     /// One is missing or out of range.
     pub(crate) fn read(params: &Params, names: &Bodies, body: usize) -> Result<Self, Refusal> {
-        let case = CheckedParams::new(params, body_keys());
+        let case = CheckedParams::new(params, &KEYS[..]);
         let name = case.text(&names.key(body, "material"))?;
         Ok(Self {
             youngs_modulus: case.number(&format!("materials.{name}.youngs_modulus"))?,

@@ -8,37 +8,44 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Points of the rule.
+/// Points of the longest rule.
 pub const POINTS: usize = 12;
 
-static RULE: LazyLock<[(f64, f64); POINTS]> = LazyLock::new(|| std::array::from_fn(node));
+/// The rules of 0 to [`POINTS`] points.
+static RULES: LazyLock<Vec<Vec<(f64, f64)>>> =
+    LazyLock::new(|| (0..=POINTS).map(|n| (0..n).map(|i| node(i, n)).collect()).collect());
 
-/// Node and weight number `i` on [−1, 1].
-fn node(i: usize) -> (f64, f64) {
-    let n = POINTS as f64;
+/// Node and weight number `i` of the rule of `points` points on [−1, 1].
+fn node(i: usize, points: usize) -> (f64, f64) {
+    let n = points as f64;
     let mut x = (PI * (i as f64 + 0.75) / (n + 0.5)).cos();
     for _ in 0..8 {
-        let (p, dp) = legendre(x);
+        let (p, dp) = legendre(x, points);
         x -= p / dp;
     }
-    let (_, dp) = legendre(x);
+    let (_, dp) = legendre(x, points);
     (x, 2.0 / ((1.0 - x * x) * dp * dp))
 }
 
-/// The Legendre polynomial of degree [`POINTS`] and its derivative.
-fn legendre(x: f64) -> (f64, f64) {
+/// The Legendre polynomial of a degree and its derivative.
+fn legendre(x: f64, degree: usize) -> (f64, f64) {
     let (mut before, mut p) = (1.0, x);
-    for k in 1..POINTS {
+    for k in 1..degree {
         let k = k as f64;
         (before, p) = (p, ((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0));
     }
-    (p, POINTS as f64 * (x * p - before) / (x * x - 1.0))
+    (p, degree as f64 * (x * p - before) / (x * x - 1.0))
 }
 
-/// Points and weights of the rule on [from, to].
+/// Points and weights of the longest rule on [from, to].
 pub fn points(from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> {
+    points_of(POINTS, from, to)
+}
+
+/// Points and weights of the rule of so many points on [from, to], at most [`POINTS`].
+pub fn points_of(count: usize, from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-    RULE.iter().map(move |(x, weight)| (middle + half * x, half * weight))
+    RULES[count].iter().map(move |(x, weight)| (middle + half * x, half * weight))
 }
 
 /// Integral of `f` over [from, to].

@@ -39,13 +39,13 @@ use crate::entry::ModelEntry;
 use crate::keys::CheckedParams;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::precomputed::{self, Precomputed};
-use crate::models::row_by_row::RowByRow;
+use crate::models::row_by_row::{RowByRow, Rows};
 use crate::models::varying::Varying;
 use crate::reference::kalker::{self, CreepCoefficients};
 use crate::resolution;
 use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
 use crate::terms::{Kind, Terms};
-use contact::Problem;
+use contact::{Contact, Problem};
 use flexibility::Flexibilities;
 use march::Lattice;
 use proto::accuracy::{Accuracy, Simplification};
@@ -190,21 +190,34 @@ fn problem(
     Ok((problem, coefficients))
 }
 
-/// Its answer.
-fn compute(
-    problem: &Problem,
-    wanted: &[&'static FieldSpec],
+/// What is the same in all rows of a history.
+struct History {
+    asked: Asked,
+    terms: Terms,
     grid: Structured,
-    terms: &Terms,
-) -> Result<Precomputed, Refusal> {
-    let contact = problem.solve();
-    contact.check_power()?;
-    let values = |spec: &&'static FieldSpec| (*spec, fields::values(spec, &contact, grid, terms));
-    Ok(Precomputed {
-        summary: contact.summary(),
-        work: cells(problem) as u64,
-        fields: wanted.iter().map(values).collect(),
-    })
+}
+
+impl Rows for History {
+    type Contact = Contact;
+
+    fn compute(&self, scene: &Scene) -> Result<Contact, Refusal> {
+        let (problem, _) = problem(scene, &self.asked, &self.grid)?;
+        let contact = problem.solve();
+        contact.check_power()?;
+        Ok(contact)
+    }
+
+    fn work(&self, contact: &Contact) -> u64 {
+        cells(&contact.problem) as u64
+    }
+
+    fn summary(&self, contact: &Contact) -> Value {
+        contact.summary()
+    }
+
+    fn write(&self, contact: &Contact, spec: &FieldSpec, values: &mut [f64]) {
+        fields::write(spec, contact, self.grid, &self.terms, values);
+    }
 }
 
 /// The figures of the contact on a coarse grid, by their keys; `None` for a contact that is no ellipse or has no answer.
@@ -306,14 +319,22 @@ impl Setup for Prepared {
     }
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { problem: first, asked, terms, varying, grid, wanted, .. } = *self;
+        let Self { problem, asked, terms, varying, grid, wanted, .. } = *self;
         if let Some(varying) = varying {
-            let compute = move |scene: &Scene| {
-                let (problem, _) = problem(scene, &asked, &grid)?;
-                compute(&problem, &wanted, grid, &terms)
-            };
-            return Ok(Box::new(RowByRow::new(varying, Box::new(compute))));
+            let history = History { asked, terms, grid };
+            return Ok(Box::new(RowByRow::new(history, varying, wanted)));
         }
-        Ok(Box::new(compute(&first, &wanted, grid, &terms)?))
+        let contact = problem.solve();
+        contact.check_power()?;
+        let values = |spec: &&'static FieldSpec| {
+            let mut values = vec![0.0; precomputed::count(spec, &grid)];
+            fields::write(spec, &contact, grid, &terms, &mut values);
+            (*spec, values)
+        };
+        Ok(Box::new(Precomputed {
+            summary: contact.summary(),
+            work: cells(&problem) as u64,
+            fields: wanted.iter().map(values).collect(),
+        }))
     }
 }

@@ -26,7 +26,7 @@ use crate::entry::ModelEntry;
 use crate::keys::CheckedParams;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::precomputed::{self, Precomputed};
-use crate::models::row_by_row::RowByRow;
+use crate::models::row_by_row::{RowByRow, Rows};
 use crate::models::varying::Varying;
 use crate::resolution;
 use crate::scene::{Drive, GivenPatch, Scene, contact_keys, given_patch_keys};
@@ -41,6 +41,7 @@ use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
+use serde_json::Value;
 
 const CREEP_LAW: &str = "motion.creep_law";
 /// Time to compute one value, measured [s].
@@ -180,18 +181,42 @@ impl Setup for Prepared {
         }
         let Case { contact, grid, wanted, law, terms, .. } = case;
         if let Some(varying) = varying {
-            let compute = move |scene: &Scene| {
-                Ellipse::refuse_rest(scene)?;
-                let ellipse = Ellipse::solve(scene, given)?;
-                let contact = Contact::solve(scene, ellipse, law, terms.adhesion)?;
-                let (summary, work) = (contact.summary(), grid.points() as u64);
-                Ok(Precomputed { summary, work, fields: all(&wanted, &contact, grid, &terms) })
-            };
-            return Ok(Box::new(RowByRow::new(varying, Box::new(compute))));
+            let history = History { given, law, terms, grid };
+            return Ok(Box::new(RowByRow::new(history, varying, wanted)));
         }
         let fields = all(&wanted, &contact, grid, &terms);
         let (summary, work) = (contact.summary(), grid.points() as u64);
         Ok(Box::new(Precomputed { summary, work, fields }))
+    }
+}
+
+/// What is the same in all rows of a history.
+struct History {
+    given: Option<GivenPatch>,
+    law: CreepLaw,
+    terms: Terms,
+    grid: Structured,
+}
+
+impl Rows for History {
+    type Contact = Contact;
+
+    fn compute(&self, scene: &Scene) -> Result<Contact, Refusal> {
+        Ellipse::refuse_rest(scene)?;
+        let ellipse = Ellipse::solve(scene, self.given)?;
+        Contact::solve(scene, ellipse, self.law, self.terms.adhesion)
+    }
+
+    fn work(&self, _: &Contact) -> u64 {
+        self.grid.points() as u64
+    }
+
+    fn summary(&self, contact: &Contact) -> Value {
+        contact.summary()
+    }
+
+    fn write(&self, contact: &Contact, spec: &FieldSpec, values: &mut [f64]) {
+        fields::write(spec, contact, self.grid, &self.terms, values);
     }
 }
 

@@ -1,37 +1,60 @@
-//! Models without memory whose case varies: their fields are computed in every window.
+//! Models without memory whose case varies: every window is computed from its values, and its fields are
+//! written where they are asked for.
 
-use super::precomputed::Precomputed;
 use super::varying::{Varying, no_answer};
 use crate::scene::Scene;
 use proto::configuration::Refusal;
+use proto::field::FieldSpec;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 
-/// How a model computes a scene.
-pub(super) type Compute = Box<dyn Fn(&Scene) -> Result<Precomputed, Refusal>>;
+/// What a model without memory makes of a scene.
+pub(super) trait Rows {
+    /// The contact of a row, of which everything that is asked for follows.
+    type Contact;
 
-/// The model that runs.
-pub(super) struct RowByRow {
-    varying: Varying,
-    compute: Compute,
-    trial: Option<Precomputed>,
-    accepted: Value,
+    /// Computes a row.
+    ///
+    /// # Errors
+    /// The scene has no answer.
+    fn compute(&self, scene: &Scene) -> Result<Self::Contact, Refusal>;
+
+    /// Its measure of work.
+    fn work(&self, contact: &Self::Contact) -> u64;
+
+    /// Its part of `summary.json`.
+    fn summary(&self, contact: &Self::Contact) -> Value;
+
+    /// Writes all values of a field.
+    fn write(&self, contact: &Self::Contact, spec: &FieldSpec, values: &mut [f64]);
 }
 
-impl RowByRow {
-    pub(super) fn new(varying: Varying, compute: Compute) -> Self {
-        Self { varying, compute, trial: None, accepted: json!({}) }
+/// The model that runs.
+pub(super) struct RowByRow<R: Rows> {
+    rows: R,
+    varying: Varying,
+    wanted: Vec<&'static FieldSpec>,
+    trial: Option<(R::Contact, Step)>,
+    accepted: Option<(R::Contact, Step)>,
+}
+
+impl<R: Rows> RowByRow<R> {
+    /// Of rows of which these fields are asked for.
+    pub(super) fn new(rows: R, varying: Varying, wanted: Vec<&'static FieldSpec>) -> Self {
+        Self { rows, varying, wanted, trial: None, accepted: None }
     }
 
-    fn write(&self, outputs: &mut dyn Outputs) {
-        if let Some(computed) = &self.trial {
-            computed.write(outputs);
+    fn write(&self, contact: &R::Contact, outputs: &mut dyn Outputs) {
+        for spec in &self.wanted {
+            if let Some(values) = outputs.get(spec) {
+                self.rows.write(contact, spec, values);
+            }
         }
     }
 }
 
-impl Model for RowByRow {
+impl<R: Rows> Model for RowByRow<R> {
     fn solve(
         &mut self,
         step: &Step,
@@ -39,15 +62,14 @@ impl Model for RowByRow {
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
         let scene = self.varying.scene(step)?;
-        let mut computed = (self.compute)(&scene).map_err(no_answer)?;
-        self.varying.add_to(&mut computed.summary["contact"], step);
-        let work = computed.work;
-        self.trial = Some(computed);
-        self.write(outputs);
+        let contact = self.rows.compute(&scene).map_err(no_answer)?;
+        self.write(&contact, outputs);
+        let work = self.rows.work(&contact);
+        self.trial = Some((contact, *step));
         Ok(StepReport { substeps: 1, work, ..StepReport::default() })
     }
 
-    /// The fields of the first row that has an answer; zero if none has.
+    /// The fields of the first row, if it has an answer; zero if not.
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
         for spec in proto::field::TABLE {
             if let Some(place) = outputs.get(spec) {
@@ -55,22 +77,28 @@ impl Model for RowByRow {
             }
         }
         let first = self.varying.scene(&Step::STEADY).ok();
-        self.trial = first.and_then(|scene| (self.compute)(&scene).ok());
-        self.write(outputs);
+        if let Some(contact) = first.and_then(|scene| self.rows.compute(&scene).ok()) {
+            self.write(&contact, outputs);
+        }
     }
 
     fn accept(&mut self) {
-        if let Some(computed) = &self.trial {
-            self.accepted.clone_from(&computed.summary);
+        if let Some(solved) = self.trial.take() {
+            self.accepted = Some(solved);
         }
     }
 
     fn observe(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
+        if let Some((contact, _)) = &self.accepted {
+            self.write(contact, outputs);
+        }
     }
 
     fn summary(&self) -> Value {
-        self.accepted.clone()
+        let Some((contact, step)) = &self.accepted else { return json!({}) };
+        let mut summary = self.rows.summary(contact);
+        self.varying.add_to(&mut summary["contact"], step);
+        summary
     }
 
     fn save(&self, _into: &mut dyn Write) -> io::Result<()> {

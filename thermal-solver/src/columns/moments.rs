@@ -12,9 +12,11 @@
 //! In depth, from zero age, the closed forms J₀ = 2√τ e^(−c²/τ) − 2c√π erfc(c/√τ) and
 //! J_p = (τ^(p+½) e^(−c²/τ) − c² J_(p−1))/(p + ½) are differenced for pieces that begin at less
 //! than twice their length; later pieces lose digits that way, but the kernel is smooth over
-//! them, and Gauss quadrature is exact to rounding.
+//! them, and Gauss quadrature is exact to rounding. The kernel is analytic but for age 0, and no larger than
+//! 1/√|τ| where the real part of the age is positive: for a piece that begins at r of its lengths the error of N points
+//! falls like ϱ^(−2N) with ϱ = 1 + 2r + 2√(r(r + 1)), and the fewer suffice the later it is.
 
-use crate::quadrature::points;
+use crate::quadrature::points_of;
 use std::f64::consts::PI;
 
 /// Pieces that begin later than this many of their lengths are integrated by quadrature.
@@ -43,9 +45,19 @@ fn surface(from: f64, to: f64) -> [f64; 3] {
     ]
 }
 
+/// Points that integrate a piece to rounding which begins at `start` of its lengths: ϱ^(−2N) is below 1e-17.
+fn enough(start: f64) -> usize {
+    match start {
+        _ if start > 25.0 => 5,
+        _ if start > 10.0 => 6,
+        _ if start > 5.0 => 7,
+        _ => 9,
+    }
+}
+
 fn smooth(from: f64, to: f64, depth: f64) -> [f64; 3] {
     let mut moments = [0.0; 3];
-    for (age, weight) in points(from, to) {
+    for (age, weight) in points_of(enough(from / (to - from)), from, to) {
         let kernel = weight * (-depth * depth / age).exp() / age.sqrt();
         let since = age - from;
         moments[0] += kernel;
@@ -94,7 +106,8 @@ mod tests {
 
     #[test]
     fn agree_with_quadrature_near_and_far_shallow_and_deep() {
-        for (from, to) in [(0.0, 0.5), (0.1, 0.5), (0.5, 1.5), (7.5, 8.5), (1000.5, 1001.5)] {
+        let late = [2.01, 5.01, 10.01, 25.01, 1000.5].map(|from| (from, from + 1.0));
+        for (from, to) in [(0.0, 0.5), (0.1, 0.5), (0.5, 1.5)].into_iter().chain(late) {
             for depth in [0.0, 1e-3, 0.3, 1.0, 4.0] {
                 let got = kernel_moments(from, to, depth);
                 for (power, value) in got.iter().enumerate() {

@@ -10,6 +10,7 @@ use crate::scene::Speeds;
 use proto::configuration::Refusal;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// A checked case, before the march.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,8 +59,19 @@ impl Problem {
         } else {
             Tangential::Sliding(Sliding::new(self.lattice, creepage, self.friction_bound()))
         };
-        let totals = Totals::of(&self.lattice, &tangential);
-        Contact { problem: *self, creepage, tangential, totals }
+        let mut cells = Vec::with_capacity(self.lattice.strips * (self.lattice.cells + 1));
+        let mut strips = Vec::with_capacity(self.lattice.strips);
+        let mut totals = Totals::default();
+        for strip in self.lattice.strips() {
+            let (mut own, first) = (Totals::default(), cells.len());
+            tangential.strip(&strip, |cell| {
+                own.add(cell, strip.y);
+                cells.push(*cell);
+            });
+            totals.add_strip(&own, strip.width);
+            strips.push((strip, first..cells.len()));
+        }
+        Contact { problem: *self, creepage, strips, cells, totals }
     }
 
     /// The ξ whose longitudinal force is `ratio` · f N, with η = φ = 0.
@@ -69,8 +81,7 @@ impl Problem {
             return -ratio.signum() * most;
         }
         let excess = |creep: f64| {
-            let tangential = Tangential::Partial(self.march([-creep, 0.0, 0.0]));
-            let totals = Totals::of(&self.lattice, &tangential);
+            let totals = Totals::of(&self.march([-creep, 0.0, 0.0]));
             totals.force[0] / self.friction_bound() - target
         };
         // Adding zero turns −0 into 0.
@@ -152,11 +163,11 @@ struct Totals {
 }
 
 impl Totals {
-    fn of(lattice: &Lattice, tangential: &Tangential) -> Self {
+    fn of(march: &March) -> Self {
         let mut totals = Self::default();
-        for strip in lattice.strips() {
+        for strip in march.lattice.strips() {
             let mut own = Self::default();
-            tangential.strip(&strip, |cell| own.add(cell, strip.y));
+            march.strip(&strip, |cell| own.add(cell, strip.y));
             totals.add_strip(&own, strip.width);
         }
         totals
@@ -185,20 +196,22 @@ impl Totals {
 }
 
 /// A solved contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Contact {
     /// The case.
     pub(super) problem: Problem,
     /// Creepage, prescribed or found.
     pub(super) creepage: Creepage,
-    tangential: Tangential,
+    /// The strips, and which of the cells are theirs.
+    strips: Vec<(Strip, Range<usize>)>,
+    cells: Vec<Cell>,
     totals: Totals,
 }
 
 impl Contact {
-    /// Visits the cells of a strip.
-    pub(super) fn strip(&self, strip: &Strip, visit: impl FnMut(&Cell)) {
-        self.tangential.strip(strip, visit);
+    /// The strips with their cells, each from the leading to the trailing edge.
+    pub(super) fn strips(&self) -> impl Iterator<Item = (&Strip, &[Cell])> {
+        self.strips.iter().map(|(strip, cells)| (strip, &self.cells[cells.clone()]))
     }
 
     /// −(ξ F_x + η F_y + φ M_z) [N].
@@ -283,7 +296,7 @@ mod tests {
             creepage,
             largest_bound: 2.0 * 0.3 * 82e3 / (PI * 32e-6),
         };
-        let totals = Totals::of(&lattice, &Tangential::Partial(march));
+        let totals = Totals::of(&march);
         assert!((totals.force[1] / -15.79e3 - 1.0).abs() < 3e-3, "{totals:?}");
         assert!((totals.moment / -37.73 - 1.0).abs() < 3e-3, "{totals:?}");
         assert!(totals.force[0].abs() < 1e-9 * 82e3, "{totals:?}");

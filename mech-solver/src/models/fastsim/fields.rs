@@ -7,39 +7,38 @@
 use super::contact::Contact;
 use super::march::{Cell, Strip};
 use crate::models::power_balance::power_density;
-use crate::models::precomputed::count;
 use crate::terms::Terms;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 
-/// Values of a field that the model or one of its effects provides, component-major.
-pub(super) fn values(
+/// Writes the values of a field that the model or one of its effects provides, component-major.
+pub(super) fn write(
     spec: &FieldSpec,
     contact: &Contact,
     grid: Structured,
     terms: &Terms,
-) -> Vec<f64> {
-    let mut values = vec![0.0; count(spec, &grid)];
+    values: &mut [f64],
+) {
     let speeds = contact.problem.speeds;
     let speed = speeds.rolling;
     let at_speed = |value: f64| speed * value;
+    values.fill(0.0);
     match *spec {
-        field::PRESSURE => contact.problem.ellipse.write_pressure(grid, &mut values),
-        field::TRACTION => spread(contact, grid, &mut values, |cell| cell.traction),
+        field::PRESSURE => contact.problem.ellipse.write_pressure(grid, values),
+        field::TRACTION => spread(contact, grid, values, |cell| cell.traction),
         field::SLIP_VELOCITY => {
-            spread(contact, grid, &mut values, |cell| cell.slip.map(at_speed));
+            spread(contact, grid, values, |cell| cell.slip.map(at_speed));
         }
         field::FRICTION_POWER => {
             let power = |cell: &Cell| [at_speed(power_density(cell.traction, cell.slip))];
-            spread(contact, grid, &mut values, power);
-            terms.keep_heat(&mut values);
+            spread(contact, grid, values, power);
+            terms.keep_heat(values);
         }
         field::SURFACE_SPEED => {
             values.copy_from_slice(&speeds.of_surfaces(contact.creepage[0]));
         }
         _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
     }
-    values
 }
 
 /// Spreads a quantity of the cells over the elements.
@@ -50,10 +49,10 @@ fn spread<const N: usize>(
     quantity: impl Fn(&Cell) -> [f64; N],
 ) {
     let mut row = vec![[0.0; N]; grid.ni];
-    for strip in contact.problem.lattice.strips() {
+    for (strip, cells) in contact.strips() {
         row.fill([0.0; N]);
-        contact.strip(&strip, |cell| add_cell(cell, quantity(cell), &grid, &mut row));
-        add_strip(&strip, &row, &grid, means);
+        cells.iter().for_each(|cell| add_cell(cell, quantity(cell), &grid, &mut row));
+        add_strip(strip, &row, &grid, means);
     }
 }
 

@@ -9,6 +9,7 @@ use crate::scene::{Drive, Load, SPEED, Scene, shift_keys};
 use crate::terms::Kind;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::KeySpec;
+use std::sync::LazyLock;
 
 const LATERAL_CREEPAGE: &str = "motion.lateral_creepage";
 const LATERAL_FORCE: &str = "motion.lateral_force";
@@ -28,6 +29,9 @@ pub(super) fn keys() -> Vec<KeySpec> {
     keys.extend(shift_keys());
     keys
 }
+
+/// The same, made once: a history reads them in every row.
+static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(keys);
 
 /// One component.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +64,7 @@ impl Driven {
         partial: bool,
     ) -> Result<Self, Refusal> {
         refuse_wrong_motion(configuration, scene)?;
-        let case = CheckedParams::new(&configuration.case, keys());
+        let case = CheckedParams::new(&configuration.case, &KEYS[..]);
         let [along, mut across, mut spin] = match scene.drive {
             Drive::TractionCoefficient(value) => {
                 [Component::Coefficient(value), Component::Creepage(0.0), Component::Creepage(0.0)]

@@ -19,9 +19,22 @@ pub(super) fn values(
     grid: Structured,
     terms: &Terms,
 ) -> Vec<f64> {
+    let mut values = vec![0.0; count(spec, &grid)];
+    write(spec, contact, grid, terms, &mut values);
+    values
+}
+
+/// Writes them.
+pub(super) fn write(
+    spec: &FieldSpec,
+    contact: &Contact,
+    grid: Structured,
+    terms: &Terms,
+    values: &mut [f64],
+) {
     let Ellipse { semi_axis_a, semi_axis_b, .. } = contact.ellipse;
     let strips = Strips::new(semi_axis_a, semi_axis_b, grid);
-    let mut values = vec![0.0; count(spec, &grid)];
+    values.fill(0.0);
     // Of a vector the longitudinal component stands first; the lateral one is zero.
     let first = &mut values[..points(spec, &grid)];
     match *spec {
@@ -38,7 +51,6 @@ pub(super) fn values(
         }
         _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
     }
-    values
 }
 
 /// Longitudinal traction on the upper body [Pa].
