@@ -463,6 +463,7 @@ fn power_of_contacts_with_memory() {
     rolls["mech"]["rolling"] = json!("transient");
     for (case, window) in [(rolls.clone(), 3.3e-5), (cattaneo_case(0.3, 10), 2.0)] {
         let mut run = InTime::new(&case, window);
+        let mut most = 0.0_f64;
         for _ in 0..4 {
             run.next();
             assert!(run.number("power_imbalance") <= 1e-10, "{}", run.number("power_imbalance"));
@@ -471,8 +472,9 @@ fn power_of_contacts_with_memory() {
                 run.number("creep_power_w"),
                 run.number("stored_power_w"),
             );
-            let exchanged = creep.abs() + stored.abs();
-            assert!((friction - creep + stored).abs() <= 1e-6 * exchanged, "{friction} {creep}");
+            // A contact that rests exchanges what rounding leaves of the window before.
+            most = most.max(creep.abs() + stored.abs());
+            assert!((friction - creep + stored).abs() <= 1e-6 * most, "{friction} {creep}");
         }
     }
     rolls["materials"]["other"] = json!({"youngs_modulus": 70e9, "poisson_ratio": 0.33});
