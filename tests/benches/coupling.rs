@@ -157,18 +157,44 @@ fn recording(criterion: &mut Criterion) {
     let _ = std::fs::remove_file(&path);
 }
 
-/// One window of ten iterations of the accelerator alone, on x ↦ Λx + 1.
-fn window_of(accelerator: &mut dyn accelerate::Accelerator, sent: &mut [f64], out: &mut [f64]) {
-    let size = sent.len() as f64;
-    sent.fill(0.0);
-    accelerator.begin_window();
-    for _ in 0..ITERATIONS {
-        for (index, (out, sent)) in out.iter_mut().zip(&*sent).enumerate() {
-            *out = 0.95 * (2.0 * index as f64 / size - 1.0) * sent + 1.0;
+/// An accelerator alone, on x ↦ Λx + b, where b is another vector in every window: columns of earlier
+/// windows stay independent.
+struct Alone {
+    accelerator: Box<dyn accelerate::Accelerator>,
+    sent: Vec<f64>,
+    returned: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl Alone {
+    fn new(settings: &Implicit, points: usize) -> Self {
+        // Multiply and shift twice: numbers without pattern.
+        let mix = |x: u64| (x ^ (x >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let number = |i: usize| mix(mix(i as u64 + 1)) as f64 / u64::MAX as f64;
+        Self {
+            accelerator: accelerate::build(settings, &parts([("x", points)])),
+            sent: vec![0.0; points],
+            returned: vec![0.0; points],
+            right: (0..points).map(number).collect(),
         }
-        accelerator.next(sent, out);
     }
-    accelerator.accept_window(sent, out);
+
+    /// One window of ten iterations.
+    fn window(&mut self) {
+        let Self { accelerator, sent, returned, right } = self;
+        let size = sent.len() as f64;
+        right.rotate_left(1);
+        accelerator.begin_window();
+        for iteration in 1..=ITERATIONS {
+            for (index, (out, sent)) in returned.iter_mut().zip(&*sent).enumerate() {
+                *out = 0.95 * (2.0 * index as f64 / size - 1.0) * sent + right[index];
+            }
+            match iteration {
+                ITERATIONS => accelerator.accept_window(sent, returned),
+                _ => _ = accelerator.next(sent, returned),
+            }
+        }
+    }
 }
 
 fn accelerator(criterion: &mut Criterion) {
@@ -186,17 +212,14 @@ fn accelerator(criterion: &mut Criterion) {
         for points in [1_000, 100_000] {
             let settings = implicit(points, columns).plan.implicit;
             let settings = Implicit { acceleration: kind, ..settings };
-            let mut accelerator = accelerate::build(&settings, &parts([("x", points)]));
-            let (mut sent, mut returned) = (vec![0.0; points], vec![0.0; points]);
-            for _ in 0..=columns / (ITERATIONS - 1) {
-                window_of(&mut *accelerator, &mut sent, &mut returned);
-            }
+            let mut alone = Alone::new(&settings, points);
+            (0..=columns / (ITERATIONS - 1)).for_each(|_| alone.window());
             group.throughput(Throughput::Elements(points as u64));
             group.bench_function(BenchmarkId::new(name, points), |bencher| {
                 bencher.iter_custom(|count| {
                     let start = Instant::now();
                     for _ in 0..count {
-                        window_of(&mut *accelerator, &mut sent, &mut returned);
+                        alone.window();
                     }
                     start.elapsed() / ITERATIONS
                 });
