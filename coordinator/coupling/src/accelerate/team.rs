@@ -7,8 +7,10 @@
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Multiply-adds that are worth a thread of their own: at the speed of memory, 0.4 ms.
-const WORTH: usize = 500_000;
+/// Multiply-adds that are worth a thread of their own: more than 1 ms where the memory is read, so that
+/// a thread that starts late on a busy machine loses less than it gains. What fits into caches is done
+/// before a second thread has begun.
+const WORTH: usize = 4_000_000;
 
 /// Works on all pieces, which come to about so many multiply-adds, on `threads` threads at most.
 pub(super) fn share<T: Send>(
