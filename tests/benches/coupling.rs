@@ -1,11 +1,13 @@
 //! What coupling costs: coordinator and two trivial participants, three real processes, one field
 //! each way.
 //!
-//! `round_trip` is a window of an explicit scheme: two solves, four control messages, two fields of
-//! n doubles, the finiteness check of both, and the acceptance. `iqn_ils` is one iteration of a
-//! window of ten, with the iterate sent and the residual measured: `fresh` forgets each window,
-//! `reuse` remembers ten, that is a hundred columns. The time of the participants, which copy the
-//! field once and multiply it once, is included. `accelerator` is the choice of the iterate alone.
+//! `columns/m/n` is the table of n values and m secant columns. Without columns it is a window of an
+//! explicit scheme: two solves, four control messages, two fields of n doubles, the finiteness check
+//! of both, and the acceptance. With columns it is an iteration of `iqn-ils`, of a window of ten,
+//! with the iterate sent and the residual measured; so many columns have been learned before.
+//! `columns/fresh` forgets each window: nine columns at its end. The time of the participants, which
+//! copy the field once and multiply it once, is included. `accelerator` is the choice of the iterate
+//! alone, with the same columns.
 
 use case::RawCase;
 use coupling::settings::{Acceleration, Implicit};
@@ -50,16 +52,18 @@ fn explicit(points: usize) -> Planned {
     ))
 }
 
-/// Ten iterations a window, whatever the residual.
-fn implicit(points: usize, reuse: u64) -> Planned {
+/// Ten iterations a window, whatever the residual. Columns of as many earlier windows are reused as
+/// fill `columns`; with none of them each window begins anew.
+fn implicit(points: usize, columns: u32) -> Planned {
     let (relay, operator) = (program("toy-relay"), program("toy-operator"));
+    let (reuse, most) = (columns.div_ceil(ITERATIONS - 1), columns.max(ITERATIONS));
     planned(&format!(
         "[case]\nname = \"linear\"\n\
          [linear]\nproblem = \"diagonal\"\nsize = {points}\n\
          [relay]\nmodel = \"identity\"\ncommand = [{relay:?}]\n\
          [operator]\nmodel = \"affine\"\ncommand = [{operator:?}]\n\
          {TIME}[coupling]\nacceleration = \"iqn-ils\"\nreuse_windows = {reuse}\n\
-         min_iterations = {ITERATIONS}\nmax_iterations = {ITERATIONS}\n"
+         max_columns = {most}\nmin_iterations = {ITERATIONS}\nmax_iterations = {ITERATIONS}\n"
     ))
 }
 
@@ -76,28 +80,41 @@ fn windows(session: &mut Session, coupling: &mut Coupling, from: &mut u64, count
     }
 }
 
-fn round_trip(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("coupling");
-    group.measurement_time(Duration::from_secs(5));
+/// The table n × columns.
+fn columns(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("columns");
+    group.measurement_time(Duration::from_secs(2)).sample_size(10);
+    group.warm_up_time(Duration::from_millis(500));
     for points in SIZES {
-        let mut session = Session::start(&explicit(points).plan, None, &silent())
-            .expect("the participants start");
-        let mut coupling = Coupling::explicit();
-        let mut window = 0;
         group.throughput(Throughput::Elements(points as u64));
-        group.bench_function(BenchmarkId::new("round_trip", points), |bencher| {
-            bencher.iter_custom(|count| {
-                let start = Instant::now();
-                windows(&mut session, &mut coupling, &mut window, count);
-                start.elapsed()
+        for (name, columns) in
+            [("0", None), ("fresh", Some(0)), ("10", Some(10)), ("100", Some(100))]
+        {
+            let plan = columns.map_or_else(|| explicit(points), |m| implicit(points, m)).plan;
+            let mut session =
+                Session::start(&plan, None, &silent()).expect("the participants start");
+            let (mut coupling, solves) = match columns {
+                None => (Coupling::explicit(), 1),
+                Some(_) => (Coupling::implicit(&plan.implicit, false, &session), ITERATIONS),
+            };
+            let mut window = 0;
+            // Until as many columns are there as ever will be.
+            let before = columns.map_or(1, |m| u64::from(m / (ITERATIONS - 1)) + 2);
+            windows(&mut session, &mut coupling, &mut window, before);
+            group.bench_function(BenchmarkId::new(name, points), |bencher| {
+                bencher.iter_custom(|count| {
+                    let start = Instant::now();
+                    windows(&mut session, &mut coupling, &mut window, count);
+                    start.elapsed() / solves
+                });
             });
-        });
-        session.finish().expect("the participants leave");
+            session.finish().expect("the participants leave");
+        }
     }
     group.finish();
 }
 
-/// A window of `round_trip` with its recording; the file is on the disk of the target folder. Few
+/// A window of the explicit scheme with its recording; the file is on the disk of the target folder. Few
 /// windows a measurement, so that the disk is not filled: the time is that of a window.
 fn recording(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("recording");
@@ -140,62 +157,69 @@ fn recording(criterion: &mut Criterion) {
     let _ = std::fs::remove_file(&path);
 }
 
-fn iteration(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("iqn_ils");
-    group.measurement_time(Duration::from_secs(5)).sample_size(10);
-    for (name, reuse) in [("fresh", 0), ("reuse", 10)] {
-        for points in SIZES {
-            let Planned { plan, .. } = implicit(points, reuse);
-            let mut session =
-                Session::start(&plan, None, &silent()).expect("the participants start");
-            let mut coupling = Coupling::implicit(&plan.implicit, false, &session);
-            let mut window = 0;
-            // Until as many columns are there as ever will be.
-            windows(&mut session, &mut coupling, &mut window, reuse + 1);
-            group.throughput(Throughput::Elements(points as u64));
-            group.bench_function(BenchmarkId::new(name, points), |bencher| {
-                bencher.iter_custom(|count| {
-                    let start = Instant::now();
-                    windows(&mut session, &mut coupling, &mut window, count);
-                    start.elapsed() / ITERATIONS
-                });
-            });
-            session.finish().expect("the participants leave");
-        }
-    }
-    group.finish();
+/// An accelerator alone, on x ↦ Λx + b, where b is another vector in every window: columns of earlier
+/// windows stay independent.
+struct Alone {
+    accelerator: Box<dyn accelerate::Accelerator>,
+    sent: Vec<f64>,
+    returned: Vec<f64>,
+    right: Vec<f64>,
 }
 
-/// One window of ten iterations of the accelerator alone, on x ↦ Λx + 1.
-fn window_of(accelerator: &mut dyn accelerate::Accelerator, sent: &mut [f64], out: &mut [f64]) {
-    let size = sent.len() as f64;
-    sent.fill(0.0);
-    accelerator.begin_window();
-    for _ in 0..ITERATIONS {
-        for (index, (out, sent)) in out.iter_mut().zip(&*sent).enumerate() {
-            *out = 0.95 * (2.0 * index as f64 / size - 1.0) * sent + 1.0;
+impl Alone {
+    fn new(settings: &Implicit, points: usize) -> Self {
+        // Multiply and shift twice: numbers without pattern.
+        let mix = |x: u64| (x ^ (x >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let number = |i: usize| mix(mix(i as u64 + 1)) as f64 / u64::MAX as f64;
+        Self {
+            accelerator: accelerate::build(settings, &parts([("x", points)])),
+            sent: vec![0.0; points],
+            returned: vec![0.0; points],
+            right: (0..points).map(number).collect(),
         }
-        accelerator.next(sent, out);
     }
-    accelerator.accept_window(sent, out);
+
+    /// One window of ten iterations.
+    fn window(&mut self) {
+        let Self { accelerator, sent, returned, right } = self;
+        let size = sent.len() as f64;
+        right.rotate_left(1);
+        accelerator.begin_window();
+        for iteration in 1..=ITERATIONS {
+            for (index, (out, sent)) in returned.iter_mut().zip(&*sent).enumerate() {
+                *out = 0.95 * (2.0 * index as f64 / size - 1.0) * sent + right[index];
+            }
+            match iteration {
+                ITERATIONS => accelerator.accept_window(sent, returned),
+                _ => _ = accelerator.next(sent, returned),
+            }
+        }
+    }
 }
 
 fn accelerator(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("accelerator");
-    group.measurement_time(Duration::from_secs(3)).sample_size(10);
-    let settings = implicit(1000, 0).plan.implicit;
-    let kinds = [Acceleration::Aitken, Acceleration::Anderson, Acceleration::IqnIls];
-    for kind in kinds {
+    group.measurement_time(Duration::from_secs(2)).sample_size(10);
+    group.warm_up_time(Duration::from_millis(500));
+    let kinds = [
+        (Acceleration::Aitken, 0),
+        (Acceleration::Anderson, 0),
+        (Acceleration::IqnIls, 0),
+        (Acceleration::IqnIls, 100),
+    ];
+    for (kind, columns) in kinds {
+        let name = if columns > 0 { "iqn-ils-100" } else { kind.word() };
         for points in [1_000, 100_000] {
-            let settings = Implicit { acceleration: kind, ..settings.clone() };
-            let mut accelerator = accelerate::build(&settings, &parts([("x", points)]));
-            let (mut sent, mut returned) = (vec![0.0; points], vec![0.0; points]);
+            let settings = implicit(points, columns).plan.implicit;
+            let settings = Implicit { acceleration: kind, ..settings };
+            let mut alone = Alone::new(&settings, points);
+            (0..=columns / (ITERATIONS - 1)).for_each(|_| alone.window());
             group.throughput(Throughput::Elements(points as u64));
-            group.bench_function(BenchmarkId::new(kind.word(), points), |bencher| {
+            group.bench_function(BenchmarkId::new(name, points), |bencher| {
                 bencher.iter_custom(|count| {
                     let start = Instant::now();
                     for _ in 0..count {
-                        window_of(&mut *accelerator, &mut sent, &mut returned);
+                        alone.window();
                     }
                     start.elapsed() / ITERATIONS
                 });
@@ -224,5 +248,5 @@ fn factorisation(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, round_trip, recording, iteration, accelerator, factorisation);
+criterion_group!(benches, columns, recording, accelerator, factorisation);
 criterion_main!(benches);

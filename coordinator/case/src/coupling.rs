@@ -41,6 +41,7 @@ impl Settings<'_> {
                 .unwrap_or(Preconditioner::ResidualSum),
             predictor: Predictor::from_word(word("predictor")).unwrap_or(Predictor::Last),
             strict: value("strict").as_bool().unwrap_or(true),
+            threads: 1,
         }
     }
 

@@ -9,9 +9,11 @@
 mod accelerator;
 mod aitken;
 mod columns;
+mod kernels;
 mod least_squares;
 mod quasi_newton;
 mod relaxation;
+mod team;
 mod weights;
 
 pub use accelerator::{Accelerator, StepTaken};

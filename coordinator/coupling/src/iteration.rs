@@ -241,7 +241,7 @@ impl Coupling {
 
     /// Writes everything that the next window depends on, to be read by [`Coupling::restore`] of a
     /// coupling of the same case.
-    pub fn save(&self, into: &mut Vec<u8>) {
+    pub fn save(&mut self, into: &mut Vec<u8>) {
         self.predictor.save(into);
         self.accelerator.save(into);
     }

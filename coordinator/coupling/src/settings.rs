@@ -139,6 +139,8 @@ pub struct Implicit {
     pub predictor: Predictor,
     /// A window that does not converge ends the run.
     pub strict: bool,
+    /// Most threads on which the next iterate is computed; it does not depend on their number.
+    pub threads: usize,
 }
 
 impl Default for Implicit {
@@ -157,6 +159,7 @@ impl Default for Implicit {
             preconditioner: Preconditioner::ResidualSum,
             predictor: Predictor::Last,
             strict: true,
+            threads: 1,
         }
     }
 }

@@ -38,7 +38,7 @@ pub trait Accelerator {
     fn accept_window(&mut self, sent: &[f64], returned: &[f64]);
 
     /// Writes what was learned in the windows accepted so far.
-    fn save(&self, into: &mut Vec<u8>);
+    fn save(&mut self, into: &mut Vec<u8>);
 
     /// Reads what [`Accelerator::save`] of one with the same settings has written.
     ///

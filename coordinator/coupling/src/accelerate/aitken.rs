@@ -120,7 +120,7 @@ impl Accelerator for Aitken {
         self.accepted = self.relaxation;
     }
 
-    fn save(&self, into: &mut Vec<u8>) {
+    fn save(&mut self, into: &mut Vec<u8>) {
         into.extend(self.accepted.to_le_bytes());
     }
 

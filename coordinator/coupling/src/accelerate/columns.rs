@@ -10,20 +10,36 @@
 //! would take two to four passes a column, and a whole new one for every change of the weights.
 //! The price is the square of the condition number, which [`super::least_squares`] keeps in bounds.
 
-use crate::part::{Part, blocks, dot};
+use super::kernels;
+use super::team::share;
+use crate::part::{Part, dot};
 use crate::state::{Reader, StateMismatch, put_f64s};
 use std::ops::Range;
 
-/// Length of the blocks in which the columns are passed through \[doubles\]: two fit into a
-/// second-level cache, and a column's part of one is long enough for the memory to run ahead.
-const BLOCK: usize = 16 * 1024;
+/// Longest block in which the vectors are passed through \[doubles\]: what is made of the iterates
+/// stays in the second-level cache until it has met all columns, and a column's part of one is long
+/// enough for the memory to run ahead.
+const BLOCK: usize = 8 * 1024;
+
+/// A block of the vectors, and what it adds to the inner products.
+#[derive(Clone, Debug)]
+struct Block {
+    field: usize,
+    range: Range<usize>,
+    /// rᵀr and x̃ᵀx̃.
+    squares: [f64; 2],
+    /// Of each column, by age, with r and with the newest column.
+    columns: Vec<[f64; 2]>,
+}
 
 /// The secant columns, and what is known of them.
 #[derive(Clone, Debug)]
 pub(super) struct SecantColumns {
-    parts: Vec<Part>,
+    fields: usize,
     length: usize,
     capacity: usize,
+    threads: usize,
+    blocks: Vec<Block>,
     /// ΔR, a column after the other, by slot.
     residuals: Vec<f64>,
     /// ΔX̃, a column after the other, by slot.
@@ -33,6 +49,8 @@ pub(super) struct SecantColumns {
     /// Slots in use, the newest first.
     order: Vec<usize>,
     free: Vec<usize>,
+    /// The newest column has no row in the Gram matrix yet.
+    pending: bool,
     /// ΔRᵀΔR of every field, by slots.
     gram: Vec<f64>,
     /// ΔRᵀr of every field, by slot.
@@ -44,32 +62,41 @@ pub(super) struct SecantColumns {
     known: bool,
     residual_squares: Vec<f64>,
     returned_squares: Vec<f64>,
-    /// Δr of the block at hand.
-    change: Vec<f64>,
 }
 
 impl SecantColumns {
     /// Room for `most` columns, and no more than a column has values.
-    pub(super) fn new(parts: &[Part], most: usize) -> Self {
+    pub(super) fn new(parts: &[Part], most: usize, threads: usize) -> Self {
         let length = parts.last().map_or(0, |part| part.range.end);
-        let capacity = most.min(length).max(1);
+        let (fields, capacity) = (parts.len(), most.min(length).max(1));
+        let blocks = parts.iter().enumerate().flat_map(|(field, part)| {
+            let columns = vec![[0.0; 2]; capacity];
+            even(&part.range).map(move |range| Block {
+                field,
+                range,
+                squares: [0.0; 2],
+                columns: columns.clone(),
+            })
+        });
         Self {
-            parts: parts.to_vec(),
+            fields,
             length,
             capacity,
+            threads,
+            blocks: blocks.collect(),
             residuals: vec![0.0; capacity * length],
             images: vec![0.0; capacity * length],
             windows: vec![0; capacity],
             order: Vec::with_capacity(capacity),
             free: (0..capacity).rev().collect(),
-            gram: vec![0.0; parts.len() * capacity * capacity],
-            products: vec![0.0; parts.len() * capacity],
+            pending: false,
+            gram: vec![0.0; fields * capacity * capacity],
+            products: vec![0.0; fields * capacity],
             residual: vec![0.0; length],
             returned: vec![0.0; length],
             known: false,
-            residual_squares: vec![0.0; parts.len()],
-            returned_squares: vec![0.0; parts.len()],
-            change: vec![0.0; BLOCK.min(length)],
+            residual_squares: vec![0.0; fields],
+            returned_squares: vec![0.0; fields],
         }
     }
 
@@ -114,13 +141,15 @@ impl SecantColumns {
 
     /// Keeps the columns, given by age and window, that `keep` wants.
     pub(super) fn retain(&mut self, mut keep: impl FnMut(usize, u64) -> bool) {
-        let (free, windows, mut age) = (&mut self.free, &self.windows, 0);
+        let (free, windows, pending) = (&mut self.free, &self.windows, &mut self.pending);
+        let mut age = 0;
         self.order.retain(|&slot| {
             let kept = keep(age, windows[slot]);
-            age += 1;
             if !kept {
                 free.push(slot);
+                *pending &= age > 0;
             }
+            age += 1;
             kept
         });
     }
@@ -128,130 +157,138 @@ impl SecantColumns {
     /// Takes in an iteration: a new column, if it is not the first of its window, and the inner
     /// products of all columns with its residual.
     pub(super) fn learn(&mut self, sent: &[f64], returned: &[f64], window: u64) {
-        let new = self.known.then(|| self.take_slot(window));
-        self.residual_squares.fill(0.0);
-        self.returned_squares.fill(0.0);
-        self.products.fill(0.0);
-        if let Some(slot) = new {
-            self.clear_gram(slot);
+        let new = self.known;
+        if new {
+            self.take_slot(window);
         }
-        for field in 0..self.parts.len() {
-            for block in blocks(&self.parts[field].range, BLOCK) {
-                self.difference(&block, sent, returned, new);
-                self.multiply(field, block, new);
-            }
-        }
-        if let Some(slot) = new {
-            self.mirror_gram(slot);
-        }
+        self.pass(sent, returned, new);
+        self.add_up();
         self.known = true;
     }
 
-    fn take_slot(&mut self, window: u64) -> usize {
+    /// Takes in the last iteration of a window, which no other one follows: a new column, whose row
+    /// of the Gram matrix is found in the next pass over the columns.
+    pub(super) fn learn_last(&mut self, sent: &[f64], returned: &[f64], window: u64) {
+        if !std::mem::take(&mut self.known) {
+            return;
+        }
+        self.take_slot(window);
+        let at = self.order[0] * self.length;
+        let column = &mut self.residuals[at..at + self.length];
+        let image = &mut self.images[at..at + self.length];
+        for i in 0..self.length {
+            column[i] = returned[i] - sent[i] - self.residual[i];
+            image[i] = returned[i] - self.returned[i];
+        }
+    }
+
+    /// Makes room for a new column, the newest.
+    fn take_slot(&mut self, window: u64) {
         let oldest = if self.free.is_empty() { self.order.pop() } else { None };
         let slot = oldest.or_else(|| self.free.pop()).expect("there is room for a column");
         self.order.insert(0, slot);
         self.windows[slot] = window;
-        slot
+        self.pending = true;
     }
 
-    fn clear_gram(&mut self, slot: usize) {
-        for matrix in self.gram.chunks_exact_mut(self.capacity * self.capacity) {
-            matrix[slot * self.capacity..][..self.capacity].fill(0.0);
+    /// Reads all columns once. r and x̃ take the place of the last ones, their changes go into the
+    /// newest column, if that is `new`, and each block finds its part of the inner products.
+    fn pass(&mut self, sent: &[f64], returned: &[f64], new: bool) {
+        let Self { blocks, residuals, images, residual, returned: last, order, length, .. } = self;
+        let (length, count) = (*length, order.len());
+        let newest = self.pending.then(|| order[0]);
+        let (others, mut column) = Others::apart(residuals, newest, length);
+        let mut image = newest.map_or(&mut [][..], |slot| &mut images[slot * length..][..length]);
+        let (mut residual, mut last) = (&mut residual[..], &mut last[..]);
+        let pieces = blocks.iter_mut().map(|block| {
+            let range = block.range.clone();
+            Piece {
+                sent: &sent[range.clone()],
+                returned: &returned[range.clone()],
+                residual: front(&mut residual, range.len()),
+                last: front(&mut last, range.len()),
+                column: front(&mut column, range.len()),
+                image: front(&mut image, range.len()),
+                block,
+            }
+        });
+        share(self.threads, 2 * length * count, pieces, |piece| piece.meet(&others, order, new));
+    }
+
+    /// Adds up what the blocks have found, in their order.
+    fn add_up(&mut self) {
+        self.residual_squares.fill(0.0);
+        self.returned_squares.fill(0.0);
+        self.products.fill(0.0);
+        for block in &self.blocks {
+            self.residual_squares[block.field] += block.squares[0];
+            self.returned_squares[block.field] += block.squares[1];
+            let products = &mut self.products[block.field * self.capacity..][..self.capacity];
+            for (slot, sums) in self.order.iter().zip(&block.columns) {
+                products[*slot] += sums[0];
+            }
         }
+        self.add_row();
     }
 
-    fn mirror_gram(&mut self, slot: usize) {
-        let capacity = self.capacity;
-        for matrix in self.gram.chunks_exact_mut(capacity * capacity) {
-            for other in 0..capacity {
-                matrix[other * capacity + slot] = matrix[slot * capacity + other];
+    /// Adds up the row of the newest column in the Gram matrix, if it has none.
+    fn add_row(&mut self) {
+        if !std::mem::take(&mut self.pending) {
+            return;
+        }
+        let (newest, capacity) = (self.order[0], self.capacity);
+        for (field, matrix) in self.gram.chunks_exact_mut(capacity * capacity).enumerate() {
+            let row = &mut matrix[newest * capacity..][..capacity];
+            row.fill(0.0);
+            for block in self.blocks.iter().filter(|block| block.field == field) {
+                for (slot, sums) in self.order.iter().zip(&block.columns) {
+                    row[*slot] += sums[1];
+                }
+            }
+            for slot in &self.order {
+                matrix[slot * capacity + newest] = matrix[newest * capacity + slot];
             }
         }
     }
 
-    /// In a block: r and x̃ take the place of the last ones, the differences go into the new column.
-    fn difference(
-        &mut self,
-        block: &Range<usize>,
-        sent: &[f64],
-        returned: &[f64],
-        new: Option<usize>,
-    ) {
-        let (sent, returned) = (&sent[block.clone()], &returned[block.clone()]);
-        let residual = &mut self.residual[block.clone()];
-        let last = &mut self.returned[block.clone()];
-        let Some(slot) = new else {
-            subtract(residual, returned, sent);
-            last.copy_from_slice(returned);
-            return;
-        };
-        let at = slot * self.length + block.start;
-        let column = &mut self.residuals[at..at + block.len()];
-        let image = &mut self.images[at..at + block.len()];
-        let change = &mut self.change[..block.len()];
-        for i in 0..block.len() {
-            let now = returned[i] - sent[i];
-            change[i] = now - residual[i];
-            column[i] = change[i];
-            residual[i] = now;
-            image[i] = returned[i] - last[i];
-            last[i] = returned[i];
-        }
-    }
-
-    /// Adds a block's part of the inner products.
-    fn multiply(&mut self, field: usize, block: Range<usize>, new: Option<usize>) {
-        let (residual, change) = (&self.residual[block.clone()], &self.change[..block.len()]);
-        let returned = &self.returned[block.clone()];
-        self.residual_squares[field] += dot(residual, residual);
-        self.returned_squares[field] += dot(returned, returned);
-        let products = &mut self.products[field * self.capacity..][..self.capacity];
-        let column = |slot: usize| {
-            let at = slot * self.length;
-            &self.residuals[at + block.start..at + block.end]
-        };
-        let Some(new) = new else {
-            for &slot in &self.order {
-                products[slot] += dot(residual, column(slot));
+    /// Finds the row of the newest column in the Gram matrix, if it has none, to the same bits as
+    /// the next pass would.
+    fn complete(&mut self) {
+        let Self { blocks, residuals, order, length, .. } = self;
+        if self.pending {
+            let column =
+                |slot: usize, range: &Range<usize>| &residuals[slot * *length..][range.clone()];
+            for Block { range, columns, .. } in blocks {
+                let newest = column(order[0], range);
+                kernels::products([newest; 2], order, |slot| column(slot, range), columns);
             }
-            return;
-        };
-        let row = (field * self.capacity + new) * self.capacity;
-        let row = &mut self.gram[row..row + self.capacity];
-        let (pairs, last) = self.order.as_chunks::<2>();
-        for &[a, b] in pairs {
-            let sums = inner([residual, change], [column(a), column(b)]);
-            (products[a], products[b]) = (products[a] + sums[0][0], products[b] + sums[0][1]);
-            (row[a], row[b]) = (row[a] + sums[1][0], row[b] + sums[1][1]);
         }
-        for &slot in last {
-            let sums = inner([residual, change], [column(slot)]);
-            products[slot] += sums[0][0];
-            row[slot] += sums[1][0];
-        }
+        self.add_row();
     }
 
     /// x̃ + ΔX̃c of the last iteration, with the coefficients c by age. With `mixing` β the part of
     /// the residual that the columns cannot explain enters by β: x̃ + ΔX̃c − (1 − β)(r + ΔRc).
-    pub(super) fn combine(&mut self, coefficients: &[f64], mixing: f64, next: &mut [f64]) {
+    pub(super) fn combine(&self, coefficients: &[f64], mixing: f64, mut next: &mut [f64]) {
+        let Self { order, residual, returned, length, .. } = self;
         let rest = 1.0 - mixing;
-        for block in blocks(&(0..self.length), BLOCK) {
-            let next = &mut next[block.clone()];
-            next.copy_from_slice(&self.returned[block.clone()]);
-            let at = |slot: usize| slot * self.length + block.start..slot * self.length + block.end;
-            add(next, &self.order, coefficients, |slot| &self.images[at(slot)]);
+        let pieces =
+            self.blocks.iter().map(|block| (&block.range, front(&mut next, block.range.len())));
+        share(self.threads, length * order.len(), pieces, |(range, next)| {
+            next.copy_from_slice(&returned[range.clone()]);
+            let image = |slot| &self.images[slot * length..][range.clone()];
+            kernels::combine(next, order, coefficients, 1.0, image);
             if rest != 0.0 {
-                let unexplained = &mut self.change[..block.len()];
-                unexplained.copy_from_slice(&self.residual[block.clone()]);
-                add(unexplained, &self.order, coefficients, |slot| &self.residuals[at(slot)]);
-                next.iter_mut().zip(&*unexplained).for_each(|(next, r)| *next -= rest * r);
+                let unexplained = &residual[range.clone()];
+                next.iter_mut().zip(unexplained).for_each(|(next, r)| *next -= rest * r);
+                let change = |slot| &self.residuals[slot * length..][range.clone()];
+                kernels::combine(next, order, coefficients, -rest, change);
             }
-        }
+        });
     }
 
-    pub(super) fn save(&self, into: &mut Vec<u8>) {
-        put_f64s(into, &[self.parts.len() as f64, self.length as f64, self.capacity as f64]);
+    pub(super) fn save(&mut self, into: &mut Vec<u8>) {
+        self.complete();
+        put_f64s(into, &[self.fields as f64, self.length as f64, self.capacity as f64]);
         into.extend((self.order.len() as u64).to_le_bytes());
         for &slot in &self.order {
             into.extend(self.windows[slot].to_le_bytes());
@@ -268,7 +305,7 @@ impl SecantColumns {
     pub(super) fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateMismatch> {
         let mut sizes = [0.0; 3];
         from.f64s(&mut sizes)?;
-        if sizes != [self.parts.len() as f64, self.length as f64, self.capacity as f64] {
+        if sizes != [self.fields as f64, self.length as f64, self.capacity as f64] {
             return Err(StateMismatch("fields or secant columns have another size"));
         }
         let count = usize::try_from(from.u64()?).unwrap_or(usize::MAX);
@@ -288,64 +325,84 @@ impl SecantColumns {
                 }
             }
         }
-        self.known = false;
+        (self.known, self.pending) = (false, false);
         Ok(())
     }
 }
 
-fn subtract(into: &mut [f64], a: &[f64], b: &[f64]) {
-    for (into, (a, b)) in into.iter_mut().zip(a.iter().zip(b)) {
-        *into = a - b;
+/// A block of the vectors, on its way through a pass.
+struct Piece<'a> {
+    sent: &'a [f64],
+    returned: &'a [f64],
+    residual: &'a mut [f64],
+    last: &'a mut [f64],
+    /// The newest column, and its image; empty if its row of the Gram matrix is known.
+    column: &'a mut [f64],
+    image: &'a mut [f64],
+    block: &'a mut Block,
+}
+
+impl Piece<'_> {
+    /// Meets all columns, those of these slots.
+    fn meet(self, others: &Others<'_>, slots: &[usize], new: bool) {
+        let Self { sent, returned, residual, last, column, image, block } = self;
+        for i in 0..if new { sent.len() } else { 0 } {
+            column[i] = returned[i] - sent[i] - residual[i];
+            image[i] = returned[i] - last[i];
+        }
+        for (residual, (returned, sent)) in residual.iter_mut().zip(returned.iter().zip(sent)) {
+            *residual = returned - sent;
+        }
+        last.copy_from_slice(returned);
+        let Block { range, squares, columns, .. } = block;
+        *squares = [dot(residual, residual), dot(last, last)];
+        let (residual, column) = (&*residual, &*column);
+        if column.is_empty() {
+            kernels::products([residual; 2], slots, |slot| others.piece(slot, range), columns);
+        } else {
+            let any = |slot| if slot == slots[0] { column } else { others.piece(slot, range) };
+            kernels::products([residual, column], slots, any, columns);
+        }
     }
 }
 
-/// Inner products of each of some vectors with each of some columns; everything is read once.
-fn inner<const M: usize, const N: usize>(
-    vectors: [&[f64]; M],
-    columns: [&[f64]; N],
-) -> [[f64; N]; M] {
-    const LANES: usize = 4;
-    let length = vectors[0].len();
-    let whole = length / LANES * LANES;
-    let mut lanes = [[[0.0; LANES]; N]; M];
-    for start in (0..whole).step_by(LANES) {
-        let columns = columns.map(|column| &column[start..start + LANES]);
-        for (lanes, vector) in lanes.iter_mut().zip(vectors) {
-            let vector = &vector[start..start + LANES];
-            for (lanes, column) in lanes.iter_mut().zip(columns) {
-                for lane in 0..LANES {
-                    lanes[lane] += vector[lane] * column[lane];
-                }
-            }
-        }
-    }
-    std::array::from_fn(|m| {
-        std::array::from_fn(|n| {
-            let tail = (whole..length).map(|i| vectors[m][i] * columns[n][i]);
-            lanes[m][n].iter().sum::<f64>() + tail.sum::<f64>()
-        })
-    })
+/// All columns but one.
+struct Others<'a> {
+    before: &'a [f64],
+    after: &'a [f64],
+    length: usize,
 }
 
-/// Adds a combination of columns, four at a time.
-fn add<'a>(
-    into: &mut [f64],
-    order: &[usize],
-    coefficients: &[f64],
-    column: impl Fn(usize) -> &'a [f64],
-) {
-    let (slots, rest) = order.as_chunks::<4>();
-    let (factors, rest_factors) = coefficients.as_chunks::<4>();
-    for (slots, [a, b, c, d]) in slots.iter().zip(factors) {
-        let [w, x, y, z] = slots.map(&column);
-        let pairs = w.iter().zip(x).zip(y.iter().zip(z));
-        for (into, ((w, x), (y, z))) in into.iter_mut().zip(pairs) {
-            *into += (a * w + b * x) + (c * y + d * z);
-        }
+impl<'a> Others<'a> {
+    /// The columns but the one in this slot, and that one.
+    fn apart(all: &'a mut [f64], slot: Option<usize>, length: usize) -> (Self, &'a mut [f64]) {
+        let at = slot.map_or(all.len(), |slot| slot * length);
+        let (before, rest) = all.split_at_mut(at);
+        let (one, after) = rest.split_at_mut(rest.len().min(length));
+        (Self { before, after, length }, one)
     }
-    for (slot, factor) in rest.iter().zip(rest_factors) {
-        for (into, value) in into.iter_mut().zip(column(*slot)) {
-            *into += factor * value;
-        }
+
+    /// A block of the column in a slot.
+    fn piece(&self, slot: usize, range: &Range<usize>) -> &'a [f64] {
+        let at = slot * self.length;
+        let column = match at.checked_sub(self.before.len() + self.length) {
+            Some(at) => &self.after[at..],
+            None => &self.before[at..],
+        };
+        &column[range.clone()]
     }
+}
+
+/// Blocks of nearly equal length.
+fn even(range: &Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
+    let (start, length) = (range.start, range.len());
+    let count = length.div_ceil(BLOCK);
+    (0..count).map(move |i| start + i * length / count..start + (i + 1) * length / count)
+}
+
+/// Takes the first values of a slice from it; none, if there are fewer.
+fn front<'a>(rest: &mut &'a mut [f64], count: usize) -> &'a mut [f64] {
+    let (first, others) = std::mem::take(rest).split_at_mut_checked(count).unwrap_or_default();
+    *rest = others;
+    first
 }

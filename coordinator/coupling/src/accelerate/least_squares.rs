@@ -17,6 +17,7 @@
 //! & Uekermann, *A comparison of various quasi-Newton schemes for partitioned FSI* (2015).
 
 use super::columns::SecantColumns;
+use super::kernels;
 use crate::part::dot;
 use std::ops::Range;
 
@@ -25,12 +26,15 @@ use std::ops::Range;
 pub(super) struct LeastSquares {
     filter: f64,
     capacity: usize,
-    /// Lower triangle, a row for every column that was kept.
+    /// Lᵀ, a row for every column, and −L⁻¹D⁻¹ΔRᵀr behind the last entry of it; rows of columns that
+    /// are dropped hold nothing.
     factor: Vec<f64>,
-    /// D of the columns that were kept.
-    norms: Vec<f64>,
-    /// Ages of the columns that were kept.
+    /// D⁻¹; 0 for a column without a norm.
+    scales: Vec<f64>,
+    /// Rows of the columns that are kept.
     kept: Vec<usize>,
+    /// What the rows above have in a column.
+    above: Vec<f64>,
     solution: Vec<f64>,
     coefficients: Vec<f64>,
     holds: Vec<bool>,
@@ -41,9 +45,10 @@ impl LeastSquares {
         Self {
             filter,
             capacity,
-            factor: vec![0.0; capacity * capacity],
-            norms: vec![0.0; capacity],
+            factor: vec![0.0; capacity * (capacity + 1)],
+            scales: vec![0.0; capacity],
             kept: Vec::with_capacity(capacity),
+            above: Vec::with_capacity(capacity),
             solution: vec![0.0; capacity],
             coefficients: vec![0.0; capacity],
             holds: vec![false; capacity],
@@ -88,59 +93,65 @@ impl LeastSquares {
 
     /// Solves for the columns of some ages; those of newer ones have their coefficients.
     fn solve_block(&mut self, columns: &SecantColumns, weights: &[f64], ages: Range<usize>) {
-        let newer = ages.start;
+        let (first, count) = (ages.start, ages.len());
         self.kept.clear();
-        for age in ages {
-            self.append(columns, weights, age);
+        for (scale, age) in self.scales.iter_mut().zip(ages) {
+            let norm = columns.inner(age, age, weights).sqrt();
+            *scale = if norm.is_finite() && norm > 0.0 { norm.recip() } else { 0.0 };
         }
-        let count = self.kept.len();
         for row in 0..count {
-            let age = self.kept[row];
-            let explained = |other| self.coefficients[other] * columns.inner(age, other, weights);
-            let rest = columns.product(age, weights) + (0..newer).map(explained).sum::<f64>();
-            let right = -rest / self.norms[row];
-            let known = dot(self.row(row), &self.solution[..row]);
-            self.solution[row] = (right - known) / self.pivot(row);
+            self.fill(columns, weights, first, row, count);
+            self.eliminate(row, count);
+            self.holds[first + row] = self.kept.last() == Some(&row);
         }
-        for row in (0..count).rev() {
-            let value = self.solution[row] / self.pivot(row);
-            self.coefficients[self.kept[row]] = value / self.norms[row];
-            let factor = &self.factor[row * self.capacity..][..row];
-            for (solution, entry) in self.solution.iter_mut().zip(factor) {
-                *solution -= entry * value;
-            }
+        self.solution[..count].fill(0.0);
+        for &row in self.kept.iter().rev() {
+            let factor = &self.factor[row * (self.capacity + 1)..][row..=count];
+            let (pivot, right) = (factor[0], factor[count - row]);
+            let known = dot(&factor[1..count - row], &self.solution[row + 1..count]);
+            self.solution[row] = (right - known) / pivot;
+            self.coefficients[first + row] = self.solution[row] * self.scales[row];
         }
     }
 
-    /// Appends a column to the factorisation, if enough of it is new.
-    fn append(&mut self, columns: &SecantColumns, weights: &[f64], age: usize) {
-        let norm = columns.inner(age, age, weights).sqrt();
-        if !(norm > 0.0 && norm.is_finite()) {
-            return;
+    /// Fills in a row of the scaled Gram matrix from its diagonal on, and the right side behind it.
+    fn fill(
+        &mut self,
+        columns: &SecantColumns,
+        weights: &[f64],
+        first: usize,
+        row: usize,
+        count: usize,
+    ) {
+        let (age, scale) = (first + row, self.scales[row]);
+        let explained = |other| self.coefficients[other] * columns.inner(age, other, weights);
+        let rest = columns.product(age, weights) + (0..first).map(explained).sum::<f64>();
+        let factor = &mut self.factor[row * (self.capacity + 1)..][..=count];
+        for (other, entry) in factor[..count].iter_mut().enumerate().skip(row) {
+            let scales = scale * self.scales[other];
+            // What has no norm may be no number.
+            let inner = || columns.inner(age, first + other, weights) * scales;
+            *entry = if scales == 0.0 { 0.0 } else { inner() };
         }
-        let count = self.kept.len();
-        let (done, new) = self.factor.split_at_mut(count * self.capacity);
-        let mut square = 1.0;
-        for (row, &other) in self.kept.iter().enumerate() {
-            let factor = &done[row * self.capacity..][..=row];
-            let cosine = columns.inner(age, other, weights) / (norm * self.norms[row]);
-            new[row] = (cosine - dot(&factor[..row], &new[..row])) / factor[row];
-            square -= new[row] * new[row];
-        }
-        if square > self.filter * self.filter {
-            new[count] = square.sqrt();
-            self.norms[count] = norm;
-            self.kept.push(age);
-            self.holds[age] = true;
-        }
+        factor[count] = -rest * scale;
     }
 
-    /// What stands left of the diagonal.
-    fn row(&self, row: usize) -> &[f64] {
-        &self.factor[row * self.capacity..][..row]
-    }
-
-    fn pivot(&self, row: usize) -> f64 {
-        self.factor[row * self.capacity + row]
+    /// Subtracts from a row what the rows above it hold; it is kept if enough of it is left.
+    fn eliminate(&mut self, row: usize, count: usize) {
+        let width = self.capacity + 1;
+        let (done, new) = self.factor.split_at_mut(row * width);
+        let new = &mut new[row..=count];
+        self.above.clear();
+        self.above.extend(self.kept.iter().map(|other| done[other * width + row]));
+        let held = |other: usize| &done[other * width..][row..=count];
+        kernels::combine(new, &self.kept, &self.above, -1.0, held);
+        // The diagonal of the scaled matrix is 1.
+        let square = new[0];
+        if self.scales[row] > 0.0 && square > self.filter * self.filter {
+            let pivot = square.sqrt();
+            new[0] = pivot;
+            new[1..].iter_mut().for_each(|entry| *entry /= pivot);
+            self.kept.push(row);
+        }
     }
 }

@@ -55,7 +55,7 @@ impl QuasiNewton {
     /// With the settings of a case, for these fields. All memory is taken here.
     #[must_use]
     pub fn new(rule: Rule, settings: &Implicit, parts: &[Part]) -> Self {
-        let columns = SecantColumns::new(parts, settings.max_columns);
+        let columns = SecantColumns::new(parts, settings.max_columns, settings.threads);
         let anderson = rule == Rule::Anderson;
         Self {
             rule,
@@ -122,16 +122,16 @@ impl Accelerator for QuasiNewton {
     }
 
     fn accept_window(&mut self, sent: &[f64], returned: &[f64]) {
-        if self.reuse_windows > 0 {
-            self.columns.learn(sent, returned, self.window);
-        }
-        self.window += 1;
-        let (window, reuse) = (self.window, self.reuse_windows);
+        let (window, reuse) = (self.window + 1, self.reuse_windows);
         self.columns.retain(|_, of| of + reuse >= window);
+        if reuse > 0 {
+            self.columns.learn_last(sent, returned, self.window);
+        }
         self.columns.interrupt();
+        self.window = window;
     }
 
-    fn save(&self, into: &mut Vec<u8>) {
+    fn save(&mut self, into: &mut Vec<u8>) {
         into.extend(self.window.to_le_bytes());
         self.columns.save(into);
     }

@@ -21,7 +21,7 @@ impl Accelerator for Unaccelerated {
 
     fn accept_window(&mut self, _sent: &[f64], _returned: &[f64]) {}
 
-    fn save(&self, _into: &mut Vec<u8>) {}
+    fn save(&mut self, _into: &mut Vec<u8>) {}
 
     fn restore(&mut self, _from: &mut Reader<'_>) -> Result<(), StateMismatch> {
         Ok(())
@@ -56,7 +56,7 @@ impl Accelerator for Constant {
 
     fn accept_window(&mut self, _sent: &[f64], _returned: &[f64]) {}
 
-    fn save(&self, _into: &mut Vec<u8>) {}
+    fn save(&mut self, _into: &mut Vec<u8>) {}
 
     fn restore(&mut self, _from: &mut Reader<'_>) -> Result<(), StateMismatch> {
         Ok(())

@@ -18,7 +18,7 @@ use contract::grid::check_name;
 use contract::history::Histories;
 use contract::message::MAX_INPUTS;
 use coupling::ParticipantIndex;
-use coupling::settings::Scheme;
+use coupling::settings::{Implicit, Scheme};
 use coupling::windows::Windows;
 use std::time::Duration;
 use typed_index_collections::{TiSlice, TiVec};
@@ -244,7 +244,10 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         mode: case.timing.mode(),
         windows: windows(case.timing, case.histories.as_ref()),
         scheme,
-        implicit: case.coupling.implicit.clone(),
+        implicit: Implicit {
+            threads: threads::of_coordinator(case.limits.threads),
+            ..case.coupling.implicit.clone()
+        },
         interpolation: case.coupling.interpolation,
         warnings: expected::warnings(participants.iter()),
         participants,

@@ -1,5 +1,5 @@
 //! How many threads each participant may compute on: those that compute at the same time share what
-//! there is.
+//! there is. The coordinator computes while they all wait.
 
 use coupling::settings::Scheme;
 use std::num::NonZero;
@@ -8,11 +8,16 @@ use std::num::NonZero;
 /// cores: all to each where one computes after the other; where all compute at once, equal parts, what
 /// is over to the first ones, and one at least.
 pub(super) fn of_participants(limit: Option<usize>, scheme: Scheme, count: usize) -> Vec<usize> {
-    let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
-    let limit = limit.unwrap_or_else(cores);
+    let limit = of_coordinator(limit);
     let share = |index| limit / count + usize::from(index < limit % count);
     let threads = |index| if scheme.is_parallel() { share(index).max(1) } else { limit };
     (0..count).map(threads).collect()
+}
+
+/// The threads of what computes by itself: `limit`, or as many as the machine has cores.
+pub(super) fn of_coordinator(limit: Option<usize>) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
+    limit.unwrap_or_else(cores)
 }
 
 #[cfg(test)]
