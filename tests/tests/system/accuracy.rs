@@ -146,8 +146,6 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
         &["--extrapolate", "--set", "mech.resolution=3"],
         &["set mech.resolution to 4 or more"],
     );
-    let closed = ["--set", "thermal.model=ertz-knothe", "--set", "mech.model=hertz-carter"];
-    refused(&[&["--extrapolate"], &closed[..]].concat(), &["none of its models"]);
     let summary = Place::new().summary(&case("wheel-rail.toml"), &slow);
     assert_eq!(summary["accuracy"]["models"], "half-space + fe");
 }
