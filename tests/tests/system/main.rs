@@ -29,6 +29,7 @@ mod conform;
 mod cost;
 mod crowd;
 mod elsewhere;
+mod engines;
 mod exchange;
 mod explicit;
 mod faults;
@@ -61,6 +62,8 @@ mod scenes;
 mod stability;
 mod start;
 mod sweep;
+#[path = "../shared/sweeps.rs"]
+mod sweeps;
 mod terminal;
 mod threads;
 mod time;
