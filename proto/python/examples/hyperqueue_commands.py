@@ -10,7 +10,6 @@ already, `Client(server_dir)` in the place of `LocalCluster` submits to it; with
 import shlex
 import sys
 import tempfile
-from pathlib import Path
 
 from hyperqueue import Job, LocalCluster
 from hyperqueue.cluster import WorkerConfig
@@ -26,7 +25,7 @@ def main() -> int:
         job.program(command, stdout=None, stderr=None)
     with (
         tempfile.TemporaryDirectory() as folder,
-        LocalCluster(Path(folder), WorkerConfig()) as cluster,
+        LocalCluster(folder, WorkerConfig()) as cluster,
     ):
         client = cluster.client()
         return 0 if client.wait_for_jobs([client.submit(job)], raise_on_error=False) else 1

@@ -4,7 +4,7 @@ use std::path::Path;
 use tests::harness::Table;
 
 /// The table of a sweep without what is different each time.
-pub fn table(out: &Path) -> Table {
+pub(crate) fn table(out: &Path) -> Table {
     let mut table = Table::read(&out.join("sweep.csv"));
     let wall = table.find("wall_s").unwrap();
     table.head.remove(wall);
@@ -15,7 +15,7 @@ pub fn table(out: &Path) -> Table {
 }
 
 /// Points that have been run so far, as lines of their file.
-pub fn points(folder: &Path) -> Vec<String> {
+pub(crate) fn points(folder: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(folder.join("points.jsonl")).unwrap_or_default();
     let whole = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
     whole.filter(|line| line.starts_with("{\"point")).map(str::to_owned).collect()

@@ -111,7 +111,8 @@ fn under_way(folder: &StudyFolder) -> Option<Array> {
 /// # Errors
 /// The file system, or standard output.
 pub(in super::super) fn list(sweep: &Growing, tasks: &Tasks) -> Result<(), RunError> {
-    prepare(sweep, tasks)?;
+    tasks.write()?;
+    collect::hand_out(&sweep.study, tasks.parts, |part| tasks.folder(part))?;
     let missing = tasks.missing(&sweep.study);
     let lines: Vec<String> = missing.iter().map(|part| tasks.command(*part) + "\n").collect();
     print(&lines.concat())
@@ -133,107 +134,131 @@ pub(in super::super) fn fill(
     let options = options.ok_or_else(|| {
         RunError::Usage("--engine-options has a quote that is not closed".to_owned())
     })?;
-    let failed = |what: String| failure(scheduler, what, &tasks.logs());
-    let until = Instant::now() + Duration::from_secs_f64(asked.deadline.clamp(0.0, 1e6) * 3600.0);
-    let mut array = under_way(folder).filter(|array| array.engine == scheduler.name());
+    let hours = Duration::from_secs_f64(asked.deadline.clamp(0.0, 1e6) * 3600.0);
+    let way = Way { scheduler, tasks, folder, until: Instant::now() + hours, quiet };
+    if let Some(array) = under_way(folder).filter(|array| array.engine == scheduler.name()) {
+        way.follow(sweep, &array.id)?;
+    }
     for _ in 0..=asked.retries {
         let missing = tasks.missing(&sweep.study);
         if missing.is_empty() {
-            break;
+            return Ok(());
         }
-        let going = match array.take() {
-            Some(going) => going,
-            None => {
-                prepare(sweep, tasks)?;
-                let id = scheduler.submit(tasks, &missing, &options).map_err(failed)?;
-                Array { engine: scheduler.name().to_owned(), id, parts: tasks.parts }
-            }
-        };
-        folder.write(ARRAY, contract::text::json(&going).as_bytes())?;
-        let mut steps = Steps::new(quiet, missing.len());
-        let ended = wait(scheduler, &going.id, missing.len(), until, &mut steps);
-        steps.finish();
-        if ended.is_ok() || signals::received().is_some() {
-            folder.remove(ARRAY)?;
-        }
-        missing.iter().try_for_each(|part| collect::part(sweep, &tasks.folder(*part)))?;
-        ended.map_err(|error| error.unwrap_or_else(|what| failed(what)))?;
-        tell(sweep, tasks, quiet);
+        tasks.write()?;
+        collect::hand_out(&sweep.study, tasks.parts, |part| tasks.folder(part))?;
+        let id = scheduler.submit(tasks, &missing, &options);
+        let id = id.map_err(|what| way.failure(what))?;
+        let array = Array { engine: scheduler.name().to_owned(), id, parts: tasks.parts };
+        folder.write(ARRAY, contract::text::json(&array).as_bytes())?;
+        way.follow(sweep, &array.id)?;
     }
-    match missing_points(sweep, tasks) {
-        None => Ok(()),
-        Some(text) => Err(failed(text)),
-    }
+    missing_points(sweep, tasks).map_or(Ok(()), |text| Err(way.failure(text)))
 }
 
-/// Writes the script; parts that have not begun get what is known of their points.
-fn prepare(sweep: &Growing, tasks: &Tasks) -> Result<(), RunError> {
-    tasks.write()?;
-    collect::hand_out(&sweep.study, tasks.parts, |part| tasks.folder(part))
-}
-
-/// Waits until an array has ended.
-fn wait(
-    scheduler: &dyn Scheduler,
-    array: &str,
-    total: usize,
+/// How arrays are followed.
+struct Way<'a> {
+    scheduler: &'static dyn Scheduler,
+    tasks: &'a Tasks,
+    folder: &'a StudyFolder,
+    /// When one gives up.
     until: Instant,
-    steps: &mut Steps,
-) -> Result<(), Result<RunError, String>> {
-    let (mut heard, mut pause) = (Instant::now(), LOOKS[0]);
-    loop {
-        match scheduler.look(array) {
-            Ok(Look { waiting: 0, running: 0, .. }) => return Ok(()),
-            Ok(look) => {
-                heard = Instant::now();
-                let ended = total.saturating_sub(look.waiting + look.running);
-                steps.reach(ended + 1, &look.told(scheduler, array));
-            }
-            Err(why) if heard.elapsed() > SILENT => {
-                return Err(Err(format!(
-                    "{why}; array {array} may go on, the same command waits for it"
-                )));
-            }
-            Err(why) => tracing::warn!("{}: {why}; asked again", scheduler.name()),
+    quiet: bool,
+}
+
+/// Why an array is not waited for any longer.
+enum Halt {
+    /// The user has stopped it; it is cancelled.
+    Stopped(RunError),
+    /// It has taken too long, and is cancelled.
+    Late(String),
+    /// Nobody knows what has become of it.
+    Lost(String),
+}
+
+impl Way<'_> {
+    /// Waits for the end of an array, and collects what it has found, whatever the end is.
+    fn follow(&self, sweep: &mut Growing, array: &str) -> Result<(), RunError> {
+        let missing = self.tasks.missing(&sweep.study);
+        let mut steps = Steps::new(self.quiet, missing.len());
+        let ended = self.wait(array, missing.len(), &mut steps);
+        steps.finish();
+        if !matches!(ended, Err(Halt::Lost(_))) {
+            self.folder.remove(ARRAY)?;
         }
-        let next = Instant::now() + pause;
-        while Instant::now() < next {
-            if let Some(signal) = signals::received() {
-                end(scheduler, array);
-                let when = format!(
-                    "while array {array} of {} went on, which is cancelled",
-                    scheduler.name()
-                );
-                return Err(Ok(RunError::Interrupted { signal, when }));
+        missing.iter().try_for_each(|part| collect::part(sweep, &self.tasks.folder(*part)))?;
+        match ended {
+            Err(Halt::Stopped(error)) => return Err(error),
+            Err(Halt::Late(what) | Halt::Lost(what)) => return Err(self.failure(what)),
+            Ok(()) => {}
+        }
+        if let Some(text) = missing_points(sweep, self.tasks) {
+            tracing::warn!("{text}");
+        }
+        Ok(())
+    }
+
+    /// Waits until an array has ended.
+    fn wait(&self, array: &str, total: usize, steps: &mut Steps) -> Result<(), Halt> {
+        let name = self.scheduler.name();
+        let (mut heard, mut pause) = (Instant::now(), LOOKS[0]);
+        loop {
+            match self.scheduler.look(array) {
+                Ok(Look { waiting: 0, running: 0, .. }) => return Ok(()),
+                Ok(look) => {
+                    heard = Instant::now();
+                    let ended = total.saturating_sub(look.waiting + look.running);
+                    steps.reach(ended + 1, &look.told(name, array));
+                }
+                Err(why) if heard.elapsed() > SILENT => {
+                    return Err(Halt::Lost(format!("{why}; array {array} may still be under way")));
+                }
+                Err(why) => tracing::warn!("{name}: {why}; asked again"),
             }
-            sleep(Duration::from_millis(20));
+            if let Some(signal) = rest(pause) {
+                self.end(array);
+                let when = format!("while array {array} of {name} went on, which is cancelled");
+                return Err(Halt::Stopped(RunError::Interrupted { signal, when }));
+            }
+            if Instant::now() > self.until {
+                self.end(array);
+                let what = format!("array {array} has passed --deadline and is cancelled");
+                return Err(Halt::Late(what));
+            }
+            pause = (pause * 5 / 4).min(LOOKS[1]);
         }
-        if Instant::now() > until {
-            end(scheduler, array);
-            return Err(Err(format!("array {array} has passed --deadline and is cancelled")));
+    }
+
+    /// Cancels an array, and waits until its tasks have ended with what they have found.
+    fn end(&self, array: &str) {
+        if let Err(why) = self.scheduler.cancel(array) {
+            tracing::warn!("{}: array {array} is not cancelled: {why}", self.scheduler.name());
+            return;
         }
-        pause = (pause * 5 / 4).min(LOOKS[1]);
+        let until = Instant::now() + ENDING;
+        let gone = |look: Look| look == Look::default();
+        while Instant::now() < until && !self.scheduler.look(array).is_ok_and(gone) {
+            sleep(LOOKS[0]);
+        }
+    }
+
+    fn failure(&self, what: String) -> RunError {
+        let logs = self.tasks.logs();
+        RunError::Failed(Failure {
+            who: self.scheduler.name().to_owned(),
+            when: "in a sweep".to_owned(),
+            what,
+            fix: format!("see {logs}; the same command goes on with what is missing"),
+        })
     }
 }
 
-/// Cancels an array, and waits until its tasks have ended with what they have found.
-fn end(scheduler: &dyn Scheduler, array: &str) {
-    if let Err(why) = scheduler.cancel(array) {
-        tracing::warn!("{}: array {array} is not cancelled: {why}", scheduler.name());
-        return;
+/// Waits for so long; the signal that ends it.
+fn rest(pause: Duration) -> Option<&'static str> {
+    let until = Instant::now() + pause;
+    while signals::received().is_none() && Instant::now() < until {
+        sleep(Duration::from_millis(20));
     }
-    let until = Instant::now() + ENDING;
-    let gone = |look: Look| look == Look::default();
-    while Instant::now() < until && !scheduler.look(array).is_ok_and(gone) {
-        sleep(LOOKS[0]);
-    }
-}
-
-/// Says on standard error what did not come back.
-fn tell(sweep: &Growing, tasks: &Tasks, quiet: bool) {
-    if let Some(text) = missing_points(sweep, tasks).filter(|_| !quiet) {
-        tracing::warn!("{text}");
-    }
+    signals::received()
 }
 
 /// The points that are missing, with their parts.
@@ -248,13 +273,4 @@ fn missing_points(sweep: &Growing, tasks: &Tasks) -> Option<String> {
     let more = missing.len().saturating_sub(NAMED);
     text += &if more > 0 { format!(" and {more} more") } else { String::new() };
     (!missing.is_empty()).then_some(text)
-}
-
-fn failure(scheduler: &dyn Scheduler, what: String, logs: &str) -> RunError {
-    RunError::Failed(Failure {
-        who: scheduler.name().to_owned(),
-        when: "in a sweep".to_owned(),
-        what,
-        fix: format!("see {logs}; the same command goes on with what is missing"),
-    })
 }

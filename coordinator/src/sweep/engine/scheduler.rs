@@ -30,9 +30,9 @@ pub(super) struct Look {
 
 impl Look {
     /// What is shown while one waits.
-    pub(super) fn told(&self, scheduler: &dyn Scheduler, array: &str) -> String {
+    pub(super) fn told(&self, scheduler: &str, array: &str) -> String {
         let why = self.why.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
         let (waiting, running) = (self.waiting, self.running);
-        format!("array {array} of {}: {waiting} waiting{why}, {running} running", scheduler.name())
+        format!("array {array} of {scheduler}: {waiting} waiting{why}, {running} running")
     }
 }
