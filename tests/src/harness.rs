@@ -5,6 +5,7 @@
 mod answers;
 pub mod browser;
 mod programs;
+pub mod slurm;
 
 pub use answers::{Table, field, field_files, number};
 pub use programs::{library, programs, root};

@@ -228,10 +228,8 @@ fn check_values(name: &str, values: &[f64]) -> Result<(), RunError> {
 fn figures(study: &Study, kept: &[bool]) -> Vec<(Quantity, Vec<f64>)> {
     let rows: Vec<_> =
         study.rows.iter().zip(kept).filter(|(_, kept)| **kept).map(|(row, _)| row).collect();
-    let values = |one: &Quantity| {
-        rows.iter().map(|row| row.values.get(&one.key).copied()).collect::<Option<_>>()
-    };
-    let measured =
-        study.quantities.iter().filter(|one| one.measure != contract::figure::Measure::Itself);
-    measured.filter_map(|one| Some((one.clone(), values(one)?))).collect()
+    let measured = study.quantities.iter().enumerate();
+    let measured = measured.filter(|(_, one)| one.measure != contract::figure::Measure::Itself);
+    let values = |column| rows.iter().map(|row| row.value(column)).collect::<Option<_>>();
+    measured.filter_map(|(column, one)| Some((one.clone(), values(column)?))).collect()
 }

@@ -5,10 +5,11 @@ use run::error::RunError;
 use run::results::Existing;
 use run::results::claim::{Claim, holds_results};
 use run::results::place::{RESULTS, link_latest, numbered};
-use run::results::write::{remove, replace};
+use run::results::write::{create, remove, replace};
 use serde_json::Value;
 use std::cell::OnceCell;
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 /// What a study asks of its folder.
@@ -82,6 +83,18 @@ impl StudyFolder {
     /// As [`StudyFolder::open`].
     pub(crate) fn write(&self, name: &str, content: &[u8]) -> Result<(), RunError> {
         replace(&self.open()?.join(name), content)
+    }
+
+    /// Writes a file in one go, as it is made.
+    ///
+    /// # Errors
+    /// As [`StudyFolder::open`].
+    pub(crate) fn create(
+        &self,
+        name: &str,
+        write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> Result<(), RunError> {
+        create(&self.open()?.join(name), write)
     }
 
     /// Removes a file, if it is there.

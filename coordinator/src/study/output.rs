@@ -35,21 +35,7 @@ pub(crate) trait Kept: Serialize + DeserializeOwned {
     /// [`RunError::Usage`] if the file is of another version, of a study that has not finished, or
     /// something else; the file system.
     fn read(folder: &Path) -> Result<Self, RunError> {
-        let path = folder.join(Self::FILE);
-        let text = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
-        let refuse = |why: &dyn std::fmt::Display| {
-            let fix = format!("run `coordinator {}` again", Self::COMMAND);
-            RunError::Usage(format!("{} contains no study: {why}; {fix}", path.display()))
-        };
-        let head: Head = serde_json::from_slice(&text).map_err(|fault| refuse(&fault))?;
-        if head.schema != Self::SCHEMA {
-            let (found, known) = (head.schema, Self::SCHEMA);
-            return Err(refuse(&format!("its layout has version {found}, supported is {known}")));
-        }
-        if head.complete == Some(false) {
-            return Err(refuse(&"the study has not finished"));
-        }
-        serde_json::from_slice(&text).map_err(|fault| refuse(&fault))
+        read_file(folder)
     }
 
     /// The study in this folder was stopped.
@@ -57,6 +43,28 @@ pub(crate) trait Kept: Serialize + DeserializeOwned {
     fn is_unfinished(folder: &Path) -> bool {
         says_incomplete(&folder.join(Self::FILE))
     }
+}
+
+/// Reads the file of a study, as [`Kept::read`] has it.
+///
+/// # Errors
+/// Those of [`Kept::read`].
+pub(crate) fn read_file<S: Kept>(folder: &Path) -> Result<S, RunError> {
+    let path = folder.join(S::FILE);
+    let text = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+    let refuse = |why: &dyn std::fmt::Display| {
+        let fix = format!("run `coordinator {}` again", S::COMMAND);
+        RunError::Usage(format!("{} contains no study: {why}; {fix}", path.display()))
+    };
+    let head: Head = serde_json::from_slice(&text).map_err(|fault| refuse(&fault))?;
+    if head.schema != S::SCHEMA {
+        let (found, known) = (head.schema, S::SCHEMA);
+        return Err(refuse(&format!("its layout has version {found}, supported is {known}")));
+    }
+    if head.complete == Some(false) {
+        return Err(refuse(&"the study has not finished"));
+    }
+    serde_json::from_slice(&text).map_err(|fault| refuse(&fault))
 }
 
 /// What the file of every study begins with.

@@ -16,7 +16,11 @@ const PARTS: f64 = 1000.0;
 pub(crate) struct Steps {
     /// Expected work of each, in any unit.
     work: Vec<f64>,
+    /// The sum of all work.
+    all: f64,
     begun: usize,
+    /// The sum of the work of the steps before the one that has begun.
+    done: f64,
     since: Instant,
     show: Show,
 }
@@ -48,13 +52,21 @@ impl Steps {
         } else {
             Show::Lines(Instant::now())
         };
-        Self { work, begun: 0, since: Instant::now(), show }
+        let all = work.iter().sum();
+        Self { work, all, begun: 0, done: 0.0, since: Instant::now(), show }
     }
 
     /// The next step begins; `what` it is.
     pub(crate) fn step(&mut self, what: &str) {
-        let done = part(&self.work, self.begun);
-        self.begun += 1;
+        self.reach(self.begun + 1, what);
+    }
+
+    /// This step, from 1 on, begins, or goes on; `what` it is.
+    pub(crate) fn reach(&mut self, step: usize, what: &str) {
+        let passed = self.begun.saturating_sub(1)..step.saturating_sub(1).min(self.work.len());
+        self.done += self.work.get(passed).unwrap_or_default().iter().sum::<f64>();
+        self.begun = self.begun.max(step);
+        let done = if self.all > 0.0 { self.done / self.all } else { 0.0 };
         let left = left(self.since.elapsed(), done);
         tracing::debug!(done, left_s = left.map(|left| left.as_secs_f64()), what, "step");
         let (begun, total) = (self.begun, self.work.len());
@@ -92,13 +104,6 @@ impl Steps {
     }
 }
 
-/// The part of all work that the first steps are.
-fn part(work: &[f64], steps: usize) -> f64 {
-    let sum = |work: &[f64]| work.iter().sum::<f64>();
-    let all = sum(work);
-    if all > 0.0 { sum(&work[..steps.min(work.len())]) / all } else { 0.0 }
-}
-
 /// What is left, at the pace so far; nobody knows before there is one.
 fn left(elapsed: Duration, done: f64) -> Option<Duration> {
     (done > 0.0).then(|| elapsed.mul_f64((1.0 - done).max(0.0) / done))
@@ -111,11 +116,17 @@ mod tests {
     #[test]
     fn what_is_left_goes_by_work() {
         // Three quick runs and one of a minute: after the quick ones nearly all is left.
-        let work = [1.0, 1.0, 1.0, 60.0];
-        let done = part(&work, 3);
-        let left = left(Duration::from_secs(3), done).unwrap();
-        assert!((left.as_secs_f64() - 60.0).abs() < 1e-9);
-        assert_eq!(super::left(Duration::from_secs(3), part(&work, 0)), None);
-        assert_eq!(part(&[], 1), 0.0);
+        let mut steps = Steps::of_work(true, vec![1.0, 1.0, 1.0, 60.0]);
+        (0..3).for_each(|_| steps.step(""));
+        assert_eq!((steps.begun, steps.done), (3, 2.0));
+        steps.reach(4, "");
+        steps.reach(4, "");
+        assert_eq!((steps.begun, steps.done, steps.all), (4, 3.0, 63.0));
+        let left = |done| left(Duration::from_secs(3), done);
+        assert!((left(steps.done / steps.all).unwrap().as_secs_f64() - 60.0).abs() < 1e-9);
+        assert_eq!(left(0.0), None);
+        let mut none = Steps::new(true, 0);
+        none.step("");
+        assert_eq!(none.done, 0.0);
     }
 }

@@ -113,6 +113,13 @@ impl Quantities {
         all
     }
 
+    /// Where a quantity stands among all: those of interest first, then what else is described, the rest last.
+    #[must_use]
+    pub(crate) fn place(&self, key: &str) -> usize {
+        let mut known = self.of_interest.iter().chain(&self.others);
+        known.position(|one| one.key == key).unwrap_or(usize::MAX)
+    }
+
     /// What an error of a quantity comes from as well.
     #[must_use]
     pub(crate) fn driver(&self, of: &Quantity) -> Option<Quantity> {
@@ -170,6 +177,8 @@ mod tests {
         assert!((place.error(-0.8, -0.83) - 0.03).abs() < 1e-15);
         assert_eq!(known.driver(&rise), Some(known.of("contact.power_w")));
         assert_eq!(known.driver(&place), None);
+        let keys = ["wear.depth_m", "contact.power_w", "heat.x_over_a", "heat.max_rise_k"];
+        assert_eq!(keys.map(|key| known.place(key)), [usize::MAX, 3, 1, 0]);
         assert_eq!(known.of("contact.creepage_xi").value(&summary), None);
         assert_eq!(known.of("coupling.energy_imbalance").error(-1e-9, 5.0), 1e-9);
         assert_eq!(rise.error(0.0, 0.0), 0.0);

@@ -1,18 +1,25 @@
 //! The subcommand.
 
+use super::collect::{self, earlier};
 use super::design::{Asked, Part};
-use super::page;
+use super::engine::{self, Name, Tasks};
 use super::perform::{How, fill};
+use super::rows::Growing;
 use super::study::Study;
+use super::{page, table};
 use crate::fit;
+use crate::output;
 use crate::study::arguments::{CaseArguments, FolderArguments};
 use crate::study::axis::Axis;
+use crate::study::folder::StudyFolder;
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::quantity::Quantities;
-use crate::study::{Variant, planned, scratch};
+use crate::study::{Variant, expected_run_seconds, planned, scratch};
 use clap::Args;
-use run::error::{RunError, file_failure};
+use contract::text::json;
+use run::error::RunError;
 use run::format::counted;
+use run::plan::Planned;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -30,12 +37,15 @@ pub(crate) struct Arguments {
     /// named, and run here.
     #[arg(long, value_name = "DIR", num_args = 1..)]
     collect: Vec<PathBuf>,
-    /// Points that are run at a time [default: as many as there are cores].
+    /// Points that are run at a time, in each task of a scheduler too [default: as many as there are cores, or
+    /// as a task has].
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
     /// Fit the figures that were found, with errors, for `ask`: fit.json.
     #[arg(long, conflicts_with = "part")]
     fit: bool,
+    #[command(flatten)]
+    engine: engine::Asked,
     #[command(flatten)]
     folder: FolderArguments,
     /// Print JSON.
@@ -46,65 +56,108 @@ pub(crate) struct Arguments {
 /// Makes the sweep, or goes on with one that was stopped, writes its files and prints it.
 ///
 /// # Errors
-/// A case that cannot run, the user has stopped it, the file system.
+/// A case that cannot run, points that are missing at the end, the user has stopped it, the file system.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let (case, base) = (asked.of.case.clone(), asked.of.base());
     let design = asked.points.design()?;
     let first = |all: Variant, one: &Axis| all.with(&one.key, &one.values[0]);
     let standing = planned(&case, &design.vary.iter().fold(base.clone(), first))?;
     crate::logging::warn_of_replaced(&standing.case);
-    let of = case.display().to_string();
-    let begun = Study { part: asked.part, ..Study::new(&standing.plan, of, &base, design) };
-    let goes_on =
-        |folder: &Path| earlier(folder, asked.fit).is_some_and(|other| other.asks_the_same(&begun));
-    let part = asked.part.map(|Part { one, of }| format!("-{one}-of-{of}"));
-    let name = format!("{}-sweep{}", begun.case, part.unwrap_or_default());
-    let folder = asked.folder.choose(Study::COMMAND, &name, &goes_on)?;
-    let mut study =
-        match earlier(folder.path(), asked.fit).filter(|other| other.asks_the_same(&begun)) {
-            Some(earlier) if !asked.folder.replace => earlier,
-            _ => begun,
-        };
-    for other in &asked.collect {
-        collect(&mut study, other)?;
-    }
+    let mut study = Study::new(&standing.plan, case.display().to_string(), &base, design);
+    study.part = asked.part;
+    let folder = folder(asked, &study)?;
+    let mut sweep = begin(asked, study, &folder)?;
     let printing = Printing { json: asked.json, quiet };
     if !asked.collect.is_empty() && !printing.is_silent() {
-        tell_missing(&study);
+        tell_missing(&sweep.study);
     }
-    study.write(&folder)?;
     let quantities = Quantities::of_figures(&standing.plan.figures);
-    let scratch = scratch()?;
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let how = How {
-        case: &case,
-        base: &base,
-        quantities: &quantities,
-        jobs: asked.jobs.map_or_else(cores, usize::from),
-        scratch: scratch.path(),
-        quiet: printing.is_silent(),
-    };
-    fill(&mut study, &how, &folder)?;
-    folder.write("sweep.csv", &study.csv())?;
+    match asked.engine.engine {
+        Name::Local => here(&mut sweep, asked, &quantities, printing.is_silent())?,
+        Name::List if !sweep.study.missing().is_empty() => {
+            return engine::list(&sweep, &tasks(asked, &sweep.study, &standing, &folder)?);
+        }
+        Name::List => {}
+        Name::Slurm | Name::Hyperqueue => {
+            let tasks = tasks(asked, &sweep.study, &standing, &folder)?;
+            engine::fill(&mut sweep, &tasks, &asked.engine, &folder, printing.is_silent())?;
+        }
+    }
+    let mut study = sweep.study;
+    study.settle(&quantities);
+    folder.create("sweep.csv", |out| table::csv(&study, out))?;
+    folder.create("sweep.parquet", |out| table::parquet(&study, out))?;
     study.publish(&folder)?;
     // That of an earlier table is none of this one.
     folder.remove(fit::FILE)?;
     let fitted = if asked.fit { fit::after_sweep(&study, &folder)? } else { String::new() };
-    printing.print(&study, || page::text(&study) + &fitted, &folder)
+    match printing.json {
+        true => output::print(&json(&study.whole())),
+        false => printing.print(&study, || page::text(&study) + &fitted, &folder),
+    }
 }
 
-/// Takes the rows of a sweep in another folder, finished or not.
-fn collect(study: &mut Study, other: &Path) -> Result<(), RunError> {
-    let path = other.join(Study::FILE);
-    let text = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
-    let wrong = |why: String| RunError::Usage(format!("--collect {}: {why}", other.display()));
-    let found: Study = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
-    match study.collect(found) {
-        true => Ok(()),
-        false => Err(wrong(
-            "is of other points; give the case and options that it was made with".to_owned(),
-        )),
+/// The folder of a sweep; that of the same one if it was stopped.
+fn folder(asked: &Arguments, study: &Study) -> Result<StudyFolder, RunError> {
+    // What is fitted need not be run again.
+    let goes_on =
+        |folder: &Path| earlier(folder, asked.fit).is_some_and(|other| other.asks_the_same(study));
+    let part = asked.part.map(|part| format!("-{}", part.name()));
+    let name = format!("{}-sweep{}", study.case, part.unwrap_or_default());
+    asked.folder.choose(Study::COMMAND, &name, &goes_on)
+}
+
+/// Begins a sweep, or goes on with the one that was stopped, with all that is known of its points.
+fn begin(asked: &Arguments, begun: Study, folder: &StudyFolder) -> Result<Growing, RunError> {
+    let same = |other: &Study| !asked.folder.replace && other.asks_the_same(&begun);
+    let mut sweep = match earlier(folder.path(), asked.fit).filter(same) {
+        Some(earlier) => {
+            engine::refuse_other(folder, asked.engine.engine)?;
+            let mut sweep = Growing::again(earlier, folder)?;
+            engine::parts(folder)?.iter().try_for_each(|part| collect::part(&mut sweep, part))?;
+            sweep
+        }
+        None => {
+            engine::clear(folder)?;
+            begun.write(folder)?;
+            Growing::begin(begun, folder)?
+        }
+    };
+    asked.collect.iter().try_for_each(|other| collect::folder(&mut sweep, other))?;
+    Ok(sweep)
+}
+
+/// Runs what is missing on this machine.
+fn here(
+    sweep: &mut Growing,
+    asked: &Arguments,
+    quantities: &Quantities,
+    quiet: bool,
+) -> Result<(), RunError> {
+    let scratch = scratch()?;
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let (case, base, scratch) = (&*asked.of.case, &asked.of.base(), scratch.path());
+    let jobs = asked.jobs.map_or_else(cores, usize::from);
+    fill(sweep, &How { case, base, quantities, jobs, scratch, quiet })
+}
+
+/// The parts for a scheduler: as many as are under way, as are asked for, or as make tasks of a minute.
+fn tasks(
+    asked: &Arguments,
+    study: &Study,
+    standing: &Planned,
+    folder: &StudyFolder,
+) -> Result<Tasks, RunError> {
+    if asked.of.case == Path::new("-") {
+        let fix = "--engine needs a case in a file: its tasks read it too";
+        return Err(RunError::Usage(fix.to_owned()));
     }
+    let seconds = expected_run_seconds(Some(standing));
+    let parts = engine::parts_under_way(folder).or(asked.engine.parts.map(|parts| parts as usize));
+    let parts = parts.unwrap_or_else(|| Tasks::parts_for(study.count(), seconds));
+    let case = asked.of.case.display().to_string();
+    let options = [vec![case], asked.of.base().options(), asked.points.options()].concat();
+    Tasks::new(folder, parts, options, asked.jobs)
 }
 
 /// Says on standard error what parts lack.
@@ -119,10 +172,4 @@ fn tell_missing(study: &Study) {
         "{} collected, {text}",
         counted(study.rows.len() as u64, "point")
     );
-}
-
-/// A sweep of this folder that was stopped, or has come to its end too: what is fitted need not be run again.
-fn earlier(folder: &Path, complete: bool) -> Option<Study> {
-    let text = std::fs::read(folder.join(Study::FILE)).ok()?;
-    serde_json::from_slice(&text).ok().filter(|study: &Study| complete || !study.complete)
 }

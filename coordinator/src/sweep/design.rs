@@ -1,18 +1,20 @@
 //! Which points a sweep has: all combinations of values, values side by side, or the rows of a table.
 
-use crate::study::axis::{Axis, points};
+use crate::study::axis::{Axis, combination, combinations};
 use clap::Args;
 use run::error::{RunError, file_failure};
 use serde::{Deserialize, Serialize};
+use std::iter::StepBy;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The options.
 #[derive(Debug, Args)]
 pub(super) struct Asked {
     /// What varies: a key, and its values or a range; several make a grid.
-    #[arg(long, value_name = "KEY=A,B,C|FROM..TO/COUNT", value_parser = Axis::read)]
+    #[arg(long, value_name = "KEY=A,B,C|FROM..TO/COUNT", value_parser = Varied::read)]
     #[arg(required_unless_present = "table", conflicts_with = "table")]
-    vary: Vec<Axis>,
+    vary: Vec<Varied>,
     /// No grid: the first values of all keys, the second ones, and so on.
     #[arg(long, requires = "vary")]
     paired: bool,
@@ -22,6 +24,19 @@ pub(super) struct Asked {
     /// No grid, the rows of a CSV file: keys in its first line, values below them.
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
+}
+
+/// One `--vary`: as it is written, and what it says.
+#[derive(Clone, Debug)]
+struct Varied {
+    text: String,
+    axis: Axis,
+}
+
+impl Varied {
+    fn read(text: &str) -> Result<Self, String> {
+        Ok(Self { text: text.to_owned(), axis: Axis::read(text)? })
+    }
 }
 
 /// The keys with their values, and how they are combined.
@@ -41,7 +56,10 @@ impl Asked {
     pub(super) fn design(&self) -> Result<Design, RunError> {
         let (mut vary, paired) = match &self.table {
             Some(file) => (read(file)?, true),
-            None => (self.vary.clone(), self.paired || self.latin.is_some()),
+            None => {
+                let vary = self.vary.iter().map(|one| one.axis.clone()).collect();
+                (vary, self.paired || self.latin.is_some())
+            }
         };
         let length = |one: &Axis| one.values.len();
         if let Some(other) = vary.iter().find(|one| paired && length(one) != length(&vary[0])) {
@@ -58,6 +76,16 @@ impl Asked {
             vary.iter_mut().skip(1).for_each(|one| random.shuffle(&mut one.values));
         }
         Ok(Design { vary, paired })
+    }
+
+    /// The options that ask for the same.
+    pub(super) fn options(&self) -> Vec<String> {
+        let vary = self.vary.iter().flat_map(|one| ["--vary".to_owned(), one.text.clone()]);
+        let table =
+            self.table.iter().map(|file| ["--table".to_owned(), file.display().to_string()]);
+        let latin = self.latin.map(|seed| ["--latin".to_owned(), seed.to_string()]);
+        let paired = self.paired.then(|| "--paired".to_owned());
+        vary.chain(table.chain(latin).flatten()).chain(paired).collect()
     }
 }
 
@@ -83,21 +111,46 @@ impl Part {
         if (1..=part.of).contains(&part.one) { Ok(part) } else { Err(wrong()) }
     }
 
-    /// The point of this number, from 0 on, is in it.
-    fn has(self, n: usize) -> bool {
-        n % self.of == self.one - 1
+    /// Its name as that of a file.
+    pub(super) fn name(self) -> String {
+        format!("{}-of-{}", self.one, self.of)
+    }
+
+    /// The part, from 1 on, in which the point of this number, from 0 on, is.
+    pub(super) fn with(number: usize, of: usize) -> usize {
+        number % of + 1
+    }
+
+    /// The numbers of its points, among so many.
+    pub(super) fn numbers(self, points: usize) -> StepBy<Range<usize>> {
+        (self.one - 1..points).step_by(self.of)
     }
 }
 
-/// The points, or those of a part: an index into the values of each key.
-pub(super) fn points_of(vary: &[Axis], paired: bool, part: Option<Part>) -> Vec<Vec<usize>> {
-    let length = vary.first().map_or(0, |one| one.values.len());
-    let all: Vec<Vec<usize>> = match paired {
-        true => (0..length).map(|n| vec![n; vary.len()]).collect(),
-        false => points(vary).collect(),
-    };
-    let wanted = |(n, _): &(usize, Vec<usize>)| part.is_none_or(|part| part.has(*n));
-    all.into_iter().enumerate().filter(wanted).map(|(_, at)| at).collect()
+impl Design {
+    /// How many points there are.
+    pub(super) fn count(vary: &[Axis], paired: bool) -> usize {
+        match paired {
+            true => vary.first().map_or(0, |one| one.values.len()),
+            false => combinations(vary),
+        }
+    }
+
+    /// The point of this number, from 0 on: an index into the values of each key.
+    pub(super) fn point(vary: &[Axis], paired: bool, number: usize) -> Vec<usize> {
+        if paired { vec![number; vary.len()] } else { combination(vary, number) }
+    }
+
+    /// The number of a point; `None` if there is no such point.
+    pub(super) fn number(vary: &[Axis], paired: bool, at: &[usize]) -> Option<usize> {
+        let inside =
+            at.len() == vary.len() && at.iter().zip(vary).all(|(n, one)| *n < one.values.len());
+        match paired {
+            _ if !inside => None,
+            true => at.first().copied().filter(|first| at.iter().all(|other| other == first)),
+            false => Some(at.iter().zip(vary).fold(0, |all, (n, one)| all * one.values.len() + n)),
+        }
+    }
 }
 
 /// The columns of a table.
@@ -135,16 +188,30 @@ mod tests {
     use super::*;
 
     fn asked(vary: &[&str]) -> Asked {
-        let vary = vary.iter().map(|text| Axis::read(text).unwrap()).collect();
+        let vary = vary.iter().map(|text| Varied::read(text).unwrap()).collect();
         Asked { vary, paired: false, latin: None, table: None }
     }
 
     #[test]
     fn side_by_side_there_are_as_many_points_as_values() {
-        let grid = asked(&["a=1,2,3", "b=4,5,6"]).design().unwrap();
-        assert_eq!(points_of(&grid.vary, grid.paired, None).len(), 9);
-        let paired = Asked { paired: true, ..asked(&["a=1,2,3", "b=4,5,6"]) }.design().unwrap();
-        assert_eq!(points_of(&paired.vary, paired.paired, None), [[0, 0], [1, 1], [2, 2]]);
+        let all = |asked: &Asked| -> Vec<Vec<usize>> {
+            let Design { vary, paired } = asked.design().unwrap();
+            let points =
+                (0..Design::count(&vary, paired)).map(|n| (n, Design::point(&vary, paired, n)));
+            let numbered = |(n, at): (usize, Vec<usize>)| {
+                assert_eq!(Design::number(&vary, paired, &at), Some(n));
+                at
+            };
+            points.map(numbered).collect()
+        };
+        let grid = asked(&["a=1,2,3", "b=4,5,6"]);
+        assert_eq!(all(&grid).len(), 9);
+        let paired = Asked { paired: true, ..grid };
+        assert_eq!(all(&paired), [[0, 0], [1, 1], [2, 2]]);
+        let vary = paired.design().unwrap().vary;
+        for (none, paired) in [(vec![0, 3], false), (vec![0], false), (vec![0, 1], true)] {
+            assert_eq!(Design::number(&vary, paired, &none), None, "{none:?}");
+        }
         let uneven = Asked { paired: true, ..asked(&["a=1,2,3", "b=4,5"]) }.design();
         assert!(uneven.unwrap_err().to_string().contains("--vary b has 2 values, and a has 3"));
     }
@@ -152,16 +219,23 @@ mod tests {
     /// Every point is in one part.
     #[test]
     fn parts_are_the_whole() {
-        let Design { vary, paired } = asked(&["a=1,2,3", "b=4,5,6"]).design().unwrap();
-        let part = |one| points_of(&vary, paired, Some(Part { one, of: 4 }));
-        assert_eq!(part(1), [[0, 0], [1, 1], [2, 2]]);
-        let mut all: Vec<_> = (1..=4).flat_map(part).collect();
-        all.sort();
-        assert_eq!(all, points_of(&vary, paired, None));
+        let part = |one| Part { one, of: 4 }.numbers(9).collect::<Vec<_>>();
+        assert_eq!([part(1), part(4)], [vec![0, 4, 8], vec![3, 7]]);
+        for one in 1..=4 {
+            assert!(part(one).iter().all(|n| Part::with(*n, 4) == one));
+        }
+        assert_eq!((1..=4).map(|one| part(one).len()).sum::<usize>(), 9);
         assert_eq!(Part::read("3/8"), Ok(Part { one: 3, of: 8 }));
         for wrong in ["", "3", "0/8", "9/8", "1/0", "a/b", "-1/2"] {
             assert!(Part::read(wrong).unwrap_err().contains("write 3/8"), "{wrong}");
         }
+    }
+
+    /// What the options of a task say is what the user has said.
+    #[test]
+    fn options_ask_for_the_same() {
+        let asked = Asked { latin: Some(3), ..asked(&["a=1..9/3", "b=x, y ,z"]) };
+        assert_eq!(asked.options(), ["--vary", "a=1..9/3", "--vary", "b=x, y ,z", "--latin", "3"]);
     }
 
     /// Each value once; the same seed gives the same order, another one another.

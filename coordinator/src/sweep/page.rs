@@ -10,13 +10,19 @@ use crate::study::output::Shown;
 use crate::study::quantity::Quantity;
 use crate::study::table::{Cell, Column, Table};
 use run::error::RunError;
-use run::format::{counted, of_key, sentence};
+use run::format::{Scale, counted, of_key, sentence};
 use std::path::Path;
 
 /// Quantities on the terminal; all of them are in the files.
 const COLUMNS: usize = 4;
 /// Rows on the terminal.
 const ROWS: usize = 24;
+/// Rows, and points without an answer, on the page.
+const PAGE_ROWS: usize = 1000;
+/// Points of a line, and marks; of more every so many is drawn.
+const PLACES: usize = 4000;
+/// Elements of a map along either side; there is none of more.
+const ELEMENTS: usize = 1000;
 /// Quantities that are drawn.
 const DRAWN: usize = 12;
 /// Most lines of a plot; more values of the second key are a map alone.
@@ -29,11 +35,13 @@ impl Shown for Study {
         let failed = self.rows.iter().filter(|row| row.failed.is_some()).count();
         let points = counted(self.rows.len() as u64, "point");
         let varied: Vec<&str> = self.vary.iter().map(|one| one.key.as_str()).collect();
-        let rows: Vec<&Row> = self.rows.iter().collect();
-        let drawn = self.changing().filter(|one| self.drawn.contains(&one.key)).take(DRAWN);
+        let rows: Vec<&Row> = self.rows.iter().take(PAGE_ROWS).collect();
+        let drawn = self.changing().filter(|(_, one)| self.drawn.contains(&one.key)).take(DRAWN);
         let drawings = drawn.flat_map(|one| drawings(self, one)).collect();
-        let remarks = failures(self).map(Block::Text);
-        let blocks = remarks.chain([Block::Table(table(self, usize::MAX).page(&rows))]).collect();
+        let remarks = failures(self).take(PAGE_ROWS).map(Block::Text);
+        let listed = Block::Table(table(self, usize::MAX).page(&rows));
+        let blocks =
+            remarks.chain([listed]).chain(more(self, PAGE_ROWS).map(Block::Text)).collect();
         Ok(Page {
             name: format!("Sweep of {}", self.case),
             title: self.title.clone().unwrap_or_default(),
@@ -57,12 +65,21 @@ impl Shown for Study {
 /// The sweep on the terminal.
 pub(super) fn text(study: &Study) -> String {
     let rows: Vec<&Row> = study.rows.iter().take(ROWS).collect();
-    let more = match study.rows.len().saturating_sub(ROWS) {
-        0 => String::new(),
-        more => format!("  and {} more in sweep.csv\n", counted(more as u64, "point")),
-    };
+    let more = more(study, ROWS).map_or_else(String::new, |line| format!("  {line}\n"));
     let failed: String = failures(study).take(ROWS).map(|line| format!("  {line}\n")).collect();
     format!("sweep of {}\n{}{more}{failed}", study.case, table(study, COLUMNS).terminal(&rows))
+}
+
+/// How many points are not among the first ones.
+fn more(study: &Study, shown: usize) -> Option<String> {
+    let more = study.rows.len().saturating_sub(shown);
+    (more > 0).then(|| format!("and {} more in sweep.csv", counted(more as u64, "point")))
+}
+
+/// Every so many of these, so that there are not too many to be drawn.
+fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let every = points.len().div_ceil(PLACES).max(1);
+    points.into_iter().step_by(every).collect()
 }
 
 fn failures(study: &Study) -> impl Iterator<Item = String> {
@@ -77,16 +94,17 @@ fn table(study: &Study, columns: usize) -> Table<'_, Row> {
         let value = move |row: &Row| one.values.get(row.at[n]).cloned().unwrap_or_default();
         Column::text(one.key.clone(), value).naming()
     });
-    let quantities = study.changing().take(columns).map(|one| {
+    let quantities = study.changing().take(columns).map(|(column, one)| {
         Column::quantity(one.name.clone(), move |row: &Row| {
-            Cell::optional(row.values.get(&one.key), |value| of_key(&one.key, value).show(value, 4))
+            let value = row.value(column);
+            Cell::optional(value.as_ref(), |value| of_key(&one.key, value).show(value, 4))
         })
     });
     Table::new(keys.chain(quantities).collect())
 }
 
 /// A quantity over the key that varies, or over two.
-fn drawings(study: &Study, of: &Quantity) -> Vec<Block> {
+fn drawings(study: &Study, of: Drawn<'_>) -> Vec<Block> {
     let Some((first, others)) = study.vary.split_first() else { return Vec::new() };
     if study.paired && !others.is_empty() {
         let each = study.vary.iter().enumerate();
@@ -106,32 +124,39 @@ fn drawings(study: &Study, of: &Quantity) -> Vec<Block> {
     }
 }
 
+/// A quantity and its column.
+type Drawn<'a> = (usize, &'a Quantity);
+
 type Numbers = (Vec<f64>, String);
+
+/// The unit in which all values of a quantity are shown.
+fn scale(study: &Study, (column, of): Drawn<'_>) -> Scale {
+    let values = study.rows.iter().filter_map(|row| row.value(column));
+    of_key(&of.key, values.fold(0.0, |l: f64, v| l.max(v.abs())))
+}
 
 /// The quantity of each point over one of the keys that vary together.
 fn marks(
     study: &Study,
-    of: &Quantity,
+    (column, of): Drawn<'_>,
     (n, along, (places, unit)): (usize, &Axis, Numbers),
 ) -> Option<Block> {
-    let values = || study.rows.iter().filter_map(|row| row.values.get(&of.key));
-    let scale = of_key(&of.key, values().fold(0.0, |l: f64, v| l.max(v.abs())));
+    let scale = scale(study, (column, of));
     let mut figure =
         Figure::new(sentence(&of.name), labelled(&along.key, &unit), scale.unit.clone());
     (figure.from_zero, figure.decades_x) = (false, by_decades(&places));
-    let point = |row: &Row| Some([places[row.at[n]], row.values.get(&of.key)? / scale.factor]);
-    let points: Vec<[f64; 2]> = study.rows.iter().filter_map(point).collect();
+    let point = |row: &Row| Some([places[row.at[n]], row.value(column)? / scale.factor]);
+    let points = thinned(study.rows.iter().filter_map(point).collect());
     (!points.is_empty()).then(|| Block::Figure(figure.with_marks(sentence(&of.name), points)))
 }
 
 fn lines(
     study: &Study,
-    of: &Quantity,
+    (column, of): Drawn<'_>,
     (n, along, (places, unit)): (usize, &Axis, Numbers),
     each: Option<(usize, &Axis)>,
 ) -> Block {
-    let values = || study.rows.iter().filter_map(|row| row.values.get(&of.key));
-    let scale = of_key(&of.key, values().fold(0.0, |l: f64, v| l.max(v.abs())));
+    let scale = scale(study, (column, of));
     let mut figure =
         Figure::new(sentence(&of.name), labelled(&along.key, &unit), scale.unit.clone());
     figure.from_zero = false;
@@ -139,10 +164,10 @@ fn lines(
     let line = |fixed: Option<(usize, usize)>| {
         let rows = study.rows.iter().filter(|row| fixed.is_none_or(|(n, at)| row.at[n] == at));
         let mut points: Vec<[f64; 2]> = rows
-            .filter_map(|row| Some([places[row.at[n]], row.values.get(&of.key)? / scale.factor]))
+            .filter_map(|row| Some([places[row.at[n]], row.value(column)? / scale.factor]))
             .collect();
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        points
+        thinned(points)
     };
     let figure = match each {
         None => figure.with(sentence(&of.name), line(None)),
@@ -155,22 +180,23 @@ fn lines(
 }
 
 /// The quantity over two keys; `None` unless both are evenly spaced, as elements of a map are.
-fn map(study: &Study, of: &Quantity, [first, second]: [&Axis; 2]) -> Option<Heatmap> {
+fn map(study: &Study, (column, of): Drawn<'_>, [first, second]: [&Axis; 2]) -> Option<Heatmap> {
     let ((x, x_unit), (y, y_unit)) = (first.numbers()?, second.numbers()?);
     let borders = |places: &[f64]| {
         let step = (places.last()? - places[0]) / (places.len() as f64 - 1.0);
         let even = |(n, place): (usize, &f64)| {
             (place - (places[0] + n as f64 * step)).abs() < 1e-6 * step.abs()
         };
-        let rises = places.len() > 2 && step > 0.0 && places.iter().enumerate().all(even);
+        let rises = (3..=ELEMENTS).contains(&places.len())
+            && step > 0.0
+            && places.iter().enumerate().all(even);
         rises.then(|| [places[0] - 0.5 * step, places[0] + (places.len() as f64 - 0.5) * step])
     };
     let (across, upward) = (borders(&x)?, borders(&y)?);
-    let values = study.rows.iter().filter_map(|row| row.values.get(&of.key));
-    let scale = of_key(&of.key, values.fold(0.0, |l: f64, v| l.max(v.abs())));
+    let scale = scale(study, (column, of));
     let mut all = vec![f64::NAN; x.len() * y.len()];
     for row in &study.rows {
-        if let Some(value) = row.values.get(&of.key) {
+        if let Some(value) = row.value(column) {
             all[row.at[1] * x.len() + row.at[0]] = value / scale.factor;
         }
     }

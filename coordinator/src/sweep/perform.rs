@@ -1,24 +1,19 @@
 //! The runs of a sweep, some at a time; what has been run is never run again.
 
+use super::rows::Growing;
 use super::study::{Row, Study};
 use crate::study::axis::Axis;
-use crate::study::folder::StudyFolder;
 use crate::study::levels::reason;
-use crate::study::output::Kept;
 use crate::study::progress::Steps;
 use crate::study::quantity::Quantities;
 use crate::study::{Variant, ends_study, run};
 use run::error::RunError;
 use serde_json::Value;
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::mpsc::{self, Sender};
 use std::thread;
-use std::time::{Duration, Instant};
-
-/// Time after which what has been found is written.
-const WRITTEN: Duration = Duration::from_secs(1);
+use std::time::Instant;
 
 /// How the points are run.
 pub(super) struct How<'a> {
@@ -39,12 +34,14 @@ pub(super) struct How<'a> {
 /// How a run has ended, and the seconds that it took.
 type Ended = (Result<Value, RunError>, f64);
 
-/// Runs every point that `study` lacks; its rows are in the order of the points, however many are run at a time.
+/// Runs every point that a sweep lacks, some at a time; each is in the file as soon as it is found.
 ///
 /// # Errors
 /// The user has stopped it, the file system.
-pub(super) fn fill(study: &mut Study, how: &How<'_>, folder: &StudyFolder) -> Result<(), RunError> {
-    let points: Vec<Point> = study.missing().into_iter().map(|at| Point::new(study, at)).collect();
+pub(super) fn fill(sweep: &mut Growing, how: &How<'_>) -> Result<(), RunError> {
+    let study = &sweep.study;
+    let points: Vec<Point> =
+        study.missing().into_iter().map(|number| Point::new(study, study.point(number))).collect();
     let mut steps = Steps::new(how.quiet, points.len());
     let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
     let outcome = thread::scope(|scope| {
@@ -54,14 +51,19 @@ pub(super) fn fill(study: &mut Study, how: &How<'_>, folder: &StudyFolder) -> Re
             scope.spawn(move || work(how, job, points, next, stopped, &send));
         }
         drop(send);
-        collect(study, how, &points, folder, &mut steps, &receive, &stopped)
+        let mut outcome = Ok(());
+        // When the user has stopped one of them, what the others have found is taken still.
+        for (n, (ended, wall_s)) in receive {
+            steps.step(&sweep.study.told(&points[n].at));
+            let row = sweep.study.row(&points[n].at, ended, wall_s, how.quantities);
+            if let Err(error) = row.and_then(|row| sweep.add(row)) {
+                stopped.store(true, Ordering::Relaxed);
+                outcome = outcome.and(Err(error));
+            }
+        }
+        outcome
     });
     steps.finish();
-    study.rows.sort_by(|a, b| a.at.cmp(&b.at));
-    study.complete = outcome.is_ok();
-    if outcome.is_err() {
-        study.write(folder)?;
-    }
     outcome
 }
 
@@ -76,12 +78,6 @@ impl Point {
         let value = |(one, at): (&Axis, &usize)| (one.key.clone(), one.values[*at].clone());
         let set = study.vary.iter().zip(&at).map(value).collect();
         Self { at, set }
-    }
-
-    fn told(&self) -> String {
-        let each: Vec<String> =
-            self.set.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-        each.join(", ")
     }
 }
 
@@ -108,65 +104,29 @@ fn work(
     }
 }
 
-/// Takes what the jobs send, as rows in the order of the points, and writes it now and then. When the user has stopped one
-/// of them, what the others have found is taken still.
-fn collect(
-    study: &mut Study,
-    how: &How<'_>,
-    points: &[Point],
-    folder: &StudyFolder,
-    steps: &mut Steps,
-    receive: &Receiver<(usize, Ended)>,
-    stopped: &AtomicBool,
-) -> Result<(), RunError> {
-    let mut early: BTreeMap<usize, Ended> = BTreeMap::new();
-    let (mut turn, mut outcome) = (0, Ok(()));
-    let mut written = Instant::now();
-    for (n, ended) in receive {
-        steps.step(&points[n].told());
-        early.insert(n, ended);
-        while let Some(first) =
-            early.first_entry().filter(|one| *one.key() == turn || outcome.is_err())
-        {
-            let (n, (ended, wall_s)) = first.remove_entry();
-            turn = n + 1;
-            if let Err(error) = study.take(&points[n].at, ended, wall_s, how.quantities) {
-                stopped.store(true, Ordering::Relaxed);
-                outcome = outcome.and(Err(error));
-            }
-        }
-        if written.elapsed() > WRITTEN {
-            study.write(folder)?;
-            written = Instant::now();
-        }
-    }
-    outcome
-}
-
 impl Study {
-    /// Takes the end of a run as the row of its point.
-    fn take(
+    /// The end of a run as the row of its point.
+    fn row(
         &mut self,
         at: &[usize],
         ended: Result<Value, RunError>,
         wall_s: f64,
         quantities: &Quantities,
-    ) -> Result<(), RunError> {
-        let mut row = Row { at: at.to_vec(), values: BTreeMap::new(), failed: None, wall_s };
+    ) -> Result<Row, RunError> {
+        let mut row = Row { at: at.to_vec(), values: Vec::new(), failed: None, wall_s };
         match ended {
             Ok(summary) => {
                 let all = quantities.all(&summary);
                 for one in all.iter().filter(|one| !one.key.starts_with("coupling.")) {
                     let Some(value) = one.value(&summary) else { continue };
-                    row.values.insert(one.key.clone(), value);
-                    self.learn(one);
+                    let column = self.learn(one);
+                    row.values.resize(row.values.len().max(column + 1), f64::NAN);
+                    row.values[column] = value;
                 }
             }
             Err(error) if ends_study(&error) => return Err(error),
             Err(error) => row.failed = Some(reason(&error)),
         }
-        self.wall_s += wall_s;
-        self.rows.push(row);
-        Ok(())
+        Ok(row)
     }
 }

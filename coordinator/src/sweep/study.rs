@@ -1,15 +1,18 @@
-//! What a sweep has found so far: `sweep.json`, and `sweep.csv` for everything else.
+//! What a sweep has found so far: what it is of in `sweep.json`, its points in a file of their own.
 
-use super::design::{Design, Part, points_of};
+use super::design::{Design, Part};
+use super::rows;
 use crate::keys;
 use crate::study::Variant;
 use crate::study::axis::Axis;
-use crate::study::output::Kept;
-use crate::study::quantity::Quantity;
+use crate::study::output::{Kept, read_file};
+use crate::study::quantity::{Quantities, Quantity};
+use run::error::RunError;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
+use std::path::Path;
 
-/// A sweep, as `sweep.json` has it.
+/// A sweep, as `sweep.json` has it, and its points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Study {
     /// Version of this layout.
@@ -37,18 +40,30 @@ pub(crate) struct Study {
     pub part: Option<Part>,
     /// Keys of the quantities that are drawn: those that participants rank, or show large.
     pub drawn: Vec<String>,
-    /// The quantities that the runs give, those of most interest first.
+    /// The quantities that the runs give: when the sweep is complete in the order in which participants describe
+    /// them, those of most interest first.
     pub quantities: Vec<Quantity>,
-    /// One for each point that has been run, in the order of the points.
-    pub rows: Vec<Row>,
     /// Seconds of all runs.
     pub wall_s: f64,
+    /// One for each point that has been run; when the sweep is complete in the order of the points.
+    #[serde(skip)]
+    pub rows: Vec<Row>,
+    /// The numbers of the points that have been run.
+    #[serde(skip)]
+    done: HashSet<usize>,
 }
 
 impl Kept for Study {
     const COMMAND: &'static str = "sweep";
     const FILE: &'static str = "sweep.json";
-    const SCHEMA: u32 = 1;
+    const SCHEMA: u32 = 2;
+
+    fn read(folder: &Path) -> Result<Self, RunError> {
+        let mut study: Self = read_file(folder)?;
+        rows::read(&mut study, &folder.join(rows::FILE))?;
+        study.rows.sort_by(|a, b| a.at.cmp(&b.at));
+        Ok(study)
+    }
 }
 
 /// One point.
@@ -56,8 +71,9 @@ impl Kept for Study {
 pub(crate) struct Row {
     /// An index into the values of each key.
     pub at: Vec<usize>,
-    /// Quantities by key; empty where there is no answer.
-    pub values: BTreeMap<String, f64>,
+    /// The quantities of the sweep, in their order; `NaN` where there is none, and none at the end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "rows::gaps")]
+    pub values: Vec<f64>,
     /// Why there is no answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
@@ -69,6 +85,24 @@ pub(crate) struct Row {
 fn units(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
     let described: Vec<_> = plan.participants.iter().map(|one| one.description.clone()).collect();
     keys::units(&described, design.vary.iter().map(|one| one.key.as_str()))
+}
+
+impl Row {
+    /// The quantity of this column.
+    #[must_use]
+    pub(crate) fn value(&self, column: usize) -> Option<f64> {
+        self.values.get(column).copied().filter(|value| value.is_finite())
+    }
+
+    /// Its values in other columns: the n-th is put into the n-th of these.
+    #[must_use]
+    pub(super) fn placed(mut self, columns: &[usize]) -> Self {
+        let length = columns.iter().take(self.values.len()).map(|n| n + 1).max().unwrap_or(0);
+        let mut values = vec![f64::NAN; length];
+        self.values.iter().zip(columns).for_each(|(value, column)| values[*column] = *value);
+        self.values = values;
+        self
+    }
 }
 
 impl Study {
@@ -94,8 +128,9 @@ impl Study {
             part: None,
             drawn: figures.map(|figure| figure.key.clone()).collect(),
             quantities: Vec::new(),
-            rows: Vec::new(),
             wall_s: 0.0,
+            rows: Vec::new(),
+            done: HashSet::new(),
         }
     }
 
@@ -107,42 +142,125 @@ impl Study {
 
     /// Another one is of the same points of the same case, or of a part of them.
     #[must_use]
-    fn is_of_the_same_points(&self, other: &Self) -> bool {
-        let asked =
-            |one: &Self| (one.file.clone(), one.options.clone(), one.vary.clone(), one.paired);
-        self.schema == other.schema && asked(self) == asked(other)
+    pub(super) fn is_of_the_same_points(&self, other: &Self) -> bool {
+        let asked = |one: &Self| (one.schema, one.paired);
+        asked(self) == asked(other)
+            && self.file == other.file
+            && self.options == other.options
+            && self.vary == other.vary
     }
 
-    /// The points that are wanted and have not been run.
+    /// The numbers of the points that are wanted and have not been run.
     #[must_use]
-    pub(super) fn missing(&self) -> Vec<Vec<usize>> {
-        let done: HashSet<&Vec<usize>> = self.rows.iter().map(|row| &row.at).collect();
-        let mut wanted = points_of(&self.vary, self.paired, self.part);
-        wanted.retain(|at| !done.contains(at));
-        wanted
+    pub(super) fn missing(&self) -> Vec<usize> {
+        let part = self.part.unwrap_or(Part { one: 1, of: 1 });
+        let wanted = part.numbers(self.count());
+        wanted.filter(|number| !self.done.contains(number)).collect()
     }
 
-    /// Takes what another sweep of the same points, or of a part of them, has found; false if it is of others.
+    /// How many points the sweep has, all its parts together.
     #[must_use]
-    pub(super) fn collect(&mut self, other: Self) -> bool {
-        if !self.is_of_the_same_points(&other) {
-            return false;
+    pub(super) fn count(&self) -> usize {
+        Design::count(&self.vary, self.paired)
+    }
+
+    /// The sweep with its points, as JSON is printed.
+    #[must_use]
+    pub(super) fn whole(&self) -> impl Serialize {
+        #[derive(Serialize)]
+        struct Whole<'a> {
+            #[serde(flatten)]
+            study: &'a Study,
+            rows: &'a [Row],
         }
-        let wanted: HashSet<Vec<usize>> = self.missing().into_iter().collect();
-        for row in other.rows.into_iter().filter(|row| wanted.contains(&row.at)) {
+        Whole { study: self, rows: &self.rows }
+    }
+
+    /// The point of this number: an index into the values of each key.
+    #[must_use]
+    pub(super) fn point(&self, number: usize) -> Vec<usize> {
+        Design::point(&self.vary, self.paired, number)
+    }
+
+    /// A point in words.
+    #[must_use]
+    pub(super) fn told(&self, at: &[usize]) -> String {
+        let value = |(one, at): (&Axis, &usize)| format!("{} = {}", one.key, one.values[*at]);
+        self.vary.iter().zip(at).map(value).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The number of a point.
+    ///
+    /// # Errors
+    /// There is no such point.
+    pub(super) fn number(&self, at: &[usize]) -> Result<usize, String> {
+        let number = Design::number(&self.vary, self.paired, at);
+        number.ok_or_else(|| format!("there is no point {at:?}"))
+    }
+
+    /// A sweep of a part of these points, of which nothing has been run.
+    #[must_use]
+    pub(super) fn part(&self, part: Part) -> Self {
+        Self {
+            part: Some(part),
+            case: self.case.clone(),
+            title: self.title.clone(),
+            file: self.file.clone(),
+            options: self.options.clone(),
+            vary: self.vary.clone(),
+            units: self.units.clone(),
+            drawn: self.drawn.clone(),
+            quantities: self.quantities.clone(),
+            rows: Vec::new(),
+            done: HashSet::new(),
+            complete: false,
+            wall_s: 0.0,
+            ..*self
+        }
+    }
+
+    /// Adds a row, unless its point has been run, or is not wanted; whether it was added.
+    ///
+    /// # Errors
+    /// There is no such point.
+    pub(super) fn add(&mut self, row: Row) -> Result<bool, String> {
+        let number = self.number(&row.at)?;
+        let wanted = self.part.is_none_or(|part| Part::with(number, part.of) == part.one);
+        let new = wanted && self.done.insert(number);
+        if new {
             self.wall_s += row.wall_s;
             self.rows.push(row);
         }
-        other.quantities.iter().for_each(|one| self.learn(one));
-        self.rows.sort_by(|a, b| a.at.cmp(&b.at));
-        true
+        Ok(new)
     }
 
-    /// A run has this quantity.
-    pub(super) fn learn(&mut self, one: &Quantity) {
-        if self.quantities.iter().all(|other| other.key != one.key) {
+    /// A run has this quantity; its column.
+    pub(super) fn learn(&mut self, one: &Quantity) -> usize {
+        self.column(&one.key).unwrap_or_else(|| {
             self.quantities.push(one.clone());
-        }
+            self.quantities.len() - 1
+        })
+    }
+
+    /// The column of a quantity.
+    #[must_use]
+    pub(crate) fn column(&self, key: &str) -> Option<usize> {
+        self.quantities.iter().position(|one| one.key == key)
+    }
+
+    /// Every point has been run: rows and columns get an order that does not depend on what was run first, and where.
+    pub(super) fn settle(&mut self, known: &Quantities) {
+        self.rows.sort_by(|a, b| a.at.cmp(&b.at));
+        let mut sorted = std::mem::take(&mut self.quantities);
+        let keys: Vec<String> = sorted.iter().map(|one| one.key.clone()).collect();
+        sorted.sort_by_key(|one| (known.place(&one.key), one.key.clone()));
+        self.quantities = sorted;
+        let columns: Vec<usize> = keys.iter().filter_map(|key| self.column(key)).collect();
+        let rows = std::mem::take(&mut self.rows);
+        self.rows = rows.into_iter().map(|row| row.placed(&columns)).collect();
+        // A sum of the same numbers in another order is another one.
+        self.wall_s = self.rows.iter().map(|row| row.wall_s).sum();
+        self.complete = true;
     }
 
     /// The values of a row's keys.
@@ -153,29 +271,12 @@ impl Study {
             .map(|(one, at)| one.values.get(*at).map_or("", String::as_str))
     }
 
-    /// The quantities that are not the same in all rows: those are what a sweep is for.
-    pub(super) fn changing(&self) -> impl Iterator<Item = &Quantity> {
-        self.quantities.iter().filter(|one| {
-            let mut values = self.rows.iter().filter_map(|row| row.values.get(&one.key));
+    /// The quantities that are not the same in all rows: those are what a sweep is for; and their columns.
+    pub(super) fn changing(&self) -> impl Iterator<Item = (usize, &Quantity)> {
+        self.quantities.iter().enumerate().filter(|(column, _)| {
+            let mut values = self.rows.iter().filter_map(|row| row.value(*column));
             let first = values.next();
             values.any(|value| Some(value) != first)
         })
-    }
-
-    /// A row a point: keys, quantities by their keys in `summary.json`, seconds, and why there is no answer.
-    #[must_use]
-    pub(super) fn csv(&self) -> Vec<u8> {
-        let mut out = csv::Writer::from_writer(Vec::new());
-        let keys = self.vary.iter().map(|one| one.key.as_str());
-        let quantities = self.quantities.iter().map(|one| one.key.as_str());
-        // A writer into memory does not fail.
-        let _ = out.write_record(keys.chain(quantities).chain(["wall_s", "failed"]));
-        for row in &self.rows {
-            let values = self.quantities.iter().map(|one| row.values.get(&one.key));
-            let values = values.map(|value| value.map(f64::to_string).unwrap_or_default());
-            let ends = [row.wall_s.to_string(), row.failed.clone().unwrap_or_default()];
-            let _ = out.write_record(self.varied(row).map(str::to_owned).chain(values).chain(ends));
-        }
-        out.into_inner().unwrap_or_default()
     }
 }

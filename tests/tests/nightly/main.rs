@@ -8,7 +8,10 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
 
 mod conform;
+mod engines;
 mod paper;
 #[path = "../shared/paper.rs"]
 mod shared_paper;
 mod stability;
+#[path = "../shared/sweeps.rs"]
+mod sweeps;

@@ -29,6 +29,7 @@ mod conform;
 mod cost;
 mod crowd;
 mod elsewhere;
+mod engines;
 mod exchange;
 mod explicit;
 mod faults;
@@ -62,6 +63,8 @@ mod stability;
 mod start;
 mod surrogate;
 mod sweep;
+#[path = "../shared/sweeps.rs"]
+mod sweeps;
 mod terminal;
 mod threads;
 mod time;

@@ -1,0 +1,72 @@
+//! Points that other sweeps have found: other folders, and parts that a scheduler has run.
+
+use super::design::Part;
+use super::rows::{FILE, Growing};
+use super::study::{Row, Study};
+use crate::study::folder::{StudyFolder, Wanted};
+use crate::study::output::Kept;
+use run::error::{RunError, file_failure};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Takes the points of a sweep in another folder, finished or not.
+///
+/// # Errors
+/// It cannot be read, or is of other points.
+pub(super) fn folder(sweep: &mut Growing, other: &Path) -> Result<(), RunError> {
+    let path = other.join(Study::FILE);
+    let text = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+    let wrong = |why: String| RunError::Usage(format!("--collect {}: {why}", other.display()));
+    let found: Study = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
+    if !sweep.study.is_of_the_same_points(&found) {
+        let fix = "give the case and options that it was made with";
+        return Err(wrong(format!("is of other points; {fix}")));
+    }
+    sweep.collect(found, &other.join(FILE))
+}
+
+/// The same for a part that a task has run, or has not come to.
+///
+/// # Errors
+/// Those of [`folder`].
+pub(super) fn part(sweep: &mut Growing, part: &Path) -> Result<(), RunError> {
+    if part.join(FILE).exists() { folder(sweep, part) } else { Ok(()) }
+}
+
+/// Gives the points that have been run to the parts that they are in and that have not begun, so that no task runs
+/// them again.
+///
+/// # Errors
+/// The file system.
+pub(super) fn hand_out(
+    sweep: &Study,
+    of: usize,
+    place: impl Fn(usize) -> PathBuf,
+) -> Result<(), RunError> {
+    let mut parts: BTreeMap<usize, Vec<&Row>> = BTreeMap::new();
+    for row in &sweep.rows {
+        let number = sweep.number(&row.at).map_err(RunError::Usage)?;
+        parts.entry(Part::with(number, of)).or_default().push(row);
+    }
+    for (one, rows) in parts {
+        let out = place(one);
+        if out.exists() {
+            continue;
+        }
+        let (command, out) = (Study::COMMAND, Some(&*out));
+        let wanted = Wanted { command, name: "", out, replace: false, goes_on: &|_| false };
+        let folder = StudyFolder::choose(&wanted)?;
+        let part = sweep.part(Part { one, of });
+        part.write(&folder)?;
+        let mut part = Growing::begin(part, &folder)?;
+        rows.into_iter().try_for_each(|row| part.add(row.clone()))?;
+    }
+    Ok(())
+}
+
+/// A sweep of this folder that was stopped, or one that is complete too, without its points.
+pub(super) fn earlier(folder: &Path, complete: bool) -> Option<Study> {
+    let text = fs::read(folder.join(Study::FILE)).ok()?;
+    serde_json::from_slice(&text).ok().filter(|study: &Study| complete || !study.complete)
+}

@@ -1,0 +1,22 @@
+//! Sweeps whose tables are to be the same, but for seconds.
+
+use std::path::Path;
+use tests::harness::Table;
+
+/// The table of a sweep without what is different each time.
+pub(crate) fn table(out: &Path) -> Table {
+    let mut table = Table::read(&out.join("sweep.csv"));
+    let wall = table.find("wall_s").unwrap();
+    table.head.remove(wall);
+    for row in &mut table.rows {
+        row.remove(wall);
+    }
+    table
+}
+
+/// Points that have been run so far, as lines of their file.
+pub(crate) fn points(folder: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join("points.jsonl")).unwrap_or_default();
+    let whole = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
+    whole.filter(|line| line.starts_with("{\"point")).map(str::to_owned).collect()
+}
