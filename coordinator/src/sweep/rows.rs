@@ -4,11 +4,12 @@
 
 use super::study::{Row, Study};
 use crate::study::folder::StudyFolder;
+use crate::study::output::{Kept, read_file};
 use crate::study::quantity::Quantity;
 use run::error::{RunError, file_failure};
 use run::results::write::fresh;
 use rustix::fs::OFlags;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::os::unix::fs::OpenOptionsExt;
@@ -26,10 +27,17 @@ enum Line<Q, R> {
     Point(R),
 }
 
-/// Values with `null` where there is none.
-pub(super) fn gaps<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
-    let values = Vec::<Option<f64>>::deserialize(from)?;
-    Ok(values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
+impl Kept for Study {
+    const COMMAND: &'static str = "sweep";
+    const FILE: &'static str = "sweep.json";
+    const SCHEMA: u32 = 2;
+
+    fn read(folder: &Path) -> Result<Self, RunError> {
+        let mut study: Self = read_file(folder)?;
+        read(&mut study, &folder.join(FILE))?;
+        study.rows.sort_by(|a, b| a.at.cmp(&b.at));
+        Ok(study)
+    }
 }
 
 /// Adds the points of a file to a sweep; the length of its whole lines \[byte\].

@@ -1,16 +1,13 @@
 //! What a sweep has found so far: what it is of in `sweep.json`, its points in a file of their own.
 
 use super::design::{Design, Part};
-use super::rows;
 use crate::keys;
 use crate::study::Variant;
 use crate::study::axis::Axis;
-use crate::study::output::{Kept, read_file};
+use crate::study::output::Kept;
 use crate::study::quantity::{Quantities, Quantity};
-use run::error::RunError;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::HashSet;
-use std::path::Path;
 
 /// A sweep, as `sweep.json` has it, and its points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,17 +50,10 @@ pub(crate) struct Study {
     done: HashSet<usize>,
 }
 
-impl Kept for Study {
-    const COMMAND: &'static str = "sweep";
-    const FILE: &'static str = "sweep.json";
-    const SCHEMA: u32 = 2;
-
-    fn read(folder: &Path) -> Result<Self, RunError> {
-        let mut study: Self = read_file(folder)?;
-        rows::read(&mut study, &folder.join(rows::FILE))?;
-        study.rows.sort_by(|a, b| a.at.cmp(&b.at));
-        Ok(study)
-    }
+/// Values with `null` where there is none.
+fn gaps<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
+    let values = Vec::<Option<f64>>::deserialize(from)?;
+    Ok(values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
 }
 
 /// One point.
@@ -72,7 +62,7 @@ pub(crate) struct Row {
     /// An index into the values of each key.
     pub at: Vec<usize>,
     /// The quantities of the sweep, in their order; `NaN` where there is none, and none at the end.
-    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "rows::gaps")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "gaps")]
     pub values: Vec<f64>,
     /// Why there is no answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]

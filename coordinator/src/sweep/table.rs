@@ -21,9 +21,13 @@ struct Column<'a> {
     cells: Cells<'a>,
 }
 
+/// A number of a row.
+type Number<'a> = Box<dyn Fn(&Row) -> Option<f64> + 'a>;
+
 enum Cells<'a> {
-    Numbers(Box<dyn Fn(&Row) -> Option<f64> + 'a>),
-    Texts(Box<dyn for<'r> Fn(&'r Row) -> Option<&'r str> + 'a>),
+    Numbers(Number<'a>),
+    /// Why there is no answer.
+    Failed,
     /// The value of a row at this place of its keys.
     Values(usize, &'a [String]),
 }
@@ -42,7 +46,7 @@ pub(super) fn csv(study: &Study, out: &mut impl Write) -> io::Result<()> {
                 Cells::Numbers(of) => {
                     out.write_field(of(row).map(|value| value.to_string()).unwrap_or_default())?;
                 }
-                Cells::Texts(of) => out.write_field(of(row).unwrap_or_default())?,
+                Cells::Failed => out.write_field(row.failed.as_deref().unwrap_or_default())?,
                 Cells::Values(key, values) => out.write_field(&values[row.at[*key]])?,
             }
         }
@@ -88,8 +92,7 @@ fn columns(study: &Study, numbers: bool) -> Vec<Column<'_>> {
         cells: Cells::Numbers(Box::new(move |row| row.value(n))),
     });
     let wall = Column { name: "wall_s", cells: Cells::Numbers(Box::new(|row| Some(row.wall_s))) };
-    let failed =
-        Column { name: "failed", cells: Cells::Texts(Box::new(|row| row.failed.as_deref())) };
+    let failed = Column { name: "failed", cells: Cells::Failed };
     keys.chain(quantities).chain([wall, failed]).collect()
 }
 
@@ -97,9 +100,7 @@ impl Column<'_> {
     fn field(&self) -> Result<TypePtr, ParquetError> {
         let (physical, logical) = match &self.cells {
             Cells::Numbers(_) => (Physical::DOUBLE, None),
-            Cells::Texts(_) | Cells::Values(..) => {
-                (Physical::BYTE_ARRAY, Some(LogicalType::String))
-            }
+            Cells::Failed | Cells::Values(..) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
         };
         let field = Type::primitive_type_builder(self.name, physical);
         field.with_logical_type(logical).with_repetition(Repetition::OPTIONAL).build().map(Arc::new)
@@ -113,8 +114,9 @@ impl Column<'_> {
         let text = |text: &str| ByteArray::from(text.as_bytes().to_vec());
         match &self.cells {
             Cells::Numbers(of) => append::<DoubleType, W>(group, rows.iter().map(of)),
-            Cells::Texts(of) => {
-                append::<ByteArrayType, W>(group, rows.iter().map(|row| of(row).map(text)))
+            Cells::Failed => {
+                let cells = rows.iter().map(|row| row.failed.as_deref().map(text));
+                append::<ByteArrayType, W>(group, cells)
             }
             Cells::Values(key, values) => {
                 let cells =
