@@ -38,7 +38,7 @@ pub const FOLDER: &str = "checkpoints";
 /// The coordinator's own part; its file is complete only when all others are.
 const OWN: &str = "coordinator.state";
 /// Begins every [`OWN`] file; the digit is the version of its layout.
-const MAGIC: &Magic = b"COSIMCK1";
+const MAGIC: &Magic = b"COSIMCK2";
 
 /// What a run was made from; a resumed run has to be made from the same.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
