@@ -94,7 +94,7 @@ fn a_parallel_scheme_finds_the_same_solution() {
     let table = std::fs::read_to_string(parallel.out().join("iterations.csv")).unwrap();
     assert!(table.starts_with("window,iteration,start_s,end_s,residual,residual_relay_value,"));
     let iterations = summary["coupling"]["iterations"].as_u64().unwrap();
-    assert_eq!(iterations, 62, "33 in a serial scheme: two passes do the work of one");
+    assert_eq!(iterations, 61, "33 in a serial scheme: two passes do the work of one");
 }
 
 #[test]
