@@ -8,6 +8,9 @@ use crate::report::plot::Figure;
 use crate::report::source::{Results, Table};
 use run::format::{Scale, words};
 
+/// A component of less than this share of the largest is what an iteration leaves of zero, and not drawn.
+const NOTHING: f64 = 1e-5;
+
 /// Every field of every grid, the mechanical ones first as the files are named.
 pub(super) fn maps(results: &Results) -> Option<Section> {
     let mut blocks: Vec<Block> = maps::all(results).into_iter().map(Block::Heatmap).collect();
@@ -70,7 +73,7 @@ fn lines_of<'a>(
     let columns: Vec<(&str, Vec<f64>)> = names.filter_map(column).collect();
     let size = |values: &[f64]| values.iter().fold(0.0, |l: f64, v| l.max(v.abs()));
     let largest = columns.iter().map(|(_, values)| size(values)).fold(0.0, f64::max);
-    let shown = columns.iter().filter(|(_, values)| size(values) > 1e-9 * largest);
+    let shown = columns.iter().filter(|(_, values)| size(values) > NOTHING * largest);
     let scale = Scale::of(unit, largest);
     let names: Vec<String> = shown.clone().map(|(name, _)| words(name)).collect();
     let mut figure = Figure::new(names.join(", "), x_label, label("", &scale.unit));
