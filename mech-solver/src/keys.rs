@@ -76,14 +76,17 @@ impl<'a> CheckedParams<'a> {
 
 /// A dotted key fits a path in which `*` stands for any one name.
 fn matches(path: &str, key: &str) -> bool {
-    let (mut path, mut key) = (path.split('.'), key.split('.'));
-    loop {
-        match (path.next(), key.next()) {
-            (None, None) => return true,
-            (Some(pattern), Some(name)) if pattern == "*" || pattern == name => {}
+    let (mut path, mut key) = (path.as_bytes(), key.as_bytes());
+    // Byte by byte: a history looks for its keys in every row, and most paths differ early.
+    while let [first, rest @ ..] = path {
+        let taken = match first {
+            b'*' => key.iter().take_while(|byte| **byte != b'.').count(),
+            _ if key.first() == Some(first) => 1,
             _ => return false,
-        }
+        };
+        (path, key) = (rest, &key[taken..]);
     }
+    key.is_empty()
 }
 
 fn missing(key: &str) -> Refusal {

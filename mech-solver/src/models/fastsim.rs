@@ -200,9 +200,9 @@ struct History {
 impl Rows for History {
     type Contact = Contact;
 
-    fn compute(&self, scene: &Scene) -> Result<Contact, Refusal> {
+    fn compute(&self, scene: &Scene, spent: Option<Contact>) -> Result<Contact, Refusal> {
         let (problem, _) = problem(scene, &self.asked, &self.grid)?;
-        let contact = problem.solve();
+        let contact = problem.solve(spent);
         contact.check_power()?;
         Ok(contact)
     }
@@ -227,7 +227,7 @@ pub(super) fn estimate(scene: &Scene, case: &Params, sticks: bool) -> Option<Kno
     let kind = flexibility::Kind::Single;
     let asked = Asked { given, kind, resolution: COARSE, partial: sticks };
     let (problem, _) = problem(scene, &asked, &grid).ok()?;
-    let summary = problem.solve().summary();
+    let summary = problem.solve(None).summary();
     let figures = summary["contact"].as_object()?.iter();
     let known = |(key, value): (&String, &Value)| Some((format!("contact.{key}"), value.as_f64()?));
     Some(figures.filter_map(known).collect())
@@ -324,7 +324,7 @@ impl Setup for Prepared {
             let history = History { asked, terms, grid };
             return Ok(Box::new(RowByRow::new(history, varying, wanted)));
         }
-        let contact = problem.solve();
+        let contact = problem.solve(None);
         contact.check_power()?;
         let values = |spec: &&'static FieldSpec| {
             let mut values = vec![0.0; precomputed::count(spec, &grid)];

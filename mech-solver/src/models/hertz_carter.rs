@@ -201,7 +201,7 @@ struct History {
 impl Rows for History {
     type Contact = Contact;
 
-    fn compute(&self, scene: &Scene) -> Result<Contact, Refusal> {
+    fn compute(&self, scene: &Scene, _spent: Option<Contact>) -> Result<Contact, Refusal> {
         Ellipse::refuse_rest(scene)?;
         let ellipse = Ellipse::solve(scene, self.given)?;
         Contact::solve(scene, ellipse, self.law, self.terms.adhesion)

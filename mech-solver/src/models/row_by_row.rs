@@ -14,11 +14,15 @@ pub(super) trait Rows {
     /// The contact of a row, of which everything that is asked for follows.
     type Contact;
 
-    /// Computes a row.
+    /// Computes a row, if it likes in the memory of one that is no longer needed.
     ///
     /// # Errors
     /// The scene has no answer.
-    fn compute(&self, scene: &Scene) -> Result<Self::Contact, Refusal>;
+    fn compute(
+        &self,
+        scene: &Scene,
+        spent: Option<Self::Contact>,
+    ) -> Result<Self::Contact, Refusal>;
 
     /// Its measure of work.
     fn work(&self, contact: &Self::Contact) -> u64;
@@ -37,12 +41,14 @@ pub(super) struct RowByRow<R: Rows> {
     wanted: Vec<&'static FieldSpec>,
     trial: Option<(R::Contact, Step)>,
     accepted: Option<(R::Contact, Step)>,
+    /// The contact of an earlier row.
+    spent: Option<R::Contact>,
 }
 
 impl<R: Rows> RowByRow<R> {
     /// Of rows of which these fields are asked for.
     pub(super) fn new(rows: R, varying: Varying, wanted: Vec<&'static FieldSpec>) -> Self {
-        Self { rows, varying, wanted, trial: None, accepted: None }
+        Self { rows, varying, wanted, trial: None, accepted: None, spent: None }
     }
 
     fn write(&self, contact: &R::Contact, outputs: &mut dyn Outputs) {
@@ -62,7 +68,7 @@ impl<R: Rows> Model for RowByRow<R> {
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
         let scene = self.varying.scene(step)?;
-        let contact = self.rows.compute(&scene).map_err(no_answer)?;
+        let contact = self.rows.compute(&scene, self.spent.take()).map_err(no_answer)?;
         self.write(&contact, outputs);
         let work = self.rows.work(&contact);
         self.trial = Some((contact, *step));
@@ -77,14 +83,14 @@ impl<R: Rows> Model for RowByRow<R> {
             }
         }
         let first = self.varying.scene(&Step::STEADY).ok();
-        if let Some(contact) = first.and_then(|scene| self.rows.compute(&scene).ok()) {
+        if let Some(contact) = first.and_then(|scene| self.rows.compute(&scene, None).ok()) {
             self.write(&contact, outputs);
         }
     }
 
     fn accept(&mut self) {
         if let Some(solved) = self.trial.take() {
-            self.accepted = Some(solved);
+            self.spent = self.accepted.replace(solved).map(|(contact, _)| contact);
         }
     }
 

@@ -31,6 +31,8 @@ const MOST_STEPS: f64 = 1e7;
 #[derive(Clone, Debug)]
 pub(super) struct Varying {
     configuration: Configuration,
+    /// Its case with the values of the last window that was asked for.
+    row: Params,
     /// The load under an axle, and that of steady rolling [N].
     carried: Option<(Rc<Carried>, f64)>,
     /// The effect that makes an axle.
@@ -59,7 +61,8 @@ impl Varying {
             return Ok(None);
         }
         let effect = terms.effect_of(Kind::Axle).unwrap_or_default();
-        Ok(Some(Self { configuration: configuration.clone(), carried, effect }))
+        let (configuration, row) = (configuration.clone(), configuration.case.clone());
+        Ok(Some(Self { configuration, row, carried, effect }))
     }
 
     /// The case values of a window.
@@ -131,9 +134,14 @@ impl Varying {
     ///
     /// # Errors
     /// Its values make no scene.
-    pub(super) fn scene(&self, step: &Step) -> Result<Scene, StepError> {
+    pub(super) fn scene(&mut self, step: &Step) -> Result<Scene, StepError> {
         self.refuse_more(step)?;
-        Scene::read(&self.case(step)).map_err(no_answer)
+        match &self.configuration.histories {
+            // The same keys in every row.
+            Some(histories) if self.carried.is_none() => histories.put(&mut self.row, step),
+            _ => self.row = self.case(step),
+        }
+        Scene::read(&self.row).map_err(no_answer)
     }
 
     /// The ellipses of all rows that have one.
@@ -147,12 +155,13 @@ impl Varying {
             };
             return [*still, carried.largest()].into_iter().filter_map(at).collect();
         }
-        let rows = 0..histories.as_ref().map_or(0, |histories| histories.times.len());
-        rows.filter_map(move |row| {
-            let case = histories.as_ref()?.at_row(case, row);
+        let Some(histories) = histories else { return Vec::new() };
+        let mut case = case.clone();
+        let ellipse = |row| {
+            histories.put_row(&mut case, row);
             Ellipse::solve(&Scene::read(&case).ok()?, given).ok()
-        })
-        .collect()
+        };
+        (0..histories.times.len()).filter_map(ellipse).collect()
     }
 
     /// What a grid has to cover, and how finely, for all rows.

@@ -49,36 +49,54 @@ impl Histories {
     /// The case with the values of a row.
     #[must_use]
     pub fn at_row(&self, case: &Params, row: usize) -> Params {
-        self.with(case, |column| column[row.min(column.len() - 1)])
+        let mut case = case.clone();
+        self.put_row(&mut case, row);
+        case
     }
 
     /// The case with the values at a time [s]; those of the first and the last row hold beyond them.
     #[must_use]
     pub fn at_time(&self, case: &Params, time: f64) -> Params {
-        let right = self.times.partition_point(|at| *at <= time);
-        let last = self.times.len() - 1;
-        let (left, right) = (right.saturating_sub(1), right.min(last));
-        let span = self.times[right] - self.times[left];
-        let share = if span > 0.0 { (time - self.times[left]).max(0.0) / span } else { 0.0 };
-        self.with(case, |column| column[left] + share * (column[right] - column[left]))
+        let mut case = case.clone();
+        self.put_time(&mut case, time);
+        case
     }
 
     /// The case in a window: that of its row, or of its middle, whose values are means over the window
     /// to the second order of its length.
     #[must_use]
     pub fn at(&self, case: &Params, step: &Step) -> Params {
+        let mut case = case.clone();
+        self.put(&mut case, step);
+        case
+    }
+
+    /// Puts the values of a window into a case, in the place of those of another one.
+    pub fn put(&self, case: &mut Params, step: &Step) {
         match self.rows {
-            true => self.at_row(case, usize::try_from(step.window).unwrap_or(usize::MAX)),
-            false => self.at_time(case, 0.5 * (step.start + step.end)),
+            true => self.put_row(case, usize::try_from(step.window).unwrap_or(usize::MAX)),
+            false => self.put_time(case, 0.5 * (step.start + step.end)),
         }
     }
 
-    fn with(&self, case: &Params, value: impl Fn(&[f64]) -> f64) -> Params {
-        let mut case = case.clone();
+    /// Puts the values of a row into a case, in the place of those of another one.
+    pub fn put_row(&self, case: &mut Params, row: usize) {
+        self.put_values(case, |column| column[row.min(column.len() - 1)]);
+    }
+
+    fn put_time(&self, case: &mut Params, time: f64) {
+        let right = self.times.partition_point(|at| *at <= time);
+        let last = self.times.len() - 1;
+        let (left, right) = (right.saturating_sub(1), right.min(last));
+        let span = self.times[right] - self.times[left];
+        let share = if span > 0.0 { (time - self.times[left]).max(0.0) / span } else { 0.0 };
+        self.put_values(case, |column| column[left] + share * (column[right] - column[left]));
+    }
+
+    fn put_values(&self, case: &mut Params, value: impl Fn(&[f64]) -> f64) {
         for (key, column) in &self.values {
             put(&mut case.0, key, value(column));
         }
-        case
     }
 }
 

@@ -48,8 +48,8 @@ impl Problem {
         }
     }
 
-    /// Solves it.
-    pub(super) fn solve(&self) -> Contact {
+    /// Solves it, in the memory of a contact that is no longer needed.
+    pub(super) fn solve(&self, spent: Option<Contact>) -> Contact {
         let creepage = match self.prescribed {
             Prescribed::Creepage { xi, eta, phi } => [xi, eta, phi],
             Prescribed::ForceRatio(ratio) => [self.longitudinal_creepage(ratio), 0.0, 0.0],
@@ -59,8 +59,11 @@ impl Problem {
         } else {
             Tangential::Sliding(Sliding::new(self.lattice, creepage, self.friction_bound()))
         };
-        let mut cells = Vec::with_capacity(self.lattice.strips * (self.lattice.cells + 1));
-        let mut strips = Vec::with_capacity(self.lattice.strips);
+        let (mut strips, mut cells) =
+            spent.map(|contact| (contact.strips, contact.cells)).unwrap_or_default();
+        strips.clear();
+        cells.clear();
+        cells.reserve(self.lattice.strips * (self.lattice.cells + 1));
         let mut totals = Totals::default();
         for strip in self.lattice.strips() {
             let (mut own, first) = (Totals::default(), cells.len());

@@ -59,11 +59,11 @@ impl Flexibilities {
     /// The springs for a creepage.
     pub(super) fn springs(&self, kind: Kind, creepage: Creepage) -> Springs {
         match kind {
-            Kind::Three => Springs {
-                flexibility: [self.longitudinal, self.lateral],
-                spin: [self.longitudinal / self.spin, self.lateral / self.spin],
-            },
-            Kind::Single => Springs { flexibility: [self.single(creepage); 2], spin: [1.0; 2] },
+            Kind::Three => Springs::new(
+                [self.longitudinal, self.lateral],
+                [self.longitudinal / self.spin, self.lateral / self.spin],
+            ),
+            Kind::Single => Springs::new([self.single(creepage); 2], [1.0; 2]),
         }
     }
 
@@ -84,11 +84,17 @@ impl Flexibilities {
 pub(super) struct Springs {
     /// L_x and L_y [m/Pa].
     pub(super) flexibility: [f64; 2],
+    /// 1/L_x and 1/L_y [Pa/m].
+    pub(super) stiffness: [f64; 2],
     /// Weights of the spin in the rigid slip [-].
     spin: [f64; 2],
 }
 
 impl Springs {
+    fn new(flexibility: [f64; 2], spin: [f64; 2]) -> Self {
+        Self { flexibility, stiffness: flexibility.map(f64::recip), spin }
+    }
+
     /// Rigid slip over V at (x, y) [-].
     pub(super) fn rigid_slip(&self, [xi, eta, phi]: Creepage, x: f64, y: f64) -> [f64; 2] {
         [xi - self.spin[0] * phi * y, eta + self.spin[1] * phi * x]

@@ -136,84 +136,111 @@ impl March {
             x: self.lattice.node(strip, index),
             bound: largest * self.lattice.bound_shape(index),
         };
-        let (mut traction, mut front) = ([0.0; 2], node(0));
+        let mut front = Front { node: node(0), traction: Traction::default() };
         for index in 1..=self.lattice.cells {
             let rear = node(index);
-            let mut from = front;
-            if let Some(onset) = self.onset(strip.y, traction, [rear, front]) {
+            let mut predictor = self.predictor(strip.y, &front, rear);
+            if let Some(onset) = onset(&front, rear, &predictor) {
                 let unbounded = Node { bound: f64::INFINITY, ..onset };
-                let sticking = [unbounded, front];
-                traction = self.advance(strip.y, traction, sticking, HALVINGS, &mut visit);
-                from = onset;
+                let sticking = self.predictor(strip.y, &front, unbounded);
+                let reached =
+                    self.advance(strip.y, &front, unbounded, sticking, HALVINGS, &mut visit);
+                front = Front { node: onset, traction: reached };
+                predictor = self.predictor(strip.y, &front, rear);
             }
-            traction = self.advance(strip.y, traction, [rear, from], HALVINGS, &mut visit);
-            front = rear;
+            let reached = self.advance(strip.y, &front, rear, predictor, HALVINGS, &mut visit);
+            front = Front { node: rear, traction: reached };
         }
     }
 
-    /// Traction at the rear of a cell in adhesion [Pa].
-    fn predictor(&self, y: f64, front_traction: [f64; 2], [rear, front]: [Node; 2]) -> [f64; 2] {
-        let rigid = self.springs.rigid_slip(self.creepage, 0.5 * (rear.x + front.x), y);
-        let change = |i: usize| (front.x - rear.x) * rigid[i] / self.springs.flexibility[i];
-        std::array::from_fn(|i| front_traction[i] - change(i))
+    /// Traction at the rear of a cell in adhesion.
+    #[inline]
+    fn predictor(&self, y: f64, front: &Front, rear: Node) -> Traction {
+        let rigid = self.springs.rigid_slip(self.creepage, 0.5 * (rear.x + front.node.x), y);
+        let length = front.node.x - rear.x;
+        let change = |i: usize| length * rigid[i] * self.springs.stiffness[i];
+        Traction::of(std::array::from_fn(|i| front.traction.vector[i] - change(i)))
     }
 
-    /// Where in a cell that sticks at its front slip begins: |p + t d| = g + t e, with the changes d
-    /// of the traction and e of the bound over the cell, has one root t in (0, 1), since the left
-    /// side is smaller at t = 0 and larger at t = 1.
-    fn onset(&self, y: f64, traction: [f64; 2], [rear, front]: [Node; 2]) -> Option<Node> {
-        let predictor = self.predictor(y, traction, [rear, front]);
-        let size = norm(predictor);
-        if size <= rear.bound || norm(traction) >= front.bound * (1.0 - AT_THE_BOUND) {
-            return None;
-        }
-        let scale = size.max(front.bound);
-        let (start, end) = (traction.map(|p| p / scale), predictor.map(|p| p / scale));
-        let (bound, change) = (front.bound / scale, (rear.bound - front.bound) / scale);
-        let difference = [end[0] - start[0], end[1] - start[1]];
-        let square = dot(difference, difference) - change * change;
-        let linear = dot(start, difference) - bound * change;
-        let constant = bound * bound - dot(start, start);
-        let root = (linear * linear + square * constant).max(0.0).sqrt();
-        let share = constant / (linear + root);
-        let inside = share > AT_THE_BOUND && share < 1.0 - AT_THE_BOUND;
-        inside.then_some(Node {
-            x: front.x - share * (front.x - rear.x),
-            bound: front.bound + share * (rear.bound - front.bound),
-        })
-    }
-
-    /// Passes over one cell; returns the traction at its rear.
+    /// Passes over one cell with this predictor; returns the traction at its rear.
+    #[inline]
     fn advance(
         &self,
         y: f64,
-        front_traction: [f64; 2],
-        [rear, front]: [Node; 2],
+        front: &Front,
+        rear: Node,
+        predictor: Traction,
         halvings: u32,
         visit: &mut impl FnMut(&Cell),
-    ) -> [f64; 2] {
-        let length = front.x - rear.x;
-        let predictor = self.predictor(y, front_traction, [rear, front]);
-        let (size, before) = (norm(predictor), norm(front_traction));
-        let mut cell = Cell { ends: [rear.x, front.x], ..Cell::default() };
-        let mut rear_traction = predictor;
-        if size > rear.bound {
-            rear_traction = predictor.map(|component| component * (rear.bound / size));
-            let spring = |i: usize| self.springs.flexibility[i] / length;
-            cell.slip = std::array::from_fn(|i| spring(i) * (rear_traction[i] - predictor[i]));
+    ) -> Traction {
+        let mut cell = Cell { ends: [rear.x, front.node.x], ..Cell::default() };
+        let mut reached = predictor;
+        if predictor.size > rear.bound {
+            let share = rear.bound / predictor.size;
+            reached = Traction {
+                vector: predictor.vector.map(|component| component * share),
+                size: rear.bound,
+            };
+            let per_length = cell.length().recip();
+            cell.slip = std::array::from_fn(|i| {
+                let change = reached.vector[i] - predictor.vector[i];
+                self.springs.flexibility[i] * change * per_length
+            });
             cell.slips = true;
         }
-        cell.traction = std::array::from_fn(|i| 0.5 * (front_traction[i] + rear_traction[i]));
-        cell.largest_traction = before.max(size.min(rear.bound));
+        let before = front.traction;
+        cell.traction = std::array::from_fn(|i| 0.5 * (before.vector[i] + reached.vector[i]));
+        cell.largest_traction = before.size.max(reached.size);
         if halvings > 0 && dot(cell.traction, cell.slip) > 0.0 {
-            let middle =
-                Node { x: 0.5 * (rear.x + front.x), bound: 0.5 * (rear.bound + front.bound) };
-            let traction = self.advance(y, front_traction, [middle, front], halvings - 1, visit);
-            return self.advance(y, traction, [rear, middle], halvings - 1, visit);
+            return self.halve(y, front, rear, halvings - 1, visit);
         }
         visit(&cell);
-        rear_traction
+        reached
     }
+
+    /// Passes over both halves of a cell.
+    #[cold]
+    fn halve(
+        &self,
+        y: f64,
+        front: &Front,
+        rear: Node,
+        halvings: u32,
+        visit: &mut impl FnMut(&Cell),
+    ) -> Traction {
+        let middle =
+            Node { x: 0.5 * (rear.x + front.node.x), bound: 0.5 * (rear.bound + front.node.bound) };
+        let predictor = self.predictor(y, front, middle);
+        let reached = self.advance(y, front, middle, predictor, halvings, visit);
+        let front = Front { node: middle, traction: reached };
+        let predictor = self.predictor(y, &front, rear);
+        self.advance(y, &front, rear, predictor, halvings, visit)
+    }
+}
+
+/// Where in a cell that sticks at its front slip begins: |p + t d| = g + t e, with the changes d of the
+/// traction and e of the bound over the cell, has one root t in (0, 1), since the left side is smaller
+/// at t = 0 and larger at t = 1.
+#[inline]
+fn onset(front: &Front, rear: Node, predictor: &Traction) -> Option<Node> {
+    let (node, traction) = (front.node, &front.traction);
+    if predictor.size <= rear.bound || traction.size >= node.bound * (1.0 - AT_THE_BOUND) {
+        return None;
+    }
+    let scale = predictor.size.max(node.bound);
+    let (start, end) = (traction.vector.map(|p| p / scale), predictor.vector.map(|p| p / scale));
+    let (bound, change) = (node.bound / scale, (rear.bound - node.bound) / scale);
+    let difference = [end[0] - start[0], end[1] - start[1]];
+    let square = dot(difference, difference) - change * change;
+    let linear = dot(start, difference) - bound * change;
+    let constant = bound * bound - dot(start, start);
+    let root = (linear * linear + square * constant).max(0.0).sqrt();
+    let share = constant / (linear + root);
+    let inside = share > AT_THE_BOUND && share < 1.0 - AT_THE_BOUND;
+    inside.then_some(Node {
+        x: node.x - share * (node.x - rear.x),
+        bound: node.bound + share * (rear.bound - node.bound),
+    })
 }
 
 /// Tractions this close to the bound slip already, and parts of a cell this short are not cut off.
@@ -228,6 +255,27 @@ struct Node {
     x: f64,
     /// Traction bound [Pa].
     bound: f64,
+}
+
+/// A traction and its magnitude [Pa].
+#[derive(Clone, Copy, Default)]
+struct Traction {
+    vector: [f64; 2],
+    size: f64,
+}
+
+impl Traction {
+    #[inline]
+    fn of(vector: [f64; 2]) -> Self {
+        Self { vector, size: norm(vector) }
+    }
+}
+
+/// The front of a cell.
+#[derive(Clone, Copy)]
+struct Front {
+    node: Node,
+    traction: Traction,
 }
 
 /// Magnitude, without overflow or underflow on the way.
