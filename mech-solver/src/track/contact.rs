@@ -5,6 +5,10 @@
 //! as F_z^(2/3) is linear in d on smooth bodies, by secants of it from (0, 0), within a bracket. Then the tractions
 //! are solved, and κ follows; on a flank of 70° an error of κ comes back multiplied by f tan α/(1 + f tan α) < ½.
 //!
+//! Meanwhile patches stay parted as they were at the first depth. If the criterion says otherwise at the last one,
+//! they are parted anew and the height is found again, and after [`MOST_PARTINGS`] times are left as they are: there
+//! is no height then at which the criterion holds and the force is met.
+//!
 //! **Sequences.** One position after another starts from the pressures, the tractions, the depth and the κ of the
 //! one before; [`WheelOnRail::forget`] makes a position independent of those before, to the accuracy that is
 //! asked for.
@@ -21,6 +25,8 @@ use super::wheelset::{Motion, Wheel, Wheelset};
 const MOST_HEIGHTS: usize = 60;
 /// Rounds of tractions and heights.
 const MOST_ROUNDS: usize = 40;
+/// Rounds in which patches are parted or joined anew.
+const MOST_PARTINGS: usize = 3;
 /// A first depth [m].
 const FIRST_DEPTH: f64 = 2e-5;
 /// Exponent that makes a force linear in the depth.
@@ -80,6 +86,7 @@ impl WheelOnRail {
         match vertical {
             Vertical::Height => {
                 self.pair.press()?;
+                self.pair.complete()?;
                 self.pair.slide(friction)
             }
             Vertical::Force(force) if force >= 0.0 && force.is_finite() => {
@@ -105,15 +112,12 @@ impl WheelOnRail {
             return Ok(solved);
         }
         let tolerance = self.pair.settings.tolerance * force;
-        let mut found = 0.0;
-        let mut last = Trial { depth: 0.0, force: 0.0 };
+        let (mut found, mut partings) = (0.0, 0);
         let mut depth = self.depth;
         for _ in 0..MOST_ROUNDS {
-            let trial = self.press_to(touching, force, depth, last)?;
-            // The second place of a secant, near enough for a next round.
-            let ahead = trial.depth * (force / trial.force).powf(LINEAR);
-            depth = ahead;
+            let trial = self.press_to(touching, force, depth)?;
             self.depth = trial.depth;
+            self.pair.complete()?;
             let solved = self.pair.slide(friction)?;
             found = solved.force[2];
             self.leaning = solved
@@ -122,23 +126,19 @@ impl WheelOnRail {
                 .map(|patch| (patch.tape, patch.load.force[1] / patch.load.force[2]))
                 .collect();
             if (found - force).abs() <= tolerance {
-                return Ok(solved);
+                partings += 1;
+                if partings > MOST_PARTINGS || self.pair.part() {
+                    return Ok(solved);
+                }
             }
             depth = trial.depth * (force / found).powf(LINEAR);
-            last = Trial { depth: 0.0, force: 0.0 };
         }
         Err(TrackError::NotFound { wanted: force, found })
     }
 
-    /// Presses to the depth of a force, the tractions leaning as they did last; from a depth on, and with a
-    /// trial that is known.
-    fn press_to(
-        &mut self,
-        touching: f64,
-        force: f64,
-        first: f64,
-        mut last: Trial,
-    ) -> Result<Trial, TrackError> {
+    /// Presses to the depth of a force, the tractions leaning as they did last, from a depth on.
+    fn press_to(&mut self, touching: f64, force: f64, first: f64) -> Result<Trial, TrackError> {
+        let mut last = Trial { depth: 0.0, force: 0.0 };
         let tolerance = 0.3 * self.pair.settings.tolerance * force;
         let mut bracket = [0.0, f64::INFINITY];
         let mut depth = first;

@@ -11,8 +11,12 @@ mod pool;
 mod pressed;
 pub mod profile;
 pub mod rail;
+pub mod region;
 pub mod search;
 pub mod settings;
 pub mod silhouette;
 pub mod standard;
 pub mod wheelset;
+
+#[cfg(test)]
+mod tests;

@@ -11,6 +11,7 @@ use super::patch::{Patch, Solved, Work};
 use super::pool::Pool;
 use super::pressed::Pressed;
 use super::rail::{Deviation, Rail};
+use super::region::Region;
 use super::search::{Rows, Search, clearance};
 use super::settings::Settings;
 use super::silhouette::{Circles, Shadow, shadow};
@@ -40,6 +41,8 @@ pub(super) struct Pair {
     pub(super) motion: Motion,
     pose: Pose,
     search: Search,
+    /// Rows at which patches are held apart; without them they are where the criterion says.
+    cuts: Option<Vec<i64>>,
     pool: Pool,
     /// The patches at the last height.
     pub(super) pressed: Vec<Pressed>,
@@ -64,6 +67,7 @@ impl Pair {
             pose: Pose::of(&motion, &wheelset),
             motion,
             search: Search::default(),
+            cuts: None,
             pool: Pool::new(settings),
             pressed: Vec::new(),
             sliding: Vec::new(),
@@ -79,6 +83,7 @@ impl Pair {
             self.rows = Rows::of(&self.rail, self.settings.sides[1]);
         }
         self.motion = *motion;
+        self.cuts = None;
         self.pose = Pose::of(motion, &self.wheelset);
         shadow(&self.circles, &self.pose, &mut self.shadow);
         self.work = Work::default();
@@ -98,9 +103,16 @@ impl Pair {
     /// Presses at this height.
     pub(super) fn press(&mut self) -> Result<(), TrackError> {
         let spacing = self.settings.sides[1];
-        let middle = self.pose.middle;
-        let regions =
-            self.search.patches(&self.rows, &self.shadow, middle, spacing, &self.settings.joining);
+        let wheel = (self.shadow.as_slice(), self.pose.middle);
+        if self.cuts.is_none() {
+            self.search.patches(&self.rows, wheel, spacing, &[]);
+        }
+        let cuts = match self.cuts.take() {
+            Some(cuts) => cuts,
+            None => self.search.cuts(&self.rows, spacing, &self.settings.joining),
+        };
+        let regions = self.search.patches(&self.rows, wheel, spacing, &cuts);
+        self.cuts = Some(cuts);
         let bodies = (&self.rail, &self.wheel, &self.pose);
         let mut pressed = Vec::with_capacity(regions.len());
         for region in &regions {
@@ -112,6 +124,29 @@ impl Pair {
         }
         pressed.retain(|patch| patch.normal_force > 0.0);
         self.pressed = pressed;
+        Ok(())
+    }
+
+    /// Whether patches are apart where the criterion says at this height, and from now on are.
+    pub(super) fn part(&mut self) -> bool {
+        let spacing = self.settings.sides[1];
+        let found = self.search.cuts(&self.rows, spacing, &self.settings.joining);
+        let wheel = (self.shadow.as_slice(), self.pose.middle);
+        let parted = |regions: Vec<Region>| -> Vec<[i64; 2]> {
+            regions.into_iter().map(|region| region.rows).collect()
+        };
+        let anew = parted(self.search.patches(&self.rows, wheel, spacing, &found));
+        let held = self.cuts.replace(found).unwrap_or_default();
+        anew == parted(self.search.patches(&self.rows, wheel, spacing, &held))
+    }
+
+    /// Looks for contact in all of the regions.
+    pub(super) fn complete(&mut self) -> Result<(), TrackError> {
+        for patch in &mut self.pressed {
+            let before = patch.iterations;
+            patch.complete(&mut self.pool)?;
+            self.work.normal_iterations += patch.iterations - before;
+        }
         Ok(())
     }
 

@@ -1,7 +1,8 @@
 //! Solvers of the sizes that have been needed.
 //!
 //! A window reaches as far to one side of its origin as to the other, so that its operators are those of its
-//! size alone, wherever it is. Counts are odd products of the primes that transforms are fast with.
+//! size alone, wherever it is. Its counts are the largest odd ones below products of the primes that transforms
+//! are fast with, so that contacts of about the same size share solvers.
 
 use super::local::Window;
 use super::settings::Settings;
@@ -12,16 +13,15 @@ use numerics::convolution::smooth_size;
 use proto::grid::Structured;
 
 /// Sizes that are kept, of either kind.
-const KEPT: usize = 24;
+const KEPT: usize = 40;
 /// Tolerance of the pressure over that of the tractions.
 const PRESSURE_SHARE: f64 = 1e-2;
 
-/// The elements on either side of an origin that make a window of a size that transforms like, and at least
-/// these.
+/// At least this many elements on either side of an origin: as many as a transform of the next size takes.
 pub(super) fn room(half: usize) -> usize {
     let least = 2 * half.max(3) + 1;
-    let odd = (least..).step_by(2).find(|count| smooth_size(*count) == *count);
-    odd.unwrap_or(least) / 2
+    let size = smooth_size(least);
+    if size % 2 == 1 { size / 2 } else { size / 2 - usize::from(size > least) }
 }
 
 /// The solvers.

@@ -4,14 +4,20 @@ use super::error::TrackError;
 use super::local::{Frame, NOTHING, Window, undeformed_distance};
 use super::pool::{Pool, room};
 use super::rail::Rail;
-use super::search::Region;
+use super::region::Region;
 use super::settings::Settings;
 use super::wheelset::{Pose, Wheel};
 use crate::half_space::extent::Moments;
 use crate::half_space::normal::Prescribed;
 use proto::grid::Structured;
 
+/// Elements by which a contact may grow on each side from one height to the next, beside the one round it.
+const GROWTH: usize = 1;
+
 /// A patch and its pressure.
+///
+/// From a pressure that is near, the patch is solved on the part of its window that the contact had, until
+/// [`Pressed::complete`] is asked for.
 #[derive(Clone, Debug)]
 pub(super) struct Pressed {
     pub(super) region: Region,
@@ -23,6 +29,8 @@ pub(super) struct Pressed {
     pub(super) pressure: Vec<f64>,
     /// Normal force [N].
     pub(super) normal_force: f64,
+    /// The pressure is that of all of the window.
+    complete: bool,
     /// Iterations of the normal contact.
     pub(super) iterations: usize,
 }
@@ -41,20 +49,51 @@ impl Pressed {
         let mut distance = Vec::new();
         undeformed_distance(&frame, &window, (rail, wheel, pose), &mut distance);
         let mut pressure = vec![0.0; window.points()];
+        let (normal_force, iterations) = (0.0, 0);
+        let mut part = window;
         if let Some(near) = near {
             copy_centred((&near.window, &near.pressure), (&window, &mut pressure));
+            let half = near.contact_window().half;
+            part.half = [0, 1].map(|k| room(half[k] + GROWTH).min(window.half[k]));
         }
-        let solver = pool.normal(&window);
-        let contact = solver.solve(&distance, Prescribed::Approach(0.0), &mut pressure)?;
-        Ok(Self {
-            region: *region,
-            frame,
-            window,
-            distance,
-            pressure,
-            normal_force: contact.normal_force,
-            iterations: contact.iterations,
-        })
+        let complete = part == window;
+        let region = *region;
+        let mut pressed =
+            Self { region, frame, window, distance, pressure, normal_force, complete, iterations };
+        pressed.solve(&part, pool)?;
+        Ok(pressed)
+    }
+
+    /// Solves on all of the window: what is outside a part of it may touch too.
+    pub(super) fn complete(&mut self, pool: &mut Pool) -> Result<(), TrackError> {
+        if self.complete {
+            return Ok(());
+        }
+        self.complete = true;
+        self.solve(&self.window.clone(), pool)
+    }
+
+    /// Solves on a part of the window, from the pressure that is there.
+    fn solve(&mut self, part: &Window, pool: &mut Pool) -> Result<(), TrackError> {
+        let solver = pool.normal(part);
+        let approach = Prescribed::Approach(0.0);
+        let contact = if *part == self.window {
+            solver.solve(&self.distance, approach, &mut self.pressure)?
+        } else {
+            let (mut distance, mut pressure) = (vec![0.0; part.points()], vec![0.0; part.points()]);
+            copy_centred((&self.window, &self.distance), (part, &mut distance));
+            copy_centred((&self.window, &self.pressure), (part, &mut pressure));
+            let contact = solver.solve(&distance, approach, &mut pressure)?;
+            self.pressure.fill(0.0);
+            copy_centred((part, &pressure), (&self.window, &mut self.pressure));
+            contact
+        };
+        self.normal_force = contact.normal_force;
+        self.iterations += contact.iterations;
+        match contact.touches_edge && !self.complete {
+            true => self.complete(pool),
+            false => Ok(()),
+        }
     }
 
     /// Penetration of the undeformed bodies along the normal of the patch [m].

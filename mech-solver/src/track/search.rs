@@ -6,44 +6,15 @@
 //! curvature R_j along x, penetrates over |x − x_j| < √(2 R_j |g_j|). As elastic displacements only open the gap,
 //! no place outside can be in contact.
 //!
-//! *Patches.* Regions are of one patch if the distance along the tape from the last row of one to the first of
-//! the next is no more than [`Joining::distance`], and their angles differ by no more than
-//! [`Joining::angle`]: they then are solved on one half-space and feel each other. Others are of two patches, each
-//! in a plane of its own, that do not.
-//!
-//! *Reference.* A patch has the place and the angle that are the means over it, weighted with |g_j|^(5/2): the
-//! squared penetration, integrated along x over a parabola. Its angle thus is continuous in the position of the
-//! wheel.
-//!
-//! CONTACT weights alike. Between two distances it attenuates the mutual influence in steps, and turns the
-//! planes of patches that come near each other; here there is one distance and neither.
-
 use super::rail::Rail;
+use super::region::{Cuts, Joining, Penetrated, Region, grouped};
 use super::silhouette::Shadow;
 use nalgebra::Vector3;
 
 /// Gaps beyond this are not looked at [m].
 const FAR: f64 = 0.02;
-/// Exponent of a gap in the weight of its row.
-const WEIGHT: f64 = 2.5;
 /// Cosine of the steepest row that a wheel stands on.
 const STEEPEST: f64 = 0.02;
-
-/// When regions are of one patch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Joining {
-    /// Largest distance along the tape [m].
-    pub distance: f64,
-    /// Largest difference of their angles [rad].
-    pub angle: f64,
-}
-
-impl Default for Joining {
-    /// 4 mm, and any angle that a railhead has.
-    fn default() -> Self {
-        Self { distance: 4e-3, angle: std::f64::consts::FRAC_PI_2 }
-    }
-}
 
 /// A row of the rail.
 #[derive(Clone, Copy, Debug)]
@@ -70,28 +41,6 @@ struct Gap {
 }
 
 const OPEN: Gap = Gap { gap: f64::INFINITY, x: 0.0, radius: 0.0 };
-
-/// A region, or several of one patch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Region {
-    /// First and last row j.
-    pub rows: [i64; 2],
-    /// Least and largest x [m].
-    pub x_range: [f64; 2],
-    /// Largest penetration along a normal [m].
-    pub penetration: f64,
-    /// x of the reference [m].
-    pub x: f64,
-    /// Tape distance of the reference [m].
-    pub s: f64,
-    /// Angle of the reference, from the y-axis to the rail's tangent [rad].
-    pub angle: f64,
-    /// Radius of curvature of the wheel along x there [m].
-    pub radius: f64,
-    /// The region reaches an end of the rail's or the wheel's profile.
-    pub at_end: bool,
-    weight: f64,
-}
 
 /// The gaps of a pair, and memory for them.
 #[derive(Clone, Debug, Default)]
@@ -144,24 +93,31 @@ pub fn clearance(rows: &Rows, shadow: &[Shadow], middle: Vector3<f64>) -> Option
 
 impl Search {
     /// The patches of a wheel with this shadow, its middle here, in the order of their places along the tape,
-    /// whose rows are `spacing` apart [m].
+    /// whose rows are `spacing` apart [m]; they are held apart at these rows, or where the criterion says.
     pub fn patches(
         &mut self,
         rows: &Rows,
-        shadow: &[Shadow],
-        middle: Vector3<f64>,
+        (shadow, middle): (&[Shadow], Vector3<f64>),
         spacing: f64,
-        joining: &Joining,
+        cuts: &Cuts,
     ) -> Vec<Region> {
         self.measure(rows, shadow, [middle.y, middle.z]);
-        let mut patches: Vec<Region> = Vec::new();
-        for region in self.regions(rows, spacing, middle.x) {
-            match patches.last_mut() {
-                Some(last) if last.joins(&region, spacing, joining) => last.join(&region),
-                _ => patches.push(region),
-            }
-        }
-        patches
+        let penetrated: Vec<Region> = self.rows(rows, spacing, middle.x).collect();
+        grouped(&penetrated, cuts)
+    }
+
+    /// Where patches are apart by the criterion, at the gaps that were measured last.
+    #[must_use]
+    pub fn cuts(&self, rows: &Rows, spacing: f64, joining: &Joining) -> Vec<i64> {
+        let runs = self.runs(rows, spacing, 0.0);
+        let apart = runs.windows(2).filter(|pair| !pair[0].joins(&pair[1], spacing, joining));
+        // Where they are farthest from touching.
+        let widest = |pair: &[Region]| {
+            let between = pair[0].rows[1] + 1..pair[1].rows[0];
+            let gap = |j: &i64| self.gaps[(j - rows.first) as usize].gap;
+            between.max_by(|a, b| gap(a).total_cmp(&gap(b))).unwrap_or(pair[1].rows[0])
+        };
+        apart.map(widest).collect()
     }
 
     /// The gaps of all rows: from one row that the shadow is above, along both.
@@ -188,73 +144,41 @@ impl Search {
         }
     }
 
-    /// The rows that penetrate.
-    fn regions(&self, rows: &Rows, spacing: f64, middle: f64) -> Vec<Region> {
+    /// Rows that penetrate, those that follow each other as one.
+    fn runs(&self, rows: &Rows, spacing: f64, middle: f64) -> Vec<Region> {
         let mut found: Vec<Region> = Vec::new();
-        let mut inside = false;
-        let last = self.gaps.len().saturating_sub(1);
-        for (index, (gap, row)) in self.gaps.iter().zip(&rows.rows).enumerate() {
-            if gap.gap >= 0.0 {
-                inside = false;
-                continue;
-            }
-            let beside = [index.checked_sub(1), Some(index + 1)];
-            let ends = |at: Option<usize>| {
-                at.and_then(|at| self.gaps.get(at)).is_none_or(|gap| gap.gap == f64::INFINITY)
-            };
-            let at_end = index == 0 || index == last || beside.into_iter().any(ends);
-            let region =
-                Region::of_row(rows.first + index as i64, gap, row, spacing, middle, at_end);
+        for region in self.rows(rows, spacing, middle) {
             match found.last_mut() {
-                Some(region_before) if inside => region_before.join(&region),
+                Some(last) if last.rows[1] + 1 == region.rows[0] => last.join(&region),
                 _ => found.push(region),
             }
-            inside = true;
         }
         found
     }
-}
 
-impl Region {
-    fn of_row(j: i64, gap: &Gap, row: &Row, spacing: f64, middle: f64, at_end: bool) -> Self {
-        let penetration = -gap.gap;
-        let half = (2.0 * gap.radius * penetration).sqrt();
-        let x = middle + gap.x;
-        Self {
-            rows: [j, j],
-            x_range: [x - half, x + half],
-            penetration,
-            x,
-            s: j as f64 * spacing,
-            angle: row.angle,
-            radius: gap.radius,
-            at_end,
-            weight: penetration.powf(WEIGHT),
-        }
-    }
-
-    fn joins(&self, next: &Self, spacing: f64, joining: &Joining) -> bool {
-        let distance = (next.rows[0] - self.rows[1]) as f64 * spacing;
-        distance <= joining.distance && (next.angle - self.angle).abs() <= joining.angle
-    }
-
-    fn join(&mut self, next: &Self) {
-        let weight = self.weight + next.weight;
-        let mean = |one: f64, other: f64| match weight > 0.0 {
-            true => (self.weight * one + next.weight * other) / weight,
-            false => 0.5 * (one + other),
+    /// The rows that penetrate.
+    fn rows<'a>(
+        &'a self,
+        rows: &'a Rows,
+        spacing: f64,
+        middle: f64,
+    ) -> impl Iterator<Item = Region> + 'a {
+        let ends = |at: Option<usize>| {
+            at.and_then(|at| self.gaps.get(at)).is_none_or(|gap| gap.gap == f64::INFINITY)
         };
-        *self = Self {
-            rows: [self.rows[0], next.rows[1]],
-            x_range: [self.x_range[0].min(next.x_range[0]), self.x_range[1].max(next.x_range[1])],
-            penetration: self.penetration.max(next.penetration),
-            x: mean(self.x, next.x),
-            s: mean(self.s, next.s),
-            angle: mean(self.angle, next.angle),
-            radius: mean(self.radius, next.radius),
-            at_end: self.at_end || next.at_end,
-            weight,
-        };
+        let all = self.gaps.iter().zip(&rows.rows).enumerate();
+        all.filter(|(_, (gap, _))| gap.gap < 0.0).map(move |(index, (gap, row))| {
+            let j = rows.first + index as i64;
+            Region::of(&Penetrated {
+                row: j,
+                s: j as f64 * spacing,
+                angle: row.angle,
+                x: middle + gap.x,
+                penetration: -gap.gap,
+                radius: gap.radius,
+                at_end: ends(index.checked_sub(1)) || ends(Some(index + 1)),
+            })
+        })
     }
 }
 

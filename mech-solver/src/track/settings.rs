@@ -1,6 +1,6 @@
 //! What a wheel on a rail is solved with, and what it is asked for.
 
-use super::search::Joining;
+use super::region::Joining;
 use crate::half_space::influence::Elasticity;
 
 /// Discretisation, bodies and accuracy.
