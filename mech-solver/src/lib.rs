@@ -10,6 +10,7 @@
 //! | [`terms`] | what effects contribute to a contact, kind by kind |
 //! | [`reference`] | closed forms, shared by models, tests and reports |
 //! | [`scene`] | the case values every model reads, as plain structs |
+//! | [`track`] | a wheel on the rail of a track: profiles, placement, patches, creepages, their contact |
 //!
 //! Axes, bodies and signs (Kalker's, as CONTACT has them): x along the rolling direction, y to the
 //! left, z up; the origin is the centre of the undeformed contact and moves with it. Material
@@ -48,6 +49,7 @@ mod strips;
 mod support;
 mod surface;
 pub mod terms;
+pub mod track;
 
 use effects::EFFECTS;
 use entry::Effect;

@@ -7,28 +7,9 @@
 //! spline there: a spline through a corner that turns by τ between points of spacing h swings about
 //! the chords by 0.08 τ h, 0.02 τ h, … on either side, and a light contact touches on such a bump alone.
 //!
-//! *Kinks.* With the turns τ_k of the chords and the curvatures c_k = 2 τ_k/(h_{k−1} + h_k), a point is
-//! a kink if |τ_k| > [`LEAST_TURN`], which moves a spline by less than 10⁻⁴ h; if |c_k| is more than
-//! [`SHARPNESS`] times the second largest among the points two and three away, so that neither an arc
-//! that begins nor a rounding with points of its own is one, and a corner cut by two kinks is two; and if
-//! it is as much over the median of all points, which is what noise amounts to. A corner between two
-//! points is two kinks, and the chord between them straight.
-//!
-//! *Smoothing.* Between kinks the curve minimises ∫z''² + (1/λ) Σ (z_k − measured)², with λ as large as
-//! leaves every point within the tolerance; kinks and ends stay. A corner that turns by less than the
-//! tolerance, τ h_{k−1} h_k/(h_{k−1} + h_k), is smoothed like everything else.
-//!
-//! Source: de Boor, *A Practical Guide to Splines* (1978) ch. 4 and 14; Reinsch, Numer. Math. 10 (1967)
-//! 177, for the smoothing spline.
+//! Where it has kinks and how it is smoothed: [`super::spline`].
 
-/// Smallest turn of a kink [rad].
-const LEAST_TURN: f64 = 2e-3;
-/// How much sharper than its surroundings a kink is.
-const SHARPNESS: f64 = 4.0;
-/// Steps of the search for λ, each halving the logarithm's bracket.
-const STEPS: usize = 40;
-/// Range of λ over the cubed mean spacing: nothing is moved; a hundred points are smoothed together.
-const SMOOTHING: [f64; 2] = [1e-6, 1e8];
+use super::spline::{kinks, smoothed, smoothest};
 
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +35,10 @@ impl Curve {
     #[must_use]
     pub fn new(y: Vec<f64>, z: Vec<f64>, tolerance: f64) -> Self {
         assert!(y.len() == z.len() && y.len() >= 2, "{} places, {} heights", y.len(), z.len());
-        let kinks = kinks(&y, &z, tolerance);
+        let spacing: Vec<f64> = y.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let slope = |k: usize| (z[k + 1] - z[k]) / spacing[k];
+        let turns: Vec<f64> = (1..y.len() - 1).map(|k| slope(k) - slope(k - 1)).collect();
+        let kinks = kinks(&spacing, &turns, tolerance);
         let mut curve = Self { bend: vec![0.0; y.len()], y, z, kinks, moved: 0.0 };
         let last = curve.y.len() - 1;
         let ends = std::iter::once(0).chain(curve.kinks.iter().copied()).chain([last]);
@@ -111,137 +95,16 @@ impl Curve {
             return;
         }
         let (y, z) = (&self.y[first..=last], &self.z[first..=last]);
-        let mut best = smoothed(y, z, 0.0);
-        if tolerance > 0.0 {
-            let spacing = (y[y.len() - 1] - y[0]) / (y.len() - 1) as f64;
-            let mut bracket = SMOOTHING.map(|factor| (factor * spacing.powi(3)).ln());
-            for step in 0..STEPS {
-                // The strongest first: it may do.
-                let exponent = if step == 0 { bracket[1] } else { 0.5 * (bracket[0] + bracket[1]) };
-                let found = smoothed(y, z, exponent.exp());
-                let within = found.moved <= tolerance;
-                bracket[usize::from(!within)] = exponent;
-                if within {
-                    best = found;
-                }
-                if within && step == 0 {
-                    break;
-                }
-            }
-        }
-        self.moved = self.moved.max(best.moved);
+        let spacing = (y[y.len() - 1] - y[0]) / (y.len() - 1) as f64;
+        let (best, moved) = smoothest(spacing, tolerance, |lambda| {
+            let found = smoothed(y, z, lambda);
+            let moved = found.moves.iter().fold(0.0, |most: f64, by| most.max(by.abs()));
+            (found, moved)
+        });
+        self.moved = self.moved.max(moved);
         self.z[first..=last].copy_from_slice(&best.z);
         self.bend[first..=last].copy_from_slice(&best.bend);
     }
-}
-
-/// Indices of the kinks of a polygon.
-fn kinks(y: &[f64], z: &[f64], tolerance: f64) -> Vec<usize> {
-    let spacing: Vec<f64> = y.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let slope = |k: usize| (z[k + 1] - z[k]) / spacing[k];
-    let inner = 1..y.len() - 1;
-    let turns: Vec<f64> = inner.clone().map(|k| slope(k) - slope(k - 1)).collect();
-    let curvature = |(k, turn): (usize, &f64)| 2.0 * turn.abs() / (spacing[k] + spacing[k + 1]);
-    let curvatures: Vec<f64> = turns.iter().enumerate().map(curvature).collect();
-    let mut sorted = curvatures.clone();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-    let is_kink = |k: &usize| {
-        let at = k - 1;
-        let (left, right) = (spacing[at], spacing[at + 1]);
-        let corner = turns[at].abs() * left * right / (left + right);
-        let around = second_largest(&curvatures, at);
-        let sharp = around.is_some_and(|c| curvatures[at] > SHARPNESS * c.max(median));
-        sharp && turns[at].abs() > LEAST_TURN && corner > tolerance
-    };
-    inner.filter(is_kink).collect()
-}
-
-/// The second largest value among those two and three places from `at`; the only one, if there is one.
-fn second_largest(values: &[f64], at: usize) -> Option<f64> {
-    let before = [3, 2].into_iter().filter_map(|d| at.checked_sub(d));
-    let around = before.chain([at + 2, at + 3]).filter_map(|k| values.get(k).copied());
-    let mut around: Vec<f64> = around.collect();
-    around.sort_by(f64::total_cmp);
-    around.iter().rev().nth(1).or(around.first()).copied()
-}
-
-/// Points of a smoothing spline.
-struct Smoothed {
-    z: Vec<f64>,
-    bend: Vec<f64>,
-    moved: f64,
-}
-
-/// The spline of λ through points whose ends stay: (R + λ QᵀVQ) z'' = Qᵀ measured and
-/// z = measured − λ V Q z'', with Q the second differences, V one but for the ends. λ = 0
-/// interpolates.
-fn smoothed(y: &[f64], z: &[f64], lambda: f64) -> Smoothed {
-    let count = y.len();
-    let h: Vec<f64> = y.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let free = |k: usize| if k == 0 || k == count - 1 { 0.0 } else { lambda };
-    // Column k of Q, at the points k − 1, k and k + 1.
-    let q = |k: usize| [1.0 / h[k - 1], -1.0 / h[k - 1] - 1.0 / h[k], 1.0 / h[k]];
-    // Rows k of the matrix: on the diagonal and one and two places beside it.
-    let row = |k: usize| {
-        let [left, middle, right] = q(k);
-        let diagonal = (h[k - 1] + h[k]) / 3.0
-            + free(k - 1) * left * left
-            + free(k) * middle * middle
-            + free(k + 1) * right * right;
-        let next = (k + 2 < count).then(|| q(k + 1));
-        let beside = next.map_or(0.0, |[first, second, _]| {
-            h[k] / 6.0 + free(k) * middle * first + free(k + 1) * right * second
-        });
-        let beyond = if k + 3 < count { free(k + 1) * right * q(k + 2)[0] } else { 0.0 };
-        [diagonal, beside, beyond]
-    };
-    let right_side = |k: usize| {
-        let [left, middle, right] = q(k);
-        left * z[k - 1] + middle * z[k] + right * z[k + 1]
-    };
-    let inner = 1..count - 1;
-    let mut bend = vec![0.0; count];
-    let solved = solve_pentadiagonal(
-        inner.clone().map(row).collect(),
-        inner.clone().map(right_side).collect(),
-    );
-    bend[inner].copy_from_slice(&solved);
-    let (mut smooth, mut moved) = (z.to_vec(), 0.0_f64);
-    if lambda > 0.0 {
-        for k in 1..count - 1 {
-            let turn = (bend[k + 1] - bend[k]) / h[k] - (bend[k] - bend[k - 1]) / h[k - 1];
-            smooth[k] -= lambda * turn;
-            moved = moved.max((lambda * turn).abs());
-        }
-    }
-    Smoothed { z: smooth, bend, moved }
-}
-
-/// Solves a symmetric positive definite system by LDLᵀ; `rows` holds the diagonal and what stands one
-/// and two places beside it.
-fn solve_pentadiagonal(mut rows: Vec<[f64; 3]>, mut values: Vec<f64>) -> Vec<f64> {
-    let count = rows.len();
-    for k in 0..count {
-        let [diagonal, beside, beyond] = rows[k];
-        let factors = [beside / diagonal, beyond / diagonal];
-        if k + 1 < count {
-            rows[k + 1][0] -= factors[0] * beside;
-            rows[k + 1][1] -= factors[0] * beyond;
-            values[k + 1] -= factors[0] * values[k];
-        }
-        if k + 2 < count {
-            rows[k + 2][0] -= factors[1] * beyond;
-            values[k + 2] -= factors[1] * values[k];
-        }
-        rows[k] = [diagonal, factors[0], factors[1]];
-    }
-    for k in (0..count).rev() {
-        let [diagonal, one, two] = rows[k];
-        let after = |distance: usize| values.get(k + distance).copied().unwrap_or(0.0);
-        values[k] = values[k] / diagonal - one * after(1) - two * after(2);
-    }
-    values
 }
 
 #[cfg(test)]

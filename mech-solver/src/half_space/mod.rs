@@ -6,7 +6,7 @@
 //! | [`normal`] | the normal contact by bound-constrained conjugate gradients |
 //! | [`area`] | area of a contact, finer than its elements |
 //! | [`extent`] | a grid that grows until the contact fits; moments of a pressure |
-//! | [`profile`], [`curve`] | a measured lateral profile, from a file; splines between its kinks |
+//! | [`profile`], [`curve`], `spline` | a measured lateral profile, from a file; splines between its kinks |
 //! | [`patches`] | the patches of a pressure: load, place and size of each |
 //! | [`coupling`] | what normal and tangential contact do to each other when the bodies differ |
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
@@ -30,5 +30,6 @@ pub mod patches;
 mod prescribed;
 pub mod profile;
 pub mod slip_operator;
+pub(crate) mod spline;
 pub mod subsurface;
 pub mod tangential;

@@ -1,0 +1,183 @@
+//! A wheel on a rail: the patches at a height of the wheelset, or under a vertical force.
+//!
+//! **Force.** The depth d of the wheelset below the height at which it touches is looked for at which
+//! F_z(d) = Σ N (cos α + κ sin α) over the patches, κ = F_s/N their lateral tractions at last, meets the force:
+//! as F_z^(2/3) is linear in d on smooth bodies, by secants of it from (0, 0), within a bracket. Then the tractions
+//! are solved, and κ follows; on a flank of 70° an error of κ comes back multiplied by f tan α/(1 + f tan α) < ½.
+//!
+//! Meanwhile patches stay parted as they were at the first depth. If the criterion says otherwise at the last one,
+//! they are parted anew and the height is found again, and after [`MOST_PARTINGS`] times are left as they are: there
+//! is no height then at which the criterion holds and the force is met.
+//!
+//! **Sequences.** One position after another starts from the pressures, the tractions, the depth and the κ of the
+//! one before; [`WheelOnRail::forget`] makes a position independent of those before, to the accuracy that is
+//! asked for.
+
+use super::error::TrackError;
+use super::outline::Outline;
+use super::pair::{Friction, Pair, nearest};
+use super::patch::{Solved, Work};
+use super::rail::{Deviation, NoGauge, Rail, Side, Track};
+use super::settings::{Settings, Vertical};
+use super::wheelset::{Motion, Wheel, Wheelset};
+
+/// Heights that are tried for a force.
+const MOST_HEIGHTS: usize = 60;
+/// Rounds of tractions and heights.
+const MOST_ROUNDS: usize = 40;
+/// Rounds in which patches are parted or joined anew.
+const MOST_PARTINGS: usize = 3;
+/// A first depth [m].
+const FIRST_DEPTH: f64 = 2e-5;
+/// Exponent that makes a force linear in the depth.
+const LINEAR: f64 = 2.0 / 3.0;
+
+/// A wheel on a rail.
+#[derive(Debug)]
+pub struct WheelOnRail {
+    pair: Pair,
+    /// Depth below touching at last [m].
+    depth: f64,
+    /// F_s/N of patches, with their places along the tape.
+    leaning: Vec<(f64, f64)>,
+}
+
+/// A depth and its force.
+#[derive(Clone, Copy, Debug)]
+struct Trial {
+    depth: f64,
+    force: f64,
+}
+
+impl WheelOnRail {
+    /// The wheel and the rail of one side, of profiles in the axes of [`super::profile`].
+    ///
+    /// # Errors
+    /// The rail's profile has no gauge point.
+    pub fn new(
+        [wheel, rail]: [&Outline; 2],
+        side: Side,
+        track: &Track,
+        wheelset: &Wheelset,
+        settings: Settings,
+    ) -> Result<Self, NoGauge> {
+        let rail = Rail::placed(rail, side, track)?;
+        let wheel = Wheel::placed(wheel, side, wheelset);
+        let pair = Pair::new(rail, wheel, *wheelset, settings);
+        Ok(Self { pair, depth: FIRST_DEPTH, leaning: Vec::new() })
+    }
+
+    /// Solves a position: the wheelset, how the rail is off its place, what is given along the vertical, and the
+    /// coefficient of friction of every element.
+    ///
+    /// # Errors
+    /// There is no solution, or none was found.
+    pub fn solve(
+        &mut self,
+        motion: &Motion,
+        deviation: &Deviation,
+        vertical: Vertical,
+        friction: Friction<'_>,
+    ) -> Result<Solved, TrackError> {
+        if self.pair.settings.bodies.is_coupled() {
+            return Err(TrackError::Different);
+        }
+        self.pair.go_to(motion, deviation);
+        match vertical {
+            Vertical::Height => {
+                self.pair.press()?;
+                self.pair.complete()?;
+                self.pair.slide(friction)
+            }
+            Vertical::Force(force) if force >= 0.0 && force.is_finite() => {
+                self.under(force, friction)
+            }
+            Vertical::Force(force) => Err(TrackError::Force(force)),
+        }
+    }
+
+    /// Forgets the positions before.
+    pub fn forget(&mut self) {
+        self.pair.forget();
+        self.depth = FIRST_DEPTH;
+        self.leaning.clear();
+    }
+
+    /// Looks for the height under a force.
+    fn under(&mut self, force: f64, friction: Friction<'_>) -> Result<Solved, TrackError> {
+        let touching = self.pair.touching_height().ok_or(TrackError::Beside)?;
+        if force == 0.0 {
+            self.pair.lift_to(touching);
+            let solved = Solved { z: touching, ..Solved::default() };
+            return Ok(solved);
+        }
+        let tolerance = self.pair.settings.tolerance * force;
+        let (mut found, mut partings) = (0.0, 0);
+        let mut depth = self.depth;
+        for _ in 0..MOST_ROUNDS {
+            let trial = self.press_to(touching, force, depth)?;
+            self.depth = trial.depth;
+            self.pair.complete()?;
+            let solved = self.pair.slide(friction)?;
+            found = solved.force[2];
+            self.leaning = solved
+                .patches
+                .iter()
+                .map(|patch| (patch.tape, patch.load.force[1] / patch.load.force[2]))
+                .collect();
+            if (found - force).abs() <= tolerance {
+                partings += 1;
+                if partings > MOST_PARTINGS || self.pair.part() {
+                    return Ok(solved);
+                }
+            }
+            depth = trial.depth * (force / found).powf(LINEAR);
+        }
+        Err(TrackError::NotFound { wanted: force, found })
+    }
+
+    /// Presses to the depth of a force, the tractions leaning as they did last, from a depth on.
+    fn press_to(&mut self, touching: f64, force: f64, first: f64) -> Result<Trial, TrackError> {
+        let mut last = Trial { depth: 0.0, force: 0.0 };
+        let tolerance = 0.3 * self.pair.settings.tolerance * force;
+        let mut bracket = [0.0, f64::INFINITY];
+        let mut depth = first;
+        for _ in 0..MOST_HEIGHTS {
+            self.pair.lift_to(touching - depth);
+            self.pair.press()?;
+            let trial = Trial { depth, force: self.leaning_force() };
+            let off = trial.force - force;
+            if off.abs() <= tolerance {
+                return Ok(trial);
+            }
+            bracket[usize::from(off > 0.0)] = depth;
+            let linear = |trial: &Trial| trial.force.max(0.0).powf(LINEAR);
+            let rise = (linear(&trial) - linear(&last)) / (trial.depth - last.depth);
+            let next = depth + (force.powf(LINEAR) - linear(&trial)) / rise;
+            let [low, high] = bracket;
+            depth = match next > low && next < high {
+                true => next.min(3.0 * depth),
+                false if high.is_finite() => 0.5 * (low + high),
+                false => 2.0 * depth,
+            };
+            last = trial;
+        }
+        Err(TrackError::NotFound { wanted: force, found: last.force })
+    }
+
+    /// Vertical force of the pressures, and of tractions that lean as they did.
+    fn leaning_force(&self) -> f64 {
+        let of = |pressed: &super::pressed::Pressed| {
+            let (sin, cos) = pressed.frame.angle.sin_cos();
+            let known = nearest(&self.leaning, pressed.region.s, |(s, _)| *s);
+            pressed.normal_force * (cos + known.map_or(0.0, |(_, leaning)| *leaning) * sin)
+        };
+        self.pair.pressed.iter().map(of).sum()
+    }
+
+    /// Work of the last position.
+    #[must_use]
+    pub fn work(&self) -> Work {
+        self.pair.work
+    }
+}

@@ -1,0 +1,79 @@
+//! How the wheel moves over the rail at a patch.
+//!
+//! Of the rail it is the point P, of the wheel the point Q of its undeformed surface on the normal through P,
+//! h n from it, h < 0 the undeformed distance there: as rigid slip is that of undeformed bodies, the radius is that of the
+//! undeformed wheel. With their velocities v and angular velocities ω in track axes, and the axes e_x, t, n of the
+//! patch,
+//!
+//! ξ = (v_Q − v_P)·e_x/V, η = (v_Q − v_P)·t/V, φ = (ω_wheel − ω_rail)·n/V,
+//!
+//! and the rolling speed V = ½(|v_x| + |Ω-part of v_x|) is the mean of the speeds at which the patch goes along the
+//! rail and round the wheel. The track's axes go with the wheelset: in a curve they turn with V_x κ, and the rail
+//! turns against that.
+//!
+//! Source: Kalker (1990) §1.2 for V; CONTACT's user guide, ch. 4, for Q.
+
+use super::local::Frame;
+use super::rail::Rail;
+use super::wheelset::{Motion, Pose};
+use crate::half_space::tangential::Creepage;
+use nalgebra::Vector3;
+
+/// Creepages of the wheel relative to the rail, and the rolling speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rolling {
+    /// ξ [-], η [-] and φ [rad/m].
+    pub creepage: Creepage,
+    /// V [m/s].
+    pub speed: f64,
+}
+
+/// A wheelset that does not roll forward.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the wheelset does not roll forward: it goes at {along:.4e} m/s, and its rim at {round:.4e} m/s round the \
+     axle; both have to be above zero"
+)]
+pub struct NotRolling {
+    /// Speed of the patch along the rail [m/s].
+    pub along: f64,
+    /// Speed of the patch round the wheel [m/s].
+    pub round: f64,
+}
+
+/// The creepages of a patch with this frame, at whose origin the undeformed distance is `distance` [m].
+///
+/// # Errors
+/// The wheelset does not roll forward.
+pub fn rolling(
+    frame: &Frame,
+    distance: f64,
+    rail: &Rail,
+    pose: &Pose,
+    motion: &Motion,
+) -> Result<Rolling, NotRolling> {
+    let [ahead, left, up] = frame.axes();
+    let on_wheel = frame.origin + up * distance - pose.middle;
+    let turning = pose.angular_velocity(motion);
+    let middle = Vector3::from(motion.velocity);
+    let spinning = pose.rotation * Vector3::new(0.0, motion.angular_velocity, 0.0);
+    let round = spinning.cross(&on_wheel);
+    let wheel = middle + turning.cross(&on_wheel);
+
+    let [rate_y, rate_z, rate_roll] = rail.rates;
+    let curve = -motion.velocity[0] * rail.curvature;
+    let on_rail = frame.origin - Vector3::new(0.0, rail.origin[0], rail.origin[1]);
+    let rail_turning = Vector3::new(rate_roll, 0.0, curve);
+    let of_curve = Vector3::new(0.0, 0.0, curve).cross(&frame.origin);
+    let of_roll = Vector3::new(rate_roll, 0.0, 0.0).cross(&on_rail);
+    let rail_point = Vector3::new(0.0, rate_y, rate_z) + of_roll + of_curve;
+
+    let along = wheel.x - rail_point.x - round.x;
+    if !(along > 0.0 && round.x < 0.0) {
+        return Err(NotRolling { along, round: -round.x });
+    }
+    let speed = 0.5 * (along - round.x);
+    let slip = (wheel - rail_point) / speed;
+    let spin = (turning - rail_turning).dot(&up) / speed;
+    Ok(Rolling { creepage: [slip.dot(&ahead), slip.dot(&left), spin], speed })
+}

@@ -1,0 +1,54 @@
+//! Why a wheel on a rail has no solution.
+
+use super::creepage::NotRolling;
+use crate::half_space::levels::TangentialError;
+use crate::half_space::normal::NormalError;
+
+/// Why a wheel on a rail has no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TrackError {
+    /// The bodies are of different materials.
+    #[error(
+        "wheel and rail are of different elastic constants, whose pressures and tractions act on each other; \
+         here they have to be of the same"
+    )]
+    Different,
+    /// The wheel is not above the rail.
+    #[error("the wheel is beside the rail: their profiles do not meet at any height")]
+    Beside,
+    /// The force is none that a contact carries.
+    #[error("a vertical force of {0} N cannot press a wheel on a rail")]
+    Force(f64),
+    /// The force is not met.
+    #[error(
+        "the height of the wheelset is not found for a vertical force of {wanted:.6e} N: {found:.6e} N is \
+         nearest"
+    )]
+    NotFound {
+        /// Force asked for [N].
+        wanted: f64,
+        /// Force reached [N].
+        found: f64,
+    },
+    /// A patch has too many elements.
+    #[error(
+        "a patch at a penetration of {penetration:.3e} m needs {elements} elements, more than {limit}"
+    )]
+    Elements {
+        /// Penetration of the undeformed bodies [m].
+        penetration: f64,
+        /// Elements of the patch.
+        elements: usize,
+        /// Most elements.
+        limit: usize,
+    },
+    /// The normal contact of a patch.
+    #[error(transparent)]
+    Normal(#[from] NormalError),
+    /// The tangential contact of a patch.
+    #[error(transparent)]
+    Tangential(#[from] TangentialError),
+    /// The motion of the wheelset.
+    #[error(transparent)]
+    Rolling(#[from] NotRolling),
+}

@@ -1,0 +1,157 @@
+//! The fields of a patch, on its part of the grid over x and the tape distance, and sums of them.
+//!
+//! **Friction power** of an element is that of the step in which a particle of the rail passes it, from the element
+//! ahead: −½(p_I + p_{I+1})·S_I V/Δx ([`crate::half_space::tangential`]). Over a patch it is −V(ξF_x + ηF_y +
+//! φM_z), M_z about the *pivot*, Δx/3 ahead of the origin: half an element less what the rigid slip is taken ahead
+//! of the middle of an element ([`RIGID_SLIP_AHEAD`]), as a step has tractions of its beginning and of its end.
+
+use super::local::Window;
+use crate::half_space::levels::RIGID_SLIP_AHEAD;
+use crate::half_space::tangential::{ElementState, TangentialState};
+use proto::grid::Structured;
+
+/// Fields of a patch; element (i, j) at the index j·nx + i.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fields {
+    /// Element (i, j) of the grid over x and the tape distance that is the first here: its middle is at
+    /// (i Δx, j Δs), x in track axes.
+    pub first: [i64; 2],
+    /// Elements along x and along the tape.
+    pub counts: [usize; 2],
+    /// Sides of an element [m].
+    pub sides: [f64; 2],
+    /// Column and row of the origin of the patch's axes.
+    pub origin: [usize; 2],
+    /// Undeformed distance [m].
+    pub distance: Vec<f64>,
+    /// Pressure [Pa].
+    pub pressure: Vec<f64>,
+    /// Tractions on the wheel, along x and along the tangent [Pa].
+    pub traction: [Vec<f64>; 2],
+    /// Velocity of the wheel's surface relative to the rail's, along x and along the tangent [m/s]; zero outside
+    /// the contact.
+    pub slip_velocity: [Vec<f64>; 2],
+    /// Friction power [W/m²].
+    pub friction_power: Vec<f64>,
+    /// What every element does; all exterior where there are no tractions.
+    pub element: Vec<ElementState>,
+}
+
+/// Forces and moments on the wheel in the axes of a patch, about its origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Along x, along the tangent and along the normal [N].
+    pub force: [f64; 3],
+    /// About the same axes [N m].
+    pub moment: [f64; 3],
+}
+
+impl Fields {
+    /// The fields without tractions on a window whose origin is this element.
+    #[must_use]
+    pub fn pressed(window: &Window, element: [i64; 2], distance: &[f64], pressure: &[f64]) -> Self {
+        let count = window.points();
+        let zeros = || vec![0.0; count];
+        Self {
+            first: [0, 1].map(|k| element[k] - window.half[k] as i64),
+            counts: window.counts(),
+            sides: window.sides,
+            origin: window.half,
+            distance: distance.to_vec(),
+            pressure: pressure.to_vec(),
+            traction: [zeros(), zeros()],
+            slip_velocity: [zeros(), zeros()],
+            friction_power: zeros(),
+            element: vec![ElementState::Exterior; count],
+        }
+    }
+
+    /// Traction bound on a window around the same origin, no larger than this: the pressure times the coefficient
+    /// of friction of the element with these numbers [Pa].
+    #[must_use]
+    pub fn bound(&self, window: &Window, friction: &dyn Fn([i64; 2]) -> f64) -> Vec<f64> {
+        let narrow = window.counts();
+        let shift = [0, 1].map(|k| self.origin[k] - window.half[k]);
+        let of = |at: usize| {
+            let [i, j] = [at % narrow[0] + shift[0], at / narrow[0] + shift[1]];
+            let p = self.pressure[j * self.counts[0] + i];
+            let element = [self.first[0] + i as i64, self.first[1] + j as i64];
+            if p > 0.0 { p * friction(element) } else { 0.0 }
+        };
+        (0..narrow[0] * narrow[1]).map(of).collect()
+    }
+
+    /// Takes the tractions of a solution on a window around the same origin, no larger than this, at the speed
+    /// V [m/s].
+    pub fn take(&mut self, window: &Window, state: &TangentialState, speed: f64) {
+        let (wide, narrow) = (self.counts[0], window.counts());
+        let [left, low] = [0, 1].map(|k| self.origin[k] - window.half[k]);
+        let rate = speed / self.sides[0];
+        for j in 0..narrow[1] {
+            for i in 0..narrow[0] {
+                let from = j * narrow[0] + i;
+                let to = (low + j) * wide + left + i;
+                let mut power = 0.0;
+                for component in 0..2 {
+                    let traction = &state.traction[component];
+                    let ahead = if i + 1 < narrow[0] { traction[from + 1] } else { 0.0 };
+                    let velocity = state.slip[component][from] * rate;
+                    power -= 0.5 * (traction[from] + ahead) * velocity;
+                    self.traction[component][to] = traction[from];
+                    let touches = self.pressure[to] > 0.0;
+                    self.slip_velocity[component][to] = if touches { velocity } else { 0.0 };
+                }
+                self.friction_power[to] = power;
+                self.element[to] = state.element[from];
+            }
+        }
+    }
+
+    /// The grid in the axes of the patch.
+    #[must_use]
+    pub fn grid(&self) -> Structured {
+        let [dx, dy] = self.sides;
+        let [x0, y0] = [0, 1].map(|k| -(self.origin[k] as f64) * self.sides[k]);
+        Structured::contact_plane(x0, y0, dx, dy, self.counts[0], self.counts[1])
+    }
+
+    /// Force and moment of pressure and tractions.
+    #[must_use]
+    pub fn load(&self) -> Load {
+        let grid = self.grid();
+        let mut load = Load::default();
+        for (at, p) in self.pressure.iter().enumerate() {
+            if *p <= 0.0 {
+                continue;
+            }
+            let (x, y) = (grid.x(at % grid.ni), grid.y(at / grid.ni));
+            let [px, py] = [self.traction[0][at], self.traction[1][at]];
+            let sums = load.force.iter_mut().chain(&mut load.moment);
+            let parts = [px, py, *p, y * p, -x * p, x * py - y * px];
+            sums.zip(parts).for_each(|(sum, part)| *sum += part);
+        }
+        let area = grid.element_area();
+        load.force.iter_mut().chain(&mut load.moment).for_each(|sum| *sum *= area);
+        load
+    }
+
+    /// Friction power of the patch [W].
+    #[must_use]
+    pub fn total_power(&self) -> f64 {
+        self.friction_power.iter().sum::<f64>() * self.sides[0] * self.sides[1]
+    }
+
+    /// Where along x, ahead of the origin, the moment is taken that does the work of the spin [m].
+    #[must_use]
+    pub fn pivot(&self) -> f64 {
+        (0.5 - RIGID_SLIP_AHEAD) * self.sides[0]
+    }
+
+    /// Area of the elements that slip over that of all in contact [-].
+    #[must_use]
+    pub fn slip_area_ratio(&self) -> f64 {
+        let count = |state| self.element.iter().filter(|element| **element == state).count() as f64;
+        let (slip, stick) = (count(ElementState::Slip), count(ElementState::Adhesion));
+        if slip > 0.0 { slip / (slip + stick) } else { 0.0 }
+    }
+}

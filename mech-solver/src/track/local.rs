@@ -1,0 +1,279 @@
+//! A patch in its own plane: its axes, and the undeformed distance of the bodies along its normal.
+//!
+//! **Axes of a patch**: origin at a point P of the rail, x along the track, the tangent t = (0, cos α, sin α) to
+//! the left, the normal n = (0, −sin α, cos α) up into the wheel, with the angle α of the patch. P has the tape
+//! distance j₀ Δs and x = i₀ Δx, whole numbers next to the reference of the search: so the elements of all
+//! patches are those of one grid over x and the tape distance, element (i, j) at (i Δx, j Δs). In the plane that
+//! is (x − x_P, s − s_P): over a patch that turns by ±γ the tape is longer than the plane by γ²/6.
+//!
+//! **Undeformed distance** of element (x, t): h = n_w − n_r, where P + x e_x + t t + n n meets the rail at n_r,
+//! and the wheel at n_w. On the rail, r(s) its outline, (r(s) − P)·t = t. On the wheel, with q = Rᵀ(· − M) in
+//! wheelset axes and the outline (y_w(s), −r_w(s)), both
+//!
+//! q_y(n) = y_w(s) and √(q_x² + q_z²) = r_w(s)
+//!
+//! hold: two equations for n and s, by Newton's method from the element beside. Nothing is left out of a yaw or
+//! a roll. Of a row every fourth column is solved, and cubics go through them, which are off a circle of the radius
+//! R by less than (4Δx)⁴/8R³. Where a profile ends there is no body, and the distance is [`NOTHING`].
+
+use super::outline::Outline;
+use super::rail::Rail;
+use super::region::Region;
+use super::wheelset::{Pose, Wheel};
+use nalgebra::Vector3;
+
+/// Distance where one of the bodies is missing [m].
+pub const NOTHING: f64 = 1.0;
+/// A residual of this is rounding [m].
+const EXACT: f64 = 1e-14;
+/// Newton steps at most.
+const STEPS: usize = 12;
+/// Of so many columns one is solved for: along the rail a wheel is as smooth as a circle.
+const EVERY: usize = 4;
+/// Cosine of the steepest surface that a plane sees.
+const STEEPEST: f64 = 0.05;
+
+/// Axes of a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// i₀ and j₀ of its origin.
+    pub element: [i64; 2],
+    /// Its origin in track axes [m].
+    pub origin: Vector3<f64>,
+    /// Its angle, from the y-axis to its tangent [rad].
+    pub angle: f64,
+}
+
+/// Elements of a patch: rectangles of the grid around the origin of its frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Elements on either side of the origin, along x and along the tape.
+    pub half: [usize; 2],
+    /// Sides of an element [m].
+    pub sides: [f64; 2],
+}
+
+impl Frame {
+    /// The axes at the reference of a region; `sides` of the elements [m].
+    #[must_use]
+    pub fn at(region: &Region, rail: &Rail, sides: [f64; 2]) -> Self {
+        let element = [region.x / sides[0], region.s / sides[1]].map(|at| at.round() as i64);
+        let [y, z] = rail.outline.at(element[1] as f64 * sides[1]).position;
+        let origin = Vector3::new(element[0] as f64 * sides[0], y, z);
+        Self { element, origin, angle: region.angle }
+    }
+
+    /// Unit vectors e_x, t and n in track axes.
+    #[must_use]
+    pub fn axes(&self) -> [Vector3<f64>; 3] {
+        let (sin, cos) = self.angle.sin_cos();
+        [Vector3::x(), Vector3::new(0.0, cos, sin), Vector3::new(0.0, -sin, cos)]
+    }
+
+    /// A vector with these components along the axes, in track axes.
+    #[must_use]
+    pub fn track_axes(&self, components: [f64; 3]) -> Vector3<f64> {
+        let axes = self.axes();
+        (0..3).map(|k| axes[k] * components[k]).sum()
+    }
+}
+
+impl Window {
+    /// Number of elements along x and along the tape.
+    #[must_use]
+    pub fn counts(&self) -> [usize; 2] {
+        self.half.map(|half| 2 * half + 1)
+    }
+
+    /// Number of elements.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        let [nx, ny] = self.counts();
+        nx * ny
+    }
+
+    /// Coordinate in the plane of a column or a row [m].
+    #[must_use]
+    pub fn along(&self, axis: usize, at: usize) -> f64 {
+        (at as f64 - self.half[axis] as f64) * self.sides[axis]
+    }
+}
+
+/// The undeformed distance of the elements of a window [m], and what is solved for on the way.
+pub fn undeformed_distance(
+    frame: &Frame,
+    window: &Window,
+    (rail, wheel, pose): (&Rail, &Wheel, &Pose),
+    distance: &mut Vec<f64>,
+) {
+    let [nx, ny] = window.counts();
+    distance.clear();
+    distance.resize(nx * ny, NOTHING);
+    let mut surface = WheelSurface::new(frame, wheel, pose);
+    let start = surface.start();
+    // From the middle out, so that every row starts from the one beside it.
+    let mut sweep = |rows: &mut dyn Iterator<Item = usize>| {
+        let mut guess = start;
+        let mut tape = frame.element[1] as f64 * window.sides[1];
+        for j in rows {
+            let along = window.along(1, j);
+            let Some(height) = rail_height(frame, &rail.outline, along, &mut tape) else {
+                continue;
+            };
+            let row = &mut distance[j * nx..(j + 1) * nx];
+            surface.row(window, along, height, &mut guess, row);
+        }
+    };
+    sweep(&mut (window.half[1]..ny));
+    sweep(&mut (0..window.half[1]).rev());
+}
+
+/// Height of the rail above the plane at t [m], from the tape distance `s` on, which becomes that of the place.
+fn rail_height(frame: &Frame, rail: &Outline, along: f64, s: &mut f64) -> Option<f64> {
+    let (sin, cos) = frame.angle.sin_cos();
+    let [from, to] = rail.range();
+    for _ in 0..STEPS {
+        let place = rail.at(*s);
+        let [y, z] = [place.position[0] - frame.origin.y, place.position[1] - frame.origin.z];
+        let slope = place.tangent[0] * cos + place.tangent[1] * sin;
+        let off = along - (y * cos + z * sin);
+        if slope < STEEPEST {
+            return None;
+        }
+        if off.abs() < EXACT {
+            return (from..=to).contains(s).then(|| z * cos - y * sin);
+        }
+        *s += off / slope;
+    }
+    None
+}
+
+/// The wheel, seen from the plane of a patch.
+struct WheelSurface<'a> {
+    outline: &'a Outline,
+    range: [f64; 2],
+    /// The plane's origin, e_x, t and n in wheelset axes.
+    origin: Vector3<f64>,
+    axes: [Vector3<f64>; 3],
+    near: usize,
+    /// Distances of a row, to one side of the middle.
+    heights: Vec<f64>,
+}
+
+/// The distance at a column, of those at every [`EVERY`]th: a cubic through the four around it.
+fn between(heights: &[f64], column: usize) -> f64 {
+    let (left, part) = (column / EVERY, column % EVERY);
+    let known = |at: usize| heights.get(at).copied().filter(|height| *height < NOTHING);
+    if part == 0 {
+        return known(left).unwrap_or(NOTHING);
+    }
+    let first = left.saturating_sub(1).min(heights.len().saturating_sub(4));
+    let four = [0, 1, 2, 3].map(|k| known(first + k));
+    let x = (column - first * EVERY) as f64 / EVERY as f64;
+    match four {
+        [Some(a), Some(b), Some(c), Some(d)] => {
+            let [to_a, to_b, to_c, to_d] = [x, x - 1.0, x - 2.0, x - 3.0];
+            let ends = to_b * to_c * (d * to_a - a * to_d) / 6.0;
+            ends + to_a * to_d * (b * to_c - c * to_b) / 2.0
+        }
+        // At an end of a profile.
+        _ => match (known(left), known(left + 1)) {
+            (Some(one), Some(next)) => one + (next - one) * part as f64 / EVERY as f64,
+            _ => NOTHING,
+        },
+    }
+}
+
+/// Height above the plane, and s on the wheel's profile [m].
+#[derive(Clone, Copy, Debug)]
+struct Guess {
+    height: f64,
+    s: f64,
+}
+
+impl<'a> WheelSurface<'a> {
+    fn new(frame: &Frame, wheel: &'a Wheel, pose: &Pose) -> Self {
+        let axes = frame.axes().map(|axis| pose.rotation.inverse() * axis);
+        let origin = pose.wheelset_axes(frame.origin);
+        let range = wheel.outline.range();
+        Self { outline: &wheel.outline, range, origin, axes, near: 0, heights: Vec::new() }
+    }
+
+    /// The point of the profile that is nearest to the plane's origin.
+    fn start(&self) -> Guess {
+        let radius = self.origin.x.hypot(self.origin.z);
+        let [from, to] = self.range;
+        let places = (0..=400).map(|k| from + (to - from) * f64::from(k) / 400.0);
+        let off = |s: &f64| {
+            let [y, z] = self.outline.at(*s).position;
+            (y - self.origin.y).hypot(z + radius)
+        };
+        let s = places.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(from);
+        Guess { height: 0.0, s }
+    }
+
+    /// Distances of a row at t above a rail of this height, from the middle out; the guess becomes that of the
+    /// middle.
+    fn row(&mut self, window: &Window, along: f64, rail: f64, guess: &mut Guess, row: &mut [f64]) {
+        let base = self.origin + self.axes[1] * along;
+        let middle = window.half[0];
+        let sections = (middle.div_ceil(EVERY) + 1).max(3);
+        let mut first = *guess;
+        for side in [1.0, -1.0] {
+            self.heights.clear();
+            let mut near = first;
+            // Heights go on as they went, with their differences of first and second order.
+            let (mut change, mut bend) = (0.0, 0.0);
+            for k in 0..=sections {
+                let x = side * (EVERY * k) as f64 * window.sides[0];
+                let guess = Guess { height: near.height + change + bend, s: near.s };
+                let Some(found) = self.meet(base + self.axes[0] * x, guess) else { break };
+                let last = std::mem::replace(&mut change, found.height - near.height);
+                bend = if k > 1 { change - last } else { 0.0 };
+                near = found;
+                if k == 0 {
+                    (first, change) = (near, 0.0);
+                }
+                let inside = (self.range[0]..=self.range[1]).contains(&near.s);
+                self.heights.push(if inside { near.height - rail } else { NOTHING });
+            }
+            for i in 0..=middle {
+                let at = if side > 0.0 { middle + i } else { middle - i };
+                row[at] = between(&self.heights, i);
+            }
+        }
+        *guess = first;
+    }
+
+    /// Where the line along the normal through a place of the plane meets the wheel.
+    fn meet(&mut self, at: Vector3<f64>, guess: Guess) -> Option<Guess> {
+        let normal = self.axes[2];
+        let Guess { mut height, mut s } = guess;
+        for _ in 0..STEPS {
+            let q = at + normal * height;
+            let radius = (q.x * q.x + q.z * q.z).sqrt();
+            let place = self.outline.at_near(s, &mut self.near);
+            let off = [q.y - place.position[0], radius + place.position[1]];
+            if off[0].abs() < EXACT && off[1].abs() < EXACT {
+                return Some(Guess { height, s });
+            }
+            // d(off)/d(height) and −d(off)/ds.
+            let by_height = [normal.y, (q.x * normal.x + q.z * normal.z) / radius];
+            let by_s = [place.tangent[0], -place.tangent[1]];
+            let determinant = by_height[1] * by_s[0] - by_height[0] * by_s[1];
+            if determinant.abs() < STEEPEST {
+                return None;
+            }
+            let (rise, run) = (
+                (off[0] * by_s[1] - off[1] * by_s[0]) / determinant,
+                (off[0] * by_height[1] - off[1] * by_height[0]) / determinant,
+            );
+            height += rise;
+            s += run;
+            if rise.abs() < EXACT && run.abs() < EXACT {
+                return Some(Guess { height, s });
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,202 @@
+//! A wheel on a rail, pressed and sliding at one height after another.
+//!
+//! What depends on a position of the wheelset is made once for it: the shadow, and the rows of a rail that is off
+//! its place. What depends on the height is found from the last height on, and the tractions of a patch from those
+//! of the same patch before.
+
+use super::creepage::rolling;
+use super::error::TrackError;
+use super::fields::Fields;
+use super::patch::{Patch, Solved, Work};
+use super::pool::Pool;
+use super::pressed::Pressed;
+use super::rail::{Deviation, Rail};
+use super::region::Region;
+use super::search::{Rows, Search, clearance};
+use super::settings::Settings;
+use super::silhouette::{Circles, Shadow, shadow};
+use super::wheelset::{Motion, Pose, Wheel, Wheelset};
+use crate::half_space::levels::{Solution, TangentialError};
+use crate::half_space::tangential::{Prescribed, TangentialState};
+
+/// Patches are the same if their places along the tape are no farther from each other than this [m].
+const SAME: f64 = 5e-3;
+
+/// Coefficient of friction of an element, by its numbers (i, j) on the grid over x and the tape distance.
+pub type Friction<'a> = &'a dyn Fn([i64; 2]) -> f64;
+
+/// A wheel and a rail, their solvers, and what they were last.
+#[derive(Debug)]
+pub(super) struct Pair {
+    pub(super) settings: Settings,
+    wheelset: Wheelset,
+    /// The rail as it was placed, and off its place.
+    design: Rail,
+    rail: Rail,
+    rows: Rows,
+    deviation: Deviation,
+    wheel: Wheel,
+    circles: Circles,
+    shadow: Vec<Shadow>,
+    pub(super) motion: Motion,
+    pose: Pose,
+    search: Search,
+    /// Rows at which patches are held apart; without them they are where the criterion says.
+    cuts: Option<Vec<i64>>,
+    pool: Pool,
+    /// The patches at the last height.
+    pub(super) pressed: Vec<Pressed>,
+    /// Tractions of patches, with their places along the tape.
+    sliding: Vec<(f64, [usize; 2], TangentialState)>,
+    pub(super) work: Work,
+}
+
+impl Pair {
+    pub(super) fn new(rail: Rail, wheel: Wheel, wheelset: Wheelset, settings: Settings) -> Self {
+        let motion = Motion::default();
+        Self {
+            settings,
+            wheelset,
+            rows: Rows::of(&rail, settings.sides[1]),
+            design: rail.clone(),
+            rail,
+            deviation: Deviation::default(),
+            circles: Circles::of(&wheel),
+            wheel,
+            shadow: Vec::new(),
+            pose: Pose::of(&motion, &wheelset),
+            motion,
+            search: Search::default(),
+            cuts: None,
+            pool: Pool::new(settings),
+            pressed: Vec::new(),
+            sliding: Vec::new(),
+            work: Work::default(),
+        }
+    }
+
+    /// Goes to a position.
+    pub(super) fn go_to(&mut self, motion: &Motion, deviation: &Deviation) {
+        if self.deviation != *deviation {
+            self.deviation = *deviation;
+            self.rail = self.design.deviated(deviation);
+            self.rows = Rows::of(&self.rail, self.settings.sides[1]);
+        }
+        self.motion = *motion;
+        self.cuts = None;
+        self.pose = Pose::of(motion, &self.wheelset);
+        shadow(&self.circles, &self.pose, &mut self.shadow);
+        self.work = Work::default();
+    }
+
+    /// Goes up or down to a height.
+    pub(super) fn lift_to(&mut self, z: f64) {
+        self.motion.z = z;
+        self.pose.middle.z = self.wheelset.nominal_radius + z;
+    }
+
+    /// Where the wheelset would touch [m]; `None` beside the rail.
+    pub(super) fn touching_height(&self) -> Option<f64> {
+        Some(self.motion.z - clearance(&self.rows, &self.shadow, self.pose.middle)?)
+    }
+
+    /// Presses at this height.
+    pub(super) fn press(&mut self) -> Result<(), TrackError> {
+        let spacing = self.settings.sides[1];
+        let wheel = (self.shadow.as_slice(), self.pose.middle);
+        if self.cuts.is_none() {
+            self.search.patches(&self.rows, wheel, spacing, &[]);
+        }
+        let cuts = match self.cuts.take() {
+            Some(cuts) => cuts,
+            None => self.search.cuts(&self.rows, spacing, &self.settings.joining),
+        };
+        let regions = self.search.patches(&self.rows, wheel, spacing, &cuts);
+        self.cuts = Some(cuts);
+        let bodies = (&self.rail, &self.wheel, &self.pose);
+        let mut pressed = Vec::with_capacity(regions.len());
+        for region in &regions {
+            let near = nearest(&self.pressed, region.s, |near| near.region.s);
+            let found = Pressed::of(region, bodies, &self.settings, &mut self.pool, near)?;
+            self.work.normal_contacts += 1;
+            self.work.normal_iterations += found.iterations;
+            pressed.push(found);
+        }
+        pressed.retain(|patch| patch.normal_force > 0.0);
+        self.pressed = pressed;
+        Ok(())
+    }
+
+    /// Whether patches are apart where the criterion says at this height, and from now on are.
+    pub(super) fn part(&mut self) -> bool {
+        let spacing = self.settings.sides[1];
+        let found = self.search.cuts(&self.rows, spacing, &self.settings.joining);
+        let wheel = (self.shadow.as_slice(), self.pose.middle);
+        let parted = |regions: Vec<Region>| -> Vec<[i64; 2]> {
+            regions.into_iter().map(|region| region.rows).collect()
+        };
+        let anew = parted(self.search.patches(&self.rows, wheel, spacing, &found));
+        let held = self.cuts.replace(found).unwrap_or_default();
+        anew == parted(self.search.patches(&self.rows, wheel, spacing, &held))
+    }
+
+    /// Looks for contact in all of the regions.
+    pub(super) fn complete(&mut self) -> Result<(), TrackError> {
+        for patch in &mut self.pressed {
+            let before = patch.iterations;
+            patch.complete(&mut self.pool)?;
+            self.work.normal_iterations += patch.iterations - before;
+        }
+        Ok(())
+    }
+
+    /// Slides at this height: the patches with their tractions.
+    pub(super) fn slide(&mut self, friction: Friction<'_>) -> Result<Solved, TrackError> {
+        let mut patches = Vec::with_capacity(self.pressed.len());
+        let mut sliding = Vec::with_capacity(self.pressed.len());
+        for pressed in &self.pressed {
+            let Pressed { frame, window, .. } = pressed;
+            let distance = pressed.distance_at_origin();
+            let rolling = rolling(frame, distance, &self.rail, &self.pose, &self.motion)?;
+            let mut fields =
+                Fields::pressed(window, frame.element, &pressed.distance, &pressed.pressure);
+            let part = pressed.contact_window();
+            let bound = fields.bound(&part, friction);
+            let near = nearest(&self.sliding, pressed.region.s, |(s, ..)| *s)
+                .filter(|(_, half, _)| *half == part.half)
+                .map(|(.., state)| state.clone());
+            let levels = self.pool.tangential(&part, pressed.semi_axes());
+            let given = Prescribed::creepages(rolling.creepage);
+            let improved = near.and_then(|state| {
+                let mut solution = Solution::new(state);
+                levels.improve(&bound, &given, None, &mut solution).is_ok().then_some(solution)
+            });
+            // What is too far from the last solution is solved without it.
+            let solution = match improved {
+                Some(solution) => solution,
+                None => levels.solve(&bound, &given).map_err(TangentialError::from)?,
+            };
+            self.work.tangential_contacts += 1;
+            self.work.newton_steps += solution.newton_steps;
+            fields.take(&part, &solution.state, rolling.speed);
+            let bodies = (&self.rail, &self.wheel, &self.pose);
+            patches.push(Patch::of(pressed, fields, rolling, bodies));
+            sliding.push((pressed.region.s, part.half, solution.state));
+        }
+        self.sliding = sliding;
+        Ok(Solved::of(self.motion.z, patches, &self.pose, self.work))
+    }
+
+    /// Forgets what was: the next position is solved as if it were the first.
+    pub(super) fn forget(&mut self) {
+        self.pressed.clear();
+        self.sliding.clear();
+    }
+}
+
+/// The entry whose place is nearest, if it is near.
+pub(super) fn nearest<T>(entries: &[T], s: f64, place: impl Fn(&T) -> f64) -> Option<&T> {
+    let off = |entry: &&T| (place(entry) - s).abs();
+    let found = entries.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+    (off(&found) < SAME).then_some(found)
+}

@@ -1,0 +1,164 @@
+//! A patch under pressure, without tractions.
+
+use super::error::TrackError;
+use super::local::{Frame, NOTHING, Window, undeformed_distance};
+use super::pool::{Pool, room};
+use super::rail::Rail;
+use super::region::Region;
+use super::settings::Settings;
+use super::wheelset::{Pose, Wheel};
+use crate::half_space::extent::Moments;
+use crate::half_space::normal::Prescribed;
+use proto::grid::Structured;
+
+/// Elements by which a contact may grow on each side from one height to the next, beside the one round it.
+const GROWTH: usize = 1;
+
+/// A patch and its pressure.
+///
+/// From a pressure that is near, the patch is solved on the part of its window that the contact had, until
+/// [`Pressed::complete`] is asked for.
+#[derive(Clone, Debug)]
+pub(super) struct Pressed {
+    pub(super) region: Region,
+    pub(super) frame: Frame,
+    pub(super) window: Window,
+    /// Undeformed distance [m], negative where the undeformed bodies penetrate.
+    pub(super) distance: Vec<f64>,
+    /// Pressure [Pa].
+    pub(super) pressure: Vec<f64>,
+    /// Normal force [N].
+    pub(super) normal_force: f64,
+    /// The pressure is that of all of the window.
+    complete: bool,
+    /// Iterations of the normal contact.
+    pub(super) iterations: usize,
+}
+
+impl Pressed {
+    /// The patch of a region; its pressure is looked for from that of `near` on.
+    pub(super) fn of(
+        region: &Region,
+        (rail, wheel, pose): (&Rail, &Wheel, &Pose),
+        settings: &Settings,
+        pool: &mut Pool,
+        near: Option<&Self>,
+    ) -> Result<Self, TrackError> {
+        let frame = Frame::at(region, rail, settings.sides);
+        let window = window(region, &frame, settings)?;
+        let mut distance = Vec::new();
+        undeformed_distance(&frame, &window, (rail, wheel, pose), &mut distance);
+        let mut pressure = vec![0.0; window.points()];
+        let (normal_force, iterations) = (0.0, 0);
+        let mut part = window;
+        if let Some(near) = near {
+            copy_centred((&near.window, &near.pressure), (&window, &mut pressure));
+            let half = near.contact_window().half;
+            part.half = [0, 1].map(|k| room(half[k] + GROWTH).min(window.half[k]));
+        }
+        let complete = part == window;
+        let region = *region;
+        let mut pressed =
+            Self { region, frame, window, distance, pressure, normal_force, complete, iterations };
+        pressed.solve(&part, pool)?;
+        Ok(pressed)
+    }
+
+    /// Solves on all of the window: what is outside a part of it may touch too.
+    pub(super) fn complete(&mut self, pool: &mut Pool) -> Result<(), TrackError> {
+        if self.complete {
+            return Ok(());
+        }
+        self.complete = true;
+        self.solve(&self.window.clone(), pool)
+    }
+
+    /// Solves on a part of the window, from the pressure that is there.
+    fn solve(&mut self, part: &Window, pool: &mut Pool) -> Result<(), TrackError> {
+        let solver = pool.normal(part);
+        let approach = Prescribed::Approach(0.0);
+        let contact = if *part == self.window {
+            solver.solve(&self.distance, approach, &mut self.pressure)?
+        } else {
+            let (mut distance, mut pressure) = (vec![0.0; part.points()], vec![0.0; part.points()]);
+            copy_centred((&self.window, &self.distance), (part, &mut distance));
+            copy_centred((&self.window, &self.pressure), (part, &mut pressure));
+            let contact = solver.solve(&distance, approach, &mut pressure)?;
+            self.pressure.fill(0.0);
+            copy_centred((part, &pressure), (&self.window, &mut self.pressure));
+            contact
+        };
+        self.normal_force = contact.normal_force;
+        self.iterations += contact.iterations;
+        match contact.touches_edge && !self.complete {
+            true => self.complete(pool),
+            false => Ok(()),
+        }
+    }
+
+    /// Penetration of the undeformed bodies along the normal of the patch [m].
+    pub(super) fn approach(&self) -> f64 {
+        -self.distance.iter().copied().fold(0.0, f64::min)
+    }
+
+    /// Undeformed distance at the origin [m]; zero where one of the bodies is missing.
+    pub(super) fn distance_at_origin(&self) -> f64 {
+        let [nx, _] = self.window.counts();
+        let found = self.distance[self.window.half[1] * nx + self.window.half[0]];
+        if found < NOTHING { found } else { 0.0 }
+    }
+
+    /// Part of the window that holds the contact and an element round it.
+    pub(super) fn contact_window(&self) -> Window {
+        let [nx, _] = self.window.counts();
+        let mut most = [0; 2];
+        for (at, p) in self.pressure.iter().enumerate() {
+            if *p > 0.0 {
+                for (k, place) in [at % nx, at / nx].into_iter().enumerate() {
+                    most[k] = most[k].max(place.abs_diff(self.window.half[k]));
+                }
+            }
+        }
+        let half = [0, 1].map(|k| room(most[k] + 1).min(self.window.half[k]));
+        Window { half, ..self.window }
+    }
+
+    /// Semi-axes of the ellipse with the moments of the pressure [m].
+    pub(super) fn semi_axes(&self) -> [f64; 2] {
+        let [nx, ny] = self.window.counts();
+        let [dx, dy] = self.window.sides;
+        let grid = Structured::contact_plane(0.0, 0.0, dx, dy, nx, ny);
+        Moments::of(&grid, &self.pressure).semi_axes
+    }
+}
+
+/// The elements that hold a region, and one round it.
+fn window(region: &Region, frame: &Frame, settings: &Settings) -> Result<Window, TrackError> {
+    let [dx, _] = settings.sides;
+    let along = region.x_range.map(|x| (x - frame.origin.x).abs() / dx);
+    let along = along[0].max(along[1]).ceil() as usize;
+    let across = region.rows.map(|row| row.abs_diff(frame.element[1]) as usize);
+    let half = [room(along + 1), room(across[0].max(across[1]) + 1)];
+    let window = Window { half, sides: settings.sides };
+    match window.points() {
+        elements if elements > settings.limit => {
+            let (penetration, limit) = (region.penetration, settings.limit);
+            Err(TrackError::Elements { penetration, elements, limit })
+        }
+        _ => Ok(window),
+    }
+}
+
+/// A field of one window on another with the same origin, as far as they overlap.
+pub(super) fn copy_centred((from, source): (&Window, &[f64]), (to, target): (&Window, &mut [f64])) {
+    let half = [0, 1].map(|k| from.half[k].min(to.half[k]));
+    let width = 2 * half[0] + 1;
+    let start = |window: &Window, j: usize| {
+        let row = window.half[1] - half[1] + j;
+        row * (2 * window.half[0] + 1) + window.half[0] - half[0]
+    };
+    for j in 0..=2 * half[1] {
+        let (source_at, target_at) = (start(from, j), start(to, j));
+        target[target_at..target_at + width].copy_from_slice(&source[source_at..source_at + width]);
+    }
+}

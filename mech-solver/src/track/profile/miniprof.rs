@@ -1,0 +1,51 @@
+//! Miniprof files, `.ban` of rails and `.whl` of wheels: lines `Key=Value`, then one point a line.
+//!
+//! `ColumnDef` names the columns, of which X (lateral) and Y (vertical) count, `XYPoints` the number of
+//! points. Lengths are in millimetres. X usually points from the field side to the middle of the track, and Y
+//! up or down as the instrument was set: [`super::read::Reading`] says how it is taken. What the instrument
+//! says of areas, tilts and reference points is of no meaning here; points are as measured.
+
+use super::error::ProfileError;
+use super::text::{lines, numbers};
+
+/// Points in the axes of the file [m].
+///
+/// # Errors
+/// A line is neither a key with a value nor a point; other points than announced.
+pub fn points(text: &str) -> Result<Vec<[f64; 2]>, ProfileError> {
+    let (mut found, mut announced) = (Vec::new(), None);
+    let (mut columns, mut count) = ([0, 1], 2);
+    for (line, content) in lines(text, &[]) {
+        if let Some((key, value)) = content.split_once('=') {
+            match key.trim() {
+                "XYPoints" => announced = value.trim().parse::<usize>().ok(),
+                "ColumnDef" => (columns, count) = column_places(line, value)?,
+                _ => {}
+            }
+            continue;
+        }
+        let values = numbers(content).filter(|values| values.len() >= count.min(2));
+        let Some(values) = values.filter(|values| columns.iter().all(|at| *at < values.len()))
+        else {
+            return Err(ProfileError::line(line, format!("is not a point of {count} numbers")));
+        };
+        found.push(columns.map(|at| 1e-3 * values[at]));
+    }
+    match announced {
+        // Some writers announce none.
+        Some(announced) if announced > 0 && announced != found.len() => {
+            Err(ProfileError::Count { announced, found: found.len() })
+        }
+        _ => Ok(found),
+    }
+}
+
+/// Where X and Y stand among the columns, and how many there are.
+fn column_places(line: usize, value: &str) -> Result<([usize; 2], usize), ProfileError> {
+    let names: Vec<&str> = value.split([',', ';']).map(str::trim).collect();
+    let of = |name: &str| names.iter().position(|one| one.eq_ignore_ascii_case(name));
+    match (of("X"), of("Y")) {
+        (Some(x), Some(y)) => Ok(([x, y], names.len())),
+        _ => Err(ProfileError::line(line, "names no columns X and Y in `ColumnDef`")),
+    }
+}

@@ -1,0 +1,38 @@
+//! What a wheel on a rail is solved with, and what it is asked for.
+
+use super::region::Joining;
+use crate::half_space::influence::Elasticity;
+
+/// Discretisation, bodies and accuracy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Sides of an element along x and along the tape [m], of all patches.
+    pub sides: [f64; 2],
+    /// Elastic constants of wheel (body 1) and rail (body 2), of the same material.
+    pub bodies: Elasticity,
+    /// When regions are of one patch.
+    pub joining: Joining,
+    /// Most elements of a patch.
+    pub limit: usize,
+    /// Tractions have settled when they change by less than this share of the largest, a given force is met to
+    /// this share of it.
+    pub tolerance: f64,
+}
+
+impl Settings {
+    /// Elements of these sides [m] on bodies of the same material; the rest as usual.
+    #[must_use]
+    pub fn new(sides: [f64; 2], bodies: Elasticity) -> Self {
+        Self { sides, bodies, joining: Joining::default(), limit: 400_000, tolerance: 1e-5 }
+    }
+}
+
+/// What is given along the vertical.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Vertical {
+    /// The height of the wheelset, as its motion has it.
+    Height,
+    /// The vertical force on the wheel in track axes [N], pressures and tractions together; the height is
+    /// found, and that of the motion is where the search begins.
+    Force(f64),
+}

@@ -1,0 +1,34 @@
+//! Power and momentum: what friction takes is what the forces give.
+
+use super::{rolling, solve, standard, steel};
+use crate::track::rail::Side;
+use crate::track::settings::{Settings, Vertical};
+
+#[test]
+fn friction_takes_what_the_forces_give() {
+    let mut pair = standard(Side::Right, Settings::new([3e-4, 3e-4], steel()));
+    let positions = [(0.0, 0.0), (-3e-3, 4e-3), (-6e-3, -2e-3), (-8.5e-3, 1e-2)];
+    let mut patches = 0;
+    for (y, yaw) in positions {
+        let solved = solve(&mut pair, &rolling(y, 0.0, yaw), Vertical::Force(50e3));
+        for patch in &solved.patches {
+            let [xi, eta, phi] = patch.rolling.creepage;
+            let [along, across, _] = patch.load.force;
+            let moment = patch.load.moment[2] - patch.fields.pivot() * across;
+            let parts =
+                [xi * along, eta * across, phi * moment].map(|part| patch.rolling.speed * part);
+            let exchanged: f64 = parts.iter().map(|part| part.abs()).sum();
+            let given = -parts.iter().sum::<f64>();
+            let off = (patch.friction_power - given).abs() / exchanged;
+            assert!(off < 1e-10, "{y}: {} {given}", patch.friction_power);
+            assert!(patch.friction_power > 0.0);
+            patches += 1;
+        }
+        // The whole is the sum of its parts, in either axes.
+        let sum: f64 = solved.patches.iter().map(|patch| patch.force().z).sum();
+        assert!((sum - solved.force[2]).abs() < 1e-9 * sum);
+        let size = |force: [f64; 3]| force.iter().map(|f| f * f).sum::<f64>().sqrt();
+        assert!((size(solved.force) / size(solved.force_wheelset) - 1.0).abs() < 1e-12);
+    }
+    assert!(patches > 3);
+}

@@ -1,0 +1,112 @@
+//! Several patches, and the grid that they share.
+
+use super::{arc, line, rolling, single, solve, standard, steel};
+use crate::track::contact::WheelOnRail;
+use crate::track::error::TrackError;
+use crate::track::outline::Outline;
+use crate::track::rail::{Deviation, Placing, Side, Track};
+use crate::track::region::Joining;
+use crate::track::settings::{Settings, Vertical};
+use crate::track::wheelset::Wheelset;
+
+/// Two crowns, 12 mm apart.
+fn crowns() -> Outline {
+    let mut points = arc(-6e-3, 20e-3, 0.25, 30);
+    points.extend(arc(6e-3, 20e-3, 0.25, 30));
+    let rail = Outline::new(&points, 0.0).unwrap();
+    let middle = 0.5 * rail.range()[1];
+    rail.starting_at(middle)
+}
+
+#[test]
+fn two_crowns_carry_half_each() {
+    let (rail, wheel) = (crowns(), line(30e-3));
+    let mut pair = single([&wheel, &rail], 0.46, 2e-4);
+    let solved = solve(&mut pair, &rolling(0.0, 0.0, 0.0), Vertical::Force(40e3));
+    assert_eq!(solved.patches.len(), 2);
+    let [one, other] = [&solved.patches[0], &solved.patches[1]];
+    assert!(one.tape < 0.0 && other.tape > 0.0);
+    for patch in [one, other] {
+        assert!((patch.load.force[2] / 20e3 - 1.0).abs() < 1e-3, "{}", patch.load.force[2]);
+    }
+    // On one half-space they push each other away: the same force takes more depth.
+    let wide = Joining { distance: 20e-3, ..Joining::default() };
+    let settings = Settings { joining: wide, ..Settings::new([2e-4, 2e-4], steel()) };
+    let track = Track { placing: Placing::Origin { y: 0.0, z: 0.0 }, cant: 0.0, curvature: 0.0 };
+    let wheelset =
+        Wheelset { flange_back_distance: 0.0, flange_back_position: 0.0, nominal_radius: 0.46 };
+    let mut joined =
+        WheelOnRail::new([&wheel, &rail], Side::Left, &track, &wheelset, settings).unwrap();
+    let together = solve(&mut joined, &rolling(0.0, 0.0, 0.0), Vertical::Force(40e3));
+    assert_eq!(together.patches.len(), 1);
+    assert!(together.z < solved.z - 3e-6, "{} {}", together.z, solved.z);
+    let area = one.area + other.area;
+    assert!((together.patches[0].area / area - 1.0).abs() < 0.05);
+}
+
+/// Tread and flange at once: the elements of all patches are those of one grid along the rail, and none is of two.
+#[test]
+fn all_patches_are_on_one_grid() {
+    let sides = [3e-4, 2e-4];
+    let mut pair = standard(Side::Left, Settings::new(sides, steel()));
+    let mut most = 0;
+    for k in 0..12 {
+        let solved =
+            solve(&mut pair, &rolling(5e-3 + 1e-4 * f64::from(k), 0.0, 0.0), Vertical::Force(90e3));
+        most = most.max(solved.patches.len());
+        for patch in &solved.patches {
+            let fields = &patch.fields;
+            for k in 0..2 {
+                assert_eq!(fields.first[k] + fields.origin[k] as i64, patch.frame.element[k]);
+            }
+            assert_eq!(fields.sides, sides);
+            assert!(
+                (patch.frame.origin.x - patch.frame.element[0] as f64 * sides[0]).abs() < 1e-15
+            );
+            assert!(
+                (patch.tape - patch.frame.element[1] as f64 * sides[1]).abs() <= 0.5 * sides[1]
+            );
+            // No contact on the edge of the window.
+            let [nx, ny] = fields.counts;
+            let edge =
+                |at: usize| at % nx == 0 || at % nx == nx - 1 || at / nx == 0 || at / nx == ny - 1;
+            assert!((0..nx * ny).all(|at| !edge(at) || fields.pressure[at] == 0.0));
+        }
+        let rows = |at: usize| {
+            let fields = &solved.patches[at].fields;
+            let row = |at: usize| fields.first[1] + (at / fields.counts[0]) as i64;
+            let loaded = (0..fields.pressure.len()).filter(|at| fields.pressure[*at] > 0.0);
+            let rows: Vec<i64> = loaded.map(row).collect();
+            [rows[0], rows[rows.len() - 1]]
+        };
+        for at in 1..solved.patches.len() {
+            assert!(rows(at - 1)[1] < rows(at)[0]);
+        }
+    }
+    assert!(most >= 2, "{most}");
+}
+
+/// Friction of elements, by their numbers on the grid; and what has no solution.
+#[test]
+fn friction_follows_the_grid_and_errors_are_told() {
+    let mut pair = standard(Side::Left, Settings::new([4e-4, 4e-4], steel()));
+    let motion = rolling(0.0, 0.0, 5e-3);
+    let at_rest = Deviation::default();
+    let force = Vertical::Force(50e3);
+    let solved = pair.solve(&motion, &at_rest, force, &|[_, j]| 0.1 + 1e-3 * j as f64).unwrap();
+    let fields = &solved.patches[0].fields;
+    for (at, p) in fields.pressure.iter().enumerate() {
+        let j = fields.first[1] + (at / fields.counts[0]) as i64;
+        let traction = fields.traction[0][at].hypot(fields.traction[1][at]);
+        assert!(traction <= p * (0.1 + 1e-3 * j as f64) * (1.0 + 1e-12));
+    }
+    let lifted = solve(&mut pair, &motion, Vertical::Force(0.0));
+    assert!(lifted.patches.is_empty() && lifted.force == [0.0; 3]);
+    let beside = pair.solve(&rolling(0.3, 0.0, 0.0), &at_rest, force, &|_| 0.3);
+    assert_eq!(beside, Err(TrackError::Beside));
+    let pulled = pair.solve(&motion, &at_rest, Vertical::Force(-1.0), &|_| 0.3);
+    assert_eq!(pulled, Err(TrackError::Force(-1.0)));
+    let standing = crate::track::wheelset::Motion { velocity: [0.0; 3], ..motion };
+    let standing = pair.solve(&standing, &at_rest, force, &|_| 0.3);
+    assert!(matches!(standing, Err(TrackError::Rolling(_))), "{standing:?}");
+}
