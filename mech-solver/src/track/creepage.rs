@@ -1,13 +1,12 @@
 //! How the wheel moves over the rail at a patch.
 //!
-//! Of the rail it is the point P, of the wheel the point Q of its undeformed surface on the normal through P,
-//! h n from it, h < 0 the undeformed distance there: as rigid slip is that of undeformed bodies, the radius is that of the
-//! undeformed wheel. With their velocities v and angular velocities ω in track axes, and the axes e_x, t, n of the
-//! patch,
+//! Of the rail it is the reference P of the patch, of the wheel the point Q = P − δ n, δ the approach: as rigid slip
+//! is that of undeformed bodies, the radius is that of the undeformed wheel. With their velocities v and angular
+//! velocities ω in track axes, and the axes e_x, t, n of the patch,
 //!
-//! ξ = (v_Q − v_P)·e_x/V, η = (v_Q − v_P)·t/V, φ = (ω_wheel − ω_rail)·n/V,
+//! ξ = (v_Q − v_P)·e_x/V + φ t_P, η = (v_Q − v_P)·t/V − φ x_P, φ = (ω_wheel − ω_rail)·n/V
 //!
-//! and the rolling speed V = ½(|v_x| + |Ω-part of v_x|) is the mean of the speeds at which the patch goes along the
+//! at the origin of the axes, from which P is at (x_P, t_P). The rolling speed V = ½(|v_x| + |Ω-part of v_x|) is the mean of the speeds at which the patch goes along the
 //! rail and round the wheel. The track's axes go with the wheelset: in a curve they turn with V_x κ, and the rail
 //! turns against that.
 //!
@@ -41,19 +40,19 @@ pub struct NotRolling {
     pub round: f64,
 }
 
-/// The creepages of a patch with this frame, at whose origin the undeformed distance is `distance` [m].
+/// The creepages of a patch with these axes at this approach [m], at their origin.
 ///
 /// # Errors
 /// The wheelset does not roll forward.
 pub fn rolling(
     frame: &Frame,
-    distance: f64,
+    approach: f64,
     rail: &Rail,
     pose: &Pose,
     motion: &Motion,
 ) -> Result<Rolling, NotRolling> {
     let [ahead, left, up] = frame.axes();
-    let on_wheel = frame.origin + up * distance - pose.middle;
+    let on_wheel = frame.reference - up * approach - pose.middle;
     let turning = pose.angular_velocity(motion);
     let middle = Vector3::from(motion.velocity);
     let spinning = pose.rotation * Vector3::new(0.0, motion.angular_velocity, 0.0);
@@ -62,9 +61,9 @@ pub fn rolling(
 
     let [rate_y, rate_z, rate_roll] = rail.rates;
     let curve = -motion.velocity[0] * rail.curvature;
-    let on_rail = frame.origin - Vector3::new(0.0, rail.origin[0], rail.origin[1]);
+    let on_rail = frame.reference - Vector3::new(0.0, rail.origin[0], rail.origin[1]);
     let rail_turning = Vector3::new(rate_roll, 0.0, curve);
-    let of_curve = Vector3::new(0.0, 0.0, curve).cross(&frame.origin);
+    let of_curve = Vector3::new(0.0, 0.0, curve).cross(&frame.reference);
     let of_roll = Vector3::new(rate_roll, 0.0, 0.0).cross(&on_rail);
     let rail_point = Vector3::new(0.0, rate_y, rate_z) + of_roll + of_curve;
 
@@ -75,5 +74,7 @@ pub fn rolling(
     let speed = 0.5 * (along - round.x);
     let slip = (wheel - rail_point) / speed;
     let spin = (turning - rail_turning).dot(&up) / speed;
-    Ok(Rolling { creepage: [slip.dot(&ahead), slip.dot(&left), spin], speed })
+    let from_origin = frame.reference - frame.origin;
+    let [x, t] = [from_origin.dot(&ahead), from_origin.dot(&left)];
+    Ok(Rolling { creepage: [slip.dot(&ahead) + spin * t, slip.dot(&left) - spin * x, spin], speed })
 }

@@ -1,13 +1,14 @@
 //! A patch in its own plane: its axes, and the undeformed distance of the bodies along its normal.
 //!
-//! **Axes of a patch**: origin at a point P of the rail, x along the track, the tangent t = (0, cos α, sin α) to
-//! the left, the normal n = (0, −sin α, cos α) up into the wheel, with the angle α of the patch. P has the tape
-//! distance j₀ Δs and x = i₀ Δx, whole numbers next to the reference of the search: so the elements of all
-//! patches are those of one grid over x and the tape distance, element (i, j) at (i Δx, j Δs). In the plane that
-//! is (x − x_P, s − s_P): over a patch that turns by ±γ the tape is longer than the plane by γ²/6.
+//! **Axes of a patch**: x along the track, the tangent t = (0, cos α, sin α) to the left, the normal
+//! n = (0, −sin α, cos α) up into the wheel, with the angle α of the patch. The plane of x and t goes through the
+//! point P of the rail that is the reference of the search. The origin O is the place of the plane with the tape
+//! distance j₀ Δs and x = i₀ Δx, whole numbers next to P: so the elements of all patches are those of one grid
+//! over x and the tape distance, element (i, j) at (i Δx, j Δs), in the plane (x − x_P, s − s_P) from P. Over a
+//! patch that turns by ±γ the tape is longer than the plane by γ²/6.
 //!
-//! **Undeformed distance** of element (x, t): h = n_w − n_r, where P + x e_x + t t + n n meets the rail at n_r,
-//! and the wheel at n_w. On the rail, r(s) its outline, (r(s) − P)·t = t. On the wheel, with q = Rᵀ(· − M) in
+//! **Undeformed distance** of element (x, t): h = n_w − n_r, where O + x e_x + t t + n n meets the rail at n_r,
+//! and the wheel at n_w. On the rail, r(s) its outline, (r(s) − O)·t = t. On the wheel, with q = Rᵀ(· − M) in
 //! wheelset axes and the outline (y_w(s), −r_w(s)), both
 //!
 //! q_y(n) = y_w(s) and √(q_x² + q_z²) = r_w(s)
@@ -40,6 +41,8 @@ pub struct Frame {
     pub element: [i64; 2],
     /// Its origin in track axes [m].
     pub origin: Vector3<f64>,
+    /// The reference on the rail, in track axes [m].
+    pub reference: Vector3<f64>,
     /// Its angle, from the y-axis to its tangent [rad].
     pub angle: f64,
 }
@@ -58,9 +61,12 @@ impl Frame {
     #[must_use]
     pub fn at(region: &Region, rail: &Rail, sides: [f64; 2]) -> Self {
         let element = [region.x / sides[0], region.s / sides[1]].map(|at| at.round() as i64);
-        let [y, z] = rail.outline.at(element[1] as f64 * sides[1]).position;
-        let origin = Vector3::new(element[0] as f64 * sides[0], y, z);
-        Self { element, origin, angle: region.angle }
+        let [y, z] = rail.outline.at(region.s).position;
+        let reference = Vector3::new(region.x, y, z);
+        let (sin, cos) = region.angle.sin_cos();
+        let back = element[1] as f64 * sides[1] - region.s;
+        let origin = Vector3::new(element[0] as f64 * sides[0], y + back * cos, z + back * sin);
+        Self { element, origin, reference, angle: region.angle }
     }
 
     /// Unit vectors e_x, t and n in track axes.

@@ -1,6 +1,33 @@
 //! A wheel on the rail of a track: where they touch, how they move there, and the contact of all patches.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`profile`] | profiles of rails and wheels, from files: Miniprof, SIMPACK, columns |
+//! | [`outline`] | a profile as a curve over its length |
+//! | [`standard`] | the rail 60E1 and the wheel S1002, from their formulae |
+//! | [`rail`], [`wheelset`] | where rails are, and wheels, and how they move |
+//! | [`silhouette`] | the shadow of a wheel along the rail |
+//! | [`search`], [`region`] | where they penetrate each other undeformed; the patches that this makes |
+//! | [`local`] | a patch in its own plane: axes, elements, undeformed distance |
+//! | [`creepage`] | creepages and rolling speed of a patch |
+//! | [`fields`], [`patch`] | fields, forces and figures of patches; sums of a wheel |
+//! | [`developed`] | the fields of all patches on one grid over x and the tape |
+//! | [`contact`] | **all of it**: one position after another, by height or vertical force |
+//! | [`settings`], [`error`] | what it is solved with; why there is no solution |
+//! | `pair`, `pressed`, `pool` | a position at one height after another; a patch under pressure; solvers of all sizes |
+//!
+//! ```text
+//! profiles ─► outline ─► rail, wheelset ─► silhouette ─► search ─► region ─► local ─► pressed ─┐
+//!                                                                       creepage ─► patch ─► contact
+//! ```
+//!
+//! Every patch is a contact of half-spaces ([`crate::half_space`]) in its own plane, of bodies of the same
+//! material, rolling steadily. Axes are those of [`rail`]: x forward, y to the left, z up; forces act on the wheel.
+//! On a rail and a wheel that are one surface round a corner (conformal contact) half-spaces are a rough picture.
+
 pub mod contact;
 pub mod creepage;
+pub mod developed;
 pub mod error;
 pub mod fields;
 pub mod local;
@@ -16,7 +43,6 @@ pub mod search;
 pub mod settings;
 pub mod silhouette;
 pub mod standard;
-pub mod wheelset;
-
 #[cfg(test)]
 mod tests;
+pub mod wheelset;

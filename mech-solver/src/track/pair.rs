@@ -156,8 +156,8 @@ impl Pair {
         let mut sliding = Vec::with_capacity(self.pressed.len());
         for pressed in &self.pressed {
             let Pressed { frame, window, .. } = pressed;
-            let distance = pressed.distance_at_origin();
-            let rolling = rolling(frame, distance, &self.rail, &self.pose, &self.motion)?;
+            let approach = pressed.approach();
+            let rolling = rolling(frame, approach, &self.rail, &self.pose, &self.motion)?;
             let mut fields =
                 Fields::pressed(window, frame.element, &pressed.distance, &pressed.pressure);
             let part = pressed.contact_window();

@@ -12,15 +12,13 @@ use nalgebra::Vector3;
 /// A patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
-    /// Its axes; their origin is the middle of an element.
+    /// Its axes, and its reference in track axes; their origin is the middle of an element.
     pub frame: Frame,
-    /// The place that is its weighted mean, in track axes [m].
-    pub place: [f64; 3],
-    /// Tape distance of that place [m].
+    /// Tape distance of the reference [m].
     pub tape: f64,
-    /// The same place in the axes of the rail's profile, y and z [m].
+    /// The reference in the axes of the rail's profile, y and z [m].
     pub in_rail: [f64; 2],
-    /// The same place in the axes of the wheel's profile, x, y and z [m].
+    /// The reference in the axes of the wheel's profile, x, y and z [m].
     pub in_wheel: [f64; 3],
     /// Penetration of the undeformed bodies along the normal: the approach [m].
     pub approach: f64,
@@ -83,15 +81,13 @@ impl Patch {
         (rail, wheel, pose): (&Rail, &Wheel, &Pose),
     ) -> Self {
         let region = &pressed.region;
-        let [y, z] = rail.outline.at(region.s).position;
-        let place = Vector3::new(region.x, y, z);
+        let place = pressed.frame.reference;
         let on_wheel = pose.wheelset_axes(place);
         let max_pressure = fields.pressure.iter().copied().fold(0.0, f64::max);
         Self {
             frame: pressed.frame,
-            place: place.into(),
             tape: region.s,
-            in_rail: rail.profile_axes([y, z]),
+            in_rail: rail.profile_axes([place.y, place.z]),
             in_wheel: [on_wheel.x, on_wheel.y - wheel.origin[0], on_wheel.z - wheel.origin[1]],
             approach: pressed.approach(),
             area: contact_area(&fields.grid(), &fields.pressure),

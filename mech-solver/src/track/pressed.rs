@@ -1,7 +1,7 @@
 //! A patch under pressure, without tractions.
 
 use super::error::TrackError;
-use super::local::{Frame, NOTHING, Window, undeformed_distance};
+use super::local::{Frame, Window, undeformed_distance};
 use super::pool::{Pool, room};
 use super::rail::Rail;
 use super::region::Region;
@@ -99,13 +99,6 @@ impl Pressed {
     /// Penetration of the undeformed bodies along the normal of the patch [m].
     pub(super) fn approach(&self) -> f64 {
         -self.distance.iter().copied().fold(0.0, f64::min)
-    }
-
-    /// Undeformed distance at the origin [m]; zero where one of the bodies is missing.
-    pub(super) fn distance_at_origin(&self) -> f64 {
-        let [nx, _] = self.window.counts();
-        let found = self.distance[self.window.half[1] * nx + self.window.half[0]];
-        if found < NOTHING { found } else { 0.0 }
     }
 
     /// Part of the window that holds the contact and an element round it.

@@ -89,10 +89,11 @@ fn yaw_moves_the_contact_along_the_rail() {
         let solved = solve(&mut pair, &rolling(9e-3, 0.0, yaw), Vertical::Force(20e3));
         let flank = solved.patches.iter().min_by(|a, b| a.tape.total_cmp(&b.tape)).unwrap();
         assert!(flank.frame.angle > 0.7, "{}", flank.frame.angle);
-        let [_, y, z] = flank.place;
+        let reference = flank.frame.reference;
+        let (y, z) = (reference.y, reference.z);
         let radius = 0.46 + solved.z - z;
         let expected = (radius * flank.frame.angle.tan() - y) * yaw;
-        near(flank.place[0], expected, expected.abs(), 0.05, "x");
+        near(reference.x, expected, expected.abs(), 0.05, "x");
     }
 }
 

@@ -2,8 +2,10 @@
 
 use super::{arc, line, rolling, single, solve, standard, steel};
 use crate::track::contact::WheelOnRail;
+use crate::track::developed::Developed;
 use crate::track::error::TrackError;
 use crate::track::outline::Outline;
+use crate::track::patch::Patch;
 use crate::track::rail::{Deviation, Placing, Side, Track};
 use crate::track::region::Joining;
 use crate::track::settings::{Settings, Vertical};
@@ -51,8 +53,11 @@ fn all_patches_are_on_one_grid() {
     let mut pair = standard(Side::Left, Settings::new(sides, steel()));
     let mut most = 0;
     for k in 0..12 {
-        let solved =
-            solve(&mut pair, &rolling(5e-3 + 1e-4 * f64::from(k), 0.0, 0.0), Vertical::Force(90e3));
+        let solved = solve(
+            &mut pair,
+            &rolling(4.9e-3 + 5e-5 * f64::from(k), 0.0, 0.0),
+            Vertical::Force(30e3),
+        );
         most = most.max(solved.patches.len());
         for patch in &solved.patches {
             let fields = &patch.fields;
@@ -82,6 +87,13 @@ fn all_patches_are_on_one_grid() {
         for at in 1..solved.patches.len() {
             assert!(rows(at - 1)[1] < rows(at)[0]);
         }
+        let whole = Developed::of(&solved.patches, 2);
+        let area = sides[0] * sides[1];
+        let [load, power] =
+            [&whole.pressure, &whole.friction_power].map(|field| field.iter().sum::<f64>() * area);
+        let sum = |of: fn(&Patch) -> f64| solved.patches.iter().map(of).sum::<f64>();
+        assert!((load / sum(|patch| patch.load.force[2]) - 1.0).abs() < 1e-12);
+        assert!((power / sum(|patch| patch.friction_power) - 1.0).abs() < 1e-12);
     }
     assert!(most >= 2, "{most}");
 }
