@@ -1,7 +1,6 @@
 //! Half-space solvers on the paper's case at several resolutions: the normal contact, one creepage,
 //! and the five traction coefficients of the paper by prescribed force, all from scratch, operators
-//! included. CONTACT's best solvers take 0.01, 0.01, 0.01, 0.03, 0.18 s for the first, 0.01, 0.04,
-//! 0.22, 1.60 s for the second and 0.17, 0.95, 6.2, 61 s for the third (a/10, a/20, a/40, a/80, a/160).
+//! included.
 
 #![allow(clippy::print_stdout, reason = "a bench reports its memory")]
 

@@ -76,7 +76,7 @@ impl Solver for MechSolver {
             effects: EFFECTS.iter().map(|effect| effect.spec(support::models_of(effect))).collect(),
             keys: scene::body_keys(),
             fields: Vec::new(),
-            figures: figures::figures(),
+            figures: [figures::figures(), models::own_figures()].concat(),
             diagrams: vec![measures::shakedown_diagram()],
             renamed: scene::renamed(),
         }

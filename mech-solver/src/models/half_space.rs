@@ -50,9 +50,10 @@ use transient::Transient;
 /// Grid of what happens from one element's centre to the next one's.
 pub const PASSAGE_GRID: &str = "passage";
 
-/// Time of a solve over the elements^1.15, measured [s]: 0.16, 1.1, 3.4 and 21 s with 40, 80, 160 and
-/// 320 elements per semi-axis.
-const SECONDS: f64 = 8.5e-6;
+/// Time of a solve over the elements^1.25, measured [s]: 0.023, 0.12 and 0.64 s with 40, 80 and 160
+/// elements per semi-axis.
+const SECONDS: f64 = 5e-7;
+const GROWTH: f64 = 1.25;
 /// Working memory for an element, measured [byte].
 const BYTES: f64 = 700.0;
 
@@ -295,7 +296,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         format!("{layer} changes nothing {}", effects::without(Kind::Adhesion))
             + "all of the contact slides"
     });
-    let seconds = SECONDS * elements.powf(1.15);
+    let seconds = SECONDS * elements.powf(GROWTH);
     let once = !case.memory && !case.terms.follow_inputs();
     let peak =
         case.footprint.peak_y.map(|y| (field::FRICTION_POWER.name.to_owned(), [0.0, y, 0.0]));

@@ -16,6 +16,7 @@ mod settled_creepage;
 mod shortfall;
 mod summary;
 mod varying;
+mod wheel_on_track;
 
 pub use grids::{CONTACT_GRID, RIGID_GRID};
 
@@ -23,6 +24,7 @@ use crate::entry::ModelEntry;
 use crate::scene::Scene;
 use proto::advice::Known;
 use proto::configuration::Refusal;
+use proto::figure::FigureSpec;
 use proto::params::Params;
 
 /// Every model of this crate: those of round bodies, cheapest first, and of others.
@@ -30,10 +32,16 @@ pub const MODELS: &[ModelEntry] = &[
     hertz_carter::MODEL,
     fastsim::MODEL,
     half_space::MODEL,
+    wheel_on_track::MODEL,
     explicit_fe::MODEL,
     periodic::MODEL,
     rod::MODEL,
 ];
+
+/// Figures that models alone give.
+pub(crate) fn own_figures() -> Vec<FigureSpec> {
+    wheel_on_track::figures()
+}
 
 /// The contact as the cheapest model that knows all creepages has it, its figures by their keys in the summary; `None` where it has none.
 pub(crate) fn estimated_contact(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {

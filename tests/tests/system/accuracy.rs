@@ -147,7 +147,11 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
         &["set mech.resolution to 4 or more"],
     );
     let summary = Place::new().summary(&case("wheel-rail.toml"), &slow);
-    assert_eq!(summary["accuracy"]["models"], "half-space + fe");
+    let models = summary["accuracy"]["models"].as_str().unwrap();
+    assert!(
+        ["half-space + fe", "half-space + moving-source"].contains(&models),
+        "both know conduction along the surface: {models}"
+    );
 }
 
 /// A case on its own grid and two coarser ones, and what they are extrapolated to: 227.47 K is of wheel-rail's grids of 160

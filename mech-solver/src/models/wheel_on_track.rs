@@ -1,0 +1,146 @@
+//! Model `wheel-on-track`: a wheel of a wheelset on a rail of a track, all patches at any angle.
+//!
+//! The profiles are placed by the dimensions of track and wheelset and by the wheelset's position, and touch
+//! where they do ([`crate::track`]): every patch is a half-space in a plane of its own, with the creepages that
+//! the wheelset's motion gives it there. The height of the wheelset or the vertical force is prescribed.
+//!
+//! **Fields** are on the rail's surface, developed: x along the track, and y the distance along the tape over the
+//! rail's profile, from its origin and rising to the left, so that patches of all angles are on one grid. As in
+//! model `half-space` slip and friction power belong to the way of a particle from an element's centre to the
+//! next one's, and their grid is shifted upstream by half an element.
+//!
+//! | module | what |
+//! |---|---|
+//! | `keys` | the keys of track, wheelset and elements |
+//! | `case` | a checked case, and the position of a window |
+//! | `plane` | the grid that holds the patches of all rows |
+//! | `running` | the model that runs |
+//! | `summary` | its figures |
+
+mod case;
+mod keys;
+mod plane;
+mod running;
+mod summary;
+
+use super::grids::{CONTACT_GRID, RIGID_GRID};
+use super::half_space::PASSAGE_GRID;
+use crate::entry::ModelEntry;
+use crate::terms::{Kind, Terms};
+use case::Case;
+use plane::Plane;
+use proto::accuracy::Accuracy;
+use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::description::{ModelSpec, names};
+use proto::field::{self, FieldSpec};
+use proto::grid::{Grid, Structured};
+use proto::model::{Model, Setup};
+use proto::progress::Progress;
+use running::Running;
+
+pub(super) use summary::figures;
+
+/// Time of a position over the elements of its grid, measured [s].
+const SECONDS: f64 = 4e-6;
+/// Working memory for an element [byte].
+const BYTES: f64 = 700.0;
+
+/// Its entry in the list.
+pub(super) const MODEL: ModelEntry = ModelEntry {
+    name: "wheel-on-track",
+    spec,
+    takes: &[Kind::Adhesion, Kind::HeatShare],
+    configure,
+};
+
+fn spec() -> ModelSpec {
+    ModelSpec {
+        name: MODEL.name.to_owned(),
+        summary:
+            "a wheel of a wheelset on a rail of a track: measured profiles, all patches, any angle"
+                .to_owned(),
+        source: "Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990) ch. 4; \
+                 Vollebregt, User guide for CONTACT (2022) ch. 3-4"
+            .to_owned(),
+        steady: true,
+        transient: true,
+        rewinds: true,
+        consumes: Vec::new(),
+        provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
+        keys: keys::keys(),
+        accuracy: Accuracy::default(),
+    }
+}
+
+/// Checks a configuration, and solves it once for the place of its patches.
+///
+/// # Errors
+/// A case that is incomplete or out of range, profiles that cannot be read or do not meet, bodies of different
+/// materials, no partial slip.
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+    let case = Case::read(configuration, terms)?;
+    let plane = Plane::of(configuration, &case)?;
+    let layout = layout(configuration, &case, &plane);
+    Ok(Box::new(Prepared { case, plane, configuration: configuration.clone(), layout }))
+}
+
+fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
+    let grid = plane.grid();
+    let wanted = |spec: &FieldSpec| {
+        configuration.outputs.iter().chain(&configuration.observed).any(|name| name == spec.name)
+    };
+    let on = |spec: &FieldSpec| match *spec {
+        field::SURFACE_SPEED => RIGID_GRID,
+        field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
+        _ => CONTACT_GRID,
+    };
+    let fields: Vec<FieldOnGrid> = field::TABLE
+        .iter()
+        .filter(|spec| wanted(spec))
+        .map(|spec| FieldOnGrid { field: spec.name.to_owned(), grid: on(spec).to_owned() })
+        .collect();
+    let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
+    let mut passage = grid;
+    passage.origin[0] += 0.5 * grid.dx();
+    let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
+    let grids = [(CONTACT_GRID, grid), (PASSAGE_GRID, passage), (RIGID_GRID, whole)];
+    let used = |name: &str| fields.iter().any(|on| on.grid == name);
+    let size = format!(
+        "{} x {} elements of {:.4} x {:.4} mm over the rail's surface, along x and along the tape",
+        grid.ni,
+        grid.nj,
+        1e3 * grid.dx(),
+        1e3 * grid.dy()
+    );
+    Layout {
+        grids: grids
+            .into_iter()
+            .filter(|(name, _)| used(name))
+            .map(|(name, shape)| Grid::structured(name, shape))
+            .collect(),
+        fields,
+        solve_seconds: SECONDS * grid.points() as f64,
+        memory_bytes: (BYTES * grid.points() as f64) as u64,
+        remarks: std::iter::once(size).chain(case.remarks.iter().cloned()).collect(),
+        ..Layout::default()
+    }
+}
+
+/// A checked case and its grid.
+struct Prepared {
+    case: Case,
+    plane: Plane,
+    configuration: Configuration,
+    layout: Layout,
+}
+
+impl Setup for Prepared {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let Self { case, plane, configuration, .. } = *self;
+        Ok(Box::new(Running::new(case, plane, configuration)?))
+    }
+}

@@ -1,0 +1,163 @@
+//! The keys of track, wheelset and elements.
+
+use crate::scene::SPEED;
+use proto::bodies::position_key;
+use proto::description::KeySpec;
+
+pub(super) const VERTICAL_FORCE: &str = "load.vertical_force";
+pub(super) const HEIGHT: &str = "wheelset.z";
+/// Group of what is given along the vertical.
+const LOAD: &str = "load";
+
+pub(super) const SIDE: &str = "wheelset.side";
+pub(super) const GAUGE: &str = "track.gauge";
+pub(super) const GAUGE_HEIGHT: &str = "track.gauge_height";
+pub(super) const CANT: &str = "track.cant";
+pub(super) const CURVATURE: &str = "track.curvature";
+pub(super) const FLANGE_BACK_DISTANCE: &str = "wheelset.flange_back_distance";
+pub(super) const FLANGE_BACK_POSITION: &str = "wheelset.flange_back_position";
+pub(super) const NOMINAL_RADIUS: &str = "wheelset.nominal_radius";
+pub(super) const ANGULAR_VELOCITY: &str = "wheelset.angular_velocity";
+pub(super) const FRICTION: &str = "friction.coefficient";
+pub(super) const LENGTH: &str = "mech.element_length";
+pub(super) const WIDTH: &str = "mech.element_width";
+pub(super) const JOINING: &str = "mech.joining_distance";
+
+/// All keys of the model.
+pub(super) fn keys() -> Vec<KeySpec> {
+    [bodies(), track(), wheelset(), load(), elements()].concat()
+}
+
+fn bodies() -> Vec<KeySpec> {
+    let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
+    vec![
+        position_key(),
+        KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
+        KeySpec::file(
+            "bodies.*.profile",
+            "profile of the wheel or the rail: .prw, .prr, Miniprof, or columns of y to the field side and z",
+        )
+        .required(),
+        KeySpec::quantity("bodies.*.profile_tolerance", "m", smoothing).at_least(0.0),
+        KeySpec::quantity("materials.*.youngs_modulus", "Pa", "Young's modulus")
+            .required()
+            .expected(1e4..=f64::INFINITY, "gels are stiffer; check the unit")
+            .above(0.0),
+        KeySpec::number("materials.*.poisson_ratio", "Poisson's ratio")
+            .required()
+            .above(-1.0)
+            .at_most(0.5),
+    ]
+}
+
+fn track() -> Vec<KeySpec> {
+    let deviation = |name: &str, unit: &str, help: &str| {
+        KeySpec::quantity(&format!("track.deviation.{name}"), unit, help)
+            .default_value(0.0)
+            .varies()
+    };
+    vec![
+        KeySpec::quantity(GAUGE, "m", "distance of the gauge points of both rails")
+            .expected(0.5..=3.0, "from mines to the broadest; check the unit")
+            .default_value(1.435)
+            .above(0.0),
+        KeySpec::quantity(GAUGE_HEIGHT, "m", "how far below the top of the rail it is measured")
+            .default_value(0.014)
+            .above(0.0),
+        KeySpec::number(
+            CANT,
+            "inclination of the rails to the middle of the track [rad], 0.05 for 1:20; 0 if profiles are measured inclined",
+        )
+        .default_value(0.0),
+        KeySpec::quantity(CURVATURE, "1/m", "curvature of the line, positive to the left")
+            .default_value(0.0),
+        deviation("y", "m", "shift of the rail off its place, to the left"),
+        deviation("z", "m", "the same, up"),
+        deviation("roll", "1", "turn of the rail about the origin of its profile, from y to z [rad]"),
+        deviation("y_rate", "m/s", "rate of the shift to the left"),
+        deviation("z_rate", "m/s", "rate of the shift up"),
+        deviation("roll_rate", "1/s", "rate of the turn [rad/s]"),
+    ]
+}
+
+fn wheelset() -> Vec<KeySpec> {
+    let varying = |name: &str, unit: &str, help: &str| {
+        KeySpec::quantity(&format!("wheelset.{name}"), unit, help).default_value(0.0).varies()
+    };
+    vec![
+        KeySpec::choice(SIDE, &["left", "right"], "which wheel and rail").default_value("left"),
+        KeySpec::quantity(FLANGE_BACK_DISTANCE, "m", "distance of the flange backs of the wheels")
+            .default_value(1.36)
+            .above(0.0),
+        KeySpec::quantity(
+            FLANGE_BACK_POSITION,
+            "m",
+            "y of the flange back in the axes of the profile, to the field side",
+        )
+        .default_value(-0.07),
+        KeySpec::quantity(NOMINAL_RADIUS, "m", "radius at z = 0 of the profile")
+            .required()
+            .expected(0.05..=2.0, "from trolleys to the largest locomotives; check the unit")
+            .above(0.0),
+        varying("y", "m", "shift of the wheelset to the left"),
+        varying("roll", "1", "roll, from y to z [rad]"),
+        varying("yaw", "1", "yaw, from x to y [rad]"),
+        varying("lateral_velocity", "m/s", "velocity to the left"),
+        varying("vertical_velocity", "m/s", "velocity up"),
+        varying("roll_rate", "1/s", "rate of roll [rad/s]"),
+        varying("yaw_rate", "1/s", "rate of yaw [rad/s]"),
+        KeySpec::quantity(
+            ANGULAR_VELOCITY,
+            "1/s",
+            "angular velocity about the axle [rad/s]; absent: motion.speed over the nominal radius",
+        )
+        .above(0.0)
+        .varies(),
+    ]
+}
+
+fn load() -> Vec<KeySpec> {
+    vec![
+        KeySpec::quantity(VERTICAL_FORCE, "N", "vertical force on the wheel, pressures and tractions together")
+            .expected(1e-6..=5e6, "heavy axles press with 2e5 N; check the unit")
+            .one_of(LOAD)
+            .above(0.0)
+            .varies(),
+        KeySpec::quantity(
+            HEIGHT,
+            "m",
+            "height of the wheelset over that at which circles of the nominal radius touch the tops of the rails",
+        )
+        .one_of(LOAD)
+        .varies(),
+        KeySpec::quantity(SPEED, "m/s", "speed of the wheelset along the track")
+            .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is a unit, too")
+            .required()
+            .above(0.0)
+            .varies(),
+        KeySpec::number(FRICTION, "friction coefficient")
+            .expected(0.0..=1.0, "dry steel has 0.3 to 0.6")
+            .required()
+            .above(0.0)
+            .varies(),
+    ]
+}
+
+fn elements() -> Vec<KeySpec> {
+    vec![
+        KeySpec::quantity(LENGTH, "m", "length of an element, along x")
+            .expected(1e-5..=2e-3, "a contact is some millimetres long; check the unit")
+            .default_value(2e-4)
+            .above(0.0),
+        KeySpec::quantity(WIDTH, "m", "width of an element, along the tape; absent: its length")
+            .expected(1e-5..=2e-3, "a contact is some millimetres wide; check the unit")
+            .above(0.0),
+        KeySpec::quantity(
+            JOINING,
+            "m",
+            "regions that are nearer to each other than this are one patch",
+        )
+        .default_value(4e-3)
+        .at_least(0.0),
+    ]
+}

@@ -1,0 +1,103 @@
+//! The grid over the rail's surface that holds the patches of all rows.
+
+use super::case::{Case, Position};
+use crate::track::developed::Developed;
+use crate::track::patch::Patch;
+use proto::configuration::{Configuration, Refusal};
+use proto::grid::Structured;
+use proto::model::StepError;
+
+/// How much larger elements are by which the patches of a history are looked for.
+const COARSER: f64 = 3.0;
+/// Free elements round the patches, of those that they were looked for with.
+const MARGIN: usize = 2;
+
+/// Elements by their numbers along x and along the tape; element (0, 0) is at the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Plane {
+    /// First element.
+    first: [i64; 2],
+    /// Behind the last element.
+    end: [i64; 2],
+    sides: [f64; 2],
+}
+
+impl Plane {
+    /// That of a configuration: of its position, or of all rows.
+    ///
+    /// # Errors
+    /// No position has a contact.
+    pub(super) fn of(configuration: &Configuration, case: &Case) -> Result<Self, Refusal> {
+        let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
+        let coarser = if rows > 1 { COARSER } else { 1.0 };
+        let mut wheel = case.wheel_on_rail(coarser)?;
+        let mut params = configuration.case.clone();
+        let (mut found, mut failed): (Option<Self>, _) = (None, None);
+        for row in 0..rows {
+            if let Some(histories) = &configuration.histories {
+                histories.put_row(&mut params, row);
+            }
+            let Position { motion, deviation, vertical, friction } = case.position(&params)?;
+            match wheel.solve(&motion, &deviation, vertical, &|_| friction) {
+                Ok(solved) if solved.patches.is_empty() => {}
+                Ok(solved) => {
+                    let own = Self::around(&solved.patches, coarser);
+                    found = Some(found.map_or(own, |other| other.and(&own)));
+                }
+                Err(error) => failed = Some(error),
+            }
+        }
+        let plane = found.ok_or_else(|| {
+            let apart = || "the bodies do not touch".to_owned();
+            let reason = failed.map_or_else(apart, |error| error.to_string());
+            let fix = "check the dimensions of track and wheelset, and the load";
+            Refusal::new("wheelset", reason, fix)
+        })?;
+        Ok(Self { sides: case.settings.sides, ..plane })
+    }
+
+    /// Round patches of elements so many times larger.
+    fn around(patches: &[Patch], coarser: f64) -> Self {
+        let Developed { first, counts, .. } = Developed::of(patches, MARGIN);
+        let finer = |at: i64| (coarser * at as f64).round() as i64;
+        let end = [0, 1].map(|k| finer(first[k] + counts[k] as i64));
+        Self { first: first.map(finer), end, sides: [0.0; 2] }
+    }
+
+    fn and(&self, other: &Self) -> Self {
+        Self {
+            first: [0, 1].map(|k| self.first[k].min(other.first[k])),
+            end: [0, 1].map(|k| self.end[k].max(other.end[k])),
+            sides: self.sides,
+        }
+    }
+
+    fn counts(&self) -> [usize; 2] {
+        [0, 1].map(|k| usize::try_from(self.end[k] - self.first[k]).unwrap_or(0))
+    }
+
+    /// The grid of the fields.
+    pub(super) fn grid(&self) -> Structured {
+        let ([dx, dy], [ni, nj]) = (self.sides, self.counts());
+        let [x0, y0] = [0, 1].map(|k| self.first[k] as f64 * self.sides[k]);
+        Structured::contact_plane(x0, y0, dx, dy, ni, nj)
+    }
+
+    /// The fields of patches on it.
+    ///
+    /// # Errors
+    /// A patch reaches beyond it.
+    pub(super) fn fields(&self, patches: &[Patch]) -> Result<Developed, StepError> {
+        let own = Developed::of(patches, 0);
+        let end = |k: usize| own.first[k] + own.counts[k] as i64;
+        let inside = |k: usize| own.first[k] >= self.first[k] && end(k) <= self.end[k];
+        match patches.is_empty() || (inside(0) && inside(1)) {
+            true => Ok(Developed::on(patches, self.first, self.counts())),
+            false => {
+                let reason =
+                    "a patch reaches beyond the grid that was laid for the rows of the history";
+                Err(StepError::NoSolution(reason.to_owned()))
+            }
+        }
+    }
+}

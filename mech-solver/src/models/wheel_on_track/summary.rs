@@ -1,0 +1,128 @@
+//! Figures of a wheel on a track: sections `contact` and `wheelset` of `summary.json`.
+
+use crate::track::patch::{Patch, Solved};
+use proto::figure::{FigureSpec, Style};
+use serde_json::{Value, json};
+
+/// Figures that this model alone gives.
+pub(in crate::models) fn figures() -> Vec<FigureSpec> {
+    let wheelset = |name: &str, unit, words, short| {
+        FigureSpec::new(&format!("wheelset.{name}"), unit, words).on("wheelset", short)
+    };
+    let patch = |name: &str, unit, words| {
+        FigureSpec::new(&format!("contact.each_patch.#.{name}"), unit, words)
+    };
+    vec![
+        wheelset("z_m", "m", "height of the wheelset", "z").style(Style::Place).headline(),
+        wheelset("force_x_n", "N", "force on the wheel along the track", "F_x"),
+        wheelset("force_y_n", "N", "force on the wheel to the left", "F_y").headline(),
+        wheelset("force_z_n", "N", "force on the wheel up", "F_z").headline(),
+        wheelset(
+            "moment_x_nm",
+            "Nm",
+            "moment on the wheel about the track's x through the middle of the axle",
+            "M_x",
+        ),
+        wheelset("moment_y_nm", "Nm", "the same about y", "M_y"),
+        wheelset("moment_z_nm", "Nm", "the same about z", "M_z"),
+        patch("angle_rad", "rad", "contact angle, from the track's y to the patch's"),
+        patch("track_y_m", "m", "place in track axes, y"),
+        patch("track_z_m", "m", "place in track axes, z"),
+        patch("rail_y_m", "m", "place on the rail's profile, y to the left"),
+        patch("wheel_y_m", "m", "place on the wheel's profile, y to the left"),
+        patch("approach_m", "m", "approach"),
+        patch("area_m2", "m2", "area"),
+        patch("creep_force_x_n", "N", "creep force x"),
+        patch("creep_force_y_n", "N", "creep force along the tape"),
+        patch("spin_moment_nm", "Nm", "spin moment"),
+        patch("creepage_xi", "1", "creepage along x"),
+        patch("creepage_eta", "1", "creepage along the tape"),
+        patch("creepage_phi_per_m", "rad/m", "spin"),
+        patch("friction_power_w", "W", "friction power"),
+    ]
+}
+
+/// The summary of a solution.
+pub(super) fn summary(solved: &Solved) -> Value {
+    let patches = &solved.patches;
+    let sum = |of: &dyn Fn(&Patch) -> f64| patches.iter().map(of).sum::<f64>();
+    let largest = |of: &dyn Fn(&Patch) -> f64| patches.iter().map(of).fold(0.0, f64::max);
+    let area = sum(&|patch| patch.area);
+    let mut contact = json!({
+        "patches": patches.len(),
+        "max_pressure_pa": largest(&|patch| patch.max_pressure),
+        "normal_force_n": sum(&|patch| patch.load.force[2]),
+        "area_m2": area,
+        "friction_power_w": sum(&|patch| patch.friction_power),
+        "max_slip_velocity_m_per_s": largest(&largest_slip),
+        "max_traction_pa": largest(&largest_traction),
+    });
+    if area > 0.0 {
+        let slips = sum(&|patch| patch.slip_area_ratio * patch.area);
+        contact["slip_area_ratio"] = (slips / area).into();
+    }
+    match patches.as_slice() {
+        [] => {}
+        [patch] => {
+            let keys = [
+                "approach_m",
+                "creep_force_x_n",
+                "creep_force_y_n",
+                "spin_moment_nm",
+                "creepage_xi",
+                "creepage_eta",
+                "creepage_phi_per_m",
+            ];
+            let figures = of_patch(patch);
+            keys.iter().for_each(|key| contact[*key] = figures[*key].clone());
+            contact["each_patch"] = json!([figures]);
+        }
+        _ => contact["each_patch"] = patches.iter().map(of_patch).collect(),
+    }
+    let ([fx, fy, fz], [mx, my, mz]) = (solved.force, solved.moment);
+    json!({
+        "contact": contact,
+        "wheelset": {
+            "z_m": solved.z,
+            "force_x_n": fx, "force_y_n": fy, "force_z_n": fz,
+            "moment_x_nm": mx, "moment_y_nm": my, "moment_z_nm": mz,
+        },
+    })
+}
+
+fn of_patch(patch: &Patch) -> Value {
+    let [fx, fy, n] = patch.load.force;
+    let [xi, eta, phi] = patch.rolling.creepage;
+    json!({
+        "y_m": patch.tape,
+        "angle_rad": patch.frame.angle,
+        "track_y_m": patch.frame.reference.y,
+        "track_z_m": patch.frame.reference.z,
+        "rail_y_m": patch.in_rail[0],
+        "wheel_y_m": patch.in_wheel[1],
+        "approach_m": patch.approach,
+        "area_m2": patch.area,
+        "max_pressure_pa": patch.max_pressure,
+        "normal_force_n": n,
+        "creep_force_x_n": fx,
+        "creep_force_y_n": fy,
+        "spin_moment_nm": patch.load.moment[2],
+        "creepage_xi": xi,
+        "creepage_eta": eta,
+        "creepage_phi_per_m": phi,
+        "friction_power_w": patch.friction_power,
+    })
+}
+
+fn largest_slip(patch: &Patch) -> f64 {
+    size(&patch.fields.slip_velocity)
+}
+
+fn largest_traction(patch: &Patch) -> f64 {
+    size(&patch.fields.traction)
+}
+
+/// Largest magnitude of a vector field.
+fn size([x, y]: &[Vec<f64>; 2]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max)
+}
