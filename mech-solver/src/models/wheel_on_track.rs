@@ -49,7 +49,7 @@ const BYTES: f64 = 700.0;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "wheel-on-track",
     spec,
-    takes: &[Kind::Adhesion, Kind::HeatShare],
+    takes: &[Kind::Adhesion, Kind::Layer, Kind::HeatShare],
     configure,
 };
 
@@ -68,7 +68,7 @@ fn spec() -> ModelSpec {
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
         keys: keys::keys(),
-        accuracy: Accuracy::default(),
+        accuracy: Accuracy { refinement: Some(keys::refinement()), ..Accuracy::default() },
     }
 }
 
@@ -76,7 +76,7 @@ fn spec() -> ModelSpec {
 ///
 /// # Errors
 /// A case that is incomplete or out of range, profiles that cannot be read or do not meet, bodies of different
-/// materials, no partial slip.
+/// materials.
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let case = Case::read(configuration, terms)?;
     let plane = Plane::of(configuration, &case)?;

@@ -42,6 +42,7 @@ pub mod region;
 pub mod search;
 pub mod settings;
 pub mod silhouette;
+mod sliding;
 pub mod standard;
 #[cfg(test)]
 mod tests;

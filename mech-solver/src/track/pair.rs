@@ -15,15 +15,16 @@ use super::region::Region;
 use super::search::{Rows, Search, clearance};
 use super::settings::Settings;
 use super::silhouette::{Circles, Shadow, shadow};
+use super::sliding::everywhere;
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
-use crate::half_space::levels::{Solution, TangentialError};
-use crate::half_space::tangential::{Prescribed, TangentialState};
+use crate::half_space::levels::{Levels, Solution, TangentialError};
+use crate::half_space::tangential::{Creepage, Prescribed, TangentialState};
 
 /// Patches are the same if their places along the tape are no farther from each other than this [m].
 const SAME: f64 = 5e-3;
 
 /// Coefficient of friction of an element, by its numbers (i, j) on the grid over x and the tape distance.
-pub type Friction<'a> = &'a dyn Fn([i64; 2]) -> f64;
+pub(super) type Friction<'a> = &'a dyn Fn([i64; 2]) -> f64;
 
 /// A wheel and a rail, their solvers, and what they were last.
 #[derive(Debug)]
@@ -162,26 +163,21 @@ impl Pair {
                 Fields::pressed(window, frame.element, &pressed.distance, &pressed.pressure);
             let part = pressed.contact_window();
             let bound = fields.bound(&part, friction);
-            let near = nearest(&self.sliding, pressed.region.s, |(s, ..)| *s)
-                .filter(|(_, half, _)| *half == part.half)
-                .map(|(.., state)| state.clone());
-            let levels = self.pool.tangential(&part, pressed.semi_axes());
-            let given = Prescribed::creepages(rolling.creepage);
-            let improved = near.and_then(|state| {
-                let mut solution = Solution::new(state);
-                levels.improve(&bound, &given, None, &mut solution).is_ok().then_some(solution)
-            });
-            // What is too far from the last solution is solved without it.
-            let solution = match improved {
-                Some(solution) => solution,
-                None => levels.solve(&bound, &given).map_err(TangentialError::from)?,
+            let state = if self.settings.adhesion {
+                let near = nearest(&self.sliding, pressed.region.s, |(s, ..)| *s)
+                    .filter(|(_, half, _)| *half == part.half)
+                    .map(|(.., state)| state.clone());
+                let solution = rolls(self.pool.tangential(&part), &bound, rolling.creepage, near)?;
+                self.work.newton_steps += solution.newton_steps;
+                solution.state
+            } else {
+                everywhere(&bound, &part, rolling.creepage)
             };
             self.work.tangential_contacts += 1;
-            self.work.newton_steps += solution.newton_steps;
-            fields.take(&part, &solution.state, rolling.speed);
+            fields.take(&part, &state, rolling.speed);
             let bodies = (&self.rail, &self.wheel, &self.pose);
             patches.push(Patch::of(pressed, fields, rolling, bodies));
-            sliding.push((pressed.region.s, part.half, solution.state));
+            sliding.push((pressed.region.s, part.half, state));
         }
         self.sliding = sliding;
         Ok(Solved::of(self.motion.z, patches, &self.pose, self.work))
@@ -192,6 +188,22 @@ impl Pair {
         self.pressed.clear();
         self.sliding.clear();
     }
+}
+
+/// The tractions of rolling contact, from a solution that is near if there is one.
+fn rolls(
+    levels: &mut Levels,
+    bound: &[f64],
+    creepage: Creepage,
+    near: Option<TangentialState>,
+) -> Result<Solution, TangentialError> {
+    let given = Prescribed::creepages(creepage);
+    let improved = near.and_then(|state| {
+        let mut solution = Solution::new(state);
+        levels.improve(bound, &given, None, &mut solution).is_ok().then_some(solution)
+    });
+    // What is too far from the last solution is solved without it.
+    improved.map_or_else(|| levels.solve(bound, &given), Ok)
 }
 
 /// The entry whose place is nearest, if it is near.

@@ -48,15 +48,17 @@ impl Pool {
         })
     }
 
-    /// The solver of steady rolling on a window, for a contact of about these semi-axes [m].
-    pub(super) fn tangential(&mut self, window: &Window, semi_axes: [f64; 2]) -> &mut Levels {
-        let Settings { sides: [dx, dy], bodies, tolerance, .. } = self.settings;
+    /// The solver of steady rolling on a window, which is about as large as its contact: what it answers depends
+    /// on the window alone, and not on the contact that it was made for.
+    pub(super) fn tangential(&mut self, window: &Window) -> &mut Levels {
+        let Settings { sides: [dx, dy], bodies, layer, tolerance, .. } = self.settings;
         kept(&mut self.tangential, window.half, || {
             let [nx, ny] = window.counts();
             let [x0, y0] = [window.along(0, 0), window.along(1, 0)];
             let grid = Structured::contact_plane(x0, y0, dx, dy, nx, ny);
+            let semi_axes = [0, 1].map(|k| window.half[k] as f64 * window.sides[k]);
             let motion = Motion::SteadyRolling;
-            Levels::new(&grid, &Contact { bodies, layer: 0.0, semi_axes, motion, tolerance })
+            Levels::new(&grid, &Contact { bodies, layer, semi_axes, motion, tolerance })
         })
     }
 }

@@ -115,14 +115,6 @@ impl Pressed {
         let half = [0, 1].map(|k| room(most[k] + 1).min(self.window.half[k]));
         Window { half, ..self.window }
     }
-
-    /// Semi-axes of the ellipse with the moments of the pressure [m].
-    pub(super) fn semi_axes(&self) -> [f64; 2] {
-        let [nx, ny] = self.window.counts();
-        let [dx, dy] = self.window.sides;
-        let grid = Structured::contact_plane(0.0, 0.0, dx, dy, nx, ny);
-        Moments::of(&grid, &self.pressure).semi_axes
-    }
 }
 
 /// The elements that hold a region, and one round it.

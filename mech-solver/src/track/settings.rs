@@ -10,6 +10,10 @@ pub struct Settings {
     pub sides: [f64; 2],
     /// Elastic constants of wheel (body 1) and rail (body 2), of the same material.
     pub bodies: Elasticity,
+    /// Whether surfaces may stick; without it all of a contact slides.
+    pub adhesion: bool,
+    /// Tangential flexibility of a layer between the surfaces [m/Pa], 0 for none.
+    pub layer: f64,
     /// When regions are of one patch.
     pub joining: Joining,
     /// Most elements of a patch.
@@ -23,7 +27,15 @@ impl Settings {
     /// Elements of these sides [m] on bodies of the same material; the rest as usual.
     #[must_use]
     pub fn new(sides: [f64; 2], bodies: Elasticity) -> Self {
-        Self { sides, bodies, joining: Joining::default(), limit: 400_000, tolerance: 1e-5 }
+        Self {
+            sides,
+            bodies,
+            adhesion: true,
+            layer: 0.0,
+            joining: Joining::default(),
+            limit: 400_000,
+            tolerance: 1e-5,
+        }
     }
 }
 

@@ -61,10 +61,28 @@ pub(crate) fn fitted(mut case: Value, model: &str) -> Value {
             case["bodies"][body].as_object_mut().expect("a table").remove(radius);
         }
     }
+    if model == "wheel-on-track" {
+        case = on_track(case);
+    }
     if model == "rod" {
         case["bodies"]["rail"]["length"] = json!(0.1);
         case["mech"]["area"] = json!(1e-4);
     }
+    case
+}
+
+/// The same bodies as wheel and rail of the standards, on elements of a millimetre.
+fn on_track(mut case: Value) -> Value {
+    let profile = |name: &str| format!("{}/../cases/profiles/{name}", env!("CARGO_MANIFEST_DIR"));
+    case["bodies"] = json!({
+        "wheel": {"position": "upper", "profile": profile("wheel-s1002.csv"), "material": "steel"},
+        "rail": {"position": "lower", "profile": profile("rail-60e1.csv"), "material": "steel"},
+    });
+    case["track"] = json!({"cant": 0.025});
+    case["wheelset"] = json!({"nominal_radius": RADIUS, "yaw": 2e-3});
+    case["motion"] = json!({"speed": SPEED});
+    case["load"] = json!({"vertical_force": 100e3});
+    case["mech"] = json!({"model": "wheel-on-track", "resolution": 10});
     case
 }
 

@@ -16,3 +16,4 @@ mod rod;
 mod rows;
 mod slip_friction;
 mod wearing;
+mod wheel_on_track;

@@ -2,13 +2,13 @@
 
 use super::keys::{
     ANGULAR_VELOCITY, CANT, CURVATURE, FLANGE_BACK_DISTANCE, FLANGE_BACK_POSITION, FRICTION, GAUGE,
-    GAUGE_HEIGHT, HEIGHT, JOINING, LENGTH, NOMINAL_RADIUS, SIDE, VERTICAL_FORCE, WIDTH, keys,
+    GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, NOMINAL_RADIUS, SIDE, VERTICAL_FORCE, keys,
 };
-use crate::effects;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
-use crate::scene::{Material, SPEED};
-use crate::terms::{Kind, Terms};
+use crate::resolution::RESOLUTION;
+use crate::scene::{Material, SPEED, body_keys};
+use crate::terms::Terms;
 use crate::track::contact::WheelOnRail;
 use crate::track::outline::Outline;
 use crate::track::profile::orientation::Body;
@@ -26,8 +26,11 @@ use std::sync::LazyLock;
 /// Larger files are refused.
 const MOST_BYTES: u64 = 64 << 20;
 
+/// Length that elements are counted over [m].
+const CENTIMETRE: f64 = 1e-2;
+
 /// The keys, made once: a history has a position in every row.
-static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(keys);
+static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(|| [body_keys(), keys()].concat());
 
 /// A checked case.
 pub(super) struct Case {
@@ -55,15 +58,12 @@ impl Case {
     /// Reads a case, and the files of its profiles.
     ///
     /// # Errors
-    /// What is missing or out of range, a file that is no profile, bodies of different materials, no partial slip.
+    /// What is missing or out of range, a file that is no profile, bodies of different materials.
     pub(super) fn read(configuration: &Configuration, terms: Terms) -> Result<Self, Refusal> {
         let params = &configuration.case;
         let case = CheckedParams::new(params, &KEYS[..]);
-        if !terms.adhesion {
-            let reason = "a wheel on a track rolls with partial slip, and this case names none";
-            return Err(effects::lacking(Kind::Adhesion, reason));
-        }
         let names = Bodies::read(params)?;
+        refuse_radii(&case, &names)?;
         let material = |body| Material::read(params, &names, body);
         let (upper, lower) = (material(UPPER)?, material(LOWER)?);
         let bodies = Elasticity::of_pair(&upper, &lower);
@@ -75,10 +75,15 @@ impl Case {
                 "give both bodies the same material, or write [mech] model = \"half-space\"",
             ));
         }
-        let length = case.number(LENGTH)?;
-        let width = case.maybe_number(WIDTH)?.unwrap_or(length);
-        let mut settings = Settings::new([length, width], bodies);
+        let along = case.integer(RESOLUTION)?;
+        let across = match case.has(LATERAL_RESOLUTION) {
+            true => case.integer(LATERAL_RESOLUTION)?,
+            false => along,
+        };
+        let sides = [along, across].map(|count| CENTIMETRE / count as f64);
+        let mut settings = Settings::new(sides, bodies);
         settings.joining.distance = case.number(JOINING)?;
+        (settings.adhesion, settings.layer) = (terms.adhesion, terms.layer());
         let side = if case.text(SIDE)? == "right" { Side::Right } else { Side::Left };
         let placing =
             Placing::Gauge { width: case.number(GAUGE)?, height: case.number(GAUGE_HEIGHT)? };
@@ -161,6 +166,22 @@ impl Case {
             friction: case.number(FRICTION)?,
         })
     }
+}
+
+/// Refuses what would say the shape of a body twice.
+fn refuse_radii(case: &CheckedParams<'_>, names: &Bodies) -> Result<(), Refusal> {
+    for (body, name) in [UPPER, LOWER]
+        .into_iter()
+        .flat_map(|body| ["radius_x", "radius_y"].map(|name| (body, name)))
+    {
+        let key = names.key(body, name);
+        if case.has(&key) {
+            let reason = "a wheel on a track has a profile and a nominal radius";
+            let fix = format!("remove the key; {NOMINAL_RADIUS} is that of the wheel");
+            return Err(Refusal::new(&key, reason, fix));
+        }
+    }
+    Ok(())
 }
 
 /// The profile of a body, from its file.

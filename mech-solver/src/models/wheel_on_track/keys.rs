@@ -1,8 +1,12 @@
 //! The keys of track, wheelset and elements.
 
+use crate::resolution::RESOLUTION;
 use crate::scene::SPEED;
-use proto::bodies::position_key;
+use proto::accuracy::Refinement;
 use proto::description::KeySpec;
+
+/// Elements along a centimetre, unless the case says otherwise: of 0.2 mm.
+const RESOLUTION_OF_CONTACT: i64 = 50;
 
 pub(super) const VERTICAL_FORCE: &str = "load.vertical_force";
 pub(super) const HEIGHT: &str = "wheelset.z";
@@ -19,11 +23,10 @@ pub(super) const FLANGE_BACK_POSITION: &str = "wheelset.flange_back_position";
 pub(super) const NOMINAL_RADIUS: &str = "wheelset.nominal_radius";
 pub(super) const ANGULAR_VELOCITY: &str = "wheelset.angular_velocity";
 pub(super) const FRICTION: &str = "friction.coefficient";
-pub(super) const LENGTH: &str = "mech.element_length";
-pub(super) const WIDTH: &str = "mech.element_width";
+pub(super) const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 pub(super) const JOINING: &str = "mech.joining_distance";
 
-/// All keys of the model.
+/// The keys of the model besides those of bodies.
 pub(super) fn keys() -> Vec<KeySpec> {
     [bodies(), track(), wheelset(), load(), elements()].concat()
 }
@@ -31,22 +34,12 @@ pub(super) fn keys() -> Vec<KeySpec> {
 fn bodies() -> Vec<KeySpec> {
     let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
     vec![
-        position_key(),
-        KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
         KeySpec::file(
             "bodies.*.profile",
             "profile of the wheel or the rail: .prw, .prr, Miniprof, or columns of y to the field side and z",
         )
         .required(),
         KeySpec::quantity("bodies.*.profile_tolerance", "m", smoothing).at_least(0.0),
-        KeySpec::quantity("materials.*.youngs_modulus", "Pa", "Young's modulus")
-            .required()
-            .expected(1e4..=f64::INFINITY, "gels are stiffer; check the unit")
-            .above(0.0),
-        KeySpec::number("materials.*.poisson_ratio", "Poisson's ratio")
-            .required()
-            .above(-1.0)
-            .at_most(0.5),
     ]
 }
 
@@ -144,14 +137,12 @@ fn load() -> Vec<KeySpec> {
 }
 
 fn elements() -> Vec<KeySpec> {
+    let count =
+        |path: &str, help: &str| KeySpec::integer(path, help).at_least(2.0).at_most(10_000.0);
     vec![
-        KeySpec::quantity(LENGTH, "m", "length of an element, along x")
-            .expected(1e-5..=2e-3, "a contact is some millimetres long; check the unit")
-            .default_value(2e-4)
-            .above(0.0),
-        KeySpec::quantity(WIDTH, "m", "width of an element, along the tape; absent: its length")
-            .expected(1e-5..=2e-3, "a contact is some millimetres wide; check the unit")
-            .above(0.0),
+        count(RESOLUTION, "elements along a centimetre: dx = 10 mm/resolution")
+            .default_value(RESOLUTION_OF_CONTACT),
+        count(LATERAL_RESOLUTION, "elements across a centimetre of the tape; absent: as along"),
         KeySpec::quantity(
             JOINING,
             "m",
@@ -160,4 +151,16 @@ fn elements() -> Vec<KeySpec> {
         .default_value(4e-3)
         .at_least(0.0),
     ]
+}
+
+/// How the error falls with the resolution: as that of model `half-space`, in a contact of 6 mm to either side.
+pub(super) fn refinement() -> Refinement {
+    Refinement {
+        key: RESOLUTION.to_owned(),
+        levels: vec![10, 20, 40, 80, 160],
+        order: 1.0,
+        error: 0.05,
+        source: "the tests of model `half-space`, and wheel-on-track at these resolutions"
+            .to_owned(),
+    }
 }

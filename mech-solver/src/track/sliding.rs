@@ -1,0 +1,30 @@
+//! A patch that slides everywhere: traction f p against the rigid slip, which is all the slip there is.
+
+use super::local::Window;
+use crate::half_space::levels::RIGID_SLIP_AHEAD;
+use crate::half_space::tangential::{Creepage, ElementState, TangentialState};
+
+/// The tractions under a bound [Pa], and the slip of a step of one element, at these creepages.
+pub(super) fn everywhere(
+    bound: &[f64],
+    window: &Window,
+    [xi, eta, phi]: Creepage,
+) -> TangentialState {
+    let [nx, _] = window.counts();
+    let [dx, _] = window.sides;
+    let mut state = TangentialState::at_rest(bound, [xi, eta, phi]);
+    for (at, bound) in bound.iter().enumerate() {
+        let x = window.along(0, at % nx) + RIGID_SLIP_AHEAD * dx;
+        let y = window.along(1, at / nx);
+        let slip = [xi - phi * y, eta + phi * x];
+        let size = slip[0].hypot(slip[1]);
+        for (component, slip) in slip.into_iter().enumerate() {
+            state.slip[component][at] = slip * dx;
+            state.traction[component][at] = if size > 0.0 { -bound * slip / size } else { 0.0 };
+        }
+        if *bound > 0.0 && size > 0.0 {
+            state.element[at] = ElementState::Slip;
+        }
+    }
+    state
+}

@@ -1,0 +1,177 @@
+//! The model `wheel-on-track` as a participant uses it: rows, invariances, sums and refusals. What a patch is, is
+//! tested beside [`mech_solver::track`].
+
+use super::common::{
+    NoInputs, Run, STEEL, Store, assert_close, configuration, fitted, paper, refusal, run,
+};
+use mech_solver::MechSolver;
+use mech_solver::reference::hertz::elliptic_contact;
+use proto::configuration::Configuration;
+use proto::history::Histories;
+use proto::model::{Model, Solver, Step};
+use proto::progress::Progress;
+use serde_json::{Value, json};
+
+fn on_track() -> Value {
+    let mut case = fitted(paper(), "wheel-on-track");
+    case["mech"]["resolution"] = json!(25);
+    case["wheelset"]["y"] = json!(3e-3);
+    case
+}
+
+fn patches(run: &Run) -> &Vec<Value> {
+    run.contact["each_patch"].as_array().expect("patches")
+}
+
+fn of(patch: &Value, key: &str) -> f64 {
+    patch[key].as_f64().unwrap_or_else(|| panic!("{key}: {patch}"))
+}
+
+/// Tolerances: rounding of the sums; what the vertical force is met to, 1e-5.
+#[test]
+fn fields_are_those_of_the_patches() {
+    for y in [-4e-3, 3e-3, 6.2e-3] {
+        let mut case = on_track();
+        case["wheelset"]["y"] = json!(y);
+        let run = run(&case);
+        let sum = |key: &str| patches(&run).iter().map(|patch| of(patch, key)).sum::<f64>();
+        assert_close(run.integral("pressure"), sum("normal_force_n"), 1e-12);
+        assert_close(run.integral("traction"), sum("creep_force_x_n"), 1e-12);
+        assert_close(run.lateral_integral("traction"), sum("creep_force_y_n"), 1e-12);
+        let grid = run.layout.grid_of("friction_power").expect("always there");
+        assert_close(grid.integrate(&run.fields["friction_power"]), sum("friction_power_w"), 1e-12);
+        let up = |patch: &Value| {
+            let (sin, cos) = of(patch, "angle_rad").sin_cos();
+            of(patch, "normal_force_n") * cos + of(patch, "creep_force_y_n") * sin
+        };
+        assert_close(patches(&run).iter().map(up).sum(), 100e3, 2e-5);
+    }
+}
+
+/// −V(ξ F_x + η F_y + φ M_z) of every patch, the moment about a third of an element ahead, is its friction power, with a
+/// stick zone and without. Tolerance: rounding.
+#[test]
+fn friction_power_is_that_of_the_creepages() {
+    for partial in [true, false] {
+        let mut case = on_track();
+        if !partial {
+            case["effects"] = json!({"friction_heat": {}});
+        }
+        let run = run(&case);
+        let speed = run.fields["surface_speed"][1];
+        let arm = 4e-4 / 3.0;
+        let power: f64 = patches(&run)
+            .iter()
+            .map(|patch| {
+                let [x, y] = ["creep_force_x_n", "creep_force_y_n"].map(|key| of(patch, key));
+                let moment = of(patch, "spin_moment_nm") - arm * y;
+                let [xi, eta, phi] =
+                    ["creepage_xi", "creepage_eta", "creepage_phi_per_m"].map(|key| of(patch, key));
+                -speed * (xi * x + eta * y + phi * moment)
+            })
+            .sum();
+        assert_eq!(patches(&run).len(), 1);
+        assert_close(run.number("friction_power_w"), power, 1e-10);
+        let slips = run.number("slip_area_ratio");
+        assert!(if partial { slips < 1.0 } else { slips == 1.0 }, "{slips}");
+    }
+}
+
+/// The left and the right wheel are mirror images of each other. Tolerance: rounding of the profiles, which
+/// the pressure magnifies.
+#[test]
+fn left_and_right_are_mirror_images() {
+    let left = run(&on_track());
+    let mut case = on_track();
+    case["wheelset"] = json!({"side": "right", "nominal_radius": 0.46, "y": -3e-3, "yaw": -2e-3});
+    let right = run(&case);
+    for key in ["max_pressure_pa", "normal_force_n", "creep_force_x_n", "friction_power_w"] {
+        assert_close(right.number(key), left.number(key), 1e-7);
+    }
+    for key in ["y_m", "angle_rad", "track_y_m", "creep_force_y_n", "creepage_eta"] {
+        assert_close(of(&patches(&right)[0], key), -of(&patches(&left)[0], key), 1e-7);
+    }
+}
+
+/// On the crown of an upright rail a wheel touches where Hertz's theory says. The wheel's tread is no circle, so only size and
+/// pressure are compared: tolerance 6 %, what its curvature changes over the patch.
+#[test]
+fn pressure_is_near_that_of_hertz() {
+    let run = run(&on_track());
+    let patch = &patches(&run)[0];
+    let hertz = elliptic_contact(0.5 / 0.46, 0.5 / 0.08, of(patch, "normal_force_n"), STEEL);
+    let p0 = of(patch, "max_pressure_pa");
+    assert!(p0 < 1.06 * hertz.max_pressure && p0 > 0.5 * hertz.max_pressure, "{p0:e} {hertz:?}");
+}
+
+struct Sequence {
+    model: Box<dyn Model>,
+    configuration: Configuration,
+    store: Store,
+}
+
+impl Sequence {
+    fn new(values: Vec<f64>) -> Self {
+        let times = (0..values.len()).map(|row| row as f64).collect();
+        let values = [("wheelset.y".to_owned(), values)].into();
+        let histories = Some(Histories { rows: true, times, values });
+        let configuration = Configuration { histories, ..configuration(&on_track()) };
+        let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
+        let store = Store::for_layout(setup.layout(), &configuration.outputs);
+        let model = setup.build(&Progress::default()).expect("a checked case builds");
+        Self { model, configuration, store }
+    }
+
+    fn row(&mut self, window: u64) -> Value {
+        let step = Step { window, ..Step::STEADY };
+        self.model.solve(&step, &NoInputs, &mut self.store).expect("a solution");
+        self.model.accept();
+        self.model.summary()
+    }
+}
+
+/// A row is what it is, to the bit, whatever came before; of another grid alone its fields are a part. The steady case of
+/// its values has the same figures.
+#[test]
+fn a_row_depends_on_its_own_values_alone() {
+    let values = vec![-3e-3, 0.0, 3e-3, 6e-3];
+    let mut one = Sequence::new(values.clone());
+    let all: Vec<Value> = (0..4).map(|row| one.row(row)).collect();
+    let fields = one.store.0.clone();
+    let mut other = Sequence::new(values);
+    assert_eq!(other.row(3), all[3]);
+    assert!(other.store.0 == fields);
+    assert_eq!(other.configuration.case.0["wheelset"]["y"], json!(3e-3));
+    assert_eq!(run(&on_track()).contact, all[2]["contact"]);
+}
+
+#[test]
+fn what_cannot_be_placed_is_refused() {
+    let refused = |change: &dyn Fn(&mut Value), key: &str, words: &str| {
+        let mut case = on_track();
+        change(&mut case);
+        let refusal = refusal(&configuration(&case));
+        assert!(refusal.key == key && refusal.to_string().contains(words), "{refusal}");
+    };
+    refused(&|case| case["load"] = json!({}), "load.vertical_force", "one of force and height");
+    refused(&|case| case["wheelset"]["y"] = json!(0.5), "wheelset", "beside the rail");
+    refused(
+        &|case| case["bodies"]["rail"]["profile"] = json!("nowhere.prr"),
+        "bodies.rail.profile",
+        "No such file",
+    );
+    refused(
+        &|case| case["bodies"]["rail"]["radius_y"] = json!(0.3),
+        "bodies.rail.radius_y",
+        "nominal radius",
+    );
+    refused(
+        &|case| {
+            case["materials"]["other"] = json!({"youngs_modulus": 100e9, "poisson_ratio": 0.3});
+            case["bodies"]["rail"]["material"] = json!("other");
+        },
+        "bodies.wheel.material",
+        "the same material",
+    );
+    refused(&|case| case["track"]["gauge_height"] = json!(0.2), "bodies.rail.profile", "gauge");
+}
