@@ -7,9 +7,7 @@ use super::rail::Rail;
 use super::region::Region;
 use super::settings::Settings;
 use super::wheelset::{Pose, Wheel};
-use crate::half_space::extent::Moments;
 use crate::half_space::normal::Prescribed;
-use proto::grid::Structured;
 
 /// Elements by which a contact may grow on each side from one height to the next, beside the one round it.
 const GROWTH: usize = 1;
