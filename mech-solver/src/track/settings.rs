@@ -12,6 +12,8 @@ pub struct Settings {
     pub bodies: Elasticity,
     /// When regions are of one patch.
     pub joining: Joining,
+    /// Where rigid slip is taken.
+    pub rigid_slip: RigidSlip,
     /// Most elements of a patch.
     pub limit: usize,
     /// Tractions have settled when they change by less than this share of the largest, a given force is met to
@@ -23,9 +25,23 @@ impl Settings {
     /// Elements of these sides [m] on bodies of the same material; the rest as usual.
     #[must_use]
     pub fn new(sides: [f64; 2], bodies: Elasticity) -> Self {
-        Self { sides, bodies, joining: Joining::default(), limit: 400_000, tolerance: 1e-5 }
+        let (joining, rigid_slip) = (Joining::default(), RigidSlip::default());
+        Self { sides, bodies, joining, rigid_slip, limit: 400_000, tolerance: 1e-5 }
     }
 }
+
+/// Where the rigid slip of an element is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RigidSlip {
+    /// In the plane of its patch: three creepages.
+    #[default]
+    Plane,
+    /// On the surfaces, above the plane and below it: the rolling radius is that of every place.
+    Surfaces,
+}
+
+/// Coefficient of friction of an element, by its numbers (i, j) on the grid over x and the tape distance.
+pub type Friction<'a> = &'a dyn Fn([i64; 2]) -> f64;
 
 /// What is given along the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -73,8 +73,9 @@ fn all_patches_are_on_one_grid() {
             );
             // No contact on the edge of the window.
             let [nx, ny] = fields.counts;
-            let edge =
-                |at: usize| at % nx == 0 || at % nx == nx - 1 || at / nx == 0 || at / nx == ny - 1;
+            let edge = |at: usize| {
+                at.is_multiple_of(nx) || at % nx == nx - 1 || at / nx == 0 || at / nx == ny - 1
+            };
             assert!((0..nx * ny).all(|at| !edge(at) || fields.pressure[at] == 0.0));
         }
         let rows = |at: usize| {
