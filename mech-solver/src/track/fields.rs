@@ -23,7 +23,7 @@ pub struct Fields {
     pub sides: [f64; 2],
     /// Column and row of the origin of the patch's axes.
     pub origin: [usize; 2],
-    /// Undeformed distance [m].
+    /// Undeformed distance [m], [`super::local::NOTHING`] beyond the rows of the patch.
     pub distance: Vec<f64>,
     /// Pressure [Pa].
     pub pressure: Vec<f64>,

@@ -48,7 +48,9 @@ impl Pressed {
     ) -> Result<Self, TrackError> {
         let frame = Frame::at(region, rail, settings.sides);
         let window = window(region, &frame, settings)?;
-        let [distance, rail_heights] = undeformed_distance(&frame, &window, (rail, wheel, pose));
+        let [mut distance, rail_heights] =
+            undeformed_distance(&frame, &window, (rail, wheel, pose));
+        leave_to_others(region, &frame, &window, &mut distance);
         let mut pressure = vec![0.0; window.points()];
         let (normal_force, iterations) = (0.0, 0);
         let mut part = window;
@@ -122,7 +124,11 @@ impl Pressed {
             row.iter().copied().fold(NOTHING, f64::min)
         };
         let rail = self.rail_heights[rows.clone()].to_vec();
-        let wheel = rows.map(|j| self.rail_heights[j] + lowest(j) + approach).collect();
+        let height = |j: usize| match lowest(j) {
+            NOTHING => 0.0,
+            lowest => self.rail_heights[j] + lowest + approach,
+        };
+        let wheel = rows.map(height).collect();
         [rail, wheel]
     }
 
@@ -147,6 +153,17 @@ impl Pressed {
         let [dx, dy] = self.window.sides;
         let grid = Structured::contact_plane(0.0, 0.0, dx, dy, nx, ny);
         Moments::of(&grid, &self.pressure).semi_axes
+    }
+}
+
+/// Rows beyond those of the region are of other patches, or of none.
+fn leave_to_others(region: &Region, frame: &Frame, window: &Window, distance: &mut [f64]) {
+    let [nx, _] = window.counts();
+    for (j, row) in distance.chunks_exact_mut(nx).enumerate() {
+        let number = frame.element[1] + j as i64 - window.half[1] as i64;
+        if !(region.rows[0]..=region.rows[1]).contains(&number) {
+            row.fill(NOTHING);
+        }
     }
 }
 
