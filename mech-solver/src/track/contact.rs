@@ -15,10 +15,10 @@
 
 use super::error::TrackError;
 use super::outline::Outline;
-use super::pair::{Friction, Pair, nearest};
+use super::pair::{Pair, nearest};
 use super::patch::{Solved, Work};
 use super::rail::{Deviation, NoGauge, Rail, Side, Track};
-use super::settings::{Settings, Vertical};
+use super::settings::{Friction, Settings, Vertical};
 use super::wheelset::{Motion, Wheel, Wheelset};
 
 /// Heights that are tried for a force.

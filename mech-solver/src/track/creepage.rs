@@ -10,6 +10,12 @@
 //! rail and round the wheel. The track's axes go with the wheelset: in a curve they turn with V_x κ, and the rail
 //! turns against that.
 //!
+//! *Off the plane* at the height n_w of the wheel over Q and n_r of the rail over P, rigid slip is
+//! (ω_t n, −ω_x n) of the wheel less that of the rail more, with the components ω_x, ω_t along the axes: a rolling
+//! radius that varies across the patch, which no creepage has. n_w is that of the lowest point of a row: along a row
+//! both bodies are pressed onto a surface between them, and the radius at which a particle goes round the axle is
+//! that of its circle.
+//!
 //! Source: Kalker (1990) §1.2 for V; CONTACT's user guide, ch. 4, for Q.
 
 use super::local::Frame;
@@ -25,6 +31,9 @@ pub struct Rolling {
     pub creepage: Creepage,
     /// V [m/s].
     pub speed: f64,
+    /// Rigid slip more off the plane [1/m]: along x and along the tangent, by a height of the wheel and of the
+    /// rail.
+    pub by_height: [[f64; 2]; 2],
 }
 
 /// A wheelset that does not roll forward.
@@ -76,5 +85,8 @@ pub fn rolling(
     let spin = (turning - rail_turning).dot(&up) / speed;
     let from_origin = frame.reference - frame.origin;
     let [x, t] = [from_origin.dot(&ahead), from_origin.dot(&left)];
-    Ok(Rolling { creepage: [slip.dot(&ahead) + spin * t, slip.dot(&left) - spin * x, spin], speed })
+    let creepage = [slip.dot(&ahead) + spin * t, slip.dot(&left) - spin * x, spin];
+    let by_height = [turning, -rail_turning]
+        .map(|turning| [turning.dot(&left) / speed, -turning.dot(&ahead) / speed]);
+    Ok(Rolling { creepage, speed, by_height })
 }

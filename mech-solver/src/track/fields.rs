@@ -3,7 +3,8 @@
 //! **Friction power** of an element is that of the step in which a particle of the rail passes it, from the element
 //! ahead: −½(p_I + p_{I+1})·S_I V/Δx ([`crate::half_space::tangential`]). Over a patch it is −V(ξF_x + ηF_y +
 //! φM_z), M_z about the *pivot*, Δx/3 ahead of the origin: half an element less what the rigid slip is taken ahead
-//! of the middle of an element ([`RIGID_SLIP_AHEAD`]), as a step has tractions of its beginning and of its end.
+//! of the middle of an element ([`RIGID_SLIP_AHEAD`]), as a step has tractions of its beginning and of its end. Where
+//! rigid slip is taken on the surfaces, what is off the plane adds its own power.
 
 use super::local::Window;
 use crate::half_space::levels::RIGID_SLIP_AHEAD;
@@ -22,7 +23,7 @@ pub struct Fields {
     pub sides: [f64; 2],
     /// Column and row of the origin of the patch's axes.
     pub origin: [usize; 2],
-    /// Undeformed distance [m].
+    /// Undeformed distance [m], [`super::local::NOTHING`] beyond the rows of the patch.
     pub distance: Vec<f64>,
     /// Pressure [Pa].
     pub pressure: Vec<f64>,
@@ -105,6 +106,25 @@ impl Fields {
                 self.element[to] = state.element[from];
             }
         }
+    }
+
+    /// Power of tractions on a window around the same origin against a slip of a step there [m] [W].
+    #[must_use]
+    pub fn power_of_slip(
+        &self,
+        window: &Window,
+        slip: [&[f64]; 2],
+        traction: &[Vec<f64>; 2],
+        speed: f64,
+    ) -> f64 {
+        let nx = window.counts()[0];
+        let of = |at: usize| {
+            let ahead =
+                |values: &[f64]| if (at + 1).is_multiple_of(nx) { 0.0 } else { values[at + 1] };
+            let parts = slip.iter().zip(traction);
+            parts.map(|(slip, p)| -0.5 * (p[at] + ahead(p)) * slip[at]).sum::<f64>()
+        };
+        (0..window.points()).map(of).sum::<f64>() * speed * self.sides[1]
     }
 
     /// The grid in the axes of the patch.

@@ -105,16 +105,16 @@ impl Window {
     }
 }
 
-/// The undeformed distance of the elements of a window [m], and what is solved for on the way.
+/// The undeformed distance of the elements of a window [m], and the height of the rail over the plane in every row
+/// [m], zero where it has none.
+#[must_use]
 pub fn undeformed_distance(
     frame: &Frame,
     window: &Window,
     (rail, wheel, pose): (&Rail, &Wheel, &Pose),
-    distance: &mut Vec<f64>,
-) {
+) -> [Vec<f64>; 2] {
     let [nx, ny] = window.counts();
-    distance.clear();
-    distance.resize(nx * ny, NOTHING);
+    let (mut distance, mut heights) = (vec![NOTHING; nx * ny], vec![0.0; ny]);
     let mut surface = WheelSurface::new(frame, wheel, pose);
     let start = surface.start();
     // From the middle out, so that every row starts from the one beside it.
@@ -126,12 +126,14 @@ pub fn undeformed_distance(
             let Some(height) = rail_height(frame, &rail.outline, along, &mut tape) else {
                 continue;
             };
+            heights[j] = height;
             let row = &mut distance[j * nx..(j + 1) * nx];
             surface.row(window, along, height, &mut guess, row);
         }
     };
     sweep(&mut (window.half[1]..ny));
     sweep(&mut (0..window.half[1]).rev());
+    [distance, heights]
 }
 
 /// Height of the rail above the plane at t [m], from the tape distance `s` on, which becomes that of the place.
@@ -147,7 +149,7 @@ fn rail_height(frame: &Frame, rail: &Outline, along: f64, s: &mut f64) -> Option
             return None;
         }
         if off.abs() < EXACT {
-            return (from..=to).contains(s).then(|| z * cos - y * sin);
+            return (from..=to).contains(s).then_some(z * cos - y * sin);
         }
         *s += off / slope;
     }

@@ -4,16 +4,17 @@
 //! its place. What depends on the height is found from the last height on, and the tractions of a patch from those
 //! of the same patch before.
 
-use super::creepage::rolling;
+use super::creepage::{Rolling, rolling};
 use super::error::TrackError;
 use super::fields::Fields;
+use super::local::Window;
 use super::patch::{Patch, Solved, Work};
 use super::pool::Pool;
 use super::pressed::Pressed;
 use super::rail::{Deviation, Rail};
 use super::region::Region;
 use super::search::{Rows, Search, clearance};
-use super::settings::Settings;
+use super::settings::{Friction, RigidSlip, Settings};
 use super::silhouette::{Circles, Shadow, shadow};
 use super::sliding::everywhere;
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
@@ -22,9 +23,6 @@ use crate::half_space::tangential::{Creepage, Prescribed, TangentialState};
 
 /// Patches are the same if their places along the tape are no farther from each other than this [m].
 const SAME: f64 = 5e-3;
-
-/// Coefficient of friction of an element, by its numbers (i, j) on the grid over x and the tape distance.
-pub(super) type Friction<'a> = &'a dyn Fn([i64; 2]) -> f64;
 
 /// A wheel and a rail, their solvers, and what they were last.
 #[derive(Debug)]
@@ -163,20 +161,29 @@ impl Pair {
                 Fields::pressed(window, frame.element, &pressed.distance, &pressed.pressure);
             let part = pressed.contact_window();
             let bound = fields.bound(&part, friction);
+            let off_plane = match self.settings.rigid_slip {
+                RigidSlip::Plane => None,
+                RigidSlip::Surfaces => Some(off_plane(pressed, &part, &rolling)),
+            };
+            let more = off_plane.as_ref().map(|[x, t]| [x.as_slice(), t.as_slice()]);
             let state = if self.settings.adhesion {
                 let near = nearest(&self.sliding, pressed.region.s, |(s, ..)| *s)
                     .filter(|(_, half, _)| *half == part.half)
                     .map(|(.., state)| state.clone());
-                let solution = rolls(self.pool.tangential(&part), &bound, rolling.creepage, near)?;
+                let levels = self.pool.tangential(&part);
+                let solution = rolls(levels, &bound, rolling.creepage, more, near)?;
                 self.work.newton_steps += solution.newton_steps;
                 solution.state
             } else {
-                everywhere(&bound, &part, rolling.creepage)
+                everywhere(&bound, &part, rolling.creepage, more)
             };
             self.work.tangential_contacts += 1;
             fields.take(&part, &state, rolling.speed);
+            let given_off_plane = more.map_or(0.0, |slip| {
+                fields.power_of_slip(&part, slip, &state.traction, rolling.speed)
+            });
             let bodies = (&self.rail, &self.wheel, &self.pose);
-            patches.push(Patch::of(pressed, fields, rolling, bodies));
+            patches.push(Patch::of(pressed, fields, rolling, given_off_plane, bodies));
             sliding.push((pressed.region.s, part.half, state));
         }
         self.sliding = sliding;
@@ -190,20 +197,39 @@ impl Pair {
     }
 }
 
-/// The tractions of rolling contact, from a solution that is near if there is one.
+/// The tractions of rolling contact, with a slip that is there besides [m], from a solution that is near if there is one.
 fn rolls(
     levels: &mut Levels,
     bound: &[f64],
     creepage: Creepage,
+    more: Option<[&[f64]; 2]>,
     near: Option<TangentialState>,
 ) -> Result<Solution, TangentialError> {
     let given = Prescribed::creepages(creepage);
     let improved = near.and_then(|state| {
         let mut solution = Solution::new(state);
-        levels.improve(bound, &given, None, &mut solution).is_ok().then_some(solution)
+        levels.improve(bound, &given, more, &mut solution).is_ok().then_some(solution)
     });
     // What is too far from the last solution is solved without it.
-    improved.map_or_else(|| levels.solve(bound, &given), Ok)
+    if let Some(solution) = improved {
+        return Ok(solution);
+    }
+    let mut solution = levels.solve(bound, &given)?;
+    if more.is_some() {
+        levels.improve(bound, &given, more, &mut solution)?;
+    }
+    Ok(solution)
+}
+
+/// Rigid slip of a step that is off the plane, on the elements of a part [m].
+fn off_plane(pressed: &Pressed, part: &Window, rolling: &Rolling) -> [Vec<f64>; 2] {
+    let [rail, wheel] = pressed.heights(part);
+    let [by_wheel, by_rail] = rolling.by_height;
+    [0, 1].map(|k| {
+        let of_row = |(wheel, rail): (&f64, &f64)| by_wheel[k] * wheel + by_rail[k] * rail;
+        let rows = wheel.iter().zip(&rail).map(of_row);
+        rows.flat_map(|slip| std::iter::repeat_n(part.sides[0] * slip, part.counts()[0])).collect()
+    })
 }
 
 /// The entry whose place is nearest, if it is near.

@@ -32,6 +32,8 @@ pub struct Patch {
     pub rolling: Rolling,
     /// Friction power [W].
     pub friction_power: f64,
+    /// The part of it that rigid slip off the plane gives [W].
+    pub power_off_plane: f64,
     /// Area that slips over the area of the contact, by elements [-].
     pub slip_area_ratio: f64,
     /// The region of penetration reaches an end of a profile.
@@ -78,6 +80,7 @@ impl Patch {
         pressed: &Pressed,
         fields: Fields,
         rolling: Rolling,
+        power_off_plane: f64,
         (rail, wheel, pose): (&Rail, &Wheel, &Pose),
     ) -> Self {
         let region = &pressed.region;
@@ -95,6 +98,7 @@ impl Patch {
             load: fields.load(),
             rolling,
             friction_power: fields.total_power(),
+            power_off_plane,
             slip_area_ratio: fields.slip_area_ratio(),
             at_end: region.at_end,
             fields,

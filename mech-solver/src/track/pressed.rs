@@ -1,7 +1,7 @@
 //! A patch under pressure, without tractions.
 
 use super::error::TrackError;
-use super::local::{Frame, Window, undeformed_distance};
+use super::local::{Frame, NOTHING, Window, undeformed_distance};
 use super::pool::{Pool, room};
 use super::rail::Rail;
 use super::region::Region;
@@ -23,6 +23,8 @@ pub(super) struct Pressed {
     pub(super) window: Window,
     /// Undeformed distance [m], negative where the undeformed bodies penetrate.
     pub(super) distance: Vec<f64>,
+    /// Height of the rail over the plane in every row [m].
+    rail_heights: Vec<f64>,
     /// Pressure [Pa].
     pub(super) pressure: Vec<f64>,
     /// Normal force [N].
@@ -44,8 +46,9 @@ impl Pressed {
     ) -> Result<Self, TrackError> {
         let frame = Frame::at(region, rail, settings.sides);
         let window = window(region, &frame, settings)?;
-        let mut distance = Vec::new();
-        undeformed_distance(&frame, &window, (rail, wheel, pose), &mut distance);
+        let [mut distance, rail_heights] =
+            undeformed_distance(&frame, &window, (rail, wheel, pose));
+        leave_to_others(region, &frame, &window, &mut distance);
         let mut pressure = vec![0.0; window.points()];
         let (normal_force, iterations) = (0.0, 0);
         let mut part = window;
@@ -56,8 +59,17 @@ impl Pressed {
         }
         let complete = part == window;
         let region = *region;
-        let mut pressed =
-            Self { region, frame, window, distance, pressure, normal_force, complete, iterations };
+        let mut pressed = Self {
+            region,
+            frame,
+            window,
+            distance,
+            rail_heights,
+            pressure,
+            normal_force,
+            complete,
+            iterations,
+        };
         pressed.solve(&part, pool)?;
         Ok(pressed)
     }
@@ -99,6 +111,25 @@ impl Pressed {
         -self.distance.iter().copied().fold(0.0, f64::min)
     }
 
+    /// Heights over the plane of the rail, and of the wheel from its point Q, where it is lowest in a row; in
+    /// every row of a part of the window [m].
+    pub(super) fn heights(&self, part: &Window) -> [Vec<f64>; 2] {
+        let (nx, approach) = (self.window.counts()[0], self.approach());
+        let first = self.window.half[1] - part.half[1];
+        let rows = first..first + part.counts()[1];
+        let lowest = |j: usize| {
+            let row = &self.distance[j * nx..(j + 1) * nx];
+            row.iter().copied().fold(NOTHING, f64::min)
+        };
+        let rail = self.rail_heights[rows.clone()].to_vec();
+        let height = |j: usize| match lowest(j) {
+            NOTHING => 0.0,
+            lowest => self.rail_heights[j] + lowest + approach,
+        };
+        let wheel = rows.map(height).collect();
+        [rail, wheel]
+    }
+
     /// Part of the window that holds the contact and an element round it.
     pub(super) fn contact_window(&self) -> Window {
         let [nx, _] = self.window.counts();
@@ -112,6 +143,17 @@ impl Pressed {
         }
         let half = [0, 1].map(|k| room(most[k] + 1).min(self.window.half[k]));
         Window { half, ..self.window }
+    }
+}
+
+/// Rows beyond those of the region are of other patches, or of none.
+fn leave_to_others(region: &Region, frame: &Frame, window: &Window, distance: &mut [f64]) {
+    let [nx, _] = window.counts();
+    for (j, row) in distance.chunks_exact_mut(nx).enumerate() {
+        let number = frame.element[1] + j as i64 - window.half[1] as i64;
+        if !(region.rows[0]..=region.rows[1]).contains(&number) {
+            row.fill(NOTHING);
+        }
     }
 }
 

@@ -16,6 +16,8 @@ pub struct Settings {
     pub layer: f64,
     /// When regions are of one patch.
     pub joining: Joining,
+    /// Where rigid slip is taken.
+    pub rigid_slip: RigidSlip,
     /// Most elements of a patch.
     pub limit: usize,
     /// Tractions have settled when they change by less than this share of the largest, a given force is met to
@@ -33,11 +35,25 @@ impl Settings {
             adhesion: true,
             layer: 0.0,
             joining: Joining::default(),
+            rigid_slip: RigidSlip::default(),
             limit: 400_000,
             tolerance: 1e-5,
         }
     }
 }
+
+/// Where the rigid slip of an element is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RigidSlip {
+    /// In the plane of its patch: three creepages.
+    #[default]
+    Plane,
+    /// On the surfaces, above the plane and below it: the rolling radius is that of every place.
+    Surfaces,
+}
+
+/// Coefficient of friction of an element, by its numbers (i, j) on the grid over x and the tape distance.
+pub type Friction<'a> = &'a dyn Fn([i64; 2]) -> f64;
 
 /// What is given along the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,11 +4,13 @@ use super::local::Window;
 use crate::half_space::levels::RIGID_SLIP_AHEAD;
 use crate::half_space::tangential::{Creepage, ElementState, TangentialState};
 
-/// The tractions under a bound [Pa], and the slip of a step of one element, at these creepages.
+/// The tractions under a bound [Pa], and the slip of a step of one element, at these creepages and a slip that is
+/// there besides [m].
 pub(super) fn everywhere(
     bound: &[f64],
     window: &Window,
     [xi, eta, phi]: Creepage,
+    more: Option<[&[f64]; 2]>,
 ) -> TangentialState {
     let [nx, _] = window.counts();
     let [dx, _] = window.sides;
@@ -16,10 +18,11 @@ pub(super) fn everywhere(
     for (at, bound) in bound.iter().enumerate() {
         let x = window.along(0, at % nx) + RIGID_SLIP_AHEAD * dx;
         let y = window.along(1, at / nx);
-        let slip = [xi - phi * y, eta + phi * x];
+        let off_plane = more.map_or([0.0; 2], |more| more.map(|slip| slip[at]));
+        let slip = [dx * (xi - phi * y) + off_plane[0], dx * (eta + phi * x) + off_plane[1]];
         let size = slip[0].hypot(slip[1]);
         for (component, slip) in slip.into_iter().enumerate() {
-            state.slip[component][at] = slip * dx;
+            state.slip[component][at] = slip;
             state.traction[component][at] = if size > 0.0 { -bound * slip / size } else { 0.0 };
         }
         if *bound > 0.0 && size > 0.0 {

@@ -1,12 +1,19 @@
 //! Power and momentum: what friction takes is what the forces give.
 
 use super::{rolling, solve, standard, steel};
+use crate::track::contact::WheelOnRail;
 use crate::track::rail::Side;
-use crate::track::settings::{Settings, Vertical};
+use crate::track::settings::{RigidSlip, Settings, Vertical};
 
 #[test]
 fn friction_takes_what_the_forces_give() {
-    let mut pair = standard(Side::Right, Settings::new([3e-4, 3e-4], steel()));
+    for rigid_slip in [RigidSlip::Plane, RigidSlip::Surfaces] {
+        let settings = Settings { rigid_slip, ..Settings::new([3e-4, 3e-4], steel()) };
+        balance(standard(Side::Right, settings), rigid_slip == RigidSlip::Plane);
+    }
+}
+
+fn balance(mut pair: WheelOnRail, plane: bool) {
     let positions = [(0.0, 0.0), (-3e-3, 4e-3), (-6e-3, -2e-3), (-8.5e-3, 1e-2)];
     let mut patches = 0;
     for (y, yaw) in positions {
@@ -18,7 +25,8 @@ fn friction_takes_what_the_forces_give() {
             let parts =
                 [xi * along, eta * across, phi * moment].map(|part| patch.rolling.speed * part);
             let exchanged: f64 = parts.iter().map(|part| part.abs()).sum();
-            let given = -parts.iter().sum::<f64>();
+            let given = patch.power_off_plane - parts.iter().sum::<f64>();
+            assert_eq!(plane, patch.power_off_plane == 0.0);
             let off = (patch.friction_power - given).abs() / exchanged;
             assert!(off < 1e-10, "{y}: {} {given}", patch.friction_power);
             assert!(patch.friction_power > 0.0);
