@@ -40,10 +40,10 @@ use running::Running;
 
 pub(super) use summary::figures;
 
-/// Time of a position over the elements of its grid, measured [s].
-const SECONDS: f64 = 4e-6;
-/// Working memory for an element [byte].
-const BYTES: f64 = 700.0;
+/// Time of a position over the elements of its patches, measured [s].
+const SECONDS: f64 = 6e-6;
+/// Working memory for an element of the patches [byte].
+const BYTES: f64 = 4000.0;
 
 /// Its entry in the list.
 pub(super) const MODEL: ModelEntry = ModelEntry {
@@ -119,8 +119,8 @@ fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
             .map(|(name, shape)| Grid::structured(name, shape))
             .collect(),
         fields,
-        solve_seconds: SECONDS * grid.points() as f64,
-        memory_bytes: (BYTES * grid.points() as f64) as u64,
+        solve_seconds: SECONDS * plane.elements,
+        memory_bytes: (BYTES * plane.elements) as u64,
         remarks: std::iter::once(size).chain(case.remarks.iter().cloned()).collect(),
         ..Layout::default()
     }

@@ -13,7 +13,7 @@ use numerics::convolution::smooth_size;
 use proto::grid::Structured;
 
 /// Sizes that are kept, of either kind.
-const KEPT: usize = 40;
+const KEPT: usize = 16;
 /// Tolerance of the pressure over that of the tractions.
 const PRESSURE_SHARE: f64 = 1e-2;
 

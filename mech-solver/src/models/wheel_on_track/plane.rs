@@ -20,6 +20,8 @@ pub(super) struct Plane {
     /// Behind the last element.
     end: [i64; 2],
     sides: [f64; 2],
+    /// Elements of the patches of a position, at most and about.
+    pub(super) elements: f64,
 }
 
 impl Plane {
@@ -61,7 +63,9 @@ impl Plane {
         let Developed { first, counts, .. } = Developed::of(patches, MARGIN);
         let finer = |at: i64| (coarser * at as f64).round() as i64;
         let end = [0, 1].map(|k| finer(first[k] + counts[k] as i64));
-        Self { first: first.map(finer), end, sides: [0.0; 2] }
+        let of = |patch: &Patch| (patch.fields.counts[0] * patch.fields.counts[1]) as f64;
+        let elements = coarser * coarser * patches.iter().map(of).sum::<f64>();
+        Self { first: first.map(finer), end, sides: [0.0; 2], elements }
     }
 
     fn and(&self, other: &Self) -> Self {
@@ -69,6 +73,7 @@ impl Plane {
             first: [0, 1].map(|k| self.first[k].min(other.first[k])),
             end: [0, 1].map(|k| self.end[k].max(other.end[k])),
             sides: self.sides,
+            elements: self.elements.max(other.elements),
         }
     }
 
