@@ -62,8 +62,6 @@ pub struct Region {
     pub s: f64,
     /// Angle of the reference, from the y-axis to the rail's tangent [rad].
     pub angle: f64,
-    /// Radius of curvature of the wheel along x there [m].
-    pub radius: f64,
     /// The region reaches an end of the rail's or the wheel's profile.
     pub at_end: bool,
     weight: f64,
@@ -92,7 +90,6 @@ impl Region {
             x: row.x,
             s: row.s,
             angle: row.angle,
-            radius: row.radius,
             at_end: row.at_end,
             weight: row.penetration.powf(WEIGHT),
         }
@@ -116,7 +113,6 @@ impl Region {
             x: mean(self.x, next.x),
             s: mean(self.s, next.s),
             angle: mean(self.angle, next.angle),
-            radius: mean(self.radius, next.radius),
             at_end: self.at_end || next.at_end,
             weight,
         };

@@ -5,7 +5,7 @@
 //! track. Rows with g_j < 0 that follow each other are a region; in each of them the wheel, of the radius of
 //! curvature R_j along x, penetrates over |x − x_j| < √(2 R_j |g_j|). As elastic displacements only open the gap,
 //! no place outside can be in contact.
-//!
+
 use super::rail::Rail;
 use super::region::{Cuts, Joining, Penetrated, Region, grouped};
 use super::silhouette::Shadow;
