@@ -48,12 +48,13 @@ fn fields_are_those_of_the_patches() {
     }
 }
 
-/// −V(ξ F_x + η F_y + φ M_z) of every patch, the moment about a third of an element ahead, is its friction power, with a
+/// In the plane of a patch −V(ξ F_x + η F_y + φ M_z), the moment about a third of an element ahead, is its friction power, with a
 /// stick zone and without. Tolerance: rounding.
 #[test]
 fn friction_power_is_that_of_the_creepages() {
     for partial in [true, false] {
         let mut case = on_track();
+        case["mech"]["rigid_slip"] = json!("plane");
         if !partial {
             case["effects"] = json!({"friction_heat": {}});
         }

@@ -2,7 +2,8 @@
 
 use super::keys::{
     ANGULAR_VELOCITY, CANT, CURVATURE, FLANGE_BACK_DISTANCE, FLANGE_BACK_POSITION, FRICTION, GAUGE,
-    GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, NOMINAL_RADIUS, SIDE, VERTICAL_FORCE, keys,
+    GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, NOMINAL_RADIUS, RIGID_SLIP, SIDE,
+    VERTICAL_FORCE, keys,
 };
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
@@ -14,7 +15,7 @@ use crate::track::outline::Outline;
 use crate::track::profile::orientation::Body;
 use crate::track::profile::{Format, Reading, read};
 use crate::track::rail::{Deviation, Placing, Side, Track};
-use crate::track::settings::{Settings, Vertical};
+use crate::track::settings::{RigidSlip, Settings, Vertical};
 use crate::track::wheelset::{Motion, Wheelset};
 use proto::bodies::{Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
@@ -83,6 +84,9 @@ impl Case {
         let sides = [along, across].map(|count| CENTIMETRE / count as f64);
         let mut settings = Settings::new(sides, bodies);
         settings.joining.distance = case.number(JOINING)?;
+        if case.text(RIGID_SLIP)? == "surfaces" {
+            settings.rigid_slip = RigidSlip::Surfaces;
+        }
         (settings.adhesion, settings.layer) = (terms.adhesion, terms.layer());
         let side = if case.text(SIDE)? == "right" { Side::Right } else { Side::Left };
         let placing =

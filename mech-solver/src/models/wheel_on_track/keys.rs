@@ -25,6 +25,7 @@ pub(super) const ANGULAR_VELOCITY: &str = "wheelset.angular_velocity";
 pub(super) const FRICTION: &str = "friction.coefficient";
 pub(super) const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 pub(super) const JOINING: &str = "mech.joining_distance";
+pub(super) const RIGID_SLIP: &str = "mech.rigid_slip";
 
 /// The keys of the model besides those of bodies.
 pub(super) fn keys() -> Vec<KeySpec> {
@@ -150,6 +151,12 @@ fn elements() -> Vec<KeySpec> {
         )
         .default_value(4e-3)
         .at_least(0.0),
+        KeySpec::choice(
+            RIGID_SLIP,
+            &["surfaces", "plane"],
+            "where rigid slip is taken: on the surfaces, whose rolling radius varies across a patch, or in the plane of the patch",
+        )
+        .default_value("surfaces"),
     ]
 }
 
