@@ -11,7 +11,7 @@ const RESOLUTION_OF_CONTACT: i64 = 50;
 pub(super) const VERTICAL_FORCE: &str = "load.vertical_force";
 pub(super) const HEIGHT: &str = "wheelset.z";
 /// Group of what is given along the vertical.
-const LOAD: &str = "load";
+const VERTICAL: &str = "wheelset.vertical";
 
 pub(super) const SIDE: &str = "wheelset.side";
 pub(super) const GAUGE: &str = "track.gauge";
@@ -114,7 +114,7 @@ fn load() -> Vec<KeySpec> {
     vec![
         KeySpec::quantity(VERTICAL_FORCE, "N", "vertical force on the wheel, pressures and tractions together")
             .expected(1e-6..=5e6, "heavy axles press with 2e5 N; check the unit")
-            .one_of(LOAD)
+            .one_of(VERTICAL)
             .above(0.0)
             .varies(),
         KeySpec::quantity(
@@ -122,7 +122,7 @@ fn load() -> Vec<KeySpec> {
             "m",
             "height of the wheelset over that at which circles of the nominal radius touch the tops of the rails",
         )
-        .one_of(LOAD)
+        .one_of(VERTICAL)
         .varies(),
         KeySpec::quantity(SPEED, "m/s", "speed of the wheelset along the track")
             .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is a unit, too")
