@@ -25,7 +25,9 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
         ),
         wheelset("moment_y_nm", "Nm", "the same about y", "M_y"),
         wheelset("moment_z_nm", "Nm", "the same about z", "M_z"),
-        patch("angle_rad", "rad", "contact angle, from the track's y to the patch's"),
+        patch("angle_rad", "rad", "contact angle, from the track's y to the patch's")
+            .on("patch", "angle")
+            .digits(4),
         patch("track_y_m", "m", "place in track axes, y"),
         patch("track_z_m", "m", "place in track axes, z"),
         patch("rail_y_m", "m", "place on the rail's profile, y to the left"),
