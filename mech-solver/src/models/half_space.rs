@@ -30,7 +30,7 @@ use crate::entry::ModelEntry;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
 use crate::models::expected::refinement;
-use crate::models::grids::{CONTACT_GRID, RIGID_GRID};
+use crate::models::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
 use crate::models::varying::Varying;
 use crate::resolution;
 use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
@@ -38,10 +38,10 @@ use crate::terms::{Kind, Place, Terms};
 use case::Case;
 use drive::Driven;
 use proto::accuracy::Accuracy;
-use proto::configuration::{Configuration, FieldOnGrid, Layout, Mode, Refusal};
+use proto::configuration::{Configuration, Layout, Mode, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
-use proto::grid::{Grid, Structured};
+use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
 use steady::{Following, Steady};
@@ -249,10 +249,6 @@ fn memory(configuration: &Configuration, scene: &Scene, partial: bool) -> Result
 
 fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let grid = case.footprint.grid;
-    let wanted = |spec: &FieldSpec| {
-        let mut asked = configuration.outputs.iter().chain(&configuration.observed);
-        asked.any(|name| name == spec.name)
-    };
     let observations = &case.terms.observations;
     let on = |spec: &FieldSpec| match *spec {
         _ if let Some(grid) = observations.iter().find_map(|term| term.grid_of(spec)) => grid,
@@ -260,17 +256,12 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
         _ => CONTACT_GRID,
     };
-    let fields: Vec<FieldOnGrid> = field::TABLE
-        .iter()
-        .filter(|spec| wanted(spec))
-        .map(|spec| FieldOnGrid { field: spec.name.to_owned(), grid: on(spec).to_owned() })
-        .collect();
     let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
     let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
     let mut grids =
         vec![(CONTACT_GRID, grid), (PASSAGE_GRID, case.passage_grid()), (RIGID_GRID, whole)];
     grids.extend(observations.iter().flat_map(|term| term.grids()));
-    let used = |name: &str| fields.iter().any(|on| on.grid == name);
+    let (grids, fields) = laid_out(configuration, on, grids);
     let elements = grid.points() as f64;
     let how = match case.memory {
         true => "one step an element rolled, or one for a shift",
@@ -304,11 +295,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let given = case.footprint.ellipse.filter(|_| case.footprint.gap.is_none());
     let remark = given.and_then(|ellipse| ellipse.remark(&case.scene));
     Layout {
-        grids: grids
-            .into_iter()
-            .filter(|(name, _)| used(name))
-            .map(|(name, shape)| Grid::structured(name, shape))
-            .collect(),
+        grids,
         fields,
         peaks: peak.into_iter().collect(),
         solve_seconds: if once { 0.0 } else { seconds },

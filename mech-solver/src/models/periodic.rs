@@ -17,17 +17,17 @@ mod case;
 mod cell;
 mod contact;
 
-use super::grids::{CONTACT_GRID, RIGID_GRID};
+use super::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
 use crate::entry::ModelEntry;
 use crate::scene::contact_keys;
 use crate::terms::{Kind, Terms};
 use case::Case;
 use contact::Sliding;
 use proto::accuracy::Accuracy;
-use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{ModelSpec, names};
 use proto::field::{self, FieldSpec};
-use proto::grid::{Grid, Structured};
+use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
 
@@ -73,28 +73,16 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 
 fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let grid = case.grid;
-    let wanted = |spec: &FieldSpec| {
-        configuration.outputs.iter().chain(&configuration.observed).any(|name| name == spec.name)
-    };
     let on = |spec: &FieldSpec| match *spec {
         field::SURFACE_SPEED => RIGID_GRID,
         _ => CONTACT_GRID,
     };
-    let fields: Vec<FieldOnGrid> = field::TABLE
-        .iter()
-        .filter(|spec| wanted(spec))
-        .map(|spec| FieldOnGrid { field: spec.name.to_owned(), grid: on(spec).to_owned() })
-        .collect();
     let [length, width] = case.cell();
     let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-    let grids = [(CONTACT_GRID, grid), (RIGID_GRID, whole)];
-    let used = |name: &str| fields.iter().any(|on| on.grid == name);
+    let grids = vec![(CONTACT_GRID, grid), (RIGID_GRID, whole)];
+    let (grids, fields) = laid_out(configuration, on, grids);
     Layout {
-        grids: grids
-            .into_iter()
-            .filter(|(name, _)| used(name))
-            .map(|(name, shape)| Grid::structured(name, shape))
-            .collect(),
+        grids,
         fields,
         solve_seconds: SECONDS * grid.points() as f64,
         memory_bytes: (BYTES * grid.points() as f64) as u64,

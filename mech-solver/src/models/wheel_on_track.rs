@@ -23,17 +23,17 @@ mod plane;
 mod running;
 mod summary;
 
-use super::grids::{CONTACT_GRID, RIGID_GRID};
+use super::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
 use super::half_space::PASSAGE_GRID;
 use crate::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
 use case::Case;
 use plane::Plane;
 use proto::accuracy::Accuracy;
-use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{ModelSpec, names};
 use proto::field::{self, FieldSpec};
-use proto::grid::{Grid, Structured};
+use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
 use running::Running;
@@ -86,25 +86,17 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 
 fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
     let grid = plane.grid();
-    let wanted = |spec: &FieldSpec| {
-        configuration.outputs.iter().chain(&configuration.observed).any(|name| name == spec.name)
-    };
     let on = |spec: &FieldSpec| match *spec {
         field::SURFACE_SPEED => RIGID_GRID,
         field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
         _ => CONTACT_GRID,
     };
-    let fields: Vec<FieldOnGrid> = field::TABLE
-        .iter()
-        .filter(|spec| wanted(spec))
-        .map(|spec| FieldOnGrid { field: spec.name.to_owned(), grid: on(spec).to_owned() })
-        .collect();
     let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
     let mut passage = grid;
     passage.origin[0] += 0.5 * grid.dx();
     let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-    let grids = [(CONTACT_GRID, grid), (PASSAGE_GRID, passage), (RIGID_GRID, whole)];
-    let used = |name: &str| fields.iter().any(|on| on.grid == name);
+    let grids = vec![(CONTACT_GRID, grid), (PASSAGE_GRID, passage), (RIGID_GRID, whole)];
+    let (grids, fields) = laid_out(configuration, on, grids);
     let size = format!(
         "{} x {} elements of {:.4} x {:.4} mm over the rail's surface, along x and along the tape",
         grid.ni,
@@ -113,11 +105,7 @@ fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
         1e3 * grid.dy()
     );
     Layout {
-        grids: grids
-            .into_iter()
-            .filter(|(name, _)| used(name))
-            .map(|(name, shape)| Grid::structured(name, shape))
-            .collect(),
+        grids,
         fields,
         solve_seconds: SECONDS * plane.elements,
         memory_bytes: (BYTES * plane.elements) as u64,

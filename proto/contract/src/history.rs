@@ -46,22 +46,6 @@ impl Histories {
         Ok(())
     }
 
-    /// The case with the values of a row.
-    #[must_use]
-    pub fn at_row(&self, case: &Params, row: usize) -> Params {
-        let mut case = case.clone();
-        self.put_row(&mut case, row);
-        case
-    }
-
-    /// The case with the values at a time [s]; those of the first and the last row hold beyond them.
-    #[must_use]
-    pub fn at_time(&self, case: &Params, time: f64) -> Params {
-        let mut case = case.clone();
-        self.put_time(&mut case, time);
-        case
-    }
-
     /// The case in a window: that of its row, or of its middle, whose values are means over the window
     /// to the second order of its length.
     #[must_use]
@@ -84,6 +68,7 @@ impl Histories {
         self.put_values(case, |column| column[row.min(column.len() - 1)]);
     }
 
+    /// Puts the values at a time [s] into a case; those of the first and the last row hold beyond them.
     fn put_time(&self, case: &mut Params, time: f64) {
         let right = self.times.partition_point(|at| *at <= time);
         let last = self.times.len() - 1;
@@ -128,7 +113,11 @@ mod tests {
 
     #[test]
     fn instants_have_straight_lines_between_and_hold_beyond() {
-        let load = |time: f64| histories(false).at_time(&case(), time).number("load.normal_force");
+        let load = |time: f64| {
+            let mut case = case();
+            histories(false).put_time(&mut case, time);
+            case.number("load.normal_force")
+        };
         for (time, expected) in [(-1.0, 1.0), (0.5, 2.0), (1.0, 3.0), (2.0, 2.5), (9.0, 2.0)] {
             assert_eq!(load(time), Ok(expected), "{time}");
         }
