@@ -1,10 +1,11 @@
-//! The elliptic contact patch that several models share: Hertz's solution, or the ellipse that the
-//! case gives under `[contact]`, with the grid that covers it and the friction limit it sets.
+//! The contact patch in closed form that several models share: Hertz's ellipse, the ellipse that the
+//! case gives under `[contact]`, or the line of bodies that are straight across, with the grid that covers it and
+//! the friction limit it sets.
 
 use crate::measures::Measures;
 use crate::reference::hertz;
 use crate::resolution::{MOST, RESOLUTION};
-use crate::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene};
+use crate::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene, WIDTH};
 use crate::strips::semi_ellipse::SemiEllipse;
 use crate::strips::{Lateral, StripField, Strips};
 use proto::bodies::{LOWER, UPPER};
@@ -23,13 +24,15 @@ const MOST_ELEMENTS: f64 = 33_554_432.0;
 pub(crate) struct Ellipse {
     /// Semi-axis a along x [m].
     pub(crate) semi_axis_a: f64,
-    /// Semi-axis b along y [m].
+    /// Semi-axis b along y; of a line half its width [m].
     pub(crate) semi_axis_b: f64,
+    /// A line of contact, uniform across.
+    pub(crate) line: bool,
     /// Pressure at the centre [Pa].
     pub(crate) max_pressure: f64,
     /// Approach of the bodies, unknown for a given ellipse [m].
     pub(crate) approach: Option<f64>,
-    /// Normal force that the ellipse carries [N].
+    /// Normal force that it carries [N].
     pub(crate) normal_force: f64,
     /// What it is held against.
     pub(crate) measures: Measures,
@@ -46,6 +49,8 @@ pub(crate) struct Extent {
     pub(crate) a: f64,
     /// Largest semi-axis along y [m].
     pub(crate) b: f64,
+    /// Of lines, which one row covers.
+    pub(crate) line: bool,
 }
 
 impl Extent {
@@ -56,14 +61,17 @@ impl Extent {
             smallest: self.smallest.min(other.smallest),
             a: self.a.max(other.a),
             b: self.b.max(other.b),
+            line: self.line,
         }
     }
 
-    /// Rows and columns of elements Δx = Δy = finest/resolution that cover it, odd in number.
+    /// Rows and columns of elements Δx = Δy = finest/resolution that cover it, odd in number; of a line one
+    /// row.
     pub(crate) fn grid(&self, resolution: usize) -> Result<Structured, Refusal> {
         let step = self.finest / resolution as f64;
         let half = |semi_axis: f64| (semi_axis / step - 0.5).ceil().max(0.0);
-        let [half_columns, half_rows] = [half(self.a), half(self.b)];
+        let dy = if self.line { 2.0 * self.b } else { step };
+        let [half_columns, half_rows] = [half(self.a), if self.line { 0.0 } else { half(self.b) }];
         let elements = (2.0 * half_columns + 1.0) * (2.0 * half_rows + 1.0);
         if elements > MOST_ELEMENTS {
             return Err(Refusal::new(
@@ -76,7 +84,7 @@ impl Extent {
         }
         let (nx, ny) = (2 * half_columns as usize + 1, 2 * half_rows as usize + 1);
         let (x0, y0) = (-half_columns * step, -half_rows * step);
-        Ok(Structured::contact_plane(x0, y0, step, step, nx, ny))
+        Ok(Structured::contact_plane(x0, y0, step, dy, nx, ny))
     }
 }
 
@@ -94,8 +102,13 @@ impl Ellipse {
     pub(crate) fn solve(scene: &Scene, given: Option<GivenPatch>) -> Result<Self, Refusal> {
         let ellipse = match given {
             Some(patch) => Self::of_given_patch(scene, patch),
+            None if scene.width.is_some() => Self::of_line(scene)?,
             None => Self::of_hertz(scene)?,
         };
+        if let (Some(_), Some(_)) = (given, scene.width) {
+            let reason = "excludes an ellipse that is given";
+            return Err(Refusal::new(WIDTH, reason, "remove it, or the ellipse under [contact]"));
+        }
         ellipse.refuse_beyond_floating_point(scene)?;
         Ok(ellipse)
     }
@@ -104,7 +117,59 @@ impl Ellipse {
         let GivenPatch { semi_axis_a, semi_axis_b, max_pressure } = patch;
         let normal_force = hertz::normal_force(semi_axis_a, semi_axis_b, max_pressure);
         let measures = Measures::of(scene);
-        Self { semi_axis_a, semi_axis_b, max_pressure, approach: None, normal_force, measures }
+        let (line, approach) = (false, None);
+        Self { semi_axis_a, semi_axis_b, line, max_pressure, approach, normal_force, measures }
+    }
+
+    /// The line along which bodies touch that are straight across.
+    fn of_line(scene: &Scene) -> Result<Self, Refusal> {
+        let width = scene.width.unwrap_or_default();
+        let gap = scene.gap_coefficient_x();
+        if let Some(body) = (0..2).find(|body| scene.bodies[*body].radius_y.is_finite()) {
+            return Err(Refusal::new(
+                WIDTH,
+                format!(
+                    "excludes `{}`: bodies that touch along a line are straight across",
+                    scene.names.key(body, "radius_y")
+                ),
+                "keep one of them",
+            ));
+        }
+        if gap <= 0.0 {
+            return Err(Refusal::new(
+                &scene.names.key(UPPER, "radius_x"),
+                "one body is as hollow as the other is round, or more: no contact closes",
+                "write radii of which the sum of 1/radius_x is above 0",
+            ));
+        }
+        let compliance = scene.contact_compliance();
+        let normal_force = match scene.load {
+            Load::NormalForce(force) => force,
+            Load::Approach(approach) => {
+                hertz::line_force_at_approach(gap, width, approach, compliance)
+            }
+        };
+        let line = hertz::line_contact(gap, width, normal_force, compliance);
+        if 2.0 * line.semi_axis_a >= width {
+            return Err(Refusal::new(
+                WIDTH,
+                format!(
+                    "of {width:.3e} m is not wide against a contact 2a = {:.3e} m long",
+                    2.0 * line.semi_axis_a
+                ),
+                "write the width of the bodies, or lower the load",
+            ));
+        }
+        Self {
+            semi_axis_a: line.semi_axis_a,
+            semi_axis_b: line.semi_axis_b,
+            line: true,
+            max_pressure: line.max_pressure,
+            approach: Some(line.approach),
+            normal_force,
+            measures: Measures::of(scene),
+        }
+        .within_the_bodies(scene)
     }
 
     fn of_hertz(scene: &Scene) -> Result<Self, Refusal> {
@@ -121,6 +186,7 @@ impl Ellipse {
         Self {
             semi_axis_a: solution.semi_axis_a,
             semi_axis_b: solution.semi_axis_b,
+            line: false,
             max_pressure: solution.max_pressure,
             approach: Some(solution.approach),
             normal_force,
@@ -174,8 +240,8 @@ impl Ellipse {
 
     /// What a grid for it covers.
     pub(crate) fn extent(&self) -> Extent {
-        let Self { semi_axis_a: a, semi_axis_b: b, .. } = *self;
-        Extent { finest: a, smallest: a, a, b }
+        let Self { semi_axis_a: a, semi_axis_b: b, line, .. } = *self;
+        Extent { finest: a, smallest: a, a, b, line }
     }
 
     /// What drives the upper body, with a force as its share of f N.
@@ -222,9 +288,21 @@ impl Ellipse {
         ))
     }
 
+    /// Its strips on a grid that covers it.
+    pub(crate) fn strips(&self, grid: Structured) -> Strips {
+        let Self { semi_axis_a: a, semi_axis_b: b, .. } = *self;
+        if self.line { Strips::of_line(a, b, grid) } else { Strips::new(a, b, grid) }
+    }
+
+    /// Area [m²].
+    fn area(&self) -> f64 {
+        let shape = if self.line { 4.0 } else { PI };
+        shape * self.semi_axis_a * self.semi_axis_b
+    }
+
     /// Writes the element means of Hertz's pressure [Pa].
     pub(crate) fn write_pressure(&self, grid: Structured, means: &mut [f64]) {
-        let strips = Strips::new(self.semi_axis_a, self.semi_axis_b, grid);
+        let strips = self.strips(grid);
         let (density, amplitude) = (SemiEllipse, self.max_pressure);
         let lateral = Lateral::Elliptic;
         strips.write_means(&StripField { density, amplitude, lateral }, means);
@@ -247,7 +325,7 @@ impl Ellipse {
         let mut contact = json!({
             "semi_axis_a_m": self.semi_axis_a,
             "semi_axis_b_m": self.semi_axis_b,
-            "area_m2": PI * self.semi_axis_a * self.semi_axis_b,
+            "area_m2": self.area(),
             "max_pressure_pa": self.max_pressure,
             "normal_force_n": self.normal_force,
         });
@@ -260,13 +338,19 @@ impl Ellipse {
 
 impl fmt::Display for Ellipse {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "contact ellipse a = {:.4} mm, b = {:.4} mm, p0 = {:.2} MPa",
-            1e3 * self.semi_axis_a,
-            1e3 * self.semi_axis_b,
-            1e-6 * self.max_pressure,
-        )
+        let [a, b] = [self.semi_axis_a, self.semi_axis_b].map(|axis| 1e3 * axis);
+        let pressure = 1e-6 * self.max_pressure;
+        match self.line {
+            true => write!(
+                f,
+                "line of contact a = {a:.4} mm, {:.4} mm wide, p0 = {pressure:.2} MPa",
+                2.0 * b
+            ),
+            false => write!(
+                f,
+                "contact ellipse a = {a:.4} mm, b = {b:.4} mm, p0 = {pressure:.2} MPa"
+            ),
+        }
     }
 }
 
@@ -277,6 +361,12 @@ fn load_key(scene: &Scene) -> &'static str {
         Load::Approach(_) => APPROACH,
     }
 }
+
+/// What to write where bodies touch along a line: along y, or along x.
+const LINE_FIX: [&str; 2] = [
+    "write a radius of the size of the other bodies' radii; or remove it, and write contact.width for a line of contact",
+    "write a radius of the size of the other bodies' radii",
+];
 
 /// Refuses bodies that touch along a line or all around instead of over an ellipse.
 fn refuse_open_ellipse(scene: &Scene, gap_x: f64, gap_y: f64) -> Result<(), Refusal> {
@@ -294,7 +384,7 @@ fn refuse_open_ellipse(scene: &Scene, gap_x: f64, gap_y: f64) -> Result<(), Refu
         return Err(Refusal::new(
             &scene.names.key(finite.unwrap_or(if along { LOWER } else { UPPER }), name),
             "makes the contact a line, not an ellipse",
-            "write a radius of the size of the other bodies' radii",
+            LINE_FIX[usize::from(!along)],
         ));
     };
     let other = radii[1 - hollow].abs();

@@ -83,10 +83,11 @@ impl Measures {
 pub(crate) fn add_elements(contact: &mut Value, grid: &Structured) {
     let across = |patch: &Value| {
         let axis = |name: &str| patch.get(name).and_then(Value::as_f64);
-        Some(
-            (2.0 * axis("semi_axis_a_m")? / grid.dx())
-                .min(2.0 * axis("semi_axis_b_m")? / grid.dy()),
-        )
+        let along = 2.0 * axis("semi_axis_a_m")? / grid.dx();
+        Some(match grid.nj {
+            1 => along,
+            _ => along.min(2.0 * axis("semi_axis_b_m")? / grid.dy()),
+        })
     };
     let listed = contact.get("each_patch").and_then(Value::as_array);
     let all = listed.filter(|list| contact["patches"].as_u64() == Some(list.len() as u64));

@@ -107,6 +107,8 @@ pub struct Scene {
     pub load: Load,
     /// Friction coefficient f [-].
     pub friction_coefficient: f64,
+    /// Width of bodies that touch along a line, uniform across it [m]; `None` for an ellipse.
+    pub width: Option<f64>,
 }
 
 /// A contact ellipse given by the case in place of the Hertz solution.
@@ -121,7 +123,8 @@ pub struct GivenPatch {
 }
 
 /// What [`Scene::read`] reads, made once: a history has a scene in every row.
-static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(|| [body_keys(), contact_keys()].concat());
+static KEYS: LazyLock<Vec<KeySpec>> =
+    LazyLock::new(|| [body_keys(), contact_keys(), vec![width_key()]].concat());
 
 /// The keys of a contact that bears a load and moves: all that [`Scene::read`] reads besides [`body_keys`].
 #[must_use]
@@ -250,15 +253,26 @@ fn motion_keys() -> Vec<KeySpec> {
 #[must_use]
 pub fn shift_keys() -> Vec<KeySpec> {
     let help = [
-        "rigid shift of the upper body along x, made in the first window",
+        "rigid shift of the upper body along x, from where it was in the beginning; made in the first window, if it is no column",
         "rigid shift of the upper body along y",
         "rigid rotation of the upper body about z [rad]",
     ];
     let key = |k: usize| {
         let unit = if k == 2 { "1" } else { "m" };
-        KeySpec::quantity(SHIFT[k], unit, help[k]).one_of_or_none(DRIVE).default_value(0.0)
+        KeySpec::quantity(SHIFT[k], unit, help[k]).varies().one_of_or_none(DRIVE).default_value(0.0)
     };
     (0..3).map(key).collect()
+}
+
+pub(crate) const WIDTH: &str = "contact.width";
+
+/// The key of a line of contact, for the models that solve one.
+#[must_use]
+pub fn width_key() -> KeySpec {
+    let help = "width of bodies that touch along a line: plane strain, the same all over the width; absent: an ellipse";
+    KeySpec::quantity(WIDTH, "m", help)
+        .expected(1e-4..=10.0, "from thin discs to mill rolls; check the unit")
+        .above(0.0)
 }
 
 /// The keys that [`GivenPatch::read`] reads, for the models that take a given ellipse.
@@ -300,6 +314,7 @@ impl Scene {
             speeds,
             load: read_load(&case)?,
             friction_coefficient: case.number("friction.coefficient")?,
+            width: case.maybe_number(WIDTH)?,
         })
     }
 

@@ -30,12 +30,40 @@ const DIRECTIONS: [[i64; 2]; 8] =
 /// Area of the contact of a pressure [m²].
 #[must_use]
 pub fn contact_area(grid: &Structured, pressure: &[f64]) -> f64 {
+    if grid.nj == 1 {
+        return contact_length(pressure) * grid.element_area();
+    }
     let level = Level::of(grid, pressure);
     let (nx, ny) = (grid.ni as i64, grid.nj as i64);
     // From one element outside the grid to one outside on the other side.
     let cells = (-1..ny).flat_map(|j| (-1..nx).map(move |i| (i, j)));
     let share: f64 = cells.map(|(i, j)| level.share_above_zero(i, j)).sum();
     share * grid.element_area()
+}
+
+/// Length of a line of contact, in elements.
+fn contact_length(pressure: &[f64]) -> f64 {
+    let runs = pressure.split(|p| *p <= 0.0).filter(|run| !run.is_empty());
+    runs.map(|run| {
+        let mirrored: Vec<f64> = run.iter().rev().copied().collect();
+        run.len() as f64 - beyond_edge(run) - beyond_edge(&mirrored)
+    })
+    .sum()
+}
+
+/// What elements of contact have beyond the edge before the first of them, in elements.
+fn beyond_edge(run: &[f64]) -> f64 {
+    let [_, _, first, second, third, _, ..] = run else { return 0.0 };
+    let [first, second, third] = [first, second, third].map(|p| p * p);
+    // The parabola through three inner elements, at a distance from the first of them.
+    let [slope, bend] = [second - first, 0.5 * (third - 2.0 * second + first)];
+    let at = |s: f64| first + s * (slope - bend) + s * s * bend;
+    // From the centre of the first element of contact half an element inwards, or one and a half outwards.
+    let edge = (-4..=-1).rev().map(f64::from).find(|s| at(*s) <= 0.0).map_or(-4.0, |outer| {
+        let [low, high] = [at(outer), at(outer + 1.0)];
+        outer - low / (high - low)
+    });
+    edge + 2.5
 }
 
 /// φ at the centres of a grid, relative to its largest value.

@@ -45,7 +45,7 @@ pub fn fit_grid(
 ) -> Result<Fitted, NormalError> {
     let mut pressure = vec![0.0; grid.points()];
     for enlargements in 0.. {
-        let influence = Influence { dx: grid.dx(), dy: grid.dy(), elasticity: *bodies };
+        let influence = Influence::of_grid(&grid, *bodies);
         let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
         solver.pressure_bound = pressure_bound;
         let contact = solver.solve(&sample(&grid, distance), prescribed, &mut pressure)?;
@@ -94,11 +94,13 @@ pub fn sample(grid: &Structured, function: &dyn Fn(f64, f64) -> f64) -> Vec<f64>
 fn touched(grid: &Structured, pressure: &[f64]) -> [bool; 4] {
     let loaded = |i: usize, j: usize| pressure[j * grid.ni + i] > 0.0;
     let (right, top) = (grid.ni - 1, grid.nj - 1);
+    // A line of contact has no sides along y.
+    let plane = grid.nj > 1;
     [
         (0..grid.nj).any(|j| loaded(0, j)),
         (0..grid.nj).any(|j| loaded(right, j)),
-        (0..grid.ni).any(|i| loaded(i, 0)),
-        (0..grid.ni).any(|i| loaded(i, top)),
+        plane && (0..grid.ni).any(|i| loaded(i, 0)),
+        plane && (0..grid.ni).any(|i| loaded(i, top)),
     ]
 }
 
@@ -195,7 +197,8 @@ pub struct Moments {
     /// Centre of pressure, x and y [m].
     pub centre: [f64; 2],
     /// Semi-axes along x and y of the ellipse whose semi-ellipsoidal pressure has the second moments
-    /// of this one about its centre, ⟨x²⟩ = a²/5, an element's own Δx²/12 included [m].
+    /// of this one about its centre, ⟨x²⟩ = a²/5, an element's own Δx²/12 included [m]; of a line of contact, a
+    /// single row, ⟨x²⟩ = a²/4 and half its width.
     pub semi_axes: [f64; 2],
 }
 
@@ -227,7 +230,11 @@ impl Moments {
         let semi_axis = |square: f64, centre: f64, side: f64| {
             (5.0 * (square / total - centre * centre + side * side / 12.0)).max(0.0).sqrt()
         };
-        let semi_axes = [semi_axis(xx, centre[0], grid.dx()), semi_axis(yy, centre[1], grid.dy())];
+        let along = semi_axis(xx, centre[0], grid.dx());
+        let semi_axes = match grid.nj {
+            1 => [0.8_f64.sqrt() * along, 0.5 * grid.dy()],
+            _ => [along, semi_axis(yy, centre[1], grid.dy())],
+        };
         Self { centre, semi_axes }
     }
 }

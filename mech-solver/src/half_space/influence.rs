@@ -32,11 +32,25 @@
 //! of the distance in elements, so Gauss's rule takes its place
 //! beyond 16 elements: every number is right to about 1e-13 of its own size.
 //!
+//! **Plane strain.** A line of contact is one row, whose tractions are the same over its width w along y; in
+//! its middle, far from its ends, the integrals over y of the kernels above are
+//!
+//! | k | ∫ k dY | F |
+//! |---|---|---|
+//! | 1/R | 2 ln(w/\|X\|) | 2X (1 + ln(w/\|X\|)) |
+//! | X²/R³ | 2 | 2X |
+//! | Y²/R³ | 2 ln(w/\|X\|) − 2 | 2X ln(w/\|X\|) |
+//! | X/R² | π sgn X | π \|X\| |
+//!
+//! and those of the others vanish. A displacement of a half-plane has no zero of its own: the width decides on
+//! what approach and shift are, and on nothing else (Johnson §2.3).
+//!
 //! Source: J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990), §1.6 and
 //! §4.3; K. L. Johnson, Contact Mechanics (1985), §3.2 and §3.6. Deviation: Kalker writes the
 //! distance as source minus target, which turns the sign of the odd terms.
 
 use crate::scene::Material;
+use proto::grid::Structured;
 use std::f64::consts::PI;
 
 /// Distance, in units of the element's longer side, from which Gauss's rule with 4 × 4 points is
@@ -103,6 +117,8 @@ pub struct Influence {
     pub dy: f64,
     /// Constants of the two bodies.
     pub elasticity: Elasticity,
+    /// One row in plane strain, whose width is `dy`.
+    pub plane_strain: bool,
 }
 
 /// Defines `$name(i, j)` as `$at(i dx, j dy)`.
@@ -117,6 +133,12 @@ macro_rules! on_elements {
 }
 
 impl Influence {
+    /// Of the elements of a grid; one of a single row is a line of contact in plane strain.
+    #[must_use]
+    pub fn of_grid(grid: &Structured, elasticity: Elasticity) -> Self {
+        Self { dx: grid.dx(), dy: grid.dy(), elasticity, plane_strain: grid.nj == 1 }
+    }
+
     on_elements! {
         zz, zz_at, "Normal displacement by normal pressure";
         xx, xx_at, "Displacement along x by traction along x";
@@ -131,11 +153,14 @@ impl Influence {
     /// Normal displacement by normal pressure at (x, y) [m/Pa].
     #[must_use]
     pub fn zz_at(&self, x: f64, y: f64) -> f64 {
-        let integral = self.integral(
-            (x, y),
-            |x, y| along_first(x, y) + along_first(y, x),
-            |x, y| (x * x + y * y).sqrt().recip(),
-        );
+        let integral = match self.plane_strain {
+            true => self.across(x, |x| logarithmic(x, self.dy) + 2.0 * x),
+            false => self.integral(
+                (x, y),
+                |x, y| along_first(x, y) + along_first(y, x),
+                |x, y| (x * x + y * y).sqrt().recip(),
+            ),
+        };
         self.elasticity.contact_compliance() / PI * integral
     }
 
@@ -143,6 +168,11 @@ impl Influence {
     #[must_use]
     pub fn xx_at(&self, x: f64, y: f64) -> f64 {
         let (whole, poisson) = self.tangential_constants();
+        if self.plane_strain {
+            return self.across(x, |x| {
+                (whole - poisson) * logarithmic(x, self.dy) + 2.0 * whole * x
+            });
+        }
         self.integral(
             (x, y),
             |x, y| whole * along_first(x, y) + (whole - poisson) * along_first(y, x),
@@ -156,13 +186,22 @@ impl Influence {
     /// Displacement along y by traction along y at (x, y) [m/Pa].
     #[must_use]
     pub fn yy_at(&self, x: f64, y: f64) -> f64 {
-        let turned = Self { dx: self.dy, dy: self.dx, elasticity: self.elasticity };
+        if self.plane_strain {
+            let (whole, poisson) = self.tangential_constants();
+            return self.across(x, |x| {
+                whole * logarithmic(x, self.dy) + 2.0 * (whole - poisson) * x
+            });
+        }
+        let turned = Self { dx: self.dy, dy: self.dx, ..*self };
         turned.xx_at(y, x)
     }
 
     /// Displacement along x by traction along y, and the reverse, at (x, y) [m/Pa].
     #[must_use]
     pub fn xy_at(&self, x: f64, y: f64) -> f64 {
+        if self.plane_strain {
+            return 0.0;
+        }
         let integral = self.integral(
             (x, y),
             |x, y| -x.hypot(y),
@@ -193,24 +232,36 @@ impl Influence {
         if !self.elasticity.is_coupled() {
             return 0.0;
         }
-        let integral = self.integral(
-            (x, y),
-            |x, y| logarithm(x, y, self.dx) + arc(x, y),
-            |x, y| x / (x * x + y * y),
-        );
+        let integral = match self.plane_strain {
+            true => self.across(x.abs(), |x| PI * x.abs()),
+            false => self.integral(
+                (x, y),
+                |x, y| logarithm(x, y, self.dx) + arc(x, y),
+                |x, y| x / (x * x + y * y),
+            ),
+        };
         sign(x) * self.elasticity.coupling_compliance / PI * integral
     }
 
     /// Normal displacement by traction along y at (x, y) [m/Pa].
     #[must_use]
     pub fn zy_at(&self, x: f64, y: f64) -> f64 {
-        let turned = Self { dx: self.dy, dy: self.dx, elasticity: self.elasticity };
+        if self.plane_strain {
+            return 0.0;
+        }
+        let turned = Self { dx: self.dy, dy: self.dx, ..*self };
         turned.zx_at(y, x)
     }
 
     /// 1/(πG) and ν/(πG).
     fn tangential_constants(&self) -> (f64, f64) {
         (self.elasticity.shear_compliance / PI, self.elasticity.poisson_compliance / PI)
+    }
+
+    /// Integral over the length of an element, of an antiderivative, at |x|.
+    fn across(&self, x: f64, primitive: impl Fn(f64) -> f64) -> f64 {
+        let (x, half) = (x.abs(), 0.5 * self.dx);
+        primitive(x + half) - primitive(x - half)
     }
 
     /// Integral of `kernel`, whose antiderivative is `primitive`, over the element around the
@@ -268,6 +319,11 @@ fn sign(value: f64) -> f64 {
 /// Y asinh(X/|Y|).
 fn along_first(x: f64, y: f64) -> f64 {
     if y == 0.0 { 0.0 } else { y * (x / y.abs()).asinh() }
+}
+
+/// 2X ln(w/|X|).
+fn logarithmic(x: f64, width: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { 2.0 * x * (width / x.abs()).ln() }
 }
 
 /// Y ln(R/unit); the unit drops out of the corner sum.

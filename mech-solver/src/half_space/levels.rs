@@ -1,5 +1,5 @@
 //! The tangential problem by continuation in resolution: solve on a coarse grid, prolong, solve on
-//! the next.
+//! the next. A line of contact, a single row, is made coarser along x alone.
 //!
 //! Every second element of a grid, along x and along y, is an element of the next coarser one, with
 //! twice the side. The traction bound is restricted by full weighting (1/4, 1/2, 1/4 along each
@@ -104,7 +104,7 @@ impl Level {
     fn new(grid: &Structured, contact: &Contact) -> Self {
         let (dx, dy) = (grid.dx(), grid.dy());
         let Contact { bodies, layer, semi_axes: [a, _], motion, .. } = *contact;
-        let influence = Influence { dx, dy, elasticity: bodies };
+        let influence = Influence::of_grid(grid, bodies);
         let (nx, ny) = (grid.ni, grid.nj);
         let operator = match motion {
             Motion::SteadyRolling => SlipOperator::rolling(&influence, layer, nx, ny, a / dx),
@@ -157,7 +157,17 @@ impl Level {
         if prescribed.has_force() {
             problem.wanted = Some(target.wanted(most_force));
         }
-        Ok(solver.solve(&problem, state, target.accuracy)?.newton_steps)
+        let before = state.creepage;
+        let solved = solver.solve(&problem, state, target.accuracy);
+        let forces = (0..3).filter(|k| prescribed.force[*k].is_some());
+        let effort = match (solved, forces.clone().count(), forces.last()) {
+            (Err(_), 1, Some(k)) => {
+                *state = TangentialState::at_rest(bound, before);
+                solver.solve_by_bracket(&problem, k, state, target.accuracy)
+            }
+            (solved, ..) => solved,
+        };
+        Ok(effort?.newton_steps)
     }
 
     /// f N on this grid [N].
@@ -272,11 +282,14 @@ impl Levels {
         let mut levels = vec![Level::new(grid, contact)];
         let mut grid = *grid;
         let coarsens = contact.motion != Motion::RollingStep;
-        while coarsens && grid.ni.max(grid.nj) > COARSEST && grid.ni.min(grid.nj) > 4 {
+        let narrow = |grid: &Structured| grid.nj > 1 && grid.ni.min(grid.nj) <= 4;
+        while coarsens && grid.ni.max(grid.nj) > COARSEST && !narrow(&grid) {
             grid.ni = grid.ni.div_ceil(2);
-            grid.nj = grid.nj.div_ceil(2);
             grid.step_i = grid.step_i.map(|value| 2.0 * value);
-            grid.step_j = grid.step_j.map(|value| 2.0 * value);
+            if grid.nj > 1 {
+                grid.nj = grid.nj.div_ceil(2);
+                grid.step_j = grid.step_j.map(|value| 2.0 * value);
+            }
             levels.push(Level::new(&grid, contact));
         }
         Self { contact: *contact, levels }
@@ -386,7 +399,10 @@ fn full_weighting(fine: &Level, coarse: &mut Level) {
     for (index, value) in coarse.bound.iter_mut().enumerate() {
         let (i, j) = (2 * (index % coarse.nx) as i64, 2 * (index / coarse.nx) as i64);
         let row = |j: i64| 0.25 * at(i - 1, j) + 0.5 * at(i, j) + 0.25 * at(i + 1, j);
-        *value = 0.25 * row(j - 1) + 0.5 * row(j) + 0.25 * row(j + 1);
+        *value = match fine.ny {
+            1 => row(0),
+            _ => 0.25 * row(j - 1) + 0.5 * row(j) + 0.25 * row(j + 1),
+        };
     }
 }
 

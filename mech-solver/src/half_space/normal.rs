@@ -422,7 +422,8 @@ impl NormalSolver {
         let (nx, ny) = self.flexibility.0.shape();
         let on_edge = |at: usize| {
             let (i, j) = (at % nx, at / nx);
-            i == 0 || j == 0 || i == nx - 1 || j == ny - 1
+            let side = j == 0 || j == ny - 1;
+            i == 0 || i == nx - 1 || (ny > 1 && side)
         };
         let loaded = || pressure.iter().enumerate().filter(|(_, value)| **value > 0.0);
         NormalContact {

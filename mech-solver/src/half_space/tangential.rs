@@ -18,6 +18,7 @@
 //!
 //! Source: Kalker, *Three-Dimensional Elastic Bodies in Rolling Contact* (1990) ch. 4.
 
+mod bracket;
 mod linear;
 mod newton;
 mod problem;

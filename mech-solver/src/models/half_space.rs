@@ -33,7 +33,7 @@ use crate::models::expected::refinement;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
 use crate::models::varying::Varying;
 use crate::resolution;
-use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
+use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys, width_key};
 use crate::terms::{Kind, Place, Terms};
 use case::Case;
 use drive::Driven;
@@ -102,6 +102,7 @@ const RESOLUTION: usize = 40;
 /// What the description says of this model.
 fn spec() -> ModelSpec {
     let mut keys = [contact_keys(), given_patch_keys()].concat();
+    keys.push(width_key());
     keys.extend(geometry::keys());
     keys.extend(drive::keys());
     keys.push(rolling_key());
@@ -218,14 +219,14 @@ fn refuse_varying(case: &Case) -> Result<(), Refusal> {
             "give radii, or numbers in the place of columns and no axle",
         ));
     }
-    if case.memory {
-        return Err(Refusal::new(
-            ROLLING,
-            "rolling with memory does not follow a load that varies",
-            "write mech.rolling = \"steady\", or numbers in the place of columns and no axle",
-        ));
+    match case.terms.effect_of(Kind::Removal) {
+        Some(effect) if case.memory => Err(Refusal::new(
+            &format!("effects.{effect}"),
+            "what passages take off is not followed by tractions that have a memory",
+            "write mech.rolling = \"steady\" and a motion.speed above 0, or remove the effect",
+        )),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// Whether the tractions of one step matter to the next.
@@ -330,7 +331,7 @@ impl Setup for Prepared {
             return Ok(Box::new(Steady::new(case, following)));
         }
         let fix = "check the shapes, the load and the units";
-        let model = Transient::new(case);
+        let model = Transient::new(case, following);
         Ok(Box::new(model.map_err(|error| Refusal::new("load", error.to_string(), fix))?))
     }
 }

@@ -29,7 +29,7 @@ use crate::models::precomputed::{self, Precomputed};
 use crate::models::row_by_row::{RowByRow, Rows};
 use crate::models::varying::Varying;
 use crate::resolution;
-use crate::scene::{Drive, GivenPatch, Scene, contact_keys, given_patch_keys};
+use crate::scene::{Drive, GivenPatch, Scene, contact_keys, given_patch_keys, width_key};
 use crate::terms::{Kind, Terms};
 use case::Case;
 use contact::{Contact, CreepLaw};
@@ -60,6 +60,7 @@ const RESOLUTION: usize = 40;
 /// What the description says of this model.
 fn spec() -> ModelSpec {
     let mut keys = [contact_keys(), given_patch_keys()].concat();
+    keys.push(width_key());
     keys.push(creep_law_key());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {

@@ -14,6 +14,10 @@
 //! [`super::elliptic_integrals`]; in Legendre's form they are K, and (K − E)/k² up to factors,
 //! whose cancellation near the circle is thus avoided.
 //!
+//! **Line.** Bodies of the gap A x² that touch along a line of width w under N: a² = 2N E*/(π A w),
+//! p_0 = 2N/(π a w). A half-plane has no displacement of its own zero; in the middle of the width, w ≫ a, the
+//! bodies approach by δ = (2 E* N/(π w)) (ln(2w/a) + ½), the displacement by the semi-elliptic pressure of that width.
+//!
 //! Source: K. L. Johnson, Contact Mechanics (1985), §3.5 and §4.2. Deviation: symmetric integrals;
 //! E* is the sum of compliances (Naeimi et al., eq. 19), the inverse of Johnson's E*. The longer
 //! axis may lie along x or y.
@@ -60,6 +64,46 @@ pub fn elliptic_contact(
         max_pressure: 1.5 * normal_force / (PI * major * minor),
         approach: 3.0 * load * carlson_rf(0.0, 1.0, square) / major,
     }
+}
+
+/// Solves the contact of bodies with the gap A x² along a line: `gap_x` is A [1/m], `width` w [m], `normal_force` N [N],
+/// `contact_compliance` the sum (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa]. In the place of b is half the width.
+#[must_use]
+pub fn line_contact(
+    gap_x: f64,
+    width: f64,
+    normal_force: f64,
+    contact_compliance: f64,
+) -> EllipticContact {
+    let load = contact_compliance * normal_force / (PI * width);
+    let semi_axis_a = (2.0 * load / gap_x).sqrt();
+    EllipticContact {
+        semi_axis_a,
+        semi_axis_b: 0.5 * width,
+        max_pressure: 2.0 * normal_force / (PI * semi_axis_a * width),
+        approach: 2.0 * load * ((2.0 * width / semi_axis_a).ln() + 0.5),
+    }
+}
+
+/// Normal force along a line at an approach δ [m], by Newton's method for a: δ = A a² (ln(2w/a) + ½) [N].
+#[must_use]
+pub fn line_force_at_approach(
+    gap_x: f64,
+    width: f64,
+    approach: f64,
+    contact_compliance: f64,
+) -> f64 {
+    const STEPS: usize = 40;
+    let mut a = (approach / gap_x).sqrt();
+    for _ in 0..STEPS {
+        let logarithm = (2.0 * width / a).ln();
+        let step = (gap_x * a * a * (logarithm + 0.5) - approach) / (2.0 * gap_x * a * logarithm);
+        a -= step.min(0.5 * a);
+        if step.abs() <= f64::EPSILON * a {
+            break;
+        }
+    }
+    0.5 * gap_x * a * a * PI * width / contact_compliance
 }
 
 /// Normal force at an approach δ [m]: δ grows with N^(2/3) [N].
@@ -130,6 +174,29 @@ mod tests {
     fn assert_close(value: f64, expected: f64, tolerance: f64) {
         let error = (value / expected - 1.0).abs();
         assert!(error < tolerance, "{value} is not {expected}, relative error {error}");
+    }
+
+    /// The displacement of the pressure closes the gap at the edge as in the middle, by Gauss's rule on the logarithm;
+    /// and the force of an approach is the one that makes it. Tolerance: the rule, and rounding.
+    #[test]
+    fn a_line_closes_its_gap() {
+        let (gap, width, force) = (1.1, 0.02, 4e4);
+        let line = line_contact(gap, width, force, STEEL);
+        let a = line.semi_axis_a;
+        let count = 20_000;
+        let displacement = |x: f64| -> f64 {
+            let at = |k: usize| (PI * (k as f64 + 0.5) / f64::from(count)).cos();
+            // p dx with x = a cos t.
+            let part = |s: f64| (1.0 - s * s) * 2.0 * (width / (a * s - x).abs()).ln();
+            let sum: f64 = (0..count as usize).map(|k| part(at(k))).sum();
+            STEEL / PI * line.max_pressure * a * PI / f64::from(count) * sum
+        };
+        for share in [0.0, 0.3, 0.9] {
+            let gap_there = gap * (share * a).powi(2);
+            let closed = displacement(share * a) + gap_there;
+            assert_close(closed, line.approach, 1e-4);
+        }
+        assert_close(line_force_at_approach(gap, width, line.approach, STEEL), force, 1e-12);
     }
 
     /// Table 1 of Naeimi et al. with the inferred crown radius of 0.300 m. Tolerance: the digits

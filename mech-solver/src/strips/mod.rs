@@ -15,6 +15,8 @@
 //! Since G telescopes along x, and the rule is exact for a strip total proportional to η², the sum
 //! over all elements equals the exact surface integral to rounding, at every resolution. Rows at ±y
 //! are copies of each other. The cost is proportional to the number of elements.
+//!
+//! Along a line of contact η = 1: there is one row, as wide as the line.
 
 pub(crate) mod carter;
 pub(crate) mod semi_ellipse;
@@ -52,11 +54,13 @@ pub(crate) struct StripField<D> {
     pub(crate) lateral: Lateral,
 }
 
-/// An ellipse on the grid that covers it, centre on centre.
+/// An ellipse, or a line of contact, on the grid that covers it, centre on centre.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Strips {
     semi_axis_a: f64,
     semi_axis_b: f64,
+    /// All strips are as long as the middle one.
+    line: bool,
     grid: Structured,
 }
 
@@ -79,7 +83,12 @@ impl Strips {
     /// The ellipse with these semi-axes [m] on a grid with an element centred on the origin, odd
     /// counts, and elements along x and y.
     pub(crate) fn new(semi_axis_a: f64, semi_axis_b: f64, grid: Structured) -> Self {
-        Self { semi_axis_a, semi_axis_b, grid }
+        Self { semi_axis_a, semi_axis_b, line: false, grid }
+    }
+
+    /// A line of contact of half length a and half width b [m] on the grid of one row that it fills.
+    pub(crate) fn of_line(semi_axis_a: f64, semi_axis_b: f64, grid: Structured) -> Self {
+        Self { semi_axis_a, semi_axis_b, line: true, grid }
     }
 
     /// Writes the element means of a field, one value an element, zero outside the ellipse.
@@ -137,6 +146,9 @@ impl Strips {
     }
 
     fn eta(&self, y: f64) -> f64 {
+        if self.line {
+            return 1.0;
+        }
         let ratio = y / self.semi_axis_b;
         ((1.0 - ratio) * (1.0 + ratio)).max(0.0).sqrt()
     }

@@ -33,7 +33,7 @@ fn tangential(e: &Elasticity, cosine: f64) -> f64 {
 
 fn influence() -> Influence {
     let elasticity = Elasticity::of_pair(&POLYMER, &STEEL);
-    Influence { dx: 0.2e-3, dy: 0.15e-3, elasticity }
+    Influence { dx: 0.2e-3, dy: 0.15e-3, elasticity, plane_strain: false }
 }
 
 impl Case {
@@ -167,7 +167,7 @@ fn mirror_images_are_equal_bit_for_bit() {
 #[test]
 fn self_terms() {
     let elasticity = Elasticity::of_pair(&STEEL, &STEEL);
-    let of = Influence { dx: 1e-3, dy: 1e-3, elasticity };
+    let of = Influence { dx: 1e-3, dy: 1e-3, elasticity, plane_strain: false };
     let form = 4.0 / PI * (1.0 + 2.0_f64.sqrt()).ln() * 1e-3;
     let tangential = elasticity.shear_compliance - 0.5 * elasticity.poisson_compliance;
     assert!((of.zz(0, 0) / (form * 2.0 * STEEL.compliance()) - 1.0).abs() < 1e-14);
@@ -182,7 +182,7 @@ fn self_terms() {
 fn slender_elements() {
     let elasticity = Elasticity { shear_compliance: PI, ..Default::default() };
     for slenderness in [1e2, 1e4, 1e6_f64] {
-        let of = Influence { dx: 1.0, dy: slenderness, elasticity };
+        let of = Influence { dx: 1.0, dy: slenderness, elasticity, plane_strain: false };
         let expected = 2.0 * ((2.0 * slenderness).ln() + 1.0);
         assert!((of.zz(0, 0) / expected - 1.0).abs() < slenderness.powi(-2) + 1e-14);
     }

@@ -7,7 +7,7 @@ use proto::grid::Structured;
 const STEEL: Material = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
 
 fn influence(dx: f64, dy: f64) -> Influence {
-    Influence { dx, dy, elasticity: Elasticity::of_pair(&STEEL, &STEEL) }
+    Influence { dx, dy, elasticity: Elasticity::of_pair(&STEEL, &STEEL), plane_strain: false }
 }
 
 /// Sums of waves in many directions, of the same amplitude times length^0.8.

@@ -39,7 +39,7 @@ impl Disc {
         let body = Material { youngs_modulus: 2.0, poisson_ratio: 0.25 };
         let step = 1.0 / self.n as f64;
         let elasticity = Elasticity::of_pair(&body, &body);
-        let influence = Influence { dx: step, dy: step, elasticity };
+        let influence = Influence { dx: step, dy: step, elasticity, plane_strain: false };
         let count = self.x.len();
         TangentialSolver::new(SlipOperator::rolling(&influence, 0.0, count, count, self.n as f64))
     }

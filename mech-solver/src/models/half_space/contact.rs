@@ -85,7 +85,7 @@ impl ContactSolver {
     /// Operators of a case; solves the frictionless normal contact.
     pub(super) fn new(case: &Case, motion: Motion) -> Result<Self, ContactError> {
         let grid = &case.footprint.grid;
-        let influence = Influence { dx: grid.dx(), dy: grid.dy(), elasticity: case.bodies };
+        let influence = Influence::of_grid(grid, case.bodies);
         let coupled = case.bodies.is_coupled();
         let normal = case.distance().map(|undeformed| {
             let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);

@@ -5,7 +5,7 @@ use crate::ellipse::Ellipse;
 use crate::half_space::tangential::Prescribed;
 use crate::keys::CheckedParams;
 use crate::reference::carter;
-use crate::scene::{Drive, Load, SPEED, Scene, shift_keys};
+use crate::scene::{Drive, Load, SPEED, Scene, WIDTH, shift_keys};
 use crate::terms::Kind;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::KeySpec;
@@ -78,6 +78,13 @@ impl Driven {
         override_with(&case, &mut across, LATERAL_CREEPAGE, LATERAL_FORCE)?;
         override_with(&case, &mut spin, SPIN_CREEPAGE, SPIN_MOMENT)?;
         let driven = Self { components: [along, across, spin] };
+        if scene.width.is_some() && spin != Component::Creepage(0.0) {
+            return Err(Refusal::new(
+                WIDTH,
+                "excludes spin and turning: their slip varies across, and a line of contact is the same all over its width",
+                "leave out the spin, or give radii for an ellipse",
+            ));
+        }
         let normal_force = match (given, scene.load) {
             (Some(given), _) => Some(given.normal_force),
             (None, Load::NormalForce(force)) => Some(force),
@@ -113,13 +120,15 @@ impl Driven {
         self.components.iter().any(|component| !matches!(component, Component::Creepage(_)))
     }
 
-    /// After the shift of the first window: the bodies rest, forces remain.
-    pub(super) fn resting(&self) -> Self {
-        let rest = |component| match component {
-            Component::Creepage(_) => Component::Creepage(0.0),
-            force => force,
-        };
-        Self { components: self.components.map(rest) }
+    /// Of bodies that have been shifted so far already: what is left of the shift; forces remain.
+    pub(super) fn beyond(&self, shift: [f64; 3]) -> Self {
+        let mut components = self.components;
+        for (component, so_far) in components.iter_mut().zip(shift) {
+            if let Component::Creepage(shift) = component {
+                *shift -= so_far;
+            }
+        }
+        Self { components }
     }
 
     fn refuse_beyond_friction(

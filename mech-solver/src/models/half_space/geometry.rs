@@ -11,7 +11,7 @@ use crate::half_space::normal::{NormalError, Prescribed};
 use crate::half_space::patches::{Patch, patches};
 use crate::keys::CheckedParams;
 use crate::resolution::RESOLUTION;
-use crate::scene::{Load, Scene};
+use crate::scene::{Load, Scene, WIDTH};
 use crate::terms::Terms;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
@@ -106,6 +106,7 @@ pub(in crate::models) fn footprint(
     };
     let dx = |a: f64| a / resolution as f64;
     let mut gap = Gap::read(configuration, scene)?;
+    refuse_in_plane(scene, &gap, lateral.is_some())?;
     let rough = !terms.leave_hertz();
     if given.is_some() || gap.is_quadric() {
         if given.is_some() && (rough || !gap.is_quadric()) {
@@ -116,7 +117,11 @@ pub(in crate::models) fn footprint(
         let extent = extent.copied().unwrap_or_else(|| ellipse.extent());
         let semi_axes = [extent.a, extent.b];
         let dx = dx(extent.finest);
-        let dy = lateral.map_or(dx, |count| semi_axes[1] / count);
+        let dy = match (extent.line, lateral) {
+            (true, _) => 2.0 * extent.b,
+            (false, Some(count)) => semi_axes[1] / count,
+            (false, None) => dx,
+        };
         let growth = match (rough, bodies.is_coupled()) {
             (_, true) => COUPLED_GROWTH,
             (true, false) => ROUGH_GROWTH,
@@ -127,8 +132,8 @@ pub(in crate::models) fn footprint(
             [-elements, elements].map(|end| end + end.signum() * (MARGIN - 0.5))
         };
         let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
-        let smooth_grid =
-            lay([reach(semi_axes[0], dx), reach(wider * semi_axes[1], dy)], [dx, dy])?;
+        let across = if extent.line { [0.0; 2] } else { reach(wider * semi_axes[1], dy) };
+        let smooth_grid = lay([reach(semi_axes[0], dx), across], [dx, dy])?;
         let (grid, peak_y) = match rough {
             true => {
                 let fitted = fit(&gap, shapes, smooth_grid)?;
@@ -161,6 +166,24 @@ pub(in crate::models) fn footprint(
     }
     let (gap, peak_y) = (Some(gap), Some(peak_y));
     Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
+}
+
+/// Refuses what varies across, of bodies that touch along a line.
+fn refuse_in_plane(scene: &Scene, gap: &Gap, rows: bool) -> Result<(), Refusal> {
+    let line = "bodies that touch along a line are the same all over their width";
+    match scene.width {
+        Some(_) if !gap.is_quadric() => Err(Refusal::new(
+            WIDTH,
+            format!("excludes `{}`: {line}", gap.profile_key()),
+            "keep one of them",
+        )),
+        Some(_) if rows => Err(Refusal::new(
+            LATERAL_RESOLUTION,
+            format!("excludes `{WIDTH}`: {line}"),
+            "keep one of them",
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Lateral place of the highest pressure [m].

@@ -11,17 +11,21 @@
 //! the windows of the coupling: a step that reaches beyond a window goes on in the next one, and the
 //! friction power of a window is the mean over the parts of steps in it, so that no heat is lost.
 //!
-//! A contact that does not roll is shifted in the first window and rests from then on.
+//! A contact that does not roll is shifted by what the case says, in the first window; where load, shift or forces are
+//! columns of a table, to where they are at the end of every window, in one step a window.
 //!
-//! In the beginning the bodies are pressed together without friction.
+//! In the beginning the bodies are pressed together without friction; where values vary they are apart, and
+//! friction acts while the first load comes on.
 
 use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
+use super::steady::Following;
 use crate::half_space::levels::{Motion, Solution};
 use crate::half_space::tangential::TangentialState;
 use crate::models::shortfall::Shortfall;
+use crate::models::varying::no_answer;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -35,6 +39,7 @@ const MOST_BYTES: usize = 4 << 30;
 /// The model that runs.
 pub(super) struct Transient {
     case: Case,
+    following: Option<Following>,
     contact: ContactSolver,
     accepted: Memory,
     trial: Memory,
@@ -60,8 +65,6 @@ struct Memory {
     left: f64,
     /// Shift so far [m, m, rad]; of a contact that does not roll.
     shift: [f64; 3],
-    /// Whether a step has been made.
-    moved: bool,
 }
 
 impl Memory {
@@ -78,8 +81,17 @@ impl Memory {
             answer: Answer::at_rest(case, contact),
             left: 0.0,
             shift: [0.0; 3],
-            moved: false,
         }
+    }
+
+    /// Bodies that do not touch yet.
+    fn apart(self) -> Self {
+        let Self { mut solution, mut pressure, mut displacement, mut answer, .. } = self;
+        solution.state = TangentialState::at_rest(&vec![0.0; pressure.len()], [0.0; 3]);
+        pressure.fill(0.0);
+        displacement.iter_mut().for_each(|u| u.fill(0.0));
+        answer.pressure.fill(0.0);
+        Self { solution, pressure, displacement, answer, approach: None, ..self }
     }
 
     /// It belongs to a grid of this many elements.
@@ -95,17 +107,35 @@ impl Memory {
 }
 
 impl Transient {
-    pub(super) fn new(case: Case) -> Result<Self, ContactError> {
+    pub(super) fn new(case: Case, following: Option<Following>) -> Result<Self, ContactError> {
         let motion = match case.scene.speeds.rolling > 0.0 {
             true => Motion::RollingStep,
             false => Motion::Shift,
         };
         let mut contact = ContactSolver::new(&case, motion)?;
-        let accepted = Memory::at_rest(&case, &mut contact);
+        let mut accepted = Memory::at_rest(&case, &mut contact);
+        if following.is_some() {
+            accepted = accepted.apart();
+        }
         let zeros = vec![0.0; contact.pressure.len()];
         let history = [zeros.clone(), zeros.clone()];
         let (trial, power, shortfall) = (accepted.clone(), zeros, None);
-        Ok(Self { trial, accepted, case, contact, power, history, shortfall })
+        Ok(Self { case, following, trial, accepted, contact, power, history, shortfall })
+    }
+
+    /// Takes the values of a window: their means if the bodies roll, where a shift ends else.
+    fn follow(&mut self, step: &Step) -> Result<(), StepError> {
+        let Some(Following { varying, patch, .. }) = &self.following else { return Ok(()) };
+        varying.refuse_more(step)?;
+        let rolls = self.case.scene.speeds.rolling > 0.0;
+        let at = Step { start: if rolls { step.start } else { step.end }, ..*step };
+        self.case.follow(&varying.configuration(&at), *patch).map_err(no_answer)?;
+        if varying.is_carried() {
+            self.case.rest_if_lost();
+        }
+        self.contact.pressure.clone_from(&self.accepted.pressure);
+        let followed = self.contact.follow(&self.case, true);
+        followed.map_err(|error| StepError::NoSolution(error.to_string()))
     }
 
     /// Goes from the accepted state to the end of the window.
@@ -114,8 +144,10 @@ impl Transient {
         self.trial.clone_from(&self.accepted);
         self.trial.solution.newton_steps = 0;
         self.trial.solution.operator_applications = 0;
-        self.contact.pressure.clone_from(&self.accepted.pressure);
-        self.contact.approach = self.accepted.approach;
+        if self.following.is_none() {
+            self.contact.pressure.clone_from(&self.accepted.pressure);
+            self.contact.approach = self.accepted.approach;
+        }
         self.power.fill(0.0);
         let mut report = StepReport::default();
         let mut rest = duration;
@@ -158,7 +190,7 @@ impl Transient {
         if !rolls {
             case.shift_duration = window;
         }
-        let driven = if rolls || !trial.moved { case.driven } else { case.driven.resting() };
+        let driven = if rolls { case.driven } else { case.driven.beyond(trial.shift) };
         let [along, across] = &self.history;
         let before = trial.solution.state.traction.clone();
         let energy_before = energy(&before, &trial.displacement);
@@ -181,7 +213,6 @@ impl Transient {
         }
         trial.pressure.clone_from(&self.contact.pressure);
         trial.approach = self.contact.approach;
-        trial.moved = true;
         Ok(case.passage().duration)
     }
 }
@@ -200,6 +231,7 @@ impl Model for Transient {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
+        self.follow(step)?;
         let creepage = self.case.driven.at(0.0).creepage;
         self.contact.set_friction(&mut self.case, inputs, creepage)?;
         let report = self.advance(step.duration());

@@ -1,7 +1,6 @@
 //! The fields of the contact as element means.
 
 use super::contact::Contact;
-use crate::ellipse::Ellipse;
 use crate::models::precomputed::{count, points};
 use crate::slip::Slip;
 use crate::strips::carter::{CarterPower, CarterSlip, CarterTraction};
@@ -32,8 +31,7 @@ pub(super) fn write(
     terms: &Terms,
     values: &mut [f64],
 ) {
-    let Ellipse { semi_axis_a, semi_axis_b, .. } = contact.ellipse;
-    let strips = Strips::new(semi_axis_a, semi_axis_b, grid);
+    let strips = contact.ellipse.strips(grid);
     values.fill(0.0);
     // Of a vector the longitudinal component stands first; the lateral one is zero.
     let first = &mut values[..points(spec, &grid)];
