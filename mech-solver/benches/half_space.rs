@@ -44,7 +44,12 @@ impl Scene {
 
     fn pressure(&self) -> Vec<f64> {
         let grid = &self.grid;
-        let influence = Influence { dx: grid.dx(), dy: grid.dy(), elasticity: self.contact.bodies, plane_strain: false };
+        let influence = Influence {
+            dx: grid.dx(),
+            dy: grid.dy(),
+            elasticity: self.contact.bodies,
+            plane_strain: false,
+        };
         let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
         let distance = sample(grid, &|x, y| GAP[0] * x * x + GAP[1] * y * y);
         let mut pressure = vec![0.0; grid.points()];

@@ -346,10 +346,9 @@ impl fmt::Display for Ellipse {
                 "line of contact a = {a:.4} mm, {:.4} mm wide, p0 = {pressure:.2} MPa",
                 2.0 * b
             ),
-            false => write!(
-                f,
-                "contact ellipse a = {a:.4} mm, b = {b:.4} mm, p0 = {pressure:.2} MPa"
-            ),
+            false => {
+                write!(f, "contact ellipse a = {a:.4} mm, b = {b:.4} mm, p0 = {pressure:.2} MPa")
+            }
         }
     }
 }

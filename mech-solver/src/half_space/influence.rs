@@ -169,9 +169,8 @@ impl Influence {
     pub fn xx_at(&self, x: f64, y: f64) -> f64 {
         let (whole, poisson) = self.tangential_constants();
         if self.plane_strain {
-            return self.across(x, |x| {
-                (whole - poisson) * logarithmic(x, self.dy) + 2.0 * whole * x
-            });
+            return self
+                .across(x, |x| (whole - poisson) * logarithmic(x, self.dy) + 2.0 * whole * x);
         }
         self.integral(
             (x, y),
@@ -188,9 +187,8 @@ impl Influence {
     pub fn yy_at(&self, x: f64, y: f64) -> f64 {
         if self.plane_strain {
             let (whole, poisson) = self.tangential_constants();
-            return self.across(x, |x| {
-                whole * logarithmic(x, self.dy) + 2.0 * (whole - poisson) * x
-            });
+            return self
+                .across(x, |x| whole * logarithmic(x, self.dy) + 2.0 * (whole - poisson) * x);
         }
         let turned = Self { dx: self.dy, dy: self.dx, ..*self };
         turned.xx_at(y, x)

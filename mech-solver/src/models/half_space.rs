@@ -187,7 +187,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     }
     let mut layout = layout(configuration, &case);
     if let (Some(varying), Some(extent)) = (&varying, &extent) {
-        refuse_varying(&case)?;
+        refuse_varying(&case, configuration)?;
         layout.remarks.push(varying.remark(extent));
         (layout.solve_seconds, layout.build_seconds) = (layout.build_seconds, 0.0);
     }
@@ -210,7 +210,14 @@ fn refuse_bound(case: &Case, effect: &str) -> Result<(), Refusal> {
 }
 
 /// Refuses what does not follow histories.
-fn refuse_varying(case: &Case) -> Result<(), Refusal> {
+fn refuse_varying(case: &Case, configuration: &Configuration) -> Result<(), Refusal> {
+    if case.memory && configuration.histories.as_ref().is_some_and(|histories| histories.rows) {
+        return Err(Refusal::new(
+            "time.mode",
+            "rows of a sequence are contacts of their own, without a time in which tractions could build up",
+            "write time.mode = \"transient\" with a time.window and a time.end",
+        ));
+    }
     let profile = case.footprint.gap.as_ref().is_some_and(|gap| !gap.is_quadric());
     if profile {
         return Err(Refusal::new(

@@ -42,7 +42,11 @@ impl Pool {
         let Settings { sides: [dx, dy], bodies, tolerance, .. } = self.settings;
         kept(&mut self.normal, window.half, || {
             let [nx, ny] = window.counts();
-            let mut solver = NormalSolver::new(nx, ny, &Influence { dx, dy, elasticity: bodies, plane_strain: false });
+            let mut solver = NormalSolver::new(
+                nx,
+                ny,
+                &Influence { dx, dy, elasticity: bodies, plane_strain: false },
+            );
             solver.tolerance = PRESSURE_SHARE * tolerance;
             solver
         })

@@ -29,6 +29,10 @@ const MOST_STEPS: usize = 60;
 const LINEAR_REDUCTION: f64 = 0.3;
 /// The same at the most, once no element changes.
 const LEAST_REDUCTION: f64 = 1e-3;
+/// Newton steps after which elements that change to and fro are kept from it: linear systems are solved to the reduction above throughout,
+/// and no element adheres again in a step in which another one has begun to slip. Two of them at mirrored places may otherwise take
+/// turns for ever, each of which adheres only together with the other.
+const LOOSE_STEPS: usize = 20;
 /// The next step is below this share of the tolerance in the end.
 const ERROR_SHARE: f64 = 0.3;
 /// Steps of tractions below this share of the largest are rounding.
@@ -139,7 +143,9 @@ impl TangentialSolver {
             let whole = self.limit_creepages(problem, state);
             let change = self.advance(problem, state);
             self.update_slip(problem, state);
-            effort.changes = self.release_or_stick(state) + change.released;
+            let waits = effort.newton_steps >= LOOSE_STEPS && change.released > 0;
+            let stuck = if waits { 0 } else { self.stick(state) };
+            effort.changes = stuck + change.released;
             effort.last_change = change.relative();
             effort.force_error = problem.error(problem.lack(state));
             let before = std::mem::replace(&mut residual, self.linearise(problem, state));
@@ -150,7 +156,9 @@ impl TangentialSolver {
                 return Ok(effort);
             }
             let asked = ERROR_SHARE * tolerance / next;
-            reduction = if rests {
+            reduction = if effort.newton_steps >= LOOSE_STEPS {
+                LEAST_REDUCTION
+            } else if rests {
                 asked.clamp(LEAST_REDUCTION, LINEAR_REDUCTION)
             } else {
                 LINEAR_REDUCTION
@@ -273,7 +281,7 @@ impl TangentialSolver {
     }
 
     /// Elements that slipped and whose traction now pushes with the slip adhere from now on.
-    fn release_or_stick(&self, state: &mut TangentialState) -> usize {
+    fn stick(&self, state: &mut TangentialState) -> usize {
         let ([px, py], [sx, sy]) = (&state.traction, &state.slip);
         let mut stuck = 0;
         for one in &self.unknowns.slipping {
