@@ -8,10 +8,13 @@
 //! follows from its integrals at the surface, which raise that too, as the material moves steadily. A body at rest, in which heat
 //! stays where it was and whose depth follows from all that was before, is refused with that.
 //!
+//! The point of each body with the largest von Mises stress is looked for in its whole volume ([`SurfaceLoad::peak`]), with the principal
+//! stresses there and their directions; with thermal stress, which is known in the section alone, only in that.
+//!
 //! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5; for thermal stress Goodier, Phil. Mag. 23 (1937).
 
 use crate::entry::Effect;
-use crate::half_space::subsurface::{RiseIntegral, Section, Stress, SurfaceLoad, WarmBody};
+use crate::half_space::subsurface::{Peak, RiseIntegral, Section, Stress, SurfaceLoad, WarmBody};
 use crate::keys::CheckedParams;
 use crate::scene::{Material, Scene};
 use crate::situation::{PRESSURE, Situation};
@@ -21,6 +24,7 @@ use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
+use proto::figure::FigureSpec;
 use proto::grid::Structured;
 use proto::model::Outputs;
 use serde_json::{Value, json};
@@ -36,7 +40,7 @@ pub const EFFECT: Effect = Effect {
     consumes: &[],
     provides: &[&VON_MISES[0], &VON_MISES[1], &MAX_SHEAR[0], &MAX_SHEAR[1]],
     keys,
-    figures: Vec::new,
+    figures,
     advise: Some(advise),
     terms,
 };
@@ -108,6 +112,7 @@ struct Sections {
     expansion: Option<[f64; 2]>,
     on: Option<Plane>,
     results: Option<[Fields; 2]>,
+    peaks: [Option<Peak>; 2],
 }
 
 /// Where the sections lie.
@@ -147,6 +152,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         names: scene.names,
         on: None,
         results: None,
+        peaks: [None; 2],
     };
     Ok(Terms { observations: vec![Box::new(sections)], ..Terms::default() })
 }
@@ -232,8 +238,14 @@ impl Observation for Sections {
         let Some(plane @ Plane { contact, y, depths }) = &self.on else { return };
         let turned: Vec<f64> = accepted.traction.iter().map(|value| -value).collect();
         let on = [accepted.traction, &turned];
+        let warm = self.expansion.is_some();
+        let of = |body: usize| SurfaceLoad::new(contact, accepted.pressure, on[body]);
+        let peaks = [0, 1].map(|body| match warm {
+            true => None,
+            false => of(body).peak(self.materials[body].poisson_ratio, Stress::von_mises),
+        });
         self.results = Some(std::array::from_fn(|body| {
-            let load = SurfaceLoad::new(contact, accepted.pressure, on[body]);
+            let load = of(body);
             let mut section = Section::new(contact, self.materials[body].poisson_ratio, *y, depths);
             let zeros = vec![0.0; section.points()];
             let mut fields = Fields { von_mises: zeros.clone(), max_shear: zeros };
@@ -242,6 +254,7 @@ impl Observation for Sections {
             section.equivalents(&load, thermal.as_deref(), von_mises, max_shear);
             fields
         }));
+        self.peaks = peaks;
     }
 
     fn write(&self, outputs: &mut dyn Outputs) {
@@ -263,22 +276,51 @@ impl Observation for Sections {
             let (at, value) = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
             Some((*value, contact.x(at % contact.ni), depths[at / contact.ni]))
         };
-        let body = |fields: &Fields| {
+        let body = |fields: &Fields, peak: &Option<Peak>, up: f64| {
             let (von_mises, x, depth) = largest(&fields.von_mises)?;
             let (shear, shear_x, shear_depth) = largest(&fields.max_shear)?;
-            Some(json!({
+            let mut figures = json!({
                 "max_von_mises_pa": von_mises, "von_mises_x_m": x, "von_mises_depth_m": depth,
                 "max_shear_pa": shear, "shear_x_m": shear_x, "shear_depth_m": shear_depth,
                 "section_y_m": y,
-            }))
+            });
+            if let Some(peak) = peak {
+                figures["volume"] = in_the_volume(peak, up);
+            }
+            Some(figures)
         };
         let names = &self.names.0;
-        let both = names
-            .iter()
-            .zip(results)
-            .filter_map(|(name, fields)| Some((name.clone(), body(fields)?)));
+        let both = names.iter().zip(results).zip(self.peaks.iter().zip([1.0, -1.0])).filter_map(
+            |((name, fields), (peak, up))| Some((name.clone(), body(fields, peak, up)?)),
+        );
         Some(("stress", Value::Object(both.collect())))
     }
+}
+
+/// The largest von Mises stress of a body; `up` is 1 for the upper one and −1 for the lower one, whose depth points down.
+fn in_the_volume(peak: &Peak, up: f64) -> Value {
+    let [x, y, depth] = peak.place;
+    let principal = peak.stress.principal_directions();
+    json!({
+        "max_von_mises_pa": peak.stress.von_mises(), "x_m": x, "y_m": y, "depth_m": depth,
+        "principal_pa": principal.map(|(value, _)| value),
+        "directions": principal.map(|(_, [x, y, z])| [x, y, up * z]),
+    })
+}
+
+fn figures() -> Vec<FigureSpec> {
+    let figure =
+        |name: &str, unit, words| FigureSpec::new(&format!("stress.*.{name}"), unit, words);
+    vec![
+        figure("volume.max_von_mises_pa", "Pa", "largest von Mises stress in the body")
+            .on("stress in *", "von Mises")
+            .digits(4),
+        figure("volume.x_m", "m", "where it is, along x").on("stress in *", "at x"),
+        figure("volume.y_m", "m", "where it is, along y").on("stress in *", "y"),
+        figure("volume.depth_m", "m", "how deep it is").on("stress in *", "depth"),
+        figure("max_von_mises_pa", "Pa", "largest von Mises stress in the section"),
+        figure("max_shear_pa", "Pa", "largest shear stress in the section"),
+    ]
 }
 
 fn advise(_: &Situation<'_>) -> Advice {

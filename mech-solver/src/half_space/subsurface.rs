@@ -43,11 +43,13 @@
 //! radial and a plane part, and antiderivatives without the cancellation of ln(R + X) at X < 0.
 
 mod element;
+mod peak;
 mod section;
 mod stress;
 mod thermal;
 
 pub use element::{Element, UnitStresses};
+pub use peak::Peak;
 pub use section::{Effort, Section};
 pub use stress::Stress;
 pub use thermal::{RiseIntegral, WarmBody};

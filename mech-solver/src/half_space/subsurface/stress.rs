@@ -65,12 +65,19 @@ impl Stress {
     }
 
     /// Principal stresses, the largest first [Pa].
+    #[must_use]
+    pub fn principal(&self) -> [f64; 3] {
+        self.principal_directions().map(|(value, _)| value)
+    }
+
+    /// Principal stresses, the largest first [Pa], with the unit vectors of their directions, which are determined but for
+    /// their sign; where two stresses are equal any two across the third will do.
     ///
     /// Jacobi's rotations on the deviator: right to a few units in the last place of its largest
     /// value, be principal stresses equal or the mean stress large; the closed form with the angle
     /// of Lode loses half of the digits where two are equal, as on the axis of a round contact.
     #[must_use]
-    pub fn principal(&self) -> [f64; 3] {
+    pub fn principal_directions(&self) -> [(f64, [f64; 3]); 3] {
         const SWEEPS: usize = 8;
         let mean = self.mean();
         let mut matrix = [
@@ -78,23 +85,24 @@ impl Stress {
             [self.xy, self.yy - mean, self.yz],
             [self.xz, self.yz, self.zz - mean],
         ];
+        let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         for _ in 0..SWEEPS {
             for (p, q, r) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
-                rotate(&mut matrix, p, q, r);
+                rotate(&mut matrix, &mut axes, p, q, r);
             }
             if [matrix[0][1], matrix[0][2], matrix[1][2]] == [0.0; 3] {
                 break;
             }
         }
-        let mut values = [0, 1, 2].map(|axis| matrix[axis][axis] + mean);
-        values.sort_by(|one, other| other.total_cmp(one));
-        values
+        let mut found = [0, 1, 2].map(|axis| (matrix[axis][axis] + mean, axes[axis]));
+        found.sort_by(|one, other| other.0.total_cmp(&one.0));
+        found
     }
 }
 
 /// One rotation of Jacobi, after which element (p, q) of the symmetric matrix is zero; r is the
-/// third axis.
-fn rotate(matrix: &mut [[f64; 3]; 3], p: usize, q: usize, r: usize) {
+/// third axis; `axes` turn with it.
+fn rotate(matrix: &mut [[f64; 3]; 3], axes: &mut [[f64; 3]; 3], p: usize, q: usize, r: usize) {
     let off = matrix[p][q];
     if off == 0.0 {
         return;
@@ -110,6 +118,9 @@ fn rotate(matrix: &mut [[f64; 3]; 3], p: usize, q: usize, r: usize) {
     (matrix[r][p], matrix[p][r]) = (turned.0, turned.0);
     (matrix[r][q], matrix[q][r]) = (turned.1, turned.1);
     (matrix[p][q], matrix[q][p]) = (0.0, 0.0);
+    let (of_p, of_q) = (axes[p], axes[q]);
+    axes[p] = std::array::from_fn(|k| cosine * of_p[k] - sine * of_q[k]);
+    axes[q] = std::array::from_fn(|k| sine * of_p[k] + cosine * of_q[k]);
 }
 
 impl Add for Stress {

@@ -2,6 +2,7 @@ use super::*;
 
 mod element;
 mod load;
+mod peak;
 mod section;
 mod tensor;
 mod thermal;
