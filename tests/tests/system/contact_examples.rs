@@ -85,7 +85,8 @@ impl Run {
 impl Figure {
     fn found(&self, summary: &Value, history: &Table) -> f64 {
         match self.row {
-            Some(row) => history.numbers(&self.of)[row - 1],
+            // Other rows may lack it: a contact of two patches has no creepage.
+            Some(row) => history.texts(&self.of)[row - 1].parse().unwrap_or(f64::NAN),
             None => number(summary, &format!("/{}", self.of.replace('.', "/"))),
         }
     }
