@@ -26,6 +26,7 @@ mod bad_cases;
 mod c_interface;
 mod compare;
 mod conform;
+mod contact_examples;
 mod cost;
 mod crowd;
 mod elsewhere;
