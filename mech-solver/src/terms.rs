@@ -87,6 +87,8 @@ pub(crate) struct Rubbing<'a> {
     pub(crate) slip: RigidSlip,
     /// The elements.
     pub(crate) grid: &'a Structured,
+    /// Lateral coordinate of their origin in the case [m].
+    pub(crate) origin_y: f64,
     /// Their pressure [Pa].
     pub(crate) pressure: &'a [f64],
 }

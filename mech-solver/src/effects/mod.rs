@@ -1,6 +1,7 @@
 //! The effects by name. An effect is a file of this folder, with its law and its terms, and one line
 //! in [`EFFECTS`]. An effect that a case does not name leaves no trace at run time.
 
+pub mod friction_bands;
 pub mod friction_heat;
 pub mod partial_slip;
 pub mod plasticity;
@@ -23,6 +24,7 @@ use proto::configuration::{Configuration, Refusal};
 
 /// Every effect of this crate.
 pub const EFFECTS: &[Effect] = &[
+    friction_bands::EFFECT,
     friction_heat::EFFECT,
     partial_slip::EFFECT,
     plasticity::EFFECT,

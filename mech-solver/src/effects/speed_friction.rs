@@ -1,14 +1,23 @@
 //! Effect `speed_friction`: friction falls with the slip velocity.
 //!
-//! f(v) = f₀ ((1 − A) e^{−Bv} + A), v = V |(ξ − φy, η + φx)|: from f₀, the friction coefficient of the case and of the effects
-//! before, at rest to A f₀ at high speed. v is the slip of rigid bodies, as Polach has it: in the slip zone it is the slip
-//! but for the elastic part, and where surfaces stick the bound that it changes is not reached. With the elastic part a law
+//! From f₀, the friction coefficient of the case and of the effects before, at rest to A f₀ at high speed:
+//!
+//! - exponential (Polach) f(v) = f₀ ((1 − A) e^{−Bv} + A),
+//! - linear f(v) = f₀ ((1 − A) max(0, 1 − Bv) + A),
+//! - rational f(v) = f₀ ((1 − A)/(1 + Bv) + A),
+//!
+//! all of the same slope −(1 − A)B f₀ at rest, with v = V |(ξ − φy, η + φx)|. v is the slip of rigid bodies, as Polach has it: in the slip
+//! zone it is the slip but for the elastic part, and where surfaces stick the bound that it changes is not reached. With the elastic part a law
 //! that falls has several solutions (Vollebregt & Schuttelaars, J. Sound Vib. 331 (2012) 2141–2155).
+//!
+//! *Memory.* Surfaces do not forget at once: over a distance d that they have slid on each other friction comes to 1/e of its change,
+//! d df/ds = f(v) − f along the way of a particle, which enters the contact with f₀. Of the step by Δx of an element, in which it slides
+//! vΔx/V, exactly for v constant in it; the element's friction is that of its middle. d = 0, as without it, is f(v) itself.
 //!
 //! Where a force is prescribed, its creepage and the friction that it leaves are found together. Creep curves then have a
 //! maximum; the creepage on its rising side is the one that is found, and a force beyond the maximum is refused.
 //!
-//! Source: Polach, Wear 258 (2005) 992–1000.
+//! Sources: Polach, Wear 258 (2005) 992–1000; Vollebregt & Schuttelaars (2012) for the memory, there in the slip of the surfaces.
 
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
@@ -22,8 +31,9 @@ use proto::model::StepError;
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
     name: "speed_friction",
-    law: "f(v) = f0 ((1 - A) exp(-B v) + A) with the rigid slip velocity v",
-    source: "Polach, Wear 258 (2005) 992-1000",
+    law: "f(v) = f0 ((1 - A) g(B v) + A) with the rigid slip velocity v and g(u) = exp(-u), 1 - u or 1/(1 + u), \
+          after a distance of sliding",
+    source: "Polach, Wear 258 (2005) 992-1000; Vollebregt & Schuttelaars, J. Sound Vib. 331 (2012) 2141-2155",
     kinds: &[Kind::Friction],
     consumes: &[],
     provides: &[],
@@ -35,6 +45,8 @@ pub const EFFECT: Effect = Effect {
 
 const RATIO: &str = "effects.speed_friction.ratio";
 const DECREASE: &str = "effects.speed_friction.decrease";
+const LAW: &str = "effects.speed_friction.law";
+const MEMORY: &str = "effects.speed_friction.memory_distance";
 
 fn keys() -> Vec<KeySpec> {
     vec![
@@ -45,30 +57,81 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(DECREASE, "s/m", "how fast friction falls with the slip velocity, B")
             .required()
             .at_least(0.0),
+        KeySpec::choice(LAW, &["exponential", "linear", "rational"], "how friction falls")
+            .default_value("exponential"),
+        KeySpec::quantity(
+            MEMORY,
+            "m",
+            "sliding over which friction comes to 1/e of its change; 0: at once",
+        )
+        .expected(0.0..=1e-2, "a contact is a centimetre long; check the unit")
+        .default_value(0.0)
+        .at_least(0.0),
     ]
 }
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
-    let law = Falling { ratio: case.number(RATIO)?, decrease: case.number(DECREASE)? };
+    let law = Falling {
+        ratio: case.number(RATIO)?,
+        decrease: case.number(DECREASE)?,
+        curve: curve_of(case.text(LAW)?),
+        memory: case.number(MEMORY)?,
+    };
     Ok(Terms { friction: vec![Box::new(law)], ..Terms::default() })
 }
 
-/// Polach's law.
+/// What a law leaves of the fall at Bv.
+fn curve_of(law: &str) -> fn(f64) -> f64 {
+    match law {
+        "linear" => |u| (1.0 - u).max(0.0),
+        "rational" => |u| (1.0 + u).recip(),
+        _ => |u| (-u).exp(),
+    }
+}
+
+/// How friction falls.
 #[derive(Debug)]
 struct Falling {
     ratio: f64,
     decrease: f64,
+    /// What is left of the fall at Bv.
+    curve: fn(f64) -> f64,
+    /// Distance of sliding [m].
+    memory: f64,
+}
+
+impl Falling {
+    /// Friction at a slip velocity [m/s] over that at rest.
+    fn share(&self, velocity: f64) -> f64 {
+        (1.0 - self.ratio) * (self.curve)(self.decrease * velocity) + self.ratio
+    }
 }
 
 impl State for Falling {}
 
 impl FrictionTerm for Falling {
     fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        let Rubbing { slip, grid, .. } = rubbing;
-        for (index, friction) in friction.iter_mut().enumerate() {
-            let velocity = slip.at(grid.x(index % grid.ni), grid.y(index / grid.ni));
-            *friction *= (1.0 - self.ratio) * (-self.decrease * velocity).exp() + self.ratio;
+        let Rubbing { slip, grid, pressure, .. } = rubbing;
+        let rolls = slip.speed > 0.0 && self.memory > 0.0;
+        for (j, row) in friction.chunks_exact_mut(grid.ni).enumerate() {
+            // A particle enters at the front, where x is largest.
+            let (mut before, mut touches) = (1.0, false);
+            for (i, friction) in row.iter_mut().enumerate().rev() {
+                let velocity = slip.at(grid.x(i), grid.y(j));
+                let settled = self.share(velocity);
+                touches |= pressure[j * grid.ni + i] > 0.0;
+                if !rolls {
+                    *friction *= settled;
+                } else if touches {
+                    let slid = 0.5 * velocity / slip.speed * grid.dx();
+                    let kept = (-slid / self.memory).exp();
+                    let towards = |before: f64| settled + (before - settled) * kept;
+                    let middle = towards(before);
+                    *friction *= middle;
+                    before = towards(middle);
+                }
+            }
         }
         Ok(())
     }
@@ -96,7 +159,9 @@ fn advise(situation: &Situation<'_>) -> Advice {
     .with(format!("{DECREASE}={decrease}"));
     let Some(creepage) = situation.known(CREEPAGE) else { return advice };
     let slip = situation.scene.speeds.rolling * creepage.abs();
-    let left = (1.0 - ratio) * (-decrease * slip).exp() + ratio;
+    let case = CheckedParams::new(situation.case, keys());
+    let curve = curve_of(case.text(LAW).unwrap_or("exponential"));
+    let left = (1.0 - ratio) * curve(decrease * slip) + ratio;
     let advice = advice.number("slip velocity times B", decrease * slip);
     situation.with_friction(advice, situation.scene.friction_coefficient * left)
 }

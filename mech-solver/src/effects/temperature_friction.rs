@@ -178,7 +178,13 @@ mod tests {
     use proto::model::Inputs;
 
     fn rubbing<'a>(inputs: &'a Surfaces, grid: &'a Structured) -> Rubbing<'a> {
-        Rubbing { inputs, slip: RigidSlip { creepage: [0.0; 3], speed: 0.0 }, grid, pressure: &[] }
+        Rubbing {
+            inputs,
+            slip: RigidSlip { creepage: [0.0; 3], speed: 0.0 },
+            grid,
+            origin_y: 0.0,
+            pressure: &[],
+        }
     }
 
     #[test]

@@ -121,3 +121,82 @@ fn a_film_carries_its_shear() {
     driven_by_force["effects"]["viscous_layer"] = json!({"viscosity": 1.0, "thickness": 1e-5});
     assert_eq!(refusal(&configuration(&driven_by_force)).key, "effects.viscous_layer");
 }
+
+/// All of a sliding contact has the friction of its one slip velocity, by every law; friction at rest falls by the same slope.
+/// Tolerance: rounding.
+#[test]
+fn laws_of_falling_friction() {
+    let force = |law: &str, creepage: f64| {
+        let mut case = without(driven(paper(), "creepage", -creepage), "partial_slip");
+        case["mech"] = json!({"model": "half-space", "resolution": 8});
+        case["effects"]["speed_friction"] =
+            json!({"ratio": RATIO, "decrease": DECREASE, "law": law});
+        let run = run(&case);
+        run.number("creep_force_x_n") / (FRICTION * run.number("normal_force_n"))
+    };
+    for creepage in [0.01, 0.1] {
+        let u = DECREASE * SPEED * creepage;
+        let expected = |left: f64| (1.0 - RATIO) * left + RATIO;
+        assert_close(force("exponential", creepage), expected((-u).exp()), 1e-12);
+        assert_close(force("linear", creepage), expected((1.0 - u).max(0.0)), 1e-12);
+        assert_close(force("rational", creepage), expected(1.0 / (1.0 + u)), 1e-12);
+    }
+    let little = 1e-5;
+    let slopes =
+        ["exponential", "linear", "rational"].map(|law| (1.0 - force(law, little)) / little);
+    assert_close(slopes[0], (1.0 - RATIO) * DECREASE * SPEED, 1e-3);
+    assert!(slopes.iter().all(|slope| (slope / slopes[0] - 1.0).abs() < 1e-3), "{slopes:?}");
+}
+
+/// Along a line that slides all over, friction comes from that at rest to that of the slip velocity over the distance that its surfaces remember:
+/// in the middle of every element the exponential of the way since the front. Tolerance: rounding.
+#[test]
+fn friction_remembers_a_distance() {
+    let (creepage, memory) = (0.2, 4e-4);
+    let mut case = without(driven(paper(), "creepage", -creepage), "partial_slip");
+    case["mech"] = json!({"model": "half-space", "resolution": 30});
+    case["bodies"]["rail"].as_object_mut().expect("a table").remove("radius_y");
+    case["contact"] = json!({"width": 0.1});
+    case["effects"]["speed_friction"] =
+        json!({"ratio": RATIO, "decrease": DECREASE, "law": "rational", "memory_distance": memory});
+    let run = run(&case);
+    let grid = run.grid().as_structured().expect("a plane");
+    let (pressure, traction) = (run.longitudinal("pressure"), run.longitudinal("traction"));
+    let settled = (1.0 - RATIO) / (1.0 + DECREASE * SPEED * creepage) + RATIO;
+    let last = (0..grid.ni).rev().find(|i| pressure[*i] > 0.0).expect("a contact");
+    let front = grid.x(last) + 0.5 * grid.dx();
+    for i in (0..grid.ni).filter(|i| pressure[*i] > 0.0) {
+        let slid = creepage * (front - grid.x(i));
+        let expected = FRICTION * (settled + (1.0 - settled) * (-slid / memory).exp());
+        assert_close(traction[i] / pressure[i], expected, 1e-12);
+    }
+    assert!(traction[last] / pressure[last] > 0.9 * FRICTION);
+}
+
+/// Bands of friction: elements carry what the table says at their place, straight between its lines, and with partial slip no more. Tolerance: rounding.
+#[test]
+fn friction_in_bands() {
+    let folder = std::env::temp_dir().join(format!("cosim-bands-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("bands.csv");
+    std::fs::write(&path, "# y [m], factor\n-1e-3, 0.4\n1e-3, 1.0\n").expect("a file");
+    let mut case = driven(paper(), "creepage", -0.05);
+    case["mech"] = json!({"model": "half-space", "resolution": 12});
+    case["effects"]["friction_bands"] = json!({"table": path.to_str().expect("a name")});
+    let factor = |y: f64| (0.7 + 0.3 * y / 1e-3).clamp(0.4, 1.0);
+    for sticks in [true, false] {
+        let case = if sticks { case.clone() } else { without(case.clone(), "partial_slip") };
+        let run = run(&case);
+        let grid = run.grid().as_structured().expect("a plane");
+        let (pressure, traction) = (run.longitudinal("pressure"), run.longitudinal("traction"));
+        for index in (0..grid.points()).filter(|index| pressure[*index] > 0.0) {
+            let most = FRICTION * factor(grid.y(index / grid.ni)) * pressure[index];
+            assert!(traction[index] <= most * (1.0 + 1e-9));
+            assert!(sticks || (traction[index] / most - 1.0).abs() < 1e-12);
+        }
+    }
+    std::fs::write(&path, "0.0, -1.0\n").expect("a file");
+    let refusal = refusal(&configuration(&case));
+    assert_eq!(refusal.key, "effects.friction_bands.table");
+    std::fs::remove_dir_all(&folder).expect("its own folder");
+}

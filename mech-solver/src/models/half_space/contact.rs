@@ -168,7 +168,8 @@ impl ContactSolver {
         }
         let slip = RigidSlip { creepage, speed: case.scene.speeds.rolling };
         let grid = &case.footprint.grid;
-        let rubbing = Rubbing { inputs, slip, grid, pressure: &self.pressure };
+        let origin_y = case.footprint.gap.as_ref().map_or(0.0, |gap| gap.origin);
+        let rubbing = Rubbing { inputs, slip, grid, origin_y, pressure: &self.pressure };
         case.terms.friction(case.scene.friction_coefficient, &rubbing, &mut self.friction)?;
         self.set_bound();
         Ok(())

@@ -105,7 +105,13 @@ impl Model for Sliding {
         self.solved = Some(solved);
         let [xi, eta] = self.case.creepage;
         let slip = RigidSlip { creepage: [xi, eta, 0.0], speed: self.case.scene.speeds.rolling };
-        let rubbing = Rubbing { inputs, slip, grid: &self.case.grid, pressure: &self.pressure };
+        let rubbing = Rubbing {
+            inputs,
+            slip,
+            grid: &self.case.grid,
+            origin_y: 0.0,
+            pressure: &self.pressure,
+        };
         let coefficient = self.case.scene.friction_coefficient;
         self.case.terms.friction(coefficient, &rubbing, &mut self.friction)?;
         self.write(outputs);
