@@ -92,9 +92,16 @@ pub(super) fn summary(solved: &Solved) -> Value {
     })
 }
 
+/// The figures of a patch; moment and creepages are those at its reference, which does not jump from element to element as the origin of its
+/// fields does.
 fn of_patch(patch: &Patch) -> Value {
     let [fx, fy, n] = patch.load.force;
+    let [along, tangent, _] = patch.frame.axes();
+    let from_origin = patch.frame.reference - patch.frame.origin;
+    let [x, y] = [along, tangent].map(|axis| axis.dot(&from_origin));
     let [xi, eta, phi] = patch.rolling.creepage;
+    let [xi, eta] = [xi - phi * y, eta + phi * x];
+    let moment = patch.load.moment[2] - (x * fy - y * fx);
     json!({
         "y_m": patch.tape,
         "angle_rad": patch.frame.angle,
@@ -108,7 +115,7 @@ fn of_patch(patch: &Patch) -> Value {
         "normal_force_n": n,
         "creep_force_x_n": fx,
         "creep_force_y_n": fy,
-        "spin_moment_nm": patch.load.moment[2],
+        "spin_moment_nm": moment,
         "creepage_xi": xi,
         "creepage_eta": eta,
         "creepage_phi_per_m": phi,

@@ -1,5 +1,5 @@
 //! SIMPACK files, `.prr` of rails and `.prw` of wheels: `key = value` between `….begin` and `….end`, points
-//! between `point.begin` and `point.end`, comments behind `!`.
+//! between `point.begin` and `point.end`, comments behind `!` or, as CONTACT's examples have them, `%`.
 //!
 //! What the file asks for is done to its points in this order: points closer than `point.dist.min` are left
 //! out; shift by `shift.y`, `shift.z`; rotation about x by `rotate`, from y to z; what is outside
@@ -52,7 +52,7 @@ fn parse(text: &str) -> Result<Content, ProfileError> {
         points: Vec::new(),
     };
     let (mut section, mut has_points) = ("", false);
-    for (line, entry) in lines(text, &['!']) {
+    for (line, entry) in lines(text, &['!', '%']) {
         if let Some(name) = entry.strip_suffix(".begin") {
             section = name;
             has_points |= name == "point";
