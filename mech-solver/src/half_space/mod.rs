@@ -33,3 +33,4 @@ pub mod slip_operator;
 pub(crate) mod spline;
 pub mod subsurface;
 pub mod tangential;
+pub mod viscoelastic;

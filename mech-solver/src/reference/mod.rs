@@ -4,6 +4,7 @@ pub mod carter;
 pub mod cattaneo;
 pub mod elliptic_integrals;
 pub mod hertz;
+pub mod hunter;
 pub mod kalker;
 pub mod shakedown;
 pub mod simplified;

@@ -15,5 +15,6 @@ mod profiles;
 mod rod;
 mod rows;
 mod slip_friction;
+mod viscoelastic;
 mod wearing;
 mod wheel_on_track;

@@ -168,7 +168,7 @@ impl Transient {
         let state = &trial.solution.state;
         self.contact.displacement(state, &mut trial.displacement);
         trial.answer = Answer::partial(case, &self.contact, &trial.solution, Some(&before));
-        if !case.bodies.is_coupled() {
+        if !case.bodies.are_coupled() {
             let energy = [energy_before, energy(&state.traction, &trial.displacement)];
             let balance = Balance::step(case, &trial.answer, state.creepage, &before, energy);
             trial.answer.balance = Some(balance.check()?);
