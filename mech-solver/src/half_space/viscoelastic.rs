@@ -23,7 +23,7 @@
 //! farthest element ahead on, whose integral is taken in panels that grow with the distance. On a
 //! panel A is interpolated at Gauss's ten points, and the polynomial integrated with the exponential, for any h.
 //! Seen along x, A has branch points abreast of the element's corners: panels are halved until they are
-//! half as long as the nearest one is far. Numbers are right to 1e-10 of themselves.
+//! half as long as the nearest one is far. Numbers are right to 1e-9 of themselves (test `numbers_against_quadrature`).
 //!
 //! Sources: S. C. Hunter, J. Appl. Mech. 28 (1961) 611, for the steady state; G. Wang and K. Knothe,
 //! J. Appl. Mech. 60 (1993) 310, for the same in elements. The recursion is this project's.
@@ -119,19 +119,29 @@ impl Bodies {
         self.delayed.iter().any(|body| body.elasticity != Elasticity::default())
     }
 
+    /// What there is of it; of bodies whose memory is equally long together.
+    fn memories(&self) -> impl Iterator<Item = Delayed> {
+        let [mut one, mut other] = self.delayed;
+        if one.length == other.length {
+            one.elasticity = one.elasticity.plus(&other.elasticity);
+            other = Delayed::default();
+        }
+        [one, other].into_iter().filter(|body| body.elasticity != Elasticity::default())
+    }
+
     /// Whether normal and tangential displacements are coupled.
     #[must_use]
     pub fn are_coupled(&self) -> bool {
-        let delayed = self.delayed.iter().any(|body| body.elasticity.is_coupled());
+        let delayed = self.memories().any(|body| body.elasticity.is_coupled());
         self.instantaneous.is_coupled() || delayed
     }
 
-    /// K over A of a wave, roughly: 1 + Σ f/(1 − ikl) with the shares of the bodies, the exponential memory taken over a displacement that is linear
-    /// from element to element of side `dx` [m]; `upstream` is the symbol of the shift to the upstream element.
+    /// K over A of a wave, roughly: 1 + Σ f/(1 − ikl) with the shares of the bodies, the exponential
+    /// memory taken over a displacement that is linear from element to element of side `dx` [m];
+    /// `upstream` is the symbol of the shift to the upstream element.
     #[must_use]
     pub fn growth(&self, upstream: Complex64, dx: f64) -> Complex64 {
-        let bodies = self.delayed.iter().filter(|one| one.length > 0.0);
-        bodies.fold(Complex64::new(1.0, 0.0), |sum, Delayed { elasticity, length }| {
+        self.memories().fold(Complex64::new(1.0, 0.0), |sum, Delayed { elasticity, length }| {
             let h = dx / length;
             let (decay, mean) = ((-h).exp(), -(-h).exp_m1() / h);
             let factor = elasticity.contact_compliance() / self.instantaneous.contact_compliance();
@@ -175,10 +185,9 @@ impl<const N: usize> Numbers<N> {
                 *value = kernel(&at_once, place(column), y);
             }
         }
-        let delayed = bodies.delayed.iter().filter(|one| one.elasticity != Elasticity::default());
-        for Delayed { elasticity, length } in delayed {
-            let influence = Influence { dx, dy, elasticity: *elasticity };
-            let memory = Memory::new(dx, *length);
+        for Delayed { elasticity, length } in bodies.memories() {
+            let influence = Influence { dx, dy, elasticity };
+            let memory = Memory::new(dx, length);
             for (j, row) in values.chunks_exact_mut(width).enumerate() {
                 let y = j as f64 * dy;
                 let line = Line {

@@ -88,6 +88,8 @@ fn support_agrees_with_configure() {
             case["materials"]["steel"]["yield_stress"] = json!(1e9);
             case["materials"]["steel"]["thermal_expansion"] = json!(1e-5);
             case["materials"]["steel"]["wear_per_joule"] = json!(1e-12);
+            case["materials"]["steel"]["delayed_compliance_ratio"] = json!(0.1);
+            case["materials"]["steel"]["retardation_time"] = json!(1e-4);
             let softer =
                 concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/materials/steel-softening.csv");
             case["materials"]["steel"]["softening_table"] = json!(softer);

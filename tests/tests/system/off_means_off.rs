@@ -94,6 +94,7 @@ an_effect_that_is_off_leaves_no_trace! {
     an_effect_that_is_off_leaves_no_trace_between_rough_surfaces("locked-wheel-steady.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_near_the_maximum_of_adhesion("slip-friction.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_in_a_film("viscous-layer.toml", &[]);
+    an_effect_that_is_off_leaves_no_trace_in_a_polymer_tyre("polymer-tyre.toml", &["partial_slip"]);
     an_effect_that_is_off_leaves_no_trace_in_a_layer_that_yields("yielding-layer.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_under_a_block("brake-block.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_before_a_hot_wall("thermo-elastic-rod.toml", &["friction_heat"]);
