@@ -6,7 +6,7 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use mech_solver::half_space::extent::sample;
-use mech_solver::half_space::influence::{Elasticity, Influence};
+use mech_solver::half_space::influence::Elasticity;
 use mech_solver::half_space::levels::{Contact, Levels, Motion};
 use mech_solver::half_space::normal::{self, NormalSolver};
 use mech_solver::half_space::tangential::Prescribed;

@@ -263,7 +263,7 @@ mod tests {
     fn a_small_grid_grows_to_the_same_solution() {
         let gap = |x: f64, y: f64| 0.5 / 0.46 * x * x + 0.5 / 0.3 * y * y;
         let fit =
-            |start, limit| fit_grid(start, &steel(), &gap, LOAD, EVERYWHERE, limit, f64::INFINITY);
+            |start, limit| fit_grid(start, steel(), &gap, LOAD, EVERYWHERE, limit, f64::INFINITY);
         let whole = fit(grid(13, 13, 8e-4), 10_000).unwrap();
         assert_eq!((whole.enlargements, whole.grid), (0, grid(13, 13, 8e-4)));
         let small = Structured::contact_plane(-2.4e-3, -0.8e-3, 8e-4, 8e-4, 9, 4);
@@ -274,7 +274,7 @@ mod tests {
         let refused = fit(small, 200).unwrap_err();
         assert!(matches!(refused, NormalError::GridLimit { limit: 200, .. }));
         let end =
-            fit_grid(small, &steel(), &gap, LOAD, [-1e-3, 1.0], 10_000, f64::INFINITY).unwrap_err();
+            fit_grid(small, steel(), &gap, LOAD, [-1e-3, 1.0], 10_000, f64::INFINITY).unwrap_err();
         assert_eq!(end, NormalError::EndOfShape);
     }
 

@@ -81,12 +81,6 @@ impl From<Elasticity> for Bodies {
     }
 }
 
-impl From<&Elasticity> for Bodies {
-    fn from(instantaneous: &Elasticity) -> Self {
-        (*instantaneous).into()
-    }
-}
-
 impl From<&Bodies> for Bodies {
     fn from(bodies: &Bodies) -> Self {
         *bodies

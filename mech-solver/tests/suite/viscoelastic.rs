@@ -37,7 +37,7 @@ fn centre_error(delayed: f64, length: f64, resolution: usize) -> f64 {
     let distance = sample(&grid, &|x, _| 0.5 * x * x / RADIUS);
     let mut pressure = vec![0.0; count];
     let mut solver = NormalSolver::of_bodies(count, 1, [dx, row], &bodies);
-    solver.solve(&distance, Prescribed::Load(exact.load * row), &mut pressure).unwrap();
+    solver.solve(&distance, Prescribed::Load(exact.load * row), &mut pressure).expect("a contact");
     Moments::of(&grid, &pressure).centre[0] / exact.centre - 1.0
 }
 
@@ -69,7 +69,7 @@ fn round(delayed: f64, length: f64, resolution: usize) -> (Structured, Vec<f64>,
     let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
     let gap = |x: f64, y: f64| 0.5 * (x * x + y * y) / RADIUS;
     let (load, bound) = (Prescribed::Load(load), f64::INFINITY);
-    let fitted = fit_grid(grid, bodies, &gap, load, everywhere, 100_000, bound).unwrap();
+    let fitted = fit_grid(grid, bodies, &gap, load, everywhere, 100_000, bound).expect("a contact");
     (fitted.grid, fitted.pressure, fitted.contact)
 }
 
