@@ -259,7 +259,8 @@ fn what_has_no_answer_is_refused() {
         refusal(&configuration(&case))
     };
     let given = json!({"semi_axis_a": 5e-3, "semi_axis_b": 5e-3, "max_pressure": 1e6});
-    let changes: [(&str, &dyn Fn(&mut Value)); 5] = [
+    type Change<'a> = (&'a str, &'a dyn Fn(&mut Value));
+    let changes: [Change<'_>; 5] = [
         ("do not roll", &|case| {
             case["motion"] = json!({"speed": 0.0, "shift": {"x": 1e-6}});
         }),
