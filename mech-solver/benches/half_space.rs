@@ -6,7 +6,7 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use mech_solver::half_space::extent::sample;
-use mech_solver::half_space::influence::{Elasticity, Influence};
+use mech_solver::half_space::influence::Elasticity;
 use mech_solver::half_space::levels::{Contact, Levels, Motion};
 use mech_solver::half_space::normal::{self, NormalSolver};
 use mech_solver::half_space::tangential::Prescribed;
@@ -27,7 +27,7 @@ struct Scene {
 impl Scene {
     fn new(resolution: usize) -> Self {
         let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
-        let bodies = Elasticity::of_pair(&steel, &steel);
+        let bodies = Elasticity::of_pair(&steel, &steel).into();
         let hertz = hertz::elliptic_contact(GAP[0], GAP[1], LOAD, 2.0 * steel.compliance());
         let (a, b) = (hertz.semi_axis_a, hertz.semi_axis_b);
         let step = a / resolution as f64;
@@ -44,13 +44,8 @@ impl Scene {
 
     fn pressure(&self) -> Vec<f64> {
         let grid = &self.grid;
-        let influence = Influence {
-            dx: grid.dx(),
-            dy: grid.dy(),
-            elasticity: self.contact.bodies,
-            plane_strain: false,
-        };
-        let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
+        let sides = [grid.dx(), grid.dy()];
+        let mut solver = NormalSolver::of_bodies(grid.ni, grid.nj, sides, &self.contact.bodies);
         let distance = sample(grid, &|x, y| GAP[0] * x * x + GAP[1] * y * y);
         let mut pressure = vec![0.0; grid.points()];
         let load = normal::Prescribed::Load(LOAD);

@@ -59,6 +59,7 @@ mod tests {
             (Kind::Layer, terms.layers.len()),
             (Kind::Expansion, usize::from(terms.expansion.is_some())),
             (Kind::Softening, terms.softening.iter().flatten().count()),
+            (Kind::Retardation, terms.retardation.iter().flatten().count()),
             (Kind::Flow, terms.flow.iter().flatten().count()),
             (Kind::Axle, usize::from(terms.axle.is_some())),
             (Kind::HeatShare, terms.heat_shares.len()),
@@ -82,13 +83,18 @@ mod tests {
             if effect.kinds.contains(&Kind::HeatShare) {
                 table["heat_share"] = json!(0.5);
             }
+            if effect.name == "friction_bands" {
+                let bands = "/../cases/profiles/greased-gauge-side.csv";
+                table["table"] = json!(format!("{}{bands}", env!("CARGO_MANIFEST_DIR")));
+            }
             let softer =
                 concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/materials/steel-softening.csv");
             let body = |position: &str| json!({"position": position, "material": "steel"});
             let case = json!({
                 "bodies": {"one": body("upper"), "other": body("lower")},
                 "materials": {"steel": {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "yield_stress": 1e9,
-                    "thermal_expansion": 1e-5, "softening_table": softer, "wear_per_joule": 1e-12}},
+                    "thermal_expansion": 1e-5,
+                    "delayed_compliance_ratio": 1.0, "retardation_time": 1e-3, "softening_table": softer, "wear_per_joule": 1e-12}},
                 "motion": {"speed": 1.0, "creepage": {"xi": 0.0}},
                 "load": {"normal_force": 1.0},
                 "friction": {"coefficient": 0.5},

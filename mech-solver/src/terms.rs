@@ -14,6 +14,7 @@
 //! | `Expansion` | coefficients of thermal expansion [1/K] | the undeformed distance, or the stress of finite elements |
 //! | `Softening` | stiffness and yield stress over temperature | the stress of finite elements |
 //! | `Flow` | how the material of each body flows | the stress of finite elements |
+//! | `Retardation` | what the compliance of each body gains with time | the displacement difference |
 //! | `Axle` | a mass that carries the load, and what it runs over | the height of the upper body |
 //! | `HeatShare` | a factor | the friction power that is provided as heat |
 //! | `Removal` | what an accepted contact takes off both bodies | the undeformed distance of the next one |
@@ -26,6 +27,7 @@ pub(crate) use crate::state::{Accepted, State};
 
 use crate::axle::Axle;
 use crate::explicit::kernel::Flow;
+use crate::half_space::viscoelastic::Retardation;
 use crate::removal::Removal;
 use crate::slip::RigidSlip;
 use crate::softening::Softening;
@@ -56,6 +58,8 @@ pub enum Kind {
     Softening,
     /// Materials that flow.
     Flow,
+    /// Materials whose compliance grows with time.
+    Retardation,
     /// What carries the load, and runs over irregularities.
     Axle,
     /// Part of the friction power that becomes heat.
@@ -166,6 +170,7 @@ pub(crate) struct Terms {
     pub(crate) expansion: Option<[f64; 2]>,
     pub(crate) softening: [Option<Softening>; 2],
     pub(crate) flow: [Option<Flow>; 2],
+    pub(crate) retardation: [Option<Retardation>; 2],
     pub(crate) axle: Option<Axle>,
     pub(crate) heat_shares: Vec<f64>,
     pub(crate) removal: Option<Removal>,
@@ -185,6 +190,9 @@ impl Terms {
             *own = own.take().or(more);
         }
         for (own, more) in self.flow.iter_mut().zip(more.flow) {
+            *own = own.or(more);
+        }
+        for (own, more) in self.retardation.iter_mut().zip(more.retardation) {
             *own = own.or(more);
         }
         self.expansion = self.expansion.or(more.expansion);

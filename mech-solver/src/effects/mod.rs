@@ -15,6 +15,7 @@ pub mod temperature_friction;
 pub mod thermal_expansion;
 pub mod thermal_softening;
 pub mod third_body_layer;
+pub mod viscoelasticity;
 pub mod viscous_layer;
 pub mod wear;
 
@@ -38,6 +39,7 @@ pub const EFFECTS: &[Effect] = &[
     thermal_expansion::EFFECT,
     thermal_softening::EFFECT,
     third_body_layer::EFFECT,
+    viscoelasticity::EFFECT,
     viscous_layer::EFFECT,
     wear::EFFECT,
 ];

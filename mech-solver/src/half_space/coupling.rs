@@ -11,6 +11,7 @@
 //! §4.2.
 
 use super::influence::Influence;
+use super::viscoelastic::{Bodies, Numbers};
 use numerics::convolution::{Convolution, Spectrum};
 
 /// The operators A_tz and A_zt on one grid.
@@ -27,19 +28,37 @@ impl Coupling {
     /// in place of the displacement A_tz.
     #[must_use]
     pub fn new(influence: &Influence, nx: usize, ny: usize, rolling: bool) -> Self {
+        Self::of(nx, ny, rolling, |i, j| [influence.zx(i, j), influence.zy(i, j)])
+    }
+
+    /// The same of bodies with a memory that roll, on elements dx × dy [m].
+    #[must_use]
+    pub fn with_memory(
+        bodies: &Bodies,
+        [nx, ny]: [usize; 2],
+        sides: [f64; 2],
+        rolling: bool,
+    ) -> Self {
+        let numbers =
+            Numbers::new([nx, ny], sides, bodies, |of, x, y| [of.zx_at(x, y), of.zy_at(x, y)]);
+        Self::of(nx, ny, rolling, |i, j| {
+            let [zx, zy] = numbers.value(i, j);
+            [zx, if j < 0 { -zy } else { zy }]
+        })
+    }
+
+    /// Of the normal displacements zx and zy; xz and yz are their opposites.
+    fn of(nx: usize, ny: usize, rolling: bool, kernel: impl Fn(i32, i32) -> [f64; 2]) -> Self {
         let mut convolution = Convolution::new(nx, ny);
-        let step = |kernel: &dyn Fn(i32, i32) -> f64, i: i32, j: i32| match rolling {
-            true => kernel(i, j) - kernel(i + 1, j),
-            false => kernel(i, j),
+        let mut pair = |step: bool, sign: f64| {
+            [0, 1].map(|k| {
+                convolution.spectrum(|i, j| {
+                    let further = if step { sign * kernel(i + 1, j)[k] } else { 0.0 };
+                    sign * kernel(i, j)[k] - further
+                })
+            })
         };
-        let by_pressure = [
-            convolution.spectrum(|i, j| step(&|i, j| influence.xz(i, j), i, j)),
-            convolution.spectrum(|i, j| step(&|i, j| influence.yz(i, j), i, j)),
-        ];
-        let by_traction = [
-            convolution.spectrum(|i, j| influence.zx(i, j)),
-            convolution.spectrum(|i, j| influence.zy(i, j)),
-        ];
+        let (by_pressure, by_traction) = (pair(rolling, -1.0), pair(false, 1.0));
         Self { convolution, by_pressure, by_traction, part: vec![0.0; nx * ny] }
     }
 

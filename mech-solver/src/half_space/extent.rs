@@ -1,8 +1,9 @@
 //! The grid that holds a contact: enlarged until the contact stays off its edge, and the bodies do not
 //! touch anywhere beside it.
 
-use super::influence::{Elasticity, Influence};
+use super::influence::Influence;
 use super::normal::{NormalContact, NormalError, NormalSolver, Prescribed};
+use super::viscoelastic::Bodies;
 use proto::grid::Structured;
 
 /// Growth of the grid at a side that the contact touches, as a share of the whole length.
@@ -29,29 +30,34 @@ pub struct Fitted {
 /// elements unchanged, at the sides that the contact touches, and by the rows beside it in which the
 /// deformed bodies would penetrate each other: it is cut only where the gap has opened beyond the
 /// approach. The shapes are known for the lateral coordinates `within` [m]; where these have no end,
-/// rows beside the grid are not looked at. The pressure has an upper bound, which may be infinite [Pa].
+/// rows beside the grid are not looked at, nor those beside bodies with a memory. The pressure has an upper bound, which may be infinite [Pa].
 ///
 /// # Errors
 /// Those of [`NormalSolver::solve`], a contact that needs more than `limit` elements, and one that
 /// reaches the end of the shapes.
 pub fn fit_grid(
     mut grid: Structured,
-    bodies: &Elasticity,
+    bodies: impl Into<Bodies>,
     distance: &dyn Fn(f64, f64) -> f64,
     prescribed: Prescribed,
     within: [f64; 2],
     limit: usize,
     pressure_bound: f64,
 ) -> Result<Fitted, NormalError> {
+    let bodies = bodies.into();
     let mut pressure = vec![0.0; grid.points()];
     for enlargements in 0.. {
-        let influence = Influence::of_grid(&grid, *bodies);
-        let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
+        let sides = [grid.dx(), grid.dy()];
+        let influence = Influence::of_grid(&grid, bodies.instantaneous);
+        let mut solver = NormalSolver::of_bodies(grid.ni, grid.nj, sides, &bodies);
         solver.pressure_bound = pressure_bound;
         let contact = solver.solve(&sample(&grid, distance), prescribed, &mut pressure)?;
         if !contact.touches_edge {
             let outside = Outside { grid: &grid, pressure: &pressure, influence: &influence };
-            let rows = outside.penetrated(distance, contact.approach, within);
+            let rows = match bodies.remember() {
+                true => [0, 0],
+                false => outside.penetrated(distance, contact.approach, within),
+            };
             if rows == [0, 0] {
                 return Ok(Fitted { grid, pressure, contact, enlargements });
             }
@@ -242,6 +248,7 @@ impl Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::half_space::influence::Elasticity;
     use crate::scene::Material;
 
     const LOAD: Prescribed = Prescribed::Load(134e3);
@@ -263,7 +270,7 @@ mod tests {
     fn a_small_grid_grows_to_the_same_solution() {
         let gap = |x: f64, y: f64| 0.5 / 0.46 * x * x + 0.5 / 0.3 * y * y;
         let fit =
-            |start, limit| fit_grid(start, &steel(), &gap, LOAD, EVERYWHERE, limit, f64::INFINITY);
+            |start, limit| fit_grid(start, steel(), &gap, LOAD, EVERYWHERE, limit, f64::INFINITY);
         let whole = fit(grid(13, 13, 8e-4), 10_000).unwrap();
         assert_eq!((whole.enlargements, whole.grid), (0, grid(13, 13, 8e-4)));
         let small = Structured::contact_plane(-2.4e-3, -0.8e-3, 8e-4, 8e-4, 9, 4);
@@ -274,7 +281,7 @@ mod tests {
         let refused = fit(small, 200).unwrap_err();
         assert!(matches!(refused, NormalError::GridLimit { limit: 200, .. }));
         let end =
-            fit_grid(small, &steel(), &gap, LOAD, [-1e-3, 1.0], 10_000, f64::INFINITY).unwrap_err();
+            fit_grid(small, steel(), &gap, LOAD, [-1e-3, 1.0], 10_000, f64::INFINITY).unwrap_err();
         assert_eq!(end, NormalError::EndOfShape);
     }
 

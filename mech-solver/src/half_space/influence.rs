@@ -92,6 +92,33 @@ impl Elasticity {
         }
     }
 
+    /// Constants of a body of its own, the other one rigid: body 1, or body 2 below it.
+    #[must_use]
+    pub fn of_bodies(bodies: &[Material; 2]) -> [Self; 2] {
+        let rigid = Material { youngs_modulus: f64::INFINITY, poisson_ratio: 0.0 };
+        [Self::of_pair(&bodies[0], &rigid), Self::of_pair(&rigid, &bodies[1])]
+    }
+
+    /// The compliances times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            shear_compliance: factor * self.shear_compliance,
+            poisson_compliance: factor * self.poisson_compliance,
+            coupling_compliance: factor * self.coupling_compliance,
+        }
+    }
+
+    /// The compliances of both together.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            shear_compliance: self.shear_compliance + other.shear_compliance,
+            poisson_compliance: self.poisson_compliance + other.poisson_compliance,
+            coupling_compliance: self.coupling_compliance + other.coupling_compliance,
+        }
+    }
+
     /// Normal compliance (1 − ν)/G = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa].
     #[must_use]
     pub fn contact_compliance(&self) -> f64 {
@@ -137,6 +164,12 @@ impl Influence {
     #[must_use]
     pub fn of_grid(grid: &Structured, elasticity: Elasticity) -> Self {
         Self { dx: grid.dx(), dy: grid.dy(), elasticity, plane_strain: grid.nj == 1 }
+    }
+
+    /// Of elements dx × dy [m] that are as wide as they are.
+    #[must_use]
+    pub fn of_elements([dx, dy]: [f64; 2], elasticity: Elasticity) -> Self {
+        Self { dx, dy, elasticity, plane_strain: false }
     }
 
     on_elements! {

@@ -13,6 +13,7 @@ use super::slip_operator::SlipOperator;
 use super::tangential::{
     ElementState, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState, Wanted,
 };
+use super::viscoelastic::Bodies;
 use proto::grid::Structured;
 use serde::{Deserialize, Serialize};
 
@@ -45,8 +46,8 @@ pub enum Motion {
 /// A contact on which tangential problems are posed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Elastic constants of the bodies.
-    pub bodies: Elasticity,
+    /// The bodies; only in steady rolling they may have a memory.
+    pub bodies: Bodies,
     /// Tangential flexibility of a third body [m/Pa], 0 for none.
     pub layer: f64,
     /// Semi-axes a and b, or what comes near them [m].
@@ -63,7 +64,7 @@ impl Contact {
     /// 4 G r/(2 − ν) of a circle.
     fn slope(&self) -> f64 {
         let [a, b] = self.semi_axes;
-        let Elasticity { shear_compliance, poisson_compliance, .. } = self.bodies;
+        let Elasticity { shear_compliance, poisson_compliance, .. } = self.bodies.instantaneous;
         match self.motion {
             Motion::SteadyRolling => 4.0 * a * b / shear_compliance,
             Motion::RollingStep | Motion::Shift => {
@@ -104,9 +105,12 @@ impl Level {
     fn new(grid: &Structured, contact: &Contact) -> Self {
         let (dx, dy) = (grid.dx(), grid.dy());
         let Contact { bodies, layer, semi_axes: [a, _], motion, .. } = *contact;
-        let influence = Influence::of_grid(grid, bodies);
+        let influence = Influence::of_grid(grid, bodies.instantaneous);
         let (nx, ny) = (grid.ni, grid.nj);
         let operator = match motion {
+            Motion::SteadyRolling if bodies.remember() => {
+                SlipOperator::rolling_with_memory(&bodies, layer, [nx, ny], [dx, dy], a / dx)
+            }
             Motion::SteadyRolling => SlipOperator::rolling(&influence, layer, nx, ny, a / dx),
             Motion::RollingStep | Motion::Shift => {
                 SlipOperator::instantaneous(&influence, layer, nx, ny)
@@ -159,9 +163,9 @@ impl Level {
         }
         let before = state.creepage;
         let solved = solver.solve(&problem, state, target.accuracy);
-        let forces = (0..3).filter(|k| prescribed.force[*k].is_some());
-        let effort = match (solved, forces.clone().count(), forces.last()) {
-            (Err(_), 1, Some(k)) => {
+        let mut forces = (0..3).filter(|k| prescribed.force[*k].is_some());
+        let effort = match (solved, forces.next(), forces.next()) {
+            (Err(_), Some(k), None) => {
                 *state = TangentialState::at_rest(bound, before);
                 solver.solve_by_bracket(&problem, k, state, target.accuracy)
             }

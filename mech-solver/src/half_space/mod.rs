@@ -12,6 +12,7 @@
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
 //! | [`levels`] | the tangential problem by continuation in resolution |
+//! | [`viscoelastic`] | the same displacement of bodies with a memory that roll |
 //! | [`subsurface`] | stresses inside a body, at points and on vertical sections, and those of heat |
 //!
 //! A field on nx × ny elements is a slice of nx·ny values, row after row: element (i, j) has the
@@ -33,3 +34,4 @@ pub mod slip_operator;
 pub(crate) mod spline;
 pub mod subsurface;
 pub mod tangential;
+pub mod viscoelastic;

@@ -42,12 +42,15 @@
 
 mod bounded;
 mod error;
+mod interior_point;
 
 pub use super::prescribed::Prescribed;
 pub use error::NormalError;
 
 use super::influence::{Influence, Quarter};
 use super::initial_pressure;
+use super::viscoelastic::{Bodies, Numbers};
+use interior_point::InteriorPoint;
 use numerics::convolution::{Complex64, Convolution, Spectrum};
 use std::f64::consts::TAU;
 
@@ -86,6 +89,8 @@ pub struct NormalSolver {
     preconditioner: (Convolution, Spectrum),
     area: f64,
     compliance: f64,
+    /// For bodies with a memory.
+    point: Option<InteriorPoint>,
     work: Work,
 }
 
@@ -145,6 +150,30 @@ impl NormalSolver {
         )
     }
 
+    /// Prepares for bodies on grids of nx × ny elements dx × dy [m]; if they have a memory, for their steady rolling ([`mod@interior_point`]), without
+    /// a bound of the pressure.
+    #[must_use]
+    pub fn of_bodies(nx: usize, ny: usize, [dx, dy]: [f64; 2], bodies: &Bodies) -> Self {
+        let mut at_once = Influence::of_elements([dx, dy], bodies.instantaneous);
+        if !bodies.remember() {
+            at_once.plane_strain = ny == 1;
+            return Self::new(nx, ny, &at_once);
+        }
+        let numbers = Numbers::new([nx, ny], [dx, dy], bodies, |of, x, y| [of.zz_at(x, y)]);
+        let mut convolution = Convolution::new(nx, ny);
+        let flexibility = convolution.spectrum(|i, j| numbers.value(i, j)[0]);
+        let mut rough = Convolution::barely_padded(nx, ny);
+        let elastic = symbol(&mut rough, |i, j| at_once.zz(i, j));
+        let upstream = rough.spectrum(|i, j| if (i, j) == (-1, 0) { 1.0 } else { 0.0 });
+        let inverse = Spectrum::combine([&elastic, &upstream], |[elastic, upstream]| {
+            (bodies.growth(upstream, dx) * elastic.re).inv()
+        });
+        let spectra = [(convolution, flexibility), (rough, inverse)];
+        let point = InteriorPoint::new(numbers.value(0, 0)[0], nx * ny);
+        let compliance = bodies.relaxed().contact_compliance();
+        Self { point: Some(point), ..Self::with(spectra, [dx, dy], compliance) }
+    }
+
     /// Prepares for a contact that repeats every nx × ny elements dx × dy [m], nx even. A wave of the pressure with the
     /// wave number k displaces the surfaces by 2c p/k (Johnson, Contact Mechanics (1985), 13.2), with the normal compliance c of
     /// the pair [1/Pa]. The mean displacement is without meaning on bodies without end: that of the longest wave is in its place,
@@ -183,6 +212,7 @@ impl NormalSolver {
             preconditioner,
             area: dx * dy,
             compliance,
+            point: None,
             work: Work {
                 in_contact: vec![false; nx * ny],
                 displacement: zeros.clone(),
@@ -235,6 +265,11 @@ impl NormalSolver {
         if nothing {
             pressure.fill(0.0);
             return Ok(separated(prescribed, closest));
+        }
+        if let Some(mut point) = self.point.take() {
+            let found = self.interior_point(distance, prescribed, pressure, &mut point);
+            self.point = Some(point);
+            return found;
         }
         if self.pressure_bound < f64::INFINITY {
             return self.bounded(distance, prescribed, pressure);
@@ -488,10 +523,15 @@ impl Work {
 /// so is A's, hence also their convolution, the symbol; without the window the cut kernel's ripple
 /// makes some values negative, and the iteration fails.
 fn preconditioner(convolution: &mut Convolution, kernel: &Quarter<f64>) -> Spectrum {
+    let symbol = symbol(convolution, |i, j| kernel.value(i, j));
+    symbol.map(|value| Complex64::new(1.0 / value.re, 0.0))
+}
+
+/// The symbol of a kernel under a triangular window.
+fn symbol(convolution: &mut Convolution, kernel: impl Fn(i32, i32) -> f64) -> Spectrum {
     let (nx, ny) = convolution.shape();
     let window = |offset: i32, count: usize| 1.0 - f64::from(offset.abs()) / count as f64;
-    let kernel = |i: i32, j: i32| kernel.value(i, j) * window(i, nx) * window(j, ny);
-    convolution.spectrum(kernel).map(|value| Complex64::new(1.0 / value.re, 0.0))
+    convolution.spectrum(|i, j| kernel(i, j) * window(i, nx) * window(j, ny))
 }
 
 fn apply((convolution, spectrum): &mut (Convolution, Spectrum), input: &[f64], output: &mut [f64]) {

@@ -13,6 +13,8 @@
 //!
 //! with the rigid slip w [-] and the upstream shift S. B is a convolution like A, but not symmetric.
 //!
+//! **Memory.** Viscoelastic bodies have the K of [`super::viscoelastic`] in place of A. The layer has none.
+//!
 //! **Layer.** A third body of tangential flexibility L [m/Pa] adds L to the diagonal of A_xx, A_yy.
 //!
 //! **Approximate inverse.** In Fourier space B is (1 − e^{iθ}) Â with the wave number θ along x in
@@ -29,7 +31,8 @@
 //! The damped shift is this project's.
 
 use super::influence::{Influence, Quarter};
-use numerics::convolution::{Convolution, FftNum, Spectrum};
+use super::viscoelastic::{Bodies, Numbers};
+use numerics::convolution::{Complex64, Convolution, FftNum, Spectrum};
 
 /// Memory of the damped shift, in semi-axes.
 const MEMORY: f64 = 1.5;
@@ -64,6 +67,24 @@ impl<T: FftNum> Tensor<T> {
     }
 }
 
+/// K, the displacement by tractions of bodies with a memory.
+#[derive(Debug)]
+pub struct Displacement(Tensor<f64>);
+
+impl Displacement {
+    /// For nx × ny elements dx × dy [m].
+    #[must_use]
+    pub fn new(bodies: &Bodies, [nx, ny]: [usize; 2], sides: [f64; 2]) -> Self {
+        let table = Table::with_memory(bodies, 0.0, [nx, ny], sides);
+        Self(Tensor::of(Convolution::new(nx, ny), |i, j| table.value(i, j)))
+    }
+
+    /// displacement = K traction [m]; fields of nx·ny values, components x and y.
+    pub fn apply(&mut self, traction: [&[f64]; 2], displacement: [&mut [f64]; 2]) {
+        self.0.apply(traction, displacement);
+    }
+}
+
 /// B of steady rolling, or A, and its approximate inverse on one grid.
 #[derive(Debug)]
 pub struct SlipOperator {
@@ -88,7 +109,25 @@ impl SlipOperator {
     ) -> Self {
         let table = Table::new(influence, layer_flexibility, nx, ny);
         let damping = (-MEMORY / elements_per_semi_axis).exp();
-        Self::new(nx, ny, &table, Some(damping), |i, j| table.step(i, j))
+        Self::new(nx, ny, Inverse::damped(&table, damping), |i, j| table.step(i, j))
+    }
+
+    /// B = (1 − S) K of steady rolling of bodies that may have a memory, for nx × ny elements dx × dy [m].
+    #[must_use]
+    pub fn rolling_with_memory(
+        bodies: &Bodies,
+        layer_flexibility: f64,
+        [nx, ny]: [usize; 2],
+        [dx, dy]: [f64; 2],
+        elements_per_semi_axis: f64,
+    ) -> Self {
+        let at_once = Influence::of_elements([dx, dy], bodies.instantaneous);
+        let elastic = Table::new(&at_once, layer_flexibility, nx, ny);
+        let table = Table::with_memory(bodies, layer_flexibility, [nx, ny], [dx, dy]);
+        let damping = (-MEMORY / elements_per_semi_axis).exp();
+        let growth = |upstream| bodies.growth(upstream, dx);
+        let inverse = Inverse { growth: Some(&growth), ..Inverse::damped(&elastic, damping) };
+        Self::new(nx, ny, inverse, |i, j| table.step(i, j))
     }
 
     /// A, the operator of a shift and of a step of transient rolling, for nx × ny elements.
@@ -100,20 +139,20 @@ impl SlipOperator {
         ny: usize,
     ) -> Self {
         let table = Table::new(influence, layer_flexibility, nx, ny);
-        Self::new(nx, ny, &table, None, |i, j| table.value(i, j))
+        let inverse = Inverse { table: &table, damping: None, growth: None };
+        Self::new(nx, ny, inverse, |i, j| table.value(i, j))
     }
 
     fn new(
         nx: usize,
         ny: usize,
-        table: &Table,
-        damping: Option<f64>,
+        inverse: Inverse<'_>,
         kernel: impl Fn(i32, i32) -> [f64; 3],
     ) -> Self {
         let self_influence = kernel(0, 0)[0];
         let operator = Tensor::of(Convolution::new(nx, ny), kernel);
         let single = operator.rounded(Convolution::new(nx, ny), self_influence.recip());
-        let inverse = approximate_inverse(Convolution::barely_padded(nx, ny), table, damping);
+        let inverse = inverse.tensor(Convolution::barely_padded(nx, ny));
         let inverse = inverse.rounded(Convolution::barely_padded(nx, ny), self_influence);
         let (applications, preconditionings) = (0, 0);
         Self { operator, single, inverse, self_influence, applications, preconditionings }
@@ -150,34 +189,57 @@ impl SlipOperator {
     }
 }
 
-fn approximate_inverse(
-    convolution: Convolution,
-    table: &Table,
+/// What an approximate inverse is made of.
+#[derive(Clone, Copy)]
+struct Inverse<'a> {
+    /// The numbers at once.
+    table: &'a Table,
+    /// Damping ρ of the shift, where there is one.
     damping: Option<f64>,
-) -> Tensor<f64> {
-    let (nx, ny) = convolution.shape();
-    let window = |at: i32, count: usize| 1.0 - f64::from(at.unsigned_abs()) / count as f64;
-    let Tensor { mut convolution, xx, yy, xy } = Tensor::of(convolution, |i, j| {
-        let weight = window(i, nx) * window(j, ny);
-        table.value(i, j).map(|value| weight * value)
-    });
-    let shift = convolution.spectrum(|i, j| match (i, j) {
-        (0, 0) => 1.0,
-        (-1, 0) => -damping.unwrap_or(0.0),
-        _ => 0.0,
-    });
-    let of = |which: fn(f64, f64, f64) -> f64| {
-        Spectrum::combine([&xx, &yy, &xy, &shift], |[xx, yy, xy, shift]| {
-            let (xx, yy, xy) = (xx.re, yy.re, xy.re);
-            shift.inv() * (which(xx, yy, xy) / (xx * yy - xy * xy))
-        })
-    };
-    let (along, across, mixed) = (of(|_, yy, _| yy), of(|xx, _, _| xx), of(|_, _, xy| -xy));
-    Tensor { convolution, xx: along, yy: across, xy: mixed }
+    /// Symbol of K over A, by that of the shift.
+    growth: Option<&'a dyn Fn(Complex64) -> Complex64>,
+}
+
+impl<'a> Inverse<'a> {
+    /// That of elastic bodies that roll.
+    fn damped(table: &'a Table, damping: f64) -> Self {
+        Self { table, damping: Some(damping), growth: None }
+    }
+
+    fn tensor(self, convolution: Convolution) -> Tensor<f64> {
+        let (nx, ny) = convolution.shape();
+        let window = |at: i32, count: usize| 1.0 - f64::from(at.unsigned_abs()) / count as f64;
+        let Tensor { mut convolution, xx, yy, xy } = Tensor::of(convolution, |i, j| {
+            let weight = window(i, nx) * window(j, ny);
+            self.table.value(i, j).map(|value| weight * value)
+        });
+        let mut shift = convolution.spectrum(|i, j| match (i, j) {
+            (0, 0) => 1.0,
+            (-1, 0) => -self.damping.unwrap_or(0.0),
+            _ => 0.0,
+        });
+        if let Some(growth) = self.growth {
+            let upstream = convolution.spectrum(|i, j| if (i, j) == (-1, 0) { 1.0 } else { 0.0 });
+            shift = Spectrum::combine([&shift, &upstream], |[shift, at]| shift * growth(at));
+        }
+        let of = |which: fn(f64, f64, f64) -> f64| {
+            Spectrum::combine([&xx, &yy, &xy, &shift], |[xx, yy, xy, shift]| {
+                let (xx, yy, xy) = (xx.re, yy.re, xy.re);
+                shift.inv() * (which(xx, yy, xy) / (xx * yy - xy * xy))
+            })
+        };
+        let (along, across, mixed) = (of(|_, yy, _| yy), of(|xx, _, _| xx), of(|_, _, xy| -xy));
+        Tensor { convolution, xx: along, yy: across, xy: mixed }
+    }
 }
 
 /// Influence numbers [xx, yy, xy] of all offsets that occur.
-struct Table(Quarter<[f64; 3]>);
+enum Table {
+    /// Of elastic bodies.
+    Elastic(Quarter<[f64; 3]>),
+    /// Of bodies with a memory, and the flexibility of a layer.
+    Memory(Numbers<3>, f64),
+}
 
 impl Table {
     fn new(influence: &Influence, layer_flexibility: f64, nx: usize, ny: usize) -> Self {
@@ -186,13 +248,29 @@ impl Table {
             [influence.xx(i, j) + own, influence.yy(i, j) + own, influence.xy(i, j)]
         };
         // One more than the grid along x, for the upstream neighbour.
-        Self(Quarter::new(nx + 1, ny, value))
+        Self::Elastic(Quarter::new(nx + 1, ny, value))
     }
 
-    /// xx and yy are even in both offsets, xy is odd in both.
+    fn with_memory(bodies: &Bodies, layer: f64, counts: [usize; 2], sides: [f64; 2]) -> Self {
+        let numbers = Numbers::new(counts, sides, bodies, |of, x, y| {
+            [of.xx_at(x, y), of.yy_at(x, y), of.xy_at(x, y)]
+        });
+        Self::Memory(numbers, layer)
+    }
+
+    /// Of elastic bodies xx and yy are even in both offsets, xy is odd in both; with a memory the same across.
     fn value(&self, i: i32, j: i32) -> [f64; 3] {
-        let [xx, yy, xy] = self.0.value(i, j);
-        [xx, yy, if (i < 0) == (j < 0) { xy } else { -xy }]
+        match self {
+            Self::Elastic(quarter) => {
+                let [xx, yy, xy] = quarter.value(i, j);
+                [xx, yy, if (i < 0) == (j < 0) { xy } else { -xy }]
+            }
+            Self::Memory(numbers, layer) => {
+                let [xx, yy, xy] = numbers.value(i, j);
+                let own = if (i, j) == (0, 0) { *layer } else { 0.0 };
+                [xx + own, yy + own, if j < 0 { -xy } else { xy }]
+            }
+        }
     }
 
     /// Influence on the element less that on its upstream neighbour.

@@ -21,13 +21,14 @@ mod expansion;
 pub(super) mod gap;
 pub(super) mod geometry;
 mod power;
+mod retardation;
 mod steady;
 mod transient;
 
 use crate::effects;
 use crate::ellipse::Ellipse;
 use crate::entry::ModelEntry;
-use crate::half_space::influence::Elasticity;
+use crate::half_space::viscoelastic::Bodies;
 use crate::keys::CheckedParams;
 use crate::models::expected::refinement;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
@@ -90,6 +91,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
         Kind::Layer,
         Kind::Axle,
         Kind::Expansion,
+        Kind::Retardation,
         Kind::HeatShare,
         Kind::Removal,
         Kind::Observation,
@@ -134,9 +136,10 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     let scene = Scene::read(&configuration.case)?;
     let patch = GivenPatch::read(&configuration.case)?;
     let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
-    let [upper, lower] = scene.materials();
-    let bodies = Elasticity::of_pair(&upper, &lower);
+    let bodies = Bodies::rolling(&scene.materials(), &terms.retardation, scene.speeds.rolling);
+    let memory = memory(configuration, &scene, terms.adhesion)?;
     let varying = Varying::of(configuration, &terms, patch)?;
+    retardation::refuse(&scene, patch, &terms, memory, varying.is_some())?;
     let extent = varying.as_ref().map(|varying| varying.extent(patch)).transpose()?;
     let shapes = geometry::Shapes {
         scene: &scene,
@@ -154,7 +157,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     terms.observations.iter_mut().for_each(|term| term.place(&place));
     terms.removal.iter_mut().for_each(|removal| removal.place(&grid));
     let mut case = Case {
-        memory: memory(configuration, &scene, terms.adhesion)?,
+        memory,
         terms,
         shift_duration: 0.0,
         scene,
@@ -164,7 +167,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
         rises: Vec::new(),
         heated: None,
     };
-    if case.bodies.is_coupled() && case.footprint.gap.is_none() {
+    if case.bodies.are_coupled() && case.footprint.gap.is_none() {
         return Err(Refusal::new(
             "contact",
             "bodies of different elastic constants change the pressure, which is given",
@@ -198,7 +201,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
 
 /// Refuses a bound of the pressure where the power balance would need what yields.
 fn refuse_bound(case: &Case, effect: &str) -> Result<(), Refusal> {
-    if !case.bodies.is_coupled() {
+    if !case.bodies.are_coupled() {
         return Ok(());
     }
     Err(Refusal::new(
@@ -224,6 +227,13 @@ fn refuse_varying(case: &Case, configuration: &Configuration) -> Result<(), Refu
             "mech.model",
             "measured profiles do not follow a load that varies: their contact has another grid in every window",
             "give radii, or numbers in the place of columns and no axle",
+        ));
+    }
+    if case.memory && case.terms.axle.is_some() {
+        return Err(Refusal::new(
+            ROLLING,
+            "rolling with memory does not follow the load under an axle",
+            "write mech.rolling = \"steady\", or a column of the load in the place of the axle",
         ));
     }
     match case.terms.effect_of(Kind::Removal) {

@@ -5,6 +5,7 @@ pub mod cattaneo;
 pub mod different_bodies;
 pub mod elliptic_integrals;
 pub mod hertz;
+pub mod hunter;
 pub mod kalker;
 pub mod shakedown;
 pub mod simplified;

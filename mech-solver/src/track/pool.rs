@@ -62,7 +62,10 @@ impl Pool {
             let grid = Structured::contact_plane(x0, y0, dx, dy, nx, ny);
             let semi_axes = [0, 1].map(|k| window.half[k] as f64 * window.sides[k]);
             let motion = Motion::SteadyRolling;
-            Levels::new(&grid, &Contact { bodies, layer, semi_axes, motion, tolerance })
+            Levels::new(
+                &grid,
+                &Contact { bodies: bodies.into(), layer, semi_axes, motion, tolerance },
+            )
         })
     }
 }

@@ -88,6 +88,8 @@ fn support_agrees_with_configure() {
             case["materials"]["steel"]["yield_stress"] = json!(1e9);
             case["materials"]["steel"]["thermal_expansion"] = json!(1e-5);
             case["materials"]["steel"]["wear_per_joule"] = json!(1e-12);
+            case["materials"]["steel"]["delayed_compliance_ratio"] = json!(0.1);
+            case["materials"]["steel"]["retardation_time"] = json!(1e-4);
             let softer =
                 concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/materials/steel-softening.csv");
             case["materials"]["steel"]["softening_table"] = json!(softer);
@@ -99,6 +101,11 @@ fn support_agrees_with_configure() {
                 let name = key.path.rsplit('.').next().unwrap();
                 let value = if unit == "Pa" { 1e9 } else { 1e-14 };
                 case["effects"][&effect.name][name] = json!(value);
+            }
+            if effect.name == "friction_bands" {
+                let bands = "/../cases/profiles/greased-gauge-side.csv";
+                let bands = format!("{}{bands}", env!("CARGO_MANIFEST_DIR"));
+                case["effects"]["friction_bands"]["table"] = json!(bands);
             }
             let mut configuration = configuration(&case);
             configuration.model = model.name.clone();

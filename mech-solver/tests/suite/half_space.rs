@@ -24,7 +24,7 @@ fn hertz(elasticity: &Elasticity) -> EllipticContact {
 
 fn solve(grid: Structured, elasticity: Elasticity, gap: impl Fn(f64, f64) -> f64) -> Fitted {
     let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-    fit_grid(grid, &elasticity, &gap, Prescribed::Load(LOAD), everywhere, LIMIT, f64::INFINITY)
+    fit_grid(grid, elasticity, &gap, Prescribed::Load(LOAD), everywhere, LIMIT, f64::INFINITY)
         .expect("a regular contact")
 }
 

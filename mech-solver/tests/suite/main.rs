@@ -17,5 +17,6 @@ mod rod;
 mod rows;
 mod sequences;
 mod slip_friction;
+mod viscoelastic;
 mod wearing;
 mod wheel_on_track;

@@ -49,7 +49,7 @@ fn leaves_no_trace(name: &str, needed: &[&str]) {
     let beside = |text: String, folder: &str| {
         text.replace(&format!("\"{folder}/"), &format!("\"{}/", case(folder)))
     };
-    let text = ["materials", "histories"].into_iter().fold(text, beside);
+    let text = ["materials", "histories", "profiles"].into_iter().fold(text, beside);
     for off in switchable(&text, needed) {
         let never_named = folder.path().join(format!("{off}-{name}"));
         std::fs::write(&never_named, without(&text, &off)).unwrap();
@@ -94,6 +94,8 @@ an_effect_that_is_off_leaves_no_trace! {
     an_effect_that_is_off_leaves_no_trace_between_rough_surfaces("locked-wheel-steady.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_near_the_maximum_of_adhesion("slip-friction.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_in_a_film("viscous-layer.toml", &[]);
+    an_effect_that_is_off_leaves_no_trace_on_a_greased_rail("greased-rail.toml", &["friction_heat"]);
+    an_effect_that_is_off_leaves_no_trace_in_a_polymer_tyre("polymer-tyre.toml", &["partial_slip"]);
     an_effect_that_is_off_leaves_no_trace_in_a_layer_that_yields("yielding-layer.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_under_a_block("brake-block.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_before_a_hot_wall("thermo-elastic-rod.toml", &["friction_heat"]);

@@ -43,7 +43,7 @@ impl Surfaces {
         resolution: usize,
     ) -> Result<Self, Refusal> {
         let [upper, lower] = scene.materials();
-        let bodies = Elasticity::of_pair(&upper, &lower);
+        let bodies = Elasticity::of_pair(&upper, &lower).into();
         // Effects that change the gap are none of this model.
         let terms = Terms::default();
         let shapes =

@@ -183,6 +183,14 @@ impl Answer {
         if let Some(approach) = self.approach {
             figures["approach_m"] = approach.into();
         }
+        if case.bodies.remember() {
+            let centre = Moments::of(grid, &self.pressure).centre[0];
+            let power = self.balance.and_then(|balance| balance.pressure);
+            let speed = case.scene.speeds.rolling;
+            figures["pressure_centre_x_m"] = centre.into();
+            figures["rolling_resistance_n"] =
+                power.map(|power| power.rolling_resistance / speed).into();
+        }
         let bound = case.terms.pressure_bound();
         if bound < f64::INFINITY {
             let count = |from: f64| self.pressure.iter().filter(|p| **p >= from).count() as f64;

@@ -23,10 +23,12 @@ pub(super) struct PowerError {
 pub(super) struct Balance {
     pub(super) friction: f64,
     pub(super) forces: f64,
-    /// Of bodies of different constants.
+    /// Of bodies of different constants, and of those whose compliance grows.
     pub(super) pressure: Option<PressurePower>,
     /// Into elastic energy; of what has memory.
     pub(super) stored: Option<f64>,
+    /// In the bodies; of those whose compliance grows.
+    pub(super) hysteresis: Option<f64>,
     /// Sum of the magnitudes of all parts.
     pub(super) exchanged: f64,
 }
@@ -66,11 +68,40 @@ impl PressurePower {
     }
 }
 
+/// Power that tractions leave in the bodies [W].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Hysteresis {
+    pub(super) power: f64,
+    pub(super) exchanged: f64,
+}
+
+impl Hysteresis {
+    /// Adds that of a component of the traction [Pa] on its displacement [m], Σ ½ (p_{I+e_x} − p_{I−e_x}) u_I dx dy/Δt.
+    pub(super) fn take(
+        &mut self,
+        grid: &Structured,
+        duration: f64,
+        traction: &[f64],
+        displacement: &[f64],
+    ) {
+        let weight = 0.5 * grid.element_area() / duration;
+        for index in 0..grid.points() {
+            let column = index % grid.ni;
+            let upstream = if column + 1 < grid.ni { traction[index + 1] } else { 0.0 };
+            let downstream = if column > 0 { traction[index - 1] } else { 0.0 };
+            let power = weight * (upstream - downstream) * displacement[index];
+            self.power += power;
+            self.exchanged += power.abs();
+        }
+    }
+}
+
 impl Balance {
     /// What goes in and does not stay [W].
     fn given(&self) -> f64 {
         let pressure = self.pressure.map_or(0.0, |p| p.rolling_resistance + p.edges);
-        self.forces + pressure - self.stored.unwrap_or(0.0)
+        let kept = self.stored.unwrap_or(0.0) + self.hysteresis.unwrap_or(0.0);
+        self.forces + pressure - kept
     }
 
     /// |friction − what goes in| over the magnitudes of all that is exchanged; 0 where nothing is.
@@ -94,6 +125,9 @@ impl Balance {
         if let Some(PressurePower { rolling_resistance, edges, .. }) = self.pressure {
             figures["rolling_resistance_power_w"] = json!(rolling_resistance);
             figures["edge_power_w"] = json!(edges);
+        }
+        if let Some(hysteresis) = self.hysteresis {
+            figures["hysteresis_power_w"] = json!(hysteresis);
         }
         if let Some(stored) = self.stored {
             figures["stored_power_w"] = json!(stored);

@@ -4,8 +4,8 @@ use super::drive::Driven;
 use super::geometry::Footprint;
 use crate::ellipse::Ellipse;
 use crate::half_space::extent::sample;
-use crate::half_space::influence::Elasticity;
 use crate::half_space::levels::RIGID_SLIP_AHEAD;
+use crate::half_space::viscoelastic::Bodies;
 use crate::scene::{GivenPatch, Scene};
 use crate::surface::KeptSurface;
 use crate::terms::Terms;
@@ -18,7 +18,7 @@ use proto::model::Outputs;
 #[derive(Debug)]
 pub(super) struct Case {
     pub(super) scene: Scene,
-    pub(super) bodies: Elasticity,
+    pub(super) bodies: Bodies,
     pub(super) driven: Driven,
     /// The terms of the active effects.
     pub(super) terms: Terms,
@@ -70,7 +70,8 @@ impl Case {
     /// Hertz's solution holds: smooth second-order surfaces, and neither terms nor tractions that change
     /// the pressure.
     pub(super) fn is_hertzian(&self) -> bool {
-        self.terms.leave_hertz() && !self.bodies.is_coupled()
+        let elastic = !self.bodies.are_coupled() && !self.bodies.remember();
+        self.terms.leave_hertz() && elastic
     }
 
     /// Undeformed distance at the elements' centres, if it is not the pressure that is given [m].

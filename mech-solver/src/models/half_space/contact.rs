@@ -3,13 +3,14 @@
 //! Bodies of the same elastic constants: the pressure is solved once, then the tractions. Different
 //! ones: pressure and tractions in turn until the pressure rests ([`crate::half_space::coupling`]).
 
-use super::balance::{PowerError, PressurePower};
+use super::balance::{Hysteresis, PowerError, PressurePower};
 use super::case::Case;
 use super::drive::Driven;
 use crate::half_space::coupling::Coupling;
 use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
+use crate::half_space::slip_operator::Displacement;
 use crate::half_space::tangential::{self, Creepage, TangentialState};
 use crate::models::shortfall::Shortfall;
 use crate::slip::RigidSlip;
@@ -85,10 +86,10 @@ impl ContactSolver {
     /// Operators of a case; solves the frictionless normal contact.
     pub(super) fn new(case: &Case, motion: Motion) -> Result<Self, ContactError> {
         let grid = &case.footprint.grid;
-        let influence = Influence::of_grid(grid, case.bodies);
-        let coupled = case.bodies.is_coupled();
+        let sides = [grid.dx(), grid.dy()];
+        let coupled = case.bodies.are_coupled();
         let normal = case.distance().map(|undeformed| {
-            let mut solver = NormalSolver::new(grid.ni, grid.nj, &influence);
+            let mut solver = NormalSolver::of_bodies(grid.ni, grid.nj, sides, &case.bodies);
             solver.pressure_bound = case.terms.pressure_bound();
             let prescribed = super::geometry::prescribed(case.scene.load);
             Normal { solver, prescribed, distance: undeformed.clone(), undeformed }
@@ -107,6 +108,10 @@ impl ContactSolver {
             levels: case.terms.adhesion.then(|| Levels::new(grid, &contact)),
             coupling: (case.terms.adhesion && coupled).then(|| {
                 let rolling = motion == Motion::SteadyRolling;
+                if case.bodies.remember() {
+                    return Coupling::with_memory(&case.bodies, [grid.ni, grid.nj], sides, rolling);
+                }
+                let influence = Influence::of_grid(grid, case.bodies.instantaneous);
                 Coupling::new(&influence, grid.ni, grid.nj, rolling)
             }),
             friction: vec![case.scene.friction_coefficient; grid.points()],
@@ -298,22 +303,60 @@ impl ContactSolver {
         self.normal_step()
     }
 
-    /// Power of the pressure on the normal displacement by these tractions, in steady rolling of bodies
-    /// of different constants; `None` where pressure and tractions do not know of each other.
+    /// Power of the pressure on the normal displacement in steady rolling, of bodies of different constants by these tractions,
+    /// and of bodies with a memory; `None` where the pressure takes no power.
     pub(super) fn pressure_power(
         &mut self,
         case: &Case,
-        state: &TangentialState,
+        traction: Option<[&[f64]; 2]>,
     ) -> Option<PressurePower> {
-        let (coupling, normal) = (self.coupling.as_mut()?, self.normal.as_mut()?);
+        let normal = self.normal.as_ref()?;
         let approach = self.approach?;
-        let [along_x, along_y] = &state.traction;
-        let Normal { solver, undeformed, distance, .. } = normal;
-        coupling.distance_by_traction([along_x, along_y], distance);
+        let mut by_traction = vec![0.0; self.pressure.len()];
+        match (&mut self.coupling, traction) {
+            (Some(coupling), Some(traction)) => {
+                coupling.distance_by_traction(traction, &mut by_traction);
+            }
+            _ if case.bodies.remember() => {}
+            _ => return None,
+        }
+        let Normal { solver, undeformed, .. } = normal;
         let by_pressure = solver.displacement();
-        let gap = |at: usize| undeformed[at] + distance[at] + by_pressure[at] - approach;
+        let gap = |at: usize| undeformed[at] + by_traction[at] + by_pressure[at] - approach;
         let (grid, duration) = (&case.footprint.grid, case.passage().duration);
         Some(PressurePower::of(grid, duration, &self.pressure, undeformed, gap))
+    }
+
+    /// What bodies with a memory dissipate under the pressure, and under tractions whose displacements are in the slip.
+    pub(super) fn hysteresis(
+        &mut self,
+        case: &Case,
+        traction: Option<[&[f64]; 2]>,
+    ) -> Option<Hysteresis> {
+        let normal = self.normal.as_ref().filter(|_| case.bodies.remember())?;
+        let (grid, duration) = (&case.footprint.grid, case.passage().duration);
+        let (counts, sides) = ([grid.ni, grid.nj], [grid.dx(), grid.dy()]);
+        let mut taken = Hysteresis::default();
+        let mut closed = normal.solver.displacement().to_vec();
+        if let Some(traction) = traction {
+            let zeros = vec![0.0; grid.points()];
+            let [mut along, mut across] = [zeros.clone(), zeros];
+            let mut operator = Displacement::new(&case.bodies, counts, sides);
+            operator.apply(traction, [&mut along, &mut across]);
+            if case.bodies.are_coupled() {
+                let mut coupling = Coupling::with_memory(&case.bodies, counts, sides, false);
+                let [mut more_along, mut more_across] = [along.clone(), across.clone()];
+                coupling.slip_by_pressure(&self.pressure, [&mut more_along, &mut more_across]);
+                add(&mut along, &more_along);
+                add(&mut across, &more_across);
+                coupling.distance_by_traction(traction, &mut more_along);
+                add(&mut closed, &more_along);
+            }
+            taken.take(grid, duration, traction[0], &along);
+            taken.take(grid, duration, traction[1], &across);
+        }
+        taken.take(grid, duration, &self.pressure, &closed);
+        Some(taken)
     }
 
     /// The tangential displacement difference of an instant, by tractions and pressure [m]; for
@@ -335,4 +378,8 @@ impl ContactSolver {
             }
         }
     }
+}
+
+fn add(sum: &mut [f64], more: &[f64]) {
+    sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
 }

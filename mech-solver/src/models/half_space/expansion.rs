@@ -12,7 +12,7 @@ pub(super) fn refuse(case: &Case, effect: &str) -> Result<(), Refusal> {
         let fix = format!("{fix}, or remove the effect");
         Err(Refusal::new(&format!("effects.{effect}"), reason, fix))
     };
-    if case.bodies.is_coupled() {
+    if case.bodies.are_coupled() {
         return refused(
             "bodies of different elastic constants slip under their pressure, and the power of surfaces that rise is not in \
              the balance",

@@ -6,13 +6,13 @@
 use super::gap::{self, Gap};
 use crate::ellipse::{Ellipse, Extent};
 use crate::half_space::extent::{Fitted, Moments, fit_grid};
-use crate::half_space::influence::Elasticity;
 use crate::half_space::normal::{NormalError, Prescribed};
 use crate::half_space::patches::{Patch, patches};
+use crate::half_space::viscoelastic::Bodies;
 use crate::keys::CheckedParams;
 use crate::resolution::RESOLUTION;
 use crate::scene::{Load, Scene, WIDTH};
-use crate::terms::Terms;
+use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
@@ -86,7 +86,7 @@ pub(in crate::models) struct Shapes<'a> {
     pub(in crate::models) given: Option<Ellipse>,
     /// That of all contacts of a case whose values vary.
     pub(in crate::models) extent: Option<&'a Extent>,
-    pub(in crate::models) bodies: &'a Elasticity,
+    pub(in crate::models) bodies: &'a Bodies,
     /// Those of the gap change the shapes.
     pub(in crate::models) terms: &'a Terms,
     /// Elements per semi-axis.
@@ -108,6 +108,16 @@ pub(in crate::models) fn footprint(
     let mut gap = Gap::read(configuration, scene)?;
     refuse_in_plane(scene, &gap, lateral.is_some())?;
     let rough = !terms.leave_hertz();
+    if let Some(effect) = terms.effect_of(Kind::Retardation) {
+        if !gap.is_quadric() {
+            return Err(Refusal::new(
+                &format!("effects.{effect}"),
+                "the contact of measured profiles is not looked for on bodies whose compliance grows",
+                "give radii, or remove the effect",
+            ));
+        }
+        return delayed_footprint(gap, shapes, lateral);
+    }
     if given.is_some() || gap.is_quadric() {
         if given.is_some() && (rough || !gap.is_quadric()) {
             let reason = "a given pressure leaves no room for profiles or effects that change it";
@@ -122,7 +132,7 @@ pub(in crate::models) fn footprint(
             (false, Some(count)) => semi_axes[1] / count,
             (false, None) => dx,
         };
-        let growth = match (rough, bodies.is_coupled()) {
+        let growth = match (rough, bodies.are_coupled()) {
             (_, true) => COUPLED_GROWTH,
             (true, false) => ROUGH_GROWTH,
             (false, false) => 1.0,
@@ -152,7 +162,7 @@ pub(in crate::models) fn footprint(
     gap.origin += centre[1];
     let dx = dx(semi_axes[0]);
     let [x_range, y_range] = bounds(&coarse);
-    let growth = if bodies.is_coupled() { COUPLED_GROWTH } else { 1.0 };
+    let growth = if bodies.are_coupled() { COUPLED_GROWTH } else { 1.0 };
     let elements = |range: [f64; 2], side: f64| range.map(|end| growth * end / side);
     let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
     let y_range = y_range.map(|y| wider * (y - centre[1]));
@@ -184,6 +194,50 @@ fn refuse_in_plane(scene: &Scene, gap: &Gap, rows: bool) -> Result<(), Refusal> 
         )),
         _ => Ok(()),
     }
+}
+
+/// That of bodies whose compliance grows: a coarse grid, round the contact of elastic ones at once, finds how far theirs reaches and leans.
+fn delayed_footprint(
+    gap: Gap,
+    shapes: &Shapes<'_>,
+    lateral: Option<f64>,
+) -> Result<Footprint, Refusal> {
+    let Shapes { scene, bodies, terms, resolution, .. } = *shapes;
+    let ellipse = Ellipse::solve(scene, None)?;
+    let growth = bodies.relaxed().contact_compliance() / bodies.instantaneous.contact_compliance();
+    let growth = growth.cbrt();
+    // The grid grows to where they touch.
+    let count = (COARSE * growth).min(0.4 * (MOST_COARSE_ELEMENTS as f64).sqrt());
+    let [along, across] =
+        [ellipse.semi_axis_a, ellipse.semi_axis_b].map(|semi_axis| growth * semi_axis / count);
+    let one_row = ellipse.line.then_some(2.0 * ellipse.semi_axis_b);
+    let rows = if ellipse.line { [0.0; 2] } else { [-count, count] };
+    let grid = lay([[-count, count], rows], [along, one_row.unwrap_or(across)])?;
+    let smooth = |x: f64, y: f64| gap.distance(x, y);
+    let load = prescribed(scene.load);
+    let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
+    let coarse =
+        fit_grid(grid, bodies, &smooth, load, everywhere, MOST_COARSE_ELEMENTS, f64::INFINITY)
+            .map_err(refused)?;
+    let Moments { semi_axes, .. } = Moments::of(&coarse.grid, &coarse.pressure);
+    let [x_range, y_range] = bounds(&coarse);
+    let dx = semi_axes[0] / resolution as f64;
+    let dy = one_row.unwrap_or(lateral.map_or(dx, |count| semi_axes[1] / count));
+    let wide = if bodies.are_coupled() { COUPLED_GROWTH } else { 1.0 };
+    let worn = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
+    let along = x_range.map(|end| end / dx + (wide - 1.0) * end.signum() * semi_axes[0] / dx);
+    let across = match one_row {
+        Some(_) => [0.0; 2],
+        None => y_range.map(|end| wide * worn * end / dy),
+    };
+    let mut grid = lay([along, across], [dx, dy])?;
+    let mut peak_y = None;
+    if !terms.leave_hertz() {
+        let fitted = fit(&gap, shapes, grid)?;
+        (grid, peak_y) = (fitted.grid, Some(highest(&fitted)));
+    }
+    let (gap, remarks) = (Some(gap), Vec::new());
+    Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
 }
 
 /// Lateral place of the highest pressure [m].
@@ -280,13 +334,9 @@ fn refused(error: NormalError) -> Refusal {
 
 /// The contact of profiles on a coarse grid round the first touch, of which `low` is the lowest place
 /// [m], and wherever else the gap closes; its rows are as narrow as its narrowest patch needs.
-fn coarse_contact(
-    gap: &Gap,
-    low: f64,
-    scene: &Scene,
-    bodies: &Elasticity,
-) -> Result<Fitted, Refusal> {
-    let (radius, compliance) = (scene.relative_radius_x(), bodies.contact_compliance());
+fn coarse_contact(gap: &Gap, low: f64, scene: &Scene, bodies: &Bodies) -> Result<Fitted, Refusal> {
+    let (radius, compliance) =
+        (scene.relative_radius_x(), bodies.instantaneous.contact_compliance());
     let estimate = match scene.load {
         Load::NormalForce(force) => (0.75 * force * radius * compliance).cbrt(),
         Load::Approach(approach) => (radius * approach).sqrt(),

@@ -20,6 +20,11 @@
 //!
 //! In the elements of contact e = 0 is taken for granted, so that the balance tells how well it is met.
 //!
+//! **Viscoelastic bodies** that roll steadily keep D = Σ ½ (p_{I+e_x} − p_{I−e_x})·u_I dA/Δt of pressure and tractions, the sum
+//! of the work on what they are displaced in every step, since their influence numbers are not symmetric. It is what
+//! V N x̄/R supplies beyond the friction, and what friction lacks of the power of the creepages. Of a contact that slides everywhere the displacement along the plane is
+//! not in the slip, nor in D.
+//!
 //! **Shifts, and steps of transient rolling**, bodies of the same constants: the forces act with the
 //! mean of the tractions before and after a step, and the elastic energy ½ pᵀA p takes a part,
 //!
@@ -29,7 +34,7 @@
 //! there is no balance.
 
 use super::answer::Answer;
-use super::balance::{Balance, PressurePower};
+use super::balance::{Balance, Hysteresis, PressurePower};
 use super::case::Case;
 use proto::grid::Structured;
 
@@ -43,7 +48,12 @@ fn against(creepage: [f64; 3], [x, y]: [f64; 2], [px, py]: [f64; 2]) -> [f64; 2]
 
 impl Balance {
     /// That of an instant without memory.
-    pub(super) fn steady(case: &Case, answer: &Answer, pressure: Option<PressurePower>) -> Self {
+    pub(super) fn steady(
+        case: &Case,
+        answer: &Answer,
+        pressure: Option<PressurePower>,
+        hysteresis: Option<Hysteresis>,
+    ) -> Self {
         let (grid, speed) = (&case.footprint.grid, case.scene.speeds.rolling);
         let (px, py) = answer.traction.split_at(grid.points());
         let mut exchanged = 0.0;
@@ -59,8 +69,10 @@ impl Balance {
             forces: -speed * work,
             pressure,
             stored: None,
+            hysteresis: hysteresis.map(|taken| taken.power),
             exchanged: speed * grid.element_area() * exchanged
-                + pressure.map_or(0.0, |pressure| pressure.exchanged),
+                + pressure.map_or(0.0, |pressure| pressure.exchanged)
+                + hysteresis.map_or(0.0, |taken| taken.exchanged),
         }
     }
 
@@ -97,6 +109,7 @@ impl Balance {
             forces,
             pressure: None,
             stored: Some(weight * (energy[1] - energy[0])),
+            hysteresis: None,
             exchanged: exchanged + weight * (energy[0].abs() + energy[1].abs()),
         }
     }
@@ -118,6 +131,7 @@ mod tests {
             forces: 70.0,
             pressure: Some(pressure),
             stored: None,
+            hysteresis: None,
             exchanged: 130.0,
         };
         assert_eq!(balance.imbalance(), 0.0);

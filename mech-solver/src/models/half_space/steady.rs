@@ -146,21 +146,23 @@ impl Steady {
     ) -> Result<(Answer, StepReport, Option<Solution>), ContactError> {
         let case = &self.case;
         let mut report = StepReport { substeps: 1, ..StepReport::default() };
-        let mut pressure_power = None;
-        let mut found = None;
+        let mut found: Option<Solution> = None;
         let mut answer = match case.terms.adhesion {
             false => Answer::sliding(case, contact),
             true => {
                 let solution = contact.solve(&case.driven, near, None)?;
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
-                pressure_power = contact.pressure_power(case, &solution.state);
                 let answer = Answer::partial(case, contact, &solution, None);
                 found = Some(solution);
                 answer
             }
         };
-        answer.balance = Some(Balance::steady(case, &answer, pressure_power).check()?);
+        let traction = found.as_ref().map(|solution| solution.state.traction.each_ref());
+        let traction = traction.map(|of| of.map(Vec::as_slice));
+        let pressure = contact.pressure_power(case, traction);
+        let hysteresis = contact.hysteresis(case, traction);
+        answer.balance = Some(Balance::steady(case, &answer, pressure, hysteresis).check()?);
         report.inner_iterations += contact.normal_iterations as u32;
         Ok((answer, report, found))
     }

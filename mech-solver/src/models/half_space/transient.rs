@@ -126,13 +126,9 @@ impl Transient {
     /// Takes the values of a window: their means if the bodies roll, where a shift ends else.
     fn follow(&mut self, step: &Step) -> Result<(), StepError> {
         let Some(Following { varying, patch, .. }) = &self.following else { return Ok(()) };
-        varying.refuse_more(step)?;
         let rolls = self.case.scene.speeds.rolling > 0.0;
         let at = Step { start: if rolls { step.start } else { step.end }, ..*step };
         self.case.follow(&varying.configuration(&at), *patch).map_err(no_answer)?;
-        if varying.is_carried() {
-            self.case.rest_if_lost();
-        }
         self.contact.pressure.clone_from(&self.accepted.pressure);
         let followed = self.contact.follow(&self.case, true);
         followed.map_err(|error| StepError::NoSolution(error.to_string()))
@@ -200,7 +196,7 @@ impl Transient {
         let state = &trial.solution.state;
         self.contact.displacement(state, &mut trial.displacement);
         trial.answer = Answer::partial(case, &self.contact, &trial.solution, Some(&before));
-        if !case.bodies.is_coupled() {
+        if !case.bodies.are_coupled() {
             let energy = [energy_before, energy(&state.traction, &trial.displacement)];
             let balance = Balance::step(case, &trial.answer, state.creepage, &before, energy);
             trial.answer.balance = Some(balance.check()?);

@@ -1,0 +1,91 @@
+//! Effect `viscoelasticity`: the compliance of a material grows with time, so that rolling is resisted.
+//!
+//! A material with a `delayed_compliance_ratio` f and a `retardation_time` τ is a standard linear solid with a constant
+//! Poisson's ratio: under a constant stress its compliance is J(t) = J [1 + f (1 − e^{−t/τ})], J that of `youngs_modulus`.
+//! In terms of a spring in series with a Kelvin–Voigt element f is the stiffness of the one over that of the other, and τ the
+//! viscosity over the stiffness of the latter. Kelvin's solid is the limit of a stiff first spring, f → ∞ with E/f kept; Maxwell's fluid that of
+//! f → ∞ with τ/f kept, the relaxation time, in which the approach grows without bound and all else has a limit.
+//!
+//! Half-spaces in steady rolling have the influence numbers of [`crate::half_space::viscoelastic`]. The pressure leans forward, by x̄, and N x̄/R resists
+//! rolling; what that takes, and a part of the power of the creepages, is dissipated in the bodies.
+//!
+//! Source: Hunter, J. Appl. Mech. 28 (1961) 611; Wang and Knothe, J. Appl. Mech. 60 (1993) 310. Left out: more than one retardation
+//! time, a Poisson's ratio that changes with time, the difference of the speeds of both surfaces in the distance that a particle rolls, the heat of
+//! what is dissipated in the bodies, and all that is not steady.
+
+use crate::entry::Effect;
+use crate::half_space::viscoelastic::Retardation;
+use crate::keys::CheckedParams;
+use crate::terms::{Kind, Terms};
+use proto::bodies::Bodies;
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+use proto::figure::FigureSpec;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "viscoelasticity",
+    law: "J(t) = J [1 + f (1 - exp(-t/tau))] of each body in steady rolling; resistance N x/R, x the centre of pressure",
+    source: "Hunter, J. Appl. Mech. 28 (1961) 611-617; Wang and Knothe, J. Appl. Mech. 60 (1993) 310-317",
+    kinds: &[Kind::Retardation],
+    consumes: &[],
+    provides: &[],
+    keys,
+    figures,
+    advise: None,
+    terms,
+};
+
+const RATIO: &str = "delayed_compliance_ratio";
+const TIME: &str = "retardation_time";
+
+fn path(material: &str, name: &str) -> String {
+    format!("materials.{material}.{name}")
+}
+
+fn keys() -> Vec<KeySpec> {
+    let ratio = "compliance that is gained with time, over that at once (Young's modulus)";
+    let time = "time constant in which the compliance is gained";
+    vec![
+        KeySpec::number(&path("*", RATIO), ratio).above(0.0),
+        KeySpec::quantity(&path("*", TIME), "s", time).above(0.0),
+    ]
+}
+
+fn figures() -> Vec<FigureSpec> {
+    let figure = |key: &str, unit, words, short| {
+        FigureSpec::new(&format!("contact.{key}"), unit, words).on("resistance", short)
+    };
+    vec![
+        figure("rolling_resistance_n", "N", "resistance to rolling N x/R", "force"),
+        figure("pressure_centre_x_m", "m", "centre of pressure ahead of the middle", "x"),
+        figure("hysteresis_power_w", "W", "power dissipated in the bodies", "power"),
+    ]
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let case = &configuration.case;
+    let names = Bodies::read(case)?;
+    let own = CheckedParams::new(case, keys());
+    let mut retardation = [None, None];
+    for (which, retardation) in retardation.iter_mut().enumerate() {
+        let material = case.text(&names.key(which, "material"))?;
+        let [ratio, time] = [RATIO, TIME].map(|name| path(material, name));
+        if own.has(&ratio) || own.has(&time) {
+            *retardation =
+                Some(Retardation { ratio: own.number(&ratio)?, time: own.number(&time)? });
+        }
+    }
+    if retardation.iter().all(Option::is_none) {
+        return Err(Refusal::new(
+            "effects.viscoelasticity",
+            "no body is of a material whose compliance grows",
+            format!(
+                "write {} and {}, or remove the effect",
+                path("NAME", RATIO),
+                path("NAME", TIME)
+            ),
+        ));
+    }
+    Ok(Terms { retardation, ..Terms::default() })
+}
