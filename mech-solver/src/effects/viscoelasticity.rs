@@ -16,7 +16,9 @@
 use crate::entry::Effect;
 use crate::half_space::viscoelastic::Retardation;
 use crate::keys::CheckedParams;
+use crate::situation::Situation;
 use crate::terms::{Kind, Terms};
+use proto::advice::Advice;
 use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
@@ -32,7 +34,7 @@ pub const EFFECT: Effect = Effect {
     provides: &[],
     keys,
     figures,
-    advise: None,
+    advise: Some(advise),
     terms,
 };
 
@@ -50,6 +52,11 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::number(&path("*", RATIO), ratio).above(0.0),
         KeySpec::quantity(&path("*", TIME), "s", time).above(0.0),
     ]
+}
+
+fn advise(_: &Situation<'_>) -> Advice {
+    let why = "for rubber and polymers, whose delayed compliance and retardation time the case has to give; metals have none";
+    Advice::new(EFFECT.name, why)
 }
 
 fn figures() -> Vec<FigureSpec> {
