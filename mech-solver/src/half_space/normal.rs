@@ -43,6 +43,7 @@
 mod bounded;
 mod error;
 mod interior_point;
+mod point;
 
 pub use super::prescribed::Prescribed;
 pub use error::NormalError;
@@ -50,8 +51,8 @@ pub use error::NormalError;
 use super::influence::{Influence, Quarter};
 use super::initial_pressure;
 use super::viscoelastic::{Bodies, Numbers};
-use interior_point::InteriorPoint;
 use numerics::convolution::{Complex64, Convolution, Spectrum};
+use point::InteriorPoint;
 use std::f64::consts::TAU;
 
 /// A solved normal contact; the pressure is in the caller's field.

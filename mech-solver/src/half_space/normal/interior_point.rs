@@ -23,11 +23,12 @@
 //! Round contacts of a/10 to a/30 take 30 to 210 products with K, f from 0.1 to 100 and l/a from 10⁻³ to 10³ (at a/16 test
 //! `a_memory_of_any_length`), where elastic ones take 6; a line of 200 elements 70 for f ≤ 1, and 740 in the worst case of f = 100.
 
+use super::point::InteriorPoint;
 use super::{
     NormalContact, NormalError, NormalSolver, Prescribed, Progress, apply, dot, restore_load,
 };
 use numerics::convolution::{Convolution, Spectrum};
-use numerics::gmres::{Gmres, Preconditioned};
+use numerics::gmres::Preconditioned;
 
 /// Steps after which it gives up.
 const MOST_STEPS: usize = 100;
@@ -39,33 +40,6 @@ const FIRST_GAP: f64 = 0.1;
 const REDUCTION: f64 = 0.1;
 /// Part of the way to the nearest bound that a step may go.
 const NEAR: f64 = 0.98;
-
-/// Memory of the method; the fields of convolutions are the solver's.
-#[derive(Debug)]
-pub(super) struct InteriorPoint {
-    gmres: Gmres,
-    /// Number of an element on itself K₀ [m/Pa].
-    own: f64,
-    /// e [m].
-    gap: Vec<f64>,
-    /// e/p [m/Pa].
-    stiffness: Vec<f64>,
-    /// The weighted right side, then de [m].
-    right: Vec<f64>,
-    /// What a unit of approach makes of the preconditioner [Pa/m].
-    punch: Vec<f64>,
-    /// dp [Pa], and dδ [m] under a given load.
-    step: Vec<f64>,
-}
-
-impl InteriorPoint {
-    /// For a grid of so many elements, whose number on themselves is this.
-    pub(super) fn new(own: f64, len: usize) -> Self {
-        let zeros = vec![0.0; len];
-        let [gap, stiffness, right, punch] = [zeros.clone(), zeros.clone(), zeros.clone(), zeros];
-        Self { gmres: Gmres::default(), own, gap, stiffness, right, punch, step: Vec::new() }
-    }
-}
 
 impl NormalSolver {
     /// Solves from this pressure.
