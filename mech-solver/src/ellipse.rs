@@ -363,7 +363,7 @@ fn load_key(scene: &Scene) -> &'static str {
 
 /// What to write where bodies touch along a line: along y, or along x.
 const LINE_FIX: [&str; 2] = [
-    "write a radius of the size of the other bodies' radii; or remove it, and write contact.width for a line of contact",
+    "write a radius of the size of the other bodies' radii; or remove it, and write contact.width for a line of contact (half-space, hertz-carter)",
     "write a radius of the size of the other bodies' radii",
 ];
 

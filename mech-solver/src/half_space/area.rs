@@ -58,7 +58,7 @@ fn beyond_edge(run: &[f64]) -> f64 {
     // The parabola through three inner elements, at a distance from the first of them.
     let [slope, bend] = [second - first, 0.5 * (third - 2.0 * second + first)];
     let at = |s: f64| first + s * (slope - bend) + s * s * bend;
-    // From the centre of the first element of contact half an element inwards, or one and a half outwards.
+    // Between the first of them and two elements beyond the first one of contact.
     let edge = (-4..=-1).rev().map(f64::from).find(|s| at(*s) <= 0.0).map_or(-4.0, |outer| {
         let [low, high] = [at(outer), at(outer + 1.0)];
         outer - low / (high - low)

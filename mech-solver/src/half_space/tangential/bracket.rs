@@ -10,8 +10,8 @@ use super::newton::{Effort, NotConverged, TangentialSolver};
 use super::problem::Problem;
 use super::state::TangentialState;
 
-/// Solves at most, of those that look for the other side and of those between.
-const MOST_SOLVES: usize = 200;
+/// Solves at most, of those that look for the other side and of those between: halving alone takes 50 to rounding.
+const MOST_SOLVES: usize = 100;
 /// First step, as a share of the creepage.
 const STEP: f64 = 1e-3;
 
