@@ -40,7 +40,7 @@ pub(crate) use request::Request;
 
 use bench::Bench;
 use check::Check;
-use fault::Fault;
+use fault::{Fault, Seen};
 use run::error::RunError;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -79,6 +79,9 @@ const CHECKS: &[&Check] = &[
     &leaving::FIGURES,
     &leaving::FINISH,
 ];
+
+/// How often a participant may try to be in time.
+const TRIES: usize = 3;
 
 /// How a participant went through the contract.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -165,13 +168,25 @@ fn made(
         None if bench.never_joined() => {
             return Ok(CheckResult::not_made(check, "it never joined a run"));
         }
-        None => (check.run)(bench),
+        None => in_time(check, bench),
     };
     if let Err(Fault::Interrupted(signal)) = outcome {
         let when = format!("while `{}` was checked", check.name);
         return Err(RunError::Interrupted { signal, when });
     }
     Ok(CheckResult::new(check, outcome, since.elapsed()))
+}
+
+/// Makes a check, again if something was late: on a busy machine any process may have to wait.
+fn in_time(check: &Check, bench: &Bench) -> Result<Seen, Fault> {
+    let mut outcome = (check.run)(bench);
+    for _ in 1..TRIES {
+        if !matches!(outcome, Err(Fault::Late(_))) {
+            break;
+        }
+        outcome = (check.run)(bench);
+    }
+    outcome
 }
 
 fn chosen(names: &[String]) -> Result<Vec<&'static Check>, RunError> {

@@ -58,7 +58,7 @@ impl CheckResult {
         let (verdict, seen) = match outcome {
             Ok(Seen::Kept(seen)) => (CheckOutcome::Passed, seen),
             Ok(Seen::Inapplicable(why)) => (CheckOutcome::Inapplicable, why),
-            Err(Fault::Broken(what)) => (CheckOutcome::Failed, what),
+            Err(Fault::Broken(what) | Fault::Late(what)) => (CheckOutcome::Failed, what),
             Err(Fault::Interrupted(signal)) => {
                 (CheckOutcome::Failed, format!("stopped by {signal}"))
             }

@@ -26,6 +26,8 @@ impl Seen {
 pub(super) enum Fault {
     /// The participant violates the contract.
     Broken(String),
+    /// It took too long; or the machine is busy.
+    Late(String),
     /// The user wants to stop.
     Interrupted(&'static str),
 }
@@ -35,6 +37,7 @@ impl Fault {
     pub(super) fn at(self, place: &str) -> Self {
         match self {
             Self::Broken(what) => Self::Broken(format!("{place}: {what}")),
+            Self::Late(what) => Self::Late(format!("{place}: {what}")),
             interrupted @ Self::Interrupted(_) => interrupted,
         }
     }
@@ -43,6 +46,11 @@ impl Fault {
 /// The fault with these words.
 pub(super) fn broken<T>(what: impl Into<String>) -> Result<T, Fault> {
     Err(Fault::Broken(what.into()))
+}
+
+/// Too late, in these words.
+pub(super) fn late<T>(what: impl Into<String>) -> Result<T, Fault> {
+    Err(Fault::Late(what.into()))
 }
 
 impl From<String> for Fault {

@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use super::check::Check;
-use super::fault::{Fault, Seen, broken};
+use super::fault::{Fault, Seen, broken, late};
 use super::grids::largest;
 use super::life::Life;
 use super::life::end_of;
@@ -55,7 +55,7 @@ fn silence(life: &mut Life, since: Instant) -> Duration {
 
 fn quick_enough(silence: Duration, place: &str) -> Result<(), Fault> {
     match silence > SILENCE {
-        true => broken(format!("no heartbeat for {:.2} s {place}", silence.as_secs_f64())),
+        true => late(format!("no heartbeat for {:.2} s {place}", silence.as_secs_f64())),
         false => Ok(()),
     }
 }

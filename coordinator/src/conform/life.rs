@@ -9,7 +9,7 @@ mod ending;
 pub(super) use answer::Answer;
 pub(super) use ending::end_of;
 
-use super::fault::{Fault, broken};
+use super::fault::{Fault, broken, late};
 use super::given::Given;
 use super::setting::Setting;
 use super::subject::{Subject, kind};
@@ -426,7 +426,7 @@ impl Life {
         drop(self);
         match exit {
             Some(exit) if gone => nothing_left(&info).map(|()| exit),
-            _ => broken(format!("it still runs {:.0} s after {why}", LEAVE.as_secs_f64())),
+            _ => late(format!("it still runs {:.0} s after {why}", LEAVE.as_secs_f64())),
         }
     }
 

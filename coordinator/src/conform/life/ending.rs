@@ -1,6 +1,6 @@
 //! How a participant's life ends, and what is left of it.
 
-use crate::conform::fault::{Fault, broken};
+use crate::conform::fault::{Fault, broken, late};
 use proto::run_dir::{RunDir, RunInfo};
 use run::peers::LEAVE;
 use run::supervise::{Exit, Supervisor};
@@ -28,7 +28,7 @@ impl Abandoned {
         }
         match gone {
             true => left.map(|()| took),
-            false => broken(format!("it still runs {:.0} s later", LEAVE.as_secs_f64())),
+            false => late(format!("it still runs {:.0} s later", LEAVE.as_secs_f64())),
         }
     }
 }
