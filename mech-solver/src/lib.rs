@@ -25,6 +25,7 @@
 mod advice;
 pub mod axle;
 mod carried;
+pub mod conformal;
 mod curve;
 pub mod effects;
 mod ellipse;

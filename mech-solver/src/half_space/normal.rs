@@ -52,6 +52,7 @@ use super::influence::{Influence, Quarter};
 use super::initial_pressure;
 use super::viscoelastic::{Bodies, Numbers};
 use numerics::convolution::{Complex64, Convolution, Spectrum};
+use numerics::rows::{Kernel, Rows};
 use point::InteriorPoint;
 use std::f64::consts::TAU;
 
@@ -85,14 +86,34 @@ pub struct NormalSolver {
     pub iteration_limit: usize,
     /// Largest pressure p̂ that the bodies carry [Pa]; infinite unless set.
     pub pressure_bound: f64,
-    /// A and M, each with its convolution.
-    flexibility: (Convolution, Spectrum),
+    /// A.
+    flexibility: Flexibility,
+    /// M, with its convolution.
     preconditioner: (Convolution, Spectrum),
+    shape: (usize, usize),
     area: f64,
     compliance: f64,
     /// For bodies with a memory.
     point: Option<InteriorPoint>,
     work: Work,
+}
+
+/// A of half-spaces, or of bodies with a curved surface.
+#[derive(Debug)]
+enum Flexibility {
+    HalfSpaces(Convolution, Spectrum),
+    Curved(Rows, Kernel),
+}
+
+impl Flexibility {
+    fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+        match self {
+            Self::HalfSpaces(convolution, spectrum) => {
+                convolution.apply(spectrum, pressure, displacement);
+            }
+            Self::Curved(rows, kernel) => rows.apply(&[(kernel, pressure)], displacement),
+        }
+    }
 }
 
 /// Fields of the iteration, all zero outside C unless said.
@@ -149,6 +170,18 @@ impl NormalSolver {
             [influence.dx, influence.dy],
             compliance,
         )
+    }
+
+    /// Prepares for bodies whose surface is curved, with the symmetric numbers of a kernel in place of those of half-spaces, which they
+    /// resemble; a single column is a line across, whose half-spaces are in plane strain.
+    #[must_use]
+    pub fn curved(rows: Rows, kernel: Kernel, influence: &Influence) -> Self {
+        let (nx, ny) = match rows.shape() {
+            (1, ny) => (ny, 1),
+            shape => shape,
+        };
+        let half_spaces = Self::new(nx, ny, influence);
+        Self { flexibility: Flexibility::Curved(rows, kernel), ..half_spaces }
     }
 
     /// Prepares for bodies on grids of nx × ny elements dx × dy [m]; if they have a memory, for their steady rolling ([`mod@interior_point`]), without
@@ -209,8 +242,9 @@ impl NormalSolver {
             tolerance: Self::TOLERANCE,
             iteration_limit: Self::ITERATION_LIMIT,
             pressure_bound: f64::INFINITY,
-            flexibility,
+            flexibility: Flexibility::HalfSpaces(flexibility.0, flexibility.1),
             preconditioner,
+            shape: (nx, ny),
             area: dx * dy,
             compliance,
             point: None,
@@ -230,7 +264,7 @@ impl NormalSolver {
     /// Elements along x and along y.
     #[must_use]
     pub fn shape(&self) -> (usize, usize) {
-        self.flexibility.0.shape()
+        self.shape
     }
 
     /// u = A p of the pressure that was solved for last [m].
@@ -324,7 +358,7 @@ impl NormalSolver {
         progress: &mut Progress,
     ) -> bool {
         if progress.stale {
-            apply(&mut self.flexibility, pressure, &mut self.work.displacement);
+            self.flexibility.apply(pressure, &mut self.work.displacement);
             progress.convolutions += 1;
             progress.stale = false;
         }
@@ -428,7 +462,7 @@ impl NormalSolver {
     /// Goes along d, cuts pressures that leave their bounds and restores the load.
     fn advance(&mut self, prescribed: Prescribed, pressure: &mut [f64], progress: &mut Progress) {
         let work = &mut self.work;
-        apply(&mut self.flexibility, &work.direction, &mut work.image);
+        self.flexibility.apply(&work.direction, &mut work.image);
         progress.convolutions += 1;
         let curvature = dot(&work.direction, &work.image);
         let length = dot(&work.direction, &work.residual) / curvature;
@@ -455,7 +489,7 @@ impl NormalSolver {
     }
 
     fn result(&self, pressure: &[f64], progress: &Progress) -> NormalContact {
-        let (nx, ny) = self.flexibility.0.shape();
+        let (nx, ny) = self.shape;
         let on_edge = |at: usize| {
             let (i, j) = (at % nx, at / nx);
             let side = j == 0 || j == ny - 1;

@@ -1,6 +1,7 @@
 //! The models by name: those of round bodies, cheapest first, then those of bodies that repeat or end. A model is a module of this folder and one line in
 //! [`MODELS`].
 
+mod conformal;
 mod expected;
 pub mod explicit_fe;
 pub mod fastsim;
@@ -32,6 +33,7 @@ pub const MODELS: &[ModelEntry] = &[
     hertz_carter::MODEL,
     fastsim::MODEL,
     half_space::MODEL,
+    conformal::MODEL,
     wheel_on_track::MODEL,
     explicit_fe::MODEL,
     periodic::MODEL,
@@ -40,7 +42,7 @@ pub const MODELS: &[ModelEntry] = &[
 
 /// Figures that models alone give.
 pub(crate) fn own_figures() -> Vec<FigureSpec> {
-    wheel_on_track::figures()
+    [wheel_on_track::figures(), conformal::figures()].concat()
 }
 
 /// The contact as the cheapest model that knows all creepages has it, its figures by their keys in the summary; `None` where it has none.

@@ -64,6 +64,13 @@ pub(crate) fn fitted(mut case: Value, model: &str) -> Value {
     if model == "wheel-on-track" {
         case = on_track(case);
     }
+    if model == "conformal" {
+        case = driven(case, "creepage", -0.002);
+        case["bodies"]["rail"]["radius_y"] = json!(10e-3);
+        case["bodies"]["wheel"]["radius_y"] = json!(-11e-3);
+        case["load"]["normal_force"] = json!(20e3);
+        case["mech"]["resolution"] = json!(8);
+    }
     if model == "rod" {
         case["bodies"]["rail"]["length"] = json!(0.1);
         case["mech"]["area"] = json!(1e-4);

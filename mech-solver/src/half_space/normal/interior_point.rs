@@ -25,7 +25,8 @@
 
 use super::point::InteriorPoint;
 use super::{
-    NormalContact, NormalError, NormalSolver, Prescribed, Progress, apply, dot, restore_load,
+    Flexibility, NormalContact, NormalError, NormalSolver, Prescribed, Progress, apply, dot,
+    restore_load,
 };
 use numerics::convolution::{Convolution, Spectrum};
 use numerics::gmres::Preconditioned;
@@ -70,7 +71,7 @@ impl NormalSolver {
             self.find_step(prescribed, point, &mut progress);
             let length = point.advance(pressure, aim * product);
             progress.approach += length * point.step.get(pressure.len()).unwrap_or(&0.0);
-            apply(&mut self.flexibility, pressure, &mut self.work.displacement);
+            self.flexibility.apply(pressure, &mut self.work.displacement);
             progress.convolutions += 1;
             aim = if length > 0.9 {
                 0.05
@@ -100,7 +101,7 @@ impl NormalSolver {
         let mean = pressure.iter().sum::<f64>() / loaded as f64;
         pressure.iter_mut().for_each(|p| *p = p.max(FIRST_PRESSURE * mean));
         restore_load(prescribed, self.area, pressure);
-        apply(&mut self.flexibility, pressure, &mut self.work.displacement);
+        self.flexibility.apply(pressure, &mut self.work.displacement);
         progress.convolutions += 1;
         let least = FIRST_GAP * self.mean_displacement(pressure, 1.0);
         let closed = |at: usize| distance[at] + self.work.displacement[at];
@@ -183,7 +184,7 @@ impl NormalSolver {
             }
         }
         restore_load(prescribed, self.area, pressure);
-        apply(&mut self.flexibility, pressure, &mut self.work.displacement);
+        self.flexibility.apply(pressure, &mut self.work.displacement);
         progress.convolutions += 1;
     }
 }
@@ -213,7 +214,7 @@ impl InteriorPoint {
 
 /// The system of a step.
 struct System<'a> {
-    flexibility: &'a mut (Convolution, Spectrum),
+    flexibility: &'a mut Flexibility,
     preconditioner: &'a mut (Convolution, Spectrum),
     field: &'a mut [f64],
     image: &'a mut [f64],
@@ -243,7 +244,7 @@ impl System<'_> {
 impl Preconditioned for System<'_> {
     fn operate(&mut self, x: &[f64], out: &mut [f64]) {
         let (steps, approach) = x.split_at(self.stiffness.len());
-        apply(self.flexibility, steps, self.image);
+        self.flexibility.apply(steps, self.image);
         let approach = approach.first().unwrap_or(&0.0);
         for (at, out) in out.iter_mut().enumerate() {
             let stiffness = self.stiffness[at];

@@ -312,7 +312,7 @@ fn refuse_too_many(elements: f64) -> Result<(), Refusal> {
 }
 
 /// What the normal problem is given.
-pub(super) fn prescribed(load: Load) -> Prescribed {
+pub(in crate::models) fn prescribed(load: Load) -> Prescribed {
     match load {
         Load::NormalForce(force) => Prescribed::Load(force),
         Load::Approach(approach) => Prescribed::Approach(approach),

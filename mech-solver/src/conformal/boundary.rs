@@ -1,0 +1,206 @@
+//! Flexibility of a prismatic body by boundary elements.
+//!
+//! Tractions t e^{ikx} on the surface make displacements u e^{ikx} with Somigliana's identity,
+//!
+//! ½ u_j(P) + ∫ T_ij(Q − P) u_i(Q) ds = ∫ U_ij(Q − P) t_i(Q) ds,
+//!
+//! U and T being those of [`super::kernel`], with the normal out of the body. u and t are constant on elements; it is demanded in their middles.
+//!
+//! A circle in plane strain (k = 0) has to be in balance: a line of force through its centre holds it, and its motion as
+//! a rigid body is taken out.
+//!
+//! Components are along x (with the factor i), along the surface, and along the common normal of both bodies.
+//!
+//! Source: Brebbia, Telles, Wrobel, Boundary Element Techniques (1984), ch. 5.
+
+use super::kernel::{Material, Tensor, kernel};
+use super::outline::{Arc, Outline};
+use nalgebra::DMatrix;
+
+/// Gauss's rules on (−1, 1).
+const GAUSS_4: [(f64, f64); 2] = [
+    (0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+    (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+];
+const GAUSS_8: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_361_96),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_27),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+];
+const GAUSS_16: [(f64, f64); 8] = [
+    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
+    (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
+    (0.458_016_777_657_227_37, 0.169_156_519_395_002_54),
+    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
+    (0.755_404_408_355_003, 0.124_628_971_255_533_88),
+    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
+    (0.944_575_023_073_232_6, 0.062_253_523_938_647_9),
+    (0.989_400_934_991_649_9, 0.027_152_459_411_754_1),
+];
+/// Power by which points gather at the middle of an element, for the logarithm there.
+const GATHERED: i32 = 5;
+
+/// A prismatic body.
+#[derive(Clone, Debug)]
+pub(super) struct Body {
+    /// Elastic constants.
+    pub(super) material: Material,
+    /// Its surface.
+    pub(super) outline: Outline,
+    /// 1 for the body below the surface, −1 for that above.
+    pub(super) outward: f64,
+}
+
+impl Body {
+    /// Displacements of the contact's elements by tractions on them [m/Pa], at the wave number k [1/m]; row and column 3j + c of
+    /// component c on element j.
+    #[must_use]
+    pub(super) fn flexibility(&self, k: f64) -> DMatrix<f64> {
+        let (elements, contact) = (&self.outline.elements, self.outline.contact);
+        let size = 3 * elements.len();
+        let mut left = DMatrix::zeros(size, size);
+        let mut right = DMatrix::zeros(size, 3 * contact);
+        for (q, source) in elements.iter().enumerate() {
+            for (p, target) in elements.iter().enumerate() {
+                let [u, mut t] = self.integrals(k, target, source, p == q);
+                let turned = axes(target.direction);
+                let own = if p == q { 0.5 } else { 0.0 };
+                // The equations in the directions of the target's axes.
+                if p == q {
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            t[i][j] += own * turned[i][j];
+                        }
+                    }
+                }
+                for j in 0..3 {
+                    for i in 0..3 {
+                        left[(3 * p + j, 3 * q + i)] = t[i][j];
+                        if q < contact {
+                            right[(3 * p + j, 3 * q + i)] = u[i][j];
+                        }
+                    }
+                }
+            }
+        }
+        // Inside a circle; long waves are not held otherwise.
+        if k == 0.0 && self.outline.closed && self.outward * elements[0].curvature < 0.0 {
+            self.balance(&mut left, &mut right);
+        }
+        let solved = left.lu().solve(&right).expect("the body is held");
+        let mut local = DMatrix::zeros(3 * contact, 3 * contact);
+        local.copy_from(&solved.rows(0, 3 * contact));
+        local
+    }
+
+    /// Integrals of U and T over a source, from the middle of a target: rows are components along the source's axes, columns
+    /// along y and z.
+    fn integrals(&self, k: f64, target: &Arc, source: &Arc, own: bool) -> [Tensor; 2] {
+        let mut sums = [[[0.0; 3]; 3]; 2];
+        let half = 0.5 * source.length;
+        let mut add = |s: f64, weight: f64| {
+            let (place, direction) = source.at(s);
+            let d = [place[0] - target.centre[0], place[1] - target.centre[1]];
+            let normal = [-self.outward * direction.sin(), self.outward * direction.cos()];
+            let both = kernel(&self.material, k, d, normal);
+            let axes = axes(direction);
+            for (sum, tensor) in sums.iter_mut().zip(both) {
+                for i in 0..3 {
+                    for j in 0..3 {
+                        let along: f64 = (0..3).map(|l| axes[i][l] * tensor[l][j]).sum();
+                        sum[i][j] += weight * along;
+                    }
+                }
+            }
+        };
+        if own {
+            for (x, weight) in GAUSS_16 {
+                for x in [0.5 * (1.0 - x), 0.5 * (1.0 + x)] {
+                    let s = half * x.powi(GATHERED);
+                    let weight = 0.5 * weight * half * f64::from(GATHERED) * x.powi(GATHERED - 1);
+                    add(s, weight);
+                    add(-s, weight);
+                }
+            }
+            return sums;
+        }
+        let d = [source.centre[0] - target.centre[0], source.centre[1] - target.centre[1]];
+        let distance = d[0].hypot(d[1]) / source.length;
+        let rule: &[(f64, f64)] = match distance {
+            near if near < 1.6 => &GAUSS_16,
+            near if near < 5.0 => &GAUSS_8,
+            _ => &GAUSS_4,
+        };
+        for (x, weight) in rule {
+            add(half * x, half * weight);
+            add(-half * x, half * weight);
+        }
+        sums
+    }
+
+    /// Holds a closed body at its centre.
+    fn balance(&self, left: &mut DMatrix<f64>, right: &mut DMatrix<f64>) {
+        let elements = &self.outline.elements;
+        let curvature = elements[0].curvature;
+        let centre = [0.0, 1.0 / curvature];
+        let rows = elements.len();
+        // Minus the force of each traction, at the centre.
+        for (p, target) in elements.iter().enumerate() {
+            let d = [centre[0] - target.centre[0], centre[1] - target.centre[1]];
+            let [u, _] = kernel(&self.material, 0.0, d, [0.0, 1.0]);
+            for (q, source) in elements[..self.outline.contact].iter().enumerate() {
+                let turned = axes(source.direction);
+                // An arc's mean direction is that of its middle, shorter by its turn.
+                let half = 0.5 * source.curvature * source.length;
+                let mean = source.length * half.sin() / half;
+                for i in 0..3 {
+                    let length = if i == 0 { source.length } else { mean };
+                    for j in 0..3 {
+                        let along: f64 = (0..3).map(|l| turned[i][l] * u[l][j]).sum();
+                        right[(3 * p + j, 3 * q + i)] -= length * along;
+                    }
+                }
+            }
+        }
+        // Rigid motions: along y, along z, round the centre.
+        let motion = |kind: usize, element: &Arc| -> [f64; 3] {
+            let turned = axes(element.direction);
+            let arm = [element.centre[0] - centre[0], element.centre[1] - centre[1]];
+            let global = match kind {
+                0 => [0.0, 1.0, 0.0],
+                1 => [0.0, 0.0, 1.0],
+                2 => [0.0, -arm[1] * curvature, arm[0] * curvature],
+                _ => [1.0, 0.0, 0.0],
+            };
+            std::array::from_fn(|i| (0..3).map(|l| turned[i][l] * global[l]).sum())
+        };
+        for kind in 0..4 {
+            let local: Vec<f64> = elements.iter().flat_map(|e| motion(kind, e)).collect();
+            let global: Vec<f64> = elements
+                .iter()
+                .flat_map(|e| {
+                    let turned = axes(e.direction);
+                    let local = motion(kind, e);
+                    let back: [f64; 3] =
+                        std::array::from_fn(|l| (0..3).map(|i| turned[i][l] * local[i]).sum());
+                    back
+                })
+                .collect();
+            for (r, g) in global.iter().enumerate() {
+                for (c, l) in local.iter().enumerate() {
+                    left[(r, c)] += g * l / rows as f64;
+                }
+            }
+        }
+    }
+}
+
+/// Directions x, s and n, in components x, y, z.
+fn axes(direction: f64) -> Tensor {
+    let (sin, cos) = direction.sin_cos();
+    [[1.0, 0.0, 0.0], [0.0, cos, sin], [0.0, -sin, cos]]
+}
+
+#[cfg(test)]
+mod tests;

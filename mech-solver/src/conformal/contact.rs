@@ -1,0 +1,386 @@
+//! Normal and tangential contact on a curved surface, in steady rolling.
+//!
+//! The bodies approach by δ along the normal at s = 0, so that they do by δ cos α where the surface has the direction α. With the numbers A
+//! of [`super::numbers`] the gap is
+//!
+//! e = h − δ cos α + A_nn p_n + A_nt p_t,
+//!
+//! and the slip of a step Δx is S = w Δx + (1 − S)(A_tt p_t + A_tn p_n), as on half-spaces. The rigid slip w is that of the creepages ξ, η, φ at s = 0
+//! and of the rolling curvature c = 1/R₁ + 1/R₂ about the direction of s there:
+//!
+//! w_x = ξ − φ y + c z,   w_s = (η + φ x) cos α + (ζ − c x) sin α,   with y(s), z(s) on the surface.
+//!
+//! Pressure and tractions are solved for in turn until the pressure rests, as for bodies of different constants. The tangential solver has the
+//! operator of half-spaces; what A_tt differs from it by is taken with the tractions before. So is the approach under a given force along z,
+//! F_z = ∫ (p_n cos α + p_s sin α) dA.
+//!
+//! Sources: Z. Li, Wheel–rail rolling contact and its application to wear simulation, thesis, Delft (2002), for the creepages; Vollebregt,
+//! Vehicle System Dynamics 56 (2018) 1622, where the yaw of a wheel has a part ζ along the normal. Where the origin is the place of the
+//! contact, to which a yaw moves it, there is none.
+
+use super::numbers::{Numbers, Patch, Surface};
+use super::shape::Arcs;
+use crate::half_space::influence::{Elasticity, Influence};
+use crate::half_space::levels::{
+    Contact, Levels, Motion, RIGID_SLIP_AHEAD, Solution, TangentialError,
+};
+use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
+use crate::half_space::tangential::{self, Creepage, TangentialState};
+use crate::half_space::viscoelastic::Bodies;
+use crate::scene::Material;
+use numerics::rows::{Kernel, Rows};
+use proto::grid::Structured;
+
+/// Change of the pressure over the largest at which it rests: far below the error of any grid.
+const REST: f64 = 1e-6;
+/// Accuracy of the tractions over the largest.
+const TOLERANCE: f64 = 1e-4;
+/// A given force is met to this share of it.
+const FORCE_TOLERANCE: f64 = 1e-9;
+/// Turns of normal and tangential contact, and of approaches, after which they are given up.
+const MOST_TURNS: usize = 40;
+
+/// Why there is no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ConformalError {
+    /// The normal contact has none.
+    #[error(transparent)]
+    Normal(#[from] NormalError),
+    /// The tangential contact has none.
+    #[error(transparent)]
+    Tangential(#[from] TangentialError),
+    /// They do not settle.
+    #[error(
+        "normal and tangential contact did not converge in {MOST_TURNS} turns: the pressure still changes by {change:.1e} of its maximum"
+    )]
+    Unsettled {
+        /// Change of the pressure over its maximum.
+        change: f64,
+    },
+    /// No approach has the force.
+    #[error("no approach was found under which the contact carries {force:.4e} N along its normal")]
+    NoApproach {
+        /// The force asked for [N].
+        force: f64,
+    },
+    /// The bodies are apart.
+    #[error("under an approach of {approach:.4e} m the bodies do not touch")]
+    Apart {
+        /// The approach asked for [m].
+        approach: f64,
+    },
+}
+
+/// What is prescribed, of one row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prescription {
+    /// Force along the normal at s = 0, or approach there.
+    pub load: Prescribed,
+    /// Creepages at s = 0.
+    pub creepage: Creepage,
+    /// Relative velocity ζ along the normal at s = 0, over the speed.
+    pub normal_creepage: f64,
+    /// Friction coefficient f [-].
+    pub friction: f64,
+    /// Adhesion is possible; if not, everything slides.
+    pub adheres: bool,
+}
+
+/// A solved contact.
+#[derive(Clone, Debug, Default)]
+pub struct Conformal {
+    /// Approach δ [m].
+    pub approach: f64,
+    /// Pressure p_n [Pa].
+    pub pressure: Vec<f64>,
+    /// Tractions, slip of a step and states.
+    pub state: TangentialState,
+    /// Force on body 1 along x, y and z at s = 0 [N].
+    pub force: [f64; 3],
+    /// Iterations of the normal contact.
+    pub normal_iterations: usize,
+    /// Newton steps.
+    pub newton_steps: usize,
+}
+
+/// The solvers of one grid.
+#[derive(Debug)]
+pub struct ConformalSolver {
+    grid: Structured,
+    arcs: Arcs,
+    rows: Rows,
+    normal: NormalSolver,
+    levels: Levels,
+    /// A_nx, A_ns.
+    distance_by_traction: [Kernel; 2],
+    /// A_xn, A_sn.
+    displacement_by_pressure: [Kernel; 2],
+    /// A_tt less that of half-spaces: xx, xs, sx, ss.
+    change: [[Kernel; 2]; 2],
+}
+
+impl ConformalSolver {
+    /// For body 1 (upper) and body 2, on a grid along x and s; the surfaces turn by `turn` [rad] in all and are straight beyond. The
+    /// semi-axis along x is roughly `a`, that along s `b` [m].
+    #[must_use]
+    pub fn new(
+        materials: &[Material; 2],
+        arcs: Arcs,
+        turn: f64,
+        grid: &Structured,
+        semi_axes: [f64; 2],
+    ) -> Self {
+        let patch = Patch {
+            counts: [grid.ni, grid.nj],
+            sides: [grid.dx(), grid.dy()],
+            first: grid.y(0) - 0.5 * grid.dy(),
+        };
+        let surface = Surface { curvatures: arcs.curvatures, turn };
+        let numbers = Numbers::new(materials, &surface, &patch);
+        let mut rows = Rows::new(grid.ni, grid.nj);
+        let influence =
+            Influence::of_elements(patch.sides, Elasticity::of_pair(&materials[0], &materials[1]));
+        let nn = numbers.kernel(&mut rows, [2, 2]);
+        let normal = NormalSolver::curved(Rows::new(grid.ni, grid.nj), nn, &influence);
+        let bodies = Bodies::from(influence.elasticity);
+        let (layer, motion) = (0.0, Motion::SteadyRolling);
+        let contact = Contact { bodies, layer, semi_axes, motion, tolerance: TOLERANCE };
+        let levels = Levels::new(grid, &contact);
+        let distance_by_traction = [0, 1].map(|t| numbers.kernel(&mut rows, [2, t]));
+        let displacement_by_pressure = [0, 1].map(|t| numbers.kernel(&mut rows, [t, 2]));
+        let change = [0, 1].map(|a| [0, 1].map(|b| numbers.change(&mut rows, &influence, [a, b])));
+        Self {
+            grid: *grid,
+            arcs,
+            rows,
+            normal,
+            levels,
+            distance_by_traction,
+            displacement_by_pressure,
+            change,
+        }
+    }
+
+    /// Solves one row, from nothing.
+    ///
+    /// # Errors
+    /// No normal or tangential solution, no contact, an approach that is not found.
+    pub fn solve(&mut self, prescription: &Prescription) -> Result<Conformal, ConformalError> {
+        let points = self.grid.points();
+        let mut found = Conformal { pressure: vec![0.0; points], ..Conformal::default() };
+        let mut closer = vec![0.0; points];
+        found.state = TangentialState::at_rest(&found.pressure, prescription.creepage);
+        self.press(prescription, &closer, &mut found)?;
+        let mut solution: Option<Solution> = None;
+        let mut change = f64::INFINITY;
+        for _ in 0..MOST_TURNS {
+            let bound: Vec<f64> =
+                found.pressure.iter().map(|p| prescription.friction * p).collect();
+            self.slide(prescription, &bound, &mut solution, &mut found)?;
+            if change <= REST {
+                found.force = self.force(&found);
+                return Ok(found);
+            }
+            let [x, s] = &found.state.traction;
+            let [by_x, by_s] = &self.distance_by_traction;
+            self.rows.apply(&[(by_x, x), (by_s, s)], &mut closer);
+            let before = found.pressure.clone();
+            self.press(prescription, &closer, &mut found)?;
+            let largest = found.pressure.iter().copied().fold(0.0, f64::max);
+            let changes = found.pressure.iter().zip(&before).map(|(p, q)| (p - q).abs());
+            change = changes.fold(0.0, f64::max) / largest;
+        }
+        Err(ConformalError::Unsettled { change })
+    }
+
+    /// The pressure with a normal displacement by tractions [m].
+    fn press(
+        &mut self,
+        prescription: &Prescription,
+        closer: &[f64],
+        found: &mut Conformal,
+    ) -> Result<(), ConformalError> {
+        match prescription.load {
+            Prescribed::Approach(approach) => self.press_by(approach, closer, found),
+            Prescribed::Load(force) => {
+                // The force grows with about the power 3/2 of the approach.
+                let mut approach = match found.approach {
+                    0.0 => self.first_approach(force, found)?,
+                    last => last,
+                };
+                let mut last: Option<[f64; 2]> = None;
+                for _ in 0..MOST_TURNS {
+                    self.press_by(approach, closer, found)?;
+                    let carried = self.force(found)[2];
+                    let lack = force - carried;
+                    if lack.abs() <= FORCE_TOLERANCE * force {
+                        return Ok(());
+                    }
+                    let stiffness = match last {
+                        Some([at, before]) if at != approach => {
+                            (carried - before) / (approach - at)
+                        }
+                        _ => 1.5 * carried / approach,
+                    };
+                    last = Some([approach, carried]);
+                    let next = approach + lack / stiffness;
+                    approach = if next > 0.5 * approach { next } else { 0.5 * approach };
+                }
+                Err(ConformalError::NoApproach { force })
+            }
+        }
+    }
+
+    /// The approach of this force as one approach for all of the surface has it.
+    fn first_approach(&mut self, force: f64, found: &mut Conformal) -> Result<f64, ConformalError> {
+        let undeformed = self.undeformed(0.0, &[]);
+        Ok(self.normal.solve(&undeformed, Prescribed::Load(force), &mut found.pressure)?.approach)
+    }
+
+    fn undeformed(&self, approach: f64, closer: &[f64]) -> Vec<f64> {
+        let Self { grid, arcs, .. } = self;
+        let at = |index: usize| {
+            let (x, s) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
+            let more = closer.get(index).copied().unwrap_or(0.0);
+            arcs.distance(x, s) - approach * arcs.direction(s).cos() + more
+        };
+        (0..grid.points()).map(at).collect()
+    }
+
+    fn press_by(
+        &mut self,
+        approach: f64,
+        closer: &[f64],
+        found: &mut Conformal,
+    ) -> Result<(), ConformalError> {
+        let distance = self.undeformed(approach, closer);
+        let solved =
+            self.normal.solve(&distance, Prescribed::Approach(0.0), &mut found.pressure)?;
+        if solved.touches_edge {
+            let (nx, ny) = self.normal.shape();
+            return Err(NormalError::Edge { nx, ny }.into());
+        }
+        if solved.contact_elements == 0 {
+            return Err(ConformalError::Apart { approach });
+        }
+        found.normal_iterations += solved.iterations;
+        found.approach = approach;
+        Ok(())
+    }
+
+    /// The tractions under this bound.
+    fn slide(
+        &mut self,
+        prescription: &Prescription,
+        bound: &[f64],
+        solution: &mut Option<Solution>,
+        found: &mut Conformal,
+    ) -> Result<(), ConformalError> {
+        if !prescription.adheres {
+            self.slide_everywhere(prescription, bound, found);
+            return Ok(());
+        }
+        let slip = self.slip_besides(prescription, found);
+        let prescribed = tangential::Prescribed::creepages(prescription.creepage);
+        let mut solved = match solution.take() {
+            Some(near) => near,
+            None => self.levels.solve(bound, &prescribed)?,
+        };
+        let [x, s] = &slip;
+        self.levels.improve(bound, &prescribed, Some([x, s]), &mut solved)?;
+        found.state.clone_from(&solved.state);
+        found.newton_steps = solved.newton_steps;
+        *solution = Some(solved);
+        Ok(())
+    }
+
+    /// Slip of a step that half-spaces on a plane do not have [m]: by the pressure, by what A_tt differs from theirs with the
+    /// latest tractions, and by the turn of the surface.
+    fn slip_besides(&mut self, prescription: &Prescription, found: &Conformal) -> [Vec<f64>; 2] {
+        let (nx, points) = (self.grid.ni, self.grid.points());
+        let [x, s] = &found.state.traction;
+        let mut slip = [vec![0.0; points], vec![0.0; points]];
+        let mut displacement = vec![0.0; points];
+        for (component, slip) in slip.iter_mut().enumerate() {
+            let [by_x, by_s] = &self.change[component];
+            let by_pressure = &self.displacement_by_pressure[component];
+            let terms = [(by_x, &x[..]), (by_s, &s[..]), (by_pressure, &found.pressure[..])];
+            self.rows.apply(&terms, &mut displacement);
+            for (index, slip) in slip.iter_mut().enumerate() {
+                // The element at the leading edge is not in contact.
+                if (index + 1) % nx > 0 {
+                    *slip = displacement[index] - displacement[index + 1];
+                }
+                let [curved, plane] = self.rigid_slips(prescription, index);
+                *slip += self.grid.dx() * (curved[component] - plane[component]);
+            }
+        }
+        slip
+    }
+
+    /// Rigid slip over the way at an element, on the surface and on the plane at s = 0 [-].
+    fn rigid_slips(&self, prescription: &Prescription, index: usize) -> [[f64; 2]; 2] {
+        let Prescription { creepage: [xi, eta, phi], normal_creepage: zeta, .. } = *prescription;
+        let (grid, arcs) = (&self.grid, &self.arcs);
+        let (x, s) =
+            (grid.x(index % grid.ni) + RIGID_SLIP_AHEAD * grid.dx(), grid.y(index / grid.ni));
+        let ([y, z], (sin, cos)) = (arcs.place(s), arcs.direction(s).sin_cos());
+        let rolling = arcs.rolling_curvature;
+        let curved =
+            [xi - phi * y + rolling * z, (eta + phi * x) * cos + (zeta - rolling * x) * sin];
+        [curved, [xi - phi * s, eta + phi * x]]
+    }
+
+    /// Traction f p against the rigid slip, which is all the slip there is.
+    fn slide_everywhere(&self, prescription: &Prescription, bound: &[f64], found: &mut Conformal) {
+        let mut state = TangentialState::at_rest(bound, prescription.creepage);
+        for (index, bound) in bound.iter().enumerate() {
+            let [slip, _] = self.rigid_slips(prescription, index);
+            let size = slip[0].hypot(slip[1]);
+            for component in 0..2 {
+                state.slip[component][index] = self.grid.dx() * slip[component];
+                if size > 0.0 {
+                    state.traction[component][index] = -bound * slip[component] / size;
+                }
+            }
+            if *bound > 0.0 && size > 0.0 {
+                state.element[index] = tangential::ElementState::Slip;
+            }
+        }
+        found.state = state;
+    }
+
+    /// Friction power of every element, −½(p'_J + p_I)·S_I V/Δx with the traction p'_J of the element upstream [W/m²].
+    #[must_use]
+    pub fn friction_power(&self, found: &Conformal, speed: f64) -> Vec<f64> {
+        let nx = self.grid.ni;
+        let power = |index: usize| {
+            let of = |component: usize| {
+                let traction = &found.state.traction[component];
+                let upstream = if (index + 1) % nx > 0 { traction[index + 1] } else { 0.0 };
+                (traction[index] + upstream) * found.state.slip[component][index]
+            };
+            -0.5 * speed / self.grid.dx() * (of(0) + of(1)) + 0.0
+        };
+        (0..self.grid.points()).map(power).collect()
+    }
+
+    /// Force on body 1 [N].
+    fn force(&self, found: &Conformal) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        let [px, ps] = &found.state.traction;
+        for (row, pressure) in found.pressure.chunks_exact(self.grid.ni).enumerate() {
+            let (sin, cos) = self.arcs.direction(self.grid.y(row)).sin_cos();
+            let range = row * self.grid.ni..(row + 1) * self.grid.ni;
+            let along: f64 = pressure.iter().sum();
+            let across: f64 = ps[range.clone()].iter().sum();
+            sum[0] += px[range].iter().sum::<f64>();
+            sum[1] += across * cos - along * sin;
+            sum[2] += across * sin + along * cos;
+        }
+        sum.map(|value| value * self.grid.element_area())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,25 @@
+//! Contact on a curved surface of bodies that are prismatic along x.
+//!
+//! Where a wheel's flange root lies in the gauge corner of a rail the surface turns under the contact, and the bodies
+//! are no half-spaces: a corner yields more, a throat less. Places are given by x and s along the surface, tractions
+//! and displacements by their components along x, s and the local normal n.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`bessel`] | K₀ and K₁ |
+//! | [`kernel`] | an elastic space under forces that vary like a wave along x |
+//! | [`outline`] | the outline of a body as boundary elements |
+//! | [`boundary`] | its flexibility for a wave along x |
+//! | [`shape`] | two arcs that touch |
+//! | [`contact`] | pressure and tractions |
+//! | [`numbers`] | influence numbers of a pair of bodies |
+//! | [`pin`] | a pin in a hole |
+
+mod bessel;
+mod boundary;
+pub mod contact;
+mod kernel;
+pub mod numbers;
+mod outline;
+pub mod pin;
+pub mod shape;

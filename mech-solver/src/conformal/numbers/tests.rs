@@ -1,0 +1,55 @@
+use super::*;
+
+const STEEL: Material = Material { youngs_modulus: 209.92e9, poisson_ratio: 0.28 };
+
+/// A wave along x on flat bodies, summed over x, is that of half-spaces with all its signs: rigid against elastic.
+#[test]
+fn flat_bodies_are_half_spaces() {
+    let patch = Patch { counts: [24, 7], sides: [1e-3, 1e-3], first: -3.5e-3 };
+    let outline = Outline::open(0.0, 0.0, [patch.first, 1e-3], 7, 1000.0);
+    let waves: Vec<f64> = (0..45).map(|n| 0.05 * 1.33_f64.powi(n)).collect();
+    let [even, odd] = weights(&waves, patch);
+    for (outward, elasticity) in [-1.0, 1.0].into_iter().zip(Elasticity::of_bodies(&[STEEL, STEEL]))
+    {
+        let influence = Influence::of_elements([1e-3; 2], elasticity);
+        let body = Body { material: Elastic::of(&STEEL), outline: outline.clone(), outward };
+        let flexibilities: Vec<_> = waves.iter().map(|k| body.flexibility(*k)).collect();
+        for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 0), (0, 2), (2, 0), (1, 2), (2, 1)] {
+            let (weights, sign) = match (a, b) {
+                (0, 1 | 2) => (&odd, -1.0),
+                (1 | 2, 0) => (&odd, 1.0),
+                _ => (&even, 1.0),
+            };
+            let (t, q, i) = (4, 1, 3);
+            let exact = of_half_spaces(&influence, 3 * a + b, i as i32, 3);
+            let own = of_half_spaces(&influence, 8, 0, 0);
+            let row = &weights[i * waves.len()..(i + 1) * waves.len()];
+            let value: f64 = row
+                .iter()
+                .zip(&flexibilities)
+                .map(|(w, m)| w * sign * m[(3 * t + a, 3 * q + b)])
+                .sum();
+            // Constant tractions on elements, three elements away.
+            assert!((value - exact).abs() < 0.01 * own, "{a}{b}: {value:e} instead of {exact:e}");
+        }
+    }
+}
+
+/// Betti's reciprocity, which boundary elements do not have by themselves: error of constant tractions.
+#[test]
+fn curved_bodies_are_reciprocal() {
+    let patch = Patch { counts: [9, 13], sides: [0.8e-3; 2], first: -5.2e-3 };
+    let surface = Surface { curvatures: [-98.0, -100.0], turn: std::f64::consts::FRAC_PI_2 };
+    let numbers = Numbers::new(&[STEEL, STEEL], &surface, &patch);
+    let own = numbers.value([2, 2], 0, [6, 6]);
+    for i in [0, 2, 8] {
+        for (t, q) in [(6, 6), (7, 6), (10, 3), (12, 0)] {
+            for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+                let sign = if (a == 0) == (b == 0) { 1.0 } else { -1.0 };
+                let [one, other] =
+                    [numbers.value([a, b], i, [t, q]), sign * numbers.value([b, a], i, [q, t])];
+                assert!((one - other).abs() < 1e-3 * own, "{a}{b} {i} {t}{q}: {one:e} {other:e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Model `conformal`: bodies that are prismatic along x and touch on a curved surface, in steady rolling.
+//!
+//! Both are arcs across, one in the other: a flange root in a gauge corner, a roller in its groove. The surface turns under the
+//! contact, and a corner or a throat yields otherwise than a half-space ([`crate::conformal`]). Every window is a steady state of its own.
+//!
+//! **Fields** are on the surface, developed: x along the rolling direction, y the distance s along the surface. As in
+//! model `half-space` slip and friction power belong to the way of a particle from an element's centre to the
+//! next one's, and their grid is shifted upstream by half an element.
+//!
+//! | module | what |
+//! |---|---|
+//! | `case` | the keys, what a window prescribes, the grid that holds the contact |
+//! | `running` | the model that runs |
+//! | `summary` | its figures |
+
+mod case;
+mod running;
+mod summary;
+
+use super::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
+use super::half_space::PASSAGE_GRID;
+use crate::entry::ModelEntry;
+use crate::models::expected::refinement;
+use crate::terms::{Kind, Terms};
+use case::{Case, Footprint};
+use proto::accuracy::Accuracy;
+use proto::configuration::{Configuration, Layout, Refusal};
+use proto::description::{ModelSpec, names};
+use proto::field::{self, FieldSpec};
+use proto::grid::Structured;
+use proto::model::{Model, Setup};
+use proto::progress::Progress;
+use running::Running;
+
+pub(super) use summary::figures;
+
+/// Time of a solve over the elements, measured [s].
+const SECONDS: f64 = 2e-5;
+/// Time of the influence numbers over the cube of the rows, and the rest of it, measured [s].
+const BUILD: [f64; 2] = [1.5e-5, 0.5];
+/// Working memory for an element of each pair of rows, and for an element [byte].
+const BYTES: [f64; 2] = [150.0, 1000.0];
+
+/// Its entry in the list.
+pub(super) const MODEL: ModelEntry =
+    ModelEntry { name: "conformal", spec, takes: &[Kind::Adhesion, Kind::HeatShare], configure };
+
+fn spec() -> ModelSpec {
+    ModelSpec {
+        name: MODEL.name.to_owned(),
+        summary: "bodies that touch on a curved surface, an arc in an arc: influence numbers of \
+                  their shapes"
+            .to_owned(),
+        source: "Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990) ch. 4; \
+                 Vollebregt and Segal, Vehicle System Dynamics 52 (2014) suppl. 455"
+            .to_owned(),
+        steady: true,
+        transient: true,
+        rewinds: true,
+        consumes: Vec::new(),
+        provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
+        keys: case::keys(),
+        accuracy: Accuracy { refinement: Some(refinement(1.0, 0.06)), ..Accuracy::default() },
+    }
+}
+
+/// Checks a configuration, and finds the extent of its contacts.
+///
+/// # Errors
+/// A case that is incomplete or out of range, arcs that do not touch, a grid that is too large.
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+    let case = Case::read(configuration)?;
+    let footprint = Footprint::of(configuration, &case)?;
+    let layout = layout(configuration, &case, &footprint);
+    let configuration = configuration.clone();
+    Ok(Box::new(Prepared { case, footprint, terms, configuration, layout }))
+}
+
+fn layout(configuration: &Configuration, case: &Case, footprint: &Footprint) -> Layout {
+    let grid = footprint.grid;
+    let on = |spec: &FieldSpec| match *spec {
+        field::SURFACE_SPEED => RIGID_GRID,
+        field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
+        _ => CONTACT_GRID,
+    };
+    let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
+    let mut passage = grid;
+    passage.origin[0] += 0.5 * grid.dx();
+    let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
+    let grids = vec![(CONTACT_GRID, grid), (PASSAGE_GRID, passage), (RIGID_GRID, whole)];
+    let (grids, fields) = laid_out(configuration, on, grids);
+    let (elements, rows) = (grid.points() as f64, grid.nj as f64);
+    let [low, high] = footprint.directions(case).map(f64::to_degrees);
+    let remark = format!(
+        "{} x {} elements of {:.4} x {:.4} mm along x and over the surface, which turns from {low:.1}° to {high:.1}°",
+        grid.ni,
+        grid.nj,
+        1e3 * grid.dx(),
+        1e3 * grid.dy()
+    );
+    let [cubic, constant] = BUILD;
+    let [pairs, each] = BYTES;
+    Layout {
+        grids,
+        fields,
+        solve_seconds: SECONDS * elements,
+        build_seconds: cubic * rows.powi(3) + constant,
+        memory_bytes: (elements * (pairs * rows + each)) as u64,
+        remarks: vec![remark],
+        ..Layout::default()
+    }
+}
+
+/// A checked case and its grid.
+struct Prepared {
+    case: Case,
+    footprint: Footprint,
+    terms: Terms,
+    configuration: Configuration,
+    layout: Layout,
+}
+
+impl Setup for Prepared {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let Self { case, footprint, terms, configuration, .. } = *self;
+        Ok(Box::new(Running::new(case, &footprint, terms, configuration)))
+    }
+}

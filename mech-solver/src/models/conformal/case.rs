@@ -1,0 +1,281 @@
+//! The keys, what a window prescribes, and the grid that holds the contacts of all rows.
+
+use crate::conformal::contact::Prescription;
+use crate::conformal::shape::Arcs;
+use crate::ellipse::Ellipse;
+use crate::half_space::extent::{Fitted, Moments, fit_grid};
+use crate::half_space::influence::Elasticity;
+use crate::half_space::normal::Prescribed;
+use crate::keys::CheckedParams;
+use crate::models::half_space::geometry::prescribed;
+use crate::resolution::{self, RESOLUTION};
+use crate::scene::{Drive, Material, Scene, contact_keys};
+use proto::bodies::{LOWER, UPPER};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+use proto::grid::Structured;
+use proto::params::Params;
+use std::f64::consts::PI;
+
+/// Elements per semi-axis, unless the case says otherwise.
+const ELEMENTS: usize = 20;
+/// Elements along the semi-axes when the extent is looked for.
+const COARSE: f64 = 10.0;
+/// Elements of that grid at most.
+const MOST_COARSE: usize = 200_000;
+/// Growth of the grid beyond what half-spaces with the same gap have.
+const GROWTH: f64 = 1.15;
+/// Free elements round the contact.
+const MARGIN: f64 = 2.0;
+/// Elements times rows at most: influence numbers of every pair of rows take 150 bytes each.
+const MOST: f64 = 3e7;
+/// How far from s = 0 the surface may turn under the contact [rad].
+const STEEPEST: f64 = 0.45 * PI;
+
+const TURN: &str = "contact.turn";
+const NORMAL_CREEPAGE: &str = "mech.normal_creepage";
+const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
+
+/// The keys of the model. The contact is driven by creepages.
+pub(super) fn keys() -> Vec<KeySpec> {
+    let forces = ["motion.traction_coefficient", "motion.tangential_force"];
+    let mut keys = contact_keys();
+    keys.retain(|key| !forces.contains(&key.path.as_str()));
+    keys.extend([
+        KeySpec::quantity(
+            TURN,
+            "rad",
+            "angle by which the surfaces turn across, from one straight flank to the other; 0: influence \
+             numbers of half-spaces",
+        )
+        .default_value(PI / 2.0)
+        .at_least(0.0)
+        .at_most(5.0 * PI / 6.0),
+        KeySpec::number(
+            NORMAL_CREEPAGE,
+            "relative velocity along the normal in the middle of the surface, over the speed: lateral slip \
+             where the surface turns; 0 where the contact is steady",
+        )
+        .default_value(0.0)
+        .varies(),
+        KeySpec::integer(
+            LATERAL_RESOLUTION,
+            "elements per semi-axis b along the surface; absent: dy = dx",
+        )
+        .at_least(1.0)
+        .at_most(resolution::MOST as f64),
+        resolution::key(ELEMENTS),
+    ]);
+    keys
+}
+
+/// A checked case, but for what varies.
+pub(super) struct Case {
+    pub(super) materials: [Material; 2],
+    pub(super) arcs: Arcs,
+    /// [rad].
+    pub(super) turn: f64,
+    resolution: usize,
+    lateral: Option<f64>,
+}
+
+/// What a window prescribes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Row {
+    pub(super) prescription: Prescription,
+    /// Speed of rolling, and those of both surfaces [m/s].
+    pub(super) speed: f64,
+    pub(super) surface_speeds: [f64; 2],
+}
+
+impl Case {
+    /// Reads a case.
+    ///
+    /// # Errors
+    /// What is missing or out of range, bodies of which none is curved across, radii that vary.
+    pub(super) fn read(configuration: &Configuration) -> Result<Self, Refusal> {
+        let params = &configuration.case;
+        let scene = Scene::read(params)?;
+        let checked = CheckedParams::new(params, keys());
+        if let Some(histories) = &configuration.histories {
+            let shape = |key: &&String| key.starts_with("bodies.");
+            if let Some(key) = histories.values.keys().find(shape) {
+                let fix = "run each shape as a case of its own, or with `coordinator sweep`";
+                return Err(Refusal::new(key, "the influence numbers are those of one shape", fix));
+            }
+        }
+        let arcs = arcs(&scene);
+        if arcs.curvature() == 0.0 {
+            return Err(Refusal::new(
+                &scene.names.key(LOWER, "radius_y"),
+                "the surface between the bodies is plane",
+                "give both bodies radii across, one of them negative, or write [mech] model = \"half-space\"",
+            ));
+        }
+        let [upper, lower] = arcs.curvatures;
+        if upper <= lower {
+            return Err(Refusal::new(
+                &scene.names.key(UPPER, "radius_y"),
+                "the arcs touch at their ends: the hollow body is narrower than what lies in it",
+                "make the radius of the hollow body the larger one",
+            ));
+        }
+        let lateral = match checked.has(LATERAL_RESOLUTION) {
+            true => Some(checked.integer(LATERAL_RESOLUTION)? as f64),
+            false => None,
+        };
+        Ok(Self {
+            materials: scene.materials(),
+            arcs,
+            turn: checked.number(TURN)?,
+            resolution: resolution::read(params, ELEMENTS)?,
+            lateral,
+        })
+    }
+
+    /// What these values prescribe; the contact adheres or slides everywhere.
+    ///
+    /// # Errors
+    /// A value is missing or out of range.
+    pub(super) fn row(&self, params: &Params, adheres: bool) -> Result<Row, Refusal> {
+        let scene = Scene::read(params)?;
+        let checked = CheckedParams::new(params, keys());
+        let Drive::Creepage { xi, eta, phi } = scene.drive else {
+            return Err(Refusal::new(
+                "motion.creepage.xi",
+                "the contact is driven by creepages",
+                "prescribe motion.creepage",
+            ));
+        };
+        let speed = scene.speeds.rolling;
+        if !(speed > 0.0) {
+            return Err(Refusal::new(
+                crate::scene::SPEED,
+                "the bodies roll steadily",
+                "give a speed above 0, or write [mech] model = \"half-space\" for a shift",
+            ));
+        }
+        Ok(Row {
+            prescription: Prescription {
+                load: prescribed(scene.load),
+                creepage: [xi, eta, phi],
+                normal_creepage: checked.number(NORMAL_CREEPAGE)?,
+                friction: scene.friction_coefficient,
+                adheres,
+            },
+            speed,
+            surface_speeds: scene.speeds.of_surfaces(xi),
+        })
+    }
+}
+
+fn arcs(scene: &Scene) -> Arcs {
+    let [upper, lower] = [&scene.bodies[UPPER], &scene.bodies[LOWER]];
+    Arcs {
+        curvatures: [1.0 / upper.radius_y, -1.0 / lower.radius_y],
+        rolling_curvature: 1.0 / upper.radius_x + 1.0 / lower.radius_x,
+    }
+}
+
+/// Where the contact is solved.
+pub(super) struct Footprint {
+    pub(super) grid: Structured,
+    /// Semi-axes, or what comes near them [m].
+    pub(super) semi_axes: [f64; 2],
+}
+
+impl Footprint {
+    /// That of a configuration: of its values, or of all rows.
+    ///
+    /// # Errors
+    /// A row has no contact or reaches too far round the surface; a grid is too large.
+    pub(super) fn of(configuration: &Configuration, case: &Case) -> Result<Self, Refusal> {
+        let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
+        let mut params = configuration.case.clone();
+        let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        let mut semi_axes = [0.0_f64; 2];
+        let mut finest = f64::INFINITY;
+        for row in 0..rows {
+            if let Some(histories) = &configuration.histories {
+                histories.put_row(&mut params, row);
+            }
+            let fitted = coarse(case, &params)?;
+            let moments = Moments::of(&fitted.grid, &fitted.pressure);
+            finest = finest.min(moments.semi_axes[0]);
+            for axis in 0..2 {
+                semi_axes[axis] = semi_axes[axis].max(moments.semi_axes[axis]);
+                let [low, high] = range(&fitted, axis);
+                ranges[axis] = [ranges[axis][0].min(low), ranges[axis][1].max(high)];
+            }
+        }
+        let dx = finest / case.resolution as f64;
+        let dy = case.lateral.map_or(dx, |count| semi_axes[1] / count);
+        let ends = |[low, high]: [f64; 2], side: f64| {
+            let reach = GROWTH * low.abs().max(high.abs()) / side + MARGIN;
+            reach.ceil()
+        };
+        let half = [ends(ranges[0], dx), ends(ranges[1], dy)];
+        let [nx, ny] = half.map(|half| 2.0 * half + 1.0);
+        if nx * ny * ny > MOST {
+            return Err(Refusal::new(
+                RESOLUTION,
+                format!("makes {nx} x {ny} elements, with influence numbers of every pair of rows"),
+                format!("lower it, or give fewer rows by {LATERAL_RESOLUTION}"),
+            ));
+        }
+        let grid = Structured::contact_plane(
+            -half[0] * dx,
+            -half[1] * dy,
+            dx,
+            dy,
+            nx as usize,
+            ny as usize,
+        );
+        Ok(Self { grid, semi_axes })
+    }
+
+    /// Directions of the surface at the ends of the grid [rad].
+    pub(super) fn directions(&self, case: &Case) -> [f64; 2] {
+        let ends = [self.grid.y(0), self.grid.y(self.grid.nj - 1)];
+        let [first, last] = ends.map(|s| case.arcs.direction(s));
+        [first.min(last), first.max(last)]
+    }
+}
+
+/// The contact of half-spaces with the undeformed distance of the arcs, on a coarse grid.
+fn coarse(case: &Case, params: &Params) -> Result<Fitted, Refusal> {
+    let scene = Scene::read(params)?;
+    let ellipse = Ellipse::solve(&scene, None)?;
+    let arcs = case.arcs;
+    let steepest = STEEPEST / arcs.curvature().abs();
+    let [dx, dy] = [ellipse.semi_axis_a, ellipse.semi_axis_b.min(steepest)].map(|a| a / COARSE);
+    let half = COARSE as usize;
+    let (nx, ny) = (2 * half + 1, 2 * half + 1);
+    let grid = Structured::contact_plane(-COARSE * dx, -COARSE * dy, dx, dy, nx, ny);
+    let (approach, load) = match prescribed(scene.load) {
+        Prescribed::Approach(approach) => (approach, Prescribed::Approach(0.0)),
+        load @ Prescribed::Load(_) => (0.0, load),
+    };
+    let distance = |x: f64, s: f64| arcs.distance(x, s) - approach * arcs.direction(s).cos();
+    let [upper, lower] = &case.materials;
+    let pair = Elasticity::of_pair(upper, lower);
+    let within = [-steepest, steepest];
+    fit_grid(grid, pair, &distance, load, within, MOST_COARSE, f64::INFINITY).map_err(|error| {
+        Refusal::new(
+            "load",
+            format!("{error}; the contact reaches round more of the surface than ±81°"),
+            "lower the load, or make the radii differ by more",
+        )
+    })
+}
+
+/// Range of the elements in contact along an axis [m].
+fn range(fitted: &Fitted, axis: usize) -> [f64; 2] {
+    let grid = &fitted.grid;
+    let pressed = fitted.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0);
+    let place = |at: usize| match axis {
+        0 => grid.x(at % grid.ni),
+        _ => grid.y(at / grid.ni),
+    };
+    pressed.fold([0.0, 0.0], |[low, high], (at, _)| [low.min(place(at)), high.max(place(at))])
+}
