@@ -308,7 +308,7 @@ impl ConformalSolver {
             self.rows.apply(&terms, &mut displacement);
             for (index, slip) in slip.iter_mut().enumerate() {
                 // The element at the leading edge is not in contact.
-                if (index + 1) % nx > 0 {
+                if !(index + 1).is_multiple_of(nx) {
                     *slip = displacement[index] - displacement[index + 1];
                 }
                 let [curved, plane] = self.rigid_slips(prescription, index);
@@ -337,10 +337,10 @@ impl ConformalSolver {
         for (index, bound) in bound.iter().enumerate() {
             let [slip, _] = self.rigid_slips(prescription, index);
             let size = slip[0].hypot(slip[1]);
-            for component in 0..2 {
-                state.slip[component][index] = self.grid.dx() * slip[component];
+            for (component, slip) in slip.into_iter().enumerate() {
+                state.slip[component][index] = self.grid.dx() * slip;
                 if size > 0.0 {
-                    state.traction[component][index] = -bound * slip[component] / size;
+                    state.traction[component][index] = -bound * slip / size;
                 }
             }
             if *bound > 0.0 && size > 0.0 {
@@ -357,7 +357,8 @@ impl ConformalSolver {
         let power = |index: usize| {
             let of = |component: usize| {
                 let traction = &found.state.traction[component];
-                let upstream = if (index + 1) % nx > 0 { traction[index + 1] } else { 0.0 };
+                let upstream =
+                    if !(index + 1).is_multiple_of(nx) { traction[index + 1] } else { 0.0 };
                 (traction[index] + upstream) * found.state.slip[component][index]
             };
             -0.5 * speed / self.grid.dx() * (of(0) + of(1)) + 0.0

@@ -88,7 +88,7 @@ fn friction_takes_what_the_rigid_slip_gives(solver: &mut ConformalSolver, found:
     solver.rows.apply(&[(by_x, x), (by_s, s)], &mut displacement);
     displacement.iter_mut().zip(solver.normal.displacement()).for_each(|(sum, more)| *sum += more);
     let (mut rigid, mut normal) = (0.0, 0.0);
-    for index in (0..grid.points()).filter(|index| (index + 1) % grid.ni > 0) {
+    for index in (0..grid.points()).filter(|index| !(index + 1).is_multiple_of(grid.ni)) {
         let mean = |field: &[f64]| 0.5 * (field[index] + field[index + 1]);
         let [slip, _] = solver.rigid_slips(&DRIVEN, index);
         rigid -= mean(x) * slip[0] + mean(s) * slip[1];

@@ -148,7 +148,7 @@ impl Case {
             ));
         };
         let speed = scene.speeds.rolling;
-        if !(speed > 0.0) {
+        if speed == 0.0 {
             return Err(Refusal::new(
                 crate::scene::SPEED,
                 "the bodies roll steadily",
