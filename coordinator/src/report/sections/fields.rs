@@ -1,7 +1,7 @@
 //! The surface fields of the newest instant: maps, and lines through their largest values.
 
 use super::temperature;
-use crate::report::maps;
+use crate::report::maps::{self, Drawn};
 use crate::report::page::{Block, Section};
 use crate::report::places::{AXES, is_surface, label, places};
 use crate::report::plot::Figure;
@@ -13,7 +13,11 @@ const NOTHING: f64 = 1e-5;
 
 /// Every field of every grid, the mechanical ones first as the files are named.
 pub(super) fn maps(results: &Results) -> Option<Section> {
-    let mut blocks: Vec<Block> = maps::all(results).into_iter().map(Block::Heatmap).collect();
+    let block = |drawn| match drawn {
+        Drawn::Map(map) => Block::Heatmap(map),
+        Drawn::Line(line) => Block::Figure(line),
+    };
+    let mut blocks: Vec<Block> = maps::all(results).into_iter().map(block).collect();
     if !blocks.is_empty() {
         let when = when(results);
         let axes = match results.summary.get("contact") {
