@@ -90,9 +90,7 @@ impl Axis {
         let places = self::decimals(step / unit);
         let write = |value: f64| match by_power {
             true if value == 0.0 => "0".to_owned(),
-            true => {
-                format!("{:.places$}·10{}", value / unit, superscript(power)).replace('-', "−")
-            }
+            true => format!("{:.places$}·10{}", value / unit, superscript(power)).replace('-', "−"),
             false => format!("{value:.decimals$}").replace('-', "−"),
         };
         let count = (last - first) as usize;
@@ -236,9 +234,8 @@ mod tests {
     /// Very small and very large numbers have one power of ten, and fit beside the axis.
     #[test]
     fn small_and_large_ticks_are_short() {
-        let ticks = |low: f64, high: f64| {
-            texts(&Axis::linear([low, high].into_iter(), false, [0.0, 1.0]))
-        };
+        let ticks =
+            |low: f64, high: f64| texts(&Axis::linear([low, high].into_iter(), false, [0.0, 1.0]));
         assert_eq!(ticks(0.0, 2e-9), ["0", "0.5·10⁻⁹", "1.0·10⁻⁹", "1.5·10⁻⁹", "2.0·10⁻⁹"]);
         assert_eq!(ticks(-1e-9, 1e-9)[0], "−1.0·10⁻⁹");
         assert_eq!(ticks(0.0, 4e7), ["0", "1·10⁷", "2·10⁷", "3·10⁷", "4·10⁷"]);

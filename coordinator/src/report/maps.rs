@@ -186,11 +186,8 @@ fn row(image: &Image, field: &Field) -> Option<Figure> {
     let borders = image.borders(along);
     let length = Scale::of("m", borders[0].abs().max(borders[1].abs()));
     let most = largest_at(image, field, &magnitudes, &scale);
-    let mut figure = Figure::new(
-        words(&field.name),
-        label(AXES[along], &length.unit),
-        label("", &scale.unit),
-    );
+    let mut figure =
+        Figure::new(words(&field.name), label(AXES[along], &length.unit), label("", &scale.unit));
     figure.note = format!("{}. {most}", sentence(&field.meaning));
     for component in 0..field.components {
         let values: Vec<f64> =
@@ -203,7 +200,8 @@ fn row(image: &Image, field: &Field) -> Option<Figure> {
         };
         let points = values.iter().enumerate().map(point).collect();
         let name = AXES.get(component).filter(|_| field.components > 1);
-        figure = figure.with(name.map_or_else(|| words(&field.name), |axis| format!("along {axis}")), points);
+        figure = figure
+            .with(name.map_or_else(|| words(&field.name), |axis| format!("along {axis}")), points);
     }
     Some(figure)
 }

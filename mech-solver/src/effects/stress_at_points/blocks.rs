@@ -19,7 +19,7 @@ const MOST_BYTES: u64 = 1 << 30;
 pub(super) fn keys() -> Vec<KeySpec> {
     let key = |name: &str| format!("{TABLE}.*.{name}");
     let mut keys = vec![
-        KeySpec::name_in(&key("body"), "bodies", "body that the points of the block are in"),
+        KeySpec::text(&key("body"), "name of the body that the points of the block are in"),
         KeySpec::file(
             &key("file"),
             "lines of x, y and z [m], in the place of x, y and z; a first line may name them",

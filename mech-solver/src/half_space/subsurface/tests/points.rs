@@ -104,7 +104,118 @@ fn a_sliding_line() {
         for (at, stress) in found.iter().enumerate() {
             let (x, depth) = (xs[at % xs.len()], depths[at / xs.len()]);
             let error = largest(&(*stress - line_contact(1.0, 1.0, 0.4, 0.3, [x, depth])));
-            assert!(error < 0.5 * (n as f64).powf(-1.5), "{n} at {x}, {depth}: {error:e}");
+            assert!(error < (n as f64).powf(-1.5), "{n} at {x}, {depth}: {error:e}");
+        }
+    }
+}
+
+/// A square with a unit pressure and a traction along x, at points of CONTACT's example subsurf, case 2: mean, von Mises, xx, yy, zz, xy, yz, xz.
+/// Tolerance: six digits printed, and a load that is 1e-6 short of 1.
+#[test]
+fn the_points_of_contact() {
+    const PRINTED: &[[f64; 11]] = &[
+        [
+            -2, -0.8, 0, 0.027928, 0.10618, 0.086797, -0.0030141, 3.5702e-10, 0.034009, 0.0,
+            4.9537e-10,
+        ],
+        [
+            0.6,
+            -0.8,
+            0,
+            -0.095772,
+            0.229123,
+            -0.20927,
+            -0.078044,
+            -2.7074e-07,
+            0.079466,
+            4.9452e-13,
+            -3.7566e-07,
+        ],
+        [
+            -2,
+            0.2,
+            0,
+            0.03442,
+            0.127675,
+            0.118088,
+            -0.014827,
+            -1.119e-08,
+            -0.01133,
+            3.7899e-15,
+            -1.5526e-08,
+        ],
+        [
+            0.6,
+            0.2,
+            0,
+            -0.487832,
+            0.992641,
+            -1.11551,
+            -0.347986,
+            -2.5809e-07,
+            -0.05185,
+            -2.4188e-13,
+            -3.5809e-07,
+        ],
+        [
+            -2, -0.8, 0.5, 0.018842, 0.075089, 0.056936, -0.0040961, 0.0036861, 0.023532,
+            -0.0053656, -0.013907,
+        ],
+        [
+            0.6, -0.8, 0.5, -0.117158, 0.347715, -0.114843, -0.118907, -0.117723, 0.109734,
+            0.130731, -0.105666,
+        ],
+        [
+            -2, 0.2, 0.5, 0.022863, 0.089112, 0.076255, -0.012787, 0.0051199, -0.0077154,
+            0.0018292, -0.019127,
+        ],
+        [
+            0.6, 0.2, 0.5, -0.264017, 0.718575, -0.288588, -0.048621, -0.454842, -0.064452,
+            -0.083059, -0.345481,
+        ],
+        [
+            -2,
+            -0.8,
+            1.667,
+            0.0018133,
+            0.011414,
+            0.0066723,
+            -0.0033323,
+            0.0020998,
+            0.0030814,
+            -0.00095979,
+            -0.0028148,
+        ],
+        [
+            0.6, -0.8, 1.667, -0.04023, 0.140444, -0.0069308, -0.0097876, -0.103971, 0.015466,
+            0.044836, -0.035723,
+        ],
+        [
+            -2, 0.2, 1.667, 0.0020138, 0.012091, 0.0078193, -0.0042708, 0.0024929, -0.000874,
+            0.00028349, -0.0033425,
+        ],
+        [
+            0.6, 0.2, 1.667, -0.050502, 0.1765, -0.0093404, 0.007962, -0.150127, -0.0053459,
+            -0.015854, -0.050847,
+        ],
+    ];
+    let grid = Structured::contact_plane(1e-4, 2e-4, 1.0, 1.0, 1, 1);
+    let load = SurfaceLoad::new(&grid, &[1.0], &[0.999, 0.0]);
+    for [x, y, z, mean, mises, xx, yy, zz, xy, yz, xz] in PRINTED {
+        let stress = load.on_lattice(0.28, [&[*x], &[*y], &[*z]])[0];
+        let found = [
+            stress.mean(),
+            stress.von_mises(),
+            stress.xx,
+            stress.yy,
+            stress.zz,
+            stress.xy,
+            stress.yz,
+            stress.xz,
+        ];
+        for (found, printed) in found.iter().zip([mean, mises, xx, yy, zz, xy, yz, xz]) {
+            let tolerance = 2e-6 + 1e-5 * printed.abs();
+            assert!((found - printed).abs() < tolerance, "{x} {y} {z}: {found} {printed}");
         }
     }
 }
