@@ -168,7 +168,7 @@ impl Frame<'_> {
         );
         let _ = writeln!(
             out,
-            "<text class=\"label mid\" transform=\"translate(13 {centre:.2}) rotate(-90)\">\
+            "<text class=\"label mid\" transform=\"translate(12 {centre:.2}) rotate(-90)\">\
              {y_label}</text>"
         );
         out

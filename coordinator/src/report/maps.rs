@@ -6,7 +6,7 @@ use super::canvas::Drawing;
 use super::map::{Arrows, Edge, Heatmap, Polyline, contours};
 use super::places::{AXES, is_surface, label};
 use super::plot::Figure;
-use super::source::{Field, Image, Results};
+use super::source::{Field, GridSeries, Image, Results};
 use contract::field::{EDGES, QUOTIENTS, Quotient};
 use run::format::{Scale, number, sentence, words};
 
@@ -168,15 +168,25 @@ fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
     })
 }
 
+/// The grid is a single row of elements.
+#[must_use]
+pub(crate) fn is_row(series: &GridSeries) -> bool {
+    series.image.as_ref().and_then(along_row).is_some()
+}
+
+/// The axis along a single row; `None` for any other grid.
+fn along_row(image: &Image) -> Option<usize> {
+    let plane = image.plane()?;
+    match plane.map(|axis| image.cells[axis]) {
+        [count, 1] if count > 1 => Some(plane[0]),
+        [1, count] if count > 1 => Some(plane[1]),
+        _ => None,
+    }
+}
+
 /// A field of a single row of elements as lines along it, one for each component that is not nothing; `None` for any other, or where all is zero.
 fn row(image: &Image, field: &Field) -> Option<Figure> {
-    let plane = image.plane()?;
-    let [along, across] = match plane.map(|axis| image.cells[axis]) {
-        [count, 1] if count > 1 => plane,
-        [1, count] if count > 1 => [plane[1], plane[0]],
-        _ => return None,
-    };
-    debug_assert_eq!(image.cells[across], 1);
+    let along = along_row(image)?;
     let magnitudes = field.magnitudes();
     let largest = magnitudes.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     if largest == 0.0 {
@@ -200,6 +210,8 @@ fn row(image: &Image, field: &Field) -> Option<Figure> {
         };
         let points = values.iter().enumerate().map(point).collect();
         let name = AXES.get(component).filter(|_| field.components > 1);
+        let own = name.filter(|_| figure.lines.is_empty()).map(|axis| format!("along {axis}"));
+        figure.y_label = label(own.as_deref().unwrap_or_default(), &scale.unit);
         figure = figure
             .with(name.map_or_else(|| words(&field.name), |axis| format!("along {axis}")), points);
     }
@@ -270,7 +282,7 @@ mod tests {
         let traction = Field { components: 2, values, ..pressure };
         let figure = row(&image, &traction).unwrap();
         let names: Vec<&str> = figure.lines.iter().map(|line| line.name.as_str()).collect();
-        assert_eq!(names, ["along x"]);
+        assert_eq!((names, figure.y_label.as_str()), (vec!["along x"], "along x [MPa]"));
         image.cells = [3, 2, 0];
         assert!(row(&image, &traction).is_none());
     }

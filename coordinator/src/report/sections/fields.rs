@@ -46,7 +46,12 @@ fn when(results: &Results) -> String {
 /// Lines in the rolling direction, one figure for each grid and unit; then depth and time.
 pub(super) fn lines(results: &Results) -> Option<Section> {
     let surfaces = results.series.iter().filter(|series| is_surface(series));
-    let figures = surfaces.filter_map(|series| series.line.as_ref()).flat_map(figures);
+    let figures = surfaces.flat_map(|series| {
+        // Of a single row each line alone is among the fields.
+        let alone = maps::is_row(series);
+        let all = series.line.iter().flat_map(figures);
+        all.filter(move |figure| !alone || figure.lines.len() > 1)
+    });
     let mut blocks: Vec<Block> = figures.map(Block::Figure).collect();
     blocks.extend(temperature::figures(results).into_iter().map(Block::Figure));
     Section::of("Through the largest value, over depth, through time", blocks)
