@@ -24,7 +24,7 @@ use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
-use proto::figure::FigureSpec;
+use proto::figure::{FigureSpec, Style};
 use proto::grid::{Shape, Structured};
 use proto::model::Outputs;
 use serde_json::{Value, json};
@@ -300,8 +300,12 @@ fn figures() -> Vec<FigureSpec> {
             .on("stress in *", "von Mises")
             .digits(4)
             .headline(),
-        figure("volume.x_m", "m", "where it is, along x").on("stress in *", "at x"),
-        figure("volume.y_m", "m", "where it is, along y").on("stress in *", "y"),
+        figure("volume.x_m", "m", "where it is, along x")
+            .on("stress in *", "at x")
+            .style(Style::Place),
+        figure("volume.y_m", "m", "where it is, along y")
+            .on("stress in *", "y")
+            .style(Style::Place),
         figure("volume.depth_m", "m", "how deep it is").on("stress in *", "depth"),
         figure("each_patch.#.patch", "1", "place of the patch among all, from 1"),
         figure("each_patch.#.max_von_mises_pa", "Pa", "largest von Mises stress below the patch"),

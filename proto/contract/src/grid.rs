@@ -204,7 +204,10 @@ impl Grid {
                 ));
             }
             Shape::Volume(v) => return v.check().map_err(|why| format!("volume `{name}`: {why}")),
-            Shape::Points(p) => return p.check().map_err(|why| format!("points `{name}`: {why}")),
+            Shape::Points(p) => {
+                p.blocks.iter().try_for_each(|block| check_name("block", &block.name))?;
+                return p.check().map_err(|why| format!("points `{name}`: {why}"));
+            }
         };
         match s.ni.checked_mul(s.nj) {
             Some(points) if (1..=MOST_POINTS).contains(&points) => {}
