@@ -34,6 +34,25 @@ impl<'a> CheckedParams<'a> {
         value.map(|number| in_range(key, spec, number)).transpose()
     }
 
+    /// A number or a list of numbers, or nothing [SI]; refused when empty or out of range.
+    pub(crate) fn maybe_numbers(&self, key: &str) -> Result<Option<Vec<f64>>, Refusal> {
+        let Some(serde_json::Value::Array(items)) = self.params.get(key) else {
+            return Ok(self.maybe_number(key)?.map(|value| vec![value]));
+        };
+        let spec = self.spec(key);
+        let number = |item: &serde_json::Value| match item.as_f64() {
+            Some(number) if number.is_finite() => in_range(key, spec, number),
+            _ => {
+                let reason = format!("{item} is not a finite number");
+                Err(Refusal::new(key, reason, "write a list of numbers"))
+            }
+        };
+        if items.is_empty() {
+            return Err(Refusal::new(key, "the list is empty", "write a list of numbers"));
+        }
+        items.iter().map(number).collect::<Result<_, _>>().map(Some)
+    }
+
     /// A whole number, or its default; refused when missing or out of range.
     pub(crate) fn integer(&self, key: &str) -> Result<i64, Refusal> {
         let spec = self.spec(key);

@@ -50,6 +50,7 @@ mod strips;
 mod support;
 mod surface;
 pub mod terms;
+mod thermal_stress;
 pub mod track;
 
 use effects::EFFECTS;

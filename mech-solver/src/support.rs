@@ -83,6 +83,9 @@ mod tests {
             if effect.kinds.contains(&Kind::HeatShare) {
                 table["heat_share"] = json!(0.5);
             }
+            if effect.name == "stress_at_points" {
+                table["axis"] = json!({"body": "other", "z": [-1e-3, 0.0]});
+            }
             if effect.name == "friction_bands" {
                 let bands = "/../cases/profiles/greased-gauge-side.csv";
                 table["table"] = json!(format!("{}{bands}", env!("CARGO_MANIFEST_DIR")));

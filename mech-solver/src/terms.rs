@@ -33,7 +33,7 @@ use crate::slip::RigidSlip;
 use crate::softening::Softening;
 use proto::configuration::Refusal;
 use proto::field::FieldSpec;
-use proto::grid::Structured;
+use proto::grid::{Shape, Structured};
 use proto::model::{Inputs, Outputs, StateError, StepError};
 use serde_json::Value;
 use std::fmt::Debug;
@@ -142,7 +142,7 @@ pub(crate) trait Observation: State + Debug {
     fn expand(&mut self, coefficients: [f64; 2], speeds: [f64; 2]) -> Result<(), Refusal>;
 
     /// Grids of its own, by name.
-    fn grids(&self) -> Vec<(&'static str, Structured)>;
+    fn grids(&self) -> Vec<(&'static str, Shape)>;
 
     /// Which of them a field is on; `None` for the fields of others.
     fn grid_of(&self, field: &FieldSpec) -> Option<&'static str>;

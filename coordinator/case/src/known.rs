@@ -86,7 +86,7 @@ fn for_role(spec: &KeySpec, role: &str, rest: &str, player: Option<&Player<'_>>)
 fn add_player(keys: &mut Vec<Known>, player: &Player<'_>, effects: &[String]) {
     let known = |spec: &KeySpec, active| Known {
         spec: spec.clone(),
-        shape: Shape::One,
+        shape: if spec.list { Shape::OneOrList } else { Shape::One },
         owner: player.role.to_owned(),
         active: active && player.needed,
     };

@@ -19,11 +19,12 @@ pub(super) struct Key {
 pub(super) fn all(described: &[Description]) -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();
     let mut add = |spec: &KeySpec, shape: Shape, reader: String| {
-        let list = shape != Shape::One;
-        match keys.iter_mut().find(|key| key.spec == *spec && key.list == list) {
+        let list = shape != Shape::One || spec.list;
+        let spec = KeySpec { list: false, ..spec.clone() };
+        match keys.iter_mut().find(|key| key.spec == spec && key.list == list) {
             Some(key) if key.read_by.contains(&reader) => {}
             Some(key) => key.read_by.push(reader),
-            None => keys.push(Key { spec: spec.clone(), list, read_by: vec![reader] }),
+            None => keys.push(Key { spec, list, read_by: vec![reader] }),
         }
     };
     for OwnKey { spec, shape } in own_keys() {

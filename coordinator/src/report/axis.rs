@@ -1,7 +1,7 @@
 //! Axes: where values go on the paper, and round numbers along them.
 
 use super::html::escape;
-use run::format::{number, superscript};
+use run::format::superscript;
 use std::fmt::Write as _;
 
 /// An axis over its values, linear or by decades.
@@ -82,9 +82,15 @@ impl Axis {
         };
         let decimals = decimals(step);
         let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
-        let large = low.abs().max(high.abs()) >= 1e6 || step < 1e-6;
-        let write = |value: f64| match large {
-            true => number(value, 3),
+        let largest = low.abs().max(high.abs());
+        let by_power = largest >= 1e6 || step < 1e-6;
+        // One power for all, and no more digits than the step has: what is longer is cut off at the margin.
+        let power = largest.log10().floor() as i32;
+        let unit = 10f64.powi(power);
+        let places = self::decimals(step / unit);
+        let write = |value: f64| match by_power {
+            true if value == 0.0 => "0".to_owned(),
+            true => format!("{:.places$}·10{}", value / unit, superscript(power)).replace('-', "−"),
             false => format!("{value:.decimals$}").replace('-', "−"),
         };
         let count = (last - first) as usize;
@@ -162,7 +168,7 @@ impl Frame<'_> {
         );
         let _ = writeln!(
             out,
-            "<text class=\"label mid\" transform=\"translate(13 {centre:.2}) rotate(-90)\">\
+            "<text class=\"label mid\" transform=\"translate(12 {centre:.2}) rotate(-90)\">\
              {y_label}</text>"
         );
         out
@@ -223,6 +229,16 @@ mod tests {
         for (value, _) in axis.ticks(5) {
             assert!((0.0..=1.0).contains(&axis.place(value).unwrap()));
         }
+    }
+
+    /// Very small and very large numbers have one power of ten, and fit beside the axis.
+    #[test]
+    fn small_and_large_ticks_are_short() {
+        let ticks =
+            |low: f64, high: f64| texts(&Axis::linear([low, high].into_iter(), false, [0.0, 1.0]));
+        assert_eq!(ticks(0.0, 2e-9), ["0", "0.5·10⁻⁹", "1.0·10⁻⁹", "1.5·10⁻⁹", "2.0·10⁻⁹"]);
+        assert_eq!(ticks(-1e-9, 1e-9)[0], "−1.0·10⁻⁹");
+        assert_eq!(ticks(0.0, 4e7), ["0", "1·10⁷", "2·10⁷", "3·10⁷", "4·10⁷"]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::html::escape;
 /// Width of a plot's view box; the page scales it.
 pub(super) const WIDTH: f64 = 440.0;
 /// Where the plot's own area begins and ends on the paper.
-pub(super) const LEFT: f64 = 76.0;
+pub(super) const LEFT: f64 = 86.0;
 pub(super) const RIGHT: f64 = 426.0;
 /// Number of line colours of the page.
 pub(super) const COLOURS: usize = 6;

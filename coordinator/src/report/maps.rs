@@ -1,9 +1,12 @@
-//! The fields of the newest instant of a run as maps, with the edges of the contact on those of a surface.
+//! The fields of the newest instant of a run as maps, with the edges of the contact on those of a surface; those of a single row of
+//! elements, a line of contact, as lines along it.
 
 use super::axis::extent;
+use super::canvas::Drawing;
 use super::map::{Arrows, Edge, Heatmap, Polyline, contours};
 use super::places::{AXES, is_surface, label};
-use super::source::{Field, Image, Results};
+use super::plot::Figure;
+use super::source::{Field, GridSeries, Image, Results};
 use contract::field::{EDGES, QUOTIENTS, Quotient};
 use run::format::{Scale, number, sentence, words};
 
@@ -13,23 +16,49 @@ const ROUNDING: f64 = 1e-14;
 /// and reached within the first element.
 const EDGE: f64 = 1e-3;
 
+/// A component of less than this share of the largest is what an iteration leaves of zero, and not drawn.
+const NOTHING: f64 = 1e-5;
+
+/// A field, drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Drawn {
+    /// Over a surface or a section.
+    Map(Heatmap),
+    /// Along a single row of elements.
+    Line(Figure),
+}
+
+impl Drawn {
+    /// To put on a sheet.
+    #[must_use]
+    pub(super) fn drawing(&self) -> Drawing<'_> {
+        match self {
+            Self::Map(map) => map.drawing(),
+            Self::Line(line) => line.drawing(),
+        }
+    }
+}
+
 /// Every field of every grid, in the order of their files: the mechanical ones first.
 #[must_use]
-pub(crate) fn all(results: &Results) -> Vec<Heatmap> {
+pub(crate) fn all(results: &Results) -> Vec<Drawn> {
     named(results).into_iter().map(|(_, map)| map).collect()
 }
 
 /// The same, each with the name of its field.
 #[must_use]
-pub(crate) fn named(results: &Results) -> Vec<(String, Heatmap)> {
+pub(crate) fn named(results: &Results) -> Vec<(String, Drawn)> {
     let edges = edges(results);
     let mut maps = Vec::new();
     for series in &results.series {
         let Some(image) = &series.image else { continue };
         let edges = if is_surface(series) { edges.as_slice() } else { &[] };
         let made: Vec<Field> = QUOTIENTS.iter().filter_map(|one| quotient(image, one)).collect();
-        let map = |field: &Field| Some((field.name.clone(), map(image, field, edges)?));
-        maps.extend(image.fields.iter().chain(&made).filter_map(map));
+        let drawn = |field: &Field| {
+            let drawn = map(image, field, edges).map(Drawn::Map);
+            Some((field.name.clone(), drawn.or_else(|| row(image, field).map(Drawn::Line))?))
+        };
+        maps.extend(image.fields.iter().chain(&made).filter_map(drawn));
     }
     maps
 }
@@ -139,6 +168,56 @@ fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
     })
 }
 
+/// The grid is a single row of elements.
+#[must_use]
+pub(crate) fn is_row(series: &GridSeries) -> bool {
+    series.image.as_ref().and_then(along_row).is_some()
+}
+
+/// The axis along a single row; `None` for any other grid.
+fn along_row(image: &Image) -> Option<usize> {
+    let plane = image.plane()?;
+    match plane.map(|axis| image.cells[axis]) {
+        [count, 1] if count > 1 => Some(plane[0]),
+        [1, count] if count > 1 => Some(plane[1]),
+        _ => None,
+    }
+}
+
+/// A field of a single row of elements as lines along it, one for each component that is not nothing; `None` for any other, or where all is zero.
+fn row(image: &Image, field: &Field) -> Option<Figure> {
+    let along = along_row(image)?;
+    let magnitudes = field.magnitudes();
+    let largest = magnitudes.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    if largest == 0.0 {
+        return None;
+    }
+    let scale = Scale::of(&field.unit, largest);
+    let borders = image.borders(along);
+    let length = Scale::of("m", borders[0].abs().max(borders[1].abs()));
+    let most = largest_at(image, field, &magnitudes, &scale);
+    let mut figure =
+        Figure::new(words(&field.name), label(AXES[along], &length.unit), label("", &scale.unit));
+    figure.note = format!("{}. {most}", sentence(&field.meaning));
+    for component in 0..field.components {
+        let values: Vec<f64> =
+            field.values.iter().skip(component).step_by(field.components).copied().collect();
+        if values.iter().all(|value| value.abs() <= NOTHING * largest) {
+            continue;
+        }
+        let point = |(at, value): (usize, &f64)| {
+            [image.middle(along, at) / length.factor, value / scale.factor]
+        };
+        let points = values.iter().enumerate().map(point).collect();
+        let name = AXES.get(component).filter(|_| field.components > 1);
+        let own = name.filter(|_| figure.lines.is_empty()).map(|axis| format!("along {axis}"));
+        figure.y_label = label(own.as_deref().unwrap_or_default(), &scale.unit);
+        figure = figure
+            .with(name.map_or_else(|| words(&field.name), |axis| format!("along {axis}")), points);
+    }
+    Some(figure)
+}
+
 /// The largest value and its place, as a sentence.
 fn largest_at(image: &Image, field: &Field, values: &[f64], scale: &Scale) -> String {
     let (Some([_, most]), Some(plane)) = (extent(values.iter().copied()), image.plane()) else {
@@ -185,6 +264,27 @@ mod tests {
         };
         let (corner, spacing) = ([-1e-3, -1e-3, 0.0], [1e-3; 3]);
         (Image { corner, spacing, cells: [3, 2, 0], fields: vec![field.clone()] }, field)
+    }
+
+    /// A line of contact has lines along it: one for a scalar, one for each component of a vector that is something.
+    #[test]
+    fn a_single_row_is_drawn_as_lines() {
+        let (mut image, pressure) = image(vec![0.0, 5e6, 1e6]);
+        image.cells = [3, 1, 0];
+        assert!(map(&image, &pressure, &[]).is_none());
+        let figure = row(&image, &pressure).unwrap();
+        assert_eq!(figure.lines.len(), 1);
+        let values: Vec<f64> = figure.lines[0].points.iter().map(|point| point[1]).collect();
+        assert_eq!(values, [0.0, 5.0, 1.0]);
+        assert!((figure.lines[0].points[1][0] - 0.5).abs() < 1e-12);
+        assert_eq!([figure.x_label.as_str(), figure.y_label.as_str()], ["x [mm]", "MPa"]);
+        let values = vec![1e6, 0.0, -2e6, 1e-3, 0.0, 0.0];
+        let traction = Field { components: 2, values, ..pressure };
+        let figure = row(&image, &traction).unwrap();
+        let names: Vec<&str> = figure.lines.iter().map(|line| line.name.as_str()).collect();
+        assert_eq!((names, figure.y_label.as_str()), (vec!["along x"], "along x [MPa]"));
+        image.cells = [3, 2, 0];
+        assert!(row(&image, &traction).is_none());
     }
 
     #[test]

@@ -110,7 +110,9 @@ impl Figure {
         standalone::svg(&self.drawing())
     }
 
-    fn drawing(&self) -> Drawing<'_> {
+    /// To put on a sheet.
+    #[must_use]
+    pub(super) fn drawing(&self) -> Drawing<'_> {
         let [x, y] = self.axes();
         let axis = |axis: &Axis, name: &str, label: &str| {
             let ([low, high], [from, to]) = (axis.range, axis.paper);

@@ -2,7 +2,7 @@
 //! preferences: colours are written out, as programs that know no variables want them.
 
 use super::html::{PLOT_STYLE, escape};
-use super::map::Heatmap;
+use super::maps::Drawn;
 use super::standalone::whole;
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -21,7 +21,7 @@ pub(crate) enum Ground {
 
 /// The drawings in rows of so many columns, under no common title.
 #[must_use]
-pub(crate) fn sheet(title: &str, maps: &[Heatmap], columns: usize, ground: Ground) -> String {
+pub(crate) fn sheet(title: &str, maps: &[Drawn], columns: usize, ground: Ground) -> String {
     let mut inner = String::new();
     let (mut right, mut top) = (0.0f64, GAP);
     for row in maps.chunks(columns.max(1)) {

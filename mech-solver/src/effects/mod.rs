@@ -9,6 +9,7 @@ pub mod pressure_limit;
 pub mod roughness;
 pub mod shear_limit;
 pub mod speed_friction;
+pub mod stress_at_points;
 pub mod subsurface_stress;
 pub mod suspension;
 pub mod temperature_friction;
@@ -33,6 +34,7 @@ pub const EFFECTS: &[Effect] = &[
     roughness::EFFECT,
     shear_limit::EFFECT,
     speed_friction::EFFECT,
+    stress_at_points::EFFECT,
     subsurface_stress::EFFECT,
     suspension::EFFECT,
     temperature_friction::EFFECT,

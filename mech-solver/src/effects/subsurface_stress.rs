@@ -5,27 +5,27 @@
 //! ([`crate::half_space::subsurface`]).
 //!
 //! Where the bodies expand as they are warm, their thermal stress is added ([`crate::half_space::subsurface::WarmBody`]): the rise at a depth
-//! follows from its integrals at the surface, which raise that too, as the material moves steadily. A body at rest, in which heat
-//! stays where it was and whose depth follows from all that was before, is refused with that.
+//! follows from its integrals at the surface, which raise that too, as the material moves steadily.
 //!
 //! The point of each body with the largest von Mises stress is looked for in its whole volume ([`SurfaceLoad::peak`]), with the principal
-//! stresses there and their directions; with thermal stress, which is known in the section alone, only in that.
+//! stresses there and their directions, and where the contact has several patches below each of them ([`SurfaceLoad::peaks`]); with thermal stress, which is known in the section alone, only in that.
 //!
 //! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5; for thermal stress Goodier, Phil. Mag. 23 (1937).
 
 use crate::entry::Effect;
-use crate::half_space::subsurface::{Peak, RiseIntegral, Section, Stress, SurfaceLoad, WarmBody};
+use crate::half_space::patches::patches;
+use crate::half_space::subsurface::{Peak, Section, Stress, SurfaceLoad};
 use crate::keys::CheckedParams;
-use crate::scene::{Material, Scene};
+use crate::scene::Material;
 use crate::situation::{PRESSURE, Situation};
 use crate::terms::{Accepted, Kind, Observation, Place, State, Terms};
+use crate::thermal_stress::{self, ThermalStress};
 use proto::advice::Advice;
-use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
-use proto::figure::FigureSpec;
-use proto::grid::Structured;
+use proto::figure::{FigureSpec, Style};
+use proto::grid::{Shape, Structured};
 use proto::model::Outputs;
 use serde_json::{Value, json};
 
@@ -50,6 +50,9 @@ const GRIDS: [&str; 2] = ["upper_stress_section", "lower_stress_section"];
 const VON_MISES: [FieldSpec; 2] = [field::UPPER_SECTION_VON_MISES, field::LOWER_SECTION_VON_MISES];
 const MAX_SHEAR: [FieldSpec; 2] = [field::UPPER_SECTION_MAX_SHEAR, field::LOWER_SECTION_MAX_SHEAR];
 
+/// Patches of which each has its largest stress, those that carry most.
+const MOST_PATCHES: usize = 32;
+
 /// Depth of the section over the larger semi-axis, unless the case says otherwise.
 const DEPTH: f64 = 2.0;
 
@@ -57,19 +60,9 @@ const DEPTH_KEY: &str = "effects.subsurface_stress.depth";
 const LAYERS: &str = "effects.subsurface_stress.layers";
 const LATERAL: &str = "effects.subsurface_stress.y";
 
-/// What the diffusivity is made of.
-const THERMAL: [(&str, &str, &str); 3] = [
-    ("conductivity", "W/(m K)", "heat flux per temperature gradient; of bodies that expand"),
-    ("density", "kg/m3", "mass per volume; of bodies that expand"),
-    ("specific_heat", "J/(kg K)", "heat per mass and temperature; of bodies that expand"),
-];
-
 fn keys() -> Vec<KeySpec> {
-    let thermal = THERMAL.map(|(name, unit, help)| {
-        KeySpec::quantity(&format!("materials.*.{name}"), unit, help).above(0.0)
-    });
     let mut keys = own_keys();
-    keys.extend(thermal);
+    keys.extend(thermal_stress::keys());
     keys
 }
 
@@ -101,18 +94,13 @@ struct Sections {
     layers: usize,
     /// Lateral coordinate [m]; `None` for that of the highest pressure.
     y: Option<f64>,
-    /// What the case calls the bodies.
-    names: Bodies,
-    /// Materials of both bodies, and by name.
-    materials: [Material; 2],
-    called: [String; 2],
-    /// Conductivity [W/(m·K)], density [kg/m³] and specific heat [J/(kg·K)] of both, where the case says so.
-    thermal: [[Option<f64>; 3]; 2],
-    /// Coefficients of thermal expansion of bodies that expand [1/K].
-    expansion: Option<[f64; 2]>,
+    /// Both bodies, and what they have of thermal stress.
+    thermal: ThermalStress,
     on: Option<Plane>,
     results: Option<[Fields; 2]>,
     peaks: [Option<Peak>; 2],
+    /// Of both bodies, below each patch of several, with its place among them from 1.
+    below_patches: [Vec<(usize, Peak)>; 2],
 }
 
 /// Where the sections lie.
@@ -132,27 +120,15 @@ struct Fields {
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
-    let scene = Scene::read(&configuration.case)?;
-    let material = |body: usize| configuration.case.text(&scene.names.key(body, "material"));
-    let called = [material(0)?.to_owned(), material(1)?.to_owned()];
-    let mut thermal = [[None; 3]; 2];
-    for (values, material) in thermal.iter_mut().zip(&called) {
-        for (value, (name, ..)) in values.iter_mut().zip(THERMAL) {
-            *value = case.maybe_number(&format!("materials.{material}.{name}"))?;
-        }
-    }
     let sections = Sections {
         depth: case.maybe_number(DEPTH_KEY)?,
         layers: usize::try_from(case.integer(LAYERS)?).expect("the key's range is positive"),
         y: case.maybe_number(LATERAL)?,
-        materials: scene.materials(),
-        called,
-        thermal,
-        expansion: None,
-        names: scene.names,
+        thermal: ThermalStress::read(configuration, &case, EFFECT.name)?,
         on: None,
         results: None,
         peaks: [None; 2],
+        below_patches: Default::default(),
     };
     Ok(Terms { observations: vec![Box::new(sections)], ..Terms::default() })
 }
@@ -161,20 +137,10 @@ impl State for Sections {}
 
 impl Sections {
     /// Thermal stresses of a body in its section, where it expands.
-    fn thermal(&self, plane: &Plane, accepted: &Accepted<'_>, body: usize) -> Option<Vec<Stress>> {
-        let (expansion, heated) = (self.expansion?[body], accepted.heated?[body]);
-        let [conductivity, density, specific_heat] = self.thermal[body];
-        let Material { youngs_modulus, poisson_ratio } = self.materials[body];
-        let warm = WarmBody {
-            youngs_modulus,
-            poisson_ratio,
-            expansion,
-            diffusivity: conductivity? / (density? * specific_heat?),
-            speed: accepted.surface_speed[body],
-        };
-        let (grid, values) = heated.parts();
+    fn warm(&self, plane: &Plane, accepted: &Accepted<'_>, body: usize) -> Option<Vec<Stress>> {
+        let (warm, rise) = self.thermal.of(accepted, body)?;
         let xs: Vec<f64> = (0..plane.contact.ni).map(|column| plane.contact.x(column)).collect();
-        Some(warm.stresses(&RiseIntegral { grid, values }, &xs, plane.y, &plane.depths))
+        Some(warm.stresses(&rise, &xs, plane.y, &plane.depths))
     }
 }
 
@@ -190,41 +156,21 @@ impl Observation for Sections {
     }
 
     fn expand(&mut self, coefficients: [f64; 2], speeds: [f64; 2]) -> Result<(), Refusal> {
-        for (body, speed) in speeds.into_iter().enumerate() {
-            let lacking = THERMAL.iter().zip(self.thermal[body]).find(|(_, value)| value.is_none());
-            if let Some(((name, ..), _)) = lacking {
-                return Err(Refusal::new(
-                    &format!("materials.{}.{name}", self.called[body]),
-                    "missing: the thermal stress in the section needs the diffusivity",
-                    format!("write it, or remove effects.{}", EFFECT.name),
-                ));
-            }
-            if speed <= 0.0 {
-                return Err(Refusal::new(
-                    &self.names.key(body, "surface_speed"),
-                    format!(
-                        "`{}` is at rest: how deep its heat is follows from all that was before, and the thermal stress in \
-                         the section is that of steady motion",
-                        self.names.0[body]
-                    ),
-                    format!("write a speed above 0 m/s, or remove effects.{}", EFFECT.name),
-                ));
-            }
-        }
-        self.expansion = Some(coefficients);
-        Ok(())
+        self.thermal.expand(coefficients, speeds)
     }
 
     /// The section of the upper body lies above the contact, that of the lower one below.
-    fn grids(&self) -> Vec<(&'static str, Structured)> {
+    fn grids(&self) -> Vec<(&'static str, Shape)> {
         let Some(Plane { contact, y, depths }) = &self.on else { return Vec::new() };
         let step = 2.0 * depths[0];
-        let grid = |up: f64| Structured {
-            origin: [contact.x(0), *y, up * depths[0]],
-            step_i: contact.step_i,
-            step_j: [0.0, 0.0, up * step],
-            ni: contact.ni,
-            nj: depths.len(),
+        let grid = |up: f64| {
+            Shape::Structured(Structured {
+                origin: [contact.x(0), *y, up * depths[0]],
+                step_i: contact.step_i,
+                step_j: [0.0, 0.0, up * step],
+                ni: contact.ni,
+                nj: depths.len(),
+            })
         };
         vec![(GRIDS[0], grid(1.0)), (GRIDS[1], grid(-1.0))]
     }
@@ -238,18 +184,25 @@ impl Observation for Sections {
         let Some(plane @ Plane { contact, y, depths }) = &self.on else { return };
         let turned: Vec<f64> = accepted.traction.iter().map(|value| -value).collect();
         let on = [accepted.traction, &turned];
-        let warm = self.expansion.is_some();
+        let warm = self.thermal.is_there();
         let of = |body: usize| SurfaceLoad::new(contact, accepted.pressure, on[body]);
         let peaks = [0, 1].map(|body| match warm {
             true => None,
-            false => of(body).peak(self.materials[body].poisson_ratio, Stress::von_mises),
+            false => of(body).peak(self.thermal.materials[body].poisson_ratio, Stress::von_mises),
+        });
+        self.below_patches = [0, 1].map(|body| match warm {
+            true => Vec::new(),
+            false => {
+                below_patches(contact, accepted.pressure, &of(body), self.thermal.materials[body])
+            }
         });
         self.results = Some(std::array::from_fn(|body| {
             let load = of(body);
-            let mut section = Section::new(contact, self.materials[body].poisson_ratio, *y, depths);
+            let mut section =
+                Section::new(contact, self.thermal.materials[body].poisson_ratio, *y, depths);
             let zeros = vec![0.0; section.points()];
             let mut fields = Fields { von_mises: zeros.clone(), max_shear: zeros };
-            let thermal = self.thermal(plane, accepted, body);
+            let thermal = self.warm(plane, accepted, body);
             let Fields { von_mises, max_shear } = &mut fields;
             section.equivalents(&load, thermal.as_deref(), von_mises, max_shear);
             fields
@@ -276,25 +229,56 @@ impl Observation for Sections {
             let (at, value) = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
             Some((*value, contact.x(at % contact.ni), depths[at / contact.ni]))
         };
-        let body = |fields: &Fields, peak: &Option<Peak>, up: f64| {
-            let (von_mises, x, depth) = largest(&fields.von_mises)?;
-            let (shear, shear_x, shear_depth) = largest(&fields.max_shear)?;
-            let mut figures = json!({
-                "max_von_mises_pa": von_mises, "von_mises_x_m": x, "von_mises_depth_m": depth,
-                "max_shear_pa": shear, "shear_x_m": shear_x, "shear_depth_m": shear_depth,
-                "section_y_m": y,
+        let body =
+            |fields: &Fields, (peak, each): (&Option<Peak>, &Vec<(usize, Peak)>), up: f64| {
+                let (von_mises, x, depth) = largest(&fields.von_mises)?;
+                let (shear, shear_x, shear_depth) = largest(&fields.max_shear)?;
+                let mut figures = json!({
+                    "max_von_mises_pa": von_mises, "von_mises_x_m": x, "von_mises_depth_m": depth,
+                    "max_shear_pa": shear, "shear_x_m": shear_x, "shear_depth_m": shear_depth,
+                    "section_y_m": y,
+                });
+                if let Some(peak) = peak {
+                    figures["volume"] = in_the_volume(peak, up);
+                }
+                if !each.is_empty() {
+                    let patch = |(patch, peak): &(usize, Peak)| {
+                        let mut figures = in_the_volume(peak, up);
+                        figures["patch"] = (*patch).into();
+                        figures
+                    };
+                    figures["each_patch"] = each.iter().map(patch).collect();
+                }
+                Some(figures)
+            };
+        let names = &self.thermal.names.0;
+        let peaks = self.peaks.iter().zip(&self.below_patches).zip([1.0, -1.0]);
+        let both =
+            names.iter().zip(results).zip(peaks).filter_map(|((name, fields), (peaks, up))| {
+                Some((name.clone(), body(fields, peaks, up)?))
             });
-            if let Some(peak) = peak {
-                figures["volume"] = in_the_volume(peak, up);
-            }
-            Some(figures)
-        };
-        let names = &self.names.0;
-        let both = names.iter().zip(results).zip(self.peaks.iter().zip([1.0, -1.0])).filter_map(
-            |((name, fields), (peak, up))| Some((name.clone(), body(fields, peak, up)?)),
-        );
         Some(("stress", Value::Object(both.collect())))
     }
+}
+
+/// The largest von Mises stress below each patch of several, by the order of their lateral places; of many, below those that carry most.
+fn below_patches(
+    grid: &Structured,
+    pressure: &[f64],
+    load: &SurfaceLoad<'_>,
+    material: Material,
+) -> Vec<(usize, Peak)> {
+    let all = patches(grid, pressure);
+    if all.len() < 2 {
+        return Vec::new();
+    }
+    let mut places: Vec<usize> = (0..all.len()).collect();
+    places.sort_by(|a, b| all[*b].sum.total_cmp(&all[*a].sum));
+    places.truncate(MOST_PATCHES);
+    places.sort_unstable();
+    let elements = places.iter().map(|place| all[*place].elements.as_slice());
+    let peaks = load.peaks(material.poisson_ratio, Stress::von_mises, elements);
+    places.iter().zip(peaks).filter_map(|(place, peak)| Some((place + 1, peak?))).collect()
 }
 
 /// The largest von Mises stress of a body; `up` is 1 for the upper one and −1 for the lower one, whose depth points down.
@@ -314,10 +298,20 @@ fn figures() -> Vec<FigureSpec> {
     vec![
         figure("volume.max_von_mises_pa", "Pa", "largest von Mises stress in the body")
             .on("stress in *", "von Mises")
-            .digits(4),
-        figure("volume.x_m", "m", "where it is, along x").on("stress in *", "at x"),
-        figure("volume.y_m", "m", "where it is, along y").on("stress in *", "y"),
+            .digits(4)
+            .headline(),
+        figure("volume.x_m", "m", "where it is, along x")
+            .on("stress in *", "at x")
+            .style(Style::Place),
+        figure("volume.y_m", "m", "where it is, along y")
+            .on("stress in *", "y")
+            .style(Style::Place),
         figure("volume.depth_m", "m", "how deep it is").on("stress in *", "depth"),
+        figure("each_patch.#.patch", "1", "place of the patch among all, from 1"),
+        figure("each_patch.#.max_von_mises_pa", "Pa", "largest von Mises stress below the patch"),
+        figure("each_patch.#.x_m", "m", "where it is, along x"),
+        figure("each_patch.#.y_m", "m", "where it is, along y"),
+        figure("each_patch.#.depth_m", "m", "how deep it is"),
         figure("max_von_mises_pa", "Pa", "largest von Mises stress in the section"),
         figure("max_shear_pa", "Pa", "largest shear stress in the section"),
     ]

@@ -44,12 +44,14 @@
 
 mod element;
 mod peak;
+mod points;
 mod section;
 mod stress;
 mod thermal;
 
 pub use element::{Element, UnitStresses};
 pub use peak::Peak;
+pub use points::Nodes;
 pub use section::{Effort, Section};
 pub use stress::Stress;
 pub use thermal::{RiseIntegral, WarmBody};
@@ -89,7 +91,7 @@ impl<'a> SurfaceLoad<'a> {
     }
 
     /// Stresses at any points (x, y, depth) [m], by summation over the loaded elements; for a
-    /// vertical section of many points [`Section`] is far faster.
+    /// vertical section of many points [`Section`] is far faster, [`SurfaceLoad::on_lattice`] for planes and boxes.
     ///
     /// # Panics
     /// If a depth is negative.

@@ -2,7 +2,7 @@
 
 use proto::configuration::{Configuration, FieldOnGrid};
 use proto::field::{self, FieldSpec};
-use proto::grid::{Grid, Structured};
+use proto::grid::{Grid, Shape};
 
 /// Name of the grid that covers the contact.
 pub const CONTACT_GRID: &str = "contact";
@@ -14,7 +14,7 @@ pub const RIGID_GRID: &str = "rigid";
 pub(super) fn laid_out(
     configuration: &Configuration,
     on: impl Fn(&FieldSpec) -> &'static str,
-    grids: Vec<(&'static str, Structured)>,
+    grids: Vec<(&'static str, impl Into<Shape>)>,
 ) -> (Vec<Grid>, Vec<FieldOnGrid>) {
     let wanted = |spec: &&FieldSpec| {
         configuration.outputs.iter().chain(&configuration.observed).any(|name| name == spec.name)
@@ -26,5 +26,6 @@ pub(super) fn laid_out(
         .collect();
     let used = |name: &str| fields.iter().any(|on| on.grid == name);
     let grids = grids.into_iter().filter(|(name, _)| used(name));
-    (grids.map(|(name, shape)| Grid::structured(name, shape)).collect(), fields)
+    let grid = |(name, shape): (&str, _)| Grid { name: name.to_owned(), revision: 1, shape };
+    (grids.map(|(name, shape)| grid((name, shape.into()))).collect(), fields)
 }

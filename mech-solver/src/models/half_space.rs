@@ -276,8 +276,11 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     };
     let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
     let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-    let mut grids =
-        vec![(CONTACT_GRID, grid), (PASSAGE_GRID, case.passage_grid()), (RIGID_GRID, whole)];
+    let mut grids = vec![
+        (CONTACT_GRID, grid.into()),
+        (PASSAGE_GRID, case.passage_grid().into()),
+        (RIGID_GRID, whole.into()),
+    ];
     grids.extend(observations.iter().flat_map(|term| term.grids()));
     let (grids, fields) = laid_out(configuration, on, grids);
     let elements = grid.points() as f64;

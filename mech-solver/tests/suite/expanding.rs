@@ -202,6 +202,42 @@ fn the_section_has_the_thermal_stress() {
     }
 }
 
+/// A plane of points has what the section has at the same places, of contact and heat. Tolerance: rounding.
+#[test]
+fn points_have_the_stress_of_the_section() {
+    let mut case = in_section();
+    case["effects"]["stress_at_points"] = json!({
+        "below": {"body": "rail", "y": 0.0, "z": [-1e-5, -9e-5], "points_z": 5},
+    });
+    let mut configuration = configuration(&case);
+    let names = ["lower_section_von_mises_stress", "point_von_mises_stress"];
+    configuration.observed = names.map(str::to_owned).to_vec();
+    let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
+    let layout = setup.layout().clone();
+    let mut model = setup.build(&Progress::default()).expect("a checked case builds");
+    let mut store = Store::for_layout(&layout, &configuration.outputs);
+    model.solve(&Step::STEADY, &Heated::new().0, &mut store).expect("a solution");
+    model.accept();
+    let mut observed = Store::for_layout(&layout, &configuration.observed);
+    model.observe(&mut observed);
+    let grids = names.map(|name| layout.grid_of(name).expect("it is asked for"));
+    let columns = grids[0].as_structured().expect("a plane").ni;
+    let [section, points] = names.map(|name| &observed.0[name]);
+    assert_eq!(section.len(), points.len());
+    let largest = section.iter().copied().fold(0.0, f64::max);
+    for (at, stress) in section.iter().enumerate() {
+        // Points rise with z, the section goes down.
+        let mirrored = (4 - at / columns) * columns + at % columns;
+        let [one, other] = [grids[0].centre(at), grids[1].centre(mirrored)];
+        assert!((0..3).all(|axis| (one[axis] - other[axis]).abs() < 1e-15), "{one:?} {other:?}");
+        assert!(
+            (stress - points[mirrored]).abs() < 1e-9 * largest,
+            "{stress} {}",
+            points[mirrored]
+        );
+    }
+}
+
 /// The section needs the diffusivity, and material that moves.
 #[test]
 fn a_section_without_a_rise_at_depth_is_refused() {

@@ -17,6 +17,7 @@ mod rod;
 mod rows;
 mod sequences;
 mod slip_friction;
+mod stress_at_points;
 mod viscoelastic;
 mod wearing;
 mod wheel_on_track;

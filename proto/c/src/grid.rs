@@ -86,8 +86,8 @@ impl CosimGrid {
                 view.vertices = q.points.as_flattened().as_ptr();
                 view.elements = q.elements.as_flattened().as_ptr();
             }
-            // No input is on a volume: a kind that no program knows.
-            Shape::Volume(_) => view.kind = 0,
+            // No input is on a volume or at points: a kind that no program knows.
+            Shape::Volume(_) | Shape::Points(_) => view.kind = 0,
         }
         view
     }

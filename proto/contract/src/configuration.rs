@@ -170,8 +170,11 @@ impl Layout {
                 return Err(format!("the input `{field}` is wanted on two grids"));
             }
             let fault = match self.input_grid(field) {
-                Some(wanted) if !wanted.is_volume() => continue,
-                Some(_) => "a volume: fields on volumes are only written out",
+                Some(wanted) if !wanted.only_written() => continue,
+                Some(wanted) if wanted.is_volume() => {
+                    "a volume: fields on volumes are only written out"
+                }
+                Some(_) => "of points: fields at points are only written out",
                 None => "not a grid",
             };
             return Err(format!("the input `{field}` is wanted on `{grid}`, which is {fault}"));

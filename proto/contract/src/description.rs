@@ -256,6 +256,9 @@ pub struct KeySpec {
     /// through [`Configuration::histories`].
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub varies: bool,
+    /// A case may give a list of values in the place of one.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub list: bool,
     /// What is expected of it; a case is run whose value is otherwise, and told so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible: Option<Plausible>,
@@ -319,6 +322,7 @@ impl KeySpec {
             or_none: false,
             together: None,
             varies: false,
+            list: false,
             plausible: None,
             help: help.to_owned(),
         }
@@ -433,6 +437,13 @@ impl KeySpec {
     #[must_use]
     pub fn varies(mut self) -> Self {
         self.varies = true;
+        self
+    }
+
+    /// A case may give a list of values.
+    #[must_use]
+    pub fn or_list(mut self) -> Self {
+        self.list = true;
         self
     }
 

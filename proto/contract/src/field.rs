@@ -132,6 +132,26 @@ field_table! {
         "largest shear stress of the lower body in a vertical plane along x under the surface";
     UPPER_SECTION_MAX_SHEAR = "upper_section_max_shear_stress" ["Pa"; 1], Consistent, Upper,
         "largest shear stress of the upper body in a vertical plane along x over the surface";
+    POINT_VON_MISES = "point_von_mises_stress" ["Pa"; 1], Consistent, Interface,
+        "von Mises stress at points that the case names";
+    POINT_MAX_SHEAR = "point_max_shear_stress" ["Pa"; 1], Consistent, Interface,
+        "largest shear stress (Tresca) at points that the case names";
+    POINT_HYDROSTATIC = "point_hydrostatic_stress" ["Pa"; 1], Consistent, Interface,
+        "mean normal stress at points that the case names, tension positive";
+    POINT_STRESS = "point_stress" ["Pa"; 6], Consistent, Interface,
+        "stress tensor (xx, yy, zz, xy, yz, xz) at points that the case names, tension positive";
+    POINT_PRINCIPAL_1 = "point_principal_stress_1" ["Pa"; 1], Consistent, Interface,
+        "largest principal stress at points that the case names";
+    POINT_PRINCIPAL_2 = "point_principal_stress_2" ["Pa"; 1], Consistent, Interface,
+        "middle principal stress at points that the case names";
+    POINT_PRINCIPAL_3 = "point_principal_stress_3" ["Pa"; 1], Consistent, Interface,
+        "smallest principal stress at points that the case names";
+    POINT_DIRECTION_1 = "point_principal_direction_1" ["1"; 3], Consistent, Interface,
+        "unit vector along the largest principal stress";
+    POINT_DIRECTION_2 = "point_principal_direction_2" ["1"; 3], Consistent, Interface,
+        "unit vector along the middle principal stress";
+    POINT_DIRECTION_3 = "point_principal_direction_3" ["1"; 3], Consistent, Interface,
+        "unit vector along the smallest principal stress";
 }
 
 /// A line that maps of a surface show: where a field begins to differ from zero.

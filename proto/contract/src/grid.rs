@@ -3,17 +3,19 @@
 //! A structured grid is a plane patch of equal elements, an unstructured one a surface of
 //! quadrilaterals. Values belong to element centres; the value of element (i, j) of a structured
 //! grid stands at index `j * ni + i` (i runs fastest). For the contact plane `step_i` points along
-//! x, the rolling direction, and `step_j` along y, to the left. Fields on volumes of hexahedra are
-//! only written out.
+//! x, the rolling direction, and `step_j` along y, to the left. Fields on volumes of hexahedra and at points
+//! are only written out.
 
 mod geometry;
 mod hexahedron;
+mod points;
 mod quadrilaterals;
 mod structured;
 mod sum;
 mod vector;
 mod volume;
 
+pub use points::{Block, Places, Points};
 pub use quadrilaterals::Quadrilaterals;
 pub use structured::Structured;
 pub use sum::{blocked_sum, pairwise_sum};
@@ -60,6 +62,14 @@ pub enum Shape {
     Quadrilaterals(Quadrilaterals),
     /// Hexahedral elements, for fields that are only written out.
     Volume(Volume),
+    /// Points in named blocks, for fields that are only written out.
+    Points(Points),
+}
+
+impl From<Structured> for Shape {
+    fn from(shape: Structured) -> Self {
+        Self::Structured(shape)
+    }
 }
 
 impl Grid {
@@ -92,10 +102,16 @@ impl Grid {
         }
     }
 
-    /// Fields on it are only written out.
+    /// It is a volume, whose geometry travels on a topic of its own.
     #[must_use]
     pub fn is_volume(&self) -> bool {
         matches!(self.shape, Shape::Volume(_))
+    }
+
+    /// Fields on it are only written out.
+    #[must_use]
+    pub fn only_written(&self) -> bool {
+        matches!(self.shape, Shape::Volume(_) | Shape::Points(_))
     }
 
     /// A volume whose geometry is to follow.
@@ -111,6 +127,7 @@ impl Grid {
             Shape::Structured(s) => s.points(),
             Shape::Quadrilaterals(q) => q.elements.len(),
             Shape::Volume(v) => v.hexahedra().elements(),
+            Shape::Points(p) => p.count(),
         }
     }
 
@@ -124,10 +141,11 @@ impl Grid {
             Shape::Structured(s) => s.centre(index % s.ni, index / s.ni),
             Shape::Quadrilaterals(q) => q.centre(index),
             Shape::Volume(v) => v.centre(index),
+            Shape::Points(p) => p.point(index),
         }
     }
 
-    /// Area of the element whose value stands at `index` [m²]; in a volume its volume [m³].
+    /// Area of the element whose value stands at `index` [m²]; in a volume its volume [m³]; 0 for a point.
     ///
     /// # Panics
     /// For a volume that is announced.
@@ -137,6 +155,7 @@ impl Grid {
             Shape::Structured(s) => s.element_area(),
             Shape::Quadrilaterals(q) => q.area(index),
             Shape::Volume(v) => v.volume(index),
+            Shape::Points(_) => 0.0,
         }
     }
 
@@ -152,6 +171,7 @@ impl Grid {
             Shape::Structured(s) => Quadrilaterals::from(s).displaced(displacement),
             Shape::Quadrilaterals(q) => q.displaced(displacement),
             Shape::Volume(_) => Err("it is a volume".to_owned()),
+            Shape::Points(_) => Err("points do not move".to_owned()),
         };
         let shape = moved.map_err(|why| format!("grid `{}`, moved: {why}", self.name))?;
         Ok(Self {
@@ -165,8 +185,8 @@ impl Grid {
     ///
     /// # Errors
     /// A name that is no plain word of at most 31 bytes, no points or more than fit, steps that are
-    /// not finite or have no length, vertices that are not finite or missing, elements that are not
-    /// convex or have no positive volume, a volume that has both or neither of a geometry and the
+    /// not finite or have no length, vertices or points that are not finite or missing, elements that are not
+    /// convex or have no positive volume, blocks without a name of their own, axes that do not rise, a volume that has both or neither of a geometry and the
     /// revision 0.
     pub fn check(&self) -> Result<(), String> {
         check_name("grid", &self.name)?;
@@ -184,6 +204,10 @@ impl Grid {
                 ));
             }
             Shape::Volume(v) => return v.check().map_err(|why| format!("volume `{name}`: {why}")),
+            Shape::Points(p) => {
+                p.blocks.iter().try_for_each(|block| check_name("block", &block.name))?;
+                return p.check().map_err(|why| format!("points `{name}`: {why}"));
+            }
         };
         match s.ni.checked_mul(s.nj) {
             Some(points) if (1..=MOST_POINTS).contains(&points) => {}
@@ -201,12 +225,12 @@ impl Grid {
     pub fn as_structured(&self) -> Option<&Structured> {
         match &self.shape {
             Shape::Structured(s) => Some(s),
-            Shape::Quadrilaterals(_) | Shape::Volume(_) => None,
+            Shape::Quadrilaterals(_) | Shape::Volume(_) | Shape::Points(_) => None,
         }
     }
 
     /// Surface integral of a one-component field given at the points [unit·m²]; the integral over a
-    /// volume [unit·m³].
+    /// volume [unit·m³]; 0 over points.
     ///
     /// # Panics
     /// For a volume that is announced.
@@ -216,6 +240,7 @@ impl Grid {
             Shape::Structured(s) => s.element_area() * blocked_sum(values),
             Shape::Quadrilaterals(q) => pairwise_sum(0..values.len(), &|n| q.area(n) * values[n]),
             Shape::Volume(v) => pairwise_sum(0..values.len(), &|n| v.volume(n) * values[n]),
+            Shape::Points(_) => 0.0,
         }
     }
 }

@@ -93,8 +93,8 @@ pub(super) fn topics(topics: &Topics) -> Result<(), String> {
         check_name("field", &topic.field)?;
         grid(&topic.grid)?;
     }
-    if let Some(topic) = inputs.iter().find(|topic| topic.grid.is_volume()) {
-        return Err(format!("the input `{}` on a volume", topic.field));
+    if let Some(topic) = inputs.iter().find(|topic| topic.grid.only_written()) {
+        return Err(format!("the input `{}` on a volume or at points", topic.field));
     }
     for topic in geometry {
         check_name("grid", &topic.grid)?;

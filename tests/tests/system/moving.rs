@@ -28,7 +28,7 @@ fn heat(grid: &Grid) -> f64 {
     let surface = match &grid.shape {
         Shape::Structured(s) => Quadrilaterals::from(s),
         Shape::Quadrilaterals(q) => q.clone(),
-        Shape::Volume(_) => unreachable!("the patch is a surface"),
+        Shape::Volume(_) | Shape::Points(_) => unreachable!("the patch is a surface"),
     };
     let of = |vertices: &[u32; 4]| {
         let corners = vertices.map(|v| surface.points[v as usize]);

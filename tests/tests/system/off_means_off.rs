@@ -28,7 +28,8 @@ fn without(text: &str, effect: &str) -> String {
     let mut in_effect = false;
     let keep = |line: &&str| {
         if line.starts_with('[') {
-            in_effect = line.starts_with(&format!("[effects.{effect}]"));
+            let tables = [format!("[effects.{effect}]"), format!("[effects.{effect}.")];
+            in_effect = tables.iter().any(|table| line.starts_with(table));
         }
         !in_effect
     };
@@ -49,7 +50,7 @@ fn leaves_no_trace(name: &str, needed: &[&str]) {
     let beside = |text: String, folder: &str| {
         text.replace(&format!("\"{folder}/"), &format!("\"{}/", case(folder)))
     };
-    let text = ["materials", "histories", "profiles"].into_iter().fold(text, beside);
+    let text = ["materials", "histories", "profiles", "points"].into_iter().fold(text, beside);
     for off in switchable(&text, needed) {
         let never_named = folder.path().join(format!("{off}-{name}"));
         std::fs::write(&never_named, without(&text, &off)).unwrap();
@@ -103,6 +104,7 @@ an_effect_that_is_off_leaves_no_trace! {
     an_effect_that_is_off_leaves_no_trace_under_a_train("train.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_in_a_white_layer("white-etching-layer.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_in_a_resting_contact("electric-contact.toml", &["friction_heat", "partial_slip"]);
+    an_effect_that_is_off_leaves_no_trace_at_points("stress-at-points.toml", &["partial_slip"]);
     an_effect_that_is_off_leaves_no_trace_over_a_joint("rail-joint.toml", &["friction_heat", "partial_slip"]);
     an_effect_that_is_off_leaves_no_trace_in_steel_that_softens("softening.toml", &["friction_heat", "partial_slip", "plasticity"]);
     an_effect_that_is_off_leaves_no_trace_in_steel_that_flows("yielding.toml", &["friction_heat", "partial_slip"]);

@@ -44,6 +44,15 @@ fn two_patches_have_a_row_each_and_the_sections() {
     assert_eq!(summary["contact"]["patches"], 2);
     let patches = summary["contact"]["each_patch"].as_array().unwrap();
     assert_eq!(patches.len(), 2);
+    let below = summary["stress"]["rail"]["each_patch"].as_array().unwrap();
+    assert_eq!(below.len(), 2);
+    for (patch, below) in patches.iter().zip(below) {
+        // Between a line and a circle 0.56 to 0.62 of the largest pressure, some more with friction.
+        let share = number(below, "/max_von_mises_pa") / number(patch, "/max_pressure_pa");
+        assert!((0.54..0.8).contains(&share), "{share}");
+        let aside = (number(below, "/y_m") - number(patch, "/y_m")).abs();
+        assert!(aside < 0.5 * number(patch, "/semi_axis_b_m"), "{below} {patch}");
+    }
     let peak = summary["temperature"]["rail"]["max_rise_k"].as_f64().unwrap();
     for patch in patches {
         assert!((number(patch, "/normal_force_n") - 25.0).abs() < 1e-3, "{patch}");

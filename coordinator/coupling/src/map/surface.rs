@@ -43,12 +43,12 @@ pub(super) struct Foot {
 }
 
 impl Surface {
-    /// The surface of a grid that has passed its check; `None` for a volume.
+    /// The surface of a grid that has passed its check; `None` for a volume and for points.
     pub(super) fn of(grid: &Grid) -> Option<Self> {
         let shape = match &grid.shape {
             Shape::Structured(structured) => Quadrilaterals::from(structured),
             Shape::Quadrilaterals(shape) => shape.clone(),
-            Shape::Volume(_) => return None,
+            Shape::Volume(_) | Shape::Points(_) => return None,
         };
         let count = grid.points();
         let patch = |element: usize| {

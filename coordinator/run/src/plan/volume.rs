@@ -1,10 +1,10 @@
-//! Fields on volumes are only written out: a case in which a participant consumes one is refused.
+//! Fields on volumes and at points are only written out: a case in which a participant consumes one is refused.
 
 use super::contents::{Participant, Plan};
 use case::{Case, Problem};
 use coupling::ParticipantIndex;
 
-/// The fields of a participant that are on a volume, as its estimate says, and that others consume.
+/// The fields of a participant that are on a volume or at points, as its estimate says, and that others consume.
 pub(super) fn consumed(case: &Case, plan: &Plan, producer: ParticipantIndex) -> Vec<Problem> {
     let Participant { role, estimate: Some(layout), .. } = &plan.participants[producer] else {
         return Vec::new();
@@ -12,15 +12,19 @@ pub(super) fn consumed(case: &Case, plan: &Plan, producer: ParticipantIndex) -> 
     let sent = plan.fields.iter().filter(|field| field.producer == producer);
     let problems = sent.flat_map(|field| {
         let name = &field.kind.name;
-        let volume = layout.grid_of(name).filter(|grid| grid.is_volume());
-        let on_it = volume.map(|grid| &grid.name).into_iter();
+        let unfit = layout.grid_of(name).filter(|grid| grid.only_written());
+        let on_it = unfit.into_iter();
         on_it.flat_map(|grid| field.consumers.iter().map(move |one| (*one, grid))).map(
             move |(one, grid)| {
                 let consumer = &plan.participants[one];
+                let (kind, on) = match grid.is_volume() {
+                    true => ("volume", "on volumes"),
+                    false => ("grid of points", "at points"),
+                };
                 let reason = format!(
-                    "`{}` consumes `{name}` of `{role}`, which is on the volume `{grid}`: fields on \
-                     volumes are only written out",
-                    consumer.role
+                    "`{}` consumes `{name}` of `{role}`, which is on the {kind} `{}`: fields {on} are \
+                     only written out",
+                    consumer.role, grid.name
                 );
                 let fix = format!(
                     "choose a model of `{role}` that provides `{name}` on a surface, or one of `{}` \

@@ -2,29 +2,54 @@
 //! first scalar field, or of the first field if all are vectors. On a surface it runs along i, in the
 //! rolling direction; in a section, whose rows are levels over each other, through all of them. Of
 //! several largest values, as on mirrored patches, the one nearest to the origin counts, and where all
-//! is zero the line is the one nearest to it.
+//! is zero the line is the one nearest to it. Points that a case names are a table as a whole.
 
 use super::vtk::ShownKind;
-use contract::grid::Structured;
+use contract::grid::{Places, Structured};
 use std::io::{self, Write};
 
 /// Relative difference of the squares of values that are the same but for rounding.
 const SAME: f64 = 1e-9;
 
 /// Names of the components of vectors.
-const COMPONENTS: [&str; 3] = ["x", "y", "z"];
+const VECTOR: [&str; 3] = ["x", "y", "z"];
+/// Those of symmetric tensors, in VTK's order.
+const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
 
-/// Writes places and values, with a header that names quantities and units.
+/// Writes places and values of a line, with a header that names quantities and units.
 pub(super) fn write(
     grid: &Structured,
     out: &mut impl Write,
     fields: &[(&ShownKind, &[f64])],
 ) -> io::Result<()> {
-    let elements = elements(grid, fields);
+    let elements = elements(grid, fields).into_iter();
+    let points = elements.map(|(i, j)| (grid.centre(i, j), j * grid.ni + i));
+    table(points, grid.points(), out, fields)
+}
+
+/// Writes places and values of all points of a block, with the same header.
+pub(super) fn write_points(
+    places: &Places,
+    out: &mut impl Write,
+    fields: &[(&ShownKind, &[f64])],
+) -> io::Result<()> {
+    let count = places.count();
+    table((0..count).map(|at| (places.point(at), at)), count, out, fields)
+}
+
+/// A row for each place, whose values stand at an index among so many.
+fn table(
+    rows: impl Iterator<Item = ([f64; 3], usize)>,
+    points: usize,
+    out: &mut impl Write,
+    fields: &[(&ShownKind, &[f64])],
+) -> io::Result<()> {
     write!(out, "x [m],y [m],z [m]")?;
     for (kind, _) in fields {
-        for component in 0..kind.components as usize {
-            match (kind.components, COMPONENTS.get(component)) {
+        let components = kind.components as usize;
+        let names: &[&str] = if components == TENSOR.len() { &TENSOR } else { &VECTOR };
+        for component in 0..components {
+            match (components, names.get(component)) {
                 (1, _) => write!(out, ",{} [{}]", kind.name, kind.unit)?,
                 (_, Some(axis)) => write!(out, ",{}_{axis} [{}]", kind.name, kind.unit)?,
                 (_, None) => write!(out, ",{}_{component} [{}]", kind.name, kind.unit)?,
@@ -32,12 +57,11 @@ pub(super) fn write(
         }
     }
     writeln!(out)?;
-    for (i, j) in elements {
-        let [x, y, z] = grid.centre(i, j);
+    for ([x, y, z], index) in rows {
         write!(out, "{x:e},{y:e},{z:e}")?;
         for (kind, values) in fields {
             for component in 0..kind.components as usize {
-                let at = component * grid.points() + j * grid.ni + i;
+                let at = component * points + index;
                 write!(out, ",{:e}", values.get(at).copied().unwrap_or(f64::NAN))?;
             }
         }
@@ -111,6 +135,26 @@ mod tests {
         assert!(row(&[1.0, 2.0, 0.0, 0.0, 4.0, 3.0]).contains("0e0,1e0,0e0,4e0"));
         assert!(row(&[4.0, 0.0, 4.0 - 1e-12, 3.9, 4.0, 0.0]).contains("1e0,0e0,0e0,3.9e0"));
         assert!(row(&[0.0; 6]).contains("0e0,0e0,0e0,0e0"));
+    }
+
+    /// Points have a row each, and tensors the names of their components.
+    #[test]
+    fn points_are_a_table() {
+        let places = Places::Lattice([vec![1.0, 2.0], vec![0.0], vec![-3.0]]);
+        let stress = ShownKind::of(&contract::field::POINT_STRESS.kind(), None);
+        let mut out = Vec::new();
+        let values: Vec<f64> = (0..12).map(f64::from).collect();
+        write_points(&places, &mut out, &[(&stress, &values)]).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        let mut lines = text.lines();
+        assert!(
+            lines
+                .next()
+                .unwrap()
+                .starts_with("x [m],y [m],z [m],point_stress_xx [Pa],point_stress_yy")
+        );
+        assert_eq!(lines.next(), Some("1e0,0e0,-3e0,0e0,2e0,4e0,6e0,8e0,1e1"));
+        assert_eq!(lines.next(), Some("2e0,0e0,-3e0,1e0,3e0,5e0,7e0,9e0,1.1e1"));
     }
 
     /// A section has its depth line below the largest value, all levels of it.

@@ -2,7 +2,7 @@
 //!
 //! A structured grid whose steps lie along two axes becomes an image with cell data (`.vti`), any
 //! other an unstructured grid of quadrilaterals (`.vtu`); a volume a rectilinear (`.vtr`) or structured
-//! grid (`.vts`), or an unstructured one of hexahedra. Every array carries its unit in its name
+//! grid (`.vts`), or an unstructured one of hexahedra. Of points every block has a file of its own, and a table as CSV. Every array carries its unit in its name
 //! (`pressure [Pa]`) and as VTK's own label, and the field data tell unit, body and meaning of each;
 //! two-component fields become vectors (x, y, 0). The values are appended raw, as little-endian
 //! doubles. A series names only files that are complete, and is replaced as a whole, so that what is
@@ -11,6 +11,7 @@
 mod file;
 mod image;
 mod label;
+mod points;
 mod scene;
 mod series;
 mod shown;

@@ -13,10 +13,10 @@ pub fn layout_fault(configuration: &Configuration, layout: &Layout) -> Option<St
     if let Some(field) = sent.find(|field| layout.grid_of(field).is_none()) {
         return Some(format!("its layout has no grid for `{field}`"));
     }
-    let on_volume = |field: &&String| layout.grid_of(field).is_some_and(Grid::is_volume);
-    if let Some(field) = configuration.outputs.iter().find(on_volume) {
+    let unfit = |field: &&String| layout.grid_of(field).is_some_and(Grid::only_written);
+    if let Some(field) = configuration.outputs.iter().find(unfit) {
         return Some(format!(
-            "`{field}`, which another participant consumes, is on a volume: fields on volumes are \
+            "`{field}`, which another participant consumes, is on a volume or at points: such fields are \
              only written out"
         ));
     }
@@ -29,7 +29,7 @@ pub fn layout_fault(configuration: &Configuration, layout: &Layout) -> Option<St
 mod tests {
     use super::*;
     use contract::configuration::{FieldOnGrid, Mode};
-    use contract::grid::Hexahedra;
+    use contract::grid::{Block, Hexahedra, Places, Points, Shape};
 
     #[test]
     fn what_others_consume_is_on_no_volume() {
@@ -54,5 +54,10 @@ mod tests {
         std::mem::swap(&mut configuration.outputs, &mut configuration.observed);
         let fault = layout_fault(&configuration, &layout).unwrap();
         assert!(fault.contains("`inside`, which another participant consumes, is on a volume"));
+        let block = Block { name: "line".to_owned(), places: Places::List(vec![[0.0; 3]]) };
+        let shape = Shape::Points(Points { blocks: vec![block] });
+        let grids = vec![Grid { name: "body".to_owned(), revision: 1, shape }];
+        let fault = layout_fault(&configuration, &Layout { grids, ..layout }).unwrap();
+        assert!(fault.contains("only written out"));
     }
 }

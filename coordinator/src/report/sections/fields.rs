@@ -1,7 +1,7 @@
 //! The surface fields of the newest instant: maps, and lines through their largest values.
 
 use super::temperature;
-use crate::report::maps;
+use crate::report::maps::{self, Drawn};
 use crate::report::page::{Block, Section};
 use crate::report::places::{AXES, is_surface, label, places};
 use crate::report::plot::Figure;
@@ -13,7 +13,11 @@ const NOTHING: f64 = 1e-5;
 
 /// Every field of every grid, the mechanical ones first as the files are named.
 pub(super) fn maps(results: &Results) -> Option<Section> {
-    let mut blocks: Vec<Block> = maps::all(results).into_iter().map(Block::Heatmap).collect();
+    let block = |drawn| match drawn {
+        Drawn::Map(map) => Block::Heatmap(map),
+        Drawn::Line(line) => Block::Figure(line),
+    };
+    let mut blocks: Vec<Block> = maps::all(results).into_iter().map(block).collect();
     if !blocks.is_empty() {
         let when = when(results);
         let axes = match results.summary.get("contact") {
@@ -42,7 +46,12 @@ fn when(results: &Results) -> String {
 /// Lines in the rolling direction, one figure for each grid and unit; then depth and time.
 pub(super) fn lines(results: &Results) -> Option<Section> {
     let surfaces = results.series.iter().filter(|series| is_surface(series));
-    let figures = surfaces.filter_map(|series| series.line.as_ref()).flat_map(figures);
+    let figures = surfaces.flat_map(|series| {
+        // Of a single row each line alone is among the fields.
+        let alone = maps::is_row(series);
+        let all = series.line.iter().flat_map(figures);
+        all.filter(move |figure| !alone || figure.lines.len() > 1)
+    });
     let mut blocks: Vec<Block> = figures.map(Block::Figure).collect();
     blocks.extend(temperature::figures(results).into_iter().map(Block::Figure));
     Section::of("Through the largest value, over depth, through time", blocks)

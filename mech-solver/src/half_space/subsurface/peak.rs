@@ -43,11 +43,60 @@ impl SurfaceLoad<'_> {
     /// row, is looked at in the middle of its width.
     #[must_use]
     pub fn peak(&self, poisson_ratio: f64, equivalent: fn(&Stress) -> f64) -> Option<Peak> {
-        let grid = self.grid;
-        let loaded = (0..grid.points()).filter(|at| self.on_element(*at) != [0.0; 3]);
+        let extent = Extent::of(self)?;
+        let coarse = Coarse::new(self, &extent, poisson_ratio);
+        let search =
+            Search { load: self, coarse: &coarse, poisson_ratio, equivalent, within: None };
+        search.highest(search.starts(extent.size), extent.size)
+    }
+
+    /// The same below each of some patches of elements, under the loads of all of them: a patch's search does not leave the rectangle
+    /// of its elements, and begins from where its own loads alone are worst.
+    #[must_use]
+    pub fn peaks<'b>(
+        &self,
+        poisson_ratio: f64,
+        equivalent: fn(&Stress) -> f64,
+        patches: impl Iterator<Item = &'b [usize]>,
+    ) -> Vec<Option<Peak>> {
+        let Some(whole) = Extent::of(self) else { return patches.map(|_| None).collect() };
+        let all = Coarse::new(self, &whole, poisson_ratio);
+        let below = |elements: &[usize]| {
+            let fields: [Vec<f64>; 3] = std::array::from_fn(|kind| {
+                let mut own = vec![0.0; self.grid.points()];
+                elements.iter().for_each(|at| own[*at] = self.on_element(*at)[kind]);
+                own
+            });
+            let own = SurfaceLoad { grid: self.grid, fields: fields.each_ref().map(Vec::as_slice) };
+            let extent = Extent::of(&own)?;
+            let coarse = Coarse::new(&own, &extent, poisson_ratio);
+            let alone =
+                Search { load: &own, coarse: &coarse, poisson_ratio, equivalent, within: None };
+            let within = Some(extent.sides(self.grid));
+            let search = Search { load: self, coarse: &all, poisson_ratio, equivalent, within };
+            search.highest(alone.starts(extent.size), extent.size)
+        };
+        patches.map(below).collect()
+    }
+}
+
+/// The rectangle of elements outside which nothing is loaded.
+struct Extent {
+    /// First and last.
+    columns: [usize; 2],
+    rows: [usize; 2],
+    /// Elements that are loaded.
+    count: usize,
+    /// Half its larger side [m].
+    size: f64,
+}
+
+impl Extent {
+    fn of(load: &SurfaceLoad<'_>) -> Option<Self> {
+        let grid = load.grid;
         let [mut columns, mut rows] = [[usize::MAX, 0]; 2];
         let mut count = 0;
-        for at in loaded {
+        for at in (0..grid.points()).filter(|at| load.on_element(*at) != [0.0; 3]) {
             for (range, place) in [(&mut columns, at % grid.ni), (&mut rows, at / grid.ni)] {
                 *range = [range[0].min(place), range[1].max(place)];
             }
@@ -59,15 +108,15 @@ impl SurfaceLoad<'_> {
         let length = |[first, last]: [usize; 2], side: f64| 0.5 * side * (last + 1 - first) as f64;
         let along = length(columns, grid.dx());
         let size = if grid.nj == 1 { along } else { along.max(length(rows, grid.dy())) };
-        let coarse = Coarse::new(self, columns, rows, count, poisson_ratio);
-        let search = Search { load: self, coarse: &coarse, poisson_ratio, equivalent };
-        let mut points = search.over_the_volume(size);
-        points.extend(search.below_the_largest());
-        points.sort_unstable_by(|one, other| other.value.total_cmp(&one.value));
-        let found = points.iter().take(STARTS).map(|start| search.uphill(start, LAST_STEP * size));
-        let best = found.max_by(|one, other| one.value.total_cmp(&other.value))?;
-        let stress = self.stresses_at(poisson_ratio, &[best.place])[0];
-        Some(Peak { place: best.place, stress })
+        Some(Self { columns, rows, count, size })
+    }
+
+    /// Its sides, along x and along y [m].
+    fn sides(&self, grid: &Structured) -> [[f64; 2]; 2] {
+        let side = |[first, last]: [usize; 2], origin: f64, step: f64| {
+            [(first as f64 - 0.5) * step + origin, (last as f64 + 0.5) * step + origin]
+        };
+        [side(self.columns, grid.x(0), grid.dx()), side(self.rows, grid.y(0), grid.dy())]
     }
 }
 
@@ -95,9 +144,7 @@ struct Coarse {
 impl Coarse {
     fn new(
         load: &SurfaceLoad<'_>,
-        columns: [usize; 2],
-        rows: [usize; 2],
-        count: usize,
+        &Extent { columns, rows, count, .. }: &Extent,
         poisson_ratio: f64,
     ) -> Self {
         let grid = load.grid;
@@ -144,9 +191,27 @@ struct Search<'a> {
     coarse: &'a Coarse,
     poisson_ratio: f64,
     equivalent: fn(&Stress) -> f64,
+    /// Along x and along y [m]; anywhere without.
+    within: Option<[[f64; 2]; 2]>,
 }
 
 impl Search<'_> {
+    /// Points from which to go uphill, the highest first.
+    fn starts(&self, size: f64) -> Vec<Point> {
+        let mut points = self.over_the_volume(size);
+        points.extend(self.below_the_largest());
+        points.sort_unstable_by(|one, other| other.value.total_cmp(&one.value));
+        points
+    }
+
+    /// The highest point uphill from the first of these, in a contact of this size [m].
+    fn highest(&self, starts: Vec<Point>, size: f64) -> Option<Peak> {
+        let found = starts.iter().take(STARTS).map(|start| self.uphill(start, LAST_STEP * size));
+        let best = found.max_by(|one, other| one.value.total_cmp(&other.value))?;
+        let stress = self.load.stresses_at(self.poisson_ratio, &[best.place])[0];
+        Some(Peak { place: best.place, stress })
+    }
+
     /// The highest points of every row of the coarse grid, under its loads.
     fn over_the_volume(&self, size: f64) -> Vec<Point> {
         let (grid, load) = (&self.coarse.grid, self.coarse.load());
@@ -215,6 +280,11 @@ impl Search<'_> {
                 for sign in [1.0, -1.0] {
                     let mut place = here.place;
                     place[axis] += sign * here.steps[axis];
+                    if let Some(within) = &self.within {
+                        for (at, [from, to]) in place.iter_mut().zip(within) {
+                            *at = at.clamp(*from, *to);
+                        }
+                    }
                     let place = self.meant([place[0], place[1], place[2].max(0.0)]);
                     let value = mixed.value(place);
                     if value > best.value {
@@ -274,7 +344,7 @@ impl<'a> Mixed<'a> {
     }
 
     fn value(&self, [x, y, depth]: [f64; 3]) -> f64 {
-        let Search { load, coarse, poisson_ratio, equivalent } = *self.search;
+        let Search { load, coarse, poisson_ratio, equivalent, .. } = *self.search;
         let fine = Element { dx: load.grid.dx(), dy: load.grid.dy(), poisson_ratio };
         let of = |element: &Element, loads: &[([f64; 3], [f64; 3])]| -> Stress {
             let by = |(centre, [pressure, along_x, along_y]): &([f64; 3], [f64; 3])| {

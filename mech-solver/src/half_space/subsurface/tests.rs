@@ -3,6 +3,7 @@ use super::*;
 mod element;
 mod load;
 mod peak;
+mod points;
 mod section;
 mod tensor;
 mod thermal;

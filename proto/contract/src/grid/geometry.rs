@@ -9,6 +9,7 @@
 //! | structured | 4 | centre of element (0, 0), step in i, step in j, and (ni, nj, 1), which are no lengths |
 //! | quadrilaterals | vertices | the vertices, in their order |
 //! | volume | see `volume.rs` | |
+//! | points | points | the points; they do not move |
 //!
 //! A structured grid may move, turn, stretch and grow; it stays structured. Of quadrilaterals and
 //! volumes only the vertices move: which of them an element has is fixed for the run. A volume is
@@ -29,6 +30,7 @@ impl Grid {
             Shape::Structured(_) => VECTORS,
             Shape::Quadrilaterals(q) => q.points.len(),
             Shape::Volume(v) => v.hexahedra().vectors(),
+            Shape::Points(p) => p.count(),
         }
     }
 
@@ -51,6 +53,9 @@ impl Grid {
             }
             Shape::Quadrilaterals(q) => put(&q.points),
             Shape::Volume(v) => values.copy_from_slice(v.geometry()),
+            Shape::Points(p) => {
+                put(&(0..count).map(|index| p.point(index)).collect::<Vec<_>>());
+            }
         }
     }
 
@@ -81,6 +86,9 @@ impl Grid {
                 elements: q.elements.clone(),
             }),
             Shape::Volume(v) => Shape::Volume(v.with_geometry(values)),
+            Shape::Points(_) => {
+                return Err(format!("grid `{name}` is of points, which do not move"));
+            }
         };
         let moved = Self { name: name.clone(), revision, shape };
         moved.check().map_err(|fault| format!("{fault}, in revision {revision}"))?;

@@ -68,6 +68,8 @@ fn the_examples_are_what_the_code_reads() {
     assert_eq!(layout.check(), Ok(()));
     assert_eq!(layout.grid_of("lower_temperature"), configuration.input_grid("friction_power"));
     assert_eq!(read::<Grid>("Grid").check(), Ok(()));
+    let points = read::<Grid>("Points");
+    assert_eq!((points.check(), points.points()), (Ok(()), 8));
     let volume = read::<Grid>("Volume");
     assert_eq!((volume.check(), volume.points()), (Ok(()), 1_000_000));
     assert!(volume.is_announced());

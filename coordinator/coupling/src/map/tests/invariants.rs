@@ -117,6 +117,7 @@ fn moved(grid: &Grid, by: [f64; 3]) -> Grid {
         contract::grid::Shape::Structured(s) => (s.ni + 1) * (s.nj + 1),
         contract::grid::Shape::Quadrilaterals(q) => q.points.len(),
         contract::grid::Shape::Volume(v) => v.hexahedra().vertices(),
+        contract::grid::Shape::Points(p) => p.count(),
     };
     let displacement: Vec<f64> = by.iter().flat_map(|v| std::iter::repeat_n(*v, count)).collect();
     grid.displaced(&displacement).unwrap()

@@ -18,8 +18,17 @@ pub(super) fn opening(data: &str, attributes: &str, fields: &Fields, time: f64) 
 }
 
 /// The arrays of cell data, appended from `offset` bytes on, and the end of the data set.
-pub(super) fn cell_data(data: &str, fields: &Fields, cells: usize, mut offset: usize) -> String {
-    let mut text = "      <CellData>\n".to_owned();
+pub(super) fn cell_data(data: &str, fields: &Fields, cells: usize, offset: usize) -> String {
+    values_of("CellData", data, fields, cells, offset)
+}
+
+/// The same of values that belong to points.
+pub(super) fn point_data(data: &str, fields: &Fields, points: usize, offset: usize) -> String {
+    values_of("PointData", data, fields, points, offset)
+}
+
+fn values_of(what: &str, data: &str, fields: &Fields, count: usize, mut offset: usize) -> String {
+    let mut text = format!("      <{what}>\n");
     for (kind, _) in fields {
         let components = components(kind);
         let (name, unit) = (label::escape(&label::array_name(kind)), label::unit(kind));
@@ -29,9 +38,11 @@ pub(super) fn cell_data(data: &str, fields: &Fields, cells: usize, mut offset: u
              NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\">\n          \
              {unit}\n        </DataArray>"
         );
-        offset += 8 + 8 * components * cells;
+        offset += 8 + 8 * components * count;
     }
-    text + "      </CellData>\n    </Piece>\n  </"
+    text + "      </"
+        + what
+        + ">\n    </Piece>\n  </"
         + data
         + ">\n  \
             <AppendedData encoding=\"raw\">\n_"

@@ -1,6 +1,7 @@
 //! The files of all grids, instant by instant, and the series that name them.
 
 use super::image;
+use super::points;
 use super::scene::Scene;
 use super::series::{FileSeries, collection};
 use super::shown::{Fields, Shown, ShownKind};
@@ -12,7 +13,7 @@ use crate::results::dir::Dir;
 use crate::results::last::LastFields;
 use crate::results::line;
 use crate::results::write::{create, replace};
-use contract::grid::{Grid, Quadrilaterals, Shape};
+use contract::grid::{Block, Grid, Points, Quadrilaterals, Shape};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -89,7 +90,8 @@ impl FieldWriter {
         let mut written: Vec<String> = Vec::new();
         for one in shown {
             let name = &one.series;
-            if one.grid.points() < 2 || written.contains(name) {
+            let of_points = matches!(one.grid.shape, Shape::Points(_));
+            if (one.grid.points() < 2 && !of_points) || written.contains(name) {
                 continue;
             }
             let together: Vec<(&ShownKind, &[f64])> = shown
@@ -97,8 +99,15 @@ impl FieldWriter {
                 .filter(|other| other.series == *name)
                 .map(|other| (&other.kind, other.values))
                 .collect();
-            self.write_grid(one.grid, name, &together, window, time)?;
-            self.scene.add(name, &together);
+            match &one.grid.shape {
+                Shape::Points(points) => {
+                    self.write_points(points, name, &together, window, time)?
+                }
+                _ => {
+                    self.write_grid(one.grid, name, &together, window, time)?;
+                    self.scene.add(name, &together);
+                }
+            }
             written.push(name.clone());
         }
         if written.is_empty() {
@@ -135,12 +144,46 @@ impl FieldWriter {
             }
             (None, Shape::Quadrilaterals(q)) => write_quadrilaterals(q, out, fields, time),
             (None, Shape::Volume(v)) => volume::write(v, out, fields, time),
+            (None, Shape::Points(_)) => unreachable!("points are written block by block"),
         })?;
         if let Some(structured) = grid.as_structured() {
             let path = folder.join(format!("{name}_{window:06}.csv"));
             create(&path, |out| line::write(structured, out, fields))?;
         }
         self.list(&folder, name, time, file)
+    }
+
+    /// A file and a table for every block of points, in a series of its own.
+    fn write_points(
+        &mut self,
+        points: &Points,
+        name: &str,
+        fields: &Fields,
+        window: u64,
+        time: f64,
+    ) -> Result<(), RunError> {
+        let folder = self.home.path()?;
+        for (first, Block { name: block, places }) in points.parts() {
+            let own: Vec<Vec<f64>> = fields
+                .iter()
+                .map(|(_, values)| {
+                    let parts = values.chunks_exact(points.count());
+                    parts.flat_map(|part| &part[first..first + places.count()]).copied().collect()
+                })
+                .collect();
+            let kinds = fields.iter().map(|(kind, _)| *kind);
+            let own: Vec<(&ShownKind, &[f64])> = kinds.zip(own.iter().map(Vec::as_slice)).collect();
+            let series = format!("{name}_{block}");
+            let stem = format!("{series}_{window:06}");
+            let file = format!("{stem}.{}", points::extension(places));
+            create(&folder.join(&file), |out| points::write(places, out, &own, time))?;
+            create(&folder.join(format!("{stem}.csv")), |out| {
+                line::write_points(places, out, &own)
+            })?;
+            self.list(&folder, &series, time, file)?;
+            self.scene.add(&series, &own);
+        }
+        Ok(())
     }
 
     /// Adds a file to its series.

@@ -114,3 +114,31 @@ fn principal_directions() {
         assert!((dot(found[2].1, found[2].1) - 1.0).abs() < 1e-14);
     }
 }
+
+/// Two patches, one twice the other's size and pressure: each has the peak of a round contact below its middle, under what the other adds; far
+/// apart nothing. The whole search finds the larger one. Tolerance: the digits of the textbook, the last step, and p/r² of the other patch.
+#[test]
+fn every_patch_has_its_peak() {
+    let (step, apart) = (0.05, 12.0);
+    let grid = Structured::contact_plane(-2.0, -2.0, step, step, 81, 341);
+    let at = |x: f64, y: f64| (1.0 - x * x - y * y).max(0.0).sqrt();
+    let pressure: Vec<f64> = (0..grid.points())
+        .map(|index| {
+            let [x, y, _] = grid.centre(index % grid.ni, index / grid.ni);
+            at(x, y) + 2.0 * at(0.5 * x, 0.5 * (y - apart))
+        })
+        .collect();
+    let load = SurfaceLoad::new(&grid, &pressure, &[]);
+    let all = crate::half_space::patches::patches(&grid, &pressure);
+    let elements = all.iter().map(|patch| patch.elements.as_slice());
+    let found = load.peaks(NU, Stress::von_mises, elements);
+    assert_eq!(found.len(), 2);
+    for (peak, (size, y)) in found.iter().zip([(1.0, 0.0), (2.0, apart)]) {
+        let Peak { place: [at_x, at_y, depth], stress } = peak.expect("a peak");
+        assert!((stress.von_mises() / size - 0.62).abs() < 5e-3, "{}", stress.von_mises());
+        assert!((depth / size - 0.48).abs() < 0.01, "{depth}");
+        assert!(at_x.hypot(at_y - y) < 0.02 * size, "{at_x} {at_y}");
+    }
+    let whole = load.peak(NU, Stress::von_mises).expect("a peak");
+    assert!((whole.place[1] - apart).abs() < 0.04);
+}

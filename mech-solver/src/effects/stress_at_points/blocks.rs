@@ -1,0 +1,254 @@
+//! The blocks of points that a case asks for.
+
+use crate::keys::CheckedParams;
+use proto::bodies::{Bodies, LOWER};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+use proto::grid::{Places, Structured, check_name};
+use std::path::Path;
+
+/// Where the blocks stand in a case.
+const TABLE: &str = "effects.stress_at_points";
+/// The coordinates.
+const AXES: [&str; 3] = ["x", "y", "z"];
+/// More points than this are refused: their fields have 18 values each.
+const MOST_POINTS: usize = 1 << 23;
+/// Larger files are refused.
+const MOST_BYTES: u64 = 1 << 30;
+
+pub(super) fn keys() -> Vec<KeySpec> {
+    let key = |name: &str| format!("{TABLE}.*.{name}");
+    let mut keys = vec![
+        KeySpec::text(&key("body"), "name of the body that the points of the block are in"),
+        KeySpec::file(
+            &key("file"),
+            "lines of x, y and z [m], in the place of x, y and z; a first line may name them",
+        ),
+    ];
+    for (axis, others) in
+        AXES.into_iter().zip(["centres of all columns", "centres of all rows", ""])
+    {
+        let absent = match others {
+            "" => String::new(),
+            _ => format!("; absent: the {others} of elements"),
+        };
+        let help = format!(
+            "coordinate {axis} of the points, a list of them, or first and last of points_{axis}{absent}"
+        );
+        keys.push(KeySpec::quantity(&key(axis), "m", &help).or_list());
+        let help = format!("equally spaced points from the first to the last {axis}");
+        keys.push(
+            KeySpec::integer(&key(&format!("points_{axis}")), &help).at_least(2.0).at_most(1e6),
+        );
+    }
+    keys
+}
+
+/// A block.
+#[derive(Clone, Debug)]
+pub(super) struct Asked {
+    pub(super) name: String,
+    /// The body that it is in.
+    pub(super) body: usize,
+    points: AskedPoints,
+}
+
+#[derive(Clone, Debug)]
+enum AskedPoints {
+    List(Vec<[f64; 3]>),
+    /// Rising coordinates; none where those of the elements are meant.
+    Axes([Option<Vec<f64>>; 3]),
+}
+
+impl Asked {
+    /// Where its points are, of a contact on this grid.
+    pub(super) fn places(&self, grid: &Structured) -> Places {
+        match &self.points {
+            AskedPoints::List(points) => Places::List(points.clone()),
+            AskedPoints::Axes([x, y, z]) => Places::Lattice([
+                x.clone().unwrap_or_else(|| (0..grid.ni).map(|i| grid.x(i)).collect()),
+                y.clone().unwrap_or_else(|| (0..grid.nj).map(|j| grid.y(j)).collect()),
+                z.clone().unwrap_or_default(),
+            ]),
+        }
+    }
+
+    /// Number of points, as far as it is known without the grid.
+    fn count(&self) -> usize {
+        match &self.points {
+            AskedPoints::List(points) => points.len(),
+            AskedPoints::Axes(axes) => {
+                let counts = axes.iter().map(|axis| axis.as_ref().map_or(1, Vec::len));
+                counts.fold(1, usize::saturating_mul)
+            }
+        }
+    }
+}
+
+/// The blocks of a case.
+///
+/// # Errors
+/// There is none, or one has no body, no points, points outside of its body, or too many.
+pub(super) fn read(
+    configuration: &Configuration,
+    case: &CheckedParams<'_>,
+    names: &Bodies,
+) -> Result<Vec<Asked>, Refusal> {
+    let table = configuration.case.get(TABLE).and_then(serde_json::Value::as_object);
+    let blocks: Vec<Asked> = table
+        .into_iter()
+        .flatten()
+        .map(|(name, _)| block(name, case, names))
+        .collect::<Result<_, _>>()?;
+    if blocks.is_empty() {
+        return Err(Refusal::new(
+            TABLE,
+            "it has no block of points",
+            format!("add [{TABLE}.NAME] with `body`, and `z` or `file`"),
+        ));
+    }
+    let count = blocks.iter().map(Asked::count).fold(0, usize::saturating_add);
+    if count > MOST_POINTS {
+        let reason = format!("{count} points are more than {MOST_POINTS}");
+        return Err(Refusal::new(TABLE, reason, "ask for fewer points, or in several runs"));
+    }
+    Ok(blocks)
+}
+
+fn block(name: &str, case: &CheckedParams<'_>, names: &Bodies) -> Result<Asked, Refusal> {
+    let key = |part: &str| format!("{TABLE}.{name}.{part}");
+    check_name("block", name).map_err(|reason| {
+        Refusal::new(&format!("{TABLE}.{name}"), reason, "give the block another name")
+    })?;
+    let body_key = key("body");
+    let called = case.text(&body_key)?;
+    let Some(body) = names.0.iter().position(|body| body == called) else {
+        let fix = format!("write `{}` or `{}`", names.0[0], names.0[1]);
+        return Err(Refusal::new(&body_key, format!("there is no body `{called}`"), fix));
+    };
+    let file = key("file");
+    if case.has(&file) {
+        let axis = AXES.into_iter().find(|axis| case.has(&key(axis)));
+        if let Some(axis) = axis {
+            let reason = format!("the points of `{name}` come from a file");
+            return Err(Refusal::new(&key(axis), reason, format!("remove it, or {file}")));
+        }
+        let path = case.text(&file)?;
+        let fix = format!("give lines of three numbers, {} in `{called}`", side(body));
+        let points = from_file(Path::new(path), body)
+            .map_err(|reason| Refusal::new(&file, format!("`{path}` {reason}"), fix))?;
+        return Ok(Asked { name: name.to_owned(), body, points: AskedPoints::List(points) });
+    }
+    let [x, y, z] = AXES.map(|axis| coordinates(axis, &key, case));
+    let axes = [x?, y?, z?];
+    let Some(depths) = &axes[2] else {
+        let fix = format!("write {} or {file}", key("z"));
+        return Err(Refusal::new(&key("z"), "missing", fix));
+    };
+    if let Some(outside) = depths.iter().find(|z| !inside(**z, body)) {
+        let reason = format!("{outside} m is not in `{called}`, which has {}", side(body));
+        return Err(Refusal::new(&key("z"), reason, "write the other sign, or another body"));
+    }
+    Ok(Asked { name: name.to_owned(), body, points: AskedPoints::Axes(axes) })
+}
+
+fn inside(z: f64, body: usize) -> bool {
+    if body == LOWER { z <= 0.0 } else { z >= 0.0 }
+}
+
+fn side(body: usize) -> &'static str {
+    if body == LOWER { "z <= 0" } else { "z >= 0" }
+}
+
+/// The coordinates along an axis, rising; `None` where the case does not have any.
+fn coordinates(
+    axis: &str,
+    key: &impl Fn(&str) -> String,
+    case: &CheckedParams<'_>,
+) -> Result<Option<Vec<f64>>, Refusal> {
+    let (own, count) = (key(axis), key(&format!("points_{axis}")));
+    let values = case.maybe_numbers(&own)?;
+    if !case.has(&count) {
+        return values.map(|values| rising(&own, values)).transpose();
+    }
+    let Some([first, last]) =
+        values.as_deref().and_then(|values| <[f64; 2]>::try_from(values).ok())
+    else {
+        let fix = format!("write {own} = [FIRST, LAST], or remove {count}");
+        return Err(Refusal::new(
+            &own,
+            "a number of points needs a first and a last coordinate",
+            fix,
+        ));
+    };
+    let count = case.integer(&count)?;
+    let step = (last - first) / (count - 1) as f64;
+    let at = |n: i64| if n + 1 == count { last } else { first + n as f64 * step };
+    rising(&own, (0..count).map(at).collect()).map(Some)
+}
+
+/// The same values rising.
+fn rising(key: &str, mut values: Vec<f64>) -> Result<Vec<f64>, Refusal> {
+    values.sort_by(f64::total_cmp);
+    // A zero may have a sign.
+    values.iter_mut().for_each(|value| *value += 0.0);
+    match values.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => {
+            let reason = format!("{} m stands twice", pair[0]);
+            Err(Refusal::new(key, reason, "write every coordinate once"))
+        }
+        None => Ok(values),
+    }
+}
+
+/// Points of a file of lines of x, y and z; `#` begins a comment, and a first line may name the columns.
+fn from_file(path: &Path, body: usize) -> Result<Vec<[f64; 3]>, String> {
+    let bytes = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
+    if bytes > MOST_BYTES {
+        return Err(format!("has {bytes} bytes"));
+    }
+    parse(&std::fs::read_to_string(path).map_err(|error| error.to_string())?, body)
+}
+
+fn parse(text: &str, body: usize) -> Result<Vec<[f64; 3]>, String> {
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
+    let mut lines = lines.zip(1..).filter(|(line, _)| !line.is_empty()).peekable();
+    let letters = |line: &str| line.starts_with(|c: char| c.is_ascii_alphabetic() || c == '"');
+    lines.next_if(|(line, _)| letters(line));
+    let mut points = Vec::new();
+    for (line, number) in lines {
+        let words = line.split([',', ';', ' ', '\t']).filter(|word| !word.is_empty());
+        let values: Option<Vec<f64>> =
+            words.map(|word| word.parse().ok().filter(|value: &f64| value.is_finite())).collect();
+        let point = values.and_then(|values| <[f64; 3]>::try_from(values).ok());
+        let Some(point) = point else {
+            return Err(format!("is not three numbers in line {number}"));
+        };
+        if !inside(point[2], body) {
+            return Err(format!(
+                "has a point outside of the body, z = {} m, in line {number}",
+                point[2]
+            ));
+        }
+        points.push(point);
+    }
+    if points.is_empty() { Err("has no point".to_owned()) } else { Ok(points) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proto::bodies::UPPER;
+
+    #[test]
+    fn points_of_a_file() {
+        let text = "x [m], y [m], z [m]\n0, 1e-3, -2e-3 # first\n\n 1\t2  -3\n";
+        assert_eq!(parse(text, LOWER), Ok(vec![[0.0, 1e-3, -2e-3], [1.0, 2.0, -3.0]]));
+        let wrong = |text: &str, body| parse(text, body).unwrap_err();
+        assert!(wrong(text, UPPER).contains("z = -0.002 m, in line 2"));
+        assert!(wrong("1, 2\n", LOWER).contains("line 1"));
+        assert!(wrong("1 2 -3\nx y z\n", LOWER).contains("line 2"));
+        assert!(wrong("1 2 nan\n", LOWER).contains("line 1"));
+        assert!(wrong("x, y, z\n", LOWER).contains("no point"));
+    }
+}

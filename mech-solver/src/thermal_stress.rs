@@ -1,0 +1,126 @@
+//! The thermal stress inside bodies that expand as they move steadily: what of a case it takes, and when it has an answer
+//! ([`crate::half_space::subsurface::WarmBody`]).
+//!
+//! A body at rest, in which heat stays where it was and whose depth follows from all that was before, is refused.
+
+use crate::half_space::subsurface::{RiseIntegral, WarmBody};
+use crate::keys::CheckedParams;
+use crate::scene::{Material, Scene};
+use crate::state::Accepted;
+use proto::bodies::Bodies;
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+
+/// What the diffusivity is made of.
+const THERMAL: [(&str, &str, &str); 3] = [
+    ("conductivity", "W/(m K)", "heat flux per temperature gradient; of bodies that expand"),
+    ("density", "kg/m3", "mass per volume; of bodies that expand"),
+    ("specific_heat", "J/(kg K)", "heat per mass and temperature; of bodies that expand"),
+];
+
+/// The keys that it reads.
+pub(crate) fn keys() -> impl Iterator<Item = KeySpec> {
+    THERMAL.into_iter().map(|(name, unit, help)| {
+        KeySpec::quantity(&format!("materials.*.{name}"), unit, help).above(0.0)
+    })
+}
+
+/// What it takes of both bodies.
+#[derive(Debug)]
+pub(crate) struct ThermalStress {
+    /// The effect that asks for it.
+    effect: &'static str,
+    /// What the case calls the bodies.
+    pub(crate) names: Bodies,
+    /// Materials of both bodies, and by name.
+    pub(crate) materials: [Material; 2],
+    called: [String; 2],
+    /// Conductivity [W/(m·K)], density [kg/m³] and specific heat [J/(kg·K)] of both, where the case says so.
+    thermal: [[Option<f64>; 3]; 2],
+    /// Coefficients of thermal expansion of bodies that expand [1/K].
+    expansion: Option<[f64; 2]>,
+}
+
+impl ThermalStress {
+    /// Of a case whose keys `case` checks.
+    ///
+    /// # Errors
+    /// A value is missing or out of range.
+    pub(crate) fn read(
+        configuration: &Configuration,
+        case: &CheckedParams<'_>,
+        effect: &'static str,
+    ) -> Result<Self, Refusal> {
+        let scene = Scene::read(&configuration.case)?;
+        let material = |body: usize| configuration.case.text(&scene.names.key(body, "material"));
+        let called = [material(0)?.to_owned(), material(1)?.to_owned()];
+        let mut thermal = [[None; 3]; 2];
+        for (values, material) in thermal.iter_mut().zip(&called) {
+            for (value, (name, ..)) in values.iter_mut().zip(THERMAL) {
+                *value = case.maybe_number(&format!("materials.{material}.{name}"))?;
+            }
+        }
+        let materials = scene.materials();
+        Ok(Self { effect, names: scene.names, materials, called, thermal, expansion: None })
+    }
+
+    /// The bodies expand.
+    pub(crate) fn is_there(&self) -> bool {
+        self.expansion.is_some()
+    }
+
+    /// Learns that both bodies expand where they are warm, with these coefficients [1/K], and how fast they pass [m/s].
+    ///
+    /// # Errors
+    /// A body has no diffusivity, or is at rest.
+    pub(crate) fn expand(
+        &mut self,
+        coefficients: [f64; 2],
+        speeds: [f64; 2],
+    ) -> Result<(), Refusal> {
+        let effect = self.effect;
+        for (body, speed) in speeds.into_iter().enumerate() {
+            let lacking = THERMAL.iter().zip(self.thermal[body]).find(|(_, value)| value.is_none());
+            if let Some(((name, ..), _)) = lacking {
+                return Err(Refusal::new(
+                    &format!("materials.{}.{name}", self.called[body]),
+                    "missing: the thermal stress below the surface needs the diffusivity",
+                    format!("write it, or remove effects.{effect}"),
+                ));
+            }
+            if speed <= 0.0 {
+                return Err(Refusal::new(
+                    &self.names.key(body, "surface_speed"),
+                    format!(
+                        "`{}` is at rest: how deep its heat is follows from all that was before, and the thermal stress \
+                         below the surface is that of steady motion",
+                        self.names.0[body]
+                    ),
+                    format!("write a speed above 0 m/s, or remove effects.{effect}"),
+                ));
+            }
+        }
+        self.expansion = Some(coefficients);
+        Ok(())
+    }
+
+    /// A body as it is warm, with the integrals of its rise; `None` where it does not expand.
+    pub(crate) fn of<'a>(
+        &self,
+        accepted: &Accepted<'a>,
+        body: usize,
+    ) -> Option<(WarmBody, RiseIntegral<'a>)> {
+        let (expansion, heated) = (self.expansion?[body], accepted.heated?[body]);
+        let [conductivity, density, specific_heat] = self.thermal[body];
+        let Material { youngs_modulus, poisson_ratio } = self.materials[body];
+        let warm = WarmBody {
+            youngs_modulus,
+            poisson_ratio,
+            expansion,
+            diffusivity: conductivity? / (density? * specific_heat?),
+            speed: accepted.surface_speed[body],
+        };
+        let (grid, values) = heated.parts();
+        Some((warm, RiseIntegral { grid, values }))
+    }
+}
