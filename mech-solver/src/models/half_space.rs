@@ -89,6 +89,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
         Kind::PressureBound,
         Kind::Adhesion,
         Kind::Layer,
+        Kind::Yield,
         Kind::Axle,
         Kind::Expansion,
         Kind::Retardation,
@@ -177,6 +178,9 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     if let Some(effect) = case.terms.effect_of(Kind::PressureBound) {
         refuse_bound(&case, effect)?;
     }
+    if let Some(effect) = case.terms.effect_of(Kind::Yield) {
+        refuse_layer(&case.terms, effect)?;
+    }
     if let Some(effect) = case.terms.effect_of(Kind::Expansion) {
         expansion::refuse(&case, effect)?;
         case.expand_observed()?;
@@ -210,6 +214,26 @@ fn refuse_bound(case: &Case, effect: &str) -> Result<(), Refusal> {
          yields is not in the balance",
         "give both bodies the same material, or remove the effect",
     ))
+}
+
+/// Refuses a layer that yields where nothing sticks, and one that unloads as fast as it softens.
+fn refuse_layer(terms: &Terms, effect: &str) -> Result<(), Refusal> {
+    if !terms.adhesion {
+        let reason = "what a layer takes by plastic flow is a part of a slip that is solved for";
+        return Err(effects::lacking(Kind::Adhesion, reason));
+    }
+    let softening = -terms.yields.map_or(0.0, |law| law.hardening);
+    match softening * terms.layer() < 1.0 {
+        true => Ok(()),
+        false => Err(Refusal::new(
+            &format!("effects.{effect}.hardening"),
+            format!(
+                "the layer softens by {softening:.3e} Pa/m, and unloads by {:.3e} Pa/m of its own flexibility: it jumps",
+                terms.layer().recip()
+            ),
+            "let it soften less, or make the layer stiffer",
+        )),
+    }
 }
 
 /// Refuses what does not follow histories.

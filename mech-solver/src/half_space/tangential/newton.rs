@@ -17,6 +17,7 @@
 //! Sources: Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353, and Hüeber and Wohlmuth, ibid. 194 (2005)
 //! 3147, for Newton methods on Coulomb friction. The combination, and creepages in it, are this project's.
 
+use super::layer::Sliders;
 use super::linear::{Border, System, Unknowns};
 use super::problem::Problem;
 use super::state::{ElementState, TangentialState};
@@ -88,6 +89,7 @@ pub struct TangentialSolver {
     field: [Vec<f32>; 2],
     image: [Vec<f32>; 2],
     unknowns: Unknowns,
+    sliders: Sliders,
     border: Border,
     right: Vec<f64>,
     start: Vec<f64>,
@@ -99,15 +101,21 @@ impl TangentialSolver {
     #[must_use]
     pub fn new(operator: SlipOperator) -> Self {
         let (field, image) = Default::default();
-        let (unknowns, border, right, start, step) = Default::default();
+        let (unknowns, sliders, border, right, start, step) = Default::default();
         let gmres = Gmres::default();
-        Self { operator, gmres, field, image, unknowns, border, right, start, step }
+        Self { operator, gmres, field, image, unknowns, sliders, border, right, start, step }
     }
 
     /// Products with the slip operator, and with its approximate inverse, so far.
     #[must_use]
     pub fn work(&self) -> (usize, usize) {
         self.operator.work()
+    }
+
+    /// Slip of an element by its own unit traction [m/Pa].
+    #[must_use]
+    pub fn self_influence(&self) -> f64 {
+        self.operator.self_influence()
     }
 
     /// Product of the operator with tractions [m].
@@ -135,6 +143,10 @@ impl TangentialSolver {
             buffer.resize(problem.bound.len(), 0.0);
         }
         self.update_slip(problem, state);
+        if problem.layer.is_some() {
+            self.sliders.begin(state);
+            self.update_slip(problem, state);
+        }
         let mut residual = self.linearise(problem, state);
         let mut reduction = LINEAR_REDUCTION;
         for _ in 0..MOST_STEPS {
@@ -149,6 +161,7 @@ impl TangentialSolver {
             effort.last_change = change.relative();
             effort.force_error = problem.error(problem.lack(state));
             let before = std::mem::replace(&mut residual, self.linearise(problem, state));
+            if std::env::var_os("DBG").is_some() { let c=|w:ElementState| state.element.iter().filter(|e| **e==w).count(); let f=|t: &dyn Fn(&crate::half_space::yielding::Carried)->bool| self.sliders.carried.iter().zip(&state.element).filter(|(c,e)| **e==ElementState::Slip && t(c)).count(); eprintln!("{} stuck {} released {} change {:.2e} residual {:.2e} n {} adh {} slip {} plastic {} filled {}", effort.newton_steps, stuck, change.released, effort.last_change, residual, problem.nx, c(ElementState::Adhesion), c(ElementState::Slip), f(&|c| c.grows>0.0), f(&|c| c.passes==0.0)); }
             let rests = whole && effort.changes == 0;
             let next = effort.last_change * if before > 0.0 { residual / before } else { 0.0 };
             let small = next < ERROR_SHARE * tolerance || effort.last_change < ROUNDING;
@@ -169,9 +182,14 @@ impl TangentialSolver {
 
     /// Chooses the unknowns and the right side of a state; the norm of the latter [m].
     fn linearise(&mut self, problem: &Problem, state: &TangentialState) -> f64 {
-        self.unknowns.choose(state, problem.bound);
+        let sliders = problem.layer.is_some().then_some(&self.sliders);
+        self.unknowns.choose(state, problem.bound, sliders);
+        let gathers = problem.layer.is_some_and(|layer| layer.before.is_none());
+        self.unknowns.gathers = gathers.then_some(problem.nx);
         let [sx, sy] = &state.slip;
         self.unknowns.restrict(|i| [-sx[i], -sy[i]], &mut self.right);
+        let sizes = self.right.len() - self.unknowns.yielding.len();
+        self.unknowns.lacks(self.operator.self_influence(), &mut self.right[sizes..]);
         self.right.iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
@@ -192,6 +210,9 @@ impl TangentialSolver {
                 *sy += eta + phi * (x + problem.ahead);
             }
         }
+        if let Some(layer) = &problem.layer {
+            self.sliders.follow(layer, problem.nx, problem.bound, state);
+        }
     }
 
     /// Solves the linearised problem, whose right side is there, for a step of the tractions, and of the creepages
@@ -202,7 +223,7 @@ impl TangentialSolver {
         state: &TangentialState,
         reduction: f64,
     ) -> Achieved {
-        let Self { operator, gmres, field, image, unknowns, border, right, start, step } = self;
+        let Self { operator, gmres, field, image, unknowns, border, right, start, step, .. } = self;
         let mut system = System { operator, field, image, unknowns, border };
         system.make_border(problem);
         let count = system.unknowns.len() + system.border.components.len();
@@ -260,7 +281,7 @@ impl TangentialSolver {
         for (k, &i) in self.unknowns.sticking.iter().enumerate() {
             let before = [px[i], py[i]];
             let after = [before[0] + self.step[k], before[1] + self.step[count + k]];
-            let (size, g) = (after[0].hypot(after[1]), problem.bound[i]);
+            let (size, g) = (after[0].hypot(after[1]), self.limit(problem, i));
             let cut = if size > g { g / size } else { 1.0 };
             [px[i], py[i]] = after.map(|value| value * cut);
             if size > g {
@@ -269,15 +290,31 @@ impl TangentialSolver {
             }
             change.see(before, [px[i], py[i]]);
         }
-        for (one, by) in self.unknowns.slipping.iter().zip(&self.step[2 * count..]) {
+        let sizes = &self.step[2 * count + self.unknowns.slipping.len()..];
+        let bound = |k: usize, [x, y]: [f64; 2]| {
+            let index = self.unknowns.slipping[k].index;
+            let friction = problem.bound[index];
+            let Some(layer) = &problem.layer else { return friction };
+            let [least, most] = self.sliders.range(&layer.law, friction, index);
+            (x.hypot(y) + sizes[k]).clamp(least, most)
+        };
+        for (k, (one, by)) in self.unknowns.slipping.iter().zip(&self.step[2 * count..]).enumerate() {
             let i = one.index;
             let before = [px[i], py[i]];
             let after = [before[0] + one.across[0] * by, before[1] + one.across[1] * by];
-            let cut = problem.bound[i] / after[0].hypot(after[1]);
+            let cut = bound(k, before) / after[0].hypot(after[1]);
             [px[i], py[i]] = after.map(|value| value * cut);
             change.see(before, [px[i], py[i]]);
         }
         change
+    }
+
+    /// The bound of an element before it slips [Pa].
+    fn limit(&self, problem: &Problem, index: usize) -> f64 {
+        match problem.layer {
+            Some(_) => self.sliders.carried[index].bound,
+            None => problem.bound[index],
+        }
     }
 
     /// Elements that slipped and whose traction now pushes with the slip adhere from now on.

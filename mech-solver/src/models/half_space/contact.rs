@@ -8,7 +8,7 @@ use super::case::Case;
 use super::drive::Driven;
 use crate::half_space::coupling::Coupling;
 use crate::half_space::influence::Influence;
-use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
+use crate::half_space::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
 use crate::half_space::slip_operator::Displacement;
 use crate::half_space::tangential::{self, Creepage, TangentialState};
@@ -98,6 +98,7 @@ impl ContactSolver {
         let contact = Contact {
             bodies: case.bodies,
             layer: case.terms.layer(),
+            yields: case.terms.yields,
             semi_axes: case.footprint.semi_axes,
             motion,
             tolerance: if loops { LOOP_TOLERANCE } else { TOLERANCE },
@@ -151,7 +152,7 @@ impl ContactSolver {
             normal.prescribed = super::geometry::prescribed(case.scene.load);
         }
         self.friction.fill(case.scene.friction_coefficient);
-        if !warm {
+        if !warm || self.normal.is_none() {
             self.pressure = case.given_pressure();
         }
         self.normal_iterations = 0;
@@ -218,12 +219,12 @@ impl ContactSolver {
     }
 
     /// Solves for the tractions, from a solution that is near if there is one. `history` is the slip
-    /// that remains of the instant before, x and y [m].
+    /// and the plastic shift that remain of the instant before.
     pub(super) fn solve(
         &mut self,
         driven: &Driven,
         near: Option<Solution>,
-        history: Option<[&[f64]; 2]>,
+        history: Option<History<'_>>,
     ) -> Result<Solution, ContactError> {
         let prescribed = self.prescribed(driven);
         let levels = self.levels.as_mut().expect("partial slip has its operators");
@@ -270,7 +271,7 @@ impl ContactSolver {
     fn rolling_step(
         &mut self,
         driven: &Driven,
-        history: Option<[&[f64]; 2]>,
+        history: Option<History<'_>>,
         solution: &mut Solution,
     ) -> Result<(), ContactError> {
         self.set_bound();
@@ -280,13 +281,15 @@ impl ContactSolver {
             coupling.slip_by_pressure(&self.pressure, [history_x, history_y]);
         }
         if let Some(history) = history {
-            for (sum, more) in self.slip_history.iter_mut().zip(history) {
+            for (sum, more) in self.slip_history.iter_mut().zip(history.slip) {
                 sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             }
         }
         let levels = self.levels.as_mut().expect("partial slip has its operators");
         let [history_x, history_y] = &self.slip_history;
-        levels.improve(&self.bound, &prescribed, Some([history_x, history_y]), solution)?;
+        let plastic = history.and_then(|history| history.plastic);
+        let history = History { slip: [history_x, history_y], plastic };
+        levels.improve(&self.bound, &prescribed, Some(history), solution)?;
         Ok(())
     }
 

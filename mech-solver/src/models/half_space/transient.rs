@@ -22,7 +22,7 @@ use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use super::steady::Following;
-use crate::half_space::levels::{Motion, Solution};
+use crate::half_space::levels::{History, Motion, Solution};
 use crate::half_space::tangential::TangentialState;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::no_answer;
@@ -47,6 +47,8 @@ pub(super) struct Transient {
     power: Vec<f64>,
     /// Slip that remains of the step before, x and y [m].
     history: [Vec<f64>; 2],
+    /// Plastic shift of the particles of the step before; empty without a layer that yields [m].
+    plastic: Vec<f64>,
     /// A step of the last solve has not the prescribed force.
     shortfall: Option<Shortfall>,
 }
@@ -118,9 +120,14 @@ impl Transient {
             accepted = accepted.apart();
         }
         let zeros = vec![0.0; contact.pressure.len()];
+        if case.terms.yields.is_some() {
+            let state = &mut accepted.solution.state;
+            (state.plastic, state.yielded) = (zeros.clone(), zeros.clone());
+        }
         let history = [zeros.clone(), zeros.clone()];
+        let plastic = accepted.solution.state.plastic.clone();
         let (trial, power, shortfall) = (accepted.clone(), zeros, None);
-        Ok(Self { case, following, trial, accepted, contact, power, history, shortfall })
+        Ok(Self { case, following, trial, accepted, contact, power, history, plastic, shortfall })
     }
 
     /// Takes the values of a window: their means if the bodies roll, where a shift ends else.
@@ -183,15 +190,25 @@ impl Transient {
                 history.iter_mut().zip(from).for_each(|(slip, before)| *slip = -before);
             }
         }
+        let plastic = &trial.solution.state.plastic;
+        let rows = self.plastic.chunks_exact_mut(columns).zip(plastic.chunks_exact(columns));
+        for (history, before) in rows {
+            // Fresh material comes in at the front.
+            history.fill(0.0);
+            let from = if rolls { &before[1..] } else { before };
+            history.iter_mut().zip(from).for_each(|(history, before)| *history = *before);
+        }
         if !rolls {
             case.shift_duration = window;
         }
         let driven = if rolls { case.driven } else { case.driven.beyond(trial.shift) };
         let [along, across] = &self.history;
+        let plastic = case.terms.yields.is_some().then_some(&self.plastic[..]);
+        let history = History { slip: [along, across], plastic };
         let before = trial.solution.state.traction.clone();
         let energy_before = energy(&before, &trial.displacement);
         let near = trial.solution.clone();
-        trial.solution = self.contact.solve(&driven, Some(near), Some([along, across]))?;
+        trial.solution = self.contact.solve(&driven, Some(near), Some(history))?;
         self.shortfall = self.shortfall.or(self.contact.shortfall);
         let state = &trial.solution.state;
         self.contact.displacement(state, &mut trial.displacement);
@@ -271,7 +288,8 @@ impl Model for Transient {
         let wrong = |reason: String| StateError(format!("half-space: {reason}"));
         let memory: Memory = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|e| wrong(e.to_string()))?;
-        if !memory.fits(self.power.len()) {
+        let layer = memory.solution.state.plastic.len() == self.plastic.len();
+        if !memory.fits(self.power.len()) || !layer {
             return Err(wrong("it is a state on another grid".to_owned()));
         }
         self.trial.clone_from(&memory);
