@@ -169,7 +169,12 @@ impl Level {
             problem.wanted = Some(target.wanted(most_force));
         }
         let before = state.creepage;
-        let solved = solver.solve(&problem, state, target.accuracy);
+        // Particles whose shifts gather soften all that follows: Newton's method overshoots.
+        let softens = problem.layer.filter(|layer| layer.before.is_none() && layer.law.hardening < 0.0);
+        let solved = match softens {
+            Some(layer) => solver.solve_by_passes(&problem, layer, state, target.accuracy),
+            None => solver.solve(&problem, state, target.accuracy),
+        };
         let mut forces = (0..3).filter(|k| prescribed.force[*k].is_some());
         let effort = match (solved, forces.next(), forces.next()) {
             (Err(_), Some(k), None) => {

@@ -25,6 +25,7 @@ mod bracket;
 mod layer;
 mod linear;
 mod newton;
+mod passes;
 mod problem;
 mod state;
 

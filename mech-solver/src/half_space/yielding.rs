@@ -71,6 +71,15 @@ impl Yield {
         }
     }
 
+    /// The plastic shift that takes the yield stress to this one, from κ' on [m]; 0 where it does not change.
+    #[must_use]
+    pub fn shift_to(&self, stress: f64, before: f64) -> f64 {
+        match self.hardening == 0.0 {
+            true => 0.0,
+            false => ((stress - self.after(before).0) / self.hardening).max(0.0),
+        }
+    }
+
     /// What an element carries that slips by so much [m], with the friction bound f p_n [Pa] and the plastic shift κ' before [m].
     #[must_use]
     pub fn carried(&self, friction: f64, before: f64, slip: f64) -> Carried {

@@ -129,7 +129,7 @@ fn what_the_layer_takes_is_friction_power() {
                 found.number("plastic_power_w"), found.number("plastic_area_ratio"), found.number("max_plastic_shift_m"));
             assert_close(power, given, 1e-9);
             let part = found.number("plastic_power_w");
-            assert!(part > 0.2 * power && part <= power, "{part} of {power}");
+            assert!(part > 0.05 * power && part <= power, "{part} of {power}");
             if hardening == 0.0 {
                 let mut limited = without(rolling(creepage.clone(), 0.0), "plastic_layer");
                 limited["effects"]["shear_limit"] = json!({"yield_stress": 250e6});
@@ -168,14 +168,15 @@ fn a_particle_hardens_by_the_way_that_it_slides() {
     case["bodies"]["rail"].as_object_mut().expect("a table").remove("radius_y");
     case["contact"] = json!({"width": 0.1});
     case["mech"]["resolution"] = json!(40);
+    case["effects"]["plastic_layer"]["yield_stress"] = json!(100e6);
     let run = run(&case);
     let grid = run.grid().as_structured().expect("a plane");
     let (pressure, traction) = (run.longitudinal("pressure"), run.longitudinal("traction"));
-    let enters = (0..grid.ni).rev().find(|i| pressure[*i] * FRICTION > 250e6).expect("it yields");
+    let enters = (0..grid.ni).rev().find(|i| pressure[*i] * FRICTION > 100e6).expect("it yields");
     let mut flowed = 0;
     for i in (0..enters).filter(|i| pressure[*i] > 0.0) {
         let way = creepage * (grid.x(enters) - grid.x(i));
-        let expected = (250e6 + hardening * way).min(FRICTION * pressure[i]);
+        let expected = (100e6 + hardening * way).min(FRICTION * pressure[i]);
         assert!((traction[i] - expected).abs() < 0.02 * expected, "{i}: {} {expected}", traction[i]);
         flowed += usize::from(expected < FRICTION * pressure[i]);
     }

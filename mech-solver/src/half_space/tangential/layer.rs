@@ -16,12 +16,57 @@ pub struct Layer<'a> {
     pub before: Option<&'a [f64]>,
 }
 
+impl Layer<'_> {
+    /// Takes tractions that a step has changed to what friction and the layer let them be, row by row from the front. What adhered and
+    /// is beyond its bound slips from now on: of a layer that hardens by as much as its own compliance `own` [m/Pa] gives back. How many
+    /// elements that are.
+    pub(super) fn yield_to(
+        &self,
+        nx: usize,
+        friction: &[f64],
+        own: f64,
+        state: &mut TangentialState,
+    ) -> usize {
+        let [px, py] = &mut state.traction;
+        let mut released = 0;
+        let mut upstream = 0.0;
+        for index in (0..friction.len()).rev() {
+            if (index + 1).is_multiple_of(nx) {
+                upstream = 0.0;
+            }
+            let before = self.before.map_or(upstream, |before| before[index]);
+            upstream = before;
+            let (size, g) = (px[index].hypot(py[index]), friction[index]);
+            let limit = self.law.limit(g, before);
+            let (bound, shift) = match state.element[index] {
+                ElementState::Exterior => continue,
+                ElementState::Adhesion if size <= limit => continue,
+                ElementState::Adhesion => {
+                    released += 1;
+                    state.element[index] = ElementState::Slip;
+                    let stiffness = own.recip() + self.law.hardening;
+                    let slip = if self.law.hardening > 0.0 { (size - limit) / stiffness } else { 0.0 };
+                    let carried = self.law.carried(g, before, slip);
+                    (carried.bound, carried.shift)
+                }
+                ElementState::Slip => {
+                    let [least, most] = self.law.range(g, before);
+                    let bound = size.clamp(least, most);
+                    (bound, self.law.shift_to(bound, before))
+                }
+            };
+            upstream += shift;
+            px[index] *= bound / size;
+            py[index] *= bound / size;
+        }
+        released
+    }
+}
+
 /// What both sliders of every element do.
 #[derive(Debug, Default)]
 pub(super) struct Sliders {
     pub(super) carried: Vec<Carried>,
-    /// Plastic shift κ' before the step [m].
-    before: Vec<f64>,
 }
 
 impl Sliders {
@@ -35,7 +80,7 @@ impl Sliders {
     ) {
         let count = friction.len();
         self.carried.resize(count, Carried::default());
-        for values in [&mut self.before, &mut state.plastic, &mut state.yielded] {
+        for values in [&mut state.plastic, &mut state.yielded] {
             values.resize(count, 0.0);
         }
         let mut upstream = 0.0;
@@ -48,7 +93,6 @@ impl Sliders {
             let carried = layer.law.carried(friction[index], before, slip);
             upstream = before + carried.shift;
             self.carried[index] = carried;
-            self.before[index] = before;
             state.plastic[index] = upstream;
             state.yielded[index] = carried.shift;
         }
@@ -64,11 +108,6 @@ impl Sliders {
                 py[index] *= factor;
             }
         }
-    }
-
-    /// The traction bounds that a slip of an element may leave [Pa].
-    pub(super) fn range(&self, law: &Yield, friction: f64, index: usize) -> [f64; 2] {
-        law.range(friction, self.before[index])
     }
 }
 

@@ -17,7 +17,7 @@
 //! Sources: Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353, and Hüeber and Wohlmuth, ibid. 194 (2005)
 //! 3147, for Newton methods on Coulomb friction. The combination, and creepages in it, are this project's.
 
-use super::layer::Sliders;
+use super::layer::{Layer, Sliders};
 use super::linear::{Border, System, Unknowns};
 use super::problem::Problem;
 use super::state::{ElementState, TangentialState};
@@ -161,7 +161,6 @@ impl TangentialSolver {
             effort.last_change = change.relative();
             effort.force_error = problem.error(problem.lack(state));
             let before = std::mem::replace(&mut residual, self.linearise(problem, state));
-            if std::env::var_os("DBG").is_some() { let c=|w:ElementState| state.element.iter().filter(|e| **e==w).count(); let f=|t: &dyn Fn(&crate::half_space::yielding::Carried)->bool| self.sliders.carried.iter().zip(&state.element).filter(|(c,e)| **e==ElementState::Slip && t(c)).count(); eprintln!("{} stuck {} released {} change {:.2e} residual {:.2e} n {} adh {} slip {} plastic {} filled {}", effort.newton_steps, stuck, change.released, effort.last_change, residual, problem.nx, c(ElementState::Adhesion), c(ElementState::Slip), f(&|c| c.grows>0.0), f(&|c| c.passes==0.0)); }
             let rests = whole && effort.changes == 0;
             let next = effort.last_change * if before > 0.0 { residual / before } else { 0.0 };
             let small = next < ERROR_SHARE * tolerance || effort.last_change < ROUNDING;
@@ -270,8 +269,48 @@ impl TangentialSolver {
         false
     }
 
+    /// Adds the step, and takes tractions to what friction and the layer let them be.
+    fn advance_on_layer(
+        &self,
+        problem: &Problem,
+        layer: &Layer<'_>,
+        state: &mut TangentialState,
+    ) -> Change {
+        for (k, by) in self.border.components.iter().zip(&self.step[self.unknowns.len()..]) {
+            state.creepage[*k] += by;
+        }
+        let Unknowns { sticking, slipping, yielding, .. } = &self.unknowns;
+        let before = state.traction.clone();
+        let [px, py] = &mut state.traction;
+        let (along, rest) = self.step.split_at(2 * sticking.len());
+        for (k, &i) in sticking.iter().enumerate() {
+            px[i] += along[k];
+            py[i] += along[sticking.len() + k];
+        }
+        let (turns, sizes) = rest.split_at(slipping.len());
+        for ((one, turn), (along, by)) in slipping.iter().zip(turns).zip(yielding.iter().zip(sizes)) {
+            let (i, size) = (one.index, px[one.index].hypot(py[one.index]));
+            let turned = size.hypot(*turn);
+            let wanted = (size + by).max(f64::MIN_POSITIVE);
+            let [[nx, ny], [tx, ty]] = [along.direction, one.across];
+            px[i] = wanted * (size * nx + turn * tx) / turned;
+            py[i] = wanted * (size * ny + turn * ty) / turned;
+        }
+        let own = self.operator.self_influence();
+        let mut change = Change::default();
+        change.released = layer.yield_to(problem.nx, problem.bound, own, state);
+        let ([px, py], [qx, qy]) = (&before, &state.traction);
+        for i in sticking.iter().copied().chain(slipping.iter().map(|one| one.index)) {
+            change.see([px[i], py[i]], [qx[i], qy[i]]);
+        }
+        change
+    }
+
     /// Adds the step and cuts tractions to the bound.
     fn advance(&self, problem: &Problem, state: &mut TangentialState) -> Change {
+        if let Some(layer) = &problem.layer {
+            return self.advance_on_layer(problem, layer, state);
+        }
         let mut change = Change::default();
         for (k, by) in self.border.components.iter().zip(&self.step[self.unknowns.len()..]) {
             state.creepage[*k] += by;
@@ -281,7 +320,7 @@ impl TangentialSolver {
         for (k, &i) in self.unknowns.sticking.iter().enumerate() {
             let before = [px[i], py[i]];
             let after = [before[0] + self.step[k], before[1] + self.step[count + k]];
-            let (size, g) = (after[0].hypot(after[1]), self.limit(problem, i));
+            let (size, g) = (after[0].hypot(after[1]), problem.bound[i]);
             let cut = if size > g { g / size } else { 1.0 };
             [px[i], py[i]] = after.map(|value| value * cut);
             if size > g {
@@ -290,31 +329,15 @@ impl TangentialSolver {
             }
             change.see(before, [px[i], py[i]]);
         }
-        let sizes = &self.step[2 * count + self.unknowns.slipping.len()..];
-        let bound = |k: usize, [x, y]: [f64; 2]| {
-            let index = self.unknowns.slipping[k].index;
-            let friction = problem.bound[index];
-            let Some(layer) = &problem.layer else { return friction };
-            let [least, most] = self.sliders.range(&layer.law, friction, index);
-            (x.hypot(y) + sizes[k]).clamp(least, most)
-        };
-        for (k, (one, by)) in self.unknowns.slipping.iter().zip(&self.step[2 * count..]).enumerate() {
+        for (one, by) in self.unknowns.slipping.iter().zip(&self.step[2 * count..]) {
             let i = one.index;
             let before = [px[i], py[i]];
             let after = [before[0] + one.across[0] * by, before[1] + one.across[1] * by];
-            let cut = bound(k, before) / after[0].hypot(after[1]);
+            let cut = problem.bound[i] / after[0].hypot(after[1]);
             [px[i], py[i]] = after.map(|value| value * cut);
             change.see(before, [px[i], py[i]]);
         }
         change
-    }
-
-    /// The bound of an element before it slips [Pa].
-    fn limit(&self, problem: &Problem, index: usize) -> f64 {
-        match problem.layer {
-            Some(_) => self.sliders.carried[index].bound,
-            None => problem.bound[index],
-        }
     }
 
     /// Elements that slipped and whose traction now pushes with the slip adhere from now on.
