@@ -31,7 +31,7 @@ use crate::explicit::kernel::Flow;
 use crate::half_space::viscoelastic::Retardation;
 use crate::half_space::yielding::Yield;
 use crate::removal::Removal;
-use crate::slip::RigidSlip;
+use crate::slip::{RigidSlip, SlipStart};
 use crate::softening::Softening;
 use proto::configuration::Refusal;
 use proto::field::FieldSpec;
@@ -99,6 +99,8 @@ pub(crate) struct Rubbing<'a> {
     pub(crate) origin_y: f64,
     /// Their pressure [Pa].
     pub(crate) pressure: &'a [f64],
+    /// Slip velocity of every element, where a law follows that [m/s].
+    pub(crate) velocity: Option<&'a [f64]>,
 }
 
 /// A term of the friction law.
@@ -112,6 +114,11 @@ pub(crate) trait FrictionTerm: State + Debug {
     /// It depends on the slip, so that a prescribed force and its creepage are found together.
     fn follows_slip(&self) -> bool {
         false
+    }
+
+    /// It depends on the slip of every element itself, looked for from here.
+    fn follows_elements(&self) -> Option<SlipStart> {
+        None
     }
 
     /// It depends on what comes in.
@@ -237,6 +244,11 @@ impl Terms {
     /// Friction depends on the slip that it allows.
     pub(crate) fn friction_follows_slip(&self) -> bool {
         self.friction.iter().any(|term| term.follows_slip())
+    }
+
+    /// Friction depends on the slip of every element itself, looked for from here.
+    pub(crate) fn friction_follows_elements(&self) -> Option<SlipStart> {
+        self.friction.iter().find_map(|term| term.follows_elements())
     }
 
     /// The smallest of the largest pressures; infinite without one [Pa].

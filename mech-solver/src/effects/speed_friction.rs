@@ -22,6 +22,7 @@
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::situation::{CREEPAGE, Situation};
+use crate::slip::SlipStart;
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
@@ -46,6 +47,8 @@ pub const EFFECT: Effect = Effect {
 const RATIO: &str = "effects.speed_friction.ratio";
 const DECREASE: &str = "effects.speed_friction.decrease";
 const LAW: &str = "effects.speed_friction.law";
+const SLIP: &str = "effects.speed_friction.slip";
+const START: &str = "effects.speed_friction.start";
 const MEMORY: &str = "effects.speed_friction.memory_distance";
 
 fn keys() -> Vec<KeySpec> {
@@ -59,6 +62,18 @@ fn keys() -> Vec<KeySpec> {
             .at_least(0.0),
         KeySpec::choice(LAW, &["exponential", "linear", "rational"], "how friction falls")
             .default_value("exponential"),
+        KeySpec::choice(
+            SLIP,
+            &["rigid", "local"],
+            "the slip velocity of rigid bodies, or that of every element with its elastic part",
+        )
+        .default_value("rigid"),
+        KeySpec::choice(
+            START,
+            &["before", "below", "above"],
+            "of local slip: looked for from that of the step or row before, from rest, or from the rolling speed; it decides between several solutions",
+        )
+        .default_value("before"),
         KeySpec::quantity(
             MEMORY,
             "m",
@@ -77,8 +92,39 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         decrease: case.number(DECREASE)?,
         curve: curve_of(case.text(LAW)?),
         memory: case.number(MEMORY)?,
+        local: start_of(&case, configuration)?,
     };
     Ok(Terms { friction: vec![Box::new(law)], ..Terms::default() })
+}
+
+/// From where the slip of the elements is looked for, if the law follows that.
+fn start_of(
+    case: &CheckedParams<'_>,
+    configuration: &Configuration,
+) -> Result<Option<SlipStart>, Refusal> {
+    if case.text(SLIP)? == "rigid" {
+        return Ok(None);
+    }
+    if configuration.model != "half-space" {
+        return Err(Refusal::new(
+            SLIP,
+            format!("the model `{}` does not solve for the slip of its elements with friction that follows it", configuration.model),
+            "choose mech.model = \"half-space\", or slip = \"rigid\"",
+        ));
+    }
+    let transient = configuration.case.get("mech").and_then(|mech| mech.get("rolling"));
+    if case.number(MEMORY)? > 0.0 && transient.is_some_and(|rolling| rolling == "transient") {
+        return Err(Refusal::new(
+            MEMORY,
+            "friction remembers along the rows of a steady contact, and not from step to step",
+            "write 0, mech.rolling = \"steady\", or slip = \"rigid\"",
+        ));
+    }
+    Ok(Some(match case.text(START)? {
+        "below" => SlipStart::Below,
+        "above" => SlipStart::Above,
+        _ => SlipStart::Before,
+    }))
 }
 
 /// What a law leaves of the fall at Bv.
@@ -99,6 +145,8 @@ struct Falling {
     curve: fn(f64) -> f64,
     /// Distance of sliding [m].
     memory: f64,
+    /// It follows the slip of every element, looked for from here.
+    local: Option<SlipStart>,
 }
 
 impl Falling {
@@ -112,13 +160,14 @@ impl State for Falling {}
 
 impl FrictionTerm for Falling {
     fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        let Rubbing { slip, grid, pressure, .. } = rubbing;
+        let Rubbing { slip, grid, pressure, velocity, .. } = rubbing;
         let rolls = slip.speed > 0.0 && self.memory > 0.0;
         for (j, row) in friction.chunks_exact_mut(grid.ni).enumerate() {
             // A particle enters at the front, where x is largest.
             let (mut before, mut touches) = (1.0, false);
             for (i, friction) in row.iter_mut().enumerate().rev() {
-                let velocity = slip.at(grid.x(i), grid.y(j));
+                let rigid = || slip.at(grid.x(i), grid.y(j));
+                let velocity = velocity.map_or_else(rigid, |velocity| velocity[j * grid.ni + i]);
                 let settled = self.share(velocity);
                 touches |= pressure[j * grid.ni + i] > 0.0;
                 if !rolls {
@@ -137,7 +186,15 @@ impl FrictionTerm for Falling {
     }
 
     fn follows_slip(&self) -> bool {
-        true
+        self.local.is_none()
+    }
+
+    fn follows_elements(&self) -> Option<SlipStart> {
+        self.local
+    }
+
+    fn follows_inputs(&self) -> bool {
+        false
     }
 
     fn shortfall(&self) -> &'static str {

@@ -70,6 +70,37 @@ fn start_key() -> KeySpec {
     KeySpec::choice(START, &["warm", "cold"], help).default_value("warm")
 }
 
+const BEGIN: &str = "mech.begin";
+
+fn begin_key() -> KeySpec {
+    let help = "what rolling with memory begins from: bodies that are pressed together without tractions, or their steady rolling";
+    KeySpec::choice(BEGIN, &["pressed", "steady"], help).default_value("pressed")
+}
+
+/// Whether a contact with memory begins from its steady rolling.
+fn begins_steady(configuration: &Configuration, scene: &Scene, memory: bool) -> Result<bool, Refusal> {
+    let case = CheckedParams::new(&configuration.case, vec![begin_key()]);
+    let steady = case.text(BEGIN)? == "steady";
+    if steady && !(memory && scene.speeds.rolling > 0.0) {
+        let reason = "only a contact that rolls with memory begins from a steady state";
+        let fix = "write mech.rolling = \"transient\" and a motion.speed above 0, or remove the key";
+        return Err(Refusal::new(BEGIN, reason, fix));
+    }
+    Ok(steady)
+}
+
+/// Refuses friction that follows the slip of every element where it is not solved for.
+fn refuse_local(case: &Case) -> Result<(), Refusal> {
+    if case.terms.friction_follows_elements().is_none() {
+        return Ok(());
+    }
+    if !case.terms.adhesion {
+        let reason = "friction follows the slip of every element, which is solved for";
+        return Err(effects::lacking(Kind::Adhesion, reason));
+    }
+    Ok(())
+}
+
 fn rolling_key() -> KeySpec {
     KeySpec::choice(
         ROLLING,
@@ -109,6 +140,7 @@ fn spec() -> ModelSpec {
     keys.extend(geometry::keys());
     keys.extend(drive::keys());
     keys.push(rolling_key());
+    keys.push(begin_key());
     keys.push(start_key());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {
@@ -159,6 +191,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     terms.removal.iter_mut().for_each(|removal| removal.place(&grid));
     let mut case = Case {
         memory,
+        begins_steady: begins_steady(configuration, &scene, memory)?,
         terms,
         shift_duration: 0.0,
         scene,
@@ -178,6 +211,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     if let Some(effect) = case.terms.effect_of(Kind::PressureBound) {
         refuse_bound(&case, effect)?;
     }
+    refuse_local(&case)?;
     if let Some(effect) = case.terms.effect_of(Kind::Yield) {
         refuse_layer(&case.terms, effect)?;
     }

@@ -129,7 +129,7 @@ fn what_the_layer_takes_is_friction_power() {
                 found.number("plastic_power_w"), found.number("plastic_area_ratio"), found.number("max_plastic_shift_m"));
             assert_close(power, given, 1e-9);
             let part = found.number("plastic_power_w");
-            assert!(part > 0.05 * power && part <= power, "{part} of {power}");
+            assert!(part > 0.01 * power && part <= power, "{part} of {power}");
             if hardening == 0.0 {
                 let mut limited = without(rolling(creepage.clone(), 0.0), "plastic_layer");
                 limited["effects"]["shear_limit"] = json!({"yield_stress": 250e6});

@@ -15,7 +15,7 @@
 //! columns of a table, to where they are at the end of every window, in one step a window.
 //!
 //! In the beginning the bodies are pressed together without friction; where values vary they are apart, and
-//! friction acts while the first load comes on.
+//! friction acts while the first load comes on. Bodies that roll may begin from their steady state (`mech.begin`).
 
 use super::answer::Answer;
 use super::balance::Balance;
@@ -49,6 +49,8 @@ pub(super) struct Transient {
     history: [Vec<f64>; 2],
     /// Plastic shift of the particles of the step before; empty without a layer that yields [m].
     plastic: Vec<f64>,
+    /// It still has to begin from the steady state.
+    begins: bool,
     /// A step of the last solve has not the prescribed force.
     shortfall: Option<Shortfall>,
 }
@@ -127,7 +129,25 @@ impl Transient {
         let history = [zeros.clone(), zeros.clone()];
         let plastic = accepted.solution.state.plastic.clone();
         let (trial, power, shortfall) = (accepted.clone(), zeros, None);
-        Ok(Self { case, following, trial, accepted, contact, power, history, plastic, shortfall })
+        let begins = case.begins_steady;
+        Ok(Self { case, following, trial, accepted, contact, power, history, plastic, begins, shortfall })
+    }
+
+    /// Becomes the steady rolling of the values in the beginning.
+    fn begin(&mut self, inputs: &dyn Inputs) -> Result<(), StepError> {
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        let case = &mut self.case;
+        let mut steady = ContactSolver::new(case, Motion::SteadyRolling).map_err(no_solution)?;
+        let driven = case.driven;
+        steady.set_friction(case, inputs, driven.at(0.0).creepage)?;
+        let solution = steady.solve_settled(case, inputs, &driven, None, None)?;
+        let accepted = &mut self.accepted;
+        accepted.answer = Answer::partial(case, &steady, &solution, None);
+        (accepted.pressure, accepted.approach) = (steady.pressure, steady.approach);
+        self.contact.pressure.clone_from(&accepted.pressure);
+        self.contact.displacement(&solution.state, &mut accepted.displacement);
+        accepted.solution = Solution::new(solution.state);
+        Ok(())
     }
 
     /// Takes the values of a window: their means if the bodies roll, where a shift ends else.
@@ -142,7 +162,7 @@ impl Transient {
     }
 
     /// Goes from the accepted state to the end of the window.
-    fn advance(&mut self, duration: f64) -> Result<StepReport, ContactError> {
+    fn advance(&mut self, duration: f64, inputs: &dyn Inputs) -> Result<StepReport, StepError> {
         self.shortfall = None;
         self.trial.clone_from(&self.accepted);
         self.trial.solution.newton_steps = 0;
@@ -156,7 +176,7 @@ impl Transient {
         let mut rest = duration;
         while rest > ROUNDING * duration {
             if self.trial.left == 0.0 {
-                self.trial.left = self.step(duration)?;
+                self.trial.left = self.step(duration, inputs)?;
                 report.substeps += 1;
             }
             let taken = self.trial.left.min(rest);
@@ -179,7 +199,8 @@ impl Transient {
     }
 
     /// One mechanical step of the trial; its duration [s].
-    fn step(&mut self, window: f64) -> Result<f64, ContactError> {
+    fn step(&mut self, window: f64, inputs: &dyn Inputs) -> Result<f64, StepError> {
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         let (case, trial) = (&mut self.case, &mut self.trial);
         let columns = case.footprint.grid.ni;
         let rolls = case.scene.speeds.rolling > 0.0;
@@ -208,7 +229,8 @@ impl Transient {
         let before = trial.solution.state.traction.clone();
         let energy_before = energy(&before, &trial.displacement);
         let near = trial.solution.clone();
-        trial.solution = self.contact.solve(&driven, Some(near), Some(history))?;
+        let near = Some(near);
+        trial.solution = self.contact.solve_settled(case, inputs, &driven, near, Some(history))?;
         self.shortfall = self.shortfall.or(self.contact.shortfall);
         let state = &trial.solution.state;
         self.contact.displacement(state, &mut trial.displacement);
@@ -216,7 +238,7 @@ impl Transient {
         if !case.bodies.are_coupled() {
             let energy = [energy_before, energy(&state.traction, &trial.displacement)];
             let balance = Balance::step(case, &trial.answer, state.creepage, &before, energy);
-            trial.answer.balance = Some(balance.check()?);
+            trial.answer.balance = Some(balance.check().map_err(|error| no_solution(error.into()))?);
         }
         if !rolls {
             for (sum, shift) in trial.shift.iter_mut().zip(state.creepage) {
@@ -244,11 +266,13 @@ impl Model for Transient {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
+        if std::mem::take(&mut self.begins) {
+            self.begin(inputs)?;
+        }
         self.follow(step)?;
         let creepage = self.case.driven.at(0.0).creepage;
         self.contact.set_friction(&mut self.case, inputs, creepage)?;
-        let report = self.advance(step.duration());
-        let report = report.map_err(|error| StepError::NoSolution(error.to_string()))?;
+        let report = self.advance(step.duration(), inputs)?;
         self.trial.answer.write(&self.case.terms, &self.power, outputs);
         Ok(report)
     }
@@ -292,6 +316,7 @@ impl Model for Transient {
         if !memory.fits(self.power.len()) || !layer {
             return Err(wrong("it is a state on another grid".to_owned()));
         }
+        self.begins = false;
         self.trial.clone_from(&memory);
         self.accepted = memory;
         self.power.clone_from(&self.accepted.answer.friction_power);
