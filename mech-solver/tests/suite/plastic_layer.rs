@@ -102,7 +102,7 @@ fn one_element_is_a_spring_and_two_sliders() {
             };
             traction = size * free.signum();
             assert_close(1e6 * number(&contact, "creep_force_x_n"), traction, 1e-4);
-            assert_close(number(&contact, "max_plastic_shift_m"), plastic, 2e-4);
+            assert_close(number(&contact, "layer_plastic_shift_m"), plastic, 2e-4);
         }
     }
 }
@@ -126,9 +126,9 @@ fn what_the_layer_takes_is_friction_power() {
             let found = run(&rolling(creepage.clone(), hardening));
             let (power, given) = (found.number("friction_power_w"), found.number("creep_power_w"));
             println!("{creepage} {hardening:e}: F_x {} N, {power} W, in the layer {}, area {}, shift {}", found.number("creep_force_x_n"),
-                found.number("plastic_power_w"), found.number("plastic_area_ratio"), found.number("max_plastic_shift_m"));
+                found.number("layer_power_w"), found.number("layer_area_ratio"), found.number("layer_plastic_shift_m"));
             assert_close(power, given, 1e-9);
-            let part = found.number("plastic_power_w");
+            let part = found.number("layer_power_w");
             assert!(part > 0.01 * power && part <= power, "{part} of {power}");
             if hardening == 0.0 {
                 let mut limited = without(rolling(creepage.clone(), 0.0), "plastic_layer");
@@ -154,7 +154,7 @@ fn rolling_with_memory_comes_to_the_steady_state() {
         let configuration = Configuration { mode: Mode::Transient, ..configuration(&case) };
         let steps = windows(&configuration, 3, 0.03 / SPEED);
         let last = steps.last().expect("windows");
-        for key in ["creep_force_x_n", "creep_force_y_n", "friction_power_w", "plastic_power_w", "max_plastic_shift_m"] {
+        for key in ["creep_force_x_n", "creep_force_y_n", "friction_power_w", "layer_power_w", "layer_plastic_shift_m"] {
             assert_close(number(last, key), steady.number(key), 1e-3);
         }
     }

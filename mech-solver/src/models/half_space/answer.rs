@@ -221,9 +221,9 @@ impl Answer {
             balance.add_to(&mut figures);
         }
         if let Some(Flowed { largest_shift, area_ratio, power }) = self.flowed {
-            figures["max_plastic_shift_m"] = largest_shift.into();
-            figures["plastic_area_ratio"] = area_ratio.into();
-            figures["plastic_power_w"] = power.into();
+            figures["layer_plastic_shift_m"] = largest_shift.into();
+            figures["layer_area_ratio"] = area_ratio.into();
+            figures["layer_power_w"] = power.into();
         }
         if let Some(approach) = self.approach {
             figures["approach_m"] = approach.into();
