@@ -108,7 +108,10 @@ fn start_of(
     if configuration.model != "half-space" {
         return Err(Refusal::new(
             SLIP,
-            format!("the model `{}` does not solve for the slip of its elements with friction that follows it", configuration.model),
+            format!(
+                "the model `{}` does not solve for the slip of its elements with friction that follows it",
+                configuration.model
+            ),
             "choose mech.model = \"half-space\", or slip = \"rigid\"",
         ));
     }

@@ -11,7 +11,8 @@
 use super::influence::{Elasticity, Influence};
 use super::slip_operator::SlipOperator;
 use super::tangential::{
-    ElementState, Layer, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState, Wanted,
+    ElementState, Layer, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState,
+    Wanted,
 };
 use super::viscoelastic::Bodies;
 use super::yielding::Yield;
@@ -170,7 +171,8 @@ impl Level {
         }
         let before = state.creepage;
         // Particles whose shifts gather soften all that follows: Newton's method overshoots.
-        let softens = problem.layer.filter(|layer| layer.before.is_none() && layer.law.hardening < 0.0);
+        let softens =
+            problem.layer.filter(|layer| layer.before.is_none() && layer.law.hardening < 0.0);
         let solved = match softens {
             Some(layer) => solver.solve_by_passes(&problem, layer, state, target.accuracy),
             None => solver.solve(&problem, state, target.accuracy),
@@ -205,7 +207,8 @@ impl Level {
 
     fn refuse_beyond_friction(&self, prescribed: &Prescribed) -> Result<(), TangentialError> {
         let stiffness = self.solver.self_influence().recip();
-        if let Some(Yield { hardening, .. }) = self.yields.filter(|law| law.hardening <= -stiffness) {
+        if let Some(Yield { hardening, .. }) = self.yields.filter(|law| law.hardening <= -stiffness)
+        {
             return Err(TangentialError::SnapsBack { hardening, stiffness });
         }
         let [x, y, moment] = prescribed.force.map(Option::unwrap_or_default);

@@ -78,12 +78,17 @@ fn begin_key() -> KeySpec {
 }
 
 /// Whether a contact with memory begins from its steady rolling.
-fn begins_steady(configuration: &Configuration, scene: &Scene, memory: bool) -> Result<bool, Refusal> {
+fn begins_steady(
+    configuration: &Configuration,
+    scene: &Scene,
+    memory: bool,
+) -> Result<bool, Refusal> {
     let case = CheckedParams::new(&configuration.case, vec![begin_key()]);
     let steady = case.text(BEGIN)? == "steady";
     if steady && !(memory && scene.speeds.rolling > 0.0) {
         let reason = "only a contact that rolls with memory begins from a steady state";
-        let fix = "write mech.rolling = \"transient\" and a motion.speed above 0, or remove the key";
+        let fix =
+            "write mech.rolling = \"transient\" and a motion.speed above 0, or remove the key";
         return Err(Refusal::new(BEGIN, reason, fix));
     }
     Ok(steady)

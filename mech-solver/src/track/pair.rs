@@ -208,7 +208,10 @@ fn rolls(
     let given = Prescribed::creepages(creepage);
     let improved = near.and_then(|state| {
         let mut solution = Solution::new(state);
-        levels.improve(bound, &given, more.map(History::of_slip), &mut solution).is_ok().then_some(solution)
+        levels
+            .improve(bound, &given, more.map(History::of_slip), &mut solution)
+            .is_ok()
+            .then_some(solution)
     });
     // What is too far from the last solution is solved without it.
     if let Some(solution) = improved {

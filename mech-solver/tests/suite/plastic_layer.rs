@@ -67,7 +67,13 @@ fn number(contact: &Value, key: &str) -> f64 {
 
 /// The sums of steps.
 fn sums(steps: &[f64]) -> Vec<f64> {
-    steps.iter().scan(0.0, |sum, step| { *sum += step; Some(*sum) }).collect()
+    steps
+        .iter()
+        .scan(0.0, |sum, step| {
+            *sum += step;
+            Some(*sum)
+        })
+        .collect()
 }
 
 /// Clay that hardens, turned round on the way; sand that softens down to a tenth; and sulphide: an elastic spring and two sliders in series, by
@@ -75,7 +81,12 @@ fn sums(steps: &[f64]) -> Vec<f64> {
 #[test]
 fn one_element_is_a_spring_and_two_sliders() {
     for (flexibility, yield_stress, hardening, steps) in [
-        (0.02e-3 / 106.25e6, 200e6, 435e9, vec![-4e-5, -4e-5, -4e-5, 3.6e-5, 3.6e-5, 9e-5, -9e-5, -5e-4]),
+        (
+            0.02e-3 / 106.25e6,
+            200e6,
+            435e9,
+            vec![-4e-5, -4e-5, -4e-5, 3.6e-5, 3.6e-5, 9e-5, -9e-5, -5e-4],
+        ),
         (0.02e-3 / 176.63e6, 400e6, -195e9, vec![-2.5e-5, -5e-5, 6e-5, -9e-5, -2e-3, -2e-3, 1e-4]),
         (0.02e-3 / 20.238e6, 20e6, 20.4e9, vec![-2e-5, -4e-5, 5e-5, -5e-5]),
         (0.02e-3 / 106.25e6, 200e6, 435e9, vec![-2e-3, -1e-4]),
@@ -87,16 +98,23 @@ fn one_element_is_a_spring_and_two_sliders() {
         let (mut traction, mut plastic) = (0.0_f64, 0.0_f64);
         for (step, contact) in steps.iter().zip(found) {
             let free = traction - step / compliance;
-            let yields = |plastic: f64| (yield_stress + hardening * plastic).max(0.1 * yield_stress);
+            let yields =
+                |plastic: f64| (yield_stress + hardening * plastic).max(0.1 * yield_stress);
             let bound: f64 = 630e6;
             let size = if free.abs() <= bound.min(yields(plastic)) {
                 free.abs()
             } else {
                 // The spring gives back what the layer takes.
-                let taken = (free.abs() - yields(plastic)) * compliance / (1.0 + hardening * compliance);
+                let taken =
+                    (free.abs() - yields(plastic)) * compliance / (1.0 + hardening * compliance);
                 let lowest = (free.abs() - 0.1 * yield_stress) * compliance;
-                let taken = if yields(plastic + taken) > 0.1 * yield_stress { taken } else { lowest };
-                let taken = if yields(plastic + taken) < bound { taken } else { (bound - yields(plastic)) / hardening };
+                let taken =
+                    if yields(plastic + taken) > 0.1 * yield_stress { taken } else { lowest };
+                let taken = if yields(plastic + taken) < bound {
+                    taken
+                } else {
+                    (bound - yields(plastic)) / hardening
+                };
                 plastic += taken.max(0.0);
                 bound.min(yields(plastic))
             };
@@ -121,12 +139,19 @@ fn rolling(creepage: Value, hardening: f64) -> Value {
 /// Without hardening it is `shear_limit`. Tolerances: rounding of the balance, of tractions 1e-4.
 #[test]
 fn what_the_layer_takes_is_friction_power() {
-    for creepage in [json!({"xi": -2e-3}), json!({"xi": -2e-3, "eta": 2e-3, "phi": 0.3}), json!({"xi": -2e-2})] {
+    for creepage in
+        [json!({"xi": -2e-3}), json!({"xi": -2e-3, "eta": 2e-3, "phi": 0.3}), json!({"xi": -2e-2})]
+    {
         for hardening in [0.0, 5e12, 1e14, -2e12] {
             let found = run(&rolling(creepage.clone(), hardening));
             let (power, given) = (found.number("friction_power_w"), found.number("creep_power_w"));
-            println!("{creepage} {hardening:e}: F_x {} N, {power} W, in the layer {}, area {}, shift {}", found.number("creep_force_x_n"),
-                found.number("layer_power_w"), found.number("layer_area_ratio"), found.number("layer_plastic_shift_m"));
+            println!(
+                "{creepage} {hardening:e}: F_x {} N, {power} W, in the layer {}, area {}, shift {}",
+                found.number("creep_force_x_n"),
+                found.number("layer_power_w"),
+                found.number("layer_area_ratio"),
+                found.number("layer_plastic_shift_m")
+            );
             assert_close(power, given, 1e-9);
             let part = found.number("layer_power_w");
             assert!(part > 0.01 * power && part <= power, "{part} of {power}");
@@ -154,7 +179,13 @@ fn rolling_with_memory_comes_to_the_steady_state() {
         let configuration = Configuration { mode: Mode::Transient, ..configuration(&case) };
         let steps = windows(&configuration, 3, 0.03 / SPEED);
         let last = steps.last().expect("windows");
-        for key in ["creep_force_x_n", "creep_force_y_n", "friction_power_w", "layer_power_w", "layer_plastic_shift_m"] {
+        for key in [
+            "creep_force_x_n",
+            "creep_force_y_n",
+            "friction_power_w",
+            "layer_power_w",
+            "layer_plastic_shift_m",
+        ] {
             assert_close(number(last, key), steady.number(key), 1e-3);
         }
     }
@@ -177,7 +208,11 @@ fn a_particle_hardens_by_the_way_that_it_slides() {
     for i in (0..enters).filter(|i| pressure[*i] > 0.0) {
         let way = creepage * (grid.x(enters) - grid.x(i));
         let expected = (100e6 + hardening * way).min(FRICTION * pressure[i]);
-        assert!((traction[i] - expected).abs() < 0.02 * expected, "{i}: {} {expected}", traction[i]);
+        assert!(
+            (traction[i] - expected).abs() < 0.02 * expected,
+            "{i}: {} {expected}",
+            traction[i]
+        );
         flowed += usize::from(expected < FRICTION * pressure[i]);
     }
     assert!(flowed > 20, "{flowed}");

@@ -45,7 +45,8 @@ impl Layer<'_> {
                     released += 1;
                     state.element[index] = ElementState::Slip;
                     let stiffness = own.recip() + self.law.hardening;
-                    let slip = if self.law.hardening > 0.0 { (size - limit) / stiffness } else { 0.0 };
+                    let slip =
+                        if self.law.hardening > 0.0 { (size - limit) / stiffness } else { 0.0 };
                     let carried = self.law.carried(g, before, slip);
                     (carried.bound, carried.shift)
                 }

@@ -320,7 +320,9 @@ impl Preconditioned for System<'_> {
             *out = own * (nx * f64::from(ix[one.index]) + ny * f64::from(iy[one.index]));
         }
         unknowns.follow_slip(own, &mut out[sizes..end]);
-        for ((one, out), x) in unknowns.yielding.iter().zip(&mut out[sizes..end]).zip(&step[sizes..]) {
+        for ((one, out), x) in
+            unknowns.yielding.iter().zip(&mut out[sizes..end]).zip(&step[sizes..])
+        {
             *out += scale(own, one.carried.slope) * x;
         }
         add(&self.border.rigid_slip, creepage, 1.0, out);

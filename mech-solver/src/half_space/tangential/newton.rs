@@ -288,7 +288,8 @@ impl TangentialSolver {
             py[i] += along[sticking.len() + k];
         }
         let (turns, sizes) = rest.split_at(slipping.len());
-        for ((one, turn), (along, by)) in slipping.iter().zip(turns).zip(yielding.iter().zip(sizes)) {
+        for ((one, turn), (along, by)) in slipping.iter().zip(turns).zip(yielding.iter().zip(sizes))
+        {
             let (i, size) = (one.index, px[one.index].hypot(py[one.index]));
             let turned = size.hypot(*turn);
             let wanted = (size + by).max(f64::MIN_POSITIVE);

@@ -121,7 +121,8 @@ impl Answer {
         answer.pivot = passage.middle - passage.ahead;
         let before = before.map(|before| before.concat());
         answer.set(case, state.traction.concat(), state.slip.concat(), before.as_deref());
-        answer.flowed = Flowed::of(state, &answer.friction_power, case.footprint.grid.element_area());
+        answer.flowed =
+            Flowed::of(state, &answer.friction_power, case.footprint.grid.element_area());
         answer
     }
 

@@ -29,13 +29,13 @@ const ALMOST_ALL: f64 = 0.999;
 /// Turns of normal and tangential contact after which they are given up.
 const MOST_ALTERNATIONS: usize = 30;
 /// Passes of friction and slip after which they are given up.
-const MOST_PASSES: usize = 400;
+const MOST_PASSES: usize = 600;
 /// Those that take all of the slip found; later ones take the share below of its change.
-const PLAIN_PASSES: usize = 100;
+const PLAIN_PASSES: usize = 400;
 /// See above.
 const DAMPED: f64 = 0.3;
 /// Change of the traction bounds, over the largest, at which friction has settled.
-const SETTLED: f64 = 1e-8;
+const SETTLED: f64 = 1e-7;
 
 /// Why an instant has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -194,8 +194,7 @@ impl ContactSolver {
         let grid = &case.footprint.grid;
         let origin_y = case.footprint.gap.as_ref().map_or(0.0, |gap| gap.origin);
         let velocity = self.velocity.as_deref();
-        let rubbing =
-            Rubbing { inputs, slip, grid, origin_y, pressure: &self.pressure, velocity };
+        let rubbing = Rubbing { inputs, slip, grid, origin_y, pressure: &self.pressure, velocity };
         case.terms.friction(case.scene.friction_coefficient, &rubbing, &mut self.friction)?;
         self.set_bound();
         Ok(())
@@ -230,7 +229,8 @@ impl ContactSolver {
             let now = velocities(&solution.state, duration);
             let share = if pass < PLAIN_PASSES { 1.0 } else { DAMPED };
             if let Some(velocity) = &mut self.velocity {
-                let towards = |(velocity, now): (&mut f64, &f64)| *velocity += share * (now - *velocity);
+                let towards =
+                    |(velocity, now): (&mut f64, &f64)| *velocity += share * (now - *velocity);
                 velocity.iter_mut().zip(&now).for_each(towards);
             }
             self.set_friction(case, inputs, [0.0; 3])?;

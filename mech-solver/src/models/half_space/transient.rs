@@ -130,7 +130,18 @@ impl Transient {
         let plastic = accepted.solution.state.plastic.clone();
         let (trial, power, shortfall) = (accepted.clone(), zeros, None);
         let begins = case.begins_steady;
-        Ok(Self { case, following, trial, accepted, contact, power, history, plastic, begins, shortfall })
+        Ok(Self {
+            case,
+            following,
+            trial,
+            accepted,
+            contact,
+            power,
+            history,
+            plastic,
+            begins,
+            shortfall,
+        })
     }
 
     /// Becomes the steady rolling of the values in the beginning.
@@ -238,7 +249,8 @@ impl Transient {
         if !case.bodies.are_coupled() {
             let energy = [energy_before, energy(&state.traction, &trial.displacement)];
             let balance = Balance::step(case, &trial.answer, state.creepage, &before, energy);
-            trial.answer.balance = Some(balance.check().map_err(|error| no_solution(error.into()))?);
+            trial.answer.balance =
+                Some(balance.check().map_err(|error| no_solution(error.into()))?);
         }
         if !rolls {
             for (sum, shift) in trial.shift.iter_mut().zip(state.creepage) {
