@@ -7,8 +7,12 @@
 //! - rational f(v) = f₀ ((1 − A)/(1 + Bv) + A),
 //!
 //! all of the same slope −(1 − A)B f₀ at rest, with v = V |(ξ − φy, η + φx)|. v is the slip of rigid bodies, as Polach has it: in the slip
-//! zone it is the slip but for the elastic part, and where surfaces stick the bound that it changes is not reached. With the elastic part a law
-//! that falls has several solutions (Vollebregt & Schuttelaars, J. Sound Vib. 331 (2012) 2141–2155).
+//! zone it is the slip but for the elastic part, and where surfaces stick the bound that it changes is not reached.
+//!
+//! *Local slip* (`slip = "local"`, half-spaces). v is the slip velocity of every element, elastic part and all, and 0 where it adheres. Friction and
+//! slip are found in turn. Such a law that falls has several solutions in a step of transient rolling (Vollebregt & Schuttelaars, J. Sound Vib. 331 (2012)
+//! 2141–2155); `start` says from where they are looked for, and so which one is found: from rest that of least slip, from above that of
+//! most, or from the slip of the step or row before. What does not settle is refused. The memory below is that of steady rolling.
 //!
 //! *Memory.* Surfaces do not forget at once: over a distance d that they have slid on each other friction comes to 1/e of its change,
 //! d df/ds = f(v) − f along the way of a particle, which enters the contact with f₀. Of the step by Δx of an element, in which it slides

@@ -102,6 +102,9 @@ fn support_agrees_with_configure() {
                 let value = if unit == "Pa" { 1e9 } else { 1e-14 };
                 case["effects"][&effect.name][name] = json!(value);
             }
+            if effect.name == "plastic_layer" {
+                case["effects"]["partial_slip"] = json!({});
+            }
             if effect.name == "friction_bands" {
                 let bands = "/../cases/profiles/greased-gauge-side.csv";
                 let bands = format!("{}{bands}", env!("CARGO_MANIFEST_DIR"));
