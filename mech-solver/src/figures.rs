@@ -111,6 +111,17 @@ fn slip() -> Vec<FigureSpec> {
             .expected_below(1.6e6, "a locomotive's axle has 1.6 MW for all that it does")
             .rank(6)
             .headline(),
+        figure(
+            "layer_area_ratio",
+            "1",
+            "area in which the layer flows plastically",
+            "plastic area",
+        )
+        .style(Style::Percent)
+        .digits(3)
+        .absolute(),
+        figure("layer_power_w", "W", "part of the friction power in the layer", "in the layer"),
+        figure("layer_plastic_shift_m", "m", "largest plastic shift of the layer", "plastic shift"),
         FigureSpec::new("contact.max_traction_pa", "Pa", "largest traction"),
     ]
 }

@@ -5,6 +5,17 @@
 
 use crate::reference::carter;
 
+/// From which slip velocities the friction of a contact is looked for that follows the slip of every element itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SlipStart {
+    /// Those of the step or the row before; at the first from rest.
+    Before,
+    /// Rest: of several solutions the one that slips least.
+    Below,
+    /// The rolling speed: of several solutions the one that slips most.
+    Above,
+}
+
 /// How the bodies would move over each other if they were rigid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RigidSlip {

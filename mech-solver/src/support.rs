@@ -57,6 +57,7 @@ mod tests {
             (Kind::PressureBound, terms.pressure_bounds.len()),
             (Kind::Adhesion, usize::from(terms.adhesion)),
             (Kind::Layer, terms.layers.len()),
+            (Kind::Yield, usize::from(terms.yields.is_some())),
             (Kind::Expansion, usize::from(terms.expansion.is_some())),
             (Kind::Softening, terms.softening.iter().flatten().count()),
             (Kind::Retardation, terms.retardation.iter().flatten().count()),

@@ -11,6 +11,7 @@
 //! | `PressureBound` | a largest pressure [Pa], of several the smallest | the normal contact |
 //! | `Adhesion` | that surfaces may stick | the tangential contact; without it all of the contact slides |
 //! | `Layer` | a tangential flexibility [m/Pa], in series | the displacement difference |
+//! | `Yield` | how the yield stress of a layer changes with its plastic shift | the tangential contact |
 //! | `Expansion` | coefficients of thermal expansion [1/K] | the undeformed distance, or the stress of finite elements |
 //! | `Softening` | stiffness and yield stress over temperature | the stress of finite elements |
 //! | `Flow` | how the material of each body flows | the stress of finite elements |
@@ -28,8 +29,9 @@ pub(crate) use crate::state::{Accepted, State};
 use crate::axle::Axle;
 use crate::explicit::kernel::Flow;
 use crate::half_space::viscoelastic::Retardation;
+use crate::half_space::yielding::Yield;
 use crate::removal::Removal;
-use crate::slip::RigidSlip;
+use crate::slip::{RigidSlip, SlipStart};
 use crate::softening::Softening;
 use proto::configuration::Refusal;
 use proto::field::FieldSpec;
@@ -52,6 +54,8 @@ pub enum Kind {
     Adhesion,
     /// Tangential flexibility between the surfaces.
     Layer,
+    /// A layer that flows plastically.
+    Yield,
     /// Materials that expand where they are warm.
     Expansion,
     /// Materials that are softer where they are warm.
@@ -95,6 +99,8 @@ pub(crate) struct Rubbing<'a> {
     pub(crate) origin_y: f64,
     /// Their pressure [Pa].
     pub(crate) pressure: &'a [f64],
+    /// Slip velocity of every element, where a law follows that [m/s].
+    pub(crate) velocity: Option<&'a [f64]>,
 }
 
 /// A term of the friction law.
@@ -108,6 +114,11 @@ pub(crate) trait FrictionTerm: State + Debug {
     /// It depends on the slip, so that a prescribed force and its creepage are found together.
     fn follows_slip(&self) -> bool {
         false
+    }
+
+    /// It depends on the slip of every element itself, looked for from here.
+    fn follows_elements(&self) -> Option<SlipStart> {
+        None
     }
 
     /// It depends on what comes in.
@@ -167,6 +178,7 @@ pub(crate) struct Terms {
     pub(crate) pressure_bounds: Vec<f64>,
     pub(crate) adhesion: bool,
     pub(crate) layers: Vec<f64>,
+    pub(crate) yields: Option<Yield>,
     pub(crate) expansion: Option<[f64; 2]>,
     pub(crate) softening: [Option<Softening>; 2],
     pub(crate) flow: [Option<Flow>; 2],
@@ -186,6 +198,7 @@ impl Terms {
         self.pressure_bounds.extend(more.pressure_bounds);
         self.adhesion |= more.adhesion;
         self.layers.extend(more.layers);
+        self.yields = self.yields.or(more.yields);
         for (own, more) in self.softening.iter_mut().zip(more.softening) {
             *own = own.take().or(more);
         }
@@ -231,6 +244,11 @@ impl Terms {
     /// Friction depends on the slip that it allows.
     pub(crate) fn friction_follows_slip(&self) -> bool {
         self.friction.iter().any(|term| term.follows_slip())
+    }
+
+    /// Friction depends on the slip of every element itself, looked for from here.
+    pub(crate) fn friction_follows_elements(&self) -> Option<SlipStart> {
+        self.friction.iter().find_map(|term| term.follows_elements())
     }
 
     /// The smallest of the largest pressures; infinite without one [Pa].

@@ -4,6 +4,7 @@
 pub mod friction_bands;
 pub mod friction_heat;
 pub mod partial_slip;
+pub mod plastic_layer;
 pub mod plasticity;
 pub mod pressure_limit;
 pub mod roughness;
@@ -29,6 +30,7 @@ pub const EFFECTS: &[Effect] = &[
     friction_bands::EFFECT,
     friction_heat::EFFECT,
     partial_slip::EFFECT,
+    plastic_layer::EFFECT,
     plasticity::EFFECT,
     pressure_limit::EFFECT,
     roughness::EFFECT,

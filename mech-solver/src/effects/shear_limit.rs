@@ -5,7 +5,7 @@
 //! with the pressure, f = τ_y/p. Together with `third_body_layer` it is an elastic–plastic layer.
 //!
 //! Source: Vollebregt, Wear 314 (2014) 87–95; Vollebregt, Voltr et al., Veh. Syst. Dyn. (2022), for elastic–plastic third bodies.
-//! Left out: hardening, and what is left of the layer's strain behind the contact.
+//! Left out: what is left of the layer's strain behind the contact; hardening is in `plastic_layer`.
 
 use crate::entry::Effect;
 use crate::keys::CheckedParams;

@@ -7,8 +7,12 @@
 //! - rational f(v) = f₀ ((1 − A)/(1 + Bv) + A),
 //!
 //! all of the same slope −(1 − A)B f₀ at rest, with v = V |(ξ − φy, η + φx)|. v is the slip of rigid bodies, as Polach has it: in the slip
-//! zone it is the slip but for the elastic part, and where surfaces stick the bound that it changes is not reached. With the elastic part a law
-//! that falls has several solutions (Vollebregt & Schuttelaars, J. Sound Vib. 331 (2012) 2141–2155).
+//! zone it is the slip but for the elastic part, and where surfaces stick the bound that it changes is not reached.
+//!
+//! *Local slip* (`slip = "local"`, half-spaces). v is the slip velocity of every element, elastic part and all, and 0 where it adheres. Friction and
+//! slip are found in turn. Such a law that falls has several solutions in a step of transient rolling (Vollebregt & Schuttelaars, J. Sound Vib. 331 (2012)
+//! 2141–2155); `start` says from where they are looked for, and so which one is found: from rest that of least slip, from above that of
+//! most, or from the slip of the step or row before. What does not settle is refused. The memory below is that of steady rolling.
 //!
 //! *Memory.* Surfaces do not forget at once: over a distance d that they have slid on each other friction comes to 1/e of its change,
 //! d df/ds = f(v) − f along the way of a particle, which enters the contact with f₀. Of the step by Δx of an element, in which it slides
@@ -22,6 +26,7 @@
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::situation::{CREEPAGE, Situation};
+use crate::slip::SlipStart;
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
@@ -46,6 +51,8 @@ pub const EFFECT: Effect = Effect {
 const RATIO: &str = "effects.speed_friction.ratio";
 const DECREASE: &str = "effects.speed_friction.decrease";
 const LAW: &str = "effects.speed_friction.law";
+const SLIP: &str = "effects.speed_friction.slip";
+const START: &str = "effects.speed_friction.start";
 const MEMORY: &str = "effects.speed_friction.memory_distance";
 
 fn keys() -> Vec<KeySpec> {
@@ -59,6 +66,18 @@ fn keys() -> Vec<KeySpec> {
             .at_least(0.0),
         KeySpec::choice(LAW, &["exponential", "linear", "rational"], "how friction falls")
             .default_value("exponential"),
+        KeySpec::choice(
+            SLIP,
+            &["rigid", "local"],
+            "the slip velocity of rigid bodies, or that of every element with its elastic part",
+        )
+        .default_value("rigid"),
+        KeySpec::choice(
+            START,
+            &["before", "below", "above"],
+            "of local slip: looked for from that of the step or row before, from rest, or from the rolling speed; it decides between several solutions",
+        )
+        .default_value("before"),
         KeySpec::quantity(
             MEMORY,
             "m",
@@ -77,8 +96,42 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         decrease: case.number(DECREASE)?,
         curve: curve_of(case.text(LAW)?),
         memory: case.number(MEMORY)?,
+        local: start_of(&case, configuration)?,
     };
     Ok(Terms { friction: vec![Box::new(law)], ..Terms::default() })
+}
+
+/// From where the slip of the elements is looked for, if the law follows that.
+fn start_of(
+    case: &CheckedParams<'_>,
+    configuration: &Configuration,
+) -> Result<Option<SlipStart>, Refusal> {
+    if case.text(SLIP)? == "rigid" {
+        return Ok(None);
+    }
+    if configuration.model != "half-space" {
+        return Err(Refusal::new(
+            SLIP,
+            format!(
+                "the model `{}` does not solve for the slip of its elements with friction that follows it",
+                configuration.model
+            ),
+            "choose mech.model = \"half-space\", or slip = \"rigid\"",
+        ));
+    }
+    let transient = configuration.case.get("mech").and_then(|mech| mech.get("rolling"));
+    if case.number(MEMORY)? > 0.0 && transient.is_some_and(|rolling| rolling == "transient") {
+        return Err(Refusal::new(
+            MEMORY,
+            "friction remembers along the rows of a steady contact, and not from step to step",
+            "write 0, mech.rolling = \"steady\", or slip = \"rigid\"",
+        ));
+    }
+    Ok(Some(match case.text(START)? {
+        "below" => SlipStart::Below,
+        "above" => SlipStart::Above,
+        _ => SlipStart::Before,
+    }))
 }
 
 /// What a law leaves of the fall at Bv.
@@ -99,6 +152,8 @@ struct Falling {
     curve: fn(f64) -> f64,
     /// Distance of sliding [m].
     memory: f64,
+    /// It follows the slip of every element, looked for from here.
+    local: Option<SlipStart>,
 }
 
 impl Falling {
@@ -112,13 +167,14 @@ impl State for Falling {}
 
 impl FrictionTerm for Falling {
     fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        let Rubbing { slip, grid, pressure, .. } = rubbing;
+        let Rubbing { slip, grid, pressure, velocity, .. } = rubbing;
         let rolls = slip.speed > 0.0 && self.memory > 0.0;
         for (j, row) in friction.chunks_exact_mut(grid.ni).enumerate() {
             // A particle enters at the front, where x is largest.
             let (mut before, mut touches) = (1.0, false);
             for (i, friction) in row.iter_mut().enumerate().rev() {
-                let velocity = slip.at(grid.x(i), grid.y(j));
+                let rigid = || slip.at(grid.x(i), grid.y(j));
+                let velocity = velocity.map_or_else(rigid, |velocity| velocity[j * grid.ni + i]);
                 let settled = self.share(velocity);
                 touches |= pressure[j * grid.ni + i] > 0.0;
                 if !rolls {
@@ -137,7 +193,15 @@ impl FrictionTerm for Falling {
     }
 
     fn follows_slip(&self) -> bool {
-        true
+        self.local.is_none()
+    }
+
+    fn follows_elements(&self) -> Option<SlipStart> {
+        self.local
+    }
+
+    fn follows_inputs(&self) -> bool {
+        false
     }
 
     fn shortfall(&self) -> &'static str {

@@ -179,6 +179,7 @@ mod tests {
 
     fn rubbing<'a>(inputs: &'a Surfaces, grid: &'a Structured) -> Rubbing<'a> {
         Rubbing {
+            velocity: None,
             inputs,
             slip: RigidSlip { creepage: [0.0; 3], speed: 0.0 },
             grid,

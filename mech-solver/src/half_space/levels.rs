@@ -11,9 +11,11 @@
 use super::influence::{Elasticity, Influence};
 use super::slip_operator::SlipOperator;
 use super::tangential::{
-    ElementState, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState, Wanted,
+    ElementState, Layer, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState,
+    Wanted,
 };
 use super::viscoelastic::Bodies;
+use super::yielding::Yield;
 use proto::grid::Structured;
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +52,8 @@ pub struct Contact {
     pub bodies: Bodies,
     /// Tangential flexibility of a third body [m/Pa], 0 for none.
     pub layer: f64,
+    /// A layer that yields.
+    pub yields: Option<Yield>,
     /// Semi-axes a and b, or what comes near them [m].
     pub semi_axes: [f64; 2],
     /// How the bodies move.
@@ -98,13 +102,14 @@ struct Level {
     x: Vec<f64>,
     y: Vec<f64>,
     bound: Vec<f64>,
+    yields: Option<Yield>,
     solver: TangentialSolver,
 }
 
 impl Level {
     fn new(grid: &Structured, contact: &Contact) -> Self {
         let (dx, dy) = (grid.dx(), grid.dy());
-        let Contact { bodies, layer, semi_axes: [a, _], motion, .. } = *contact;
+        let Contact { bodies, layer, yields, semi_axes: [a, _], motion, .. } = *contact;
         let influence = Influence::of_grid(grid, bodies.instantaneous);
         let (nx, ny) = (grid.ni, grid.nj);
         let operator = match motion {
@@ -129,6 +134,7 @@ impl Level {
             x: (0..nx).map(|i| grid.x(i)).collect(),
             y: (0..ny).map(|j| grid.y(j)).collect(),
             bound: vec![0.0; grid.points()],
+            yields,
             solver: TangentialSolver::new(operator),
         }
     }
@@ -140,8 +146,9 @@ impl Level {
         state: &mut TangentialState,
     ) -> Result<usize, TangentialError> {
         let most_force = self.most_force();
-        let Self { nx, distance, ahead, area, x, y, bound, solver, .. } = self;
-        let Target { prescribed, slip_history, .. } = *target;
+        let Self { nx, distance, ahead, area, x, y, bound, yields, solver, .. } = self;
+        let Target { prescribed, history, .. } = *target;
+        let before = history.and_then(|history| history.plastic);
         let mut problem = Problem {
             nx: *nx,
             distance: *distance,
@@ -150,7 +157,8 @@ impl Level {
             x,
             y,
             bound,
-            slip_history,
+            slip_history: history.map(|history| history.slip),
+            layer: yields.map(|law| Layer { law, before }),
             wanted: None,
         };
         for (k, creepage) in state.creepage.iter_mut().enumerate() {
@@ -162,7 +170,13 @@ impl Level {
             problem.wanted = Some(target.wanted(most_force));
         }
         let before = state.creepage;
-        let solved = solver.solve(&problem, state, target.accuracy);
+        // Particles whose shifts gather soften all that follows: Newton's method overshoots.
+        let softens =
+            problem.layer.filter(|layer| layer.before.is_none() && layer.law.hardening < 0.0);
+        let solved = match softens {
+            Some(layer) => solver.solve_by_passes(&problem, layer, state, target.accuracy),
+            None => solver.solve(&problem, state, target.accuracy),
+        };
         let mut forces = (0..3).filter(|k| prescribed.force[*k].is_some());
         let effort = match (solved, forces.next(), forces.next()) {
             (Err(_), Some(k), None) => {
@@ -176,18 +190,27 @@ impl Level {
 
     /// f N on this grid [N].
     fn most_force(&self) -> f64 {
-        self.bound.iter().sum::<f64>() * self.area
+        match self.yields {
+            Some(law) => self.bound.iter().map(|g| law.most(*g)).sum::<f64>() * self.area,
+            None => self.bound.iter().sum::<f64>() * self.area,
+        }
     }
 
     /// The moment of a contact that turns about the origin, Σ g r dA [N m].
     fn most_moment(&self) -> f64 {
         let row = |(bounds, y): (&[f64], &f64)| -> f64 {
-            bounds.iter().zip(&self.x).map(|(g, x)| g * x.hypot(*y)).sum()
+            let most = |g: &f64| self.yields.map_or(*g, |law| law.most(*g));
+            bounds.iter().zip(&self.x).map(|(g, x)| most(g) * x.hypot(*y)).sum()
         };
         self.bound.chunks_exact(self.nx).zip(&self.y).map(row).sum::<f64>() * self.area
     }
 
     fn refuse_beyond_friction(&self, prescribed: &Prescribed) -> Result<(), TangentialError> {
+        let stiffness = self.solver.self_influence().recip();
+        if let Some(Yield { hardening, .. }) = self.yields.filter(|law| law.hardening <= -stiffness)
+        {
+            return Err(TangentialError::SnapsBack { hardening, stiffness });
+        }
         let [x, y, moment] = prescribed.force.map(Option::unwrap_or_default);
         let (force, most) = (x.hypot(y), self.most_force());
         if force > most * (1.0 + BEYOND) {
@@ -200,10 +223,27 @@ impl Level {
     }
 }
 
+/// What is there before a step.
+#[derive(Clone, Copy, Debug)]
+pub struct History<'a> {
+    /// Slip s₀ without tractions, x and y [m].
+    pub slip: [&'a [f64]; 2],
+    /// Plastic shift of a layer that yields, of every element before the step [m]; `None` in steady rolling.
+    pub plastic: Option<&'a [f64]>,
+}
+
+impl<'a> History<'a> {
+    /// Of bodies alone.
+    #[must_use]
+    pub fn of_slip(slip: [&'a [f64]; 2]) -> Self {
+        Self { slip, plastic: None }
+    }
+}
+
 /// What is asked of a grid.
 struct Target<'a> {
     prescribed: &'a Prescribed,
-    slip_history: Option<[&'a [f64]; 2]>,
+    history: Option<History<'a>>,
     /// Accuracy of the tractions.
     accuracy: f64,
     /// Error of the forces allowed, over f N.
@@ -220,7 +260,7 @@ impl Target<'_> {
         let Prescribed { force, creepage } = *self.prescribed;
         let [x, y, moment] = force.map(|one| one.unwrap_or_default().abs());
         // Small forces that nothing but their creepage makes.
-        let alone = self.slip_history.is_none() && creepage == [0.0; 3];
+        let alone = self.history.is_none() && creepage == [0.0; 3];
         let size = x.max(y).max(moment / self.length) / most_force;
         let relative =
             if alone && size > 0.0 { (SMALL_FORCE * size).max(ROUNDING) } else { f64::INFINITY };
@@ -260,6 +300,18 @@ pub enum TangentialError {
         force: f64,
         /// f N [N].
         most: f64,
+    },
+    /// A layer softens faster than an element unloads.
+    #[error(
+        "the layer softens by {:.3e} Pa/m, faster than an element of this grid unloads, {stiffness:.3e} Pa/m: it jumps; let it soften \
+         less, or raise mech.resolution",
+        -.hardening
+    )]
+    SnapsBack {
+        /// Change of the yield stress with the plastic shift [Pa/m].
+        hardening: f64,
+        /// Traction that takes back a unit of slip of an element [Pa/m].
+        stiffness: f64,
     },
     /// The moment is beyond what friction carries.
     #[error("a spin moment of {moment:.6e} N m is beyond the {most:.6e} N m of a turning contact")]
@@ -335,7 +387,7 @@ impl Levels {
     }
 
     /// Solves on the finest grid only, from a solution that is near, whose tractions are cut to the
-    /// new bound; `slip_history` is the slip s₀ that is there without tractions [m].
+    /// new bound; `history` is what is there without tractions.
     ///
     /// # Errors
     /// As for [`Levels::solve`].
@@ -343,15 +395,22 @@ impl Levels {
         &mut self,
         bound: &[f64],
         prescribed: &Prescribed,
-        slip_history: Option<[&[f64]; 2]>,
+        history: Option<History<'_>>,
         solution: &mut Solution,
     ) -> Result<(), TangentialError> {
-        let target = self.target(prescribed, slip_history, true);
+        let target = self.target(prescribed, history, true);
         let level = &mut self.levels[0];
         level.bound.copy_from_slice(bound);
         level.refuse_beyond_friction(prescribed)?;
         let applied = level.solver.work().0;
-        solution.state.fit(bound);
+        match (level.yields, history.and_then(|history| history.plastic)) {
+            (Some(law), Some(before)) => {
+                let pairs = bound.iter().zip(before);
+                let limit: Vec<f64> = pairs.map(|(g, before)| law.limit(*g, *before)).collect();
+                solution.state.fit(&limit);
+            }
+            _ => solution.state.fit(bound),
+        }
         solution.newton_steps += level.find(&target, &mut solution.state)?;
         solution.operator_applications += level.solver.work().0 - applied;
         Ok(())
@@ -370,7 +429,7 @@ impl Levels {
     fn target<'a>(
         &self,
         prescribed: &'a Prescribed,
-        slip_history: Option<[&'a [f64]; 2]>,
+        history: Option<History<'a>>,
         finest: bool,
     ) -> Target<'a> {
         let [a, b] = self.contact.semi_axes;
@@ -382,7 +441,7 @@ impl Levels {
         };
         let accuracy = if finest { self.contact.tolerance } else { COARSE_TOLERANCE };
         let tolerance = if finest { FORCE_SHARE * accuracy } else { COARSE_FORCE };
-        Target { prescribed, slip_history, accuracy, tolerance, slope, length: (a * b).sqrt() }
+        Target { prescribed, history, accuracy, tolerance, slope, length: (a * b).sqrt() }
     }
 
     fn restrict(&mut self, bound: &[f64]) {

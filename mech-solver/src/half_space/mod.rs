@@ -13,6 +13,7 @@
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
 //! | [`levels`] | the tangential problem by continuation in resolution |
 //! | [`viscoelastic`] | the same displacement of bodies with a memory that roll |
+//! | [`yielding`] | a layer that yields, in series with friction |
 //! | [`subsurface`] | stresses inside a body, at points and on vertical sections, and those of heat |
 //!
 //! A field on nx × ny elements is a slice of nx·ny values, row after row: element (i, j) has the
@@ -35,3 +36,4 @@ pub(crate) mod spline;
 pub mod subsurface;
 pub mod tangential;
 pub mod viscoelastic;
+pub mod yielding;

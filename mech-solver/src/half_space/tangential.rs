@@ -9,6 +9,9 @@
 //! that is there without tractions, if any: what remains of the step before in transient rolling or
 //! in a shift, and what the pressure does on bodies of different material.
 //!
+//! **A layer that yields** ([`super::yielding`]) makes of the bound a function g(|S|) of the slip of an element, which is that of the surfaces and
+//! the plastic shift of the layer together; the conditions stay, and so does the energy: what the layer dissipates is in it.
+//!
 //! **Energy.** The power of the step from I + e_x to I is −½(p_I + p_{I+e_x})·S_I V/Δx. Summed over
 //! all steps of steady rolling, those that leave the contact too, the part of B vanishes exactly,
 //! because pᵀ(Sᵀ − S)A p = 0 for a symmetric A that commutes with the shift: the sum is
@@ -19,11 +22,14 @@
 //! Source: Kalker, *Three-Dimensional Elastic Bodies in Rolling Contact* (1990) ch. 4.
 
 mod bracket;
+mod layer;
 mod linear;
 mod newton;
+mod passes;
 mod problem;
 mod state;
 
+pub use layer::Layer;
 pub use newton::{Effort, NotConverged, TangentialSolver};
 pub use problem::{Prescribed, Problem, Wanted};
 pub use state::{Creepage, ElementState, TangentialState};

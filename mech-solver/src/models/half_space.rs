@@ -70,6 +70,42 @@ fn start_key() -> KeySpec {
     KeySpec::choice(START, &["warm", "cold"], help).default_value("warm")
 }
 
+const BEGIN: &str = "mech.begin";
+
+fn begin_key() -> KeySpec {
+    let help = "what rolling with memory begins from: bodies that are pressed together without tractions, or their steady rolling";
+    KeySpec::choice(BEGIN, &["pressed", "steady"], help).default_value("pressed")
+}
+
+/// Whether a contact with memory begins from its steady rolling.
+fn begins_steady(
+    configuration: &Configuration,
+    scene: &Scene,
+    memory: bool,
+) -> Result<bool, Refusal> {
+    let case = CheckedParams::new(&configuration.case, vec![begin_key()]);
+    let steady = case.text(BEGIN)? == "steady";
+    if steady && !(memory && scene.speeds.rolling > 0.0) {
+        let reason = "only a contact that rolls with memory begins from a steady state";
+        let fix =
+            "write mech.rolling = \"transient\" and a motion.speed above 0, or remove the key";
+        return Err(Refusal::new(BEGIN, reason, fix));
+    }
+    Ok(steady)
+}
+
+/// Refuses friction that follows the slip of every element where it is not solved for.
+fn refuse_local(case: &Case) -> Result<(), Refusal> {
+    if case.terms.friction_follows_elements().is_none() {
+        return Ok(());
+    }
+    if !case.terms.adhesion {
+        let reason = "friction follows the slip of every element, which is solved for";
+        return Err(effects::lacking(Kind::Adhesion, reason));
+    }
+    Ok(())
+}
+
 fn rolling_key() -> KeySpec {
     KeySpec::choice(
         ROLLING,
@@ -89,6 +125,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
         Kind::PressureBound,
         Kind::Adhesion,
         Kind::Layer,
+        Kind::Yield,
         Kind::Axle,
         Kind::Expansion,
         Kind::Retardation,
@@ -108,6 +145,7 @@ fn spec() -> ModelSpec {
     keys.extend(geometry::keys());
     keys.extend(drive::keys());
     keys.push(rolling_key());
+    keys.push(begin_key());
     keys.push(start_key());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {
@@ -158,6 +196,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     terms.removal.iter_mut().for_each(|removal| removal.place(&grid));
     let mut case = Case {
         memory,
+        begins_steady: begins_steady(configuration, &scene, memory)?,
         terms,
         shift_duration: 0.0,
         scene,
@@ -176,6 +215,10 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     }
     if let Some(effect) = case.terms.effect_of(Kind::PressureBound) {
         refuse_bound(&case, effect)?;
+    }
+    refuse_local(&case)?;
+    if let Some(effect) = case.terms.effect_of(Kind::Yield) {
+        refuse_layer(&case.terms, effect)?;
     }
     if let Some(effect) = case.terms.effect_of(Kind::Expansion) {
         expansion::refuse(&case, effect)?;
@@ -210,6 +253,26 @@ fn refuse_bound(case: &Case, effect: &str) -> Result<(), Refusal> {
          yields is not in the balance",
         "give both bodies the same material, or remove the effect",
     ))
+}
+
+/// Refuses a layer that yields where nothing sticks, and one that unloads as fast as it softens.
+fn refuse_layer(terms: &Terms, effect: &str) -> Result<(), Refusal> {
+    if !terms.adhesion {
+        let reason = "what a layer takes by plastic flow is a part of a slip that is solved for";
+        return Err(effects::lacking(Kind::Adhesion, reason));
+    }
+    let softening = -terms.yields.map_or(0.0, |law| law.hardening);
+    match softening * terms.layer() < 1.0 {
+        true => Ok(()),
+        false => Err(Refusal::new(
+            &format!("effects.{effect}.hardening"),
+            format!(
+                "the layer softens by {softening:.3e} Pa/m, and unloads by {:.3e} Pa/m of its own flexibility: it jumps",
+                terms.layer().recip()
+            ),
+            "let it soften less, or make the layer stiffer",
+        )),
+    }
 }
 
 /// Refuses what does not follow histories.

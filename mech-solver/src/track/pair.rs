@@ -18,7 +18,7 @@ use super::settings::{Friction, RigidSlip, Settings};
 use super::silhouette::{Circles, Shadow, shadow};
 use super::sliding::everywhere;
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
-use crate::half_space::levels::{Levels, Solution, TangentialError};
+use crate::half_space::levels::{History, Levels, Solution, TangentialError};
 use crate::half_space::tangential::{Creepage, Prescribed, TangentialState};
 
 /// Patches are the same if their places along the tape are no farther from each other than this [m].
@@ -208,7 +208,10 @@ fn rolls(
     let given = Prescribed::creepages(creepage);
     let improved = near.and_then(|state| {
         let mut solution = Solution::new(state);
-        levels.improve(bound, &given, more, &mut solution).is_ok().then_some(solution)
+        levels
+            .improve(bound, &given, more.map(History::of_slip), &mut solution)
+            .is_ok()
+            .then_some(solution)
     });
     // What is too far from the last solution is solved without it.
     if let Some(solution) = improved {
@@ -216,7 +219,7 @@ fn rolls(
     }
     let mut solution = levels.solve(bound, &given)?;
     if more.is_some() {
-        levels.improve(bound, &given, more, &mut solution)?;
+        levels.improve(bound, &given, more.map(History::of_slip), &mut solution)?;
     }
     Ok(solution)
 }

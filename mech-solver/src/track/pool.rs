@@ -64,7 +64,14 @@ impl Pool {
             let motion = Motion::SteadyRolling;
             Levels::new(
                 &grid,
-                &Contact { bodies: bodies.into(), layer, semi_axes, motion, tolerance },
+                &Contact {
+                    bodies: bodies.into(),
+                    layer,
+                    yields: None,
+                    semi_axes,
+                    motion,
+                    tolerance,
+                },
             )
         })
     }

@@ -12,6 +12,7 @@ mod hot;
 mod in_time;
 mod lines;
 mod periodic;
+mod plastic_layer;
 mod profiles;
 mod rod;
 mod rows;

@@ -5,6 +5,7 @@ use super::common::{
     without,
 };
 use mech_solver::MechSolver;
+use proto::configuration::{Configuration, Mode};
 use proto::model::{Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
@@ -199,4 +200,70 @@ fn friction_in_bands() {
     let refusal = refusal(&configuration(&case));
     assert_eq!(refusal.key, "effects.friction_bands.table");
     std::fs::remove_dir_all(&folder).expect("its own folder");
+}
+
+/// CONTACT's veldep_fric: a cylinder at 45 m/s on friction that falls with the slip velocity of every element.
+fn falling_line(slip: &str, start: &str) -> Value {
+    json!({
+        "bodies": {"cylinder": {"position": "upper", "radius_x": 0.46, "material": "steel"},
+            "plane": {"position": "lower", "material": "steel"}},
+        "materials": {"steel": {"youngs_modulus": 209.92e9, "poisson_ratio": 0.28}},
+        "motion": {"speed": 45.0, "creepage": {"xi": -0.0009999}},
+        "load": {"normal_force": 622_216.0},
+        "friction": {"coefficient": 0.3},
+        "contact": {"width": 0.2},
+        "mech": {"model": "half-space", "resolution": 40},
+        "effects": {"partial_slip": {}, "speed_friction":
+            {"ratio": 0.6, "decrease": std::f64::consts::LN_2 / 0.1, "slip": slip, "start": start}},
+    })
+}
+
+/// The friction of the elements that slip is that of their own slip velocity, of all starts the steady state is the same, CONTACT's; and it is not that of the
+/// rigid slip. Tolerances: of friction that has settled, with the memory of one element; four digits printed.
+#[test]
+fn friction_of_every_element_is_that_of_its_slip() {
+    for memory in [0.0, 2e-6] {
+        let mut forces = Vec::new();
+        for start in ["below", "above"] {
+            let mut case = falling_line("local", start);
+            case["effects"]["speed_friction"]["memory_distance"] = json!(memory);
+            let run = run(&case);
+            let (pressure, traction) = (run.longitudinal("pressure"), run.longitudinal("traction"));
+            let slip = run.longitudinal("slip_velocity");
+            let mut slips = 0;
+            for i in (0..pressure.len()).filter(|i| pressure[*i] > 0.0 && slip[*i].abs() > 1e-3) {
+                let law = 0.18 + 0.12 * 0.5_f64.powf(slip[i].abs() / 0.1);
+                if memory == 0.0 {
+                    assert_close(traction[i] / pressure[i], law, 1e-6);
+                }
+                slips += 1;
+            }
+            assert!(slips > 20, "{slips}");
+            forces.push(run.number("creep_force_x_n"));
+        }
+        println!("{memory:e}: {forces:?}");
+        if memory == 0.0 {
+            assert_close(forces[0], 1.109e5, 5e-4);
+        }
+        assert_close(forces[1], forces[0], 1e-6);
+    }
+    let rigid = run(&falling_line("rigid", "before")).number("creep_force_x_n");
+    assert!((rigid / 1.109e5 - 1.0).abs() > 0.01, "{rigid}");
+}
+
+#[test]
+fn local_slip_is_refused_where_it_is_not_solved_for() {
+    let sliding = without(falling_line("local", "below"), "partial_slip");
+    assert_eq!(refusal(&configuration(&sliding)).key, "effects.partial_slip");
+    let mut strips = falling_line("local", "below");
+    strips["mech"]["model"] = json!("hertz-carter");
+    assert_eq!(refusal(&configuration(&strips)).key, "effects.speed_friction.slip");
+    let mut begins = falling_line("local", "below");
+    begins["mech"]["begin"] = json!("steady");
+    assert_eq!(refusal(&configuration(&begins)).key, "mech.begin");
+    let mut remembers = falling_line("local", "below");
+    remembers["mech"]["rolling"] = json!("transient");
+    remembers["effects"]["speed_friction"]["memory_distance"] = json!(1e-6);
+    let remembers = Configuration { mode: Mode::Transient, ..configuration(&remembers) };
+    assert_eq!(refusal(&remembers).key, "effects.speed_friction.memory_distance");
 }

@@ -161,7 +161,8 @@ fn cylinders_of_contact() {
         let bound: Vec<f64> = pressure.iter().map(|p| 0.3 * p).collect();
         let semi_axes = [5.0, 500.0];
         let motion = Motion::SteadyRolling;
-        let contact = Contact { bodies, layer: 0.0, semi_axes, motion, tolerance: 1e-5 };
+        let contact =
+            Contact { bodies, layer: 0.0, yields: None, semi_axes, motion, tolerance: 1e-5 };
         let asked = Asked::longitudinal_force(-0.18 * 6e5);
         let solved = Levels::new(&grid, &contact).solve(&bound, &asked).unwrap();
         let found = solved.state.creepage[0];

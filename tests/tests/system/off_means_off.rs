@@ -98,6 +98,7 @@ an_effect_that_is_off_leaves_no_trace! {
     an_effect_that_is_off_leaves_no_trace_on_a_greased_rail("greased-rail.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_in_a_polymer_tyre("polymer-tyre.toml", &["partial_slip"]);
     an_effect_that_is_off_leaves_no_trace_in_a_layer_that_yields("yielding-layer.toml", &["friction_heat"]);
+    an_effect_that_is_off_leaves_no_trace_in_a_layer_that_hardens("plastic-layer.toml", &["friction_heat", "partial_slip"]);
     an_effect_that_is_off_leaves_no_trace_under_a_block("brake-block.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_before_a_hot_wall("thermo-elastic-rod.toml", &["friction_heat"]);
     an_effect_that_is_off_leaves_no_trace_in_worn_profiles("worn-profile.toml", &[]);

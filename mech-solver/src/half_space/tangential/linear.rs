@@ -14,14 +14,27 @@
 //! meets G dp = f exactly, whatever P is. GMRES so runs over steps that leave the forces alone, from
 //! one that makes the forces what they have to be.
 //!
+//! Under a layer that yields the size of a traction in the slip area is unknown besides, dp·n along the traction: with g(λ) the bound after
+//! the slip λ = −n·S and the plastic shift κ' before,
+//!
+//! dn − g' (dκ' + dλ) = g − |p|,  dλ = −n·(B dp + W dc),
+//!
+//! where κ' of steady rolling is what the elements ahead have gathered, dκ = dκ' + dλ of those that flow. The row is scaled by
+//! A/(1 + |g'| A), A the slip of an element by its own traction.
+//!
 //! Source: Keller, Gould and Wathen, SIAM J. Matrix Anal. Appl. 21 (2000) 1300, for the
 //! preconditioner.
 
+use super::layer::Sliders;
 use super::problem::Problem;
 use super::state::{ElementState, TangentialState};
 use crate::half_space::slip_operator::SlipOperator;
+use crate::half_space::yielding::Carried;
 use nalgebra::{Matrix3, Vector3};
 use numerics::gmres::Preconditioned;
+
+/// The preconditioner takes no smaller diagonal than this for sizes that fall with the slip.
+const LEAST_DIAGONAL: f64 = 0.1;
 
 /// An element of the slip area.
 #[derive(Clone, Copy, Debug)]
@@ -33,29 +46,56 @@ pub(super) struct Turn {
     stiffness: f64,
 }
 
-/// The unknown tractions: of the adhesion area along x, then along y, then of the slip area.
+/// The size of a traction in the slip area that changes with the slip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Along {
+    pub(super) index: usize,
+    /// Unit vector along the traction.
+    pub(super) direction: [f64; 2],
+    carried: Carried,
+    /// g − |p| [Pa].
+    pub(super) lack: f64,
+}
+
+/// The unknown tractions: of the adhesion area along x, then along y, then of the slip area across, and along where sizes change.
 #[derive(Debug, Default)]
 pub(super) struct Unknowns {
     pub(super) sticking: Vec<usize>,
     pub(super) slipping: Vec<Turn>,
+    pub(super) yielding: Vec<Along>,
+    /// Where plastic shifts gather along a row: elements of one.
+    pub(super) gathers: Option<usize>,
 }
 
 impl Unknowns {
     pub(super) fn len(&self) -> usize {
-        2 * self.sticking.len() + self.slipping.len()
+        2 * self.sticking.len() + self.slipping.len() + self.yielding.len()
     }
 
-    /// Takes the elements of a state under its bound.
-    pub(super) fn choose(&mut self, state: &TangentialState, bound: &[f64]) {
+    /// Takes the elements of a state under its bound, or under that of sliders in the place of the bound.
+    pub(super) fn choose(
+        &mut self,
+        state: &TangentialState,
+        bound: &[f64],
+        sliders: Option<&Sliders>,
+    ) {
         self.sticking.clear();
         self.slipping.clear();
+        self.yielding.clear();
         let ([px, py], [sx, sy]) = (&state.traction, &state.slip);
         for (index, element) in state.element.iter().enumerate() {
             match element {
                 ElementState::Exterior => {}
                 ElementState::Adhesion => self.sticking.push(index),
                 ElementState::Slip => {
-                    let g = bound[index];
+                    let mut g = bound[index];
+                    if let Some(sliders) = sliders {
+                        g = px[index].hypot(py[index]);
+                        let direction = [px[index] / g, py[index] / g];
+                        let carried = sliders.carried[index];
+                        let lack = carried.bound - g;
+                        self.yielding.push(Along { index, direction, carried, lack });
+                    }
                     let across = [-py[index] / g, px[index] / g];
                     let stiffness = sx[index].hypot(sy[index]) / g;
                     self.slipping.push(Turn { index, across, stiffness });
@@ -74,6 +114,35 @@ impl Unknowns {
             across[0] * x + across[1] * y
         };
         out.extend(self.slipping.iter().map(across));
+        let along = |Along { index, direction, .. }: &Along| {
+            let [x, y] = field(*index);
+            direction[0] * x + direction[1] * y
+        };
+        out.extend(self.yielding.iter().map(along));
+    }
+
+    /// Of slips along the tractions that change their sizes, n·(B dp + W dc), what they make of the bounds, scaled.
+    fn follow_slip(&self, own: f64, slips: &mut [f64]) {
+        let mut gathered = 0.0;
+        let mut row = None;
+        for (Along { index, carried, .. }, slip) in self.yielding.iter().zip(slips).rev() {
+            let Carried { slope, passes, grows, .. } = *carried;
+            let this = self.gathers.map(|columns| index / columns);
+            if this.is_none() || this != row {
+                gathered = 0.0;
+                row = this;
+            }
+            let change = slope * (gathered + *slip);
+            gathered = passes * gathered + grows * *slip;
+            *slip = scale(own, slope) * change;
+        }
+    }
+
+    /// The right side of the sizes.
+    pub(super) fn lacks(&self, own: f64, out: &mut [f64]) {
+        for (Along { carried, lack, .. }, out) in self.yielding.iter().zip(out) {
+            *out = scale(own, carried.slope) * lack;
+        }
     }
 
     /// The values of the adhesion area as a vector field, zero elsewhere.
@@ -87,9 +156,14 @@ impl Unknowns {
 
     /// The values of the slip area as a part of a vector field.
     fn spread_slipping(&self, x: &[f64], [along_x, along_y]: &mut [Vec<f32>; 2]) {
+        let sizes = &x[self.slipping.len()..];
         for (Turn { index, across, .. }, value) in self.slipping.iter().zip(x) {
             along_x[*index] = (across[0] * value) as f32;
             along_y[*index] = (across[1] * value) as f32;
+        }
+        for (Along { index, direction, .. }, value) in self.yielding.iter().zip(sizes) {
+            along_x[*index] += (direction[0] * value) as f32;
+            along_y[*index] += (direction[1] * value) as f32;
         }
     }
 
@@ -103,6 +177,11 @@ impl Unknowns {
                 .for_each(|(at, value)| *value = factor * f64::from(component[*at]));
         }
     }
+}
+
+/// By what the row of a size is multiplied [m/Pa].
+fn scale(own: f64, slope: f64) -> f64 {
+    own / (1.0 + slope.abs() * own)
 }
 
 /// Creepages that are unknown, and the forces that they have to make.
@@ -168,6 +247,9 @@ impl System<'_> {
             let component = self.border.components[at];
             let slip = |index| problem.rigid_slip(component, index);
             self.unknowns.restrict(slip, &mut self.border.rigid_slip[at]);
+            let sizes = self.unknowns.len() - self.unknowns.yielding.len();
+            let own = self.operator.self_influence();
+            self.unknowns.follow_slip(own, &mut self.border.rigid_slip[at][sizes..]);
             let force = |index| problem.force_of(component, index);
             self.unknowns.restrict(force, &mut self.border.force[at]);
             let mut answer = std::mem::take(&mut self.border.answer[at]);
@@ -205,6 +287,11 @@ impl System<'_> {
         for ((turn, out), x) in unknowns.slipping.iter().zip(&mut out[count..]).zip(&x[count..]) {
             *out = x / (own + turn.stiffness);
         }
+        let sizes = count + unknowns.slipping.len();
+        for ((one, out), x) in unknowns.yielding.iter().zip(&mut out[sizes..]).zip(&x[sizes..]) {
+            let slope = one.carried.slope;
+            *out = x / (scale(own, slope) * (1.0 + slope * own).max(LEAST_DIAGONAL));
+        }
     }
 }
 
@@ -225,6 +312,18 @@ impl Preconditioned for System<'_> {
             let Turn { index, across, stiffness } = turn;
             let along = across[0] * f64::from(ix[*index]) + across[1] * f64::from(iy[*index]);
             *out = own * along + stiffness * x;
+        }
+        let sizes = count + unknowns.slipping.len();
+        let end = unknowns.len();
+        for (one, out) in unknowns.yielding.iter().zip(&mut out[sizes..end]) {
+            let [nx, ny] = one.direction;
+            *out = own * (nx * f64::from(ix[one.index]) + ny * f64::from(iy[one.index]));
+        }
+        unknowns.follow_slip(own, &mut out[sizes..end]);
+        for ((one, out), x) in
+            unknowns.yielding.iter().zip(&mut out[sizes..end]).zip(&step[sizes..])
+        {
+            *out += scale(own, one.carried.slope) * x;
         }
         add(&self.border.rigid_slip, creepage, 1.0, out);
     }

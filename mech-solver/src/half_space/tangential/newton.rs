@@ -17,6 +17,7 @@
 //! Sources: Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353, and Hüeber and Wohlmuth, ibid. 194 (2005)
 //! 3147, for Newton methods on Coulomb friction. The combination, and creepages in it, are this project's.
 
+use super::layer::{Layer, Sliders};
 use super::linear::{Border, System, Unknowns};
 use super::problem::Problem;
 use super::state::{ElementState, TangentialState};
@@ -88,6 +89,7 @@ pub struct TangentialSolver {
     field: [Vec<f32>; 2],
     image: [Vec<f32>; 2],
     unknowns: Unknowns,
+    sliders: Sliders,
     border: Border,
     right: Vec<f64>,
     start: Vec<f64>,
@@ -99,15 +101,21 @@ impl TangentialSolver {
     #[must_use]
     pub fn new(operator: SlipOperator) -> Self {
         let (field, image) = Default::default();
-        let (unknowns, border, right, start, step) = Default::default();
+        let (unknowns, sliders, border, right, start, step) = Default::default();
         let gmres = Gmres::default();
-        Self { operator, gmres, field, image, unknowns, border, right, start, step }
+        Self { operator, gmres, field, image, unknowns, sliders, border, right, start, step }
     }
 
     /// Products with the slip operator, and with its approximate inverse, so far.
     #[must_use]
     pub fn work(&self) -> (usize, usize) {
         self.operator.work()
+    }
+
+    /// Slip of an element by its own unit traction [m/Pa].
+    #[must_use]
+    pub fn self_influence(&self) -> f64 {
+        self.operator.self_influence()
     }
 
     /// Product of the operator with tractions [m].
@@ -135,6 +143,10 @@ impl TangentialSolver {
             buffer.resize(problem.bound.len(), 0.0);
         }
         self.update_slip(problem, state);
+        if problem.layer.is_some() {
+            self.sliders.begin(state);
+            self.update_slip(problem, state);
+        }
         let mut residual = self.linearise(problem, state);
         let mut reduction = LINEAR_REDUCTION;
         for _ in 0..MOST_STEPS {
@@ -169,9 +181,14 @@ impl TangentialSolver {
 
     /// Chooses the unknowns and the right side of a state; the norm of the latter [m].
     fn linearise(&mut self, problem: &Problem, state: &TangentialState) -> f64 {
-        self.unknowns.choose(state, problem.bound);
+        let sliders = problem.layer.is_some().then_some(&self.sliders);
+        self.unknowns.choose(state, problem.bound, sliders);
+        let gathers = problem.layer.is_some_and(|layer| layer.before.is_none());
+        self.unknowns.gathers = gathers.then_some(problem.nx);
         let [sx, sy] = &state.slip;
         self.unknowns.restrict(|i| [-sx[i], -sy[i]], &mut self.right);
+        let sizes = self.right.len() - self.unknowns.yielding.len();
+        self.unknowns.lacks(self.operator.self_influence(), &mut self.right[sizes..]);
         self.right.iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
@@ -192,6 +209,9 @@ impl TangentialSolver {
                 *sy += eta + phi * (x + problem.ahead);
             }
         }
+        if let Some(layer) = &problem.layer {
+            self.sliders.follow(layer, problem.nx, problem.bound, state);
+        }
     }
 
     /// Solves the linearised problem, whose right side is there, for a step of the tractions, and of the creepages
@@ -202,7 +222,7 @@ impl TangentialSolver {
         state: &TangentialState,
         reduction: f64,
     ) -> Achieved {
-        let Self { operator, gmres, field, image, unknowns, border, right, start, step } = self;
+        let Self { operator, gmres, field, image, unknowns, border, right, start, step, .. } = self;
         let mut system = System { operator, field, image, unknowns, border };
         system.make_border(problem);
         let count = system.unknowns.len() + system.border.components.len();
@@ -249,8 +269,49 @@ impl TangentialSolver {
         false
     }
 
+    /// Adds the step, and takes tractions to what friction and the layer let them be.
+    fn advance_on_layer(
+        &self,
+        problem: &Problem,
+        layer: &Layer<'_>,
+        state: &mut TangentialState,
+    ) -> Change {
+        for (k, by) in self.border.components.iter().zip(&self.step[self.unknowns.len()..]) {
+            state.creepage[*k] += by;
+        }
+        let Unknowns { sticking, slipping, yielding, .. } = &self.unknowns;
+        let before = state.traction.clone();
+        let [px, py] = &mut state.traction;
+        let (along, rest) = self.step.split_at(2 * sticking.len());
+        for (k, &i) in sticking.iter().enumerate() {
+            px[i] += along[k];
+            py[i] += along[sticking.len() + k];
+        }
+        let (turns, sizes) = rest.split_at(slipping.len());
+        for ((one, turn), (along, by)) in slipping.iter().zip(turns).zip(yielding.iter().zip(sizes))
+        {
+            let (i, size) = (one.index, px[one.index].hypot(py[one.index]));
+            let turned = size.hypot(*turn);
+            let wanted = (size + by).max(f64::MIN_POSITIVE);
+            let [[nx, ny], [tx, ty]] = [along.direction, one.across];
+            px[i] = wanted * (size * nx + turn * tx) / turned;
+            py[i] = wanted * (size * ny + turn * ty) / turned;
+        }
+        let own = self.operator.self_influence();
+        let mut change = Change::default();
+        change.released = layer.yield_to(problem.nx, problem.bound, own, state);
+        let ([px, py], [qx, qy]) = (&before, &state.traction);
+        for i in sticking.iter().copied().chain(slipping.iter().map(|one| one.index)) {
+            change.see([px[i], py[i]], [qx[i], qy[i]]);
+        }
+        change
+    }
+
     /// Adds the step and cuts tractions to the bound.
     fn advance(&self, problem: &Problem, state: &mut TangentialState) -> Change {
+        if let Some(layer) = &problem.layer {
+            return self.advance_on_layer(problem, layer, state);
+        }
         let mut change = Change::default();
         for (k, by) in self.border.components.iter().zip(&self.step[self.unknowns.len()..]) {
             state.creepage[*k] += by;

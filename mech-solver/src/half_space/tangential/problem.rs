@@ -1,5 +1,6 @@
 //! The tangential problem on one grid, and what is prescribed of it.
 
+use super::layer::Layer;
 use super::state::{Creepage, TangentialState};
 
 /// A force for some components, a creepage for the others.
@@ -52,6 +53,8 @@ pub struct Problem<'a> {
     pub bound: &'a [f64],
     /// Slip s₀ that is there without tractions, x and y [m].
     pub slip_history: Option<[&'a [f64]; 2]>,
+    /// A layer that yields.
+    pub layer: Option<Layer<'a>>,
     /// Forces that are prescribed; their creepages are unknown.
     pub wanted: Option<Wanted>,
 }

@@ -27,6 +27,10 @@ pub struct TangentialState {
     pub element: Vec<ElementState>,
     /// Creepages.
     pub creepage: Creepage,
+    /// Plastic shift of a layer after the step, accumulated [m]; empty without one that yields.
+    pub plastic: Vec<f64>,
+    /// Its growth in the step, a part of the slip [m].
+    pub yielded: Vec<f64>,
 }
 
 impl TangentialState {
@@ -35,7 +39,9 @@ impl TangentialState {
     pub fn fits(&self, count: usize) -> bool {
         let pairs = [&self.traction, &self.slip];
         let whole = |pair: &[Vec<f64>; 2]| pair.iter().all(|field| field.len() == count);
-        self.element.len() == count && pairs.into_iter().all(whole)
+        let layer = [&self.plastic, &self.yielded].map(Vec::len);
+        let layer = layer == [0; 2] || layer == [count; 2];
+        self.element.len() == count && pairs.into_iter().all(whole) && layer
     }
 
     /// Everything adheres, nothing pulls.
@@ -51,6 +57,8 @@ impl TangentialState {
             slip: [zeros.clone(), zeros],
             element: bound.iter().map(state).collect(),
             creepage,
+            plastic: Vec::new(),
+            yielded: Vec::new(),
         }
     }
 

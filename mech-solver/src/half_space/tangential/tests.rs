@@ -31,6 +31,7 @@ impl Disc {
             y: &self.x,
             bound: &self.bound,
             slip_history: None,
+            layer: None,
             wanted: None,
         }
     }
@@ -58,7 +59,7 @@ fn linear_steps_hardly_depend_on_the_resolution() {
             disc.bound[*index] > 0.0 && x > 0.4 * (1.0 - y * y).max(0.0).sqrt()
         };
         let sticking: Vec<usize> = (0..disc.bound.len()).filter(sticks).collect();
-        let unknowns = Unknowns { sticking, slipping: Vec::new() };
+        let unknowns = Unknowns { sticking, ..Unknowns::default() };
         let zeros = || vec![0.0; disc.bound.len()];
         let (mut field, mut image) = ([zeros(), zeros()], [zeros(), zeros()]);
         let mut right = vec![0.0; unknowns.len()];

@@ -6,7 +6,7 @@ use super::contact::ContactSolver;
 use crate::half_space::area::contact_area;
 use crate::half_space::extent::Moments;
 use crate::half_space::levels::Solution;
-use crate::half_space::tangential::{Creepage, ElementState};
+use crate::half_space::tangential::{Creepage, ElementState, TangentialState};
 use crate::measures::{Measures, add_elements};
 use crate::models::summary::add_patches;
 use crate::surface::KeptSurface;
@@ -33,8 +33,47 @@ pub(super) struct Answer {
     pub(super) pivot: f64,
     /// The power balance, where there is one.
     pub(super) balance: Option<Balance>,
+    /// What a layer between the surfaces has taken by plastic flow.
+    flowed: Option<Flowed>,
     /// What heat has done to both bodies, where it expands them and that is observed.
     heated: Option<[KeptSurface; 2]>,
+}
+
+/// Plastic flow of a layer.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Flowed {
+    /// Largest plastic shift that a particle in the contact has gathered [m].
+    largest_shift: f64,
+    /// Share of the contact that flows [-].
+    area_ratio: f64,
+    /// Its part of the friction power [W].
+    power: f64,
+}
+
+impl Flowed {
+    /// Of a state and its friction power [W/m²] on elements of this area [m²]; `None` without a layer that yields.
+    fn of(state: &TangentialState, power: &[f64], area: f64) -> Option<Self> {
+        if state.yielded.is_empty() {
+            return None;
+        }
+        let mut found = Self { largest_shift: 0.0, area_ratio: 0.0, power: 0.0 };
+        let mut touching = 0.0;
+        let [sx, sy] = &state.slip;
+        for (index, element) in state.element.iter().enumerate() {
+            if *element == ElementState::Exterior {
+                continue;
+            }
+            touching += 1.0;
+            found.largest_shift = found.largest_shift.max(state.plastic[index]);
+            let (shift, slip) = (state.yielded[index], sx[index].hypot(sy[index]));
+            if shift > 0.0 && slip > 0.0 {
+                found.area_ratio += 1.0;
+                found.power += (shift / slip).min(1.0) * power[index] * area;
+            }
+        }
+        found.area_ratio /= f64::max(touching, 1.0);
+        Some(found)
+    }
 }
 
 impl Answer {
@@ -82,6 +121,8 @@ impl Answer {
         answer.pivot = passage.middle - passage.ahead;
         let before = before.map(|before| before.concat());
         answer.set(case, state.traction.concat(), state.slip.concat(), before.as_deref());
+        answer.flowed =
+            Flowed::of(state, &answer.friction_power, case.footprint.grid.element_area());
         answer
     }
 
@@ -179,6 +220,11 @@ impl Answer {
         Measures::of(&case.scene).add_to(&mut figures);
         if let Some(balance) = &self.balance {
             balance.add_to(&mut figures);
+        }
+        if let Some(Flowed { largest_shift, area_ratio, power }) = self.flowed {
+            figures["layer_plastic_shift_m"] = largest_shift.into();
+            figures["layer_area_ratio"] = area_ratio.into();
+            figures["layer_power_w"] = power.into();
         }
         if let Some(approach) = self.approach {
             figures["approach_m"] = approach.into();

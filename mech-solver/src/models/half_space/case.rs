@@ -29,6 +29,8 @@ pub(super) struct Case {
     pub(super) heated: Option<[KeptSurface; 2]>,
     /// The tractions of one step matter to the next.
     pub(super) memory: bool,
+    /// A contact with memory begins from its steady rolling.
+    pub(super) begins_steady: bool,
     /// Duration of a shift, known when the window is [s].
     pub(super) shift_duration: f64,
 }

@@ -8,12 +8,12 @@ use super::case::Case;
 use super::drive::Driven;
 use crate::half_space::coupling::Coupling;
 use crate::half_space::influence::Influence;
-use crate::half_space::levels::{Contact, Levels, Motion, Solution, TangentialError};
+use crate::half_space::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
 use crate::half_space::slip_operator::Displacement;
-use crate::half_space::tangential::{self, Creepage, TangentialState};
+use crate::half_space::tangential::{self, Creepage, ElementState, TangentialState};
 use crate::models::shortfall::Shortfall;
-use crate::slip::RigidSlip;
+use crate::slip::{RigidSlip, SlipStart};
 use crate::terms::Rubbing;
 use proto::model::{Inputs, StepError};
 
@@ -28,6 +28,14 @@ const LOOP_TOLERANCE: f64 = 1e-10;
 const ALMOST_ALL: f64 = 0.999;
 /// Turns of normal and tangential contact after which they are given up.
 const MOST_ALTERNATIONS: usize = 30;
+/// Passes of friction and slip after which they are given up.
+const MOST_PASSES: usize = 600;
+/// Those that take all of the slip found; later ones take the share below of its change.
+const PLAIN_PASSES: usize = 400;
+/// See above.
+const DAMPED: f64 = 0.3;
+/// Change of the traction bounds, over the largest, at which friction has settled.
+const SETTLED: f64 = 1e-7;
 
 /// Why an instant has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -41,6 +49,11 @@ pub(super) enum ContactError {
          pressure still changes by {change:.1e} of its maximum"
     )]
     Unsettled { change: f64 },
+    #[error(
+        "friction that follows the slip of every element did not settle in {MOST_PASSES} passes: traction bounds still change by {change:.1e} of the \
+         largest; let it fall more slowly, or look from another start"
+    )]
+    Friction { change: f64 },
     #[error(transparent)]
     Power(#[from] PowerError),
     #[error("under this approach of {approach:.4e} m the bodies do not touch")]
@@ -68,6 +81,8 @@ pub(super) struct ContactSolver {
     bound: Vec<f64>,
     /// Friction depends on what comes in, or on slip.
     heated: bool,
+    /// Slip velocities that friction follows, element by element [m/s].
+    velocity: Option<Vec<f64>>,
     /// The force of the last solve is not the prescribed one.
     pub(super) shortfall: Option<Shortfall>,
 }
@@ -94,10 +109,13 @@ impl ContactSolver {
             let prescribed = super::geometry::prescribed(case.scene.load);
             Normal { solver, prescribed, distance: undeformed.clone(), undeformed }
         });
-        let loops = case.terms.follow_inputs() || case.terms.friction_follows_slip();
+        let loops = case.terms.follow_inputs()
+            || case.terms.friction_follows_slip()
+            || case.terms.friction_follows_elements().is_some();
         let contact = Contact {
             bodies: case.bodies,
             layer: case.terms.layer(),
+            yields: case.terms.yields,
             semi_axes: case.footprint.semi_axes,
             motion,
             tolerance: if loops { LOOP_TOLERANCE } else { TOLERANCE },
@@ -123,6 +141,7 @@ impl ContactSolver {
             slip_history: [zeros.clone(), zeros.clone()],
             bound: zeros,
             heated: !case.terms.friction.is_empty(),
+            velocity: None,
             shortfall: None,
         };
         solver.normal_step()?;
@@ -151,7 +170,7 @@ impl ContactSolver {
             normal.prescribed = super::geometry::prescribed(case.scene.load);
         }
         self.friction.fill(case.scene.friction_coefficient);
-        if !warm {
+        if !warm || self.normal.is_none() {
             self.pressure = case.given_pressure();
         }
         self.normal_iterations = 0;
@@ -174,10 +193,56 @@ impl ContactSolver {
         let slip = RigidSlip { creepage, speed: case.scene.speeds.rolling };
         let grid = &case.footprint.grid;
         let origin_y = case.footprint.gap.as_ref().map_or(0.0, |gap| gap.origin);
-        let rubbing = Rubbing { inputs, slip, grid, origin_y, pressure: &self.pressure };
+        let velocity = self.velocity.as_deref();
+        let rubbing = Rubbing { inputs, slip, grid, origin_y, pressure: &self.pressure, velocity };
         case.terms.friction(case.scene.friction_coefficient, &rubbing, &mut self.friction)?;
         self.set_bound();
         Ok(())
+    }
+
+    /// Solves for the tractions as [`ContactSolver::solve`] does; where friction follows the slip of every element itself, with the friction
+    /// of the slip that it leaves. Friction and slip are found in turn: from rest friction falls from pass to pass, from above it rises, so that of
+    /// several solutions those are found that slip least and most.
+    pub(super) fn solve_settled(
+        &mut self,
+        case: &mut Case,
+        inputs: &dyn Inputs,
+        driven: &Driven,
+        mut near: Option<Solution>,
+        history: Option<History<'_>>,
+    ) -> Result<Solution, StepError> {
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        let Some(start) = case.terms.friction_follows_elements() else {
+            return self.solve(driven, near, history).map_err(no_solution);
+        };
+        let (count, duration) = (self.pressure.len(), case.passage().duration);
+        self.velocity = Some(match (start, &near) {
+            (SlipStart::Above, _) => vec![case.scene.speeds.rolling; count],
+            (SlipStart::Before, Some(near)) => velocities(&near.state, duration),
+            _ => vec![0.0; count],
+        });
+        self.set_friction(case, inputs, [0.0; 3])?;
+        let mut change = f64::INFINITY;
+        for pass in 0..MOST_PASSES {
+            let solution = self.solve(driven, near.take(), history).map_err(no_solution)?;
+            let before = self.bound.clone();
+            let now = velocities(&solution.state, duration);
+            let share = if pass < PLAIN_PASSES { 1.0 } else { DAMPED };
+            if let Some(velocity) = &mut self.velocity {
+                let towards =
+                    |(velocity, now): (&mut f64, &f64)| *velocity += share * (now - *velocity);
+                velocity.iter_mut().zip(&now).for_each(towards);
+            }
+            self.set_friction(case, inputs, [0.0; 3])?;
+            let largest = before.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+            let off = self.bound.iter().zip(&before).map(|(bound, before)| (bound - before).abs());
+            change = off.fold(0.0, f64::max) / (share * largest);
+            if change <= SETTLED {
+                return Ok(solution);
+            }
+            near = Some(solution);
+        }
+        Err(no_solution(ContactError::Friction { change }))
     }
 
     /// Traction bound f p of every element [Pa].
@@ -218,12 +283,12 @@ impl ContactSolver {
     }
 
     /// Solves for the tractions, from a solution that is near if there is one. `history` is the slip
-    /// that remains of the instant before, x and y [m].
+    /// and the plastic shift that remain of the instant before.
     pub(super) fn solve(
         &mut self,
         driven: &Driven,
         near: Option<Solution>,
-        history: Option<[&[f64]; 2]>,
+        history: Option<History<'_>>,
     ) -> Result<Solution, ContactError> {
         let prescribed = self.prescribed(driven);
         let levels = self.levels.as_mut().expect("partial slip has its operators");
@@ -270,7 +335,7 @@ impl ContactSolver {
     fn rolling_step(
         &mut self,
         driven: &Driven,
-        history: Option<[&[f64]; 2]>,
+        history: Option<History<'_>>,
         solution: &mut Solution,
     ) -> Result<(), ContactError> {
         self.set_bound();
@@ -280,13 +345,15 @@ impl ContactSolver {
             coupling.slip_by_pressure(&self.pressure, [history_x, history_y]);
         }
         if let Some(history) = history {
-            for (sum, more) in self.slip_history.iter_mut().zip(history) {
+            for (sum, more) in self.slip_history.iter_mut().zip(history.slip) {
                 sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             }
         }
         let levels = self.levels.as_mut().expect("partial slip has its operators");
         let [history_x, history_y] = &self.slip_history;
-        levels.improve(&self.bound, &prescribed, Some([history_x, history_y]), solution)?;
+        let plastic = history.and_then(|history| history.plastic);
+        let history = History { slip: [history_x, history_y], plastic };
+        levels.improve(&self.bound, &prescribed, Some(history), solution)?;
         Ok(())
     }
 
@@ -378,6 +445,17 @@ impl ContactSolver {
             }
         }
     }
+}
+
+/// Slip velocities of the elements [m/s]; 0 where they adhere.
+fn velocities(state: &TangentialState, duration: f64) -> Vec<f64> {
+    let [sx, sy] = &state.slip;
+    let pairs = state.element.iter().zip(sx.iter().zip(sy));
+    let velocity = |(element, (x, y)): (&ElementState, (&f64, &f64))| match element {
+        ElementState::Slip => x.hypot(*y) / duration,
+        _ => 0.0,
+    };
+    pairs.map(velocity).collect()
 }
 
 fn add(sum: &mut [f64], more: &[f64]) {

@@ -120,7 +120,6 @@ impl Steady {
         mut near: Option<Solution>,
         inputs: &dyn Inputs,
     ) -> Result<(Answer, StepReport, Option<Solution>), StepError> {
-        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         let Case { driven, terms, footprint, .. } = &self.case;
         let searched = driven.has_force() && terms.friction_follows_slip();
         let first = near.as_ref().filter(|_| searched).map(|near| near.state.creepage);
@@ -129,7 +128,7 @@ impl Steady {
         let mut spent = StepReport { substeps: 1, ..StepReport::default() };
         loop {
             contact.set_friction(&mut self.case, inputs, search.at())?;
-            let (answer, report, solution) = self.compute(contact, near).map_err(no_solution)?;
+            let (answer, report, solution) = self.compute(contact, near, inputs)?;
             spent.inner_iterations += report.inner_iterations;
             spent.work += report.work;
             if !searched || search.take(answer.creepage)? {
@@ -140,17 +139,20 @@ impl Steady {
     }
 
     fn compute(
-        &self,
+        &mut self,
         contact: &mut ContactSolver,
         near: Option<Solution>,
-    ) -> Result<(Answer, StepReport, Option<Solution>), ContactError> {
-        let case = &self.case;
+        inputs: &dyn Inputs,
+    ) -> Result<(Answer, StepReport, Option<Solution>), StepError> {
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        let driven = self.case.driven;
+        let case = &mut self.case;
         let mut report = StepReport { substeps: 1, ..StepReport::default() };
         let mut found: Option<Solution> = None;
         let mut answer = match case.terms.adhesion {
             false => Answer::sliding(case, contact),
             true => {
-                let solution = contact.solve(&case.driven, near, None)?;
+                let solution = contact.solve_settled(case, inputs, &driven, near, None)?;
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
                 let answer = Answer::partial(case, contact, &solution, None);
@@ -162,7 +164,8 @@ impl Steady {
         let traction = traction.map(|of| of.map(Vec::as_slice));
         let pressure = contact.pressure_power(case, traction);
         let hysteresis = contact.hysteresis(case, traction);
-        answer.balance = Some(Balance::steady(case, &answer, pressure, hysteresis).check()?);
+        let balance = Balance::steady(case, &answer, pressure, hysteresis);
+        answer.balance = Some(balance.check().map_err(|error| no_solution(error.into()))?);
         report.inner_iterations += contact.normal_iterations as u32;
         Ok((answer, report, found))
     }

@@ -15,14 +15,14 @@
 //! columns of a table, to where they are at the end of every window, in one step a window.
 //!
 //! In the beginning the bodies are pressed together without friction; where values vary they are apart, and
-//! friction acts while the first load comes on.
+//! friction acts while the first load comes on. Bodies that roll may begin from their steady state (`mech.begin`).
 
 use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use super::steady::Following;
-use crate::half_space::levels::{Motion, Solution};
+use crate::half_space::levels::{History, Motion, Solution};
 use crate::half_space::tangential::TangentialState;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::no_answer;
@@ -47,6 +47,10 @@ pub(super) struct Transient {
     power: Vec<f64>,
     /// Slip that remains of the step before, x and y [m].
     history: [Vec<f64>; 2],
+    /// Plastic shift of the particles of the step before; empty without a layer that yields [m].
+    plastic: Vec<f64>,
+    /// It still has to begin from the steady state.
+    begins: bool,
     /// A step of the last solve has not the prescribed force.
     shortfall: Option<Shortfall>,
 }
@@ -118,9 +122,43 @@ impl Transient {
             accepted = accepted.apart();
         }
         let zeros = vec![0.0; contact.pressure.len()];
+        if case.terms.yields.is_some() {
+            let state = &mut accepted.solution.state;
+            (state.plastic, state.yielded) = (zeros.clone(), zeros.clone());
+        }
         let history = [zeros.clone(), zeros.clone()];
+        let plastic = accepted.solution.state.plastic.clone();
         let (trial, power, shortfall) = (accepted.clone(), zeros, None);
-        Ok(Self { case, following, trial, accepted, contact, power, history, shortfall })
+        let begins = case.begins_steady;
+        Ok(Self {
+            case,
+            following,
+            trial,
+            accepted,
+            contact,
+            power,
+            history,
+            plastic,
+            begins,
+            shortfall,
+        })
+    }
+
+    /// Becomes the steady rolling of the values in the beginning.
+    fn begin(&mut self, inputs: &dyn Inputs) -> Result<(), StepError> {
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        let case = &mut self.case;
+        let mut steady = ContactSolver::new(case, Motion::SteadyRolling).map_err(no_solution)?;
+        let driven = case.driven;
+        steady.set_friction(case, inputs, driven.at(0.0).creepage)?;
+        let solution = steady.solve_settled(case, inputs, &driven, None, None)?;
+        let accepted = &mut self.accepted;
+        accepted.answer = Answer::partial(case, &steady, &solution, None);
+        (accepted.pressure, accepted.approach) = (steady.pressure, steady.approach);
+        self.contact.pressure.clone_from(&accepted.pressure);
+        self.contact.displacement(&solution.state, &mut accepted.displacement);
+        accepted.solution = Solution::new(solution.state);
+        Ok(())
     }
 
     /// Takes the values of a window: their means if the bodies roll, where a shift ends else.
@@ -135,7 +173,7 @@ impl Transient {
     }
 
     /// Goes from the accepted state to the end of the window.
-    fn advance(&mut self, duration: f64) -> Result<StepReport, ContactError> {
+    fn advance(&mut self, duration: f64, inputs: &dyn Inputs) -> Result<StepReport, StepError> {
         self.shortfall = None;
         self.trial.clone_from(&self.accepted);
         self.trial.solution.newton_steps = 0;
@@ -149,7 +187,7 @@ impl Transient {
         let mut rest = duration;
         while rest > ROUNDING * duration {
             if self.trial.left == 0.0 {
-                self.trial.left = self.step(duration)?;
+                self.trial.left = self.step(duration, inputs)?;
                 report.substeps += 1;
             }
             let taken = self.trial.left.min(rest);
@@ -172,7 +210,8 @@ impl Transient {
     }
 
     /// One mechanical step of the trial; its duration [s].
-    fn step(&mut self, window: f64) -> Result<f64, ContactError> {
+    fn step(&mut self, window: f64, inputs: &dyn Inputs) -> Result<f64, StepError> {
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         let (case, trial) = (&mut self.case, &mut self.trial);
         let columns = case.footprint.grid.ni;
         let rolls = case.scene.speeds.rolling > 0.0;
@@ -183,15 +222,26 @@ impl Transient {
                 history.iter_mut().zip(from).for_each(|(slip, before)| *slip = -before);
             }
         }
+        let plastic = &trial.solution.state.plastic;
+        let rows = self.plastic.chunks_exact_mut(columns).zip(plastic.chunks_exact(columns));
+        for (history, before) in rows {
+            // Fresh material comes in at the front.
+            history.fill(0.0);
+            let from = if rolls { &before[1..] } else { before };
+            history.iter_mut().zip(from).for_each(|(history, before)| *history = *before);
+        }
         if !rolls {
             case.shift_duration = window;
         }
         let driven = if rolls { case.driven } else { case.driven.beyond(trial.shift) };
         let [along, across] = &self.history;
+        let plastic = case.terms.yields.is_some().then_some(&self.plastic[..]);
+        let history = History { slip: [along, across], plastic };
         let before = trial.solution.state.traction.clone();
         let energy_before = energy(&before, &trial.displacement);
         let near = trial.solution.clone();
-        trial.solution = self.contact.solve(&driven, Some(near), Some([along, across]))?;
+        let near = Some(near);
+        trial.solution = self.contact.solve_settled(case, inputs, &driven, near, Some(history))?;
         self.shortfall = self.shortfall.or(self.contact.shortfall);
         let state = &trial.solution.state;
         self.contact.displacement(state, &mut trial.displacement);
@@ -199,7 +249,8 @@ impl Transient {
         if !case.bodies.are_coupled() {
             let energy = [energy_before, energy(&state.traction, &trial.displacement)];
             let balance = Balance::step(case, &trial.answer, state.creepage, &before, energy);
-            trial.answer.balance = Some(balance.check()?);
+            trial.answer.balance =
+                Some(balance.check().map_err(|error| no_solution(error.into()))?);
         }
         if !rolls {
             for (sum, shift) in trial.shift.iter_mut().zip(state.creepage) {
@@ -227,11 +278,13 @@ impl Model for Transient {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
+        if std::mem::take(&mut self.begins) {
+            self.begin(inputs)?;
+        }
         self.follow(step)?;
         let creepage = self.case.driven.at(0.0).creepage;
         self.contact.set_friction(&mut self.case, inputs, creepage)?;
-        let report = self.advance(step.duration());
-        let report = report.map_err(|error| StepError::NoSolution(error.to_string()))?;
+        let report = self.advance(step.duration(), inputs)?;
         self.trial.answer.write(&self.case.terms, &self.power, outputs);
         Ok(report)
     }
@@ -271,9 +324,11 @@ impl Model for Transient {
         let wrong = |reason: String| StateError(format!("half-space: {reason}"));
         let memory: Memory = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|e| wrong(e.to_string()))?;
-        if !memory.fits(self.power.len()) {
+        let layer = memory.solution.state.plastic.len() == self.plastic.len();
+        if !memory.fits(self.power.len()) || !layer {
             return Err(wrong("it is a state on another grid".to_owned()));
         }
+        self.begins = false;
         self.trial.clone_from(&memory);
         self.accepted = memory;
         self.power.clone_from(&self.accepted.answer.friction_power);

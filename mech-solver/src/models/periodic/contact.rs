@@ -106,6 +106,7 @@ impl Model for Sliding {
         let [xi, eta] = self.case.creepage;
         let slip = RigidSlip { creepage: [xi, eta, 0.0], speed: self.case.scene.speeds.rolling };
         let rubbing = Rubbing {
+            velocity: None,
             inputs,
             slip,
             grid: &self.case.grid,

@@ -1,0 +1,85 @@
+//! Effect `plastic_layer`: the layer between the surfaces flows plastically, and hardens or softens by it.
+//!
+//! |p_t| ≤ min(f p, τ(κ)) with τ(κ) = max(τ₀ + k κ, r τ₀): the yield stress τ₀ of fresh material changes by k with the plastic shift κ = ∫|du_p|
+//! that a particle of the layer gathers on its way through the contact; it does not fall below r τ₀. The plastic shift goes against the
+//! traction, in series with the slip of the surfaces ([`crate::half_space::yielding`]), and what it dissipates is part of the friction power.
+//! Fresh material enters a contact that rolls; the layer of one that is shifted stays where it is. With k = 0 it is `shear_limit`; with
+//! `third_body_layer` it is elastic and plastic.
+//!
+//! Source: Hou, Kalousek and Magel, Wear 211 (1997) 134–140; Vollebregt, CONTACT, whose r is 0.1. Left out: a yield stress that falls with
+//! the temperature or grows with the pressure, kinematic hardening, and what is left in the layer for the next wheel.
+
+use crate::entry::Effect;
+use crate::half_space::yielding::Yield;
+use crate::keys::CheckedParams;
+use crate::situation::{POWER, PRESSURE, Situation};
+use crate::terms::{Kind, Terms};
+use proto::advice::Advice;
+use proto::configuration::{Configuration, Refusal};
+use proto::description::KeySpec;
+
+/// What the registry says of it.
+pub const EFFECT: Effect = Effect {
+    name: "plastic_layer",
+    law: "|p_t| <= min(f p, tau), tau = max(tau_0 + k kappa, r tau_0), kappa the accumulated plastic shift",
+    source: "Hou, Kalousek & Magel, Wear 211 (1997) 134-140",
+    kinds: &[Kind::Yield],
+    consumes: &[],
+    provides: &[],
+    keys,
+    figures: Vec::new,
+    advise: Some(advise),
+    terms,
+};
+
+const YIELD_STRESS: &str = "effects.plastic_layer.yield_stress";
+const HARDENING: &str = "effects.plastic_layer.hardening";
+const RESIDUAL_SHARE: &str = "effects.plastic_layer.residual_share";
+
+fn keys() -> Vec<KeySpec> {
+    vec![
+        KeySpec::quantity(YIELD_STRESS, "Pa", "yield stress in shear of fresh material, tau_0")
+            .required()
+            .above(0.0),
+        KeySpec::quantity(
+            HARDENING,
+            "Pa/m",
+            "change of the yield stress with the plastic shift, k; negative where it softens",
+        )
+        .default_value(0.0),
+        KeySpec::number(RESIDUAL_SHARE, "lowest yield stress over that of fresh material, r")
+            .default_value(0.1)
+            .above(0.0)
+            .at_most(1.0),
+    ]
+}
+
+fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
+    let case = CheckedParams::new(&configuration.case, keys());
+    let stress = case.number(YIELD_STRESS)?;
+    let hardening = case.number(HARDENING)?;
+    let law = Yield { stress, hardening, residual: case.number(RESIDUAL_SHARE)? * stress };
+    Ok(Terms { yields: Some(law), ..Terms::default() })
+}
+
+/// Yield stress of clay between wheel and rail, where the case has none [Pa].
+const TYPICAL: f64 = 200e6;
+
+/// An ellipse of friction cut off at t = τ₀/(f p₀) carries (3t − t³)/2 of it, before the layer hardens or softens.
+fn advise(situation: &Situation<'_>) -> Advice {
+    let given = situation.case.maybe_number(YIELD_STRESS).ok().flatten();
+    let yield_stress = given.unwrap_or(TYPICAL);
+    let advice =
+        Advice::new(EFFECT.name, format!("what friction carries beyond {yield_stress:.1e} Pa"))
+            .with(format!("{YIELD_STRESS}={yield_stress:e}"));
+    let friction = situation.scene.friction_coefficient;
+    let Some(largest) = situation.known(PRESSURE).map(|pressure| friction * pressure) else {
+        return advice;
+    };
+    let cut = (yield_stress / largest).min(1.0);
+    let advice = advice.number("yield stress over largest friction", yield_stress / largest);
+    if cut == 1.0 {
+        return advice.moves(POWER, 0.0);
+    }
+    situation.with_friction(advice, friction * 0.5 * (3.0 * cut - cut.powi(3)))
+}

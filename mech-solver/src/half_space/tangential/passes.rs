@@ -1,0 +1,56 @@
+//! Steady rolling over a layer that yields where Newton's method does not follow the shifts that gather along the rows.
+//!
+//! The plastic shifts with which particles come to an element are those of the solve before, until they rest: so every problem is one of
+//! known shifts, as a step of transient rolling is. A pass changes the shifts by k A of their change, A the flexibility of the whole contact,
+//! so that this is the way for layers that soften, whose |k| A is below one unless the contact itself jumps.
+
+use super::layer::Layer;
+use super::newton::{Effort, NotConverged, TangentialSolver};
+use super::problem::Problem;
+use super::state::TangentialState;
+
+/// Passes at most: thirty are enough for the smallest tolerance where one leaves half of a change.
+const MOST_PASSES: usize = 60;
+
+impl TangentialSolver {
+    /// Solves for the forces or creepages of a problem over a layer, pass by pass.
+    ///
+    /// # Errors
+    /// A pass did not converge, or the shifts do not rest.
+    pub fn solve_by_passes(
+        &mut self,
+        problem: &Problem,
+        layer: Layer<'_>,
+        state: &mut TangentialState,
+        tolerance: f64,
+    ) -> Result<Effort, NotConverged> {
+        let count = problem.bound.len();
+        let largest = problem.bound.iter().copied().fold(0.0, f64::max);
+        let mut before = vec![0.0; count];
+        let mut effort = Effort::default();
+        for _ in 0..MOST_PASSES {
+            let given = Layer { before: Some(&before), ..layer };
+            let pass = Problem { layer: Some(given), ..*problem };
+            let found = self.solve(&pass, state, tolerance)?;
+            let newton_steps = effort.newton_steps + found.newton_steps;
+            let linear_steps = effort.linear_steps + found.linear_steps;
+            let mut change = 0.0_f64;
+            let mut upstream = 0.0;
+            for index in (0..count).rev() {
+                if (index + 1).is_multiple_of(problem.nx) {
+                    upstream = 0.0;
+                }
+                let stress = |shift| layer.law.limit(problem.bound[index], shift);
+                change = change.max((stress(upstream) - stress(before[index])).abs());
+                before[index] = upstream;
+                upstream += state.yielded[index];
+                state.plastic[index] = upstream;
+            }
+            effort = Effort { newton_steps, linear_steps, last_change: change / largest, ..found };
+            if effort.last_change <= tolerance {
+                return Ok(effort);
+            }
+        }
+        Err(NotConverged(effort))
+    }
+}

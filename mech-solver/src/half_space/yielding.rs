@@ -1,0 +1,142 @@
+//! A layer that yields, in series with friction: two sliders under one traction.
+//!
+//! What an element slips in a step is what the surfaces slip on the layer and what the layer flows, λ_f + λ, both against the traction:
+//!
+//! |p| ≤ f p_n, and < f p_n where λ_f = 0;  |p| ≤ τ(κ), and < τ(κ) where λ = 0;  τ(κ) = max(τ₀ + k κ, τ_r),  κ = κ' + λ,
+//!
+//! with the plastic shift κ accumulated over the way of a particle, κ' before the step, the yield stress τ₀ of fresh material, its
+//! change k with the plastic shift (hardening or softening) and the lowest yield stress τ_r. The weaker slider gives way. So both are one,
+//! against the traction by the whole slip |S| = λ_f + λ, whose bound depends on |S|:
+//!
+//! - τ(κ') ≥ f p_n: f p_n, and the layer does not flow;
+//! - else τ(κ' + |S|) while that is below f p_n, and the layer takes all of the slip;
+//! - else f p_n: the layer has hardened to it, by λ = (f p_n − τ(κ'))/k, and the surfaces take the rest.
+//!
+//! Source: Hou, Kalousek and Magel, Wear 211 (1997) 134–140, for the law; Vollebregt, CONTACT, for particles that carry it through the
+//! contact. That one slider does is this project's.
+
+/// How the yield stress of a layer changes with its plastic shift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Yield {
+    /// Yield stress τ₀ of fresh material [Pa].
+    pub stress: f64,
+    /// Its change k with the plastic shift [Pa/m]; negative where it softens.
+    pub hardening: f64,
+    /// Lowest yield stress τ_r [Pa].
+    pub residual: f64,
+}
+
+/// What the two sliders of an element do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Carried {
+    /// The bound of the traction after the slip [Pa].
+    pub bound: f64,
+    /// Plastic shift λ of the step [m].
+    pub shift: f64,
+    /// Change of the bound with κ' and with the slip [Pa/m].
+    pub slope: f64,
+    /// Changes of κ with κ' and with the slip.
+    pub passes: f64,
+    /// See `passes`.
+    pub grows: f64,
+}
+
+impl Yield {
+    /// τ after a plastic shift [Pa], and its change [Pa/m].
+    fn after(&self, shift: f64) -> (f64, f64) {
+        let stress = self.stress + self.hardening * shift;
+        if stress > self.residual { (stress, self.hardening) } else { (self.residual, 0.0) }
+    }
+
+    /// The bound before any slip, of an element with the friction bound f p_n and the plastic shift κ' [Pa].
+    #[must_use]
+    pub fn limit(&self, friction: f64, before: f64) -> f64 {
+        friction.min(self.after(before).0)
+    }
+
+    /// The largest bound of fresh material, whatever slips [Pa].
+    #[must_use]
+    pub fn most(&self, friction: f64) -> f64 {
+        if self.hardening > 0.0 { friction } else { friction.min(self.stress) }
+    }
+
+    /// The smallest and the largest bound that a slip may leave, from the plastic shift κ' on [Pa].
+    #[must_use]
+    pub fn range(&self, friction: f64, before: f64) -> [f64; 2] {
+        let first = self.limit(friction, before);
+        match self.hardening > 0.0 {
+            true => [first, friction],
+            false if first == friction => [first; 2],
+            false => [first.min(self.residual), first],
+        }
+    }
+
+    /// The plastic shift that takes the yield stress to this one, from κ' on [m]; 0 where it does not change.
+    #[must_use]
+    pub fn shift_to(&self, stress: f64, before: f64) -> f64 {
+        match self.hardening == 0.0 {
+            true => 0.0,
+            false => ((stress - self.after(before).0) / self.hardening).max(0.0),
+        }
+    }
+
+    /// What an element carries that slips by so much [m], with the friction bound f p_n [Pa] and the plastic shift κ' before [m].
+    #[must_use]
+    pub fn carried(&self, friction: f64, before: f64, slip: f64) -> Carried {
+        let (first, _) = self.after(before);
+        if first >= friction {
+            return Carried { bound: friction, passes: 1.0, ..Carried::default() };
+        }
+        let (bound, slope) = self.after(before + slip);
+        if bound < friction {
+            return Carried { bound, slope, shift: slip, passes: 1.0, grows: 1.0 };
+        }
+        let shift = (friction - first) / self.hardening;
+        Carried { bound: friction, shift, ..Carried::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One after the other, as the two sliders do: while the bound grows the layer flows, then the surfaces slip. What is said of changes are
+    /// those of small steps. Tolerance: of differences over 1e-6 of the slip.
+    #[test]
+    fn the_weaker_slider_gives_way() {
+        let harder = Yield { stress: 2.0, hardening: 4.0, residual: 0.2 };
+        let softer = Yield { hardening: -4.0, ..harder };
+        let of = |law: &Yield, friction, before, slip| {
+            let carried = law.carried(friction, before, slip);
+            [carried.bound, carried.shift]
+        };
+        assert_eq!(of(&harder, 1.5, 0.0, 0.3), [1.5, 0.0]);
+        assert_eq!(of(&harder, 3.0, 0.0, 0.125), [2.5, 0.125]);
+        assert_eq!(of(&harder, 3.0, 0.125, 0.5), [3.0, 0.125]);
+        assert_eq!(of(&harder, 3.0, 0.5, 0.5), [3.0, 0.0]);
+        assert_eq!(of(&softer, 3.0, 0.0, 0.25), [1.0, 0.25]);
+        assert_eq!(of(&softer, 3.0, 0.25, 0.5), [0.2, 0.5]);
+        assert_eq!(of(&softer, 1.5, 0.0, 0.5), [1.5, 0.0]);
+        assert_eq!((harder.most(3.0), softer.most(3.0), softer.most(1.0)), (3.0, 2.0, 1.0));
+        assert_eq!(harder.range(3.0, 0.125), [2.5, 3.0]);
+        assert_eq!(softer.range(3.0, 0.125), [0.2, 1.5]);
+        let small = 1e-6;
+        for law in [harder, softer] {
+            for (friction, before, slip) in [(3.0, 0.0, 0.1), (3.0, 0.1, 0.6), (1.5, 0.0, 0.1)] {
+                let here = law.carried(friction, before, slip);
+                let (later, further) = (
+                    law.carried(friction, before + small, slip),
+                    law.carried(friction, before, slip + small),
+                );
+                for (change, expected) in [
+                    (later.bound - here.bound, here.slope),
+                    (further.bound - here.bound, here.slope),
+                    (later.shift - here.shift + small, here.passes),
+                    (further.shift - here.shift, here.grows),
+                ] {
+                    assert!((change / small - expected).abs() < 1e-6, "{law:?} {here:?}");
+                }
+            }
+        }
+    }
+}
