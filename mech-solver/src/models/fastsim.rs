@@ -27,11 +27,14 @@
 //! all creepages is the default, see `flexibility`; bodies of different materials are taken as two
 //! of the combined G and ν, without coupling to the normal problem.
 
+mod bound;
 mod contact;
 mod fields;
 mod flexibility;
 mod march;
+mod reduction;
 mod sliding;
+mod strip_theory;
 
 use crate::effects;
 use crate::ellipse::{Ellipse, Prescribed};
@@ -45,6 +48,7 @@ use crate::reference::kalker::{self, CreepCoefficients};
 use crate::resolution;
 use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
 use crate::terms::{Kind, Terms};
+use bound::Bound;
 use contact::{Contact, Problem};
 use flexibility::Flexibilities;
 use march::Lattice;
@@ -57,10 +61,13 @@ use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use proto::params::Params;
 use proto::progress::Progress;
+use reduction::Reduction;
 use serde_json::Value;
 use std::f64::consts::PI;
 
 const FLEXIBILITY: &str = "mech.flexibility";
+const TRACTION_BOUND: &str = "mech.traction_bound";
+const STICK_ZONE: &str = "mech.stick_zone";
 /// Fewest strips: the force of a contact that sticks is then exact to 1e-4.
 const FEWEST_STRIPS: usize = 16;
 /// Time to pass over a cell, measured [s].
@@ -84,7 +91,7 @@ const COARSE: usize = 15;
 /// What the description says of this model.
 fn spec() -> ModelSpec {
     let mut keys = [contact_keys(), given_patch_keys()].concat();
-    keys.push(flexibility_key());
+    keys.extend(own_keys());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {
         name: MODEL.name.to_owned(),
@@ -112,13 +119,32 @@ fn springs_for_half_space(effect: &str) -> Simplification {
     Simplification::with(effect, what, 0.4, STUDY)
 }
 
-fn flexibility_key() -> KeySpec {
-    KeySpec::choice(
-        FLEXIBILITY,
-        &["single", "three"],
-        "one flexibility for all creepages (exact friction power), or one for each (exact slopes)",
-    )
-    .default_value("single")
+/// The keys that no other model has.
+fn own_keys() -> Vec<KeySpec> {
+    let mut keys = vec![
+        KeySpec::choice(
+            FLEXIBILITY,
+            &["single", "three", "blended"],
+            "one flexibility for all creepages (exact friction power), one for each (exact slopes), or three at small \
+             creepage and one at large",
+        )
+        .default_value("single"),
+        KeySpec::choice(
+            TRACTION_BOUND,
+            &["parabolic", "elliptic"],
+            "bound of the traction: a parabola of the same sum, or the friction coefficient times Hertz's pressure",
+        )
+        .default_value("parabolic"),
+        KeySpec::choice(
+            STICK_ZONE,
+            &["springs", "strips"],
+            "traction where surfaces stick: of the springs (FASTSIM), or of Kalker's strip theory under the elliptic \
+             bound (FASTRIP)",
+        )
+        .default_value("springs"),
+    ];
+    keys.extend(reduction::keys());
+    keys
 }
 
 /// Checks a configuration whose effects and fields this model provides; cheap, allocates no field.
@@ -129,19 +155,13 @@ fn flexibility_key() -> KeySpec {
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let given = GivenPatch::read(&configuration.case)?;
-    let case = CheckedParams::new(&configuration.case, vec![flexibility_key()]);
-    let kind = match case.text(FLEXIBILITY)? {
-        "three" => flexibility::Kind::Three,
-        _ => flexibility::Kind::Single,
-    };
-    let resolution = resolution::read(&configuration.case, RESOLUTION)?;
+    let asked = Asked::read(&configuration.case, given, terms.adhesion)?;
     let varying = Varying::of(configuration, &terms, given)?;
     let extent = match &varying {
         Some(varying) => varying.extent(given)?,
         None => Ellipse::solve(&scene, given)?.extent(),
     };
-    let grid = extent.grid(resolution)?;
-    let asked = Asked { given, kind, resolution, partial: terms.adhesion };
+    let grid = extent.grid(asked.resolution)?;
     let (problem, coefficients) = problem(&scene, &asked, &grid)?;
     let wanted = precomputed::wanted_fields(configuration);
     let mut layout = precomputed::layout(&wanted, grid, build_seconds(&problem, wanted.len()));
@@ -160,10 +180,38 @@ struct Asked {
     /// The ellipse that the case gives.
     given: Option<GivenPatch>,
     kind: flexibility::Kind,
+    bound: Bound,
+    /// Strip theory gives the traction that sticks.
+    strip_theory: bool,
+    reduction: Reduction,
     /// Elements per semi-axis.
     resolution: usize,
     /// Surfaces may stick.
     partial: bool,
+}
+
+impl Asked {
+    fn read(case: &Params, given: Option<GivenPatch>, partial: bool) -> Result<Self, Refusal> {
+        let own = CheckedParams::new(case, own_keys());
+        let kind = match own.text(FLEXIBILITY)? {
+            "three" => flexibility::Kind::Three,
+            "blended" => flexibility::Kind::Blended,
+            _ => flexibility::Kind::Single,
+        };
+        let bound = match own.text(TRACTION_BOUND)? {
+            "elliptic" => Bound::Elliptic,
+            _ => Bound::Parabolic,
+        };
+        let strip_theory = own.text(STICK_ZONE)? == "strips";
+        if strip_theory && bound != Bound::Elliptic {
+            let reason = "is `strips`, whose tractions are those under Hertz's pressure";
+            let fix = format!("write {TRACTION_BOUND} = \"elliptic\", or \"springs\" here");
+            return Err(Refusal::new(STICK_ZONE, reason, fix));
+        }
+        let reduction = Reduction::read(&own)?;
+        let resolution = resolution::read(case, RESOLUTION)?;
+        Ok(Self { given, kind, bound, strip_theory, reduction, resolution, partial })
+    }
 }
 
 /// The problem of a scene, whose fields are wanted on this grid.
@@ -172,7 +220,7 @@ fn problem(
     asked: &Asked,
     grid: &Structured,
 ) -> Result<(Problem, CreepCoefficients), Refusal> {
-    let Asked { given, kind, resolution, partial } = *asked;
+    let Asked { given, kind, bound, strip_theory, reduction, resolution, partial } = *asked;
     let ellipse = Ellipse::solve(scene, given)?;
     Ellipse::refuse_rest(scene)?;
     let coefficients = coefficients(scene, &ellipse)?;
@@ -182,7 +230,10 @@ fn problem(
         prescribed: ellipse.prescribed(scene)?,
         flexibilities: Flexibilities::new(&coefficients, axes, scene.combined_shear_modulus()),
         kind,
-        lattice: lattice(&ellipse, grid, resolution),
+        reduction,
+        strip_theory: strip_theory.then(|| scene.combined_poisson_ratio()),
+        // Without adhesion the springs and their bound play no part.
+        lattice: lattice(&ellipse, grid, resolution, if partial { bound } else { Bound::Parabolic }),
         friction_coefficient: scene.friction_coefficient,
         speeds: scene.speeds,
         partial,
@@ -224,8 +275,15 @@ impl Rows for History {
 pub(super) fn estimate(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {
     let given = GivenPatch::read(case).ok()?;
     let grid = Ellipse::solve(scene, given).ok()?.extent().grid(COARSE).ok()?;
-    let kind = flexibility::Kind::Single;
-    let asked = Asked { given, kind, resolution: COARSE, partial: sticks };
+    let asked = Asked {
+        given,
+        kind: flexibility::Kind::Single,
+        bound: Bound::Parabolic,
+        strip_theory: false,
+        reduction: Reduction::NONE,
+        resolution: COARSE,
+        partial: sticks,
+    };
     let (problem, _) = problem(scene, &asked, &grid).ok()?;
     let summary = problem.solve(None).summary();
     let figures = summary["contact"].as_object()?.iter();
@@ -249,13 +307,14 @@ fn coefficients(scene: &Scene, ellipse: &Ellipse) -> Result<CreepCoefficients, R
 }
 
 /// Cells as long as an element on the longest strip, and strips half as wide as an element or less.
-fn lattice(ellipse: &Ellipse, grid: &Structured, resolution: usize) -> Lattice {
+fn lattice(ellipse: &Ellipse, grid: &Structured, resolution: usize, bound: Bound) -> Lattice {
     let half = (PI * ellipse.semi_axis_b / grid.dy()).ceil() as usize;
     Lattice {
         semi_axis_a: ellipse.semi_axis_a,
         semi_axis_b: ellipse.semi_axis_b,
         strips: (2 * half).max(FEWEST_STRIPS),
         cells: 2 * resolution,
+        bound,
     }
 }
 

@@ -8,7 +8,6 @@
 use super::flexibility::Creepage;
 use super::march::{Cell, Lattice, Strip, norm};
 use crate::strips::semi_ellipse::segment_area;
-use std::f64::consts::PI;
 
 /// What a sliding contact needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,9 +21,7 @@ pub(super) struct Sliding {
 impl Sliding {
     /// With the friction bound f N [N].
     pub(super) fn new(lattice: Lattice, creepage: Creepage, friction_bound: f64) -> Self {
-        let strip = |strip: Strip| strip.width * lattice.semi_axis_a * strip.eta * strip.eta;
-        let volume = 0.5 * PI * lattice.strips().map(strip).sum::<f64>();
-        Self { lattice, creepage, amplitude: friction_bound / volume }
+        Self { lattice, creepage, amplitude: friction_bound / lattice.half_ellipsoid() }
     }
 
     /// Visits the cells of a strip from the leading to the trailing edge.
