@@ -189,6 +189,8 @@ mod tests {
         assert_eq!(none, own);
         let much = own.blended([3.0, 4.0, 5.0], 1.0);
         let single = own.single([3.0, 4.0, 5.0]);
-        assert!((much.spin / single - 1.0).abs() < 1e-15 && (much.lateral / single - 1.0).abs() < 1e-15);
+        assert!(
+            (much.spin / single - 1.0).abs() < 1e-15 && (much.lateral / single - 1.0).abs() < 1e-15
+        );
     }
 }

@@ -149,7 +149,8 @@ impl Stick<'_> {
         let scale = self.theory.amplitude / self.theory.march.lattice.semi_axis_a;
         let outer = scale * mean_root(&cell, 0.0, self.half_length);
         let inner = scale * mean_root(&cell, self.slipping, self.half_length - self.slipping);
-        let traction = self.shares().map(|[of_outer, of_inner]| of_outer * outer - of_inner * inner);
+        let traction =
+            self.shares().map(|[of_outer, of_inner]| of_outer * outer - of_inner * inner);
         Cell { traction, slip: [0.0; 2], slips: false, largest_traction: norm(traction), ..cell }
     }
 }
