@@ -386,9 +386,8 @@ fn elliptic_bound_converges_to_the_closed_forms() {
     }
 }
 
-/// Kalker's slopes do not depend on the bound nor on strip theory; a factor reduces all of them. Spin in strip theory is left out: where
-/// nothing slips its traction is another, and so is its force. Tolerance: the slip zone's share, proportional to the
-/// creepage, and the trapezoidal rule for spin.
+/// Kalker's slopes do not depend on the bound nor on strip theory; a factor reduces all of them. Tolerance: the slip zone's share, proportional to the
+/// creepage, and for spin the trapezoidal rule over cells that are π/2 times as long in the middle.
 #[test]
 fn slopes_under_the_elliptic_bound() {
     let small = 1e-4 * saturation();
@@ -399,15 +398,17 @@ fn slopes_under_the_elliptic_bound() {
         ("springs", [0.0, 0.0, small / A]),
         ("strips", [-small, 0.0, 0.0]),
         ("strips", [0.0, small, 0.0]),
+        ("strips", [0.0, 0.0, small / A]),
     ] {
         let case = elliptic(creepage, stick_zone);
         let linear = c.forces([A, B], SHEAR_MODULUS, creepage);
         let largest = linear.force_x.abs().max(linear.force_y.abs());
         for factor in [1.0, 0.54] {
+            let tolerance = (if creepage[2] == 0.0 { 1e-3 } else { 1.6e-3 }) * largest;
             let run = run(&with(case.clone(), "slope_factor", factor));
             let (x, y) = (run.number("creep_force_x_n"), run.number("creep_force_y_n"));
-            assert!((x - factor * linear.force_x).abs() < 1e-3 * largest, "{x} {linear:?}");
-            assert!((y - factor * linear.force_y).abs() < 1e-3 * largest, "{y} {linear:?}");
+            assert!((x - factor * linear.force_x).abs() < tolerance, "{x} {linear:?}");
+            assert!((y - factor * linear.force_y).abs() < tolerance, "{y} {linear:?}");
         }
     }
 }
@@ -451,7 +452,7 @@ fn balance_of_the_variants() {
 
 #[test]
 fn force_round_trip_of_the_variants() {
-    for share in [1e-9, 1e-4, 0.1, 0.5, 0.9, -0.99] {
+    for share in [1e-6, 1e-4, 0.1, 0.5, 0.9, -0.99] {
         let mu = share * FRICTION;
         for case in variants(&at_force(mu)) {
             let by_force = run(&case);

@@ -126,13 +126,7 @@ pub(super) fn problem(
         kind,
         reduction,
         strip_theory: strip_theory.then(|| scene.combined_poisson_ratio()),
-        // Without adhesion the springs and their bound play no part.
-        lattice: lattice(
-            &ellipse,
-            grid,
-            resolution,
-            if partial { bound } else { Bound::Parabolic },
-        ),
+        lattice: lattice(&ellipse, grid, resolution, bound),
         friction_coefficient: scene.friction_coefficient,
         speeds: scene.speeds,
         partial,
