@@ -92,11 +92,12 @@ fn spec() -> ModelSpec {
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {
         name: MODEL.name.to_owned(),
-        summary: "Hertz ellipse and Kalker's simplified theory (FASTSIM), all three creepages"
+        summary: "Hertz ellipse and Kalker's simplified theory (FASTSIM, FASTRIP), all three creepages"
             .to_owned(),
         source:
             "Kalker, Vehicle System Dynamics 11 (1982) 1-13; Kalker, Three-Dimensional Elastic \
-                 Bodies in Rolling Contact (1990), table E.3"
+                 Bodies in Rolling Contact (1990), table E.3; Sichani, Enblom, Berg, Vehicle System Dynamics 54 \
+                 (2016) 748-764"
                 .to_owned(),
         steady: true,
         transient: true,

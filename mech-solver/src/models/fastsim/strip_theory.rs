@@ -30,6 +30,7 @@
 
 use super::march::{Cell, March, Strip, norm};
 use crate::strips::semi_ellipse::segment_area;
+use std::f64::consts::PI;
 
 /// What strip theory needs of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +58,6 @@ struct Stick<'a> {
 impl StripTheory {
     /// Beside a march with the elliptic bound, with Kalker's flexibilities L1, L2, L3 [m/Pa] and Poisson's ratio.
     pub(super) fn new(march: March, [l1, l2, l3]: [f64; 3], poisson_ratio: f64) -> Self {
-        use std::f64::consts::PI;
         let (a, bound) = (march.lattice.semi_axis_a, march.largest_bound);
         let [xi, eta, phi] = march.creepage;
         let creep = -(1.0 - poisson_ratio) * 16.0 * a / (3.0 * PI * PI * bound);
@@ -73,7 +73,10 @@ impl StripTheory {
                 self.march.strip(strip, |cell| stick.cut(cell, border, &mut visit));
             }
             Some(_) => self.march.strip(strip, visit),
-            None => self.march.strip(strip, |cell| visit(&self.sliding(strip, *cell))),
+            None => {
+                let half_length = self.march.lattice.semi_axis_a * strip.eta;
+                self.march.strip(strip, |cell| visit(&self.sliding(half_length, *cell)));
+            }
         }
     }
 
@@ -98,9 +101,9 @@ impl StripTheory {
     }
 
     /// A cell that slips, in the direction in which the simplified theory has it.
-    fn sliding(&self, strip: &Strip, cell: Cell) -> Cell {
-        let half_length = self.march.lattice.semi_axis_a * strip.eta;
-        let bound = self.amplitude * strip.eta * mean_root(&cell, 0.0, half_length) / half_length;
+    fn sliding(&self, half_length: f64, cell: Cell) -> Cell {
+        let scale = self.amplitude / self.march.lattice.semi_axis_a;
+        let bound = scale * mean_root(&cell, 0.0, half_length);
         let size = norm(cell.traction);
         let traction = match size > 0.0 {
             true => cell.traction.map(|part| bound * (part / size)),
@@ -133,14 +136,12 @@ impl Stick<'_> {
     /// Visits a cell of the simplified theory, cut where the part that sticks ends.
     fn cut(&self, cell: &Cell, border: f64, visit: &mut impl FnMut(&Cell)) {
         let [rear, front] = cell.ends;
-        let eta = self.half_length / self.theory.march.lattice.semi_axis_a;
-        let strip = Strip { y: 0.0, span: [0.0; 2], eta, width: 0.0 };
         if border < front {
             visit(&self.sticking(Cell { ends: [rear.max(border), front], ..*cell }));
         }
         if border > rear {
             let part = Cell { ends: [rear, front.min(border)], ..*cell };
-            visit(&self.theory.sliding(&strip, part));
+            visit(&self.theory.sliding(self.half_length, part));
         }
     }
 
