@@ -3,10 +3,10 @@
 //! Normal: [`crate::reference::hertz`], or the ellipse that the case gives under `[contact]`.
 //! Tangential, for longitudinal, lateral and spin creepage: the surfaces are beds of springs whose
 //! flexibility follows from Kalker's linear theory ([`crate::reference::kalker`]), and Coulomb's law
-//! holds with the bound f · 2N/(π a b) · (1 − x²/a² − y²/b²). The parabola is for the traction only:
-//! its stick zone is what the springs can follow up to the leading edge, and it is up to 4/3 of f
-//! times the pressure of Hertz, which the field `pressure` gives. Without terms of adhesion
-//! the whole contact slides, with f times Hertz's pressure.
+//! holds with the bound f · 2N/(π a b) · (1 − x²/a² − y²/b²), or with f times the pressure of Hertz. The parabola is for the
+//! traction only: its stick zone is what the springs can follow up to the leading edge, and it is up to 4/3 of f
+//! times the pressure of Hertz, which the field `pressure` gives. Where surfaces stick strip theory may stand for the
+//! springs (FASTRIP). Without terms of adhesion the whole contact slides, with f times Hertz's pressure.
 //!
 //! A prescribed longitudinal force is met by ξ alone, η = φ = 0; it is monotone in ξ, from 0 to f N
 //! at a finite creepage.
@@ -14,55 +14,62 @@
 //! | module | what |
 //! |---|---|
 //! | `flexibility` | the springs |
+//! | `reduction` | softer springs for a creep curve of less slope |
+//! | `bound` | the traction bound, and the nodes that fit it |
 //! | `march` | strips, cells and the march with Coulomb's law |
+//! | `strip_theory` | the stick zone by strip theory |
 //! | `sliding` | the contact without a stick zone |
 //! | `contact` | prescribed force, sums over the contact |
 //! | `fields` | element means on the contact's grid |
+//! | `case` | what a case asks for |
+//! | `rubbing` | friction that depends on slip, or on what comes in |
 //!
-//! The model is quasi-static and has no memory. It is computed once, when the model is built.
+//! The model is quasi-static and has no memory but that of its friction. It is computed once, when the model is built, or in
+//! every iteration where friction depends on something.
 //!
 //! Source: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
 //! System Dynamics 11 (1982) 1–13. Deviations: the strips are closer together towards the sides; a
 //! cell's traction is the mean of its two ends, which keeps the energy balance; one flexibility for
-//! all creepages is the default, see `flexibility`; bodies of different materials are taken as two
+//! all creepages is the default, see `flexibility`; one friction coefficient, see `rubbing`; bodies of different materials are taken as two
 //! of the combined G and ν, without coupling to the normal problem.
 
+mod bound;
+mod case;
 mod contact;
 mod fields;
 mod flexibility;
 mod march;
+mod reduction;
+mod rubbing;
 mod sliding;
+mod strip_theory;
 
 use crate::effects;
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::entry::ModelEntry;
-use crate::keys::CheckedParams;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::precomputed::{self, Precomputed};
-use crate::models::row_by_row::{RowByRow, Rows};
+use crate::models::row_by_row::RowByRow;
 use crate::models::varying::Varying;
-use crate::reference::kalker::{self, CreepCoefficients};
+use crate::reference::kalker::CreepCoefficients;
 use crate::resolution;
 use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
 use crate::terms::{Kind, Terms};
-use contact::{Contact, Problem};
-use flexibility::Flexibilities;
-use march::Lattice;
+use bound::Bound;
+use case::{Asked, Case, RESOLUTION, cells, own_keys, problem};
+use contact::Problem;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::advice::Known;
 use proto::configuration::{Configuration, Layout, Refusal};
-use proto::description::{KeySpec, ModelSpec, names};
+use proto::description::{ModelSpec, names};
 use proto::field::{self, FieldSpec};
-use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use proto::params::Params;
 use proto::progress::Progress;
+use reduction::Reduction;
+use rubbing::Rubbed;
 use serde_json::Value;
-use std::f64::consts::PI;
 
-const FLEXIBILITY: &str = "mech.flexibility";
-/// Fewest strips: the force of a contact that sticks is then exact to 1e-4.
-const FEWEST_STRIPS: usize = 16;
 /// Time to pass over a cell, measured [s].
 const SECONDS_PER_CELL: f64 = 4e-8;
 /// Passes that the creepage for a prescribed force takes, about.
@@ -72,27 +79,25 @@ const PASSES: usize = 25;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "fastsim",
     spec,
-    takes: &[Kind::Adhesion, Kind::Axle, Kind::HeatShare],
+    takes: &[Kind::Friction, Kind::Adhesion, Kind::Axle, Kind::HeatShare],
     configure,
 };
-/// Elements per semi-axis, unless the case says otherwise.
-const RESOLUTION: usize = 40;
-
 /// The same for an estimate.
 const COARSE: usize = 15;
 
 /// What the description says of this model.
 fn spec() -> ModelSpec {
     let mut keys = [contact_keys(), given_patch_keys()].concat();
-    keys.push(flexibility_key());
+    keys.extend(own_keys());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {
         name: MODEL.name.to_owned(),
-        summary: "Hertz ellipse and Kalker's simplified theory (FASTSIM), all three creepages"
+        summary: "Hertz ellipse and Kalker's simplified theory (FASTSIM, FASTRIP), all three creepages"
             .to_owned(),
         source:
             "Kalker, Vehicle System Dynamics 11 (1982) 1-13; Kalker, Three-Dimensional Elastic \
-                 Bodies in Rolling Contact (1990), table E.3"
+                 Bodies in Rolling Contact (1990), table E.3; Sichani, Enblom, Berg, Vehicle System Dynamics 54 \
+                 (2016) 748-764"
                 .to_owned(),
         steady: true,
         transient: true,
@@ -112,15 +117,6 @@ fn springs_for_half_space(effect: &str) -> Simplification {
     Simplification::with(effect, what, 0.4, STUDY)
 }
 
-fn flexibility_key() -> KeySpec {
-    KeySpec::choice(
-        FLEXIBILITY,
-        &["single", "three"],
-        "one flexibility for all creepages (exact friction power), or one for each (exact slopes)",
-    )
-    .default_value("single")
-}
-
 /// Checks a configuration whose effects and fields this model provides; cheap, allocates no field.
 ///
 /// # Errors
@@ -129,19 +125,13 @@ fn flexibility_key() -> KeySpec {
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let given = GivenPatch::read(&configuration.case)?;
-    let case = CheckedParams::new(&configuration.case, vec![flexibility_key()]);
-    let kind = match case.text(FLEXIBILITY)? {
-        "three" => flexibility::Kind::Three,
-        _ => flexibility::Kind::Single,
-    };
-    let resolution = resolution::read(&configuration.case, RESOLUTION)?;
+    let asked = Asked::read(&configuration.case, given, terms.adhesion)?;
     let varying = Varying::of(configuration, &terms, given)?;
     let extent = match &varying {
         Some(varying) => varying.extent(given)?,
         None => Ellipse::solve(&scene, given)?.extent(),
     };
-    let grid = extent.grid(resolution)?;
-    let asked = Asked { given, kind, resolution, partial: terms.adhesion };
+    let grid = extent.grid(asked.resolution)?;
     let (problem, coefficients) = problem(&scene, &asked, &grid)?;
     let wanted = precomputed::wanted_fields(configuration);
     let mut layout = precomputed::layout(&wanted, grid, build_seconds(&problem, wanted.len()));
@@ -149,118 +139,34 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
         layout.remarks = vec![varying.remark(&extent)];
         (layout.solve_seconds, layout.build_seconds) = (layout.build_seconds, 0.0);
     }
+    if terms.effect_of(Kind::Friction).is_some() {
+        layout.remarks.push("the contact is computed in every iteration".to_owned());
+        layout.solve_seconds = layout.solve_seconds.max(layout.build_seconds);
+    }
     layout.remarks.extend(remarks(&scene, &problem, given, &coefficients));
     layout.closed_forms = problem.ellipse.closed_forms();
-    Ok(Box::new(Prepared { problem, asked, terms, varying, grid, wanted, layout }))
-}
-
-/// What a case asks for besides its scene.
-#[derive(Clone, Copy, Debug)]
-struct Asked {
-    /// The ellipse that the case gives.
-    given: Option<GivenPatch>,
-    kind: flexibility::Kind,
-    /// Elements per semi-axis.
-    resolution: usize,
-    /// Surfaces may stick.
-    partial: bool,
-}
-
-/// The problem of a scene, whose fields are wanted on this grid.
-fn problem(
-    scene: &Scene,
-    asked: &Asked,
-    grid: &Structured,
-) -> Result<(Problem, CreepCoefficients), Refusal> {
-    let Asked { given, kind, resolution, partial } = *asked;
-    let ellipse = Ellipse::solve(scene, given)?;
-    Ellipse::refuse_rest(scene)?;
-    let coefficients = coefficients(scene, &ellipse)?;
-    let axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
-    let problem = Problem {
-        ellipse,
-        prescribed: ellipse.prescribed(scene)?,
-        flexibilities: Flexibilities::new(&coefficients, axes, scene.combined_shear_modulus()),
-        kind,
-        lattice: lattice(&ellipse, grid, resolution),
-        friction_coefficient: scene.friction_coefficient,
-        speeds: scene.speeds,
-        partial,
-    };
-    Ok((problem, coefficients))
-}
-
-/// What is the same in all rows of a history.
-struct History {
-    asked: Asked,
-    terms: Terms,
-    grid: Structured,
-}
-
-impl Rows for History {
-    type Contact = Contact;
-
-    fn compute(&self, scene: &Scene, spent: Option<Contact>) -> Result<Contact, Refusal> {
-        let (problem, _) = problem(scene, &self.asked, &self.grid)?;
-        let contact = problem.solve(spent);
-        contact.check_power()?;
-        Ok(contact)
-    }
-
-    fn work(&self, contact: &Contact) -> u64 {
-        cells(&contact.problem) as u64
-    }
-
-    fn summary(&self, contact: &Contact) -> Value {
-        contact.summary()
-    }
-
-    fn write(&self, contact: &Contact, spec: &FieldSpec, values: &mut [f64]) {
-        fields::write(spec, contact, self.grid, &self.terms, values);
-    }
+    let case = Case { asked, terms, grid };
+    Ok(Box::new(Prepared { scene, problem, case, varying, wanted, layout }))
 }
 
 /// The figures of the contact on a coarse grid, by their keys; `None` for a contact that is no ellipse or has no answer.
 pub(super) fn estimate(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {
     let given = GivenPatch::read(case).ok()?;
     let grid = Ellipse::solve(scene, given).ok()?.extent().grid(COARSE).ok()?;
-    let kind = flexibility::Kind::Single;
-    let asked = Asked { given, kind, resolution: COARSE, partial: sticks };
+    let asked = Asked {
+        given,
+        kind: flexibility::Kind::Single,
+        bound: Bound::Parabolic,
+        strip_theory: false,
+        reduction: Reduction::NONE,
+        resolution: COARSE,
+        partial: sticks,
+    };
     let (problem, _) = problem(scene, &asked, &grid).ok()?;
     let summary = problem.solve(None).summary();
     let figures = summary["contact"].as_object()?.iter();
     let known = |(key, value): (&String, &Value)| Some((format!("contact.{key}"), value.as_f64()?));
     Some(figures.filter_map(known).collect())
-}
-
-fn coefficients(scene: &Scene, ellipse: &Ellipse) -> Result<CreepCoefficients, Refusal> {
-    for (name, body) in scene.names.0.iter().zip(scene.materials()) {
-        if body.poisson_ratio < 0.0 {
-            let reason = format!(
-                "has a Poisson's ratio of {}, and Kalker's table begins at 0",
-                body.poisson_ratio
-            );
-            let key = format!("bodies.{name}.material");
-            return Err(Refusal::new(&key, reason, "name a material whose ratio is 0 or more"));
-        }
-    }
-    let aspect = ellipse.semi_axis_a / ellipse.semi_axis_b;
-    Ok(kalker::creep_coefficients(aspect, scene.combined_poisson_ratio()))
-}
-
-/// Cells as long as an element on the longest strip, and strips half as wide as an element or less.
-fn lattice(ellipse: &Ellipse, grid: &Structured, resolution: usize) -> Lattice {
-    let half = (PI * ellipse.semi_axis_b / grid.dy()).ceil() as usize;
-    Lattice {
-        semi_axis_a: ellipse.semi_axis_a,
-        semi_axis_b: ellipse.semi_axis_b,
-        strips: (2 * half).max(FEWEST_STRIPS),
-        cells: 2 * resolution,
-    }
-}
-
-fn cells(problem: &Problem) -> usize {
-    problem.lattice.strips * problem.lattice.cells
 }
 
 fn build_seconds(problem: &Problem, fields: usize) -> f64 {
@@ -303,12 +209,11 @@ fn remarks(
 
 /// A checked case.
 struct Prepared {
+    scene: Scene,
     problem: Problem,
-    asked: Asked,
-    terms: Terms,
+    case: Case,
     /// The values that vary, if any do.
     varying: Option<Varying>,
-    grid: Structured,
     wanted: Vec<&'static FieldSpec>,
     layout: Layout,
 }
@@ -319,11 +224,14 @@ impl Setup for Prepared {
     }
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { problem, asked, terms, varying, grid, wanted, .. } = *self;
-        if let Some(varying) = varying {
-            let history = History { asked, terms, grid };
-            return Ok(Box::new(RowByRow::new(history, varying, wanted)));
+        let Self { scene, problem, case, varying, wanted, .. } = *self;
+        if !case.terms.friction.is_empty() {
+            return Ok(Box::new(Rubbed::new(scene, case, varying, wanted)));
         }
+        if let Some(varying) = varying {
+            return Ok(Box::new(RowByRow::new(case, varying, wanted)));
+        }
+        let Case { terms, grid, .. } = case;
         let contact = problem.solve(None);
         contact.check_power()?;
         let values = |spec: &&'static FieldSpec| {

@@ -14,8 +14,16 @@
 //! For small τ it is 16 τ/(3π) = 8 a² b w/(3 L), which with L = 8a/(3 G C) is G a b C w: Kalker's
 //! linear theory. The whole contact slips for τ ≥ 2.
 //!
-//! Source: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
-//! System Dynamics 11 (1982) 1–13; the sum over the strips is worked out here.
+//! **Elliptic bound**, g = g_0 √(1 − x²/a² − y²/b²), g_0 = 3 f N/(2π a b). With τ = a w/(L g_0) every strip sticks down to the
+//! same X, where τ (1 − X) = √(1 − X²): with τ = tan α at X = −cos 2α. Then F/(f N) = (2/π)(α + ½ sin 2α), that is
+//! (2/π)(arctan τ + τ/(1 + τ²)), which is Polach's formula, with the same slope. No creepage makes all of it slip.
+//!
+//! **Strip theory** in the stick zone, under the same bound, with d/a = 16 τ/(3π²) behind the trailing edge:
+//! F/(f N) = 1 − (3/2)(s − s³/3 − δ θ), δ = d/a = cos θ < 1, s = sin θ, with the same slope again; 1 beyond.
+//!
+//! Sources: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
+//! System Dynamics 11 (1982) 1–13; O. Polach, Wear 258 (2005) 992–1000; D. J. Haines and E. Ollerton, Proc. Inst. Mech. Engrs 177 (1963)
+//! 95–114. The sums over the strips are worked out here.
 
 use std::f64::consts::PI;
 
@@ -38,10 +46,52 @@ pub fn force_ratio(reduced_creepage: f64) -> f64 {
     2.0 / PI * (stick + 8.0 / 3.0 * slip)
 }
 
+/// Force over f N under the elliptic bound [-] at a reduced creepage τ ≥ 0 with its own g_0.
+#[must_use]
+pub fn elliptic_force_ratio(reduced_creepage: f64) -> f64 {
+    let tau = reduced_creepage;
+    2.0 / PI * (tau.atan() + tau / (1.0 + tau * tau))
+}
+
+/// The same with strip theory where surfaces stick.
+#[must_use]
+pub fn strip_force_ratio(reduced_creepage: f64) -> f64 {
+    let slipping = 16.0 * reduced_creepage / (3.0 * PI * PI);
+    if slipping >= 1.0 {
+        return 1.0;
+    }
+    let (angle, sine) = (slipping.acos(), (1.0 - slipping * slipping).sqrt());
+    1.0 - 1.5 * (sine - sine.powi(3) / 3.0 - slipping * angle)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::quadrature::integral;
+
+    /// A strip of each by quadrature of its traction, with X = sin t. Tolerance: Simpson's rule.
+    #[test]
+    fn strips_under_the_elliptic_bound() {
+        for tau in [1e-3, 0.1, 0.7, 1.3, 4.0] {
+            let bound = |t: f64| t.cos() * t.cos();
+            let border = (-(2.0 * f64::atan(tau)).cos()).asin();
+            let stick = |t: f64| tau * (1.0 - t.sin()) * t.cos();
+            let strip = integral(-0.5 * PI, border, bound) + integral(border, 0.5 * PI, stick);
+            assert!((elliptic_force_ratio(tau) - 2.0 / PI * strip).abs() < 1e-9, "{tau}");
+        }
+        for tau in [1e-3, 0.1, 0.7, 1.3, 1.9] {
+            let d = 16.0 * tau / (3.0 * PI * PI);
+            let outer = |angle: f64| angle.cos().powi(3);
+            let middle = d.min(1.0).acos();
+            let inner = |angle: f64| (angle.cos() - d).powi(2) * angle.cos();
+            let sum = integral(0.0, 0.5 * PI, outer) - integral(0.0, middle, inner);
+            assert!((strip_force_ratio(tau) - 1.5 * sum).abs() < 1e-9, "{tau}");
+        }
+        let small = 1e-6;
+        for ratio in [elliptic_force_ratio(small), strip_force_ratio(small)] {
+            assert!((ratio / (4.0 * small / PI) - 1.0).abs() < 1e-5);
+        }
+    }
 
     /// The strips' force by quadrature of the traction, then over the strips. Tolerance: Simpson's
     /// rule at the kink where the strips begin to slip altogether.

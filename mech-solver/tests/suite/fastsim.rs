@@ -217,7 +217,8 @@ fn mirror_and_reversal() {
 #[test]
 fn no_creepage_no_heat() {
     for case in [fastsim([0.0; 3]), at_force(0.0)] {
-        for case in [case.clone(), without(case, "partial_slip")] {
+        let [elliptic, strips, _, reduced] = variants(&case);
+        for case in [case.clone(), without(case, "partial_slip"), elliptic, strips, reduced] {
             let run = run(&case);
             for field in ["traction", "slip_velocity", "friction_power"] {
                 assert!(run.fields[field].iter().all(|v| v.to_bits() == 0), "{field}");
@@ -303,6 +304,11 @@ fn what_fastsim_cannot_take_is_refused() {
     assert_eq!(refused.key, "motion.traction_coefficient");
     let refused = refusal(&configuration(&with(at_force(0.3), "flexibility", "two")));
     assert_eq!(refused.key, "mech.flexibility");
+    let refused = refusal(&configuration(&with(at_force(0.3), "stick_zone", "strips")));
+    assert_eq!(refused.key, "mech.stick_zone");
+    assert!(refused.fix.contains("elliptic"), "{refused}");
+    let refused = refusal(&configuration(&with(at_force(0.3), "slope_factor", 1.2)));
+    assert_eq!(refused.key, "mech.slope_factor");
 }
 
 /// Very long ellipses both ways, beyond the table, and one element per semi-axis.
@@ -326,6 +332,156 @@ fn extreme_ellipses() {
 fn work_is_the_number_of_cells() {
     let work = |resolution: usize| run(&with(at_force(0.4), "resolution", resolution)).report.work;
     assert_eq!([10, 20, 40].map(work), [48 * 20, 96 * 40, 190 * 80]);
+}
+
+/// Under the elliptic bound, with springs or strip theory where surfaces stick.
+fn elliptic(creepage: [f64; 3], stick_zone: &str) -> Value {
+    with(with(fastsim(creepage), "traction_bound", "elliptic"), "stick_zone", stick_zone)
+}
+
+/// Every way to bound the traction and to stick, and a creep curve of less slope.
+fn variants(case: &Value) -> [Value; 4] {
+    let elliptic = with(case.clone(), "traction_bound", "elliptic");
+    let strips = with(elliptic.clone(), "stick_zone", "strips");
+    let reduced = |mut case: Value| {
+        for (key, value) in
+            [("slope_factor", 0.54), ("slope_factor_ratio", 0.1), ("slope_factor_decrease", 0.62)]
+        {
+            case = with(case, key, value);
+        }
+        case
+    };
+    [elliptic, strips.clone(), reduced(case.clone()), reduced(strips)]
+}
+
+/// Reduced creepage under the elliptic bound at a creep.
+fn elliptic_reduced(creep: f64) -> f64 {
+    let springs = 8.0 * A / (3.0 * SHEAR_MODULUS * coefficients().c11);
+    A * creep / (springs * FRICTION * 1.5 * NORMAL_FORCE / (PI * A * B))
+}
+
+/// Polach's formula, and that of Haines and Ollerton, with the order of the scheme in the length of the cells. Tolerance of strip
+/// theory: its cells are exact, the sum over the strips has a kink where they begin to slip altogether, of order 5/2.
+#[test]
+fn elliptic_bound_converges_to_the_closed_forms() {
+    type Closed = fn(f64) -> f64;
+    let both: [(&str, Closed, f64); 2] = [
+        ("springs", simplified::elliptic_force_ratio, 1.8),
+        ("strips", simplified::strip_force_ratio, 2.0),
+    ];
+    for (stick_zone, closed, least) in both {
+        for share in [0.2, 0.7, 1.6] {
+            let creep = share / elliptic_reduced(1.0);
+            let error = |resolution: usize| {
+                let case = with(elliptic([-creep, 0.0, 0.0], stick_zone), "resolution", resolution);
+                let ratio = run(&case).number("traction_coefficient") / FRICTION;
+                (ratio - closed(share)).abs()
+            };
+            let errors = [10, 20, 40, 80].map(error);
+            println!("{stick_zone} {share}: {errors:?}");
+            assert!(errors[0] < 3e-3 && errors[3] < 6e-5, "{stick_zone} {share}: {errors:?}");
+            let order = (errors[0] / errors[3].max(1e-9)).log2() / 3.0;
+            assert!(order > least, "{stick_zone} {share}: order {order}, {errors:?}");
+        }
+    }
+}
+
+/// Kalker's slopes do not depend on the bound nor on strip theory; a factor reduces all of them. Tolerance: the slip zone's share, proportional to the
+/// creepage, and for spin the trapezoidal rule over cells that are π/2 times as long in the middle.
+#[test]
+fn slopes_under_the_elliptic_bound() {
+    let small = 1e-4 * saturation();
+    let c = coefficients();
+    for (stick_zone, creepage) in [
+        ("springs", [-small, 0.0, 0.0]),
+        ("springs", [0.0, small, 0.0]),
+        ("springs", [0.0, 0.0, small / A]),
+        ("strips", [-small, 0.0, 0.0]),
+        ("strips", [0.0, small, 0.0]),
+        ("strips", [0.0, 0.0, small / A]),
+    ] {
+        let case = elliptic(creepage, stick_zone);
+        let linear = c.forces([A, B], SHEAR_MODULUS, creepage);
+        let largest = linear.force_x.abs().max(linear.force_y.abs());
+        for factor in [1.0, 0.54] {
+            let tolerance = (if creepage[2] == 0.0 { 1e-3 } else { 1.6e-3 }) * largest;
+            let run = run(&with(case.clone(), "slope_factor", factor));
+            let (x, y) = (run.number("creep_force_x_n"), run.number("creep_force_y_n"));
+            assert!((x - factor * linear.force_x).abs() < tolerance, "{x} {linear:?}");
+            assert!((y - factor * linear.force_y).abs() < tolerance, "{y} {linear:?}");
+        }
+    }
+}
+
+/// A factor that stays the same is a creepage that is so much less.
+#[test]
+fn reduced_slope_is_less_creepage() {
+    let creep = -1.3 * saturation();
+    for case in variants(&fastsim([creep, 0.0, 0.0])).into_iter().take(2) {
+        let reduced = run(&with(case.clone(), "slope_factor", 0.5));
+        let mut less = case;
+        less["motion"]["creepage"]["xi"] = json!(0.5 * creep);
+        let less = run(&less);
+        assert_close(reduced.number("creep_force_x_n"), less.number("creep_force_x_n"), ROUNDING);
+    }
+}
+
+/// Forces and heat on the grid are those of the summary, the heat is the power of the creepages, and forces stay within f N, for
+/// mixtures of creepages from adhesion to slip. With strip theory the slip is scaled to it, so that more flexibilities keep it too.
+#[test]
+fn balance_of_the_variants() {
+    for size in [1e-3, 0.1, 0.7, 3.0, 40.0] {
+        for [xi, eta, phi] in
+            [[-1.0, 0.0, 0.0], [0.3, -0.6, 0.0], [-0.4, 0.5, 0.8], [0.0, 0.0, -1.0]]
+        {
+            let s = size * saturation();
+            let creepage = [xi * s, eta * s, phi * s / A];
+            for case in variants(&fastsim(creepage)) {
+                let run = run(&with(case, "resolution", 12));
+                assert_balance(&run, power_scale(creepage));
+                let force = run.number("creep_force_x_n").hypot(run.number("creep_force_y_n"));
+                assert!(force <= FRICTION * NORMAL_FORCE * (1.0 + ROUNDING));
+            }
+        }
+    }
+    let s = saturation();
+    let creepage = [-0.5 * s, 0.4 * s, s / A];
+    let blended = with(elliptic(creepage, "strips"), "flexibility", "blended");
+    assert_balance(&run(&blended), power_scale(creepage));
+}
+
+#[test]
+fn force_round_trip_of_the_variants() {
+    for share in [1e-6, 1e-4, 0.1, 0.5, 0.9, -0.99] {
+        let mu = share * FRICTION;
+        for case in variants(&at_force(mu)) {
+            let by_force = run(&case);
+            assert_close(by_force.number("traction_coefficient"), mu, 1e-9);
+            let xi = by_force.number("creepage_xi");
+            let mut by_creepage = case.clone();
+            by_creepage["motion"] = json!({"speed": SPEED, "creepage": {"xi": xi}});
+            assert_close(run(&by_creepage).number("traction_coefficient"), mu, 1e-9);
+        }
+    }
+}
+
+/// The bound at the centre is f times Hertz's pressure, and no element has more.
+#[test]
+fn traction_under_the_elliptic_bound() {
+    let s = saturation();
+    for stick_zone in ["springs", "strips"] {
+        let run = run(&elliptic([-0.7 * s, 0.5 * s, 0.9 * s / A], stick_zone));
+        assert!(run.number("max_traction_pa") <= 1.001 * FRICTION * 1352e6);
+        let (x, y) = run.fields["traction"].split_at(run.grid().points());
+        let middle = run.grid().points() / 2;
+        let pressures = &run.fields["pressure"];
+        for (index, pressure) in pressures.iter().enumerate() {
+            let traction = x[index].hypot(y[index]);
+            // Elements on the rim have means of strips; the lattice is exact to 1e-3 within.
+            let slack = 2e-2 * pressures[middle];
+            assert!(traction <= FRICTION * (pressure + slack), "{stick_zone} {index}");
+        }
+    }
 }
 
 proptest! {

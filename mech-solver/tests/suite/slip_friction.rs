@@ -25,7 +25,7 @@ fn falling(model: &str, traction: f64) -> Value {
 /// of that creepage, has it too. Tolerances: closed form, and the accuracy of tractions.
 #[test]
 fn force_and_friction_are_found_together() {
-    for (model, tolerance) in [("hertz-carter", 1e-7), ("half-space", 2e-4)] {
+    for (model, tolerance) in [("hertz-carter", 1e-7), ("fastsim", 1e-7), ("half-space", 2e-4)] {
         for traction in [0.1, 0.3, 0.45] {
             let found = run(&falling(model, traction));
             let creepage = found.number("creepage_xi");
@@ -44,7 +44,7 @@ fn force_and_friction_are_found_together() {
 /// The creep curve has a maximum: a force beyond it has no creepage, and says so.
 #[test]
 fn a_force_beyond_the_maximum_is_refused() {
-    for model in ["hertz-carter", "half-space"] {
+    for model in ["hertz-carter", "fastsim", "half-space"] {
         let configuration = configuration(&falling(model, 0.59));
         let setup = MechSolver.configure(&configuration).unwrap();
         let layout = setup.layout().clone();

@@ -106,7 +106,7 @@ fn tolerances_windows_and_refusals() {
     let more = [&coarse[..], &["--vary", "coupling.relative=1e-1,1e-8"]].concat();
     let implicit = study(&place, "falling-friction.toml", &more);
     let refused = implicit["refused"].as_array().unwrap();
-    assert!(refused.iter().any(|one| one[0].as_str().unwrap() == "mech fastsim"));
+    assert!(refused.iter().any(|one| one[0].as_str().unwrap() == "mech explicit-fe"));
     let iterations = |tolerance: &str| {
         let with = |run: &&Value| run["settings"][1][1] == tolerance;
         let own = runs(&implicit).iter().filter(with);

@@ -15,6 +15,12 @@
 //! creepages. L is that with which the linear force has the same component along the creepage as
 //! with three: with c = 3πa/32, the length at which φ weighs as much as a creepage,
 //! (ξ² + η² + c²φ²)/L = ξ²/L1 + η²/L2 + c²φ²/L3. For one creepage alone it is that creepage's own.
+//!
+//! `blended`: three at small creepage, one where it is large, each L_i (1 − w) + w L between, with
+//! w = min(1, |(ξ, η)|/(3 c_s)), c_s² = c_ξ² + c_η², c_ξ = f N/(G a b C11), c_η = f N/(G a b C22): the
+//! creepages at which the linear theory reaches f N (Vollebregt, as CONTACT r2707 has it).
+//!
+//! A reduction factor k (`reduction`) divides all of them.
 
 use crate::reference::kalker::CreepCoefficients;
 use std::f64::consts::PI;
@@ -29,6 +35,8 @@ pub(super) enum Kind {
     Single,
     /// One for each creepage.
     Three,
+    /// Three at small creepage, one at large.
+    Blended,
 }
 
 /// Kalker's three flexibilities [m/Pa].
@@ -56,14 +64,34 @@ impl Flexibilities {
         }
     }
 
-    /// The springs for a creepage.
-    pub(super) fn springs(&self, kind: Kind, creepage: Creepage) -> Springs {
+    /// The springs for a creepage; `reach` is 3 f N/(8 a² b) [Pa/m], with which L1 and L2 make c_ξ and c_η.
+    pub(super) fn springs(&self, kind: Kind, creepage: Creepage, reach: f64) -> Springs {
         match kind {
-            Kind::Three => Springs::new(
-                [self.longitudinal, self.lateral],
-                [self.longitudinal / self.spin, self.lateral / self.spin],
-            ),
+            Kind::Three => self.three(),
             Kind::Single => Springs::new([self.single(creepage); 2], [1.0; 2]),
+            Kind::Blended => self.blended(creepage, reach).three(),
+        }
+    }
+
+    fn three(&self) -> Springs {
+        Springs::new(
+            [self.longitudinal, self.lateral],
+            [self.longitudinal / self.spin, self.lateral / self.spin],
+        )
+    }
+
+    fn blended(&self, creepage: Creepage, reach: f64) -> Self {
+        const ALL: f64 = 3.0;
+        let [xi, eta, _] = creepage;
+        let saturation = reach * self.longitudinal.hypot(self.lateral);
+        let weight = (xi.hypot(eta) / (ALL * saturation)).min(1.0);
+        let single = self.single(creepage);
+        let blend = |own: f64| own + weight * (single - own);
+        Self {
+            longitudinal: blend(self.longitudinal),
+            lateral: blend(self.lateral),
+            spin: blend(self.spin),
+            ..*self
         }
     }
 
@@ -95,6 +123,15 @@ impl Springs {
         Self { flexibility, stiffness: flexibility.map(f64::recip), spin }
     }
 
+    /// With flexibilities divided by a factor.
+    pub(super) fn reduced(self, factor: f64) -> Self {
+        Self {
+            flexibility: self.flexibility.map(|own| own / factor),
+            stiffness: self.stiffness.map(|own| own * factor),
+            spin: self.spin,
+        }
+    }
+
     /// Rigid slip over V at (x, y) [-].
     pub(super) fn rigid_slip(&self, [xi, eta, phi]: Creepage, x: f64, y: f64) -> [f64; 2] {
         [xi - self.spin[0] * phi * y, eta + self.spin[1] * phi * x]
@@ -116,7 +153,7 @@ mod tests {
             ([0.0, 0.0, -1e200], 5.0),
             ([0.0; 3], 2.0),
         ] {
-            assert_eq!(THREE.springs(Kind::Single, creepage).flexibility, [expected; 2]);
+            assert_eq!(THREE.springs(Kind::Single, creepage, 1.0).flexibility, [expected; 2]);
         }
     }
 
@@ -124,10 +161,36 @@ mod tests {
     #[test]
     fn mixed_creepages() {
         let mixed = [1e-3, -2e-3, 0.03];
-        let flexibility = THREE.springs(Kind::Single, mixed).flexibility[0];
+        let flexibility = THREE.springs(Kind::Single, mixed, 1.0).flexibility[0];
         assert!((flexibility - 14.0 / (1.0 / 2.0 + 4.0 / 3.0 + 9.0 / 5.0)).abs() < 1e-14);
         let larger = mixed.map(|part| 1e3 * part);
-        let same = THREE.springs(Kind::Single, larger).flexibility[0];
+        let same = THREE.springs(Kind::Single, larger, 1.0).flexibility[0];
         assert!((same / flexibility - 1.0).abs() < 1e-15);
+    }
+
+    /// CONTACT r2707, example fastsim: a = 8 mm, b = 4 mm, f N = 24.6 kN, G = 82 GPa, ν = 0.28, η = −6.25e-4 and
+    /// φ = 0.625/m have the flexibilities 4.937, 5.152 and 4.090e-14 m/Pa there. Tolerance: Kalker's coefficients by
+    /// another interpolation.
+    #[test]
+    fn flexibilities_of_contact() {
+        let [a, b] = [8e-3, 4e-3];
+        let coefficients = crate::reference::kalker::creep_coefficients(a / b, 0.28);
+        let own = Flexibilities::new(&coefficients, [a, b], 82e9);
+        let blended = own.blended([0.0, -6.25e-4, 0.625], 3.0 * 24.6e3 / (8.0 * a * a * b));
+        for (found, printed) in [
+            (blended.longitudinal, 4.937e-14),
+            (blended.lateral, 5.152e-14),
+            (blended.spin, 4.090e-14),
+        ] {
+            assert!((found / printed - 1.0).abs() < 0.02, "{blended:?} {own:?}");
+        }
+        assert_eq!(own.blended([1.0, 0.0, 0.0], 1.0).longitudinal, own.longitudinal);
+        let none = own.blended([0.0; 3], 1.0);
+        assert_eq!(none, own);
+        let much = own.blended([3.0, 4.0, 5.0], 1.0);
+        let single = own.single([3.0, 4.0, 5.0]);
+        assert!(
+            (much.spin / single - 1.0).abs() < 1e-15 && (much.lateral / single - 1.0).abs() < 1e-15
+        );
     }
 }

@@ -6,12 +6,12 @@
 //! contact grid strip j covers b sin(θ ± h/2), which differs from its weight by the factor
 //! sin(h/2)/(h/2) common to all.
 //!
-//! **Cells.** A strip has m cells of equal length Δ. With the traction p at a cell's front, the
+//! **Cells.** A strip has m cells, of equal length Δ under the parabolic bound (`bound` has the other). With the traction p at a cell's front, the
 //! rigid slip w at its middle and the springs L, the predictor p* = p − Δ w/L is the traction at
 //! its rear if |p*| ≤ g there; otherwise the rear traction is g p*/|p*|, and the slip over V is
-//! s = L (p_rear − p*)/Δ. In adhesion p is exact, since w is linear in x. The bound g is the
-//! parabola at the nodes and linear between, with the factor m²/(m² − 1) that makes the trapezoidal
-//! sum of every strip exact, so that full slip carries f N. A cell in which slip begins is cut there,
+//! s = L (p_rear − p*)/Δ. In adhesion p is exact, since w is linear in x. The bound g is
+//! exact at the nodes and linear between, with a factor that makes the trapezoidal sum of every strip
+//! exact, so that full slip carries f N (`bound`). A cell in which slip begins is cut there,
 //! where |p| = g, so that slip zones much shorter than a cell are resolved, and Kalker's slopes with
 //! them.
 //!
@@ -27,6 +27,7 @@
 //! Source: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
 //! System Dynamics 11 (1982) 1–13.
 
+use super::bound::Bound;
 use super::flexibility::{Creepage, Springs};
 use std::f64::consts::PI;
 
@@ -41,6 +42,8 @@ pub(super) struct Lattice {
     pub(super) strips: usize,
     /// Number m of cells of a strip, at least two.
     pub(super) cells: usize,
+    /// What bounds the traction, to which the cells are fitted.
+    pub(super) bound: Bound,
 }
 
 /// One strip of a lattice.
@@ -102,16 +105,23 @@ impl Lattice {
     }
 
     /// x at which cell `index` of a strip, counted from the leading edge, starts [m].
+    #[inline]
     pub(super) fn node(&self, strip: &Strip, index: usize) -> f64 {
-        // The difference of integers makes the nodes at ±x mirror images to the last bit.
-        let steps = self.cells as f64 - 2.0 * index as f64;
-        self.semi_axis_a * strip.eta * steps / self.cells as f64
+        self.bound.node(index, self.cells, self.semi_axis_a * strip.eta)
     }
 
-    /// (1 − X²) m²/(m² − 1) at node `index`: the bound over its value at the centre of the strip.
-    fn bound_shape(&self, index: usize) -> f64 {
-        let (cells, index) = (self.cells as f64, index as f64);
-        4.0 * index * (cells - index) / (cells * cells - 1.0)
+    /// The sum over the strips of half an ellipsoid of height one, 2/3 π a b (1 + O(n⁻⁴)) [m²].
+    pub(super) fn half_ellipsoid(&self) -> f64 {
+        let strip = |strip: Strip| strip.width * self.semi_axis_a * strip.eta * strip.eta;
+        0.5 * PI * self.strips().map(strip).sum::<f64>()
+    }
+
+    /// The bound at the centre with which its sum is f N [Pa].
+    pub(super) fn largest_bound(&self, friction_bound: f64) -> f64 {
+        match self.bound {
+            Bound::Parabolic => 2.0 * friction_bound / (PI * self.semi_axis_a * self.semi_axis_b),
+            Bound::Elliptic => friction_bound / self.half_ellipsoid(),
+        }
     }
 }
 
@@ -124,17 +134,18 @@ pub(super) struct March {
     pub(super) springs: Springs,
     /// Creepage.
     pub(super) creepage: Creepage,
-    /// Traction bound f · 2N/(π a b) at the centre [Pa].
+    /// Traction bound at the centre [Pa].
     pub(super) largest_bound: f64,
 }
 
 impl March {
     /// Visits the cells of a strip from the leading to the trailing edge.
     pub(super) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
-        let largest = self.largest_bound * strip.eta * strip.eta;
+        let Lattice { bound, cells, .. } = self.lattice;
+        let largest = bound.of_strip(self.largest_bound, strip.eta);
         let node = |index: usize| Node {
             x: self.lattice.node(strip, index),
-            bound: largest * self.lattice.bound_shape(index),
+            bound: largest * bound.shape(index, cells),
         };
         let mut front = Front { node: node(0), traction: Traction::default() };
         for index in 1..=self.lattice.cells {

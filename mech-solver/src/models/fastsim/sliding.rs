@@ -5,10 +5,10 @@
 //! of a lattice is made exact by a factor 1 + O(n⁻⁴), so that pure sliding carries f N. The friction
 //! power is −(ξ F_x + η F_y + φ M_z) to rounding, with the slip and its moment at the cells' middles.
 
+use super::bound::Bound;
 use super::flexibility::Creepage;
 use super::march::{Cell, Lattice, Strip, norm};
 use crate::strips::semi_ellipse::segment_area;
-use std::f64::consts::PI;
 
 /// What a sliding contact needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,9 +22,10 @@ pub(super) struct Sliding {
 impl Sliding {
     /// With the friction bound f N [N].
     pub(super) fn new(lattice: Lattice, creepage: Creepage, friction_bound: f64) -> Self {
-        let strip = |strip: Strip| strip.width * lattice.semi_axis_a * strip.eta * strip.eta;
-        let volume = 0.5 * PI * lattice.strips().map(strip).sum::<f64>();
-        Self { lattice, creepage, amplitude: friction_bound / volume }
+        let amplitude = friction_bound / lattice.half_ellipsoid();
+        // The cells are of equal length.
+        let lattice = Lattice { bound: Bound::Parabolic, ..lattice };
+        Self { lattice, creepage, amplitude }
     }
 
     /// Visits the cells of a strip from the leading to the trailing edge.

@@ -47,7 +47,7 @@ impl Heated {
         let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
         let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
         let normal_force = self.case.contact.ellipse.normal_force;
-        let (drive, shortfall) = carried(self.case.scene.drive, friction, normal_force);
+        let (drive, shortfall) = Shortfall::of(self.case.scene.drive, friction, normal_force);
         self.shortfall = shortfall;
         let scene = Scene { friction_coefficient: friction, drive, ..self.case.scene.clone() };
         let Case { contact, law, terms, .. } = &mut self.case;
@@ -64,25 +64,6 @@ impl Heated {
                 fields::write(spec, contact, *grid, terms, place);
             }
         }
-    }
-}
-
-/// What is prescribed, or of a force beyond friction what that carries.
-fn carried(drive: Drive, friction: f64, normal_force: f64) -> (Drive, Option<Shortfall>) {
-    let most = friction * normal_force;
-    let short = |asked: f64| {
-        let asked = asked.abs();
-        (asked > most).then_some(Shortfall { asked, carried: most })
-    };
-    match drive {
-        Drive::TractionCoefficient(value) => {
-            let within = Drive::TractionCoefficient(value.clamp(-friction, friction));
-            (within, short(value * normal_force))
-        }
-        Drive::TangentialForce(value) => {
-            (Drive::TangentialForce(value.clamp(-most, most)), short(value))
-        }
-        other => (other, None),
     }
 }
 

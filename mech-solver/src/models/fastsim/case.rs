@@ -1,0 +1,197 @@
+//! What a case asks of the model, the problem that it makes of a scene, and the rows of a history.
+
+use super::bound::Bound;
+use super::contact::{Contact, Problem};
+use super::fields;
+use super::flexibility::{Flexibilities, Kind};
+use super::march::Lattice;
+use super::reduction::{self, Reduction};
+use crate::ellipse::Ellipse;
+use crate::keys::CheckedParams;
+use crate::models::row_by_row::Rows;
+use crate::reference::kalker::{self, CreepCoefficients};
+use crate::resolution;
+use crate::scene::{GivenPatch, Scene};
+use crate::terms::Terms;
+use proto::configuration::Refusal;
+use proto::description::KeySpec;
+use proto::field::FieldSpec;
+use proto::grid::Structured;
+use proto::params::Params;
+use serde_json::Value;
+use std::f64::consts::PI;
+
+const FLEXIBILITY: &str = "mech.flexibility";
+const TRACTION_BOUND: &str = "mech.traction_bound";
+const STICK_ZONE: &str = "mech.stick_zone";
+/// Fewest strips: the force of a contact that sticks is then exact to 1e-4.
+const FEWEST_STRIPS: usize = 16;
+/// Elements per semi-axis, unless the case says otherwise.
+pub(super) const RESOLUTION: usize = 40;
+
+/// The keys that no other model has.
+pub(super) fn own_keys() -> Vec<KeySpec> {
+    let mut keys = vec![
+        KeySpec::choice(
+            FLEXIBILITY,
+            &["single", "three", "blended"],
+            "one flexibility for all creepages (exact friction power), one for each (exact slopes), or three at small \
+             creepage and one at large",
+        )
+        .default_value("single"),
+        KeySpec::choice(
+            TRACTION_BOUND,
+            &["parabolic", "elliptic"],
+            "bound of the traction: a parabola of the same sum, or the friction coefficient times Hertz's pressure",
+        )
+        .default_value("parabolic"),
+        KeySpec::choice(
+            STICK_ZONE,
+            &["springs", "strips"],
+            "traction where surfaces stick: of the springs (FASTSIM), or of Kalker's strip theory under the elliptic \
+             bound (FASTRIP)",
+        )
+        .default_value("springs"),
+    ];
+    keys.extend(reduction::keys());
+    keys
+}
+
+/// What a case asks for besides its scene.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Asked {
+    /// The ellipse that the case gives.
+    pub(super) given: Option<GivenPatch>,
+    pub(super) kind: Kind,
+    pub(super) bound: Bound,
+    /// Strip theory gives the traction that sticks.
+    pub(super) strip_theory: bool,
+    pub(super) reduction: Reduction,
+    /// Elements per semi-axis.
+    pub(super) resolution: usize,
+    /// Surfaces may stick.
+    pub(super) partial: bool,
+}
+
+impl Asked {
+    /// What it says.
+    ///
+    /// # Errors
+    /// A value is out of range, or two exclude each other.
+    pub(super) fn read(
+        case: &Params,
+        given: Option<GivenPatch>,
+        partial: bool,
+    ) -> Result<Self, Refusal> {
+        let own = CheckedParams::new(case, own_keys());
+        let kind = match own.text(FLEXIBILITY)? {
+            "three" => Kind::Three,
+            "blended" => Kind::Blended,
+            _ => Kind::Single,
+        };
+        let bound = match own.text(TRACTION_BOUND)? {
+            "elliptic" => Bound::Elliptic,
+            _ => Bound::Parabolic,
+        };
+        let strip_theory = own.text(STICK_ZONE)? == "strips";
+        if strip_theory && bound != Bound::Elliptic {
+            let reason = "is `strips`, whose tractions are those under Hertz's pressure";
+            let fix = format!("write {TRACTION_BOUND} = \"elliptic\", or \"springs\" here");
+            return Err(Refusal::new(STICK_ZONE, reason, fix));
+        }
+        let reduction = Reduction::read(&own)?;
+        let resolution = resolution::read(case, RESOLUTION)?;
+        Ok(Self { given, kind, bound, strip_theory, reduction, resolution, partial })
+    }
+}
+
+/// The problem of a scene, whose fields are wanted on this grid.
+///
+/// # Errors
+/// The scene has no ellipse or does not roll, its bodies are not in Kalker's table, or its force is beyond friction.
+pub(super) fn problem(
+    scene: &Scene,
+    asked: &Asked,
+    grid: &Structured,
+) -> Result<(Problem, CreepCoefficients), Refusal> {
+    let Asked { given, kind, bound, strip_theory, reduction, resolution, partial } = *asked;
+    let ellipse = Ellipse::solve(scene, given)?;
+    Ellipse::refuse_rest(scene)?;
+    let coefficients = coefficients(scene, &ellipse)?;
+    let axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
+    let problem = Problem {
+        ellipse,
+        prescribed: ellipse.prescribed(scene)?,
+        flexibilities: Flexibilities::new(&coefficients, axes, scene.combined_shear_modulus()),
+        kind,
+        reduction,
+        strip_theory: strip_theory.then(|| scene.combined_poisson_ratio()),
+        lattice: lattice(&ellipse, grid, resolution, bound),
+        friction_coefficient: scene.friction_coefficient,
+        speeds: scene.speeds,
+        partial,
+    };
+    Ok((problem, coefficients))
+}
+
+fn coefficients(scene: &Scene, ellipse: &Ellipse) -> Result<CreepCoefficients, Refusal> {
+    for (name, body) in scene.names.0.iter().zip(scene.materials()) {
+        if body.poisson_ratio < 0.0 {
+            let reason = format!(
+                "has a Poisson's ratio of {}, and Kalker's table begins at 0",
+                body.poisson_ratio
+            );
+            let key = format!("bodies.{name}.material");
+            return Err(Refusal::new(&key, reason, "name a material whose ratio is 0 or more"));
+        }
+    }
+    let aspect = ellipse.semi_axis_a / ellipse.semi_axis_b;
+    Ok(kalker::creep_coefficients(aspect, scene.combined_poisson_ratio()))
+}
+
+/// Cells as long as an element on the longest strip, and strips half as wide as an element or less.
+fn lattice(ellipse: &Ellipse, grid: &Structured, resolution: usize, bound: Bound) -> Lattice {
+    let half = (PI * ellipse.semi_axis_b / grid.dy()).ceil() as usize;
+    Lattice {
+        semi_axis_a: ellipse.semi_axis_a,
+        semi_axis_b: ellipse.semi_axis_b,
+        strips: (2 * half).max(FEWEST_STRIPS),
+        cells: 2 * resolution,
+        bound,
+    }
+}
+
+/// Cells of its lattice.
+pub(super) fn cells(problem: &Problem) -> usize {
+    problem.lattice.strips * problem.lattice.cells
+}
+
+/// What is the same in all rows of a history.
+pub(super) struct Case {
+    pub(super) asked: Asked,
+    pub(super) terms: Terms,
+    pub(super) grid: Structured,
+}
+
+impl Rows for Case {
+    type Contact = Contact;
+
+    fn compute(&self, scene: &Scene, spent: Option<Contact>) -> Result<Contact, Refusal> {
+        let (problem, _) = problem(scene, &self.asked, &self.grid)?;
+        let contact = problem.solve(spent);
+        contact.check_power()?;
+        Ok(contact)
+    }
+
+    fn work(&self, contact: &Contact) -> u64 {
+        cells(&contact.problem) as u64
+    }
+
+    fn summary(&self, contact: &Contact) -> Value {
+        contact.summary()
+    }
+
+    fn write(&self, contact: &Contact, spec: &FieldSpec, values: &mut [f64]) {
+        fields::write(spec, contact, self.grid, &self.terms, values);
+    }
+}

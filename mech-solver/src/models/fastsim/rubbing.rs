@@ -1,0 +1,175 @@
+//! The contact whose friction depends on slip, or on what comes in.
+//!
+//! The march knows one friction coefficient: the mean of f over the contact, weighted with the pressure, which keeps the
+//! force f N of a contact that slides. A law that falls with slip thus lowers the bound of all elements alike, as Spiryagin,
+//! Polach and Cole have it. It is solved anew in every iteration, and in every row where the case varies.
+
+use super::case::{Case, cells, problem};
+use super::contact::Contact;
+use super::fields;
+use crate::ellipse::Ellipse;
+use crate::models::settled_creepage::SettledCreepage;
+use crate::models::shortfall::Shortfall;
+use crate::models::varying::{Varying, no_answer};
+use crate::scene::{Drive, Scene};
+use crate::slip::RigidSlip;
+use crate::terms::Rubbing;
+use proto::field::FieldSpec;
+use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use serde_json::{Value, json};
+use std::io::{self, Read, Write};
+
+/// The model that runs.
+pub(super) struct Rubbed {
+    scene: Scene,
+    case: Case,
+    /// The values that vary, if any do.
+    varying: Option<Varying>,
+    wanted: Vec<&'static FieldSpec>,
+    pressure: Vec<f64>,
+    friction: Vec<f64>,
+    trial: Option<(Contact, Step)>,
+    accepted: Option<(Contact, Step)>,
+    /// The contact of an earlier row.
+    spent: Option<Contact>,
+    /// The force of the last solve is not the prescribed one.
+    shortfall: Option<Shortfall>,
+}
+
+impl Rubbed {
+    /// Of a scene, or of rows, of which these fields are asked for.
+    pub(super) fn new(
+        scene: Scene,
+        case: Case,
+        varying: Option<Varying>,
+        wanted: Vec<&'static FieldSpec>,
+    ) -> Self {
+        let pressure = vec![0.0; case.grid.points()];
+        let (friction, shortfall) = (Vec::new(), None);
+        let (trial, accepted, spent) = (None, None, None);
+        Self { scene, case, varying, wanted, pressure, friction, trial, accepted, spent, shortfall }
+    }
+
+    fn scene(&mut self, step: &Step) -> Result<Scene, StepError> {
+        match &mut self.varying {
+            Some(varying) => varying.scene(step),
+            None => Ok(self.scene.clone()),
+        }
+    }
+
+    /// The contact with the friction at some creepages.
+    fn contact_at(
+        &mut self,
+        inputs: &dyn Inputs,
+        scene: &Scene,
+        creepage: [f64; 3],
+        spent: Option<Contact>,
+    ) -> Result<Contact, StepError> {
+        let Case { asked, terms, grid } = &mut self.case;
+        let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
+        let rubbing = Rubbing { inputs, slip, grid, origin_y: 0.0, pressure: &self.pressure };
+        terms.friction(scene.friction_coefficient, &rubbing, &mut self.friction)?;
+        let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
+        let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
+        let ellipse = Ellipse::solve(scene, asked.given).map_err(no_answer)?;
+        let (drive, shortfall) = Shortfall::of(scene.drive, friction, ellipse.normal_force);
+        self.shortfall = shortfall;
+        let scene = Scene { friction_coefficient: friction, drive, ..scene.clone() };
+        let (problem, _) = problem(&scene, asked, grid).map_err(no_answer)?;
+        let contact = problem.solve(spent);
+        contact.check_power().map_err(no_answer)?;
+        Ok(contact)
+    }
+
+    fn settled(&mut self, inputs: &dyn Inputs, scene: &Scene) -> Result<Contact, StepError> {
+        let ellipse = Ellipse::solve(scene, self.case.asked.given).map_err(no_answer)?;
+        ellipse.write_pressure(self.case.grid, &mut self.pressure);
+        let first = match scene.drive {
+            Drive::Creepage { xi, eta, phi } => [xi, eta, phi],
+            _ => [0.0; 3],
+        };
+        let mut search = SettledCreepage::new(first, ellipse.semi_axis_a);
+        let mut spent = self.spent.take();
+        loop {
+            let contact = self.contact_at(inputs, scene, search.at(), spent.take())?;
+            if !self.case.terms.friction_follows_slip() || search.take(contact.creepage)? {
+                return Ok(contact);
+            }
+            spent = Some(contact);
+        }
+    }
+
+    fn write(&self, contact: &Contact, outputs: &mut dyn Outputs) {
+        let Case { terms, grid, .. } = &self.case;
+        for spec in &self.wanted {
+            if let Some(values) = outputs.get(spec) {
+                fields::write(spec, contact, *grid, terms, values);
+            }
+        }
+    }
+}
+
+impl Model for Rubbed {
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        let scene = self.scene(step)?;
+        let contact = self.settled(inputs, &scene)?;
+        self.write(&contact, outputs);
+        let work = cells(&contact.problem) as u64;
+        self.trial = Some((contact, *step));
+        Ok(StepReport { substeps: 1, work, ..StepReport::default() })
+    }
+
+    /// With the friction coefficient of the case; zero where that has no answer.
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        for spec in proto::field::TABLE {
+            if let Some(place) = outputs.get(spec) {
+                place.fill(0.0);
+            }
+        }
+        let scene = self.scene(&Step::STEADY).ok();
+        let Case { asked, grid, .. } = &self.case;
+        let first = scene.and_then(|scene| problem(&scene, asked, grid).ok());
+        if let Some((problem, _)) = first {
+            self.write(&problem.solve(None), outputs);
+        }
+    }
+
+    fn acceptable(&self) -> Result<(), StepError> {
+        Shortfall::refused(self.shortfall, &self.case.terms)
+    }
+
+    fn accept(&mut self) {
+        if let Some(solved) = self.trial.take() {
+            self.spent = self.accepted.replace(solved).map(|(contact, _)| contact);
+        }
+        self.case.terms.accept();
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        if let Some((contact, _)) = &self.accepted {
+            self.write(contact, outputs);
+        }
+    }
+
+    fn summary(&self) -> Value {
+        let Some((contact, step)) = &self.accepted else { return json!({}) };
+        let mut summary = contact.summary();
+        if let Some(varying) = &self.varying {
+            varying.add_to(&mut summary["contact"], step);
+        }
+        summary
+    }
+
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        self.case.terms.save(into)
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        self.case.terms.restore(from)
+    }
+}
