@@ -37,7 +37,14 @@ impl Scene {
         let grid = Structured::contact_plane(x0, y0, step, step, nx, ny);
         let motion = Motion::SteadyRolling;
         Self {
-            contact: Contact { bodies, layer: 0.0, semi_axes: [a, b], motion, tolerance: 1e-4 },
+            contact: Contact {
+                bodies,
+                layer: 0.0,
+                yields: None,
+                semi_axes: [a, b],
+                motion,
+                tolerance: 1e-4,
+            },
             grid,
         }
     }

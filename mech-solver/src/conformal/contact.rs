@@ -22,7 +22,7 @@ use super::numbers::{Numbers, Patch, Surface};
 use super::shape::Arcs;
 use crate::half_space::influence::{Elasticity, Influence};
 use crate::half_space::levels::{
-    Contact, Levels, Motion, RIGID_SLIP_AHEAD, Solution, TangentialError,
+    Contact, History, Levels, Motion, RIGID_SLIP_AHEAD, Solution, TangentialError,
 };
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
 use crate::half_space::tangential::{self, Creepage, TangentialState};
@@ -144,7 +144,8 @@ impl ConformalSolver {
         let normal = NormalSolver::curved(Rows::new(grid.ni, grid.nj), nn, &influence);
         let bodies = Bodies::from(influence.elasticity);
         let (layer, motion) = (0.0, Motion::SteadyRolling);
-        let contact = Contact { bodies, layer, semi_axes, motion, tolerance: TOLERANCE };
+        let contact =
+            Contact { bodies, layer, yields: None, semi_axes, motion, tolerance: TOLERANCE };
         let levels = Levels::new(grid, &contact);
         let distance_by_traction = [0, 1].map(|t| numbers.kernel(&mut rows, [2, t]));
         let displacement_by_pressure = [0, 1].map(|t| numbers.kernel(&mut rows, [t, 2]));
@@ -287,7 +288,7 @@ impl ConformalSolver {
             None => self.levels.solve(bound, &prescribed)?,
         };
         let [x, s] = &slip;
-        self.levels.improve(bound, &prescribed, Some([x, s]), &mut solved)?;
+        self.levels.improve(bound, &prescribed, Some(History::of_slip([x, s])), &mut solved)?;
         found.state.clone_from(&solved.state);
         found.newton_steps = solved.newton_steps;
         *solution = Some(solved);

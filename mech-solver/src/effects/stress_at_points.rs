@@ -179,16 +179,14 @@ impl Observation for AtPoints {
 
     fn write(&self, outputs: &mut dyn Outputs) {
         let Some(stresses) = &self.stresses else { return };
-        let scalars: [(_, fn(&Stress) -> f64); 3] = [
-            (&field::POINT_VON_MISES, Stress::von_mises),
-            (&field::POINT_MAX_SHEAR, Stress::max_shear),
-            (&field::POINT_HYDROSTATIC, Stress::mean),
-        ];
-        for (spec, of) in scalars {
+        let mut scalar = |spec: &FieldSpec, of: fn(&Stress) -> f64| {
             if let Some(place) = outputs.get(spec) {
                 place.iter_mut().zip(stresses).for_each(|(value, stress)| *value = of(stress));
             }
-        }
+        };
+        scalar(&field::POINT_VON_MISES, Stress::von_mises);
+        scalar(&field::POINT_MAX_SHEAR, Stress::max_shear);
+        scalar(&field::POINT_HYDROSTATIC, Stress::mean);
         if let Some(place) = outputs.get(&field::POINT_STRESS) {
             for (at, stress) in stresses.iter().enumerate() {
                 let Stress { xx, yy, zz, yz, xz, xy } = *stress;

@@ -52,6 +52,7 @@ fn mechanical_models_answer_the_same_on_any_number_of_threads() {
         "explicit-fe" => ("wheel-rail.toml", &["mech.resolution=3", "materials.steel.density=2e5"]),
         "periodic" => ("brake-block.toml", &["mech.resolution=64"]),
         "rod" => ("thermo-elastic-rod.toml", &[]),
+        "conformal" => ("contact/conformal-corner.toml", &["mech.resolution=8"]),
         "wheel-on-track" => ("wheel-on-track.toml", &["mech.resolution=10"]),
         _ => ("wheel-rail.toml", &["mech.resolution=12"]),
     });

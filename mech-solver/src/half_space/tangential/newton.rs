@@ -298,8 +298,8 @@ impl TangentialSolver {
             py[i] = wanted * (size * ny + turn * ty) / turned;
         }
         let own = self.operator.self_influence();
-        let mut change = Change::default();
-        change.released = layer.yield_to(problem.nx, problem.bound, own, state);
+        let released = layer.yield_to(problem.nx, problem.bound, own, state);
+        let mut change = Change { released, ..Change::default() };
         let ([px, py], [qx, qy]) = (&before, &state.traction);
         for i in sticking.iter().copied().chain(slipping.iter().map(|one| one.index)) {
             change.see([px[i], py[i]], [qx[i], qy[i]]);
