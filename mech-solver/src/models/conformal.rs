@@ -11,11 +11,13 @@
 //! |---|---|
 //! | `case` | the keys, what a window prescribes, the grid that holds the contact |
 //! | `running` | the model that runs |
+//! | `window` | a window and its solution |
 //! | `summary` | its figures |
 
 mod case;
 mod running;
 mod summary;
+mod window;
 
 use super::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
 use super::half_space::PASSAGE_GRID;

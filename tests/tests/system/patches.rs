@@ -47,9 +47,9 @@ fn two_patches_have_a_row_each_and_the_sections() {
     let below = summary["stress"]["rail"]["each_patch"].as_array().unwrap();
     assert_eq!(below.len(), 2);
     for (patch, below) in patches.iter().zip(below) {
-        // Between a line and a circle 0.56 to 0.62 of the largest pressure, some more with friction.
+        // At the surface, by tractions of 0.58 of the pressure: √3 times that, and what the pressure adds.
         let share = number(below, "/max_von_mises_pa") / number(patch, "/max_pressure_pa");
-        assert!((0.54..0.8).contains(&share), "{share}");
+        assert!((1.0..1.3).contains(&share), "{share}");
         let aside = (number(below, "/y_m") - number(patch, "/y_m")).abs();
         assert!(aside < 0.5 * number(patch, "/semi_axis_b_m"), "{below} {patch}");
     }

@@ -1,8 +1,9 @@
 //! The model that runs: every window is solved by itself.
 
-use super::case::{Case, Footprint, Row};
+use super::case::{Case, Footprint};
 use super::summary::summary;
-use crate::conformal::contact::{Conformal, ConformalSolver};
+use super::window::Window;
+use crate::conformal::contact::ConformalSolver;
 use crate::models::varying::no_answer;
 use crate::terms::Terms;
 use proto::configuration::Configuration;
@@ -11,14 +12,6 @@ use proto::grid::Structured;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
-
-/// A window that is solved.
-pub(super) struct Window {
-    pub(super) row: Row,
-    pub(super) contact: Conformal,
-    /// Friction power of every element [W/m²].
-    pub(super) power: Vec<f64>,
-}
 
 /// The bodies, and what their contact was last.
 pub(super) struct Running {

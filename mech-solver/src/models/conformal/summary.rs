@@ -1,6 +1,6 @@
 //! Figures of a contact on a curved surface: section `contact` of `summary.json`.
 
-use super::running::Window;
+use super::window::Window;
 use crate::half_space::tangential::ElementState;
 use proto::figure::FigureSpec;
 use proto::grid::Structured;

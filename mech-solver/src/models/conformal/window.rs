@@ -1,0 +1,12 @@
+//! A window and its solution.
+
+use super::case::Row;
+use crate::conformal::contact::Conformal;
+
+/// A window that is solved.
+pub(super) struct Window {
+    pub(super) row: Row,
+    pub(super) contact: Conformal,
+    /// Friction power of every element [W/m²].
+    pub(super) power: Vec<f64>,
+}
