@@ -367,6 +367,14 @@ impl ConformalSolver {
         (0..self.grid.points()).map(power).collect()
     }
 
+    /// Slip velocity of every element; zero outside the contact [m/s].
+    #[must_use]
+    pub fn slip_velocity(&self, found: &Conformal, speed: f64) -> [Vec<f64>; 2] {
+        let rate = speed / self.grid.dx();
+        let velocity = |(slip, p): (&f64, &f64)| if *p > 0.0 { rate * slip } else { 0.0 };
+        [0, 1].map(|k| found.state.slip[k].iter().zip(&found.pressure).map(velocity).collect())
+    }
+
     /// Force on body 1 [N].
     fn force(&self, found: &Conformal) -> [f64; 3] {
         let mut sum = [0.0; 3];

@@ -46,24 +46,25 @@ impl Running {
         let contact = self.solver.solve(&row.prescription);
         let contact = contact.map_err(|error| StepError::NoSolution(error.to_string()))?;
         let power = self.solver.friction_power(&contact, row.speed);
-        Ok(Window { row, contact, power })
+        let slip_velocity = self.solver.slip_velocity(&contact, row.speed);
+        Ok(Window { row, contact, slip_velocity, power })
     }
 
     fn write(&self, window: &Window, outputs: &mut dyn Outputs) {
-        let Window { row, contact, power } = window;
-        let pair = |values: &mut [f64], [x, y]: &[Vec<f64>; 2], factor: f64| {
+        let Window { row, contact, slip_velocity, power } = window;
+        let pair = |values: &mut [f64], [x, y]: &[Vec<f64>; 2]| {
             let (first, second) = values.split_at_mut(x.len());
-            first.iter_mut().zip(x).for_each(|(value, x)| *value = factor * x);
-            second.iter_mut().zip(y).for_each(|(value, y)| *value = factor * y);
+            first.copy_from_slice(x);
+            second.copy_from_slice(y);
         };
         if let Some(values) = outputs.get(&field::PRESSURE) {
             values.copy_from_slice(&contact.pressure);
         }
         if let Some(values) = outputs.get(&field::TRACTION) {
-            pair(values, &contact.state.traction, 1.0);
+            pair(values, &contact.state.traction);
         }
         if let Some(values) = outputs.get(&field::SLIP_VELOCITY) {
-            pair(values, &contact.state.slip, row.speed / self.grid.dx());
+            pair(values, slip_velocity);
         }
         if let Some(values) = outputs.get(&field::FRICTION_POWER) {
             values.copy_from_slice(power);

@@ -24,8 +24,8 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
 
 /// The summary of a window.
 pub(super) fn summary(window: &Window, grid: &Structured) -> Value {
-    let Window { row, contact, power } = window;
-    let (area, speed) = (grid.element_area(), row.speed);
+    let Window { row, contact, slip_velocity, power } = window;
+    let area = grid.element_area();
     let sum = |values: &[f64]| values.iter().sum::<f64>() * area;
     let largest =
         |[x, y]: &[Vec<f64>; 2]| x.iter().zip(y).map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max);
@@ -56,7 +56,7 @@ pub(super) fn summary(window: &Window, grid: &Structured) -> Value {
             "creepage_phi_per_m": phi,
             "slip_area_ratio": slips / touches,
             "friction_power_w": sum(power),
-            "max_slip_velocity_m_per_s": speed / grid.dx() * largest(&contact.state.slip),
+            "max_slip_velocity_m_per_s": largest(slip_velocity),
             "max_traction_pa": largest(&contact.state.traction),
         },
     })

@@ -7,6 +7,8 @@ use crate::conformal::contact::Conformal;
 pub(super) struct Window {
     pub(super) row: Row,
     pub(super) contact: Conformal,
+    /// Slip velocity, along x and s [m/s].
+    pub(super) slip_velocity: [Vec<f64>; 2],
     /// Friction power of every element [W/m²].
     pub(super) power: Vec<f64>,
 }
