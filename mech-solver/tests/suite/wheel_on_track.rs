@@ -47,6 +47,23 @@ fn fields_are_those_of_the_patches() {
     }
 }
 
+/// A wheelset that is yawed and not rolled has its axes turned about the vertical. Tolerance: rounding.
+#[test]
+fn totals_are_told_in_both_axes() {
+    let mut case = on_track();
+    case["wheelset"]["yaw"] = json!(0.02);
+    let totals = run(&case).model.summary()["wheelset"].clone();
+    let (sin, cos) = 0.02_f64.sin_cos();
+    for (kind, unit) in [("force", "n"), ("moment", "nm")] {
+        let part = |axis: &str| format!("{kind}_{axis}_{unit}");
+        let [x, y, z] = ["x", "y", "z"].map(|axis| of(&totals, &part(axis)));
+        let [own_x, own_y, own_z] = ["x", "y", "z"].map(|axis| of(&totals["axes"], &part(axis)));
+        assert_close(own_x, cos * x + sin * y, 1e-10);
+        assert_close(own_y, cos * y - sin * x, 1e-10);
+        assert_close(own_z, z, 1e-10);
+    }
+}
+
 /// In the plane of a patch −V(ξ F_x + η F_y + φ M_z), the moment about a third of an element ahead, is its friction power, with a
 /// stick zone and without. Tolerance: rounding.
 #[test]

@@ -75,12 +75,12 @@ fn ours_conform(role: &str, name: &str, options: &[&str], inapplicable: &[&str],
     assert_eq!(assert_conforms(role, &case(name), (options, &[]), inapplicable), settings);
 }
 
-// Mechanics with temperatures to read: FASTSIM does not support that effect.
+// Mechanics with temperatures to read: models of which friction follows them.
 table_of_tests! { ours_conform:
     the_thermal_solver_conforms_with_every_model("thermal", "wheel-rail.toml", &[], &["volumes"], 7);
     the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &[], &["volumes"], 7);
-    the_mechanical_solver_conforms_with_every_model("mech", "wheel-rail.toml", &CREEPAGE, &ALONE, 8);
-    the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &COARSE, &["heat-received", "volumes"], 4);
+    the_mechanical_solver_conforms_with_every_model("mech", "wheel-rail.toml", &CREEPAGE, &ALONE, 10);
+    the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &COARSE, &["heat-received", "volumes"], 6);
 }
 
 /// A volume that stays, and one that moves with every window.

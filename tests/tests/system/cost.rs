@@ -226,7 +226,7 @@ fn what_cannot_be_studied_is_refused() {
     refused(&["--reference", "x=y"], "is not KEY=NUMBER");
     refused(&["--set", "friction.coefficient=-1"], "friction.coefficient");
     refused(&["--vary", "mech.resolution=5,banana"], "`banana` is not a number of elements");
-    refused(&["--vary", "mech.model=hertz-carter,nonsuch"], "choose among explicit-fe, fastsim");
+    refused(&["--vary", "mech.model=hertz-carter,nonsuch"], "choose among conformal, explicit-fe");
     refused(&["--vary", "load.normal_force=1e3,1e5"], "it changes the problem");
     refused(&["--reference", "contact.max_pressure_pa=nan"], "is not KEY=NUMBER");
     refused(&["--reference", "contact.colour=1"], "the runs compare temperature.rail.max_rise_k");

@@ -9,6 +9,8 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
     let wheelset = |name: &str, unit, words, short| {
         FigureSpec::new(&format!("wheelset.{name}"), unit, words).on("wheelset", short)
     };
+    let turned =
+        |name: &str, unit, words| FigureSpec::new(&format!("wheelset.axes.{name}"), unit, words);
     let patch = |name: &str, unit, words| {
         FigureSpec::new(&format!("contact.each_patch.#.{name}"), unit, words)
     };
@@ -25,6 +27,16 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
         ),
         wheelset("moment_y_nm", "Nm", "the same about y", "M_y"),
         wheelset("moment_z_nm", "Nm", "the same about z", "M_z"),
+        turned(
+            "force_x_n",
+            "N",
+            "force on the wheel across the axle, forward, in the wheelset's axes",
+        ),
+        turned("force_y_n", "N", "the same along the axle, to the left"),
+        turned("force_z_n", "N", "the same across the axle, up"),
+        turned("moment_x_nm", "Nm", "moment on the wheel about the wheelset's x"),
+        turned("moment_y_nm", "Nm", "the same about the axle, which it turns"),
+        turned("moment_z_nm", "Nm", "the same about the wheelset's z"),
         patch("angle_rad", "rad", "contact angle, from the track's y to the patch's")
             .on("patch", "angle")
             .digits(4),
@@ -82,12 +94,17 @@ pub(super) fn summary(solved: &Solved) -> Value {
         _ => contact["each_patch"] = patches.iter().map(of_patch).collect(),
     }
     let ([fx, fy, fz], [mx, my, mz]) = (solved.force, solved.moment);
+    let ([ax, ay, az], [bx, by, bz]) = (solved.force_wheelset, solved.moment_wheelset);
     json!({
         "contact": contact,
         "wheelset": {
             "z_m": solved.z,
             "force_x_n": fx, "force_y_n": fy, "force_z_n": fz,
             "moment_x_nm": mx, "moment_y_nm": my, "moment_z_nm": mz,
+            "axes": {
+                "force_x_n": ax, "force_y_n": ay, "force_z_n": az,
+                "moment_x_nm": bx, "moment_y_nm": by, "moment_z_nm": bz,
+            },
         },
     })
 }

@@ -126,6 +126,44 @@ TABLE: dict[str, FieldKind] = {
             )
             for body, side in zip(BODIES, ("under", "over"))
         ),
+        FieldKind(
+            "point_von_mises_stress",
+            "Pa",
+            meaning="von Mises stress at points that the case names",
+        ),
+        FieldKind(
+            "point_max_shear_stress",
+            "Pa",
+            meaning="largest shear stress (Tresca) at points that the case names",
+        ),
+        FieldKind(
+            "point_hydrostatic_stress",
+            "Pa",
+            meaning="mean normal stress at points that the case names, tension positive",
+        ),
+        FieldKind(
+            "point_stress",
+            "Pa",
+            6,
+            meaning="stress tensor (xx, yy, zz, xy, yz, xz) at points that the case names, tension positive",
+        ),
+        *(
+            FieldKind(
+                f"point_principal_stress_{number}",
+                "Pa",
+                meaning=f"{which} principal stress at points that the case names",
+            )
+            for number, which in enumerate(("largest", "middle", "smallest"), 1)
+        ),
+        *(
+            FieldKind(
+                f"point_principal_direction_{number}",
+                "1",
+                3,
+                meaning=f"unit vector along the {which} principal stress",
+            )
+            for number, which in enumerate(("largest", "middle", "smallest"), 1)
+        ),
     )
 }
 """Every row of the table, by name."""
