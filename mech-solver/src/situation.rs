@@ -60,6 +60,23 @@ impl Situation<'_> {
         (self.estimated)(&scene, sticks)?.get(key).copied()
     }
 
+    /// A layer that bears so much shear stress [Pa], named by a key: an ellipse of friction cut off at t = τ/(f p₀) carries (3t − t³)/2 of it.
+    pub(crate) fn cut_off(&self, effect: &str, key: &str, yield_stress: f64) -> Advice {
+        let advice =
+            Advice::new(effect, format!("what friction carries beyond {yield_stress:.1e} Pa"))
+                .with(format!("{key}={yield_stress:e}"));
+        let friction = self.scene.friction_coefficient;
+        let Some(largest) = self.known(PRESSURE).map(|pressure| friction * pressure) else {
+            return advice;
+        };
+        let cut = (yield_stress / largest).min(1.0);
+        let advice = advice.number("yield stress over largest friction", yield_stress / largest);
+        if cut == 1.0 {
+            return advice.moves(POWER, 0.0);
+        }
+        self.with_friction(advice, friction * 0.5 * (3.0 * cut - cut.powi(3)))
+    }
+
     /// What another friction coefficient makes of the friction power.
     pub(crate) fn with_friction(&self, advice: Advice, friction: f64) -> Advice {
         let now = self.otherwise(POWER, self.scene.friction_coefficient, self.sticks);

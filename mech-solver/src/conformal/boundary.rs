@@ -63,20 +63,11 @@ impl Body {
         let mut right = DMatrix::zeros(size, 3 * contact);
         for (q, source) in elements.iter().enumerate() {
             for (p, target) in elements.iter().enumerate() {
-                let [u, mut t] = self.integrals(k, target, source, p == q);
-                let turned = axes(target.direction);
-                let own = if p == q { 0.5 } else { 0.0 };
-                // The equations in the directions of the target's axes.
-                if p == q {
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            t[i][j] += own * turned[i][j];
-                        }
-                    }
-                }
+                let [u, t] = self.integrals(k, target, source, p == q);
+                let (own, turned) = (if p == q { 0.5 } else { 0.0 }, axes(target.direction));
                 for j in 0..3 {
                     for i in 0..3 {
-                        left[(3 * p + j, 3 * q + i)] = t[i][j];
+                        left[(3 * p + j, 3 * q + i)] = t[i][j] + own * turned[i][j];
                         if q < contact {
                             right[(3 * p + j, 3 * q + i)] = u[i][j];
                         }
@@ -144,7 +135,6 @@ impl Body {
         let elements = &self.outline.elements;
         let curvature = elements[0].curvature;
         let centre = [0.0, 1.0 / curvature];
-        let rows = elements.len();
         // Minus the force of each traction, at the centre.
         for (p, target) in elements.iter().enumerate() {
             let d = [centre[0] - target.centre[0], centre[1] - target.centre[1]];
@@ -163,33 +153,26 @@ impl Body {
                 }
             }
         }
-        // Rigid motions: along y, along z, round the centre.
+        // Rigid motions: along x, y and z, and round the centre; what is known by its parts along the elements' axes is demanded along y and z.
         let motion = |kind: usize, element: &Arc| -> [f64; 3] {
-            let turned = axes(element.direction);
-            let arm = [element.centre[0] - centre[0], element.centre[1] - centre[1]];
-            let global = match kind {
-                0 => [0.0, 1.0, 0.0],
-                1 => [0.0, 0.0, 1.0],
-                2 => [0.0, -arm[1] * curvature, arm[0] * curvature],
-                _ => [1.0, 0.0, 0.0],
-            };
-            std::array::from_fn(|i| (0..3).map(|l| turned[i][l] * global[l]).sum())
+            let arm = [0, 1].map(|k| (element.centre[k] - centre[k]) * curvature);
+            match kind {
+                0 => [1.0, 0.0, 0.0],
+                1 => [0.0, 1.0, 0.0],
+                2 => [0.0, 0.0, 1.0],
+                _ => [0.0, -arm[1], arm[0]],
+            }
         };
         for kind in 0..4 {
-            let local: Vec<f64> = elements.iter().flat_map(|e| motion(kind, e)).collect();
-            let global: Vec<f64> = elements
-                .iter()
-                .flat_map(|e| {
-                    let turned = axes(e.direction);
-                    let local = motion(kind, e);
-                    let back: [f64; 3] =
-                        std::array::from_fn(|l| (0..3).map(|i| turned[i][l] * local[i]).sum());
-                    back
-                })
-                .collect();
-            for (r, g) in global.iter().enumerate() {
-                for (c, l) in local.iter().enumerate() {
-                    left[(r, c)] += g * l / rows as f64;
+            let global: Vec<[f64; 3]> = elements.iter().map(|e| motion(kind, e)).collect();
+            for (q, element) in elements.iter().enumerate() {
+                for (i, axis) in axes(element.direction).iter().enumerate() {
+                    let along: f64 = axis.iter().zip(&global[q]).map(|(a, g)| a * g).sum();
+                    for (p, global) in global.iter().enumerate() {
+                        for (j, global) in global.iter().enumerate() {
+                            left[(3 * p + j, 3 * q + i)] += global * along / elements.len() as f64;
+                        }
+                    }
                 }
             }
         }

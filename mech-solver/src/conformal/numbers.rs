@@ -24,8 +24,8 @@ use nalgebra::DMatrix;
 use numerics::rows::{Kernel, Parity, Rows};
 use std::f64::consts::PI;
 
-/// Longest wave that is computed, over the length of the grid or the radius of the surface, divided by 2π. With ten times longer waves, half the
-/// step between them and elements that grow by 1.35 in place of 1.5 forces in a gauge corner change by 1e-3.
+/// Longest wave that is computed, over the length of the grid or the radius of the surface, divided by 2π. With ten times longer waves, two thirds of
+/// the step between them and elements that grow by 1.35 in place of 1.5 forces in a gauge corner change by 1e-3.
 const LONGEST: f64 = 100.0;
 /// Shortest wave number times the width of an element.
 const SHORTEST: f64 = 3.0;

@@ -120,7 +120,7 @@ mod tests {
         let material = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
         let (radius, clearance) = (20e-3, 20e-6);
         let stiffness = material.youngs_modulus / (1.0 - material.poisson_ratio.powi(2));
-        for approach in [2e-6, 20e-6, 100e-6, 400e-6] {
+        for (approach, tolerance) in [(2e-6, 3e-3), (20e-6, 6e-4), (100e-6, 2e-4), (400e-6, 1e-4)] {
             let pin = press(&[material; 2], radius, clearance, approach, 320).unwrap();
             let wanted = stiffness * clearance / pin.force;
             let (mut low, mut high) = (1e-3, 0.999_f64);
@@ -138,7 +138,8 @@ mod tests {
                 assert!(error.abs() < if near { 0.1 } else { 0.01 }, "{approach}: {phi} {error}");
             }
             let error = largest / (scale * exact(0.0)) - 1.0;
-            assert!(error.abs() < 5e-3, "{approach}: {error}");
+            // Elements, of which few are in the shallow contact.
+            assert!(error.abs() < tolerance, "{approach}: {error}");
         }
     }
 }

@@ -9,7 +9,7 @@
 
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
-use crate::situation::{POWER, PRESSURE, Situation};
+use crate::situation::Situation;
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
@@ -80,21 +80,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
 /// Yield stress of wear debris and iron oxides between wheel and rail, where the case has none [Pa].
 const TYPICAL: f64 = 300e6;
 
-/// An ellipse of friction cut off at t = τ_y/(f p₀) carries (3t − t³)/2 of it.
 fn advise(situation: &Situation<'_>) -> Advice {
     let given = situation.case.maybe_number(YIELD_STRESS).ok().flatten();
-    let yield_stress = given.unwrap_or(TYPICAL);
-    let advice =
-        Advice::new(EFFECT.name, format!("what friction carries beyond {yield_stress:.1e} Pa"))
-            .with(format!("{YIELD_STRESS}={yield_stress:e}"));
-    let friction = situation.scene.friction_coefficient;
-    let Some(largest) = situation.known(PRESSURE).map(|pressure| friction * pressure) else {
-        return advice;
-    };
-    let cut = (yield_stress / largest).min(1.0);
-    let advice = advice.number("yield stress over largest friction", yield_stress / largest);
-    if cut == 1.0 {
-        return advice.moves(POWER, 0.0);
-    }
-    situation.with_friction(advice, friction * 0.5 * (3.0 * cut - cut.powi(3)))
+    situation.cut_off(EFFECT.name, YIELD_STRESS, given.unwrap_or(TYPICAL))
 }

@@ -10,7 +10,7 @@
 //! | module | what |
 //! |---|---|
 //! | `case` | the keys, what a window prescribes, the grid that holds the contact |
-//! | `running` | the model that runs |
+//! | `running` | what solves a window |
 //! | `window` | a window and its solution |
 //! | `summary` | its figures |
 
@@ -19,8 +19,7 @@ mod running;
 mod summary;
 mod window;
 
-use super::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
-use super::half_space::PASSAGE_GRID;
+use super::each_window::{EachWindow, fields_over};
 use crate::entry::ModelEntry;
 use crate::models::expected::refinement;
 use crate::terms::{Kind, Terms};
@@ -28,8 +27,7 @@ use case::{Case, Footprint};
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{ModelSpec, names};
-use proto::field::{self, FieldSpec};
-use proto::grid::Structured;
+use proto::field;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
 use running::Running;
@@ -80,17 +78,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 
 fn layout(configuration: &Configuration, case: &Case, footprint: &Footprint) -> Layout {
     let grid = footprint.grid;
-    let on = |spec: &FieldSpec| match *spec {
-        field::SURFACE_SPEED => RIGID_GRID,
-        field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
-        _ => CONTACT_GRID,
-    };
-    let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
-    let mut passage = grid;
-    passage.origin[0] += 0.5 * grid.dx();
-    let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-    let grids = vec![(CONTACT_GRID, grid), (PASSAGE_GRID, passage), (RIGID_GRID, whole)];
-    let (grids, fields) = laid_out(configuration, on, grids);
+    let (grids, fields) = fields_over(configuration, grid);
     let (elements, rows) = (grid.points() as f64, grid.nj as f64);
     let [low, high] = footprint.directions(case).map(f64::to_degrees);
     let remark = format!(
@@ -129,6 +117,6 @@ impl Setup for Prepared {
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { case, footprint, terms, configuration, .. } = *self;
-        Ok(Box::new(Running::new(case, &footprint, terms, configuration)))
+        Ok(Box::new(EachWindow::new(Running::new(case, &footprint, terms, configuration))))
     }
 }

@@ -2,6 +2,7 @@
 //! [`MODELS`].
 
 mod conformal;
+mod each_window;
 mod expected;
 pub mod explicit_fe;
 pub mod fastsim;

@@ -14,7 +14,7 @@
 //! | `keys` | the keys of track, wheelset and elements |
 //! | `case` | a checked case, and the position of a window |
 //! | `plane` | the grid that holds the patches of all rows |
-//! | `running` | the model that runs |
+//! | `running` | what solves a window |
 //! | `summary` | its figures |
 
 mod case;
@@ -23,8 +23,7 @@ mod plane;
 mod running;
 mod summary;
 
-use super::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
-use super::half_space::PASSAGE_GRID;
+use super::each_window::{EachWindow, fields_over};
 use crate::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
 use case::Case;
@@ -32,8 +31,7 @@ use plane::Plane;
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{ModelSpec, names};
-use proto::field::{self, FieldSpec};
-use proto::grid::Structured;
+use proto::field;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
 use running::Running;
@@ -86,17 +84,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 
 fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
     let grid = plane.grid();
-    let on = |spec: &FieldSpec| match *spec {
-        field::SURFACE_SPEED => RIGID_GRID,
-        field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
-        _ => CONTACT_GRID,
-    };
-    let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
-    let mut passage = grid;
-    passage.origin[0] += 0.5 * grid.dx();
-    let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-    let grids = vec![(CONTACT_GRID, grid), (PASSAGE_GRID, passage), (RIGID_GRID, whole)];
-    let (grids, fields) = laid_out(configuration, on, grids);
+    let (grids, fields) = fields_over(configuration, grid);
     let size = format!(
         "{} x {} elements of {:.4} x {:.4} mm over the rail's surface, along x and along the tape",
         grid.ni,
@@ -129,6 +117,6 @@ impl Setup for Prepared {
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { case, plane, configuration, .. } = *self;
-        Ok(Box::new(Running::new(case, plane, configuration)?))
+        Ok(Box::new(EachWindow::new(Running::new(case, plane, configuration)?)))
     }
 }

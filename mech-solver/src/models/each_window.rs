@@ -1,0 +1,154 @@
+//! Models of which every window depends on its own values alone: nothing is carried from one to the next, and nothing comes in.
+
+use super::half_space::PASSAGE_GRID;
+use crate::models::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
+use proto::configuration::{Configuration, FieldOnGrid};
+use proto::field::{self, FieldSpec};
+use proto::grid::{Grid, Structured};
+use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use serde_json::{Value, json};
+use std::io::{self, Read, Write};
+
+/// What solves windows.
+pub(super) trait Windows {
+    /// What a window prescribes.
+    type Row: PartialEq;
+    /// A window that is solved.
+    type Window;
+
+    /// What a window prescribes.
+    ///
+    /// # Errors
+    /// A value is missing or out of range.
+    fn row(&self, step: &Step) -> Result<Self::Row, StepError>;
+
+    /// Solves from nothing.
+    ///
+    /// # Errors
+    /// There is no solution.
+    fn solve(&mut self, row: &Self::Row) -> Result<Self::Window, StepError>;
+
+    /// Writes a field, if it is one of the model's.
+    fn write(&self, window: &Self::Window, spec: &FieldSpec, values: &mut [f64]);
+
+    /// Its part of `summary.json`.
+    fn summary(&self, window: &Self::Window) -> Value;
+
+    /// Iterations of the normal contact, and Newton steps.
+    fn effort(&self, window: &Self::Window) -> [usize; 2];
+}
+
+/// The model that runs.
+pub(super) struct EachWindow<W: Windows> {
+    windows: W,
+    trial: Option<(W::Row, W::Window)>,
+    accepted: Option<W::Window>,
+}
+
+impl<W: Windows> EachWindow<W> {
+    pub(super) fn new(windows: W) -> Self {
+        Self { windows, trial: None, accepted: None }
+    }
+
+    /// A window; the last one of the same values is it.
+    fn window(&mut self, step: &Step) -> Result<(W::Row, W::Window), StepError> {
+        let row = self.windows.row(step)?;
+        if let Some(same) = self.trial.take().filter(|(last, _)| *last == row) {
+            return Ok(same);
+        }
+        let window = self.windows.solve(&row)?;
+        Ok((row, window))
+    }
+
+    fn write(&self, window: &W::Window, outputs: &mut dyn Outputs) {
+        for spec in field::TABLE {
+            if let Some(values) = outputs.get(spec) {
+                self.windows.write(window, spec, values);
+            }
+        }
+    }
+}
+
+impl<W: Windows> Model for EachWindow<W> {
+    fn solve(
+        &mut self,
+        step: &Step,
+        _inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        let (row, window) = self.window(step)?;
+        self.write(&window, outputs);
+        let [iterations, steps] = self.windows.effort(&window);
+        self.trial = Some((row, window));
+        Ok(StepReport {
+            substeps: 1,
+            inner_iterations: iterations as u32,
+            work: steps as u64,
+            ..StepReport::default()
+        })
+    }
+
+    /// The fields of the first window, if it has an answer; zero if not.
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        if let Ok((row, window)) = self.window(&Step::STEADY) {
+            self.write(&window, outputs);
+            self.trial = Some((row, window));
+            return;
+        }
+        for spec in field::TABLE {
+            if let Some(values) = outputs.get(spec) {
+                values.fill(0.0);
+            }
+        }
+    }
+
+    fn accept(&mut self) {
+        if let Some((_, window)) = self.trial.take() {
+            self.accepted = Some(window);
+        }
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        if let Some(window) = &self.accepted {
+            self.write(window, outputs);
+        }
+    }
+
+    fn summary(&self) -> Value {
+        let summary = |window| self.windows.summary(window);
+        self.accepted.as_ref().map_or_else(|| json!({}), summary)
+    }
+
+    fn save(&self, _into: &mut dyn Write) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn restore(&mut self, _from: &mut dyn Read) -> Result<(), StateError> {
+        Ok(())
+    }
+}
+
+/// The components of a vector, one after the other.
+pub(super) fn write_pair(values: &mut [f64], [x, y]: &[Vec<f64>; 2]) {
+    let (first, second) = values.split_at_mut(x.len());
+    first.copy_from_slice(x);
+    second.copy_from_slice(y);
+}
+
+/// The fields of a contact on this grid: slip and friction power half an element upstream, speeds for all of it.
+pub(super) fn fields_over(
+    configuration: &Configuration,
+    grid: Structured,
+) -> (Vec<Grid>, Vec<FieldOnGrid>) {
+    let on = |spec: &FieldSpec| match *spec {
+        field::SURFACE_SPEED => RIGID_GRID,
+        field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
+        _ => CONTACT_GRID,
+    };
+    let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
+    let mut passage = grid;
+    passage.origin[0] += 0.5 * grid.dx();
+    let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
+    let grids = [(CONTACT_GRID, grid), (PASSAGE_GRID, passage), (RIGID_GRID, whole)];
+    laid_out(configuration, on, grids.to_vec())
+}
