@@ -54,6 +54,12 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
+    /// Of contacts that grow by this factor, from elements of the same size on.
+    pub(crate) fn grown(&self, factor: f64) -> Self {
+        let b = if self.line { self.b } else { factor * self.b };
+        Self { a: factor * self.a, b, ..*self }
+    }
+
     /// That of both.
     pub(crate) fn and(&self, other: &Self) -> Self {
         Self {

@@ -6,12 +6,13 @@
 //! viscosity over the stiffness of the latter. Kelvin's solid is the limit of a stiff first spring, f → ∞ with E/f kept; Maxwell's fluid that of
 //! f → ∞ with τ/f kept, the relaxation time, in which the approach grows without bound and all else has a limit.
 //!
-//! Half-spaces in steady rolling have the influence numbers of [`crate::half_space::viscoelastic`]. The pressure leans forward, by x̄, and N x̄/R resists
+//! Half-spaces that are pressed and shifted in place creep from window to window ([`crate::half_space::retarded`]); in steady rolling they have the
+//! influence numbers of [`crate::half_space::viscoelastic`]. The pressure leans forward, by x̄, and N x̄/R resists
 //! rolling; what that takes, and a part of the power of the creepages, is dissipated in the bodies.
 //!
 //! Source: Hunter, J. Appl. Mech. 28 (1961) 611; Wang and Knothe, J. Appl. Mech. 60 (1993) 310. Left out: more than one retardation
 //! time, a Poisson's ratio that changes with time, the difference of the speeds of both surfaces in the distance that a particle rolls, the heat of
-//! what is dissipated in the bodies, and all that is not steady.
+//! what is dissipated in the bodies, and rolling that is not steady.
 
 use crate::entry::Effect;
 use crate::half_space::viscoelastic::Retardation;
@@ -27,8 +28,8 @@ use proto::figure::FigureSpec;
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
     name: "viscoelasticity",
-    law: "J(t) = J [1 + f (1 - exp(-t/tau))] of each body in steady rolling; resistance N x/R, x the centre of pressure",
-    source: "Hunter, J. Appl. Mech. 28 (1961) 611-617; Wang and Knothe, J. Appl. Mech. 60 (1993) 310-317",
+    law: "J(t) = J [1 + f (1 - exp(-t/tau))] of each body, in place or in steady rolling; resistance N x/R, x the centre of pressure",
+    source: "Hunter, J. Appl. Mech. 28 (1961) 611-617; Lee and Radok, J. Appl. Mech. 27 (1960) 438-444; Wang and Knothe, J. Appl. Mech. 60 (1993) 310-317",
     kinds: &[Kind::Retardation],
     consumes: &[],
     provides: &[],

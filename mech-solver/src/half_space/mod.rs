@@ -13,6 +13,7 @@
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
 //! | [`levels`] | the tangential problem by continuation in resolution |
 //! | [`viscoelastic`] | the same displacement of bodies with a memory that roll |
+//! | [`retarded`] | of bodies with a memory that are pressed and shifted in place |
 //! | [`yielding`] | a layer that yields, in series with friction |
 //! | [`subsurface`] | stresses inside a body, at points and on vertical sections, and those of heat |
 //!
@@ -31,6 +32,7 @@ pub mod normal;
 pub mod patches;
 mod prescribed;
 pub mod profile;
+pub mod retarded;
 pub mod slip_operator;
 pub(crate) mod spline;
 pub mod subsurface;

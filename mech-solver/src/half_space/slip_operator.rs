@@ -67,7 +67,7 @@ impl<T: FftNum> Tensor<T> {
     }
 }
 
-/// K, the displacement by tractions of bodies with a memory.
+/// K or A, the displacement by tractions of bodies with a memory or without.
 #[derive(Debug)]
 pub struct Displacement(Tensor<f64>);
 
@@ -76,6 +76,13 @@ impl Displacement {
     #[must_use]
     pub fn new(bodies: &Bodies, [nx, ny]: [usize; 2], sides: [f64; 2]) -> Self {
         let table = Table::with_memory(bodies, 0.0, [nx, ny], sides);
+        Self(Tensor::of(Convolution::new(nx, ny), |i, j| table.value(i, j)))
+    }
+
+    /// A of elastic bodies, for nx × ny elements.
+    #[must_use]
+    pub fn of(influence: &Influence, nx: usize, ny: usize) -> Self {
+        let table = Table::new(influence, 0.0, nx, ny);
         Self(Tensor::of(Convolution::new(nx, ny), |i, j| table.value(i, j)))
     }
 

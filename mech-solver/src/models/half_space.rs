@@ -16,6 +16,7 @@ mod answer;
 mod balance;
 mod case;
 mod contact;
+mod creeping;
 mod drive;
 mod expansion;
 pub(super) mod gap;
@@ -28,6 +29,8 @@ mod transient;
 use crate::effects;
 use crate::ellipse::Ellipse;
 use crate::entry::ModelEntry;
+use crate::half_space::influence::Elasticity;
+use crate::half_space::retarded::Delay;
 use crate::half_space::viscoelastic::Bodies;
 use crate::keys::CheckedParams;
 use crate::models::expected::refinement;
@@ -174,7 +177,18 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     let scene = Scene::read(&configuration.case)?;
     let patch = GivenPatch::read(&configuration.case)?;
     let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
-    let bodies = Bodies::rolling(&scene.materials(), &terms.retardation, scene.speeds.rolling);
+    let materials = scene.materials();
+    let (bodies, delays) = match scene.speeds.rolling > 0.0 {
+        true => {
+            let bodies = Bodies::rolling(&materials, &terms.retardation, scene.speeds.rolling);
+            (bodies, Vec::new())
+        }
+        false => {
+            let [upper, lower] = &materials;
+            let delays = Delay::of(&materials, &terms.retardation);
+            (Elasticity::of_pair(upper, lower).into(), delays)
+        }
+    };
     let memory = memory(configuration, &scene, terms.adhesion)?;
     let varying = Varying::of(configuration, &terms, patch)?;
     retardation::refuse(&scene, patch, &terms, memory, varying.is_some())?;
@@ -184,6 +198,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
         given,
         extent: extent.as_ref(),
         bodies: &bodies,
+        delays: &delays,
         terms: &terms,
         resolution: resolution::read(&configuration.case, RESOLUTION)?,
     };
@@ -201,6 +216,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
         shift_duration: 0.0,
         scene,
         bodies,
+        delays,
         driven,
         footprint,
         rises: Vec::new(),

@@ -2,6 +2,7 @@
 
 mod carried;
 mod common;
+mod creeping;
 mod description;
 mod expanding;
 mod fastsim;

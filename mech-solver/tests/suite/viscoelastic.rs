@@ -261,10 +261,7 @@ fn what_has_no_answer_is_refused() {
     };
     let given = json!({"semi_axis_a": 5e-3, "semi_axis_b": 5e-3, "max_pressure": 1e6});
     type Change<'a> = (&'a str, &'a dyn Fn(&mut Value));
-    let changes: [Change<'_>; 5] = [
-        ("do not roll", &|case| {
-            case["motion"] = json!({"speed": 0.0, "shift": {"x": 1e-6}});
-        }),
+    let changes: [Change<'_>; 4] = [
         ("which is given", &|case| case["contact"] = given.clone()),
         ("largest pressure", &|case| case["effects"]["pressure_limit"] = json!({"hardness": 1e6})),
         ("no body", &|case| case["bodies"]["tyre"]["material"] = json!("steel")),

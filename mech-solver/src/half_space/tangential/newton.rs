@@ -36,7 +36,8 @@ const LEAST_REDUCTION: f64 = 1e-3;
 const LOOSE_STEPS: usize = 20;
 /// The next step is below this share of the tolerance in the end.
 const ERROR_SHARE: f64 = 0.3;
-/// Steps of tractions below this share of the largest are rounding.
+/// Steps of tractions below this share of the largest are rounding; also of the largest at the start, where nothing moves any more and
+/// tractions go to zero.
 const ROUNDING: f64 = 1e-13;
 /// Most that a step changes creepages, as a share of them.
 const GROWTH: f64 = 0.6;
@@ -138,6 +139,8 @@ impl TangentialSolver {
         if problem.bound.iter().all(|g| *g == 0.0) {
             return Ok(effort);
         }
+        let [px, py] = &state.traction;
+        let at_start = px.iter().zip(py).map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max);
         for buffer in self.field.iter_mut().chain(&mut self.image) {
             buffer.clear();
             buffer.resize(problem.bound.len(), 0.0);
@@ -163,7 +166,8 @@ impl TangentialSolver {
             let before = std::mem::replace(&mut residual, self.linearise(problem, state));
             let rests = whole && effort.changes == 0;
             let next = effort.last_change * if before > 0.0 { residual / before } else { 0.0 };
-            let small = next < ERROR_SHARE * tolerance || effort.last_change < ROUNDING;
+            let rounding = effort.last_change < ROUNDING || change.largest < ROUNDING * at_start;
+            let small = next < ERROR_SHARE * tolerance || rounding;
             if rests && small && effort.force_error <= 1.0 {
                 return Ok(effort);
             }

@@ -138,6 +138,19 @@ fn kalkers_coefficients_of_the_circle() {
     }
 }
 
+/// Where nothing moves any more the tractions of the solve before go to zero, to rounding.
+#[test]
+fn no_creepage_after_another_one() {
+    let disc = Disc::new(10);
+    let mut solver = disc.solver();
+    let mut state = TangentialState::at_rest(&disc.bound, [-0.3, 0.1, 0.05]);
+    solver.solve(&disc.problem(), &mut state, 1e-6).unwrap();
+    state.creepage = [0.0; 3];
+    solver.solve(&disc.problem(), &mut state, 1e-6).unwrap();
+    let largest = state.traction.iter().flatten().fold(0.0_f64, |most, p| most.max(p.abs()));
+    assert!(largest < 1e-10, "{largest:e}");
+}
+
 /// Mirrored in y, and with the direction of the creepage reversed.
 #[test]
 fn mirror_and_reversal() {

@@ -46,8 +46,15 @@ impl Surfaces {
         let bodies = Elasticity::of_pair(&upper, &lower).into();
         // Effects that change the gap are none of this model.
         let terms = Terms::default();
-        let shapes =
-            Shapes { scene, given: None, extent: None, bodies: &bodies, terms: &terms, resolution };
+        let shapes = Shapes {
+            scene,
+            given: None,
+            extent: None,
+            bodies: &bodies,
+            delays: &[],
+            terms: &terms,
+            resolution,
+        };
         let Footprint { gap, ellipse, semi_axes, grid, remarks, .. } =
             geometry::footprint(configuration, &shapes)?;
         let lateral = [scene.bodies[0].radius_y, scene.bodies[1].radius_y];

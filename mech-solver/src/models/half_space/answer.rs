@@ -33,6 +33,8 @@ pub(super) struct Answer {
     pub(super) pivot: f64,
     /// The power balance, where there is one.
     pub(super) balance: Option<Balance>,
+    /// What bodies that creep dissipate in a step, under pressure and tractions [W].
+    dissipated: Option<f64>,
     /// What a layer between the surfaces has taken by plastic flow.
     flowed: Option<Flowed>,
     /// What heat has done to both bodies, where it expands them and that is observed.
@@ -124,6 +126,12 @@ impl Answer {
         answer.flowed =
             Flowed::of(state, &answer.friction_power, case.footprint.grid.element_area());
         answer
+    }
+
+    /// Takes what bodies that creep dissipate in a step, over the area of an element [Pa m].
+    pub(super) fn dissipate(&mut self, case: &Case, taken: f64) {
+        let (area, duration) = (case.footprint.grid.element_area(), case.passage().duration);
+        self.dissipated = Some(taken * area / duration);
     }
 
     /// Pressed together, and nothing else.
@@ -220,6 +228,9 @@ impl Answer {
         Measures::of(&case.scene).add_to(&mut figures);
         if let Some(balance) = &self.balance {
             balance.add_to(&mut figures);
+        }
+        if let Some(power) = self.dissipated {
+            figures["hysteresis_power_w"] = power.into();
         }
         if let Some(Flowed { largest_shift, area_ratio, power }) = self.flowed {
             figures["layer_plastic_shift_m"] = largest_shift.into();

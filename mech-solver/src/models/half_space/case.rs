@@ -5,6 +5,7 @@ use super::geometry::Footprint;
 use crate::ellipse::Ellipse;
 use crate::half_space::extent::sample;
 use crate::half_space::levels::RIGID_SLIP_AHEAD;
+use crate::half_space::retarded::Delay;
 use crate::half_space::viscoelastic::Bodies;
 use crate::scene::{GivenPatch, Scene};
 use crate::surface::KeptSurface;
@@ -19,6 +20,8 @@ use proto::model::Outputs;
 pub(super) struct Case {
     pub(super) scene: Scene,
     pub(super) bodies: Bodies,
+    /// What the bodies gain with time, where they do not roll.
+    pub(super) delays: Vec<Delay>,
     pub(super) driven: Driven,
     /// The terms of the active effects.
     pub(super) terms: Terms,
@@ -72,7 +75,8 @@ impl Case {
     /// Hertz's solution holds: smooth second-order surfaces, and neither terms nor tractions that change
     /// the pressure.
     pub(super) fn is_hertzian(&self) -> bool {
-        let elastic = !self.bodies.are_coupled() && !self.bodies.remember();
+        let elastic =
+            !self.bodies.are_coupled() && !self.bodies.remember() && self.delays.is_empty();
         self.terms.leave_hertz() && elastic
     }
 

@@ -161,11 +161,17 @@ impl ContactSolver {
         self.set_bound();
     }
 
-    /// Takes the load, the shapes and the friction of another row, and solves the normal contact without
-    /// friction; from the latest pressure if `warm`.
-    pub(super) fn follow(&mut self, case: &Case, warm: bool) -> Result<(), ContactError> {
+    /// Takes the load, the shapes, by what earlier loads have displaced them, and the friction of another row, and solves the
+    /// normal contact without friction; from the latest pressure if `warm`.
+    pub(super) fn follow(
+        &mut self,
+        case: &Case,
+        warm: bool,
+        displaced: Option<&[f64]>,
+    ) -> Result<(), ContactError> {
         if let (Some(normal), Some(undeformed)) = (&mut self.normal, case.distance()) {
             normal.undeformed = undeformed;
+            displaced.into_iter().for_each(|by| add(&mut normal.undeformed, by));
             normal.distance.clone_from(&normal.undeformed);
             normal.prescribed = super::geometry::prescribed(case.scene.load);
         }
@@ -424,6 +430,19 @@ impl ContactSolver {
         }
         taken.take(grid, duration, &self.pressure, &closed);
         Some(taken)
+    }
+
+    /// The normal displacement difference of an instant, by pressure and tractions [m].
+    pub(super) fn normal_displacement(&mut self, state: &TangentialState) -> Vec<f64> {
+        let mut displacement = vec![0.0; self.pressure.len()];
+        if let Some(coupling) = &mut self.coupling {
+            let [px, py] = &state.traction;
+            coupling.distance_by_traction([px, py], &mut displacement);
+        }
+        if let Some(Normal { solver, .. }) = &self.normal {
+            add(&mut displacement, solver.displacement());
+        }
+        displacement
     }
 
     /// The tangential displacement difference of an instant, by tractions and pressure [m]; for

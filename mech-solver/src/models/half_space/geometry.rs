@@ -8,6 +8,7 @@ use crate::ellipse::{Ellipse, Extent};
 use crate::half_space::extent::{Fitted, Moments, fit_grid};
 use crate::half_space::normal::{NormalError, Prescribed};
 use crate::half_space::patches::{Patch, patches};
+use crate::half_space::retarded::Delay;
 use crate::half_space::viscoelastic::Bodies;
 use crate::keys::CheckedParams;
 use crate::resolution::RESOLUTION;
@@ -87,6 +88,8 @@ pub(in crate::models) struct Shapes<'a> {
     /// That of all contacts of a case whose values vary.
     pub(in crate::models) extent: Option<&'a Extent>,
     pub(in crate::models) bodies: &'a Bodies,
+    /// What they gain with time where they do not roll.
+    pub(in crate::models) delays: &'a [Delay],
     /// Those of the gap change the shapes.
     pub(in crate::models) terms: &'a Terms,
     /// Elements per semi-axis.
@@ -98,7 +101,7 @@ pub(in crate::models) fn footprint(
     configuration: &Configuration,
     shapes: &Shapes<'_>,
 ) -> Result<Footprint, Refusal> {
-    let Shapes { scene, given, extent, bodies, terms, resolution } = *shapes;
+    let Shapes { scene, given, extent, bodies, terms, resolution, .. } = *shapes;
     let case = CheckedParams::new(&configuration.case, keys());
     let lateral = match case.has(LATERAL_RESOLUTION) {
         true => Some(case.integer(LATERAL_RESOLUTION)? as f64),
@@ -116,7 +119,9 @@ pub(in crate::models) fn footprint(
                 "give radii, or remove the effect",
             ));
         }
-        return delayed_footprint(gap, shapes, lateral);
+        if bodies.remember() {
+            return delayed_footprint(gap, shapes, lateral);
+        }
     }
     if given.is_some() || gap.is_quadric() {
         if given.is_some() && (rough || !gap.is_quadric()) {
@@ -125,6 +130,7 @@ pub(in crate::models) fn footprint(
         }
         let ellipse = given.map_or_else(|| Ellipse::solve(scene, None), Ok)?;
         let extent = extent.copied().unwrap_or_else(|| ellipse.extent());
+        let extent = extent.grown(growth(shapes, extent.line));
         let semi_axes = [extent.a, extent.b];
         let dx = dx(extent.finest);
         let dy = match (extent.line, lateral) {
@@ -196,7 +202,7 @@ fn refuse_in_plane(scene: &Scene, gap: &Gap, rows: bool) -> Result<(), Refusal> 
     }
 }
 
-/// That of bodies whose compliance grows: a coarse grid, round the contact of elastic ones at once, finds how far theirs reaches and leans.
+/// That of bodies that roll and whose compliance grows: a coarse grid, round the contact of elastic ones at once, finds how far theirs reaches and leans.
 fn delayed_footprint(
     gap: Gap,
     shapes: &Shapes<'_>,
@@ -238,6 +244,14 @@ fn delayed_footprint(
     }
     let (gap, remarks) = (Some(gap), Vec::new());
     Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
+}
+
+/// By how much a contact under a load grows in time without end, over its size at once.
+fn growth(shapes: &Shapes<'_>, line: bool) -> f64 {
+    let at_once = shapes.bodies.instantaneous.contact_compliance();
+    let gained = shapes.delays.iter().map(|delay| delay.elasticity.contact_compliance());
+    let compliance = 1.0 + gained.sum::<f64>() / at_once;
+    if line { compliance.sqrt() } else { compliance.cbrt() }
 }
 
 /// Lateral place of the highest pressure [m].

@@ -30,7 +30,8 @@
 //!
 //! P Δt = −Σ ½(S p' + p)·w Δq dA − Δ(½ pᵀA p) dA.
 //!
-//! With different constants the energy of the normal contact takes part too. It is not kept, and
+//! and of bodies whose compliance grows what is dissipated in them, D = Σ ½ (p' + p)·(u − u') less the energy that is stored
+//! ([`crate::half_space::retarded`]). With different constants the energy of the normal contact takes part too. It is not kept, and
 //! there is no balance.
 
 use super::answer::Answer;
@@ -77,13 +78,14 @@ impl Balance {
     }
 
     /// That of a step from these tractions with the creepages or the shift `creepage`; `energy` is
-    /// Σ ½ p·u before and after [Pa m].
+    /// Σ ½ p·u before and after, and `taken` what bodies with a memory dissipate of the work along the plane [Pa m].
     pub(super) fn step(
         case: &Case,
         answer: &Answer,
         creepage: [f64; 3],
         before: &[Vec<f64>; 2],
         energy: [f64; 2],
+        taken: Option<f64>,
     ) -> Self {
         let (grid, passage) = (&case.footprint.grid, case.passage());
         let count = grid.points();
@@ -109,8 +111,9 @@ impl Balance {
             forces,
             pressure: None,
             stored: Some(weight * (energy[1] - energy[0])),
-            hysteresis: None,
-            exchanged: exchanged + weight * (energy[0].abs() + energy[1].abs()),
+            hysteresis: taken.map(|taken| weight * taken),
+            exchanged: exchanged
+                + weight * (energy[0].abs() + energy[1].abs() + taken.unwrap_or(0.0).abs()),
         }
     }
 }

@@ -1,10 +1,11 @@
-//! What has no answer with bodies whose compliance grows ([`crate::effects::viscoelasticity`]).
+//! What has no answer with bodies whose compliance grows ([`crate::effects::viscoelasticity`]): they roll steadily, or are pressed and
+//! shifted in place.
 
 use crate::scene::{GivenPatch, Scene};
 use crate::terms::{Kind, Terms};
 use proto::configuration::Refusal;
 
-/// Refuses what has no steady state, or a pressure that does not follow from the shapes.
+/// Refuses what rolls and is not steady, and a pressure that does not follow from the shapes.
 pub(super) fn refuse(
     scene: &Scene,
     patch: Option<GivenPatch>,
@@ -17,21 +18,16 @@ pub(super) fn refuse(
         let fix = format!("{fix}, or remove the effect");
         Err(Refusal::new(&format!("effects.{effect}"), reason, fix))
     };
-    if scene.speeds.rolling == 0.0 {
+    let rolls = scene.speeds.rolling > 0.0;
+    if rolls && memory {
         return refused(
-            "bodies that do not roll have no steady state in which their compliance could have grown",
-            "write a motion.speed above 0",
-        );
-    }
-    if memory {
-        return refused(
-            "the displacement of such bodies is known in steady rolling only",
+            "of such bodies that roll the displacement is known in the steady state only",
             "write mech.rolling = \"steady\"",
         );
     }
-    if varies {
+    if rolls && varies {
         return refused(
-            "the displacement of such bodies is known in steady rolling only, and a load or a speed that varies is none",
+            "of such bodies that roll the displacement is known in the steady state only, and a load or a speed that varies is none",
             "write numbers in the place of columns and no axle",
         );
     }

@@ -96,7 +96,7 @@ impl Steady {
     ) -> Result<(Answer, StepReport), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         self.case.expand(inputs)?;
-        contact.follow(&self.case, near.is_some()).map_err(no_solution)?;
+        contact.follow(&self.case, near.is_some(), None).map_err(no_solution)?;
         let (answer, report, solution) = self.settled(contact, near, inputs)?;
         self.near = solution.map(|found| (found, contact.pressure.clone()));
         Ok((answer, report))
@@ -189,7 +189,7 @@ impl Model for Steady {
                 let raised = self.case.expand(inputs)?;
                 let mut contact = self.contact().map_err(no_solution)?;
                 if raised {
-                    contact.follow(&self.case, false).map_err(no_solution)?;
+                    contact.follow(&self.case, false, None).map_err(no_solution)?;
                 }
                 let (answer, report, _) = self.settled(&mut contact, None, inputs)?;
                 self.contact = Some(contact);

@@ -14,6 +14,9 @@
 //! A contact that does not roll is shifted by what the case says, in the first window; where load, shift or forces are
 //! columns of a table, to where they are at the end of every window, in one step a window.
 //!
+//! Bodies whose compliance grows creep under the load, so that the pressure is another in every window
+//! ([`crate::half_space::retarded`]).
+//!
 //! In the beginning the bodies are pressed together without friction; where values vary they are apart, and
 //! friction acts while the first load comes on. Bodies that roll may begin from their steady state (`mech.begin`).
 
@@ -21,6 +24,7 @@ use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
+use super::creeping::{Creeping, Crept, Instant};
 use super::steady::Following;
 use crate::half_space::levels::{History, Motion, Solution};
 use crate::half_space::tangential::TangentialState;
@@ -41,6 +45,7 @@ pub(super) struct Transient {
     case: Case,
     following: Option<Following>,
     contact: ContactSolver,
+    creeping: Option<Creeping>,
     accepted: Memory,
     trial: Memory,
     /// Mean friction power over the window [W/m²].
@@ -63,6 +68,8 @@ struct Memory {
     approach: Option<f64>,
     /// Displacement differences u, x and y [m].
     displacement: [Vec<f64>; 2],
+    /// Of bodies that creep; empty of others.
+    crept: Crept,
     /// Fields of the step in progress.
     answer: Answer,
     /// Time left of the step in progress [s].
@@ -82,6 +89,7 @@ impl Memory {
             pressure: contact.pressure.clone(),
             approach: contact.approach,
             displacement,
+            crept: Crept::default(),
             answer: Answer::at_rest(case, contact),
             left: 0.0,
             shift: [0.0; 3],
@@ -96,6 +104,12 @@ impl Memory {
         displacement.iter_mut().for_each(|u| u.fill(0.0));
         answer.pressure.fill(0.0);
         Self { solution, pressure, displacement, answer, approach: None, ..self }
+    }
+
+    /// Its loads, and what they displace along the plane.
+    fn instant(&self) -> Instant<'_> {
+        let Self { pressure, displacement, solution, .. } = self;
+        Instant { pressure, traction: &solution.state.traction, displacement }
     }
 
     /// It belongs to a grid of this many elements.
@@ -122,6 +136,15 @@ impl Transient {
             accepted = accepted.apart();
         }
         let zeros = vec![0.0; contact.pressure.len()];
+        let mut creeping = None;
+        let normal = match following {
+            Some(_) => zeros.clone(),
+            None => contact.normal_displacement(&accepted.solution.state),
+        };
+        if let Some((operators, crept)) = Creeping::of(&case, &accepted.pressure, normal) {
+            accepted.crept = crept;
+            creeping = Some(operators);
+        }
         if case.terms.yields.is_some() {
             let state = &mut accepted.solution.state;
             (state.plastic, state.yielded) = (zeros.clone(), zeros.clone());
@@ -136,6 +159,7 @@ impl Transient {
             trial,
             accepted,
             contact,
+            creeping,
             power,
             history,
             plastic,
@@ -161,15 +185,28 @@ impl Transient {
         Ok(())
     }
 
-    /// Takes the values of a window: their means if the bodies roll, where a shift ends else.
+    /// Takes the values of a window: their means if the bodies roll, where a shift ends else; and of bodies that creep what they
+    /// are at its end.
     fn follow(&mut self, step: &Step) -> Result<(), StepError> {
-        let Some(Following { varying, patch, .. }) = &self.following else { return Ok(()) };
-        let rolls = self.case.scene.speeds.rolling > 0.0;
-        let at = Step { start: if rolls { step.start } else { step.end }, ..*step };
-        self.case.follow(&varying.configuration(&at), *patch).map_err(no_answer)?;
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        if let Some(Following { varying, patch, .. }) = &self.following {
+            let rolls = self.case.scene.speeds.rolling > 0.0;
+            let at = Step { start: if rolls { step.start } else { step.end }, ..*step };
+            self.case.follow(&varying.configuration(&at), *patch).map_err(no_answer)?;
+        } else if self.creeping.is_none() {
+            return Ok(());
+        }
+        if let Some(creeping) = &mut self.creeping {
+            if let Some(elasticity) = creeping.take(step.duration()) {
+                self.case.bodies = elasticity.into();
+                self.contact =
+                    ContactSolver::new(&self.case, Motion::Shift).map_err(no_solution)?;
+            }
+            creeping.recall(&self.accepted.crept, self.accepted.instant());
+        }
         self.contact.pressure.clone_from(&self.accepted.pressure);
-        let followed = self.contact.follow(&self.case, true);
-        followed.map_err(|error| StepError::NoSolution(error.to_string()))
+        let displaced = self.creeping.as_ref().map(Creeping::normal);
+        self.contact.follow(&self.case, true, displaced).map_err(no_solution)
     }
 
     /// Goes from the accepted state to the end of the window.
@@ -178,7 +215,7 @@ impl Transient {
         self.trial.clone_from(&self.accepted);
         self.trial.solution.newton_steps = 0;
         self.trial.solution.operator_applications = 0;
-        if self.following.is_none() {
+        if self.following.is_none() && self.creeping.is_none() {
             self.contact.pressure.clone_from(&self.accepted.pressure);
             self.contact.approach = self.accepted.approach;
         }
@@ -222,6 +259,9 @@ impl Transient {
                 history.iter_mut().zip(from).for_each(|(slip, before)| *slip = -before);
             }
         }
+        if let Some(creeping) = &self.creeping {
+            creeping.add_to(&mut self.history);
+        }
         let plastic = &trial.solution.state.plastic;
         let rows = self.plastic.chunks_exact_mut(columns).zip(plastic.chunks_exact(columns));
         for (history, before) in rows {
@@ -239,16 +279,34 @@ impl Transient {
         let history = History { slip: [along, across], plastic };
         let before = trial.solution.state.traction.clone();
         let energy_before = energy(&before, &trial.displacement);
-        let near = trial.solution.clone();
-        let near = Some(near);
+        let displaced = trial.displacement.clone();
+        let near = Some(trial.solution.clone());
         trial.solution = self.contact.solve_settled(case, inputs, &driven, near, Some(history))?;
         self.shortfall = self.shortfall.or(self.contact.shortfall);
         let state = &trial.solution.state;
         self.contact.displacement(state, &mut trial.displacement);
         trial.answer = Answer::partial(case, &self.contact, &trial.solution, Some(&before));
+        let mut kept = None;
+        if let Some(creeping) = &mut self.creeping {
+            creeping.add_to(&mut trial.displacement);
+            let normal = self.contact.normal_displacement(state);
+            let Memory { solution, pressure, displacement, crept, .. } = &mut *trial;
+            let state = &solution.state;
+            let before = Instant { pressure, traction: &before, displacement: &displaced };
+            let (pressure, traction) = (&self.contact.pressure, &state.traction);
+            let after = Instant { pressure, traction, displacement };
+            kept = Some(creeping.end(crept, before, after, normal));
+        }
+        if let Some(kept) = kept {
+            trial.answer.dissipate(case, kept.dissipated);
+        }
+        let state = &trial.solution.state;
         if !case.bodies.are_coupled() {
             let energy = [energy_before, energy(&state.traction, &trial.displacement)];
-            let balance = Balance::step(case, &trial.answer, state.creepage, &before, energy);
+            let energy = kept.map_or(energy, |kept| kept.stored);
+            let taken = kept.map(|kept| kept.along_plane);
+            let balance =
+                Balance::step(case, &trial.answer, state.creepage, &before, energy, taken);
             trial.answer.balance =
                 Some(balance.check().map_err(|error| no_solution(error.into()))?);
         }
@@ -325,7 +383,8 @@ impl Model for Transient {
         let memory: Memory = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|e| wrong(e.to_string()))?;
         let layer = memory.solution.state.plastic.len() == self.plastic.len();
-        if !memory.fits(self.power.len()) || !layer {
+        let creeps = memory.crept.is_like(&self.accepted.crept);
+        if !memory.fits(self.power.len()) || !layer || !creeps {
             return Err(wrong("it is a state on another grid".to_owned()));
         }
         self.begins = false;
