@@ -1,10 +1,27 @@
-//! The whole contract, up to the largest grids, by a participant that takes its time.
+//! The whole contract: up to the largest grids by a participant that takes its time, and by the mechanical solver with every model.
 
 use serde_json::Value;
 use std::process::Command;
 use tests::harness::{Place, case, root};
 
-/// Every check that concerns it passes, in both of its modes.
+/// Every check that concerns a participant passes, in so many settings.
+fn conforms(role: &str, name: &str, more: &[&str], inapplicable: &[&str], settings: usize) {
+    let (place, case) = (Place::new(), case(name));
+    let mut arguments = vec!["conform", "--role", role, "--case", &case, "--json"];
+    arguments.extend(more);
+    let ended = place.start(&arguments).wait();
+    assert_eq!(ended.code, Some(0), "{}\n{}", ended.stderr, ended.stdout);
+    place.assert_nothing_left();
+    let report: Value = serde_json::from_str(&ended.stdout).unwrap();
+    assert_eq!(report["settings"].as_array().unwrap().len(), settings);
+    let of_no_concern = |name: &Value| inapplicable.iter().any(|one| name == one);
+    let expected = |name: &Value| if of_no_concern(name) { "inapplicable" } else { "passed" };
+    let checks = report["checks"].as_array().unwrap();
+    let as_expected = |row: &Value| row["verdict"] == expected(&row["name"]);
+    assert!(checks.iter().all(as_expected), "{}", ended.stdout);
+}
+
+/// In both of its modes. It has no volume.
 #[test]
 fn strip_columns_in_python_conform_up_to_the_largest_grids() {
     let made = Command::new("python3")
@@ -15,28 +32,28 @@ fn strip_columns_in_python_conform_up_to_the_largest_grids() {
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
     let interpreter = String::from_utf8(made.stdout).unwrap();
     let program = root().join("proto/python/examples/strip_columns.py").display().to_string();
-    let place = Place::new();
-    let case = case("falling-friction.toml");
-    let ended = place
-        .start(&[
-            "conform",
-            "--role",
-            "thermal",
-            "--case",
-            &case,
-            "--json",
-            "--",
-            interpreter.trim_end(),
-            &program,
-        ])
-        .wait();
-    assert_eq!(ended.code, Some(0), "{}\n{}", ended.stderr, ended.stdout);
-    place.assert_nothing_left();
-    let report: Value = serde_json::from_str(&ended.stdout).unwrap();
-    assert_eq!(report["settings"].as_array().unwrap().len(), 2);
-    let checks = report["checks"].as_array().unwrap();
-    // It has no volume.
-    let expected = |name: &Value| if name == "volumes" { "inapplicable" } else { "passed" };
-    let as_expected = |row: &Value| row["verdict"] == expected(&row["name"]);
-    assert!(checks.iter().all(as_expected), "{}", ended.stdout);
+    let more = ["--", interpreter.trim_end(), &program];
+    conforms("thermal", "falling-friction.toml", &more, &["volumes"], 2);
+}
+
+/// On coarse grids, and no model looks for a creepage. The solver runs alone.
+#[test]
+fn the_mechanical_solver_conforms_with_every_model() {
+    let more = [
+        "--set",
+        "mech.resolution=2",
+        "--unset",
+        "motion.traction_coefficient",
+        "--set",
+        "motion.creepage.xi=-0.003",
+    ];
+    let alone = [
+        "heat-received",
+        "growing-grids",
+        "volumes",
+        "missing-sample",
+        "wrong-sample",
+        "not-finite",
+    ];
+    conforms("mech", "wheel-rail.toml", &more, &alone, 10);
 }

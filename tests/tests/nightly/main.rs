@@ -1,5 +1,5 @@
 //! What takes long: the whole paper on its own grids, every sweep of the hard cases to its edge, the whole
-//! contract in Python. The system tests do the same on coarser grids and with fewer values.
+//! contract in Python and by every model of mechanics, hot steel by explicit elements. The system tests do the same on coarser grids and with fewer values.
 //!
 //! `cargo test --release --workspace --no-run && cargo test --release --workspace --test nightly`
 //!
@@ -9,6 +9,7 @@
 
 mod conform;
 mod engines;
+mod explicit;
 mod paper;
 #[path = "../shared/paper.rs"]
 mod shared_paper;

@@ -1,6 +1,6 @@
 //! The paper's own method on coarse elements: a wheel that rolls on a rail until that is steady.
 
-use crate::harness::{Place, case, field_files, sets};
+use crate::harness::{Place, case, sets};
 use serde_json::Value;
 
 fn number(summary: &Value, pointer: &str) -> f64 {
@@ -55,44 +55,6 @@ fn material_that_yields_takes_work_and_pressure() {
     assert!(figure(&soft, "max_pressure_pa") < 0.9 * figure(&hard, "max_pressure_pa"));
     assert!(figure(&soft, "max_plastic_strain") > 1e-3);
     assert_eq!(figure(&hard, "plastic_power_w"), 0.0);
-}
-
-/// A body all of which is at a temperature at which half of the stiffness and of the yield stress are left, as at any other, is one of
-/// half the modulus, half the yield stress and half the hardening: the same fields and figures to the bit. The other one expands by
-/// nothing, so that it too rolls on from where it was cold. What a flash of 300 K takes of the surface of hot steel is less than a
-/// hundredth, as elements of 3 mm have its mean over their depth (docs/effects.md).
-#[test]
-fn a_body_that_is_half_as_stiff() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("half.csv");
-    std::fs::write(&table, "250 0.5 0.5\n1500 0.5 0.5\n").unwrap();
-    let table = format!("materials.steel.softening_table={}", table.display());
-    let (soft, stiff, hot) = (Place::new(), Place::new(), Place::new());
-    let one = soft.summary(&case("softening.toml"), &["--set", &table]);
-    let halves = [
-        "materials.steel.youngs_modulus=105 GPa",
-        "materials.steel.yield_stress=300 MPa",
-        "materials.steel.kinematic_hardening=5 GPa",
-        "materials.steel.thermal_expansion=0",
-        "effects.thermal_expansion={}",
-    ];
-    let off = ["--unset", "effects.thermal_softening"].map(str::to_owned);
-    let more: Vec<String> = sets(&halves).iter().map(ToString::to_string).chain(off).collect();
-    let more: Vec<&str> = more.iter().map(String::as_str).collect();
-    let other = stiff.summary(&case("softening.toml"), &more);
-    assert_eq!(field_files(&soft.out()), field_files(&stiff.out()));
-    for name in ["max_pressure_pa", "friction_power_w", "max_plastic_strain", "approach_m"] {
-        assert_eq!(one["contact"][name], other["contact"][name], "{name}");
-    }
-    assert_eq!(one["contact"]["least_stiffness_share"], 1.0);
-    let warm = hot.summary(&case("softening.toml"), &[]);
-    let left = number(&warm, "/contact/least_stiffness_share");
-    let rise = number(&warm, "/temperature/rail/max_rise_k");
-    println!("{rise:.1} K, {left:.5} of the stiffness is left");
-    assert!((0.99..1.0).contains(&left) && rise > 250.0);
-    assert!(
-        number(&warm, "/contact/max_pressure_pa") > 1.3 * number(&one, "/contact/max_pressure_pa")
-    );
 }
 
 /// Temperatures that a table does not have end the run where they arise, with what to write; shares that rise, or a table without the
