@@ -5,6 +5,7 @@ mod common;
 mod creeping;
 mod description;
 mod expanding;
+mod fast_models;
 mod fastsim;
 mod half_space;
 mod half_space_model;
