@@ -169,6 +169,10 @@ impl TangentialSolver {
             let rounding = effort.last_change < ROUNDING || change.largest < ROUNDING * at_start;
             let small = next < ERROR_SHARE * tolerance || rounding;
             if rests && small && effort.force_error <= 1.0 {
+                if change.traction < ROUNDING * at_start {
+                    state.traction.iter_mut().for_each(|traction| traction.fill(0.0));
+                    self.update_slip(problem, state);
+                }
                 return Ok(effort);
             }
             let asked = ERROR_SHARE * tolerance / next;
