@@ -16,3 +16,4 @@ mod shared_paper;
 mod stability;
 #[path = "../shared/sweeps.rs"]
 mod sweeps;
+mod wheel;

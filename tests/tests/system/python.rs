@@ -32,6 +32,19 @@ fn python() -> Command {
     command
 }
 
+/// Cases are run from Python: `proto/python/tests/front_door.py`, which needs the executables.
+#[test]
+fn cases_are_run_from_python() {
+    let ended = Command::new(interpreter())
+        .args(["-m", "pytest", "-p", "no:cacheprovider", "proto/python/tests/front_door.py"])
+        .env("COSIM_COORDINATOR", programs().join("coordinator"))
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stdout));
+    println!("{}", String::from_utf8_lossy(&ended.stdout));
+}
+
 fn strip_columns() -> String {
     let program = "proto/python/examples/strip_columns.py";
     format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string())

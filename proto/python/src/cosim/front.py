@@ -1,0 +1,180 @@
+"""Cases run, planned and varied from Python, by the executables of the project.
+
+    import cosim
+
+    results = cosim.run("case.toml", mech={"resolution": 40})
+    results.temperature.rail.max_rise_k
+    results.fields["pressure"].values
+
+A case is the path of a file, its text, or the name of a scene (`coordinator new --list`). Keyword
+arguments are tables of the case, whose values take the place of what it has:
+`load={"normal_force": "100 kN"}`, `effects={"partial_slip": {}}`; None removes a key.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import pictures
+from .command import call, case_file, remove_with, results_folder, settings, toml
+from .results import Results, Section, table
+from .series import Array
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.axes import Axes
+
+Source = str | os.PathLike[str]
+
+
+def run(
+    case: Source,
+    *,
+    out: Source | None = None,
+    replace: bool = False,
+    record: bool = False,
+    accuracy: float | str | None = None,
+    extrapolate: bool = False,
+    strict: bool = False,
+    progress: bool | None = None,
+    **tables: Any,
+) -> Results:
+    """Run a case; what it has written.
+
+    `out` is a folder for the results, which without it last as long as the object that is
+    returned; `record` keeps every
+    exchange; `accuracy`, `extrapolate`, `strict` are those of `coordinator run`; `progress` shows
+    long work on standard error.
+    """
+    options = ["--record"] * record + ["--extrapolate"] * extrapolate + ["--strict"] * strict
+    options += ["--replace"] * replace
+    options += [] if accuracy is None else ["--accuracy", str(accuracy)]
+    with results_folder(out) as folder, case_file(case) as path:
+        call(
+            ["run", path, "--out", folder, "--json", *options, *settings(tables)],
+            folder=folder,
+            progress=progress,
+        )
+    results = Results(folder)
+    if out is None:
+        remove_with(results, folder)
+    return results
+
+
+def plan(case: Source, **tables: Any) -> Section:
+    """What a case will run and what not, and why, with estimates, as plan.json has it."""
+    with case_file(case) as path:
+        answer = call(["plan", path, "--json", *settings(tables)], progress=False)
+    return Section(json.loads(answer), "the plan")
+
+
+class Study:
+    """What a study has written.
+
+    `rows` are columns of numbers by name, `document` is its JSON file, `report` its page.
+    """
+
+    def __init__(self, folder: Path, name: str) -> None:
+        self.folder, self.name = folder, name
+
+    @property
+    def report(self) -> Path:
+        """The page with its plots."""
+        return self.folder / "report.html"
+
+    @functools.cached_property
+    def document(self) -> dict[str, Any]:
+        """The file of the study."""
+        document: dict[str, Any] = json.loads(
+            (self.folder / f"{self.name}.json").read_text(encoding="utf-8")
+        )
+        return document
+
+    @functools.cached_property
+    def rows(self) -> dict[str, Array]:
+        """Columns of numbers, a row a point."""
+        return table(self.folder / f"{self.name}.csv")
+
+    def __getitem__(self, column: str) -> Array:
+        return self.rows[column]
+
+    def frame(self) -> pandas.DataFrame:
+        """The same as a data frame; needs pandas."""
+        import pandas  # noqa: PLC0415
+
+        return pandas.read_csv(self.folder / f"{self.name}.csv")
+
+    def plot(self, x: str, y: str, axes: Axes | None = None) -> Axes:
+        """A picture of a column over another one; needs matplotlib."""
+        return pictures.curve(self, x, y, axes)
+
+    def __repr__(self) -> str:
+        return f"<{self.name} of {self.document.get('case')}: {self.folder}>"
+
+
+def sweep(
+    case: Source,
+    vary: Mapping[str, Sequence[Any] | str],
+    *,
+    paired: bool = False,
+    jobs: int | None = None,
+    fit: bool = False,
+    out: Source | None = None,
+    replace: bool = False,
+    progress: bool | None = None,
+    **tables: Any,
+) -> Study:
+    """Run a case over values of its keys: lists of values, or `"FROM..TO/COUNT"`.
+
+    `fit` makes a surrogate too.
+    """
+    options = ["--paired"] * paired + ["--fit"] * fit
+    options += [] if jobs is None else ["--jobs", str(jobs)]
+    for key, values in vary.items():
+        given = values if isinstance(values, str) else ",".join(map(toml, values))
+        options += ["--vary", f"{key}={given}"]
+    return study("sweep", case, options, out, replace, progress, tables)
+
+
+def cost(
+    case: Source,
+    *,
+    out: Source | None = None,
+    replace: bool = False,
+    progress: bool | None = None,
+    **tables: Any,
+) -> Study:
+    """What accuracy costs in time, over models, resolutions, windows and tolerances."""
+    return study("cost", case, [], out, replace, progress, tables)
+
+
+def study(
+    name: str,
+    case: Source,
+    options: Sequence[str],
+    out: Source | None,
+    replace: bool,
+    progress: bool | None,
+    tables: Mapping[str, Any],
+) -> Study:
+    """A study of the coordinator, by the name of its command."""
+    with results_folder(out) as folder, case_file(case) as path:
+        arguments: list[Source] = [
+            name,
+            path,
+            "--out",
+            folder,
+            *options,
+            *["--replace"] * replace,
+            *settings(tables),
+        ]
+        call(arguments, folder=folder, progress=progress)
+    written = Study(folder, name)
+    if out is None:
+        remove_with(written, folder)
+    return written

@@ -1,0 +1,120 @@
+"""Pictures of results by matplotlib: one call a picture, which returns its axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .series import Field
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .front import Study
+    from .results import Results
+
+LONG_UNITS = {"Pa": (1e6, "MPa"), "W/m2": (1e6, "W/mm²"), "m": (1e-3, "mm"), "N": (1e3, "kN")}
+"""Units in which numbers are drawn: how many of the field's unit, and the name."""
+
+STICK = 1e-3
+"""Slip velocities below this share of the largest are what solving leaves where surfaces stick."""
+
+ARROWS = 24
+"""Arrows along the longer side at most."""
+
+
+def new_axes(axes: Axes | None) -> Axes:
+    """The axes given, or those of a new figure; needs matplotlib."""
+    if axes is not None:
+        return axes
+    from matplotlib import pyplot  # noqa: PLC0415
+
+    return pyplot.subplots(constrained_layout=True)[1]
+
+
+def words(name: str) -> str:
+    """A name of the contract as people write it."""
+    return name.replace("_", " ")
+
+
+def field(field: Field, axes: Axes | None = None) -> Axes:
+    """A field over its plane: filled contours, with the arrows of a vector."""
+    axes = new_axes(axes)
+    scale, unit = LONG_UNITS.get(field.unit, (1.0, field.unit))
+    down, across = (getattr(field, name) for name in field.axes)
+    x, y = 1e3 * across, 1e3 * down
+    if len(y) == 1:
+        axes.plot(x, field.magnitude[0] / scale)
+        axes.set(xlabel="x [mm]", ylabel=f"{words(field.name)} [{unit}]")
+        return axes
+    drawn = axes.contourf(x, y, field.magnitude / scale, levels=32)
+    axes.figure.colorbar(drawn, ax=axes, label=f"{words(field.name)} [{unit}]")
+    if field.values.ndim == 3:
+        step = max(max(field.values.shape[:2]) // ARROWS, 1)
+        vectors = field.values[step // 2 :: step, step // 2 :: step]
+        seen = np.linalg.norm(vectors, axis=-1) > 1e-3 * field.magnitude.max(initial=1e-300)
+        grid = np.meshgrid(x[step // 2 :: step], y[step // 2 :: step])
+        axes.quiver(
+            *(one[seen] for one in grid),
+            vectors[seen][:, 0],
+            vectors[seen][:, 1],
+            color="white",
+            alpha=0.8,
+        )
+    if field.axes[0] == "y":
+        axes.set_aspect("equal")
+    axes.set(xlabel="x [mm]", ylabel=f"{field.axes[0]} [mm]")
+    return axes
+
+
+def stick_and_slip(results: Results, axes: Axes | None = None) -> Axes:
+    """Where surfaces in contact stick and where they slip."""
+    axes = new_axes(axes)
+    pressure, slip = results["pressure"], results["slip_velocity"]
+    speed = slip.magnitude
+    state = np.where(
+        pressure.values > 0.0, np.where(speed > STICK * speed.max(initial=0.0), 2.0, 1.0), np.nan
+    )
+    from matplotlib.colors import ListedColormap  # noqa: PLC0415
+    from matplotlib.patches import Patch  # noqa: PLC0415
+
+    colours = ("#2f6f9f", "#d97b29")
+    axes.pcolormesh(
+        1e3 * pressure.x, 1e3 * pressure.y, state, cmap=ListedColormap(colours), vmin=1.0, vmax=2.0
+    )
+    axes.legend(
+        handles=[Patch(color=c, label=label) for c, label in zip(colours, ("stick", "slip"))]
+    )
+    axes.set_aspect("equal")
+    axes.set(xlabel="x [mm]", ylabel="y [mm]")
+    return axes
+
+
+def depth_profile(section: Field, axes: Axes | None = None, label: str | None = None) -> Axes:
+    """A section's values over the depth, below the place where the surface has the largest."""
+    axes = new_axes(axes)
+    if section.axes[0] != "z":
+        raise ValueError(f"`{section.name}` is no section over the depth")
+    scale, unit = LONG_UNITS.get(section.unit, (1.0, section.unit))
+    column = np.unravel_index(np.abs(section.magnitude).argmax(), section.magnitude.shape)[1]
+    axes.plot(
+        section.magnitude[:, column] / scale,
+        1e3 * np.abs(section.z),
+        label=label or words(section.name),
+    )
+    if not axes.yaxis_inverted():
+        axes.invert_yaxis()
+    axes.set(xlabel=f"{words(section.name)} [{unit}]", ylabel="depth [mm]")
+    axes.legend()
+    return axes
+
+
+def curve(study: Study, x: str, y: str, axes: Axes | None = None) -> Axes:
+    """A column of a study over another one, such as a force over a creepage."""
+    axes = new_axes(axes)
+    order = np.argsort(study[x])
+    axes.plot(study[x][order], study[y][order], marker="o", markersize=3)
+    axes.set(xlabel=x, ylabel=y)
+    axes.locator_params(axis="x", nbins=6)
+    return axes

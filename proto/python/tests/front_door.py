@@ -1,0 +1,224 @@
+"""Cases run from Python, by the executables that COSIM_COORDINATOR names; called by the system tests, which have built them."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+
+import cosim
+from cosim.command import toml
+from cosim.series import Fault, header
+
+matplotlib.use("Agg")
+
+ROOT = Path(__file__).resolve().parents[3]
+CASE = ROOT / "cases" / "wheel-rail.toml"
+COARSE = {"resolution": 12}
+
+
+@pytest.fixture(scope="module")
+def results():
+    return cosim.run(CASE, mech=COARSE, record=True)
+
+
+def test_figures_are_attributes_and_have_units(results):
+    rise = results.temperature.rail.max_rise_k
+    assert 200.0 < rise < 240.0
+    figure = results.figures["temperature.rail.max_rise_k"]
+    assert (figure.value, figure.unit) == (rise, "K")
+    assert format(figure, ".1f") == f"{rise:.1f} K"
+    assert "rail" in dir(results.temperature)
+    with pytest.raises(
+        AttributeError, match="no `rial` in the summary.temperature"
+    ):
+        _ = results.temperature.rial
+    assert "temperature rise" in repr(results) and results.status == "completed"
+
+
+def test_fields_are_arrays_with_places(results):
+    pressure = results["pressure"]
+    assert pressure.unit == "Pa" and pressure.values.shape == (len(pressure.y), len(pressure.x))
+    area = np.diff(pressure.x[:2])[0] * np.diff(pressure.y[:2])[0]
+    # The field on the grid carries the load, to the digits of a sum.
+    assert pressure.values.sum() * area == pytest.approx(results.contact.normal_force_n, rel=1e-12)
+    traction = results["traction"]
+    assert traction.values.shape == (*pressure.values.shape, 3)
+    assert traction.values[..., 0].sum() * area == pytest.approx(
+        results.contact.creep_force_x_n, rel=1e-12
+    )
+    section = results["rail_section_temperature"]
+    assert section.axes == ("z", "x") and section.magnitude.max() == pytest.approx(
+        results.temperature.rail.max_rise_k, rel=0.02
+    )
+    with pytest.raises(KeyError, match="no field `presure`"):
+        _ = results["presure"]
+
+
+def test_frames_and_arrays_of_others(results):
+    frame = results.history_frame()
+    assert (
+        len(frame) == 1
+        and frame["contact.approach_m"][0] == results.history["contact.approach_m"][0]
+    )
+    array = results["traction"].to_xarray()
+    assert array.sizes["component"] == 3 and array.attrs["units"] == "Pa"
+    assert float(array.x[0]) == results["traction"].x[0]
+
+
+def test_pictures_have_axes_and_units(results):
+    assert results.plot("pressure").get_xlabel() == "x [mm]"
+    assert results.plot("traction").get_aspect() == 1.0
+    assert results.plot_stick_and_slip().get_legend() is not None
+    depth = results.plot_depth("rail_section_temperature")
+    assert depth.yaxis_inverted() and depth.get_xlabel() == "rail section temperature [K]"
+    with pytest.raises(ValueError, match="no section"):
+        results.plot_depth("pressure")
+
+
+def test_a_recording_is_replayed_to_the_bit(results):
+    assert "bit-identical" in results.replay("thermal")
+
+
+def test_results_are_kept_and_reported(results, tmp_path):
+    kept = results.save(tmp_path / "kept")
+    assert kept.summary == results.summary
+    assert kept.report().read_text().startswith("<!")
+    with pytest.raises(FileExistsError):
+        results.save(tmp_path / "kept")
+    assert results.save(tmp_path / "kept", replace=True).summary == results.summary
+
+
+def test_the_same_figures_as_the_command_to_the_bit(results, tmp_path):
+    command = [
+        os.environ["COSIM_COORDINATOR"],
+        "run",
+        CASE,
+        "--set",
+        "mech.resolution=12",
+        "--out",
+        tmp_path / "o",
+        "--quiet",
+    ]
+    subprocess.run(command, check=True)
+    plain = cosim.Results(tmp_path / "o")
+    assert plain.summary["contact"] == results.summary["contact"]
+    assert plain.summary["temperature"] == results.summary["temperature"]
+
+
+def test_a_case_by_its_scene_or_its_text(results):
+    assert cosim.run("wheel-rail", mech=COARSE).contact.approach_m == results.contact.approach_m
+    assert cosim.run(CASE.read_text(), mech=COARSE).contact.approach_m == results.contact.approach_m
+
+
+def test_keys_are_set_and_removed():
+    case = cosim.run(
+        CASE,
+        mech=COARSE,
+        motion={"traction_coefficient": None, "creepage": {"xi": -0.002}},
+        effects={"friction_heat": None},
+        thermal=None,
+    )
+    assert case.contact.creepage_xi == -0.002
+    assert "temperature" not in case.summary
+
+
+def test_a_plan_says_what_runs():
+    plan = cosim.plan(CASE, mech=COARSE)
+    assert [one.role for one in plan.participants] == ["mech", "thermal"]
+
+
+def test_a_sweep_has_columns(tmp_path):
+    sweep = cosim.sweep(
+        CASE, {"motion.traction_coefficient": [0.1, 0.3]}, mech=COARSE, out=tmp_path / "s", jobs=1
+    )
+    assert np.all(np.diff(sweep["temperature.rail.max_rise_k"]) > 0.0)
+    assert sweep["motion.traction_coefficient"].tolist() == [0.1, 0.3] and sweep.report.exists()
+    assert (
+        sweep.frame().shape[0] == 2
+        and sweep.plot("contact.creepage_xi", "contact.creep_force_x_n").get_xlabel()
+    )
+
+
+def test_errors_are_what_the_coordinator_says(tmp_path):
+    with pytest.raises(cosim.CosimError, match="mech.resolutoin: unknown key") as caught:
+        cosim.run(CASE, mech={"resolutoin": 12})
+    assert caught.value.exit_code == 2 and "fix: write `mech.resolution`" in str(caught.value)
+    with pytest.raises(cosim.CosimError, match="there is no such scene"):
+        cosim.run("no-such-scene")
+    with pytest.raises(cosim.CosimError, match="nothing.toml"):
+        cosim.run(tmp_path / "nothing.toml")
+
+
+def test_values_are_written_as_toml():
+    values = {"a b": [1, 2.5, np.float64(0.1), np.int64(3)], "c": {}}
+    assert toml(values) == '{"a b" = [1, 2.5, 0.1, 3], "c" = {}}'
+    assert [toml(one) for one in (True, "60 MPa", 'a "b"\n', 1e-300)] == [
+        "true",
+        '"60 MPa"',
+        '"a \\"b\\"\\n"',
+        "1e-300",
+    ]
+    with pytest.raises(TypeError, match="no value of a case"):
+        toml(object())
+
+
+def test_no_executable_is_said(monkeypatch):
+    monkeypatch.setenv("COSIM_COORDINATOR", "/nowhere/coordinator")
+    with pytest.raises(FileNotFoundError, match="cargo build --release"):
+        cosim.run(CASE)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"",
+        b"<VTKFile>",
+        b'<VTKFile><AppendedData encoding="raw">_',
+        b'<a<AppendedData encoding="raw">\n_',
+    ],
+)
+def test_files_that_are_no_series(tmp_path, text):
+    (tmp_path / "a.vti").write_bytes(text)
+    if text.endswith(b"_") and text.startswith(b"<VTKFile>"):
+        assert header(tmp_path / "a.vti")[1].tag == "VTKFile"
+        return
+    with pytest.raises(Fault):
+        header(tmp_path / "a.vti")
+
+
+def test_an_interrupted_run_leaves_no_process(tmp_path):
+    script = f"import cosim; cosim.run({str(ROOT / 'cases' / 'cold-start.toml')!r}, out={str(tmp_path / 'o')!r}, mech={{'resolution': 60}}, time={{'end': 1.0}})"
+    process = subprocess.Popen(
+        [sys.executable, "-c", script], start_new_session=True, stderr=subprocess.PIPE, text=True
+    )
+    deadline = time.monotonic() + 60.0
+    while not (tmp_path / "o" / "history.csv").exists():
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=60.0)
+    assert "KeyboardInterrupt" in told
+    # Participants are in groups of their own: none has this folder's run any more.
+    left = subprocess.run(
+        ["pgrep", "-f", str(tmp_path / "o")], capture_output=True, text=True
+    ).stdout
+    assert left == ""
+
+
+def test_the_notebook_runs():
+    import nbformat
+    from nbclient import NotebookClient
+
+    path = ROOT / "proto" / "python" / "examples" / "flash_temperature.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
+    outputs = [one for cell in notebook.cells for one in cell.get("outputs", ())]
+    said = "".join(one.get("text", "") for one in outputs)
+    assert "temperature rise: 225.9 K" in said
+    assert sum("image/png" in one.get("data", {}) for one in outputs) == 2
