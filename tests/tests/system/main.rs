@@ -60,6 +60,7 @@ mod results;
 mod resume;
 mod rods;
 mod scenes;
+mod snippets;
 mod stability;
 mod start;
 mod surrogate;
