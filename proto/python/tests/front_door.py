@@ -17,6 +17,12 @@ from cosim.series import Fault, header
 
 matplotlib.use("Agg")
 
+# What other packages announce of their future is theirs.
+pytestmark = [
+    pytest.mark.filterwarnings(f"default::{kind}")
+    for kind in ("DeprecationWarning", "PendingDeprecationWarning", "FutureWarning")
+]
+
 ROOT = Path(__file__).resolve().parents[3]
 CASE = ROOT / "cases" / "wheel-rail.toml"
 COARSE = {"resolution": 12}
