@@ -140,6 +140,16 @@ def header(path: Path) -> tuple[bytes, ElementTree.Element, int]:
 
 def read(path: Path, name: str, time: float) -> Field:
     """An array of a file of equal elements."""
+    try:
+        return parse(path, name, time)
+    except (KeyError, IndexError, ValueError, OverflowError, UnicodeError) as error:
+        if isinstance(error, Fault):
+            raise
+        raise Fault(f"{path} is no file of equal elements: {error!r}") from error
+
+
+def parse(path: Path, name: str, time: float) -> Field:
+    """The same; what is wrong with the file may be any error of a value."""
     data, root, start = header(path)
     image = root.find("ImageData")
     if image is None:
@@ -150,10 +160,6 @@ def read(path: Path, name: str, time: float) -> Field:
         [float(one) for one in image.attrib[key].split()] for key in ("Origin", "Spacing")
     )
     inside = [0.5 if ends[2 * k + 1] > ends[2 * k] else 0.0 for k in range(3)]
-    x, y, z = (
-        np.asarray(origin[k] + (np.arange(counts[k]) + inside[k]) * side[k], np.float64)
-        for k in range(3)
-    )
     for array in root.iter("DataArray"):
         label = array.attrib.get("Name", "")
         if array.get("format") != "appended" or label.split(" [")[0] != name:
@@ -164,6 +170,10 @@ def read(path: Path, name: str, time: float) -> Field:
         if int.from_bytes(data[begin : begin + 8], "little") != 8 * count:
             raise Fault(f"{path}: `{name}` has not the {count} values of its grid")
         values = np.frombuffer(data, "<f8", count, begin + 8)
+        x, y, z = (
+            np.asarray(origin[k] + (np.arange(counts[k]) + inside[k]) * side[k], np.float64)
+            for k in range(3)
+        )
         shape = [counts[2], counts[0]] if counts[2] > 1 else [counts[1], counts[0]]
         values = values.reshape([*shape, components] if components > 1 else shape)
         return Field(name, label.partition(" [")[2].rstrip("]"), time, values, x, y, z)
