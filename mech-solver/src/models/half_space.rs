@@ -122,6 +122,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
     takes: &[
         Kind::Gap,
         Kind::Friction,
+        Kind::Bands,
         Kind::PressureBound,
         Kind::Adhesion,
         Kind::Layer,
