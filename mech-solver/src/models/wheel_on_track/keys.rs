@@ -144,8 +144,8 @@ fn load() -> Vec<KeySpec> {
         .varies(),
         KeySpec::number(LEFT_SHARE, "share of the axle load that the left wheel carries")
             .default_value(0.5)
-            .above(0.0)
-            .at_most(1.0)
+            .at_least(1e-3)
+            .at_most(0.999)
             .varies(),
         KeySpec::quantity(
             HEIGHT,
