@@ -24,6 +24,7 @@
 
 mod advice;
 pub mod axle;
+mod bands;
 mod carried;
 pub mod conformal;
 mod curve;

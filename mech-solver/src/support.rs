@@ -53,7 +53,8 @@ mod tests {
     fn made(terms: &Terms) -> Vec<Kind> {
         let lists = [
             (Kind::Gap, terms.gap.len()),
-            (Kind::Friction, terms.friction.len()),
+            (Kind::Friction, terms.friction.iter().filter(|term| term.bands().is_none()).count()),
+            (Kind::Bands, usize::from(terms.bands().is_some())),
             (Kind::PressureBound, terms.pressure_bounds.len()),
             (Kind::Adhesion, usize::from(terms.adhesion)),
             (Kind::Layer, terms.layers.len()),

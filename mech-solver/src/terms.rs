@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | `Gap` | heights [m] | the undeformed distance, to which they are added |
 //! | `Friction` | a law for the friction coefficients of the elements | the traction bound, before every solve |
+//! | `Bands` | factors on them over a coordinate | the same; one of the laws |
 //! | `PressureBound` | a largest pressure [Pa], of several the smallest | the normal contact |
 //! | `Adhesion` | that surfaces may stick | the tangential contact; without it all of the contact slides |
 //! | `Layer` | a tangential flexibility [m/Pa], in series | the displacement difference |
@@ -27,6 +28,7 @@
 pub(crate) use crate::state::{Accepted, State};
 
 use crate::axle::Axle;
+use crate::bands::Bands;
 use crate::explicit::kernel::Flow;
 use crate::half_space::viscoelastic::Retardation;
 use crate::half_space::yielding::Yield;
@@ -48,6 +50,8 @@ pub enum Kind {
     Gap,
     /// Friction coefficients of the elements.
     Friction,
+    /// Factors on friction coefficients over a coordinate.
+    Bands,
     /// Largest pressure.
     PressureBound,
     /// Surfaces that may stick.
@@ -110,6 +114,11 @@ pub(crate) trait FrictionTerm: State + Debug {
     /// # Errors
     /// An input is missing or unusable, or the law has no value for it.
     fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError>;
+
+    /// The factors over a coordinate that it is.
+    fn bands(&self) -> Option<&Bands> {
+        None
+    }
 
     /// It depends on the slip, so that a prescribed force and its creepage are found together.
     fn follows_slip(&self) -> bool {
@@ -239,6 +248,16 @@ impl Terms {
         friction.clear();
         friction.resize(rubbing.grid.points(), coefficient);
         self.friction.iter_mut().try_for_each(|term| term.apply(rubbing, friction))
+    }
+
+    /// The first active effect that changes friction coefficients.
+    pub(crate) fn friction_effect(&self) -> Option<&'static str> {
+        self.effect_of(Kind::Friction).or_else(|| self.effect_of(Kind::Bands))
+    }
+
+    /// Factors on the friction coefficient over a coordinate.
+    pub(crate) fn bands(&self) -> Option<&Bands> {
+        self.friction.iter().find_map(|term| term.bands())
     }
 
     /// Friction depends on the slip that it allows.

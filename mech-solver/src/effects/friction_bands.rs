@@ -1,11 +1,19 @@
-//! Effect `friction_bands`: friction varies across the contact.
+//! Effect `friction_bands`: friction varies across the contact, or along the track.
 //!
-//! f(y) = f₀ m(y): a table of lateral coordinates and of factors on the friction coefficient of the case and of the effects
-//! before, with straight lines between and the ends' beyond: a rail whose gauge face is greased, or a head with a friction modifier. y is that of
-//! the profiles, from the origin of the case. Two lines that are close make a step.
+//! f = f₀ m(q): a table of a coordinate q and of factors m on the friction coefficient of the case and of the effects before, with straight lines
+//! between and the ends' beyond: a rail whose gauge face is greased, or a head with a friction modifier. Two lines that are close make a step. The
+//! coordinate is
 //!
-//! Source: Coulomb's law element by element; CONTACT has the same over the angle of the surface.
+//! - the lateral one, that of the profiles, from the origin of the case; in model `wheel-on-track` the distance along the tape over the rail's profile;
+//! - the inclination of the rail's surface, in the axes of its profile, positive on the gauge side (`wheel-on-track`);
+//! - the place along the track, `wheelset.way` plus x (`wheel-on-track`).
+//!
+//! Every element has its own coordinate, or all of a patch that of its reference.
+//!
+//! Source: Coulomb's law element by element. CONTACT's user guide, *Friction variation*, has tables over inclination and track for the reference of
+//! a patch; its inclinations have the other sign.
 
+use crate::bands::{At, Bands, Over};
 use crate::curve::Curve;
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
@@ -20,9 +28,9 @@ use std::path::Path;
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
     name: "friction_bands",
-    law: "f(y) = f0 m(y), a table of factors over the lateral coordinate",
-    source: "Coulomb's law element by element",
-    kinds: &[Kind::Friction],
+    law: "f = f0 m, a table of factors over the lateral coordinate, the inclination of the rail or the track",
+    source: "Coulomb's law element by element; Vollebregt, User guide for CONTACT (2022), friction variation",
+    kinds: &[Kind::Bands],
     consumes: &[],
     provides: &[],
     keys,
@@ -32,10 +40,30 @@ pub const EFFECT: Effect = Effect {
 };
 
 const TABLE: &str = "effects.friction_bands.table";
+const OVER: &str = "effects.friction_bands.over";
+const AT: &str = "effects.friction_bands.at";
 
 fn keys() -> Vec<KeySpec> {
-    let help = "lines of lateral coordinate [m] and factor on the friction coefficient, rising";
-    vec![KeySpec::file(TABLE, help).required()]
+    vec![
+        KeySpec::file(
+            TABLE,
+            "lines of a coordinate, rising, and of a factor on the friction coefficient",
+        )
+        .required(),
+        KeySpec::choice(
+            OVER,
+            &["lateral", "inclination", "track"],
+            "the coordinate: the lateral one [m], the inclination of the rail's surface in its profile, positive on the gauge side [rad], or the \
+             place along the track [m]; the last two in model wheel-on-track",
+        )
+        .default_value("lateral"),
+        KeySpec::choice(
+            AT,
+            &["elements", "patches"],
+            "every element has the friction of its own place, or all of a patch that of its reference, in model wheel-on-track",
+        )
+        .default_value("elements"),
+    ]
 }
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
@@ -46,15 +74,35 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         false => Err("has no factor above 0".to_owned()),
     };
     let table = Curve::read(Path::new(path), true, positive).map_err(|reason| {
-        let fix = "give lines of two numbers, the lateral coordinate rising";
+        let fix = "give lines of two numbers, the coordinate rising";
         Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
     })?;
-    Ok(Terms { friction: vec![Box::new(Bands(table))], ..Terms::default() })
+    let over = match case.text(OVER)? {
+        "inclination" => Over::Inclination,
+        "track" => Over::Track,
+        _ => Over::Lateral,
+    };
+    let at = if case.text(AT)? == "patches" { At::Patches } else { At::Elements };
+    refuse_without_rail(configuration, over, at)?;
+    let bands = Bands { table, over, at };
+    Ok(Terms { friction: vec![Box::new(bands)], ..Terms::default() })
 }
 
-/// Factors over the lateral coordinate.
-#[derive(Debug)]
-struct Bands(Curve<1>);
+/// Refuses what only a rail on a track has.
+fn refuse_without_rail(configuration: &Configuration, over: Over, at: At) -> Result<(), Refusal> {
+    let model = &configuration.model;
+    let refuse = |key: &str, lacks: &str, word: &str| {
+        let reason = format!("the model `{model}` has no {lacks}");
+        let fix = format!("choose mech.model = \"wheel-on-track\", or write \"{word}\"");
+        Err(Refusal::new(key, reason, fix))
+    };
+    match (over, at) {
+        _ if model == "wheel-on-track" => Ok(()),
+        (Over::Inclination | Over::Track, _) => refuse(OVER, "rail on a track", "lateral"),
+        (_, At::Patches) => refuse(AT, "patches with references", "elements"),
+        _ => Ok(()),
+    }
+}
 
 impl State for Bands {}
 
@@ -62,10 +110,14 @@ impl FrictionTerm for Bands {
     fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
         let Rubbing { grid, origin_y, .. } = rubbing;
         for (j, row) in friction.chunks_exact_mut(grid.ni).enumerate() {
-            let factor = self.0.at(origin_y + grid.y(j)).map_or(1.0, |[factor]| factor);
+            let factor = self.factor(origin_y + grid.y(j));
             row.iter_mut().for_each(|friction| *friction *= factor);
         }
         Ok(())
+    }
+
+    fn bands(&self) -> Option<&Bands> {
+        Some(self)
     }
 
     fn follows_inputs(&self) -> bool {

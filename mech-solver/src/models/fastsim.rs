@@ -79,7 +79,7 @@ const PASSES: usize = 25;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "fastsim",
     spec,
-    takes: &[Kind::Friction, Kind::Adhesion, Kind::Axle, Kind::HeatShare],
+    takes: &[Kind::Friction, Kind::Bands, Kind::Adhesion, Kind::Axle, Kind::HeatShare],
     configure,
 };
 /// The same for an estimate.
@@ -139,7 +139,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
         layout.remarks = vec![varying.remark(&extent)];
         (layout.solve_seconds, layout.build_seconds) = (layout.build_seconds, 0.0);
     }
-    if terms.effect_of(Kind::Friction).is_some() {
+    if terms.friction_effect().is_some() {
         layout.remarks.push("the contact is computed in every iteration".to_owned());
         layout.solve_seconds = layout.solve_seconds.max(layout.build_seconds);
     }

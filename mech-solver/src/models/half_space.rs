@@ -125,6 +125,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
     takes: &[
         Kind::Gap,
         Kind::Friction,
+        Kind::Bands,
         Kind::PressureBound,
         Kind::Adhesion,
         Kind::Layer,

@@ -51,7 +51,7 @@ const SECONDS_PER_VALUE: f64 = 7e-8;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "hertz-carter",
     spec,
-    takes: &[Kind::Friction, Kind::Adhesion, Kind::Axle, Kind::HeatShare],
+    takes: &[Kind::Friction, Kind::Bands, Kind::Adhesion, Kind::Axle, Kind::HeatShare],
     configure,
 };
 /// Elements per semi-axis, unless the case says otherwise.
@@ -121,7 +121,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     let wanted = precomputed::wanted_fields(configuration);
     let values: usize = wanted.iter().map(|spec| precomputed::count(spec, &grid)).sum();
     let mut layout = precomputed::layout(&wanted, grid, SECONDS_PER_VALUE * values as f64);
-    let follows = terms.effect_of(Kind::Friction);
+    let follows = terms.friction_effect();
     if follows.is_some() {
         layout.remarks = vec!["the fields are computed in every iteration".to_owned()];
     }

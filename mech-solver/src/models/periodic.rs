@@ -40,7 +40,14 @@ const BYTES: f64 = 250.0;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "periodic",
     spec,
-    takes: &[Kind::Gap, Kind::Friction, Kind::PressureBound, Kind::Expansion, Kind::HeatShare],
+    takes: &[
+        Kind::Gap,
+        Kind::Friction,
+        Kind::Bands,
+        Kind::PressureBound,
+        Kind::Expansion,
+        Kind::HeatShare,
+    ],
     configure,
 };
 

@@ -13,15 +13,18 @@
 //! |---|---|
 //! | `keys` | the keys of track, wheelset and elements |
 //! | `case` | a checked case, and the position of a window |
+//! | `friction` | the friction coefficient of every element |
 //! | `plane` | the grid that holds the patches of all rows |
 //! | `running` | what solves a window |
-//! | `summary` | its figures |
+//! | `summary`, `wheels` | its figures; those of each wheel |
 
 mod case;
+mod friction;
 mod keys;
 mod plane;
 mod running;
 mod summary;
+mod wheels;
 
 use super::each_window::{EachWindow, fields_over};
 use crate::entry::ModelEntry;
@@ -47,7 +50,7 @@ const BYTES: f64 = 4000.0;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "wheel-on-track",
     spec,
-    takes: &[Kind::Adhesion, Kind::Layer, Kind::HeatShare],
+    takes: &[Kind::Bands, Kind::Adhesion, Kind::Layer, Kind::HeatShare],
     configure,
 };
 

@@ -96,6 +96,18 @@ impl WheelOnRail {
         }
     }
 
+    /// Height of the wheelset at which the wheel touches in a position [m]; `None` beside the rail.
+    pub fn touching_height(&mut self, motion: &Motion, deviation: &Deviation) -> Option<f64> {
+        self.pair.go_to(motion, deviation);
+        self.pair.touching_height()
+    }
+
+    /// Depth below touching of the last position under a force [m].
+    #[must_use]
+    pub fn depth(&self) -> f64 {
+        self.depth
+    }
+
     /// Forgets the positions before.
     pub fn forget(&mut self) {
         self.pair.forget();

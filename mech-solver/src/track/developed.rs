@@ -47,24 +47,36 @@ impl Developed {
     /// The fields of patches on a given part of the grid; what is outside is left out.
     #[must_use]
     pub fn on(patches: &[Patch], first: [i64; 2], counts: [usize; 2]) -> Self {
+        let mut sum = Self::empty(first, counts);
+        sum.take(patches, 0);
+        sum
+    }
+
+    /// A part of the grid on which nothing happens.
+    #[must_use]
+    pub fn empty(first: [i64; 2], counts: [usize; 2]) -> Self {
         let zeros = || vec![0.0; counts[0] * counts[1]];
-        let mut sum = Self {
+        Self {
             first,
             counts,
             pressure: zeros(),
             traction: [zeros(), zeros()],
             slip_velocity: [zeros(), zeros()],
             friction_power: zeros(),
-        };
-        patches.iter().for_each(|patch| sum.add(&patch.fields));
-        sum
+        }
     }
 
-    fn add(&mut self, fields: &Fields) {
+    /// Takes the fields of patches, so many rows further along the tape; what is outside is left out.
+    pub fn take(&mut self, patches: &[Patch], rows: i64) {
+        patches.iter().for_each(|patch| self.add(&patch.fields, rows));
+    }
+
+    fn add(&mut self, fields: &Fields, rows: i64) {
         let [nx, ny] = fields.counts;
         for at in 0..nx * ny {
             let place = [at % nx, at / nx];
             let [i, j] = [0, 1].map(|k| fields.first[k] + place[k] as i64 - self.first[k]);
+            let j = j + rows;
             let [wide, high] = self.counts.map(|count| count as i64);
             if !(0..wide).contains(&i) || !(0..high).contains(&j) {
                 continue;

@@ -30,6 +30,27 @@ pub enum TrackError {
         /// Force reached [N].
         found: f64,
     },
+    /// The wheels do not stand at one height.
+    #[error(
+        "the roll of the wheelset is not found at which both wheels carry their loads: at {roll:.6e} rad the left \
+         one is {apart:.3e} m above the right one; under a flange that is steep both heights rise together"
+    )]
+    Roll {
+        /// Roll that is nearest [rad].
+        roll: f64,
+        /// Height of the axle over the left wheel less that over the right one [m].
+        apart: f64,
+    },
+    /// The torque is not met.
+    #[error(
+        "the wheels do not carry a torque of {wanted:.6e} N m at any angular velocity: {found:.6e} N m is nearest"
+    )]
+    Torque {
+        /// Torque asked for [N m].
+        wanted: f64,
+        /// Torque reached [N m].
+        found: f64,
+    },
     /// A patch has too many elements.
     #[error(
         "a patch at a penetration of {penetration:.3e} m needs {elements} elements, more than {limit}"

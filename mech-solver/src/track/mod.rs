@@ -13,18 +13,21 @@
 //! | [`fields`], [`patch`] | fields, forces and figures of patches; sums of a wheel |
 //! | [`developed`] | the fields of all patches on one grid over x and the tape |
 //! | [`contact`] | **all of it**: one position after another, by height or vertical force |
+//! | [`balance`] | one wheel or both: the roll under two loads, the angular velocity under a torque |
 //! | [`settings`], [`error`] | what it is solved with; why there is no solution |
 //! | `pair`, `pressed`, `pool` | a position at one height after another; a patch under pressure; solvers of all sizes |
+//! | `root` | the root of a function that is dear to evaluate |
 //!
 //! ```text
 //! profiles ─► outline ─► rail, wheelset ─► silhouette ─► search ─► region ─► local ─► pressed ─┐
-//!                                                                       creepage ─► patch ─► contact
+//!                                                                       creepage ─► patch ─► contact ─► balance
 //! ```
 //!
 //! Every patch is a contact of half-spaces ([`crate::half_space`]) in its own plane, of bodies of the same
 //! material, rolling steadily. Axes are those of [`rail`]: x forward, y to the left, z up; forces act on the wheel.
 //! On a rail and a wheel that are one surface round a corner (conformal contact) half-spaces are a rough picture.
 
+pub mod balance;
 pub mod contact;
 pub mod creepage;
 pub mod developed;
@@ -39,6 +42,7 @@ mod pressed;
 pub mod profile;
 pub mod rail;
 pub mod region;
+mod root;
 pub mod search;
 pub mod settings;
 pub mod silhouette;

@@ -14,7 +14,7 @@ use super::pressed::Pressed;
 use super::rail::{Deviation, Rail};
 use super::region::Region;
 use super::search::{Rows, Search, clearance};
-use super::settings::{Friction, RigidSlip, Settings};
+use super::settings::{Friction, RigidSlip, Settings, Spot};
 use super::silhouette::{Circles, Shadow, shadow};
 use super::sliding::everywhere;
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
@@ -160,7 +160,9 @@ impl Pair {
             let mut fields =
                 Fields::pressed(window, frame.element, &pressed.distance, &pressed.pressure);
             let part = pressed.contact_window();
-            let bound = fields.bound(&part, friction);
+            let reference = [frame.reference.x, pressed.region.s];
+            let middle = Spot { element: reference, reference, angle: frame.angle };
+            let bound = fields.bound(&part, friction, &middle);
             let off_plane = match self.settings.rigid_slip {
                 RigidSlip::Plane => None,
                 RigidSlip::Surfaces => Some(off_plane(pressed, &part, &rolling)),

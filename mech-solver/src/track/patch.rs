@@ -74,6 +74,19 @@ pub struct Work {
     pub newton_steps: usize,
 }
 
+impl Work {
+    /// Both together.
+    #[must_use]
+    pub fn and(&self, other: &Self) -> Self {
+        Self {
+            normal_contacts: self.normal_contacts + other.normal_contacts,
+            normal_iterations: self.normal_iterations + other.normal_iterations,
+            tangential_contacts: self.tangential_contacts + other.tangential_contacts,
+            newton_steps: self.newton_steps + other.newton_steps,
+        }
+    }
+}
+
 impl Patch {
     /// The figures of fields.
     pub(super) fn of(

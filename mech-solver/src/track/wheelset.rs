@@ -32,6 +32,8 @@ pub struct Wheelset {
 /// Where a wheelset is and how it moves, in track axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
+    /// Way of its middle along the track [m].
+    pub way: f64,
     /// Shift to the left [m].
     pub y: f64,
     /// Height over that at which circles of the nominal radius touch z = 0 [m].

@@ -24,3 +24,4 @@ mod stress_at_points;
 mod viscoelastic;
 mod wearing;
 mod wheel_on_track;
+mod wheelset;

@@ -181,3 +181,92 @@ fn what_cannot_be_placed_is_refused() {
     );
     refused(&|case| case["track"]["gauge_height"] = json!(0.2), "bodies.rail.profile", "gauge");
 }
+
+/// Files of a test, in a folder of their own that goes with it.
+struct Files(std::path::PathBuf);
+
+impl Files {
+    fn new(test: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("cosim-{test}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        Self(folder)
+    }
+
+    fn with(&self, name: &str, text: &str) -> Value {
+        let path = self.0.join(name);
+        std::fs::write(&path, text).expect("a file");
+        json!(path.to_str().expect("a name"))
+    }
+}
+
+impl Drop for Files {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// |p_t|/p of elements in contact, with their places x and y [m].
+fn ratios(run: &Run) -> Vec<(f64, [f64; 2])> {
+    let grid = run.grid().as_structured().expect("a plane");
+    let (along, across) = run.fields["traction"].split_at(grid.points());
+    let pressure = run.longitudinal("pressure");
+    (0..grid.points())
+        .filter(|at| pressure[*at] > 0.0)
+        .map(|at| {
+            let place = [grid.x(at % grid.ni), grid.y(at / grid.ni)];
+            (along[at].hypot(across[at]) / pressure[at], place)
+        })
+        .collect()
+}
+
+/// A round rail of 60 mm under the left wheel and the right: elements that slide have the friction of their own inclination, −s/R on the left, those of a
+/// patch that of its angle, and along the track that of their place. Tolerances: chords for the arc; rounding.
+#[test]
+fn friction_follows_inclination_and_track() {
+    let files = Files::new("inclination");
+    let radius = 60e-3;
+    let arc = (-80..=80).map(|k| f64::from(k) * 5e-3).map(|turn: f64| {
+        let (y, z) = (radius * turn.sin(), radius * (turn.cos() - 1.0));
+        format!("{:.9},{:.9}\n", 1e3 * y, 1e3 * z)
+    });
+    let rail = files.with("rail.csv", &arc.collect::<String>());
+    let slopes = files.with("slopes.csv", "-0.02, 0.5\n0.1, 1.1\n");
+    let miles = files.with("miles.csv", "9.99, 0.4\n10.01, 0.8\n");
+    let factor = |slope: f64| 0.5 + 0.6 * ((slope + 0.02) / 0.12).clamp(0.0, 1.0);
+    for (side, sign) in [("left", 1.0), ("right", -1.0)] {
+        let mut case = on_track();
+        case["effects"] = json!({"friction_bands": {"table": slopes, "over": "inclination"}});
+        case["bodies"]["rail"]["profile"] = rail.clone();
+        case["track"] = json!({"cant": 0.03, "gauge": 1.47, "gauge_height": 2e-3});
+        case["wheelset"]["side"] = json!(side);
+        case["wheelset"]["y"] = json!(0.0);
+        let own = run(&case);
+        let found = ratios(&own);
+        let factors = found.iter().map(|(ratio, [_, y])| {
+            assert_close(*ratio, 0.6 * factor(-sign * y / radius), 1e-6);
+            *ratio
+        });
+        let (least, most) =
+            factors.fold((1.0, 0.0), |(least, most): (f64, f64), f| (least.min(f), most.max(f)));
+        assert!(most > 1.1 * least, "{least} {most}");
+
+        case["effects"]["friction_bands"]["at"] = json!("patches");
+        case["track"]["deviation"] = json!({"roll": 2e-3});
+        let of_patch = run(&case);
+        let slope = sign * (of(&patches(&of_patch)[0], "angle_rad") - 2e-3) - 0.03;
+        let found = ratios(&of_patch);
+        found.iter().for_each(|(ratio, _)| assert_close(*ratio, 0.6 * factor(slope), 1e-12));
+
+        case["effects"]["friction_bands"] = json!({"table": miles, "over": "track"});
+        case["wheelset"]["way"] = json!(10.0);
+        for (ratio, [x, _]) in ratios(&run(&case)) {
+            let factor = 0.6 + 20.0 * x;
+            assert_close(ratio, 0.6 * factor, 1e-12);
+        }
+    }
+    let mut case = on_track();
+    case["mech"]["model"] = json!("half-space");
+    case["effects"]["friction_bands"] = json!({"table": slopes, "over": "inclination"});
+    let refusal = refusal(&configuration(&case));
+    assert_eq!(refusal.key, "effects.friction_bands.over");
+}

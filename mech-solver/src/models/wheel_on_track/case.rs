@@ -1,15 +1,16 @@
 //! A checked case, and the position of a window.
 
 use super::keys::{
-    ANGULAR_VELOCITY, CANT, CURVATURE, FLANGE_BACK_DISTANCE, FLANGE_BACK_POSITION, FRICTION, GAUGE,
-    GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, NOMINAL_RADIUS, RIGID_SLIP, SIDE,
-    VERTICAL_FORCE, keys,
+    ANGULAR_VELOCITY, AXLE_LOAD, CANT, CURVATURE, FLANGE_BACK_DISTANCE, FLANGE_BACK_POSITION,
+    FRICTION, GAUGE, GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, LEFT_SHARE, NOMINAL_RADIUS,
+    RIGID_SLIP, ROLL, SIDE, TORQUE, VERTICAL_FORCE, keys,
 };
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
 use crate::resolution::RESOLUTION;
 use crate::scene::{Material, SPEED, body_keys};
 use crate::terms::Terms;
+use crate::track::balance::{Given, WheelsetOnTrack};
 use crate::track::contact::WheelOnRail;
 use crate::track::outline::Outline;
 use crate::track::profile::orientation::Body;
@@ -37,10 +38,10 @@ static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(|| [body_keys(), keys()].con
 pub(super) struct Case {
     pub(super) terms: Terms,
     wheel: Outline,
-    rail: Outline,
+    pub(super) rail: Outline,
     rail_key: String,
-    side: Side,
-    track: Track,
+    sides: Vec<Side>,
+    pub(super) track: Track,
     wheelset: Wheelset,
     pub(super) settings: Settings,
     pub(super) remarks: Vec<String>,
@@ -51,7 +52,7 @@ pub(super) struct Case {
 pub(super) struct Position {
     pub(super) motion: Motion,
     pub(super) deviation: Deviation,
-    pub(super) vertical: Vertical,
+    pub(super) given: Given,
     pub(super) friction: f64,
 }
 
@@ -88,7 +89,11 @@ impl Case {
             settings.rigid_slip = RigidSlip::Surfaces;
         }
         (settings.adhesion, settings.layer) = (terms.adhesion, terms.layer());
-        let side = if case.text(SIDE)? == "right" { Side::Right } else { Side::Left };
+        let sides = match case.text(SIDE)? {
+            "right" => vec![Side::Right],
+            "both" => vec![Side::Left, Side::Right],
+            _ => vec![Side::Left],
+        };
         let placing =
             Placing::Gauge { width: case.number(GAUGE)?, height: case.number(GAUGE_HEIGHT)? };
         let mut remarks = Vec::new();
@@ -98,7 +103,7 @@ impl Case {
             rail: profile(LOWER, Body::Rail)?,
             rail_key: names.key(LOWER, "profile"),
             terms,
-            side,
+            sides,
             track: Track { placing, cant: case.number(CANT)?, curvature: case.number(CURVATURE)? },
             wheelset: Wheelset {
                 flange_back_distance: case.number(FLANGE_BACK_DISTANCE)?,
@@ -110,24 +115,24 @@ impl Case {
         })
     }
 
-    /// Wheel and rail in their places, with elements so many times larger.
+    /// Wheels and rails in their places, with elements so many times larger.
     ///
     /// # Errors
     /// The profile of the rail has no gauge point.
-    pub(super) fn wheel_on_rail(&self, coarser: f64) -> Result<WheelOnRail, Refusal> {
+    pub(super) fn wheelset_on_track(&self, coarser: f64) -> Result<WheelsetOnTrack, Refusal> {
         let mut settings = self.settings;
         settings.sides = settings.sides.map(|side| coarser * side);
-        WheelOnRail::new(
-            [&self.wheel, &self.rail],
-            self.side,
-            &self.track,
-            &self.wheelset,
-            settings,
-        )
-        .map_err(|error| {
-            let fix = format!("give more of the profile, or write another {GAUGE_HEIGHT}");
-            Refusal::new(&self.rail_key, error.to_string(), fix)
-        })
+        let (profiles, wheelset) = ([&self.wheel, &self.rail], &self.wheelset);
+        let wheel = |side: &Side| {
+            let wheel = WheelOnRail::new(profiles, *side, &self.track, wheelset, settings);
+            let wheel = wheel.map_err(|error| {
+                let fix = format!("give more of the profile, or write another {GAUGE_HEIGHT}");
+                Refusal::new(&self.rail_key, error.to_string(), fix)
+            })?;
+            Ok((*side, wheel))
+        };
+        let wheels = self.sides.iter().map(wheel).collect::<Result<_, Refusal>>()?;
+        Ok(WheelsetOnTrack::new(wheels, settings.tolerance, wheelset))
     }
 
     /// The position of a window with these values.
@@ -141,16 +146,10 @@ impl Case {
         let speed = case.number(SPEED)?;
         let rolling = speed / self.wheelset.nominal_radius;
         let height = case.maybe_number(HEIGHT)?;
-        let vertical = match (case.maybe_number(VERTICAL_FORCE)?, height) {
-            (Some(force), None) => Vertical::Force(force),
-            (None, Some(_)) => Vertical::Height,
-            _ => {
-                let fix = format!("write {VERTICAL_FORCE} or {HEIGHT}");
-                return Err(Refusal::new(VERTICAL_FORCE, "one of force and height is needed", fix));
-            }
-        };
+        let vertical = self.vertical(&case, height)?;
         Ok(Position {
             motion: Motion {
+                way: of("way")?,
                 y: of("y")?,
                 z: height.unwrap_or(0.0),
                 roll: of("roll")?,
@@ -166,9 +165,47 @@ impl Case {
                 roll: off("roll")?,
                 rates: [off("y_rate")?, off("z_rate")?, off("roll_rate")?],
             },
-            vertical,
+            given: Given { vertical, torque: case.maybe_number(TORQUE)? },
             friction: case.number(FRICTION)?,
         })
+    }
+}
+
+impl Case {
+    /// What is given along the vertical of the left wheel and the right.
+    fn vertical(
+        &self,
+        case: &CheckedParams<'_>,
+        height: Option<f64>,
+    ) -> Result<[Vertical; 2], Refusal> {
+        let both = self.sides.len() > 1;
+        let (wheel, axle) = (case.maybe_number(VERTICAL_FORCE)?, case.maybe_number(AXLE_LOAD)?);
+        let refuse = |key: &str, reason: &str, fix: String| Err(Refusal::new(key, reason, fix));
+        match (wheel, axle, height) {
+            (None, None, Some(_)) => Ok([Vertical::Height; 2]),
+            (Some(force), None, None) if !both => Ok([Vertical::Force(force); 2]),
+            (None, Some(_), None) if both && case.number(ROLL)? != 0.0 => {
+                let reason = "the roll of the wheelset is found from the loads of both wheels";
+                refuse(ROLL, reason, format!("write 0, or {HEIGHT} in the place of {AXLE_LOAD}"))
+            }
+            (None, Some(load), None) if both => {
+                let share = case.number(LEFT_SHARE)?;
+                Ok([share, 1.0 - share].map(|share| Vertical::Force(share * load)))
+            }
+            (Some(_), None, None) => {
+                let reason = "of both wheels the load of the axle is given, and how they share it";
+                refuse(VERTICAL_FORCE, reason, format!("write {AXLE_LOAD}, with {LEFT_SHARE}"))
+            }
+            (None, Some(_), None) => {
+                let reason = "one wheel carries a part of it alone";
+                refuse(AXLE_LOAD, reason, format!("write {VERTICAL_FORCE}, or {SIDE} = \"both\""))
+            }
+            _ => {
+                let force = if both { AXLE_LOAD } else { VERTICAL_FORCE };
+                let reason = "one of force and height is needed";
+                refuse(force, reason, format!("write {force} or {HEIGHT}"))
+            }
+        }
     }
 }
 

@@ -9,9 +9,13 @@ use proto::description::KeySpec;
 const RESOLUTION_OF_CONTACT: i64 = 50;
 
 pub(super) const VERTICAL_FORCE: &str = "load.vertical_force";
+pub(super) const AXLE_LOAD: &str = "load.axle_load";
+pub(super) const LEFT_SHARE: &str = "load.left_share";
 pub(super) const HEIGHT: &str = "wheelset.z";
 /// Group of what is given along the vertical.
 const VERTICAL: &str = "wheelset.vertical";
+/// Group of what turns the axle.
+const TURNING: &str = "wheelset.turning";
 
 pub(super) const SIDE: &str = "wheelset.side";
 pub(super) const GAUGE: &str = "track.gauge";
@@ -22,6 +26,8 @@ pub(super) const FLANGE_BACK_DISTANCE: &str = "wheelset.flange_back_distance";
 pub(super) const FLANGE_BACK_POSITION: &str = "wheelset.flange_back_position";
 pub(super) const NOMINAL_RADIUS: &str = "wheelset.nominal_radius";
 pub(super) const ANGULAR_VELOCITY: &str = "wheelset.angular_velocity";
+pub(super) const TORQUE: &str = "wheelset.torque";
+pub(super) const ROLL: &str = "wheelset.roll";
 pub(super) const FRICTION: &str = "friction.coefficient";
 pub(super) const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 pub(super) const JOINING: &str = "mech.joining_distance";
@@ -79,7 +85,8 @@ fn wheelset() -> Vec<KeySpec> {
         KeySpec::quantity(&format!("wheelset.{name}"), unit, help).default_value(0.0).varies()
     };
     vec![
-        KeySpec::choice(SIDE, &["left", "right"], "which wheel and rail").default_value("left"),
+        KeySpec::choice(SIDE, &["left", "right", "both"], "which wheel and rail, or both")
+            .default_value("left"),
         KeySpec::quantity(FLANGE_BACK_DISTANCE, "m", "distance of the flange backs of the wheels")
             .default_value(1.36)
             .above(0.0),
@@ -93,8 +100,9 @@ fn wheelset() -> Vec<KeySpec> {
             .required()
             .expected(0.05..=2.0, "from trolleys to the largest locomotives; check the unit")
             .above(0.0),
+        varying("way", "m", "way of the wheelset along the track, over which friction may vary"),
         varying("y", "m", "shift of the wheelset to the left"),
-        varying("roll", "1", "roll, from y to z [rad]"),
+        varying("roll", "1", "roll, from y to z [rad]; of both wheels under an axle load it is found"),
         varying("yaw", "1", "yaw, from x to y [rad]"),
         varying("lateral_velocity", "m/s", "velocity to the left"),
         varying("vertical_velocity", "m/s", "velocity up"),
@@ -105,7 +113,15 @@ fn wheelset() -> Vec<KeySpec> {
             "1/s",
             "angular velocity about the axle [rad/s]; absent: motion.speed over the nominal radius",
         )
+        .one_of_or_none(TURNING)
         .above(0.0)
+        .varies(),
+        KeySpec::quantity(
+            TORQUE,
+            "N m",
+            "torque that drives the axle forward, in balance with the contact forces; 0: it rolls freely; the angular velocity is found",
+        )
+        .one_of_or_none(TURNING)
         .varies(),
     ]
 }
@@ -116,6 +132,20 @@ fn load() -> Vec<KeySpec> {
             .expected(1e-6..=5e6, "heavy axles press with 2e5 N; check the unit")
             .one_of(VERTICAL)
             .above(0.0)
+            .varies(),
+        KeySpec::quantity(
+            AXLE_LOAD,
+            "N",
+            "vertical force on both wheels together; height and roll of the wheelset are found",
+        )
+        .expected(1e-6..=1e7, "heavy axles press with 4e5 N; check the unit")
+        .one_of(VERTICAL)
+        .above(0.0)
+        .varies(),
+        KeySpec::number(LEFT_SHARE, "share of the axle load that the left wheel carries")
+            .default_value(0.5)
+            .at_least(1e-3)
+            .at_most(0.999)
             .varies(),
         KeySpec::quantity(
             HEIGHT,

@@ -1,8 +1,15 @@
-//! The grid over the rail's surface that holds the patches of all rows.
+//! The grid over the rails' surfaces that holds the patches of all rows.
+//!
+//! Along x and along the tape of one rail it is that of [`crate::track::developed`]. Both rails lie on it side by side, each on a lane of its own: y is the tape distance
+//! of the left rail plus a shift, and that of the right one less the same shift, by which [`APART`] lies free between the lanes.
 
 use super::case::{Case, Position};
+use super::friction::coefficient;
+use crate::track::balance::{Balanced, Given};
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
+use crate::track::rail::Side;
+use crate::track::settings::Spot;
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 use proto::model::StepError;
@@ -11,17 +18,29 @@ use proto::model::StepError;
 const COARSER: f64 = 3.0;
 /// Free elements round the patches, of those that they were looked for with.
 const MARGIN: usize = 2;
+/// Between the lanes of both rails [m]: farther than heat goes while it matters.
+const APART: f64 = 5e-3;
 
 /// Elements by their numbers along x and along the tape; element (0, 0) is at the origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plane {
-    /// First element.
-    first: [i64; 2],
-    /// Behind the last element.
-    end: [i64; 2],
+    /// First column, and the one behind the last.
+    columns: [i64; 2],
+    /// The rails on which there are patches, from left to right.
+    lanes: Vec<Lane>,
     sides: [f64; 2],
     /// Elements of the patches of a position, at most and about.
     pub(super) elements: f64,
+}
+
+/// The rows of a rail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Lane {
+    side: Side,
+    /// First row along its tape, and the one behind the last.
+    rows: [i64; 2],
+    /// Rows by which it is shifted.
+    shift: i64,
 }
 
 impl Plane {
@@ -32,19 +51,23 @@ impl Plane {
     pub(super) fn of(configuration: &Configuration, case: &Case) -> Result<Self, Refusal> {
         let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
         let coarser = if rows > 1 { COARSER } else { 1.0 };
-        let mut wheel = case.wheel_on_rail(coarser)?;
+        let mut wheelset = case.wheelset_on_track(coarser)?;
         let mut params = configuration.case.clone();
         let (mut found, mut failed): (Option<Self>, _) = (None, None);
         for row in 0..rows {
             if let Some(histories) = &configuration.histories {
                 histories.put_row(&mut params, row);
             }
-            let Position { motion, deviation, vertical, friction } = case.position(&params)?;
-            match wheel.solve(&motion, &deviation, vertical, &|_| friction) {
-                Ok(solved) if solved.patches.is_empty() => {}
-                Ok(solved) => {
-                    let own = Self::around(&solved.patches, coarser);
-                    found = Some(found.map_or(own, |other| other.and(&own)));
+            let position = case.position(&params)?;
+            let Position { motion, deviation, given, .. } = &position;
+            let friction = |side, spot: &Spot| coefficient(case, side, &position, spot);
+            // Patches hardly move with the angular velocity that a torque finds.
+            let given = Given { torque: None, ..*given };
+            match wheelset.solve(motion, deviation, &given, &friction) {
+                Ok(balanced) => {
+                    if let Some(own) = Self::around(&balanced, coarser) {
+                        found = Some(found.map_or(own.clone(), |other| other.and(&own)));
+                    }
                 }
                 Err(error) => failed = Some(error),
             }
@@ -55,36 +78,88 @@ impl Plane {
             let fix = "check the dimensions of track and wheelset, and the load";
             Refusal::new("wheelset", reason, fix)
         })?;
-        Ok(Self { sides: case.settings.sides, ..plane })
+        Ok(Self { sides: case.settings.sides, ..plane }.shifted())
     }
 
-    /// Round patches of elements so many times larger.
-    fn around(patches: &[Patch], coarser: f64) -> Self {
-        let Developed { first, counts, .. } = Developed::of(patches, MARGIN);
+    /// Round patches of elements so many times larger; `None` without any.
+    fn around(balanced: &Balanced, coarser: f64) -> Option<Self> {
         let finer = |at: i64| (coarser * at as f64).round() as i64;
-        let end = [0, 1].map(|k| finer(first[k] + counts[k] as i64));
         let of = |patch: &Patch| (patch.fields.counts[0] * patch.fields.counts[1]) as f64;
-        let elements = coarser * coarser * patches.iter().map(of).sum::<f64>();
-        Self { first: first.map(finer), end, sides: [0.0; 2], elements }
+        let mut found: Option<Self> = None;
+        for (side, solved) in &balanced.wheels {
+            let Developed { first, counts, .. } = Developed::of(&solved.patches, MARGIN);
+            if counts[0] == 0 {
+                continue;
+            }
+            let [columns, rows] =
+                [0, 1].map(|k| [finer(first[k]), finer(first[k] + counts[k] as i64)]);
+            let elements = coarser * coarser * solved.patches.iter().map(of).sum::<f64>();
+            let lanes = vec![Lane { side: *side, rows, shift: 0 }];
+            let own = Self { columns, lanes, sides: [0.0; 2], elements };
+            found = Some(found.map_or(own.clone(), |other| {
+                let elements = own.elements + other.elements;
+                Self { elements, ..other.and(&own) }
+            }));
+        }
+        found
     }
 
     fn and(&self, other: &Self) -> Self {
+        let both = |one: [i64; 2], other: [i64; 2]| [one[0].min(other[0]), one[1].max(other[1])];
+        let of = |side| {
+            let rows = |plane: &Self| Some(plane.lane(side)?.rows);
+            let rows = match (rows(self), rows(other)) {
+                (Some(one), Some(other)) => both(one, other),
+                (one, other) => one.or(other)?,
+            };
+            Some(Lane { side, rows, shift: 0 })
+        };
         Self {
-            first: [0, 1].map(|k| self.first[k].min(other.first[k])),
-            end: [0, 1].map(|k| self.end[k].max(other.end[k])),
+            columns: both(self.columns, other.columns),
+            lanes: [Side::Left, Side::Right].into_iter().filter_map(of).collect(),
             sides: self.sides,
             elements: self.elements.max(other.elements),
         }
     }
 
+    /// Its lanes side by side.
+    fn shifted(mut self) -> Self {
+        if let [left, right] = self.lanes.as_mut_slice() {
+            let between = (APART / self.sides[1]).ceil() as i64;
+            let overlap = right.rows[1] + between - left.rows[0];
+            let shift = ((overlap + 1) / 2).max(0);
+            (left.shift, right.shift) = (shift, -shift);
+        }
+        self
+    }
+
+    fn lane(&self, side: Side) -> Option<&Lane> {
+        self.lanes.iter().find(|lane| lane.side == side)
+    }
+
+    /// y on the grid less the tape distance of a rail [m].
+    pub(super) fn shift(&self, side: Side) -> f64 {
+        self.lane(side).map_or(0.0, |lane| lane.shift as f64 * self.sides[1])
+    }
+
+    /// First element on the grid.
+    fn first(&self) -> [i64; 2] {
+        let rows = self.lanes.iter().map(|lane| lane.rows[0] + lane.shift);
+        [self.columns[0], rows.min().unwrap_or(0)]
+    }
+
     fn counts(&self) -> [usize; 2] {
-        [0, 1].map(|k| usize::try_from(self.end[k] - self.first[k]).unwrap_or(0))
+        let [_, first] = self.first();
+        let rows = self.lanes.iter().map(|lane| lane.rows[1] + lane.shift - first);
+        [self.columns[1] - self.columns[0], rows.max().unwrap_or(0)]
+            .map(|count| usize::try_from(count).unwrap_or(0))
     }
 
     /// The grid of the fields.
     pub(super) fn grid(&self) -> Structured {
         let ([dx, dy], [ni, nj]) = (self.sides, self.counts());
-        let [x0, y0] = [0, 1].map(|k| self.first[k] as f64 * self.sides[k]);
+        let first = self.first();
+        let [x0, y0] = [0, 1].map(|k| first[k] as f64 * self.sides[k]);
         Structured::contact_plane(x0, y0, dx, dy, ni, nj)
     }
 
@@ -92,17 +167,26 @@ impl Plane {
     ///
     /// # Errors
     /// A patch reaches beyond it.
-    pub(super) fn fields(&self, patches: &[Patch]) -> Result<Developed, StepError> {
-        let own = Developed::of(patches, 0);
-        let end = |k: usize| own.first[k] + own.counts[k] as i64;
-        let inside = |k: usize| own.first[k] >= self.first[k] && end(k) <= self.end[k];
-        match patches.is_empty() || (inside(0) && inside(1)) {
-            true => Ok(Developed::on(patches, self.first, self.counts())),
-            false => {
-                let reason =
-                    "a patch reaches beyond the grid that was laid for the rows of the history";
-                Err(StepError::NoSolution(reason.to_owned()))
+    pub(super) fn fields(&self, balanced: &Balanced) -> Result<Developed, StepError> {
+        let mut fields = Developed::empty(self.first(), self.counts());
+        for (side, solved) in
+            balanced.wheels.iter().filter(|(_, solved)| !solved.patches.is_empty())
+        {
+            let Developed { first, counts, .. } = Developed::of(&solved.patches, 0);
+            let inside = |k: usize, [from, end]: [i64; 2]| {
+                first[k] >= from && first[k] + counts[k] as i64 <= end
+            };
+            match self.lane(*side) {
+                Some(lane) if inside(0, self.columns) && inside(1, lane.rows) => {
+                    fields.take(&solved.patches, lane.shift);
+                }
+                _ => {
+                    let reason =
+                        "a patch reaches beyond the grid that was laid for the rows of the history";
+                    return Err(StepError::NoSolution(reason.to_owned()));
+                }
             }
         }
+        Ok(fields)
     }
 }

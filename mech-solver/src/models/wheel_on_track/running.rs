@@ -1,13 +1,15 @@
 //! What solves the windows.
 
 use super::case::{Case, Position};
+use super::friction::coefficient;
 use super::plane::Plane;
 use super::summary::summary;
 use crate::models::each_window::{Windows, write_pair};
 use crate::models::varying::no_answer;
-use crate::track::contact::WheelOnRail;
+use crate::track::balance::{Balanced, WheelsetOnTrack};
 use crate::track::developed::Developed;
-use crate::track::patch::{Patch, Solved};
+use crate::track::patch::Patch;
+use crate::track::settings::Spot;
 use proto::configuration::{Configuration, Refusal};
 use proto::field::{self, FieldSpec};
 use proto::model::{Step, StepError};
@@ -16,16 +18,16 @@ use serde_json::Value;
 /// A window that is solved.
 pub(super) struct Window {
     position: Position,
-    solved: Solved,
+    balanced: Balanced,
     fields: Developed,
 }
 
-/// The wheel.
+/// The wheels.
 pub(super) struct Running {
     case: Case,
     plane: Plane,
     configuration: Configuration,
-    wheel: WheelOnRail,
+    wheelset: WheelsetOnTrack,
 }
 
 impl Running {
@@ -34,8 +36,8 @@ impl Running {
         plane: Plane,
         configuration: Configuration,
     ) -> Result<Self, Refusal> {
-        let wheel = case.wheel_on_rail(1.0)?;
-        Ok(Self { case, plane, configuration, wheel })
+        let wheelset = case.wheelset_on_track(1.0)?;
+        Ok(Self { case, plane, configuration, wheelset })
     }
 }
 
@@ -48,12 +50,14 @@ impl Windows for Running {
     }
 
     fn solve(&mut self, position: &Position) -> Result<Window, StepError> {
-        let Position { motion, deviation, vertical, friction } = position;
-        self.wheel.forget();
-        let solved = self.wheel.solve(motion, deviation, *vertical, &|_| *friction);
-        let solved = solved.map_err(|error| StepError::NoSolution(error.to_string()))?;
-        let fields = self.plane.fields(&solved.patches)?;
-        Ok(Window { position: *position, solved, fields })
+        let Position { motion, deviation, given, .. } = position;
+        let case = &self.case;
+        let friction = |side, spot: &Spot| coefficient(case, side, position, spot);
+        self.wheelset.forget();
+        let balanced = self.wheelset.solve(motion, deviation, given, &friction);
+        let balanced = balanced.map_err(|error| StepError::NoSolution(error.to_string()))?;
+        let fields = self.plane.fields(&balanced)?;
+        Ok(Window { position: *position, balanced, fields })
     }
 
     fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
@@ -72,11 +76,11 @@ impl Windows for Running {
     }
 
     fn summary(&self, window: &Window) -> Value {
-        summary(&window.solved)
+        summary(&window.balanced, &window.position.given, &|side| self.plane.shift(side))
     }
 
     fn effort(&self, window: &Window) -> [usize; 2] {
-        let work = window.solved.work;
+        let work = window.balanced.work;
         [work.normal_iterations, work.newton_steps]
     }
 }
@@ -85,7 +89,8 @@ impl Window {
     /// Speeds of the wheel's and the rail's surface through the patch that carries most [m/s].
     fn surface_speeds(&self) -> [f64; 2] {
         let most = |a: &&Patch, b: &&Patch| a.load.force[2].total_cmp(&b.load.force[2]);
-        match self.solved.patches.iter().max_by(most) {
+        let patches = self.balanced.wheels.iter().flat_map(|(_, solved)| &solved.patches);
+        match patches.max_by(most) {
             Some(patch) => {
                 let [xi, ..] = patch.rolling.creepage;
                 [patch.rolling.speed * (1.0 - xi), patch.rolling.speed]

@@ -1,6 +1,10 @@
 //! Figures of a wheel on a track: sections `contact` and `wheelset` of `summary.json`.
 
+use super::wheels::{of_wheel, wheel_figures};
+use crate::track::balance::{Balanced, Given};
 use crate::track::patch::{Patch, Solved};
+use crate::track::rail::Side;
+use crate::track::settings::Vertical;
 use proto::figure::{FigureSpec, Style};
 use serde_json::{Value, json};
 
@@ -14,8 +18,17 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
     let patch = |name: &str, unit, words| {
         FigureSpec::new(&format!("contact.each_patch.#.{name}"), unit, words)
     };
-    vec![
+    let own = vec![
         wheelset("z_m", "m", "height of the wheelset", "z").style(Style::Place).headline(),
+        wheelset("roll_rad", "rad", "roll under the loads of both wheels", "roll"),
+        wheelset(
+            "angular_velocity_rad_per_s",
+            "rad/s",
+            "angular velocity about the axle under the torque",
+            "Ω",
+        )
+        .digits(8)
+        .headline(),
         wheelset("force_x_n", "N", "force on the wheel along the track", "F_x"),
         wheelset("force_y_n", "N", "force on the wheel to the left", "F_y").headline(),
         wheelset("force_z_n", "N", "force on the wheel up", "F_z").headline(),
@@ -53,14 +66,22 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
         patch("creepage_eta", "1", "creepage along the tape"),
         patch("creepage_phi_per_m", "rad/m", "spin"),
         patch("friction_power_w", "W", "friction power"),
-    ]
+    ];
+    [own, wheel_figures()].concat()
 }
 
-/// The summary of a solution.
-pub(super) fn summary(solved: &Solved) -> Value {
-    let patches = &solved.patches;
-    let sum = |of: &dyn Fn(&Patch) -> f64| patches.iter().map(of).sum::<f64>();
-    let largest = |of: &dyn Fn(&Patch) -> f64| patches.iter().map(of).fold(0.0, f64::max);
+/// The summary of a solution; `shift` is y on the grid less the tape distance of a rail [m].
+pub(super) fn summary(balanced: &Balanced, given: &Given, shift: &dyn Fn(Side) -> f64) -> Value {
+    // From right to left, as they lie on the grid.
+    let patches: Vec<(&Patch, f64)> = balanced
+        .wheels
+        .iter()
+        .rev()
+        .flat_map(|(side, solved)| solved.patches.iter().map(|patch| (patch, shift(*side))))
+        .collect();
+    let sum = |of: &dyn Fn(&Patch) -> f64| patches.iter().map(|(patch, _)| of(patch)).sum::<f64>();
+    let largest =
+        |of: &dyn Fn(&Patch) -> f64| patches.iter().map(|(patch, _)| of(patch)).fold(0.0, f64::max);
     let area = sum(&|patch| patch.area);
     let mut contact = json!({
         "patches": patches.len(),
@@ -77,7 +98,7 @@ pub(super) fn summary(solved: &Solved) -> Value {
     }
     match patches.as_slice() {
         [] => {}
-        [patch] => {
+        [(patch, shift)] => {
             let keys = [
                 "approach_m",
                 "creep_force_x_n",
@@ -87,31 +108,51 @@ pub(super) fn summary(solved: &Solved) -> Value {
                 "creepage_eta",
                 "creepage_phi_per_m",
             ];
-            let figures = of_patch(patch);
+            let figures = of_patch(patch, *shift);
             keys.iter().for_each(|key| contact[*key] = figures[*key].clone());
             contact["each_patch"] = json!([figures]);
         }
-        _ => contact["each_patch"] = patches.iter().map(of_patch).collect(),
+        _ => {
+            contact["each_patch"] =
+                patches.iter().map(|(patch, shift)| of_patch(patch, *shift)).collect();
+        }
     }
-    let ([fx, fy, fz], [mx, my, mz]) = (solved.force, solved.moment);
-    let ([ax, ay, az], [bx, by, bz]) = (solved.force_wheelset, solved.moment_wheelset);
-    json!({
-        "contact": contact,
-        "wheelset": {
-            "z_m": solved.z,
-            "force_x_n": fx, "force_y_n": fy, "force_z_n": fz,
-            "moment_x_nm": mx, "moment_y_nm": my, "moment_z_nm": mz,
-            "axes": {
-                "force_x_n": ax, "force_y_n": ay, "force_z_n": az,
-                "moment_x_nm": bx, "moment_y_nm": by, "moment_z_nm": bz,
-            },
-        },
-    })
+    json!({ "contact": contact, "wheelset": of_wheelset(balanced, given) })
 }
 
-/// The figures of a patch; moment and creepages are those at its reference, which does not jump from element to element as the origin of its
+/// The figures of the wheelset.
+fn of_wheelset(balanced: &Balanced, given: &Given) -> Value {
+    let sum = |of: fn(&Solved) -> [f64; 3]| balanced.sum(of);
+    let ([fx, fy, fz], [mx, my, mz]) = (sum(|solved| solved.force), sum(|solved| solved.moment));
+    let [ax, ay, az] = sum(|solved| solved.force_wheelset);
+    let [bx, by, bz] = sum(|solved| solved.moment_wheelset);
+    let mut wheelset = json!({
+        "z_m": balanced.motion.z,
+        "force_x_n": fx, "force_y_n": fy, "force_z_n": fz,
+        "moment_x_nm": mx, "moment_y_nm": my, "moment_z_nm": mz,
+        "axes": {
+            "force_x_n": ax, "force_y_n": ay, "force_z_n": az,
+            "moment_x_nm": bx, "moment_y_nm": by, "moment_z_nm": bz,
+        },
+    });
+    if given.torque.is_some() {
+        wheelset["angular_velocity_rad_per_s"] = balanced.motion.angular_velocity.into();
+    }
+    if let [left, right] = balanced.wheels.as_slice() {
+        for (side, solved) in [left, right] {
+            let name = if *side == Side::Left { "left" } else { "right" };
+            wheelset[name] = of_wheel(solved);
+        }
+        if given.vertical[0] != Vertical::Height {
+            wheelset["roll_rad"] = balanced.motion.roll.into();
+        }
+    }
+    wheelset
+}
+
+/// The figures of a patch whose tape distances lie so much further on the grid; moment and creepages are those at its reference, which does not jump from element to element as the origin of its
 /// fields does.
-fn of_patch(patch: &Patch) -> Value {
+fn of_patch(patch: &Patch, shift: f64) -> Value {
     let [fx, fy, n] = patch.load.force;
     let [along, tangent, _] = patch.frame.axes();
     let from_origin = patch.frame.reference - patch.frame.origin;
@@ -120,7 +161,7 @@ fn of_patch(patch: &Patch) -> Value {
     let [xi, eta] = [xi - phi * y, eta + phi * x];
     let moment = patch.load.moment[2] - (x * fy - y * fx);
     json!({
-        "y_m": patch.tape,
+        "y_m": patch.tape + shift,
         "angle_rad": patch.frame.angle,
         "track_y_m": patch.frame.reference.y,
         "track_z_m": patch.frame.reference.z,

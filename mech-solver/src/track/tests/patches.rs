@@ -96,14 +96,14 @@ fn all_patches_are_on_one_grid() {
     assert!(most >= 2, "{most}");
 }
 
-/// Friction of elements, by their numbers on the grid; and what has no solution.
+/// Friction of elements, by their places; and what has no solution.
 #[test]
 fn friction_follows_the_grid_and_errors_are_told() {
     let mut pair = standard(Side::Left, Settings::new([4e-4, 4e-4], steel()));
     let motion = rolling(0.0, 0.0, 5e-3);
     let at_rest = Deviation::default();
     let force = Vertical::Force(50e3);
-    let solved = pair.solve(&motion, &at_rest, force, &|[_, j]| 0.1 + 1e-3 * j as f64).unwrap();
+    let solved = pair.solve(&motion, &at_rest, force, &|spot| 0.1 + 2.5 * spot.element[1]).unwrap();
     let fields = &solved.patches[0].fields;
     for (at, p) in fields.pressure.iter().enumerate() {
         let j = fields.first[1] + (at / fields.counts[0]) as i64;
