@@ -98,6 +98,16 @@ impl Outline {
         Ok(curve)
     }
 
+    /// The curve of these points [m] at these lengths [m], with these second derivatives by the length [1/m].
+    pub(super) fn of_parts(
+        length: Vec<f64>,
+        points: Vec<[f64; 2]>,
+        bend: Vec<[f64; 2]>,
+        kinks: Vec<usize>,
+    ) -> Self {
+        Self { length, points, bend, kinks, moved: 0.0 }
+    }
+
     /// Fits the points from `first` to `last`, which stay.
     fn fit(&mut self, first: usize, last: usize, tolerance: f64) {
         if last - first < 2 {
@@ -125,6 +135,11 @@ impl Outline {
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         [self.length[0], self.length[self.length.len() - 1]]
+    }
+
+    /// s of the points [m].
+    pub(super) fn lengths(&self) -> &[f64] {
+        &self.length
     }
 
     /// The points, smoothed [m].

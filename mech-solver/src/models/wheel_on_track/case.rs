@@ -151,6 +151,8 @@ impl Case {
         };
         Ok(Position {
             motion: Motion {
+                way: of("way")?,
+                pitch: of("pitch")?,
                 y: of("y")?,
                 z: height.unwrap_or(0.0),
                 roll: of("roll")?,

@@ -93,6 +93,16 @@ fn wheelset() -> Vec<KeySpec> {
             .required()
             .expected(0.05..=2.0, "from trolleys to the largest locomotives; check the unit")
             .above(0.0),
+        varying(
+            "way",
+            "m",
+            "way of the wheelset along the track, which matters on a rail that varies",
+        ),
+        varying(
+            "pitch",
+            "1",
+            "angle by which the wheelset has turned, rolling forward [rad], which matters for wheels that are not round",
+        ),
         varying("y", "m", "shift of the wheelset to the left"),
         varying("roll", "1", "roll, from y to z [rad]"),
         varying("yaw", "1", "yaw, from x to y [rad]"),
