@@ -11,6 +11,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | `shape` | the surfaces of wheel and rail, from the files of their profiles |
 //! | `keys` | the keys of track, wheelset and elements |
 //! | `case` | a checked case, and the position of a window |
 //! | `plane` | the grid that holds the patches of all rows |
@@ -21,6 +22,7 @@ mod case;
 mod keys;
 mod plane;
 mod running;
+mod shape;
 mod summary;
 
 use super::each_window::{EachWindow, fields_over};

@@ -133,9 +133,7 @@ impl Columns {
         let near = || clear.iter().filter(|(_, clear)| near(clear)).map(|(x, _)| *x);
         let (Some(from), Some(to)) = (near().next(), near().last()) else { return };
         let [from, to] = [(from - COARSE) / FINE, (to + COARSE) / FINE].map(|at| at.round() as i64);
-        self.columns.extend(
-            (from..=to).map(|k| Column::cut(bodies, FINE * k as f64, STEPS[1])),
-        );
+        self.columns.extend((from..=to).map(|k| Column::cut(bodies, FINE * k as f64, STEPS[1])));
         let clear = |column: &Column| column.clearance(bodies).unwrap_or(f64::INFINITY);
         let clear: Vec<f64> = self.columns.iter().map(clear).collect();
         let touching = Gap::along(0.0, FINE, &clear).gap;

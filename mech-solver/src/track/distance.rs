@@ -217,7 +217,7 @@ mod tests {
     }
 
     /// Equal slices have the distance of their profile, on the tread, on the throat and on the flank, with yaw and roll.
-    /// Tolerance: the cubics through every fourth column of the round wheel.
+    /// Tolerances: rounding at every fourth column of the round wheel, and the cubics through those between them.
     #[test]
     fn equal_slices_have_the_distance_of_their_profile() {
         let placing = Placing::Gauge { width: 1.435, height: 14e-3 };
@@ -234,8 +234,7 @@ mod tests {
         let wheels = wheels.map(|wheel| Wheel::placed(&wheel, Side::Left, &shape));
         let window = Window { half: [24, 12], sides: [3e-4, 3e-4] };
         for (y, s) in [(0.0, 2e-3), (5e-3, -20e-3), (9e-3, -38e-3)] {
-            let motion =
-                Motion { y, z: -1e-4, roll: 2e-3, yaw: 8e-3, ..Motion::default() };
+            let motion = Motion { y, z: -1e-4, roll: 2e-3, yaw: 8e-3, ..Motion::default() };
             let pose = Pose::of(&motion, &shape);
             let element = [0, (s / 3e-4_f64).round() as i64];
             let place = rails[0].outline.at(element[1] as f64 * 3e-4);
@@ -246,8 +245,10 @@ mod tests {
             for (rail, wheel) in [(0, 1), (1, 0), (1, 1)] {
                 let bodies = (&rails[rail], &wheels[wheel], &pose);
                 let [found, own] = distance_of_surfaces(&frame, &window, bodies, 1.3);
-                for (a, b) in expected.iter().zip(&found) {
-                    assert!((a - b).abs() < 2e-12, "{y} {a} {b}");
+                for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
+                    let solved = (at % 49).abs_diff(24) % 4 == 0;
+                    let tolerance = if solved { 1e-14 } else { 1e-10 };
+                    assert!((a - b).abs() < tolerance, "{y} {at} {a} {b}");
                 }
                 for (a, b) in heights.iter().zip(&own) {
                     assert!((a - b).abs() < 1e-15, "{y} {a} {b}");

@@ -9,11 +9,8 @@
 /// Exponent of a gap in the weight of its row.
 const WEIGHT: f64 = 2.5;
 /// Places and weights of Gauss's formula with three points on −1 to 1: exact for what is of fifth order.
-const GAUSS: [(f64, f64); 3] = [
-    (-0.774_596_669_241_483_4, 5.0 / 9.0),
-    (0.0, 8.0 / 9.0),
-    (0.774_596_669_241_483_4, 5.0 / 9.0),
-];
+const GAUSS: [(f64, f64); 3] =
+    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
 /// What is between the bodies at a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +26,7 @@ pub(super) struct Gap {
 }
 
 /// There is nothing to touch.
-pub(super) const OPEN: Gap =
-    Gap { gap: f64::INFINITY, x: 0.0, x_range: [0.0; 2], weight: 0.0 };
+pub(super) const OPEN: Gap = Gap { gap: f64::INFINITY, x: 0.0, x_range: [0.0; 2], weight: 0.0 };
 
 impl Gap {
     /// Of a round wheel: the least gap at x, and the wheel's radius of curvature along x there [m].
@@ -61,7 +57,8 @@ impl Gap {
         };
         // The parabola at the least of the gaps.
         let bend = curvature(least);
-        let slope = if bend > 0.0 { (gaps[least + 1] - gaps[least - 1]) / (2.0 * step) } else { 0.0 };
+        let slope =
+            if bend > 0.0 { (gaps[least + 1] - gaps[least - 1]) / (2.0 * step) } else { 0.0 };
         let (ahead, gap) = match bend > 0.0 {
             true => (-slope / bend, gaps[least] - 0.5 * slope * slope / bend),
             false => (0.0, gaps[least]),
@@ -77,12 +74,9 @@ impl Gap {
             }
         }
         match sum.weight > 0.0 {
-            true => Self {
-                gap,
-                x: sum.moment / sum.weight,
-                x_range: sum.range,
-                weight: sum.weight,
-            },
+            true => {
+                Self { gap, x: sum.moment / sum.weight, x_range: sum.range, weight: sum.weight }
+            }
             false => Self { gap: gap.max(0.0), x, x_range: [x, x], weight: 0.0 },
         }
     }
@@ -129,8 +123,7 @@ impl Sum {
                     self.weight += square;
                     self.moment += square * (from + x);
                 }
-                self.range =
-                    [self.range[0].min(from + last), self.range[1].max(from + end)];
+                self.range = [self.range[0].min(from + last), self.range[1].max(from + end)];
             }
             last = end;
         }

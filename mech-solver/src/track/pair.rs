@@ -172,12 +172,7 @@ impl Pair {
             Some(columns) => Seen::Columns(columns),
             None => Seen::Shadow(&self.shadow),
         };
-        self.search.patches(
-            &self.rows,
-            (seen, self.pose.middle),
-            self.settings.sides[1],
-            cuts,
-        )
+        self.search.patches(&self.rows, (seen, self.pose.middle), self.settings.sides[1], cuts)
     }
 
     /// Looks for contact in all of the regions.

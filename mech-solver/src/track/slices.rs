@@ -32,6 +32,8 @@ const FEWEST: usize = 2;
 const CLOSEST: f64 = 1e-9;
 /// A wheel has slices all round it if the seam is no wider than the widest distance of two slices times this.
 const SEAM: f64 = 1.5;
+/// Most pieces of a surface.
+const MOST_PIECES: usize = 4_000_000;
 /// Slices that are repeated on either side of a seam.
 const REPEATED: usize = 8;
 
@@ -82,6 +84,16 @@ pub enum SlicesError {
     /// Slices go more than once round a wheel.
     #[error("its slices span {0:.4} rad, more than one and a half turns of a wheel")]
     Turns(f64),
+    /// Too many slices of too many points.
+    #[error(
+        "it has {slices} slices of up to {points} points; leave out points that a spline does not need"
+    )]
+    Large {
+        /// Slices.
+        slices: usize,
+        /// Points of the slice with most of them.
+        points: usize,
+    },
     /// Features that are not on the profile, do not rise, or of which slices have not as many.
     #[error(
         "the features of slice {0} do not rise along its profile, or are not as many as those of the first"
@@ -134,12 +146,14 @@ impl Slices {
         let by_points = |k: &usize| slices[*k].outline.points().len();
         let finest = (0..slices.len()).max_by_key(by_points).unwrap_or(0);
         let ratios = ratios(slices[finest].outline.lengths(), &breaks[finest]);
+        if slices.len() * ratios.len() > MOST_PIECES {
+            return Err(SlicesError::Large { slices: slices.len(), points: ratios.len() });
+        }
         let paths = tape(&ratios, &breaks[finest]);
         let mut kinks = Vec::new();
         let pieces = slices.iter().zip(&breaks);
-        let pieces = pieces.map(|(slice, breaks)| {
-            pieces_of(&slice.outline, &tape(&ratios, breaks), &mut kinks)
-        });
+        let pieces = pieces
+            .map(|(slice, breaks)| pieces_of(&slice.outline, &tape(&ratios, breaks), &mut kinks));
         let mut pieces: Vec<Vec<Piece>> = pieces.collect();
         kinks.sort_unstable();
         kinks.dedup();
@@ -185,7 +199,12 @@ impl Slices {
             let value = |k: usize| self.pieces[k][piece][number];
             let (up, down) = (value(k + 1) - value(k), value(k - 1) - value(k));
             let steps = [at[k] - at[k - 1], at[k + 1] - at[k]].map(|step| step * step);
-            part([value(k), steps[0] * right * up + steps[1] * left * down, right * up, left * down])
+            part([
+                value(k),
+                steps[0] * right * up + steps[1] * left * down,
+                right * up,
+                left * down,
+            ])
         };
         let all = |part: fn([f64; 4]) -> f64| -> Vec<Vec<Piece>> {
             let pieces = 0..self.paths.len() - 1;
@@ -279,9 +298,10 @@ impl Slices {
         Self {
             paths: self.paths.iter().rev().map(|path| -path).collect(),
             kinks: self.kinks.iter().rev().map(|path| last - path).collect(),
-            ..self.each(|slice| slice.iter().rev().map(flip).collect(), |slice| {
-                slice.iter().rev().map(flip).collect()
-            })
+            ..self.each(
+                |slice| slice.iter().rev().map(flip).collect(),
+                |slice| slice.iter().rev().map(flip).collect(),
+            )
         }
     }
 
@@ -328,7 +348,8 @@ impl Slices {
         let mut position = position;
         if let Some(period) = self.period {
             let middle = 0.5 * (from + to);
-            position = (position - middle + 0.5 * period).rem_euclid(period) + middle - 0.5 * period;
+            position =
+                (position - middle + 0.5 * period).rem_euclid(period) + middle - 0.5 * period;
             if position < from {
                 position += period;
             }
@@ -345,11 +366,7 @@ impl Slices {
         }
         if position <= from || position >= to {
             let end = if position <= from { 0 } else { last };
-            return Between {
-                slices: [end, end],
-                weights: [1.0, 0.0, 0.0, 0.0],
-                rates: [0.0; 4],
-            };
+            return Between { slices: [end, end], weights: [1.0, 0.0, 0.0, 0.0], rates: [0.0; 4] };
         }
         let left = self.at.partition_point(|at| *at <= position).clamp(1, last) - 1;
         let width = self.at[left + 1] - self.at[left];
@@ -506,8 +523,7 @@ fn cubic(piece: &Piece, b: f64) -> ([f64; 2], [f64; 2]) {
     let value = |k: usize| {
         a * piece[k] + b * piece[k + 2] + weight_a * piece[k + 4] + weight_b * piece[k + 6]
     };
-    let rate =
-        |k: usize| piece[k + 2] - piece[k] + slope_b * piece[k + 6] - slope_a * piece[k + 4];
+    let rate = |k: usize| piece[k + 2] - piece[k] + slope_b * piece[k + 6] - slope_a * piece[k + 4];
     ([0, 1].map(value), [0, 1].map(rate))
 }
 
@@ -584,7 +600,8 @@ mod tests {
         });
         assert!(through.0 > 14.0 && through.1 < 1e-8, "{through:?}");
         assert!((3.5..4.5).contains(&near.0), "{near:?}");
-        let inside = 0.05_f64.powi(2) / 6.0 * 9e-3 * 0.7_f64.sin().max(3.0_f64.mul_add(0.5, 0.0).sin());
+        let inside =
+            0.05_f64.powi(2) / 6.0 * 9e-3 * 0.7_f64.sin().max(3.0_f64.mul_add(0.5, 0.0).sin());
         assert!((near.1 / inside - 1.0).abs() < 0.05, "{} {inside}", near.1);
     }
 
@@ -599,7 +616,10 @@ mod tests {
         for k in -200..200 {
             let theta = 0.05 * f64::from(k);
             let height = surface.at(theta, 1e-3, &mut 0).place.position[1];
-            assert!((height - profile.at(1e-3).position[1] - radial(theta)).abs() < 1e-9, "{theta}");
+            assert!(
+                (height - profile.at(1e-3).position[1] - radial(theta)).abs() < 1e-9,
+                "{theta}"
+            );
         }
         let few: Vec<Slice> = [-0.2, 0.0, 0.1].map(raised).to_vec();
         let surface = Slices::new(&few, Along::Through, Some(TAU)).unwrap();

@@ -5,7 +5,9 @@
 //! forwards from the lowest point while the wheel has not turned (`pitch` 0): the mark θ is lowest at the pitch θ.
 //!
 //! *Hollow.* An irregularity of the depth d over the way along the surface ([`crate::axle::Irregularity`]), the same
-//! all across the profile: a rail is lower by d(u) in the axes of its profile, and the radius of a wheel smaller by d(Rθ), R the nominal radius.
+//! all across the profile: a rail is lower by d(u) in the axes of its profile, and the radius of a wheel smaller by d(Rθ), R the
+//! nominal radius. What a rail of the crown radius R_c wore is smaller by s²/2R_c at the tape distance s from the tape circle, and ends where
+//! that is all.
 
 use super::outline::{Outline, Place};
 use super::slices::{Slices, Spot};
@@ -28,6 +30,8 @@ struct Hollow {
     /// Way along the surface over the position: 1 for a rail, the nominal radius for a wheel [m].
     radius: f64,
     circumference: f64,
+    /// One half over the radius across of what wore it [1/m]; 0 for a hollow that is as deep all across.
+    across: f64,
     /// Unit vector into the body, y and z.
     inwards: [f64; 2],
 }
@@ -37,6 +41,24 @@ struct Hollow {
 pub struct Surface {
     sections: Sections,
     hollow: Option<Hollow>,
+}
+
+impl Hollow {
+    /// Moves a place into the body.
+    fn dig(&self, position: f64, s: f64, spot: &mut Spot) {
+        let Self { form, radius, circumference, across, inwards } = self;
+        let way = radius * position;
+        let depth = form.hollow(way, *circumference) - across * s * s;
+        if depth <= 0.0 {
+            return;
+        }
+        let slope = radius * form.slope(way, *circumference);
+        for k in 0..2 {
+            spot.place.position[k] += depth * inwards[k];
+            spot.place.tangent[k] -= 2.0 * across * s * inwards[k];
+            spot.along[k] += slope * inwards[k];
+        }
+    }
 }
 
 impl From<Outline> for Surface {
@@ -56,15 +78,18 @@ impl Surface {
     #[must_use]
     pub fn hollow_rail(mut self, form: Irregularity) -> Self {
         let (radius, circumference) = (1.0, f64::INFINITY);
-        self.hollow = Some(Hollow { form, radius, circumference, inwards: [0.0, -1.0] });
+        self.hollow =
+            Some(Hollow { form, radius, circumference, across: 0.0, inwards: [0.0, -1.0] });
         self
     }
 
-    /// The surface of a wheel of a nominal radius [m] with an irregularity.
+    /// The surface of a wheel of a nominal radius [m] with an irregularity, which a crown of a radius [m] wore or which
+    /// is as deep all across.
     #[must_use]
-    pub fn hollow_wheel(mut self, form: Irregularity, radius: f64) -> Self {
+    pub fn hollow_wheel(mut self, form: Irregularity, radius: f64, crown: Option<f64>) -> Self {
         let circumference = TAU * radius;
-        self.hollow = Some(Hollow { form, radius, circumference, inwards: [0.0, 1.0] });
+        let across = crown.map_or(0.0, |crown| 0.5 / crown);
+        self.hollow = Some(Hollow { form, radius, circumference, across, inwards: [0.0, 1.0] });
         self
     }
 
@@ -93,13 +118,8 @@ impl Surface {
             Sections::Same(outline) => Spot { place: outline.at_near(s, near), along: [0.0; 2] },
             Sections::Slices(slices) => slices.at(position, s, near),
         };
-        if let Some(Hollow { form, radius, circumference, inwards }) = self.hollow {
-            let way = radius * position;
-            let (depth, slope) = (form.hollow(way, circumference), form.slope(way, circumference));
-            for k in 0..2 {
-                spot.place.position[k] += depth * inwards[k];
-                spot.along[k] += radius * slope * inwards[k];
-            }
+        if let Some(hollow) = &self.hollow {
+            hollow.dig(position, s, &mut spot);
         }
         spot
     }
@@ -110,13 +130,13 @@ impl Surface {
         self.at(position, s, near).place
     }
 
-    /// The profile at a position.
+    /// The profile at a position; of a hollow that is not as deep all across, without it.
     #[must_use]
     pub fn section(&self, position: f64) -> Outline {
         let section = self.smooth_section(position);
-        match self.hollow {
+        match self.hollow.filter(|hollow| hollow.across == 0.0) {
             None => section,
-            Some(Hollow { form, radius, circumference, inwards }) => {
+            Some(Hollow { form, radius, circumference, inwards, .. }) => {
                 let depth = form.hollow(radius * position, circumference);
                 section.placed(0.0, inwards.map(|part| depth * part))
             }
@@ -139,10 +159,8 @@ impl Surface {
             Sections::Same(outline) => Sections::Same(outline.mirrored()),
             Sections::Slices(slices) => Sections::Slices(slices.mirrored()),
         };
-        let flip = |hollow: Hollow| Hollow {
-            inwards: [-hollow.inwards[0], hollow.inwards[1]],
-            ..hollow
-        };
+        let flip =
+            |hollow: Hollow| Hollow { inwards: [-hollow.inwards[0], hollow.inwards[1]], ..hollow };
         Self { sections, hollow: self.hollow.map(flip) }
     }
 
@@ -168,11 +186,26 @@ mod tests {
     use crate::axle::Form;
     use crate::track::standard::{rail_60e1, wheel_s1002};
 
+    /// What a crown wore is as deep as the form at the tape circle, ends where the crown does, and its tangent is that of
+    /// its places.
+    #[test]
+    fn a_worn_hollow_ends_across() {
+        let form = Irregularity { form: Form::Flat, depth: 0.8e-3, length: 0.1, at: 0.0 };
+        let profile = wheel_s1002().unwrap();
+        let worn = Surface::from(profile.clone()).hollow_wheel(form, 0.46, Some(0.3));
+        for (s, depth) in [(0.0, 0.8e-3), (12e-3, 0.56e-3), (-12e-3, 0.56e-3), (22e-3, 0.0)] {
+            let height = |s: f64| worn.place(0.0, s, &mut 0).position[1];
+            assert!((height(s) - profile.at(s).position[1] - depth).abs() < 1e-12, "{s}");
+            let slope = (height(s + 1e-7) - height(s - 1e-7)) / 2e-7;
+            assert!((worn.place(0.0, s, &mut 0).tangent[1] - slope).abs() < 1e-6, "{s}");
+        }
+    }
+
     /// A hollow goes into the body, turned and mirrored with it, and sections have it.
     #[test]
     fn a_hollow_goes_into_the_body() {
         let form = Irregularity { form: Form::Flat, depth: 1e-3, length: 0.1, at: 0.2 };
-        let wheel = Surface::from(wheel_s1002().unwrap()).hollow_wheel(form, 0.5);
+        let wheel = Surface::from(wheel_s1002().unwrap()).hollow_wheel(form, 0.5, None);
         let dip = Irregularity { form: Form::Dip, ..form };
         let rail = Surface::from(rail_60e1().unwrap()).hollow_rail(dip);
         for (surface, position, sign) in [(wheel, 0.4, 1.0), (rail, 0.2, -1.0)] {

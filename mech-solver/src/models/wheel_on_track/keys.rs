@@ -1,5 +1,6 @@
 //! The keys of track, wheelset and elements.
 
+use super::shape;
 use crate::resolution::RESOLUTION;
 use crate::scene::SPEED;
 use proto::accuracy::Refinement;
@@ -29,19 +30,7 @@ pub(super) const RIGID_SLIP: &str = "mech.rigid_slip";
 
 /// The keys of the model besides those of bodies.
 pub(super) fn keys() -> Vec<KeySpec> {
-    [bodies(), track(), wheelset(), load(), elements()].concat()
-}
-
-fn bodies() -> Vec<KeySpec> {
-    let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
-    vec![
-        KeySpec::file(
-            "bodies.*.profile",
-            "profile of the wheel or the rail: .prw, .prr, Miniprof, or columns of y to the field side and z",
-        )
-        .required(),
-        KeySpec::quantity("bodies.*.profile_tolerance", "m", smoothing).at_least(0.0),
-    ]
+    [shape::keys(), track(), wheelset(), load(), elements()].concat()
 }
 
 fn track() -> Vec<KeySpec> {

@@ -1,6 +1,6 @@
 //! Files that name profiles at positions: CONTACT's slices, `.slcs` of rails and `.slcw` of wheels, and columns, `.slices`.
 //!
-//! **Columns** are lines of a position and the name of a profile, from its folder; positions are in m along the track or in rad
+//! **Columns** are lines of a position and the name of a profile, from its folder, near which the surface is; positions are in m along the track or in rad
 //! round the wheel, or in the units of a header:
 //!
 //! ```text
@@ -97,9 +97,10 @@ fn columns(text: &str, body: Body) -> Result<SliceList, ProfileError> {
             unit = header(line, content, body)?;
             continue;
         }
-        let (position, name) = content
-            .split_once(|c: char| c.is_whitespace() || matches!(c, ',' | ';'))
-            .ok_or_else(|| ProfileError::line(line, "is not a position and the name of a profile"))?;
+        let (position, name) =
+            content.split_once(|c: char| c.is_whitespace() || matches!(c, ',' | ';')).ok_or_else(
+                || ProfileError::line(line, "is not a position and the name of a profile"),
+            )?;
         let at = unit * parsed(line, position)?;
         let name = name.trim_start_matches([',', ';', ' ', '\t']).trim_matches(['"', '\'']);
         slices.push(named(line, at, name)?);
@@ -107,7 +108,7 @@ fn columns(text: &str, body: Body) -> Result<SliceList, ProfileError> {
             return Err(many(line));
         }
     }
-    Ok(SliceList { slices, along: Along::Through })
+    Ok(SliceList { slices, along: Along::Near })
 }
 
 /// Metres or radians in the unit of a header.
@@ -118,11 +119,14 @@ fn header(line: usize, content: &str, body: Body) -> Result<f64, ProfileError> {
         ("mm", Body::Rail) => Ok(1e-3),
         ("deg", Body::Wheel) => Ok(1.0_f64.to_radians()),
         (unit, Body::Rail) => {
-            let what = format!("has `[{unit}]` for the unit of positions, which is m or mm along a rail");
+            let what =
+                format!("has `[{unit}]` for the unit of positions, which is m or mm along a rail");
             Err(ProfileError::line(line, what))
         }
         (unit, Body::Wheel) => {
-            let what = format!("has `[{unit}]` for the unit of positions, which is rad or deg round a wheel");
+            let what = format!(
+                "has `[{unit}]` for the unit of positions, which is rad or deg round a wheel"
+            );
             Err(ProfileError::line(line, what))
         }
     }
@@ -144,7 +148,8 @@ fn many(line: usize) -> ProfileError {
 /// A finite number; Fortran's exponents are known.
 fn parsed(line: usize, text: &str) -> Result<f64, ProfileError> {
     let number = text.replace(['d', 'D'], "e").parse::<f64>().ok().filter(|n| n.is_finite());
-    number.ok_or_else(|| ProfileError::line(line, format!("has {text:?} where a number is expected")))
+    number
+        .ok_or_else(|| ProfileError::line(line, format!("has {text:?} where a number is expected")))
 }
 
 /// Groups of values, each of which begins on a line of its own.
@@ -156,7 +161,11 @@ struct Groups<I> {
 
 impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
     /// The next group of so many values, and the line at which it begins.
-    fn group(&mut self, count: usize, what: &'static str) -> Result<(usize, Vec<&'a str>), ProfileError> {
+    fn group(
+        &mut self,
+        count: usize,
+        what: &'static str,
+    ) -> Result<(usize, Vec<&'a str>), ProfileError> {
         let (mut begin, mut values) = (None, Vec::new());
         while values.len() < count {
             let (line, content) = self.lines.next().ok_or(ProfileError::Missing(what))?;
@@ -169,19 +178,28 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
     }
 
     /// A group of numbers.
-    fn numbers(&mut self, count: usize, what: &'static str) -> Result<(usize, Vec<f64>), ProfileError> {
+    fn numbers(
+        &mut self,
+        count: usize,
+        what: &'static str,
+    ) -> Result<(usize, Vec<f64>), ProfileError> {
         let (line, values) = self.group(count, what)?;
         let numbers = values.into_iter().map(|value| parsed(line, value));
         Ok((line, numbers.collect::<Result<_, _>>()?))
     }
 
     /// A group of counts.
-    fn counts<const N: usize>(&mut self, most: usize, what: &'static str) -> Result<[usize; N], ProfileError> {
+    fn counts<const N: usize>(
+        &mut self,
+        most: usize,
+        what: &'static str,
+    ) -> Result<[usize; N], ProfileError> {
         let (line, numbers) = self.numbers(N, what)?;
         let mut counts = [0; N];
         for (count, number) in counts.iter_mut().zip(numbers) {
             if !(number.fract() == 0.0 && (0.0..=most as f64).contains(&number)) {
-                let what = format!("has {number} where a whole number from 0 to {most} is expected");
+                let what =
+                    format!("has {number} where a whole number from 0 to {most} is expected");
                 return Err(ProfileError::line(line, what));
             }
             *count = number as usize;
@@ -201,7 +219,8 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
         let position = |value: f64| unit * scale[1] * (scale[0] + value);
         let mut slices = Vec::new();
         for _ in 0..count {
-            let (line, values) = self.group(2, "position and name of every slice that it announces")?;
+            let (line, values) =
+                self.group(2, "position and name of every slice that it announces")?;
             let at = position(parsed(line, values[0])?);
             slices.push(named(line, at, values[1])?);
         }
@@ -213,7 +232,10 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
                 let (line, values) = self.numbers(features + 1, "features of every slice")?;
                 let at = position(values[0]);
                 if (at - slice.at).abs() > SAME * slice.at.abs().max(unit) {
-                    let what = format!("has features of the position {}, which is not that of the next slice", values[0]);
+                    let what = format!(
+                        "has features of the position {}, which is not that of the next slice",
+                        values[0]
+                    );
                     return Err(ProfileError::line(line, what));
                 }
                 if values[1..].iter().any(|feature| *feature < 0.0) {
@@ -228,18 +250,22 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
 
     /// How the surface goes along the slices.
     fn way(&mut self) -> Result<Along, ProfileError> {
-        let (line, content) = self.lines.next().ok_or(ProfileError::Missing("way of interpolation"))?;
+        let (line, content) =
+            self.lines.next().ok_or(ProfileError::Missing("way of interpolation"))?;
         let mut values = words(content);
         let way = values.next().unwrap_or_default();
         if values.next().and_then(|value| value.parse::<i64>().ok()).is_some_and(|kind| kind != 0) {
-            let what = "asks for perturbations, which are not read; write `irregularity` of the body";
+            let what =
+                "asks for perturbations, which are not read; write `irregularity` of the body";
             return Err(ProfileError::line(line, what));
         }
         match way {
             "1" => Ok(Along::Through),
             "2" => Ok(Along::Near),
             other => {
-                let what = format!("has the interpolation {other:?}; it is 1, through the slices, or 2, near them");
+                let what = format!(
+                    "has the interpolation {other:?}; it is 1, through the slices, or 2, near them"
+                );
                 Err(ProfileError::line(line, what))
             }
         }
@@ -282,7 +308,9 @@ mod tests {
         let [one, two] = [&list.slices[0], &list.slices[1]];
         assert!((one.at - 0.25).abs() < 1e-15 && (two.at - 1.5).abs() < 1e-15);
         assert_eq!((one.file.as_str(), two.file.as_str()), ("a/one slice.prr", "a/two.prr"));
-        assert!((one.features[1] - 33.5e-3).abs() < 1e-15 && (two.features[2] - 0.999).abs() < 1e-15);
+        assert!(
+            (one.features[1] - 33.5e-3).abs() < 1e-15 && (two.features[2] - 0.999).abs() < 1e-15
+        );
         let wheel = "0 0.0174533\n2\n0 0 0\n2\n-10 'x'\n10 'y'\n";
         let list = contact(wheel, Body::Wheel).unwrap();
         assert!((list.slices[1].at - 0.174533).abs() < 1e-12 && list.along == Along::Near);
@@ -292,7 +320,8 @@ mod tests {
     #[test]
     fn columns_name_profiles_at_positions() {
         let of = |text: &str, body| read_slices(text.as_bytes(), SliceFormat::Columns, body);
-        let list = of("# worn\nposition [mm], profile\n0, new.csv\n400; worn 2.csv\n", Body::Rail).unwrap();
+        let list = of("# worn\nposition [mm], profile\n0, new.csv\n400; worn 2.csv\n", Body::Rail)
+            .unwrap();
         assert_eq!(list.slices[1], named(4, 0.4, "worn 2.csv").unwrap());
         let list = of("0 a.prw\n0.1\t\"b.prw\"\n", Body::Wheel).unwrap();
         assert_eq!((list.slices[1].at, list.slices[1].file.as_str()), (0.1, "b.prw"));
@@ -311,7 +340,7 @@ mod tests {
     fn errors_name_the_line_and_what_would_do() {
         for (from, to, what) in [
             (" 2 NSLC", " 2.5", "line 4 has 2.5 where a whole number from 0 to 10000"),
-            (" 2 NSLC", " 3", "line 10 has"),
+            (" 2 NSLC", " 3", "line 12 has features of the position 1,"),
             (" 1 U_INTPOL", " 3 U_INTPOL", "line 6 has the interpolation \"3\""),
             (" 1 U_INTPOL", " 1 2", "perturbations, which are not read"),
             (" 34 999", " -1 999", "line 12 leaves out features"),

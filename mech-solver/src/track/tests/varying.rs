@@ -44,8 +44,11 @@ fn single(surfaces: [Surface; 2], side: f64) -> WheelOnRail {
 fn standard(surfaces: &[Surface; 2], side: Side, settings: Settings) -> WheelOnRail {
     let gauge = Placing::Gauge { width: 1.435, height: 14e-3 };
     let track = Track { placing: gauge, cant: 0.025, curvature: 0.0 };
-    let wheelset =
-        Wheelset { flange_back_distance: 1.36, flange_back_position: -0.07, nominal_radius: RADIUS };
+    let wheelset = Wheelset {
+        flange_back_distance: 1.36,
+        flange_back_position: -0.07,
+        nominal_radius: RADIUS,
+    };
     WheelOnRail::of_surfaces(surfaces, side, &track, &wheelset, settings).unwrap()
 }
 
@@ -84,8 +87,7 @@ fn equal_slices_have_the_contact_of_their_profile() {
             [(0.0, 0.0, 5e-6, 3e-5), (2e-3, -5e-3, 5e-6, 3e-5), (9e-3, 1e-2, 15e-6, 4e-3)]
         {
             let motion = Motion { way: 0.05, pitch: 0.7, ..rolling(y, 1e-3, yaw) };
-            let [one, other] =
-                [&mut expected, &mut found].map(|pair| solve(pair, &motion, 60e3));
+            let [one, other] = [&mut expected, &mut found].map(|pair| solve(pair, &motion, 60e3));
             assert_eq!(one.patches.len(), other.patches.len());
             for k in 0..3 {
                 let off = (one.force[k] - other.force[k]).abs();
@@ -147,7 +149,8 @@ fn waves_of_the_rail_change_hertzs_contact() {
             let along = 1.0 / RADIUS + sign * curvature;
             let hertz =
                 elliptic_contact(0.5 * along, 0.5 / 0.3, load, steel().contact_compliance());
-            let mut pair = single(surfaces.clone(), hertz.semi_axis_b.min(hertz.semi_axis_a) / 12.0);
+            let mut pair =
+                single(surfaces.clone(), hertz.semi_axis_b.min(hertz.semi_axis_a) / 12.0);
             let motion = Motion { way, ..rolling(0.0, 0.0, 0.0) };
             let solved = solve(&mut pair, &motion, load);
             let patch = &solved.patches[0];
@@ -175,7 +178,7 @@ fn a_flat_on_the_other_side_is_none() {
     let flat = Irregularity { form: Form::Flat, depth: 0.9e-3, length: 58e-3, at: 0.2 };
     let wheel = wheel_s1002().unwrap();
     let rail: Surface = rail_60e1().unwrap().into();
-    let worn = Surface::from(wheel.clone()).hollow_wheel(flat, RADIUS);
+    let worn = Surface::from(wheel.clone()).hollow_wheel(flat, RADIUS, None);
     let mut round = standard(&[wheel.into(), rail.clone()], Side::Left, settings);
     let mut pair = standard(&[worn, rail], Side::Left, settings);
     for pitch in [0.0, 3.0, 0.2 / RADIUS + 0.2] {
@@ -196,16 +199,14 @@ fn a_flat_keeps_energy_and_has_a_mirror_image() {
     let flat = Irregularity { form: Form::Flat, depth: 0.3e-3, length: 60e-3, at: 0.1 };
     let profile = wheel_s1002().unwrap();
     let rail: Surface = rail_60e1().unwrap().into();
-    let wheel = Surface::from(profile.clone()).hollow_wheel(flat, RADIUS);
+    let wheel = Surface::from(profile.clone()).hollow_wheel(flat, RADIUS, None);
     let circumference = TAU * RADIUS;
     let depth = |theta: f64| flat.hollow(RADIUS * theta, circumference);
     let slices = raised(&profile, &places(0.1, 0.4, 300), depth);
     let slices = Surface::from(Slices::new(&slices, Along::Through, Some(TAU)).unwrap());
     for rigid_slip in [RigidSlip::Plane, RigidSlip::Surfaces] {
         let settings = Settings { rigid_slip, ..Settings::new([4e-4, 4e-4], steel()) };
-        let of = |wheel: &Surface, side| {
-            standard(&[wheel.clone(), rail.clone()], side, settings)
-        };
+        let of = |wheel: &Surface, side| standard(&[wheel.clone(), rail.clone()], side, settings);
         let mut left = of(&wheel, Side::Left);
         let mut right = of(&wheel, Side::Right);
         let mut sliced = of(&slices, Side::Left);
@@ -242,7 +243,7 @@ fn a_flat_keeps_energy_and_has_a_mirror_image() {
 #[test]
 fn a_short_deep_flat_stands_on_its_ends() {
     let flat = Irregularity { form: Form::Flat, depth: 0.5e-3, length: 20e-3, at: 0.0 };
-    let wheel = Surface::from(line(30e-3)).hollow_wheel(flat, RADIUS);
+    let wheel = Surface::from(line(30e-3)).hollow_wheel(flat, RADIUS, None);
     let mut pair = single([wheel, crown().into()], 4e-4);
     let solved = solve(&mut pair, &rolling(0.0, 0.0, 0.0), 40e3);
     let patch = &solved.patches[0];
@@ -262,7 +263,7 @@ fn a_short_deep_flat_stands_on_its_ends() {
 #[test]
 fn the_contact_on_a_flat_converges() {
     let flat = Irregularity { form: Form::Flat, depth: 0.3e-3, length: 60e-3, at: 0.0 };
-    let wheel = Surface::from(line(30e-3)).hollow_wheel(flat, RADIUS);
+    let wheel = Surface::from(line(30e-3)).hollow_wheel(flat, RADIUS, None);
     let motion = Motion { pitch: 15e-3 / RADIUS, ..rolling(0.0, 0.0, 0.0) };
     let of = |side: f64| {
         let mut pair = single([wheel.clone(), crown().into()], side);
