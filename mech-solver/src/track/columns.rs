@@ -10,7 +10,7 @@
 //! each. Others [`FINE`] apart are laid where it would at a depth that is wanted. What penetrates between two of those only is
 //! not seen: a rail or a wheel has to be smooth over 2 mm.
 
-use super::gap::{Gap, OPEN};
+use super::gap::{Gap, OPEN, lowest};
 use super::rail::Rail;
 use super::rows::{Met, Rows, least_above};
 use super::wheelset::{Motion, Pose, Wheel};
@@ -44,6 +44,8 @@ pub struct Columns {
     columns: Vec<Column>,
     /// By how much the wheel has to be lowered from z = 0 of its middle until it touches [m].
     touching: Option<f64>,
+    /// Where that is along the track [m].
+    first: f64,
     /// Depth below touching for which columns are laid [m].
     depth: f64,
     /// Memory: where rows meet a curve, and the gaps of all columns, row by row.
@@ -85,6 +87,12 @@ impl Columns {
     #[must_use]
     pub fn clearance(&self, height: f64) -> Option<f64> {
         Some(self.touching? + height)
+    }
+
+    /// Where a wheel that is lowered touches first along the track [m].
+    #[must_use]
+    pub fn first_touch(&self) -> f64 {
+        self.first
     }
 
     /// The gaps of all rows, the middle of the wheelset at (y, z).
@@ -136,8 +144,9 @@ impl Columns {
         self.columns.extend((from..=to).map(|k| Column::cut(bodies, FINE * k as f64, STEPS[1])));
         let clear = |column: &Column| column.clearance(bodies).unwrap_or(f64::INFINITY);
         let clear: Vec<f64> = self.columns.iter().map(clear).collect();
-        let touching = Gap::along(0.0, FINE, &clear).gap;
-        self.touching = touching.is_finite().then_some(touching);
+        let touching = lowest(FINE * from as f64, FINE, &clear);
+        self.touching = touching.map(|[_, clear]| clear);
+        self.first = touching.map_or(0.0, |[x, _]| x);
     }
 }
 

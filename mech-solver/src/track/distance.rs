@@ -73,6 +73,19 @@ pub fn distance_of_surfaces(
     [distance, heights]
 }
 
+/// A frame whose reference, on the rail's profile where that is cut, is put onto the rail where it is along the track: on
+/// a rail that rises its rolling radius is another.
+#[must_use]
+pub fn on_rail(frame: &Frame, rail: &Rail) -> Frame {
+    let [_, tangent, up] = frame.axes();
+    let from_origin = frame.reference - frame.origin;
+    let mut surface = RailSurface { rail, frame, near: 0 };
+    let mut s = surface.start();
+    let height = surface.meet(from_origin.x, tangent.dot(&from_origin), &mut s);
+    let shift = up * height.unwrap_or(0.0);
+    Frame { origin: frame.origin + shift, reference: frame.reference + shift, ..*frame }
+}
+
 /// Where an element's normal met the surfaces last.
 #[derive(Clone, Copy, Debug)]
 struct Guess {

@@ -43,27 +43,9 @@ impl Gap {
 
     /// Of gaps at columns from `first` on, `step` apart [m]; infinite where there is none.
     pub(super) fn along(first: f64, step: f64, gaps: &[f64]) -> Self {
-        let by_gap = |a: &usize, b: &usize| gaps[*a].total_cmp(&gaps[*b]);
-        let Some(least) = (0..gaps.len()).min_by(by_gap) else { return OPEN };
-        if gaps[least] == f64::INFINITY {
-            return OPEN;
-        }
+        let Some([x, gap]) = lowest(first, step, gaps) else { return OPEN };
         let place = |at: usize| first + at as f64 * step;
-        let curvature = |at: usize| match (at.checked_sub(1).map(|k| gaps[k]), gaps.get(at + 1)) {
-            (Some(before), Some(behind)) if before.is_finite() && behind.is_finite() => {
-                (before - 2.0 * gaps[at] + behind) / (step * step)
-            }
-            _ => 0.0,
-        };
-        // The parabola at the least of the gaps.
-        let bend = curvature(least);
-        let slope =
-            if bend > 0.0 { (gaps[least + 1] - gaps[least - 1]) / (2.0 * step) } else { 0.0 };
-        let (ahead, gap) = match bend > 0.0 {
-            true => (-slope / bend, gaps[least] - 0.5 * slope * slope / bend),
-            false => (0.0, gaps[least]),
-        };
-        let x = place(least) + ahead;
+        let curvature = |at: usize| curvature(gaps, at, step);
         let mut sum = Sum::default();
         for left in 0..gaps.len() - 1 {
             let [one, next] = [gaps[left], gaps[left + 1]];
@@ -80,6 +62,30 @@ impl Gap {
             false => Self { gap: gap.max(0.0), x, x_range: [x, x], weight: 0.0 },
         }
     }
+}
+
+/// Second derivative at a column by those beside it [1/m]; 0 at an end.
+fn curvature(gaps: &[f64], at: usize, step: f64) -> f64 {
+    match (at.checked_sub(1).map(|k| gaps[k]), gaps.get(at + 1)) {
+        (Some(before), Some(behind)) if before.is_finite() && behind.is_finite() => {
+            (before - 2.0 * gaps[at] + behind) / (step * step)
+        }
+        _ => 0.0,
+    }
+}
+
+/// Place and least gap, by the parabola at the least of those at columns from `first` on, `step` apart [m]; `None` if
+/// there are none that are finite.
+pub(super) fn lowest(first: f64, step: f64, gaps: &[f64]) -> Option<[f64; 2]> {
+    let by_gap = |a: &usize, b: &usize| gaps[*a].total_cmp(&gaps[*b]);
+    let least = (0..gaps.len()).min_by(by_gap).filter(|at| gaps[*at] < f64::INFINITY)?;
+    let place = first + least as f64 * step;
+    let bend = curvature(gaps, least, step);
+    if bend <= 0.0 {
+        return Some([place, gaps[least]]);
+    }
+    let slope = (gaps[least + 1] - gaps[least - 1]) / (2.0 * step);
+    Some([place - slope / bend, gaps[least] - 0.5 * slope * slope / bend])
 }
 
 /// ∫g² dx and ∫x g² dx over where g is negative, and the ends of that.

@@ -96,6 +96,10 @@ impl Pair {
             None => shadow(&self.circles, &self.pose, &mut self.shadow),
             Some(mut columns) => {
                 columns.go_to(&self.standing());
+                if self.rail.surface.constant().is_none() {
+                    self.rail.cut_at(columns.first_touch());
+                    self.rows = Rows::of(&self.rail, self.settings.sides[1]);
+                }
                 self.columns = Some(columns);
             }
         }

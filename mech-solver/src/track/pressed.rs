@@ -1,6 +1,6 @@
 //! A patch under pressure, without tractions.
 
-use super::distance::distance_of_surfaces;
+use super::distance::{distance_of_surfaces, on_rail};
 use super::error::TrackError;
 use super::local::{Frame, NOTHING, Window, undeformed_distance};
 use super::pool::{Pool, room};
@@ -46,7 +46,10 @@ impl Pressed {
         near: Option<&Self>,
     ) -> Result<Self, TrackError> {
         let (rail, wheel, _) = bodies;
-        let frame = Frame::at(region, rail, settings.sides);
+        let mut frame = Frame::at(region, rail, settings.sides);
+        if rail.surface.constant().is_none() {
+            frame = on_rail(&frame, rail);
+        }
         let window = window(region, &frame, settings)?;
         let constant = rail.surface.constant().is_some() && wheel.surface.constant().is_some();
         let [mut distance, rail_heights] = match constant {

@@ -107,7 +107,8 @@ pub struct NoGauge {
 /// A rail in its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rail {
-    /// Its profile in track axes, s rising to the left: that under the middle of the wheelset.
+    /// Its profile in track axes, s rising to the left: of a rail that varies that where it is cut, at first under the
+    /// middle of the wheelset.
     pub outline: Outline,
     /// Its surface in track axes, over the way along the track.
     pub surface: Surface,
@@ -162,6 +163,11 @@ impl Rail {
         let surface = self.surface.placed(by.roll, shift);
         let outline = surface.section(way);
         Self { outline, surface, way, origin, roll, rates: by.rates, curvature: self.curvature }
+    }
+
+    /// Cuts a rail that varies at x [m].
+    pub fn cut_at(&mut self, x: f64) {
+        self.outline = self.surface.section(self.way + x);
     }
 
     /// A place of the track, y and z [m], in the axes of the profile, y to the left.

@@ -1,6 +1,7 @@
 //! The rail, cut across into rows, and what meets a row along its normal.
 //!
-//! The rail is cut at the tape distances s_j = j Δs, whole numbers j, of its profile under the middle of the wheelset.
+//! The rail is cut at the tape distances s_j = j Δs, whole numbers j, of its profile; a rail that varies at the column
+//! at which the wheel touches first.
 
 use super::rail::Rail;
 

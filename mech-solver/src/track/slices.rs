@@ -264,6 +264,8 @@ impl Slices {
         for left in 0..count - 1 {
             let piece = self.blend(&between, left, &between.weights);
             let [y, z, next_y, next_z, bend_y, bend_z, next_bend_y, next_bend_z, width] = piece;
+            // A spline over slices of parts that grow and shrink may swing below zero.
+            let width = width.max(super::outline::CLOSEST);
             length[left + 1] = length[left] + width;
             (points[left], points[left + 1]) = ([y, z], [next_y, next_z]);
             // The mean of both sides, which are one of a slice and nearly so between slices.
@@ -531,6 +533,7 @@ fn cubic(piece: &Piece, b: f64) -> ([f64; 2], [f64; 2]) {
 mod tests {
     use super::*;
     use crate::track::standard::{rail_60e1, wheel_s1002};
+    use proptest::prelude::*;
     use std::f64::consts::TAU;
 
     fn slice(at: f64, outline: Outline) -> Slice {
@@ -661,6 +664,32 @@ mod tests {
         assert_eq!(wrong, Err(SlicesError::Features(3)));
         slices.iter_mut().for_each(|slice| slice.features.clear());
         assert!(top(&slices)[1] < -1e-5);
+    }
+
+    proptest! {
+        /// Positions and features of any size, and slices of other numbers of points.
+        #[test]
+        fn no_slices_panic(
+            given in prop::collection::vec((any::<f64>(), -2.0..2.0_f64, 0.0..0.2_f64, 4..40_usize), 0..6),
+            features: bool,
+            near: bool,
+            wheel: bool,
+            at in any::<f64>(),
+        ) {
+            let slice = |(wild, tame, feature, count): &(f64, f64, f64, usize)| {
+                let point = |k: usize| [2e-3 * k as f64 - 5e-3, *feature * (k as f64 * tame).sin()];
+                let outline = Outline::new(&(0..*count).map(point).collect::<Vec<_>>(), 0.0).ok()?;
+                let features = if features { vec![0.0, *feature, 999.0] } else { Vec::new() };
+                Some(Slice { at: if count % 5 == 0 { *wild } else { *tame }, outline, features })
+            };
+            let mut slices: Vec<Slice> = given.iter().filter_map(slice).collect();
+            slices.sort_by(|a, b| a.at.total_cmp(&b.at));
+            let along = if near { Along::Near } else { Along::Through };
+            if let Ok(surface) = Slices::new(&slices, along, wheel.then_some(TAU)) {
+                let _ = surface.section(at).at(1e-3);
+                let _ = surface.placed(0.1, [0.0; 2]).mirrored().at(at, -1e-3, &mut 0);
+            }
+        }
     }
 
     #[test]

@@ -40,22 +40,31 @@ fn shipped(name: &str) -> String {
     format!("{}/../cases/profiles/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// On a rail that is new here and worn there, contact is that of the new rail here and of the worn one there; so is that of
+/// On a rail that is new here and worn there, contact is that of the new rail, or of the worn one, where it is that; so is that of
 /// a wheel by its slices where they are all one. Tolerance: the weights of a patch's reference, by the gap as it is.
 #[test]
 fn slices_are_the_profiles_that_they_name() {
-    let rail = |profile: &str, way: f64| {
+    let rail = |profile: &Value, way: f64| {
         let mut case = on_track();
-        case["bodies"]["rail"]["profile"] = json!(shipped(profile));
+        case["bodies"]["rail"]["profile"] = profile.clone();
         case["wheelset"]["way"] = json!(way);
         run(&case)
     };
-    for (profile, way) in [("rail-60e1.csv", 0.2), ("rail-60e1-worn.csv", 2.8)] {
-        let (expected, found) = (rail(profile, 0.0), rail("rail-wearing.slices", way));
+    // It is placed by what it is at the beginning.
+    let [new, worn] = ["rail-60e1.csv", "rail-60e1-worn.csv"].map(shipped);
+    let lines = [(0, &worn), (400, &worn), (800, &worn), (1800, &new), (2200, &new)];
+    let lines = lines.map(|(at, profile)| format!("{at} {profile}\n")).concat();
+    let wearing = File::new("wearing.slices", &format!("position [mm], profile\n{lines}"));
+    let both = [(shipped("rail-wearing.slices").into(), new), (wearing.path(), worn)];
+    for (slices, profile) in both {
+        let (expected, found) = (rail(&json!(profile), 0.0), rail(&slices, 0.2));
         assert!((height(&expected) - height(&found)).abs() < 2e-8, "{profile}");
         for key in ["max_pressure_pa", "creep_force_x_n"] {
             assert_close(found.number(key), expected.number(key), 2e-3);
         }
+        // At the other end it is another.
+        let other = rail(&slices, 2.8);
+        assert!((height(&expected) - height(&other)).abs() > 1e-4, "{profile}");
     }
     let wheel = shipped("wheel-s1002.csv");
     let contact = File::new(

@@ -168,6 +168,10 @@ fn waves_of_the_rail_change_hertzs_contact() {
         let expected = slope / (1.0 / RADIUS);
         let x = solved.patches[0].frame.reference.x;
         assert!((x / expected + 1.0).abs() < 0.05, "{x} {expected}");
+        // The reference is on the rail there.
+        let height = -waves.hollow(motion.way + x, f64::INFINITY);
+        let z = solved.patches[0].frame.reference.z;
+        assert!((z - height).abs() < 1e-8, "{z} {height}");
     }
 }
 
