@@ -74,14 +74,8 @@ impl Irregularity {
     /// it has one, again after every turn.
     #[must_use]
     pub fn hollow(&self, way: f64, circumference: f64) -> f64 {
-        let Self { form, depth, length, at } = *self;
-        let from = way - at;
-        let from = match form {
-            Form::Flat if circumference.is_finite() => {
-                (from + 0.5 * circumference).rem_euclid(circumference) - 0.5 * circumference
-            }
-            _ => from,
-        };
+        let Self { form, depth, length, .. } = *self;
+        let from = self.from_middle(way, circumference);
         let within = 2.0 * from.abs() < length;
         match form {
             Form::Corrugation if from > 0.0 => {
@@ -92,6 +86,32 @@ impl Irregularity {
                 0.5 * depth * (1.0 + (2.0 * PI * from / length).cos())
             }
             _ => 0.0,
+        }
+    }
+
+    /// Derivative of [`Self::hollow`] by the way [-].
+    #[must_use]
+    pub fn slope(&self, way: f64, circumference: f64) -> f64 {
+        let Self { form, depth, length, .. } = *self;
+        let from = self.from_middle(way, circumference);
+        let within = 2.0 * from.abs() < length;
+        let wave = PI * depth / length * (2.0 * PI * from / length).sin();
+        match form {
+            Form::Corrugation if from > 0.0 => wave,
+            Form::Joint if within => -2.0 * depth / length * from.signum(),
+            Form::Dip | Form::Flat if within => -wave,
+            _ => 0.0,
+        }
+    }
+
+    /// Way from the middle, or from the first crest [m].
+    fn from_middle(&self, way: f64, circumference: f64) -> f64 {
+        let from = way - self.at;
+        match self.form {
+            Form::Flat if circumference.is_finite() => {
+                (from + 0.5 * circumference).rem_euclid(circumference) - 0.5 * circumference
+            }
+            _ => from,
         }
     }
 }
@@ -118,5 +138,12 @@ mod tests {
         }
         assert_eq!(of(Form::Flat).hollow(10.0 + 3.0 * 50.0, 50.0), 2.0);
         assert_eq!((of(Form::Flat).body(), of(Form::Dip).body()), (0, 1));
+        for form in Form::NAMES.map(|(_, form)| form) {
+            for way in [5.0, 8.0, 11.5, 13.0, 17.0] {
+                let [before, behind] = [-1e-6, 1e-6].map(|step| of(form).hollow(way + step, 50.0));
+                let slope = of(form).slope(way, 50.0);
+                assert!((slope - (behind - before) / 2e-6).abs() < 1e-8, "{form:?} {way}");
+            }
+        }
     }
 }

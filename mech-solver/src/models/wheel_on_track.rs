@@ -11,6 +11,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | `shape` | the surfaces of wheel and rail, from the files of their profiles |
 //! | `keys` | the keys of track, wheelset and elements |
 //! | `case` | a checked case, and the position of a window |
 //! | `friction` | the friction coefficient of every element |
@@ -23,6 +24,7 @@ mod friction;
 mod keys;
 mod plane;
 mod running;
+mod shape;
 mod summary;
 mod wheels;
 

@@ -16,7 +16,7 @@ use super::error::TrackError;
 use super::patch::{Solved, Work};
 use super::rail::{Deviation, Side};
 use super::root::Search;
-use super::settings::{Spot, Vertical};
+use super::settings::{FrictionPlace, Vertical};
 use super::wheelset::{Motion, Wheelset};
 
 /// Difference of the heights of both wheels, over the tolerance of their forces and their depth.
@@ -52,7 +52,7 @@ pub struct Given {
 }
 
 /// Coefficient of friction of an element of a rail.
-pub type Friction<'a> = &'a dyn Fn(Side, &Spot) -> f64;
+pub type Friction<'a> = &'a dyn Fn(Side, &FrictionPlace) -> f64;
 
 /// A wheelset in balance.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -192,7 +192,7 @@ impl WheelsetOnTrack {
         let mut work = Work::default();
         for (side, wheel) in &mut self.wheels {
             let vertical = given.vertical[usize::from(*side == Side::Right)];
-            let of_side = |spot: &Spot| friction(*side, spot);
+            let of_side = |spot: &FrictionPlace| friction(*side, spot);
             let solved = wheel.solve(motion, deviation, vertical, &of_side)?;
             work = work.and(&solved.work);
             wheels.push((*side, solved));

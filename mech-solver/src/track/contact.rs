@@ -19,6 +19,7 @@ use super::pair::{Pair, nearest};
 use super::patch::{Solved, Work};
 use super::rail::{Deviation, NoGauge, Rail, Side, Track};
 use super::settings::{Friction, Settings, Vertical};
+use super::surface::Surface;
 use super::wheelset::{Motion, Wheel, Wheelset};
 
 /// Heights that are tried for a force.
@@ -55,7 +56,22 @@ impl WheelOnRail {
     /// # Errors
     /// The rail's profile has no gauge point.
     pub fn new(
-        [wheel, rail]: [&Outline; 2],
+        profiles: [&Outline; 2],
+        side: Side,
+        track: &Track,
+        wheelset: &Wheelset,
+        settings: Settings,
+    ) -> Result<Self, NoGauge> {
+        let surfaces = profiles.map(|profile| Surface::from(profile.clone()));
+        Self::of_surfaces(&surfaces, side, track, wheelset, settings)
+    }
+
+    /// The same of surfaces that may vary along the rail and round the wheel, their profiles in the same axes.
+    ///
+    /// # Errors
+    /// The rail's profile has no gauge point.
+    pub fn of_surfaces(
+        [wheel, rail]: &[Surface; 2],
         side: Side,
         track: &Track,
         wheelset: &Wheelset,

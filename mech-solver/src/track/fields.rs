@@ -7,7 +7,7 @@
 //! rigid slip is taken on the surfaces, what is off the plane adds its own power.
 
 use super::local::Window;
-use super::settings::{Friction, Spot};
+use super::settings::{Friction, FrictionPlace};
 use crate::half_space::levels::RIGID_SLIP_AHEAD;
 use crate::half_space::tangential::{ElementState, TangentialState};
 use proto::grid::Structured;
@@ -71,14 +71,19 @@ impl Fields {
     /// Traction bound on a window around the same origin, no larger than this: the pressure times the coefficient
     /// of friction of the element [Pa]. `middle` is the reference of the patch with its angle.
     #[must_use]
-    pub fn bound(&self, window: &Window, friction: Friction<'_>, middle: &Spot) -> Vec<f64> {
+    pub fn bound(
+        &self,
+        window: &Window,
+        friction: Friction<'_>,
+        middle: &FrictionPlace,
+    ) -> Vec<f64> {
         let narrow = window.counts();
         let shift = [0, 1].map(|k| self.origin[k] - window.half[k]);
         let of = |at: usize| {
             let [i, j] = [at % narrow[0] + shift[0], at / narrow[0] + shift[1]];
             let p = self.pressure[j * self.counts[0] + i];
             let along = |k: usize, at: usize| (self.first[k] + at as i64) as f64 * self.sides[k];
-            let spot = Spot { element: [along(0, i), along(1, j)], ..*middle };
+            let spot = FrictionPlace { element: [along(0, i), along(1, j)], ..*middle };
             if p > 0.0 { p * friction(&spot) } else { 0.0 }
         };
         (0..narrow[0] * narrow[1]).map(of).collect()

@@ -26,13 +26,13 @@ use nalgebra::Vector3;
 /// Distance where one of the bodies is missing [m].
 pub const NOTHING: f64 = 1.0;
 /// A residual of this is rounding [m].
-const EXACT: f64 = 1e-14;
+pub(super) const EXACT: f64 = 1e-14;
 /// Newton steps at most.
-const STEPS: usize = 12;
-/// Of so many columns one is solved for: along the rail a wheel is as smooth as a circle.
+pub(super) const STEPS: usize = 12;
+/// Of so many columns one is solved for: along the rail a round wheel is as smooth as a circle.
 const EVERY: usize = 4;
 /// Cosine of the steepest surface that a plane sees.
-const STEEPEST: f64 = 0.05;
+pub(super) const STEEPEST: f64 = 0.05;
 
 /// Axes of a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]

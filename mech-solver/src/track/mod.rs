@@ -4,11 +4,13 @@
 //! |---|---|
 //! | [`profile`] | profiles of rails and wheels, from files: Miniprof, SIMPACK, columns |
 //! | [`outline`] | a profile as a curve over its length |
+//! | [`slices`], [`surface`] | profiles that vary along the rail or round the wheel; with an irregularity or without |
 //! | [`standard`] | the rail 60E1 and the wheel S1002, from their formulae |
 //! | [`rail`], [`wheelset`] | where rails are, and wheels, and how they move |
 //! | [`silhouette`] | the shadow of a wheel along the rail |
+//! | [`rows`], `gap`, [`columns`] | the rail cut across into rows; what is between the bodies there; where they vary |
 //! | [`search`], [`region`] | where they penetrate each other undeformed; the patches that this makes |
-//! | [`local`] | a patch in its own plane: axes, elements, undeformed distance |
+//! | [`local`], [`distance`] | a patch in its own plane: axes, elements, undeformed distance; the same of bodies that vary |
 //! | [`creepage`] | creepages and rolling speed of a patch |
 //! | [`fields`], [`patch`] | fields, forces and figures of patches; sums of a wheel |
 //! | [`developed`] | the fields of all patches on one grid over x and the tape |
@@ -19,8 +21,8 @@
 //! | `root` | the root of a function that is dear to evaluate |
 //!
 //! ```text
-//! profiles ─► outline ─► rail, wheelset ─► silhouette ─► search ─► region ─► local ─► pressed ─┐
-//!                                                                       creepage ─► patch ─► contact ─► balance
+//! profiles ─► outline ─► surface ─► rail, wheelset ─► silhouette, columns ─► search ─► region ─► local, distance ─► pressed ─┐
+//!                                                                                       creepage ─► patch ─► contact ─► balance
 //! ```
 //!
 //! Every patch is a contact of half-spaces ([`crate::half_space`]) in its own plane, of bodies of the same
@@ -28,11 +30,14 @@
 //! On a rail and a wheel that are one surface round a corner (conformal contact) half-spaces are a rough picture.
 
 pub mod balance;
+pub mod columns;
 pub mod contact;
 pub mod creepage;
 pub mod developed;
+pub mod distance;
 pub mod error;
 pub mod fields;
+mod gap;
 pub mod local;
 pub mod outline;
 mod pair;
@@ -43,11 +48,14 @@ pub mod profile;
 pub mod rail;
 pub mod region;
 mod root;
+pub mod rows;
 pub mod search;
 pub mod settings;
 pub mod silhouette;
+pub mod slices;
 mod sliding;
 pub mod standard;
+pub mod surface;
 #[cfg(test)]
 mod tests;
 pub mod wheelset;

@@ -6,6 +6,10 @@
 //! (κh)²/24, κ the curvature and h the distance of points: 3e-5 on an arc of 13 mm with points every 0.35 mm.
 //! s is that of the measured points, from the origin that is chosen ([`Outline::starting_at`]).
 //!
+//! Smoothing of a wavelength L takes λ = (L/2π)⁴/h, h the mean step, for which the splines halve a wave of that length, and
+//! no tolerance: of profiles that belong together all are smoothed alike. Corners of less than 30° are smoothed with it.
+//! CONTACT's λ without weights is the same, in mm³.
+//!
 //! Points closer than [`CLOSEST`] to the one before are left out: the rounding of a file with seven digits
 //! turns such a chord by as much as a kink. Beyond its ends the curve goes on straight, for iterations that
 //! look there; there is no material.
@@ -17,6 +21,8 @@ use std::f64::consts::{PI, TAU};
 pub const CLOSEST: f64 = 1e-6;
 /// Fewest points.
 const FEWEST: usize = 4;
+/// What turns by less is no corner for a smoothing of a wavelength [rad].
+const CORNER: f64 = PI / 6.0;
 /// A chord that turns by more than this goes back over the curve [rad].
 const MOST_TURN: f64 = 5.0 / 6.0 * PI;
 
@@ -33,6 +39,15 @@ pub struct Outline {
     kinks: Vec<usize>,
     /// The farthest that smoothing has moved a point [m].
     moved: f64,
+}
+
+/// How points are smoothed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Smoothing {
+    /// As far as moves none by more than this [m]; 0 for none.
+    Within(f64),
+    /// Waves of this length are halved [m], of every profile alike.
+    Halving(f64),
 }
 
 /// Why points are no curve.
@@ -70,6 +85,14 @@ impl Outline {
     /// # Errors
     /// Too few points, or points that lie back on the curve.
     pub fn new(points: &[[f64; 2]], tolerance: f64) -> Result<Self, OutlineError> {
+        Self::smoothed(points, Smoothing::Within(tolerance))
+    }
+
+    /// The curve through points (y, z) [m] that is smoothed in this way; s is zero at the first.
+    ///
+    /// # Errors
+    /// Too few points, or points that lie back on the curve.
+    pub fn smoothed(points: &[[f64; 2]], smoothing: Smoothing) -> Result<Self, OutlineError> {
         let (points, numbers) = apart(points);
         if points.len() < FEWEST {
             return Err(OutlineError::Few(points.len()));
@@ -86,20 +109,36 @@ impl Outline {
             *sum += step;
             Some(*sum)
         }));
-        let kinks = kinks(&spacing, &turns, tolerance);
+        let kinks = match smoothing {
+            Smoothing::Within(tolerance) => kinks(&spacing, &turns, tolerance),
+            Smoothing::Halving(_) => kinks(&spacing, &turns, 0.0)
+                .into_iter()
+                .filter(|at| turns[at - 1].abs() > CORNER)
+                .collect(),
+        };
         let bend = vec![[0.0; 2]; points.len()];
         let mut curve = Self { length, points, bend, kinks, moved: 0.0 };
         let last = curve.points.len() - 1;
         let ends: Vec<usize> =
             std::iter::once(0).chain(curve.kinks.iter().copied()).chain([last]).collect();
         for pair in ends.windows(2) {
-            curve.fit(pair[0], pair[1], tolerance);
+            curve.fit(pair[0], pair[1], smoothing);
         }
         Ok(curve)
     }
 
+    /// The curve of these points [m] at these lengths [m], with these second derivatives by the length [1/m].
+    pub(super) fn of_parts(
+        length: Vec<f64>,
+        points: Vec<[f64; 2]>,
+        bend: Vec<[f64; 2]>,
+        kinks: Vec<usize>,
+    ) -> Self {
+        Self { length, points, bend, kinks, moved: 0.0 }
+    }
+
     /// Fits the points from `first` to `last`, which stay.
-    fn fit(&mut self, first: usize, last: usize, tolerance: f64) {
+    fn fit(&mut self, first: usize, last: usize, smoothing: Smoothing) {
         if last - first < 2 {
             return;
         }
@@ -108,12 +147,16 @@ impl Outline {
             self.points[first..=last].iter().map(|point| point[k]).collect()
         });
         let spacing = (length[length.len() - 1] - length[0]) / (length.len() - 1) as f64;
-        let ([y, z], moved) = smoothest(spacing, tolerance, |lambda| {
+        let of = |lambda: f64| {
             let both = [0, 1].map(|k| smoothed(length, &measured[k], lambda));
             let moves = both[0].moves.iter().zip(&both[1].moves);
             let moved = moves.fold(0.0, |most: f64, (y, z)| most.max(y.hypot(*z)));
             (both, moved)
-        });
+        };
+        let ([y, z], moved) = match smoothing {
+            Smoothing::Within(tolerance) => smoothest(spacing, tolerance, of),
+            Smoothing::Halving(wavelength) => of((wavelength / TAU).powi(4) / spacing),
+        };
         self.moved = self.moved.max(moved);
         for at in first..=last {
             self.points[at] = [y.z[at - first], z.z[at - first]];
@@ -125,6 +168,11 @@ impl Outline {
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         [self.length[0], self.length[self.length.len() - 1]]
+    }
+
+    /// s of the points [m].
+    pub(super) fn lengths(&self) -> &[f64] {
+        &self.length
     }
 
     /// The points, smoothed [m].
@@ -335,6 +383,20 @@ mod tests {
         assert!(curve.moved() <= 2e-6);
         let angle = curve.at(10e-3).angle();
         assert!(angle.abs() < 5e-4, "{angle}");
+    }
+
+    /// A wave on a straight line: of the wavelength half of it stays, of half of that a seventeenth, of twice that all but a seventeenth.
+    #[test]
+    fn waves_of_a_wavelength_are_halved() {
+        let (length, height) = (8e-3, 1e-6);
+        for (share, left) in [(1.0, 0.5), (0.5, 1.0 / 17.0), (2.0, 16.0 / 17.0)] {
+            let wave = |y: f64| height * (TAU * y / (share * length)).cos();
+            let points: Vec<[f64; 2]> =
+                (-200..=200).map(|k| 0.2e-3 * f64::from(k)).map(|y| [y, wave(y)]).collect();
+            let curve = Outline::smoothed(&points, Smoothing::Halving(length)).unwrap();
+            let [.., middle] = curve.at(curve.lengths()[200]).position;
+            assert!((middle / height - left).abs() < 5e-3, "{share}: {middle:e}");
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! its place. What depends on the height is found from the last height on, and the tractions of a patch from those
 //! of the same patch before.
 
+use super::columns::{Columns, Standing};
 use super::creepage::{Rolling, rolling};
 use super::error::TrackError;
 use super::fields::Fields;
@@ -12,9 +13,10 @@ use super::patch::{Patch, Solved, Work};
 use super::pool::Pool;
 use super::pressed::Pressed;
 use super::rail::{Deviation, Rail};
-use super::region::Region;
-use super::search::{Rows, Search, clearance};
-use super::settings::{Friction, RigidSlip, Settings, Spot};
+use super::region::{Cuts, Region};
+use super::rows::Rows;
+use super::search::{Search, Seen, clearance};
+use super::settings::{Friction, FrictionPlace, RigidSlip, Settings};
 use super::silhouette::{Circles, Shadow, shadow};
 use super::sliding::everywhere;
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
@@ -37,6 +39,8 @@ pub(super) struct Pair {
     wheel: Wheel,
     circles: Circles,
     shadow: Vec<Shadow>,
+    /// Cuts across the rail, where the rail is no prism or the wheel not round.
+    columns: Option<Columns>,
     pub(super) motion: Motion,
     pose: Pose,
     search: Search,
@@ -53,7 +57,10 @@ pub(super) struct Pair {
 impl Pair {
     pub(super) fn new(rail: Rail, wheel: Wheel, wheelset: Wheelset, settings: Settings) -> Self {
         let motion = Motion::default();
+        let surfaces = [&rail.surface, &wheel.surface];
+        let varies = surfaces.iter().any(|surface| surface.constant().is_none());
         Self {
+            columns: varies.then(Columns::default),
             settings,
             wheelset,
             rows: Rows::of(&rail, settings.sides[1]),
@@ -76,16 +83,33 @@ impl Pair {
 
     /// Goes to a position.
     pub(super) fn go_to(&mut self, motion: &Motion, deviation: &Deviation) {
-        if self.deviation != *deviation {
+        let goes_on = self.rail.surface.constant().is_none() && self.rail.way != motion.way;
+        if self.deviation != *deviation || goes_on {
             self.deviation = *deviation;
-            self.rail = self.design.deviated(deviation);
+            self.rail = self.design.deviated(deviation, motion.way);
             self.rows = Rows::of(&self.rail, self.settings.sides[1]);
         }
         self.motion = *motion;
         self.cuts = None;
         self.pose = Pose::of(motion, &self.wheelset);
-        shadow(&self.circles, &self.pose, &mut self.shadow);
+        match self.columns.take() {
+            None => shadow(&self.circles, &self.pose, &mut self.shadow),
+            Some(mut columns) => {
+                columns.go_to(&self.standing());
+                if self.rail.surface.constant().is_none() {
+                    self.rail.cut_at(columns.first_touch());
+                    self.rows = Rows::of(&self.rail, self.settings.sides[1]);
+                }
+                self.columns = Some(columns);
+            }
+        }
         self.work = Work::default();
+    }
+
+    /// The bodies, where they are.
+    fn standing(&self) -> Standing<'_> {
+        let Self { rail, rows, wheel, pose, motion, .. } = self;
+        Standing { rail, rows, wheel, pose, motion }
     }
 
     /// Goes up or down to a height.
@@ -96,23 +120,31 @@ impl Pair {
 
     /// Where the wheelset would touch [m]; `None` beside the rail.
     pub(super) fn touching_height(&self) -> Option<f64> {
-        Some(self.motion.z - clearance(&self.rows, &self.shadow, self.pose.middle)?)
+        let middle = self.pose.middle;
+        let clear = match &self.columns {
+            None => clearance(&self.rows, &self.shadow, middle),
+            Some(columns) => columns.clearance(middle.z),
+        };
+        Some(self.motion.z - clear?)
     }
 
     /// Presses at this height.
     pub(super) fn press(&mut self) -> Result<(), TrackError> {
         let spacing = self.settings.sides[1];
-        let wheel = (self.shadow.as_slice(), self.pose.middle);
+        if let Some(mut columns) = self.columns.take() {
+            columns.deepen(&self.standing(), self.pose.middle.z);
+            self.columns = Some(columns);
+        }
         if self.cuts.is_none() {
-            self.search.patches(&self.rows, wheel, spacing, &[]);
+            self.regions(&[]);
         }
         let cuts = match self.cuts.take() {
             Some(cuts) => cuts,
             None => self.search.cuts(&self.rows, spacing, &self.settings.joining),
         };
-        let regions = self.search.patches(&self.rows, wheel, spacing, &cuts);
+        let regions = self.regions(&cuts);
         self.cuts = Some(cuts);
-        let bodies = (&self.rail, &self.wheel, &self.pose);
+        let bodies = ((&self.rail, &self.wheel, &self.pose), self.motion.pitch);
         let mut pressed = Vec::with_capacity(regions.len());
         for region in &regions {
             let near = nearest(&self.pressed, region.s, |near| near.region.s);
@@ -130,13 +162,21 @@ impl Pair {
     pub(super) fn part(&mut self) -> bool {
         let spacing = self.settings.sides[1];
         let found = self.search.cuts(&self.rows, spacing, &self.settings.joining);
-        let wheel = (self.shadow.as_slice(), self.pose.middle);
         let parted = |regions: Vec<Region>| -> Vec<[i64; 2]> {
             regions.into_iter().map(|region| region.rows).collect()
         };
-        let anew = parted(self.search.patches(&self.rows, wheel, spacing, &found));
+        let anew = parted(self.regions(&found));
         let held = self.cuts.replace(found).unwrap_or_default();
-        anew == parted(self.search.patches(&self.rows, wheel, spacing, &held))
+        anew == parted(self.regions(&held))
+    }
+
+    /// The regions at this height, apart at these rows.
+    fn regions(&mut self, cuts: &Cuts) -> Vec<Region> {
+        let seen = match &mut self.columns {
+            Some(columns) => Seen::Columns(columns),
+            None => Seen::Shadow(&self.shadow),
+        };
+        self.search.patches(&self.rows, (seen, self.pose.middle), self.settings.sides[1], cuts)
     }
 
     /// Looks for contact in all of the regions.
@@ -161,7 +201,7 @@ impl Pair {
                 Fields::pressed(window, frame.element, &pressed.distance, &pressed.pressure);
             let part = pressed.contact_window();
             let reference = [frame.reference.x, pressed.region.s];
-            let middle = Spot { element: reference, reference, angle: frame.angle };
+            let middle = FrictionPlace { element: reference, reference, angle: frame.angle };
             let bound = fields.bound(&part, friction, &middle);
             let off_plane = match self.settings.rigid_slip {
                 RigidSlip::Plane => None,

@@ -1,5 +1,6 @@
 //! A patch under pressure, without tractions.
 
+use super::distance::{distance_of_surfaces, on_rail};
 use super::error::TrackError;
 use super::local::{Frame, NOTHING, Window, undeformed_distance};
 use super::pool::{Pool, room};
@@ -36,26 +37,36 @@ pub(super) struct Pressed {
 }
 
 impl Pressed {
-    /// The patch of a region; its pressure is looked for from that of `near` on.
+    /// The patch of a region, the wheel turned by `pitch` [rad]; its pressure is looked for from that of `near` on.
     pub(super) fn of(
         region: &Region,
-        (rail, wheel, pose): (&Rail, &Wheel, &Pose),
+        (bodies, pitch): ((&Rail, &Wheel, &Pose), f64),
         settings: &Settings,
         pool: &mut Pool,
         near: Option<&Self>,
     ) -> Result<Self, TrackError> {
-        let frame = Frame::at(region, rail, settings.sides);
+        let (rail, wheel, _) = bodies;
+        let mut frame = Frame::at(region, rail, settings.sides);
+        if rail.surface.constant().is_none() {
+            frame = on_rail(&frame, rail);
+        }
         let window = window(region, &frame, settings)?;
-        let [mut distance, rail_heights] =
-            undeformed_distance(&frame, &window, (rail, wheel, pose));
+        let constant = rail.surface.constant().is_some() && wheel.surface.constant().is_some();
+        let [mut distance, rail_heights] = match constant {
+            true => undeformed_distance(&frame, &window, bodies),
+            false => distance_of_surfaces(&frame, &window, bodies, pitch),
+        };
         leave_to_others(region, &frame, &window, &mut distance);
         let mut pressure = vec![0.0; window.points()];
         let (normal_force, iterations) = (0.0, 0);
         let mut part = window;
         if let Some(near) = near {
             copy_centred((&near.window, &near.pressure), (&window, &mut pressure));
-            let half = near.contact_window().half;
-            part.half = [0, 1].map(|k| room(half[k] + GROWTH).min(window.half[k]));
+            // Bodies that vary may touch where they did not at the height before.
+            if constant {
+                let half = near.contact_window().half;
+                part.half = [0, 1].map(|k| room(half[k] + GROWTH).min(window.half[k]));
+            }
         }
         let complete = part == window;
         let region = *region;

@@ -16,6 +16,7 @@
 //! yaw and pitch the opposite one. Source for the placement: its user guide, ch. 4 (definitions).
 
 use super::outline::Outline;
+use super::surface::Surface;
 
 /// A side of the track, as seen along x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,12 +37,12 @@ impl Side {
         }
     }
 
-    /// The profile, which is that of the left, on this side.
+    /// The surface, which is that of the left, on this side.
     #[must_use]
-    pub(super) fn of(self, profile: Outline) -> Outline {
+    pub(super) fn of(self, surface: Surface) -> Surface {
         match self {
-            Self::Left => profile,
-            Self::Right => profile.mirrored(),
+            Self::Left => surface,
+            Self::Right => surface.mirrored(),
         }
     }
 }
@@ -106,8 +107,13 @@ pub struct NoGauge {
 /// A rail in its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rail {
-    /// Its profile in track axes, s rising to the left.
+    /// Its profile in track axes, s rising to the left: of a rail that varies that where it is cut, at first under the
+    /// middle of the wheelset.
     pub outline: Outline,
+    /// Its surface in track axes, over the way along the track.
+    pub surface: Surface,
+    /// Way along the track of the middle of the wheelset [m].
+    pub way: f64,
     /// Place of the profile's origin, y and z [m].
     pub origin: [f64; 2],
     /// Turn of the profile's axes, from y to z [rad].
@@ -119,12 +125,13 @@ pub struct Rail {
 }
 
 impl Rail {
-    /// The rail with this profile, in the axes of [`super::profile`], on one side of a track.
+    /// The rail with this surface, its profiles in the axes of [`super::profile`], on one side of a track; it is
+    /// placed by its profile at the beginning of the way, without a hollow.
     ///
     /// # Errors
     /// The profile does not reach to the height of the gauge.
-    pub fn placed(profile: &Outline, side: Side, track: &Track) -> Result<Self, NoGauge> {
-        let inclined = profile.placed(track.cant, [0.0; 2]);
+    pub fn placed(surface: &Surface, side: Side, track: &Track) -> Result<Self, NoGauge> {
+        let inclined = surface.smooth_section(0.0).placed(track.cant, [0.0; 2]);
         let [y, z] = match track.placing {
             Placing::Origin { y, z } => [y, z],
             Placing::Gauge { width, height } => {
@@ -133,8 +140,11 @@ impl Rail {
             }
         };
         let sign = side.sign();
+        let surface = side.of(surface.placed(track.cant, [y, z]));
         Ok(Self {
-            outline: side.of(profile.placed(track.cant, [y, z])),
+            outline: surface.section(0.0),
+            surface,
+            way: 0.0,
             origin: [sign * y, z],
             roll: sign * track.cant,
             rates: [0.0; 3],
@@ -142,16 +152,22 @@ impl Rail {
         })
     }
 
-    /// The rail off its place.
+    /// The rail off its place, and the wheelset so far along it [m].
     #[must_use]
-    pub fn deviated(&self, by: &Deviation) -> Self {
+    pub fn deviated(&self, by: &Deviation, way: f64) -> Self {
         let (sin, cos) = by.roll.sin_cos();
         let [y, z] = self.origin;
         let origin = [y + by.y, z + by.z];
         let shift = [origin[0] - (cos * y - sin * z), origin[1] - (sin * y + cos * z)];
         let roll = self.roll + by.roll;
-        let outline = self.outline.placed(by.roll, shift);
-        Self { outline, origin, roll, rates: by.rates, curvature: self.curvature }
+        let surface = self.surface.placed(by.roll, shift);
+        let outline = surface.section(way);
+        Self { outline, surface, way, origin, roll, rates: by.rates, curvature: self.curvature }
+    }
+
+    /// Cuts a rail that varies at x [m].
+    pub fn cut_at(&mut self, x: f64) {
+        self.outline = self.surface.section(self.way + x);
     }
 
     /// A place of the track, y and z [m], in the axes of the profile, y to the left.
@@ -200,7 +216,7 @@ mod tests {
 
     #[test]
     fn the_gauge_point_is_at_half_the_gauge() {
-        let profile = rail_60e1().unwrap();
+        let profile = Surface::from(rail_60e1().unwrap());
         for (cant, side) in [(0.0, Side::Left), (0.05, Side::Left), (0.025, Side::Right)] {
             let rail = Rail::placed(&profile, side, &track(cant)).unwrap();
             let [from, to] = rail.outline.range();
@@ -217,16 +233,16 @@ mod tests {
             // An inclined rail leans to the middle: left of the crown it falls faster.
             assert!((rail.outline.at(0.0).angle() - side.sign() * cant).abs() < 1e-4);
         }
-        let short = rail_60e1().unwrap();
+        let short = Surface::from(rail_60e1().unwrap());
         let deep = Track { placing: Placing::Gauge { width: 1.435, height: 0.1 }, ..track(0.0) };
         assert!(Rail::placed(&short, Side::Left, &deep).is_err());
     }
 
     #[test]
     fn a_deviation_turns_about_the_origin_and_shifts() {
-        let rail = Rail::placed(&rail_60e1().unwrap(), Side::Left, &track(0.025)).unwrap();
+        let rail = Rail::placed(&rail_60e1().unwrap().into(), Side::Left, &track(0.025)).unwrap();
         let by = Deviation { y: 1e-3, z: -2e-3, roll: 0.01, rates: [0.0; 3] };
-        let off = rail.deviated(&by);
+        let off = rail.deviated(&by, 0.0);
         assert!((off.origin[0] - rail.origin[0] - 1e-3).abs() < 1e-15);
         for s in [-30e-3, 0.0, 12e-3] {
             let (a, b) = (rail.outline.at(s), off.outline.at(s));

@@ -6,15 +6,14 @@
 //! in a plane of its own, that do not. As that makes a step of the force over the height of the wheel, patches are
 //! held as they are, apart at some rows between them, while a height is looked for.
 //!
-//! *Reference.* A patch has the place and the angle that are the means over it, weighted with |g_j|^(5/2): the
-//! squared penetration, integrated along x over a parabola. Its angle thus is continuous in the position of the
+//! *Reference.* A patch has the place and the angle that are the means over it, weighted with the
+//! squared penetration, integrated along x ([`super::gap`]). Its angle thus is continuous in the position of the
 //! wheel.
 //!
 //! CONTACT weights alike. Between two distances it attenuates the mutual influence in steps, and turns the
 //! planes of patches that come near each other; here there is one distance and neither.
 
-/// Exponent of a gap in the weight of its row.
-const WEIGHT: f64 = 2.5;
+use super::gap::Gap;
 
 /// When regions are of one patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,9 +37,7 @@ pub(super) struct Penetrated {
     pub(super) row: i64,
     pub(super) s: f64,
     pub(super) angle: f64,
-    pub(super) x: f64,
-    pub(super) penetration: f64,
-    pub(super) radius: f64,
+    pub(super) gap: Gap,
     pub(super) at_end: bool,
 }
 
@@ -82,16 +79,16 @@ pub(super) fn grouped(rows: &[Region], cuts: &Cuts) -> Vec<Region> {
 
 impl Region {
     pub(super) fn of(row: &Penetrated) -> Self {
-        let half = (2.0 * row.radius * row.penetration).sqrt();
+        let Gap { gap, x, x_range, weight } = row.gap;
         Self {
             rows: [row.row; 2],
-            x_range: [row.x - half, row.x + half],
-            penetration: row.penetration,
-            x: row.x,
+            x_range,
+            penetration: -gap,
+            x,
             s: row.s,
             angle: row.angle,
             at_end: row.at_end,
-            weight: row.penetration.powf(WEIGHT),
+            weight,
         }
     }
 

@@ -54,7 +54,7 @@ pub enum RigidSlip {
 
 /// Where friction is asked for: an element, and the reference of its patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
+pub struct FrictionPlace {
     /// x in track axes and the tape distance of the middle of the element [m].
     pub element: [f64; 2],
     /// The same of the reference [m].
@@ -64,7 +64,7 @@ pub struct Spot {
 }
 
 /// Coefficient of friction of an element.
-pub type Friction<'a> = &'a dyn Fn(&Spot) -> f64;
+pub type Friction<'a> = &'a dyn Fn(&FrictionPlace) -> f64;
 
 /// What is given along the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -105,7 +105,7 @@ mod tests {
             flange_back_position: -0.07,
             nominal_radius: 0.46,
         };
-        let wheel = Wheel::placed(&wheel_s1002().unwrap(), side, &shape);
+        let wheel = Wheel::placed(&wheel_s1002().unwrap().into(), side, &shape);
         let pose = Pose::of(&Motion { yaw, ..Motion::default() }, &shape);
         let mut points = Vec::new();
         shadow(&Circles::of(&wheel), &pose, &mut points);

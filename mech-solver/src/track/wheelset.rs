@@ -16,6 +16,7 @@
 
 use super::outline::Outline;
 use super::rail::Side;
+use super::surface::Surface;
 use nalgebra::{Rotation3, Vector3};
 
 /// Dimensions of a wheelset.
@@ -32,8 +33,10 @@ pub struct Wheelset {
 /// Where a wheelset is and how it moves, in track axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Way of its middle along the track [m].
+    /// Way of its middle along the track [m], which matters where the rail or friction varies.
     pub way: f64,
+    /// Angle by which it has turned about its axle, rolling forward [rad], which matters for wheels that are not round.
+    pub pitch: f64,
     /// Shift to the left [m].
     pub y: f64,
     /// Height over that at which circles of the nominal radius touch z = 0 [m].
@@ -88,20 +91,22 @@ impl Pose {
 /// A wheel of a wheelset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wheel {
-    /// Its profile in wheelset axes, y and z, s rising to the left; −z is the radius.
+    /// Its profile in wheelset axes at its mark, y and z, s rising to the left; −z is the radius.
     pub outline: Outline,
+    /// Its surface over the angle from the mark; in the axes of the outline.
+    pub surface: Surface,
     /// y and z of the profile's origin in wheelset axes [m].
     pub origin: [f64; 2],
 }
 
 impl Wheel {
-    /// The wheel with this profile, in the axes of [`super::profile`], on one side of a wheelset.
+    /// The wheel with this surface, its profiles in the axes of [`super::profile`], on one side of a wheelset.
     #[must_use]
-    pub fn placed(profile: &Outline, side: Side, wheelset: &Wheelset) -> Self {
+    pub fn placed(surface: &Surface, side: Side, wheelset: &Wheelset) -> Self {
         let y = 0.5 * wheelset.flange_back_distance - wheelset.flange_back_position;
         let z = -wheelset.nominal_radius;
-        let outline = side.of(profile.placed(0.0, [y, z]));
-        Self { outline, origin: [side.sign() * y, z] }
+        let surface = side.of(surface.placed(0.0, [y, z]));
+        Self { outline: surface.smooth_section(0.0), surface, origin: [side.sign() * y, z] }
     }
 }
 
@@ -115,7 +120,7 @@ mod tests {
 
     #[test]
     fn tape_circles_and_flanges_are_where_they_belong() {
-        let profile = wheel_s1002().unwrap();
+        let profile = wheel_s1002().unwrap().into();
         for side in [Side::Left, Side::Right] {
             let wheel = Wheel::placed(&profile, side, &SHAPE);
             let [y, z] = wheel.outline.at(0.0).position;

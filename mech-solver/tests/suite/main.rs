@@ -21,6 +21,7 @@ mod rows;
 mod sequences;
 mod slip_friction;
 mod stress_at_points;
+mod varying_bodies;
 mod viscoelastic;
 mod wearing;
 mod wheel_on_track;

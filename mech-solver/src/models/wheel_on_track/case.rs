@@ -5,6 +5,7 @@ use super::keys::{
     FRICTION, GAUGE, GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, LEFT_SHARE, NOMINAL_RADIUS,
     RIGID_SLIP, ROLL, SIDE, TORQUE, VERTICAL_FORCE, keys,
 };
+use super::shape::surface;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
 use crate::resolution::RESOLUTION;
@@ -12,21 +13,16 @@ use crate::scene::{Material, SPEED, body_keys};
 use crate::terms::Terms;
 use crate::track::balance::{Given, WheelsetOnTrack};
 use crate::track::contact::WheelOnRail;
-use crate::track::outline::Outline;
 use crate::track::profile::orientation::Body;
-use crate::track::profile::{Format, Reading, read};
 use crate::track::rail::{Deviation, Placing, Side, Track};
 use crate::track::settings::{RigidSlip, Settings, Vertical};
+use crate::track::surface::Surface;
 use crate::track::wheelset::{Motion, Wheelset};
 use proto::bodies::{Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::params::Params;
-use std::path::Path;
 use std::sync::LazyLock;
-
-/// Larger files are refused.
-const MOST_BYTES: u64 = 64 << 20;
 
 /// Length that elements are counted over [m].
 const CENTIMETRE: f64 = 1e-2;
@@ -37,8 +33,8 @@ static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(|| [body_keys(), keys()].con
 /// A checked case.
 pub(super) struct Case {
     pub(super) terms: Terms,
-    wheel: Outline,
-    pub(super) rail: Outline,
+    /// Wheel and rail.
+    pub(super) surfaces: [Surface; 2],
     rail_key: String,
     sides: Vec<Side>,
     pub(super) track: Track,
@@ -96,11 +92,12 @@ impl Case {
         };
         let placing =
             Placing::Gauge { width: case.number(GAUGE)?, height: case.number(GAUGE_HEIGHT)? };
+        let nominal_radius = case.number(NOMINAL_RADIUS)?;
         let mut remarks = Vec::new();
-        let mut profile = |body: usize, of| profile(&case, &names, body, of, &mut remarks);
+        let mut surface =
+            |body: usize, of| surface(&case, &names, (body, of), nominal_radius, &mut remarks);
         Ok(Self {
-            wheel: profile(UPPER, Body::Wheel)?,
-            rail: profile(LOWER, Body::Rail)?,
+            surfaces: [surface(UPPER, Body::Wheel)?, surface(LOWER, Body::Rail)?],
             rail_key: names.key(LOWER, "profile"),
             terms,
             sides,
@@ -108,7 +105,7 @@ impl Case {
             wheelset: Wheelset {
                 flange_back_distance: case.number(FLANGE_BACK_DISTANCE)?,
                 flange_back_position: case.number(FLANGE_BACK_POSITION)?,
-                nominal_radius: case.number(NOMINAL_RADIUS)?,
+                nominal_radius,
             },
             settings,
             remarks,
@@ -122,9 +119,10 @@ impl Case {
     pub(super) fn wheelset_on_track(&self, coarser: f64) -> Result<WheelsetOnTrack, Refusal> {
         let mut settings = self.settings;
         settings.sides = settings.sides.map(|side| coarser * side);
-        let (profiles, wheelset) = ([&self.wheel, &self.rail], &self.wheelset);
+        let wheelset = &self.wheelset;
         let wheel = |side: &Side| {
-            let wheel = WheelOnRail::new(profiles, *side, &self.track, wheelset, settings);
+            let wheel =
+                WheelOnRail::of_surfaces(&self.surfaces, *side, &self.track, wheelset, settings);
             let wheel = wheel.map_err(|error| {
                 let fix = format!("give more of the profile, or write another {GAUGE_HEIGHT}");
                 Refusal::new(&self.rail_key, error.to_string(), fix)
@@ -150,6 +148,7 @@ impl Case {
         Ok(Position {
             motion: Motion {
                 way: of("way")?,
+                pitch: of("pitch")?,
                 y: of("y")?,
                 z: height.unwrap_or(0.0),
                 roll: of("roll")?,
@@ -223,36 +222,4 @@ fn refuse_radii(case: &CheckedParams<'_>, names: &Bodies) -> Result<(), Refusal>
         }
     }
     Ok(())
-}
-
-/// The profile of a body, from its file.
-fn profile(
-    case: &CheckedParams<'_>,
-    names: &Bodies,
-    body: usize,
-    of: Body,
-    remarks: &mut Vec<String>,
-) -> Result<Outline, Refusal> {
-    let key = names.key(body, "profile");
-    let path = Path::new(case.text(&key)?);
-    let refused = |reason: String| {
-        let reason = format!("{} {reason}", path.display());
-        Refusal::new(&key, reason, "give the profile of a wheel or a rail, in one of its formats")
-    };
-    let bytes = std::fs::metadata(path).map_err(|error| refused(error.to_string()))?.len();
-    if bytes > MOST_BYTES {
-        return Err(refused(format!("has {bytes} bytes, and no profile has")));
-    }
-    let text = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
-    let tolerance = case.maybe_number(&names.key(body, "profile_tolerance"))?.unwrap_or(0.0);
-    let reading = Reading { tolerance, ..Reading::usual(Format::of(path), of) };
-    let outline = read(&text, &reading).map_err(|error| refused(error.to_string()))?;
-    let kinks = outline.kinks().count();
-    remarks.push(format!(
-        "profile of `{}`: {} points, {kinks} kinks, smoothing moves none by more than {:.2} µm",
-        names.0[body],
-        outline.points().len(),
-        1e6 * outline.moved()
-    ));
-    Ok(outline)
 }

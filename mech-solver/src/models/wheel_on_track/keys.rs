@@ -1,5 +1,6 @@
 //! The keys of track, wheelset and elements.
 
+use super::shape;
 use crate::resolution::RESOLUTION;
 use crate::scene::SPEED;
 use proto::accuracy::Refinement;
@@ -35,19 +36,7 @@ pub(super) const RIGID_SLIP: &str = "mech.rigid_slip";
 
 /// The keys of the model besides those of bodies.
 pub(super) fn keys() -> Vec<KeySpec> {
-    [bodies(), track(), wheelset(), load(), elements()].concat()
-}
-
-fn bodies() -> Vec<KeySpec> {
-    let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
-    vec![
-        KeySpec::file(
-            "bodies.*.profile",
-            "profile of the wheel or the rail: .prw, .prr, Miniprof, or columns of y to the field side and z",
-        )
-        .required(),
-        KeySpec::quantity("bodies.*.profile_tolerance", "m", smoothing).at_least(0.0),
-    ]
+    [shape::keys(), track(), wheelset(), load(), elements()].concat()
 }
 
 fn track() -> Vec<KeySpec> {
@@ -100,7 +89,16 @@ fn wheelset() -> Vec<KeySpec> {
             .required()
             .expected(0.05..=2.0, "from trolleys to the largest locomotives; check the unit")
             .above(0.0),
-        varying("way", "m", "way of the wheelset along the track, over which friction may vary"),
+        varying(
+            "way",
+            "m",
+            "way of the wheelset along the track, over which the rail and friction may vary",
+        ),
+        varying(
+            "pitch",
+            "1",
+            "angle by which the wheelset has turned, rolling forward [rad], which matters for wheels that are not round",
+        ),
         varying("y", "m", "shift of the wheelset to the left"),
         varying("roll", "1", "roll, from y to z [rad]; of both wheels under an axle load it is found"),
         varying("yaw", "1", "yaw, from x to y [rad]"),

@@ -9,7 +9,7 @@ use crate::track::balance::{Balanced, Given};
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
 use crate::track::rail::Side;
-use crate::track::settings::Spot;
+use crate::track::settings::FrictionPlace;
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 use proto::model::StepError;
@@ -60,7 +60,7 @@ impl Plane {
             }
             let position = case.position(&params)?;
             let Position { motion, deviation, given, .. } = &position;
-            let friction = |side, spot: &Spot| coefficient(case, side, &position, spot);
+            let friction = |side, spot: &FrictionPlace| coefficient(case, side, &position, spot);
             // Patches hardly move with the angular velocity that a torque finds.
             let given = Given { torque: None, ..*given };
             match wheelset.solve(motion, deviation, &given, &friction) {

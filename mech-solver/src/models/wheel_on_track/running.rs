@@ -9,7 +9,7 @@ use crate::models::varying::no_answer;
 use crate::track::balance::{Balanced, WheelsetOnTrack};
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
-use crate::track::settings::Spot;
+use crate::track::settings::FrictionPlace;
 use proto::configuration::{Configuration, Refusal};
 use proto::field::{self, FieldSpec};
 use proto::model::{Step, StepError};
@@ -52,7 +52,7 @@ impl Windows for Running {
     fn solve(&mut self, position: &Position) -> Result<Window, StepError> {
         let Position { motion, deviation, given, .. } = position;
         let case = &self.case;
-        let friction = |side, spot: &Spot| coefficient(case, side, position, spot);
+        let friction = |side, spot: &FrictionPlace| coefficient(case, side, position, spot);
         self.wheelset.forget();
         let balanced = self.wheelset.solve(motion, deviation, given, &friction);
         let balanced = balanced.map_err(|error| StepError::NoSolution(error.to_string()))?;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`read`] | a text, and how it is to be taken, to a curve |
 //! | [`miniprof`], [`simpack`], [`columns`] | the formats: a text to points as they stand in the file |
+//! | [`slice_list`] | files that name profiles at positions |
 //! | [`orientation`] | from the axes of a file to ours |
 //! | [`error`] | what may be wrong with a file |
 //! | `text` | lines and numbers |
@@ -19,9 +20,11 @@ pub mod miniprof;
 pub mod orientation;
 pub mod read;
 pub mod simpack;
+pub mod slice_list;
 #[cfg(test)]
 mod tests;
 mod text;
 
 pub use error::ProfileError;
 pub use read::{Format, Reading, read};
+pub use slice_list::{SliceFormat, SliceList, read_slices};

@@ -4,7 +4,7 @@ use super::error::ProfileError;
 use super::orientation::{Body, Heights, oriented};
 use super::text::decoded;
 use super::{columns, miniprof, simpack};
-use crate::track::outline::Outline;
+use crate::track::outline::{Outline, Smoothing};
 use std::path::Path;
 
 /// A format of files.
@@ -42,8 +42,8 @@ pub struct Reading {
     pub mirrored: bool,
     /// Which way its heights point.
     pub heights: Heights,
-    /// Smoothing moves no point by more than this [m]; 0 for none.
-    pub tolerance: f64,
+    /// How it is smoothed.
+    pub smoothing: Smoothing,
 }
 
 impl Reading {
@@ -55,7 +55,7 @@ impl Reading {
             Format::Simpack => Heights::Down,
             Format::Miniprof | Format::Columns => Heights::Detected,
         };
-        Self { format, body, mirrored, heights, tolerance: 0.0 }
+        Self { format, body, mirrored, heights, smoothing: Smoothing::Within(0.0) }
     }
 }
 
@@ -78,7 +78,7 @@ pub fn read(text: &[u8], reading: &Reading) -> Result<Outline, ProfileError> {
         }
     };
     let points = oriented(points, reading.body, reading.heights, reading.mirrored)?;
-    Ok(from_origin(Outline::new(&points, reading.tolerance)?, reading.body))
+    Ok(from_origin(Outline::smoothed(&points, reading.smoothing)?, reading.body))
 }
 
 /// The curve with s = 0 where y = 0; at the highest point of a rail or the lowest of a wheel if it has no such

@@ -3,7 +3,7 @@
 use super::error::ProfileError;
 use super::orientation::{Body, Heights};
 use super::read::{Format, Reading, read};
-use crate::track::outline::Outline;
+use crate::track::outline::{Outline, Smoothing};
 use crate::track::standard::{rail_60e1, wheel_s1002};
 use proptest::prelude::*;
 use std::fmt::Write;
@@ -117,6 +117,7 @@ proptest! {
     fn no_numbers_panic(
         points in prop::collection::vec((any::<f64>(), any::<f64>(), -80.0..80.0_f64), 0..30),
         tolerance in 0.0..1e-3_f64,
+        halves: bool,
         format in 0..3_usize,
     ) {
         let format = [Format::Miniprof, Format::Simpack, Format::Columns][format];
@@ -130,7 +131,7 @@ proptest! {
         }
         for body in [Body::Rail, Body::Wheel] {
             let reading = Reading {
-                tolerance,
+                smoothing: if halves { Smoothing::Halving(tolerance) } else { Smoothing::Within(tolerance) },
                 heights: Heights::Detected,
                 ..Reading::usual(format, body)
             };

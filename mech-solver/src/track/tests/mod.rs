@@ -4,6 +4,7 @@ mod energy;
 mod hertz;
 mod invariance;
 mod patches;
+mod varying;
 
 use super::contact::WheelOnRail;
 use super::outline::Outline;

@@ -1,0 +1,284 @@
+//! The surfaces of wheel and rail: a profile from its file, or slices from theirs, and an irregularity.
+
+use crate::axle::{Form, Irregularity};
+use crate::keys::CheckedParams;
+use crate::track::outline::{Outline, Smoothing};
+use crate::track::profile::orientation::{Body, Heights};
+use crate::track::profile::{Format, Reading, SliceFormat, read, read_slices};
+use crate::track::slices::{Slice, Slices};
+use crate::track::surface::Surface;
+use proto::bodies::Bodies;
+use proto::configuration::Refusal;
+use proto::description::KeySpec;
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// Larger files are refused.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// Forms of irregularities.
+const FORMS: [&str; 4] = ["dip", "joint", "corrugation", "flat"];
+/// What an irregularity has besides its form.
+const SIZES: [&str; 4] = ["depth", "length", "at", "crown_radius"];
+
+/// The keys of the shape of bodies.
+pub(super) fn keys() -> Vec<KeySpec> {
+    let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
+    let size = |name: &str, help: &str| {
+        KeySpec::quantity(&format!("bodies.*.irregularity.{name}"), "m", help)
+    };
+    vec![
+        KeySpec::file(
+            "bodies.*.profile",
+            "profile of the wheel or the rail: .prw, .prr, Miniprof, or columns of y to the field side and z; or several at \
+             positions, of a body that varies: .slcw, .slcs, or .slices with lines of a position and a profile",
+        )
+        .required(),
+        KeySpec::quantity("bodies.*.profile_tolerance", "m", smoothing).at_least(0.0),
+        KeySpec::choice(
+            "bodies.*.profile_heights",
+            &["usual", "up", "down"],
+            "which way heights of the profile point; usual: down in .prr and .prw, and else as the shape shows",
+        )
+        .default_value("usual"),
+        KeySpec::quantity(
+            "bodies.*.smoothing_wavelength",
+            "m",
+            "smoothing that halves waves of the profile of this length, of all slices alike; in place of the tolerance",
+        )
+        .above(0.0),
+        KeySpec::choice(
+            "bodies.*.irregularity.form",
+            &FORMS,
+            "hollow of the surface, all across the profile: of a rail a period of a cosine (dip), ramps that meet in a kink (joint) or waves \
+             (corrugation), of a wheel a period of a cosine (flat)",
+        ),
+        size("depth", "its depth, of waves from crest to trough").above(0.0),
+        size("length", "its length, of waves from crest to crest").above(0.0),
+        size(
+            "at",
+            "way along the rail, or that the wheel rolls, to the middle of it; of waves to the first crest",
+        ),
+        size(
+            "crown_radius",
+            "of a flat, radius across of the rail that wore it: shallower by y^2/2R beside the tape circle; absent: as deep all across",
+        )
+        .above(0.0),
+    ]
+}
+
+/// The surface of a body, a wheel of this nominal radius [m] if it is one.
+///
+/// # Errors
+/// A file that is no profile, slices that are no surface, an irregularity that the body cannot have.
+pub(super) fn surface(
+    case: &CheckedParams<'_>,
+    names: &Bodies,
+    (body, of): (usize, Body),
+    radius: f64,
+    remarks: &mut Vec<String>,
+) -> Result<Surface, Refusal> {
+    let key = names.key(body, "profile");
+    let path = Path::new(case.text(&key)?);
+    let taken = Taken {
+        of,
+        smoothing: smoothing(case, names, body)?,
+        heights: heights(case, names, body)?,
+    };
+    let refused = |reason: String| {
+        let reason = format!("{} {reason}", path.display());
+        Refusal::new(&key, reason, "give the profile of a wheel or a rail, in one of its formats")
+    };
+    let name = &names.0[body];
+    let surface = match SliceFormat::of(path) {
+        None => {
+            let outline = outline(path, &taken).map_err(refused)?;
+            remarks.push(format!("profile of `{name}`: {}", described(&outline)));
+            Surface::from(outline)
+        }
+        Some(format) => {
+            let (slices, remark) = sliced(path, format, &taken).map_err(refused)?;
+            remarks.push(format!("slices of `{name}`: {remark}"));
+            Surface::from(slices)
+        }
+    };
+    let Some(form) = irregularity(case, names, body, of)? else { return Ok(surface) };
+    let crown = case.maybe_number(&names.key(body, "irregularity.crown_radius"))?;
+    Ok(match of {
+        Body::Wheel => surface.hollow_wheel(form, radius, crown),
+        Body::Rail => surface.hollow_rail(form),
+    })
+}
+
+/// How the profiles of a body are smoothed.
+fn smoothing(case: &CheckedParams<'_>, names: &Bodies, body: usize) -> Result<Smoothing, Refusal> {
+    let [tolerance, wavelength] =
+        ["profile_tolerance", "smoothing_wavelength"].map(|name| names.key(body, name));
+    match (case.maybe_number(&tolerance)?, case.maybe_number(&wavelength)?) {
+        (Some(_), Some(_)) => {
+            let reason = format!("`{tolerance}` says already how the profile is smoothed");
+            Err(Refusal::new(&wavelength, reason, "remove one of the two"))
+        }
+        (_, Some(wavelength)) => Ok(Smoothing::Halving(wavelength)),
+        (tolerance, None) => Ok(Smoothing::Within(tolerance.unwrap_or(0.0))),
+    }
+}
+
+/// Which way heights point, if the case says so.
+fn heights(
+    case: &CheckedParams<'_>,
+    names: &Bodies,
+    body: usize,
+) -> Result<Option<Heights>, Refusal> {
+    Ok(match case.text(&names.key(body, "profile_heights"))? {
+        "up" => Some(Heights::Up),
+        "down" => Some(Heights::Down),
+        _ => None,
+    })
+}
+
+/// Points, kinks and smoothing of a profile.
+fn described(outline: &Outline) -> String {
+    format!(
+        "{} points, {} kinks, smoothing moves none by more than {:.2} µm",
+        outline.points().len(),
+        outline.kinks().count(),
+        1e6 * outline.moved()
+    )
+}
+
+/// The bytes of a file.
+fn bytes(path: &Path) -> Result<Vec<u8>, String> {
+    let bytes = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
+    if bytes > MOST_BYTES {
+        return Err(format!("has {bytes} bytes, and no profile has"));
+    }
+    std::fs::read(path).map_err(|error| error.to_string())
+}
+
+/// How the files of a body are taken.
+#[derive(Clone, Copy, Debug)]
+struct Taken {
+    of: Body,
+    smoothing: Smoothing,
+    heights: Option<Heights>,
+}
+
+impl Taken {
+    fn reading(&self, path: &Path) -> Reading {
+        let usual = Reading::usual(Format::of(path), self.of);
+        let heights = self.heights.unwrap_or(usual.heights);
+        Reading { smoothing: self.smoothing, heights, ..usual }
+    }
+}
+
+/// A profile from its file.
+fn outline(path: &Path, taken: &Taken) -> Result<Outline, String> {
+    read(&bytes(path)?, &taken.reading(path)).map_err(|error| error.to_string())
+}
+
+/// A profile of several from its file, and whether its shape shows that heights point down; `None` where that is known.
+fn one_of_several(path: &Path, taken: &Taken) -> Result<(Outline, Option<bool>), String> {
+    let (text, reading) = (bytes(path)?, taken.reading(path));
+    let found = read(&text, &reading).map_err(|error| error.to_string())?;
+    let shown = (reading.heights == Heights::Detected).then(|| {
+        let up = read(&text, &Reading { heights: Heights::Up, ..reading });
+        up.as_ref() != Ok(&found)
+    });
+    Ok((found, shown))
+}
+
+/// The surface through the profiles that a file names, and what it is.
+fn sliced(path: &Path, format: SliceFormat, taken: &Taken) -> Result<(Slices, String), String> {
+    let of = taken.of;
+    let list = read_slices(&bytes(path)?, format, of).map_err(|error| error.to_string())?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut known: HashMap<&str, Outline> = HashMap::new();
+    let mut down: Option<(bool, &str)> = None;
+    let mut slices = Vec::with_capacity(list.slices.len());
+    for named in &list.slices {
+        let name = named.file.as_str();
+        if !known.contains_key(name) {
+            let (found, shown) = one_of_several(&folder.join(name), taken)
+                .map_err(|reason| format!("names {name}, which {reason}"))?;
+            if let Some(shown) = shown {
+                let (first, one) = *down.get_or_insert((shown, name));
+                if first != shown {
+                    return Err(format!(
+                        "names {one} and {name}, whose shapes do not agree on whether heights point up; write `profile_heights` of the body"
+                    ));
+                }
+            }
+            known.insert(name, found);
+        }
+        let outline = known[name].clone();
+        let [from, to] = outline.range();
+        // CONTACT counts a wheel from its field side.
+        let features = match of {
+            Body::Rail => named.features.clone(),
+            Body::Wheel => named.features.iter().rev().map(|s| (to - from - s).max(0.0)).collect(),
+        };
+        slices.push(Slice { at: named.at, outline, features });
+    }
+    let period = (of == Body::Wheel).then_some(TAU);
+    let surface = Slices::new(&slices, list.along, period).map_err(|error| error.to_string())?;
+    let finest = slices.iter().map(|slice| &slice.outline).max_by_key(|one| one.points().len());
+    let (first, last) = (slices[0].at, slices[slices.len() - 1].at);
+    let remark = format!(
+        "{} at {first:.4} to {last:.4} {}; the finest has {}",
+        slices.len(),
+        if of == Body::Wheel { "rad" } else { "m" },
+        finest.map(described).unwrap_or_default()
+    );
+    Ok((surface, remark))
+}
+
+/// The irregularity of a body, if it has one.
+fn irregularity(
+    case: &CheckedParams<'_>,
+    names: &Bodies,
+    body: usize,
+    of: Body,
+) -> Result<Option<Irregularity>, Refusal> {
+    let key = |name: &str| names.key(body, &format!("irregularity.{name}"));
+    let form_key = key("form");
+    if !case.has(&form_key) {
+        return match SIZES.into_iter().find(|name| case.has(&key(name))) {
+            None => Ok(None),
+            Some(name) => {
+                let reason = "a size of an irregularity is given, but none of its form";
+                Err(Refusal::new(&key(name), reason, format!("add `{form_key}`")))
+            }
+        };
+    }
+    let name = case.text(&form_key)?;
+    let form = Form::NAMES.into_iter().find(|(form, _)| *form == name).map(|(_, form)| form);
+    let form =
+        form.filter(|form| (*form == Form::Flat) == (of == Body::Wheel)).ok_or_else(|| {
+            let (reason, fix) = match of {
+                Body::Wheel => {
+                    ("is an irregularity of a rail", "write \"flat\", or give it to the rail")
+                }
+                Body::Rail => (
+                    "is an irregularity of a wheel",
+                    "write \"dip\", \"joint\" or \"corrugation\", or give it to the wheel",
+                ),
+            };
+            Refusal::new(&form_key, format!("`{name}` {reason}"), fix)
+        })?;
+    let size = |name: &str| {
+        let key = key(name);
+        case.maybe_number(&key)?.ok_or_else(|| {
+            let reason = "an irregularity has a depth, a length and a place";
+            Refusal::new(&key, reason, format!("add `{key}`"))
+        })
+    };
+    let crown = key("crown_radius");
+    if of == Body::Rail && case.has(&crown) {
+        let reason = "a hollow of a rail is as deep all across";
+        return Err(Refusal::new(&crown, reason, "remove the key"));
+    }
+    let (depth, length, at) = (size("depth")?, size("length")?, size("at")?);
+    Ok(Some(Irregularity { form, depth, length, at }))
+}
