@@ -14,6 +14,9 @@
 //! | [`developed`] | the fields of all patches on one grid over x and the tape |
 //! | [`contact`] | **all of it**: one position after another, by height or vertical force |
 //! | [`settings`], [`error`] | what it is solved with; why there is no solution |
+//! | `parabolas`, `kpec`, `analyn`, `strips` | approximate theories of the normal contact: a patch row by row |
+//! | `mutual` | what patches in planes of their own do to each other |
+//! | `springs` | the simplified theory of the tangential one, strip by strip |
 //! | `pair`, `pressed`, `pool` | a position at one height after another; a patch under pressure; solvers of all sizes |
 //!
 //! ```text
@@ -25,14 +28,18 @@
 //! material, rolling steadily. Axes are those of [`rail`]: x forward, y to the left, z up; forces act on the wheel.
 //! On a rail and a wheel that are one surface round a corner (conformal contact) half-spaces are a rough picture.
 
+mod analyn;
 pub mod contact;
 pub mod creepage;
 pub mod developed;
 pub mod error;
 pub mod fields;
+mod kpec;
 pub mod local;
+mod mutual;
 pub mod outline;
 mod pair;
+mod parabolas;
 pub mod patch;
 mod pool;
 mod pressed;
@@ -43,7 +50,9 @@ pub mod search;
 pub mod settings;
 pub mod silhouette;
 mod sliding;
+mod springs;
 pub mod standard;
+mod strips;
 #[cfg(test)]
 mod tests;
 pub mod wheelset;

@@ -2,20 +2,21 @@
 
 use super::keys::{
     ANGULAR_VELOCITY, CANT, CURVATURE, FLANGE_BACK_DISTANCE, FLANGE_BACK_POSITION, FRICTION, GAUGE,
-    GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, NOMINAL_RADIUS, RIGID_SLIP, SIDE,
-    VERTICAL_FORCE, keys,
+    GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, NOMINAL_RADIUS, NORMAL, PATCH_INFLUENCE,
+    RIGID_SLIP, SIDE, TANGENTIAL, VERTICAL_FORCE, keys,
 };
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
 use crate::resolution::RESOLUTION;
 use crate::scene::{Material, SPEED, body_keys};
+use crate::simplified::flexibility::{self, Kind};
 use crate::terms::Terms;
 use crate::track::contact::WheelOnRail;
 use crate::track::outline::Outline;
 use crate::track::profile::orientation::Body;
 use crate::track::profile::{Format, Reading, read};
 use crate::track::rail::{Deviation, Placing, Side, Track};
-use crate::track::settings::{RigidSlip, Settings, Vertical};
+use crate::track::settings::{Normal, RigidSlip, Settings, Tangential, Vertical};
 use crate::track::wheelset::{Motion, Wheelset};
 use proto::bodies::{Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
@@ -88,6 +89,16 @@ impl Case {
             settings.rigid_slip = RigidSlip::Surfaces;
         }
         (settings.adhesion, settings.layer) = (terms.adhesion, terms.layer());
+        settings.normal = match case.text(NORMAL)? {
+            "kpec" => Normal::Kpec,
+            "analyn" => Normal::Analyn,
+            _ => Normal::HalfSpace,
+        };
+        settings.mutual = case.text(PATCH_INFLUENCE)? == "elastic";
+        settings.tangential = tangential(&case)?;
+        if settings.tangential != Tangential::HalfSpace {
+            refuse_on_springs(&settings, upper.poisson_ratio, &names)?;
+        }
         let side = if case.text(SIDE)? == "right" { Side::Right } else { Side::Left };
         let placing =
             Placing::Gauge { width: case.number(GAUGE)?, height: case.number(GAUGE_HEIGHT)? };
@@ -170,6 +181,37 @@ impl Case {
             friction: case.number(FRICTION)?,
         })
     }
+}
+
+/// What gives the tractions.
+fn tangential(case: &CheckedParams<'_>) -> Result<Tangential, Refusal> {
+    let kind = Kind::of(case.text(flexibility::KEY)?);
+    Ok(match case.text(TANGENTIAL)? {
+        "fastsim" => Tangential::Fastsim(kind),
+        "fastrip" => Tangential::Fastrip(kind),
+        _ => Tangential::HalfSpace,
+    })
+}
+
+/// Refuses what springs do not have.
+fn refuse_on_springs(
+    settings: &Settings,
+    poisson_ratio: f64,
+    names: &Bodies,
+) -> Result<(), Refusal> {
+    if settings.layer > 0.0 {
+        let reason = "asks for springs, and a layer between the bodies is on half-spaces alone";
+        let fix = "write \"half-space\" here, or leave the layer out";
+        return Err(Refusal::new(TANGENTIAL, reason, fix));
+    }
+    if poisson_ratio < 0.0 {
+        let reason =
+            format!("has a Poisson's ratio of {poisson_ratio}, and Kalker's table begins at 0");
+        let fix =
+            format!("name a material whose ratio is 0 or more, or {TANGENTIAL} = \"half-space\"");
+        return Err(Refusal::new(&names.key(UPPER, "material"), reason, fix));
+    }
+    Ok(())
 }
 
 /// Refuses what would say the shape of a body twice.

@@ -1,8 +1,10 @@
 //! The grid over the rail's surface that holds the patches of all rows.
 
 use super::case::{Case, Position};
+use crate::terms::Place;
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
+use crate::track::settings::Normal;
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 use proto::model::StepError;
@@ -22,6 +24,47 @@ pub(super) struct Plane {
     sides: [f64; 2],
     /// Elements of the patches of a position, at most and about.
     pub(super) elements: f64,
+    /// Half length and half width of the patch that carries most [m], and y of the highest pressure of all.
+    semi_axes: [f64; 2],
+    peak: Peak,
+}
+
+/// The highest pressure [Pa], and where it is along the tape [m].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Peak {
+    pressure: f64,
+    y: f64,
+}
+
+impl Peak {
+    fn higher(self, other: Self) -> Self {
+        if other.pressure > self.pressure { other } else { self }
+    }
+
+    fn of(patch: &Patch) -> Self {
+        let fields = &patch.fields;
+        let highest = fields.pressure.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+        highest.map_or_else(Self::default, |(at, pressure)| {
+            let row = fields.first[1] + (at / fields.counts[0]) as i64;
+            Self { pressure: *pressure, y: row as f64 * fields.sides[1] }
+        })
+    }
+}
+
+/// Half length and half width of what is in contact [m].
+fn half_sizes(patch: &Patch) -> [f64; 2] {
+    let fields = &patch.fields;
+    let mut ranges = [[usize::MAX, 0]; 2];
+    for (at, _) in fields.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+        for (range, place) in ranges.iter_mut().zip([at % fields.counts[0], at / fields.counts[0]])
+        {
+            *range = [range[0].min(place), range[1].max(place)];
+        }
+    }
+    [0, 1].map(|k| {
+        let [first, last] = ranges[k];
+        0.5 * (last + 1).saturating_sub(first) as f64 * fields.sides[k]
+    })
 }
 
 impl Plane {
@@ -31,7 +74,8 @@ impl Plane {
     /// No position has a contact.
     pub(super) fn of(configuration: &Configuration, case: &Case) -> Result<Self, Refusal> {
         let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
-        let coarser = if rows > 1 { COARSER } else { 1.0 };
+        let exact = case.settings.normal == Normal::HalfSpace;
+        let coarser = if rows > 1 && exact { COARSER } else { 1.0 };
         let mut wheel = case.wheel_on_rail(coarser)?;
         let mut params = configuration.case.clone();
         let (mut found, mut failed): (Option<Self>, _) = (None, None);
@@ -65,7 +109,16 @@ impl Plane {
         let end = [0, 1].map(|k| finer(first[k] + counts[k] as i64));
         let of = |patch: &Patch| (patch.fields.counts[0] * patch.fields.counts[1]) as f64;
         let elements = coarser * coarser * patches.iter().map(of).sum::<f64>();
-        Self { first: first.map(finer), end, sides: [0.0; 2], elements }
+        let load = |patch: &&Patch| patch.load.force[2];
+        let most = patches.iter().max_by(|a, b| load(a).total_cmp(&load(b)));
+        Self {
+            first: first.map(finer),
+            end,
+            sides: [0.0; 2],
+            elements,
+            semi_axes: most.map_or([0.0; 2], half_sizes),
+            peak: patches.iter().map(Peak::of).fold(Peak::default(), Peak::higher),
+        }
     }
 
     fn and(&self, other: &Self) -> Self {
@@ -74,7 +127,14 @@ impl Plane {
             end: [0, 1].map(|k| self.end[k].max(other.end[k])),
             sides: self.sides,
             elements: self.elements.max(other.elements),
+            semi_axes: [0, 1].map(|k| self.semi_axes[k].max(other.semi_axes[k])),
+            peak: self.peak.higher(other.peak),
         }
+    }
+
+    /// Where stresses are looked for.
+    pub(super) fn place(&self) -> Place {
+        Place { grid: self.grid(), semi_axes: self.semi_axes, peak_y: self.peak.y }
     }
 
     fn counts(&self) -> [usize; 2] {
