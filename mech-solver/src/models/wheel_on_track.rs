@@ -61,7 +61,8 @@ fn spec() -> ModelSpec {
             "a wheel of a wheelset on a rail of a track: measured profiles, all patches, any angle"
                 .to_owned(),
         source: "Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990) ch. 4; \
-                 Vollebregt, User guide for CONTACT (2022) ch. 3-4"
+                 Vollebregt, User guide for CONTACT (2022) ch. 3-4; Piotrowski, Kik, Vehicle System Dynamics 46 \
+                 (2008) 27-48; Sichani, Enblom, Berg, Vehicle System Dynamics 52 (2014) 1752-1764"
             .to_owned(),
         steady: true,
         transient: true,

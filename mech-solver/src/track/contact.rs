@@ -33,6 +33,8 @@ const FIRST_DEPTH: f64 = 2e-5;
 const FROM_ABOVE: (f64, f64) = (3e-6, 1.25);
 /// By how much more the next depth is where it does not.
 const LARGEST_STEP: f64 = 3.0;
+/// A bracket as narrow as this share of the depth holds a jump.
+const COLLAPSED: f64 = 1e-10;
 /// Exponent that makes a force linear in the depth.
 const LINEAR: f64 = 2.0 / 3.0;
 
@@ -167,6 +169,9 @@ impl WheelOnRail {
             let rise = (linear(&trial) - linear(&last)) / (trial.depth - last.depth);
             let next = depth + (force.powf(LINEAR) - linear(&trial)) / rise;
             let [low, high] = bracket;
+            if high.is_finite() && high - low <= COLLAPSED * high {
+                return Err(TrackError::NotFound { wanted: force, found: trial.force });
+            }
             depth = match next > low && next < high {
                 true => next.min(largest_step * depth),
                 false if high.is_finite() => 0.5 * (low + high),

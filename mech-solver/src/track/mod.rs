@@ -24,7 +24,7 @@
 //!                                                                       creepage ─► patch ─► contact
 //! ```
 //!
-//! Every patch is a contact of half-spaces ([`crate::half_space`]) in its own plane, of bodies of the same
+//! Every patch is a contact of half-spaces ([`crate::half_space`]) in its own plane, or what fast theories have in their place, of bodies of the same
 //! material, rolling steadily. Axes are those of [`rail`]: x forward, y to the left, z up; forces act on the wheel.
 //! On a rail and a wheel that are one surface round a corner (conformal contact) half-spaces are a rough picture.
 

@@ -196,6 +196,8 @@ fn what_cannot_be_placed_is_refused() {
 fn stresses_are_below_the_patches() {
     let mut case = on_track();
     case["effects"]["subsurface_stress"] = json!({});
+    // More friction has the largest stress at the surface.
+    case["friction"]["coefficient"] = json!(0.05);
     let mut run = run(&case);
     run.model.observe(&mut Store::for_layout(&run.layout, &[]));
     let stress = run.model.summary()["stress"].clone();

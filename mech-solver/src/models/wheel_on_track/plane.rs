@@ -13,6 +13,8 @@ use proto::model::StepError;
 const COARSER: f64 = 3.0;
 /// Free elements round the patches, of those that they were looked for with.
 const MARGIN: usize = 2;
+/// The same where a patch may jump from element to element, and with it the force.
+const MARGIN_OF_JUMPS: usize = 5;
 
 /// Elements by their numbers along x and along the tape; element (0, 0) is at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,8 +76,11 @@ impl Plane {
     /// No position has a contact.
     pub(super) fn of(configuration: &Configuration, case: &Case) -> Result<Self, Refusal> {
         let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
-        let exact = case.settings.normal == Normal::HalfSpace;
-        let coarser = if rows > 1 && exact { COARSER } else { 1.0 };
+        let coarser = if rows > 1 { COARSER } else { 1.0 };
+        let margin = match case.settings.normal {
+            Normal::HalfSpace => MARGIN,
+            Normal::Kpec | Normal::Analyn => MARGIN_OF_JUMPS,
+        };
         let mut wheel = case.wheel_on_rail(coarser)?;
         let mut params = configuration.case.clone();
         let (mut found, mut failed): (Option<Self>, _) = (None, None);
@@ -87,7 +92,7 @@ impl Plane {
             match wheel.solve(&motion, &deviation, vertical, &|_| friction) {
                 Ok(solved) if solved.patches.is_empty() => {}
                 Ok(solved) => {
-                    let own = Self::around(&solved.patches, coarser);
+                    let own = Self::around(&solved.patches, coarser, margin);
                     found = Some(found.map_or(own, |other| other.and(&own)));
                 }
                 Err(error) => failed = Some(error),
@@ -103,8 +108,8 @@ impl Plane {
     }
 
     /// Round patches of elements so many times larger.
-    fn around(patches: &[Patch], coarser: f64) -> Self {
-        let Developed { first, counts, .. } = Developed::of(patches, MARGIN);
+    fn around(patches: &[Patch], coarser: f64, margin: usize) -> Self {
+        let Developed { first, counts, .. } = Developed::of(patches, margin);
         let finer = |at: i64| (coarser * at as f64).round() as i64;
         let end = [0, 1].map(|k| finer(first[k] + counts[k] as i64));
         let of = |patch: &Patch| (patch.fields.counts[0] * patch.fields.counts[1]) as f64;
