@@ -10,6 +10,7 @@
 //! | [`terms`] | what effects contribute to a contact, kind by kind |
 //! | [`reference`] | closed forms, shared by models, tests and reports |
 //! | [`scene`] | the case values every model reads, as plain structs |
+//! | [`simplified`] | springs in the place of half-spaces: FASTSIM and FASTRIP, strip by strip |
 //! | [`track`] | a wheel on the rail of a track: profiles, placement, patches, creepages, their contact |
 //!
 //! Axes, bodies and signs (Kalker's, as CONTACT has them): x along the rolling direction, y to the
@@ -43,6 +44,7 @@ pub mod reference;
 mod removal;
 mod resolution;
 pub mod scene;
+pub mod simplified;
 mod situation;
 mod slip;
 mod softening;

@@ -5,9 +5,9 @@
 
 use crate::half_space::subsurface::{RiseIntegral, WarmBody};
 use crate::keys::CheckedParams;
-use crate::scene::{Material, Scene};
+use crate::scene::Material;
 use crate::state::Accepted;
-use proto::bodies::Bodies;
+use proto::bodies::{Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 
@@ -51,8 +51,9 @@ impl ThermalStress {
         case: &CheckedParams<'_>,
         effect: &'static str,
     ) -> Result<Self, Refusal> {
-        let scene = Scene::read(&configuration.case)?;
-        let material = |body: usize| configuration.case.text(&scene.names.key(body, "material"));
+        let params = &configuration.case;
+        let names = Bodies::read(params)?;
+        let material = |body: usize| params.text(&names.key(body, "material"));
         let called = [material(0)?.to_owned(), material(1)?.to_owned()];
         let mut thermal = [[None; 3]; 2];
         for (values, material) in thermal.iter_mut().zip(&called) {
@@ -60,8 +61,9 @@ impl ThermalStress {
                 *value = case.maybe_number(&format!("materials.{material}.{name}"))?;
             }
         }
-        let materials = scene.materials();
-        Ok(Self { effect, names: scene.names, materials, called, thermal, expansion: None })
+        let read = |body| Material::read(params, &names, body);
+        let materials = [read(UPPER)?, read(LOWER)?];
+        Ok(Self { effect, names, materials, called, thermal, expansion: None })
     }
 
     /// The bodies expand.

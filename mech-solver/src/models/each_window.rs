@@ -2,6 +2,7 @@
 
 use super::half_space::PASSAGE_GRID;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
+use crate::terms::Observation;
 use proto::configuration::{Configuration, FieldOnGrid};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
@@ -30,6 +31,9 @@ pub(super) trait Windows {
 
     /// Writes a field, if it is one of the model's.
     fn write(&self, window: &Self::Window, spec: &FieldSpec, values: &mut [f64]);
+
+    /// Computes what is observed of an accepted window, and writes it; nothing, unless a model has more than its fields.
+    fn observe(&mut self, _window: &Self::Window, _outputs: &mut dyn Outputs) {}
 
     /// Its part of `summary.json`.
     fn summary(&self, window: &Self::Window) -> Value;
@@ -111,6 +115,7 @@ impl<W: Windows> Model for EachWindow<W> {
     fn observe(&mut self, outputs: &mut dyn Outputs) {
         if let Some(window) = &self.accepted {
             self.write(window, outputs);
+            self.windows.observe(window, outputs);
         }
     }
 
@@ -135,12 +140,15 @@ pub(super) fn write_pair(values: &mut [f64], [x, y]: &[Vec<f64>; 2]) {
     second.copy_from_slice(y);
 }
 
-/// The fields of a contact on this grid: slip and friction power half an element upstream, speeds for all of it.
+/// The fields of a contact on this grid: slip and friction power half an element upstream, speeds for all of it; those of
+/// observations where they say.
 pub(super) fn fields_over(
     configuration: &Configuration,
     grid: Structured,
+    observations: &[Box<dyn Observation>],
 ) -> (Vec<Grid>, Vec<FieldOnGrid>) {
     let on = |spec: &FieldSpec| match *spec {
+        _ if let Some(grid) = observations.iter().find_map(|term| term.grid_of(spec)) => grid,
         field::SURFACE_SPEED => RIGID_GRID,
         field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
         _ => CONTACT_GRID,
@@ -149,6 +157,11 @@ pub(super) fn fields_over(
     let mut passage = grid;
     passage.origin[0] += 0.5 * grid.dx();
     let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-    let grids = [(CONTACT_GRID, grid), (PASSAGE_GRID, passage), (RIGID_GRID, whole)];
-    laid_out(configuration, on, grids.to_vec())
+    let mut grids = vec![
+        (CONTACT_GRID, grid.into()),
+        (PASSAGE_GRID, passage.into()),
+        (RIGID_GRID, whole.into()),
+    ];
+    grids.extend(observations.iter().flat_map(|term| term.grids()));
+    laid_out(configuration, on, grids)
 }

@@ -13,11 +13,7 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | `flexibility` | the springs |
-//! | `reduction` | softer springs for a creep curve of less slope |
-//! | `bound` | the traction bound, and the nodes that fit it |
-//! | `march` | strips, cells and the march with Coulomb's law |
-//! | `strip_theory` | the stick zone by strip theory |
+//! | [`crate::simplified`] | the springs, the bound, the march along a strip, strip theory |
 //! | `sliding` | the contact without a stick zone |
 //! | `contact` | prescribed force, sums over the contact |
 //! | `fields` | element means on the contact's grid |
@@ -33,16 +29,11 @@
 //! all creepages is the default, see `flexibility`; one friction coefficient, see `rubbing`; bodies of different materials are taken as two
 //! of the combined G and ν, without coupling to the normal problem.
 
-mod bound;
 mod case;
 mod contact;
 mod fields;
-mod flexibility;
-mod march;
-mod reduction;
 mod rubbing;
 mod sliding;
-mod strip_theory;
 
 use crate::effects;
 use crate::ellipse::{Ellipse, Prescribed};
@@ -54,8 +45,10 @@ use crate::models::varying::Varying;
 use crate::reference::kalker::CreepCoefficients;
 use crate::resolution;
 use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
+use crate::simplified::bound::Bound;
+use crate::simplified::flexibility::Kind as Flexibility;
+use crate::simplified::reduction::Reduction;
 use crate::terms::{Kind, Terms};
-use bound::Bound;
 use case::{Asked, Case, RESOLUTION, cells, own_keys, problem};
 use contact::Problem;
 use proto::accuracy::{Accuracy, Simplification};
@@ -66,7 +59,6 @@ use proto::field::{self, FieldSpec};
 use proto::model::{Model, Setup};
 use proto::params::Params;
 use proto::progress::Progress;
-use reduction::Reduction;
 use rubbing::Rubbed;
 use serde_json::Value;
 
@@ -155,7 +147,7 @@ pub(super) fn estimate(scene: &Scene, case: &Params, sticks: bool) -> Option<Kno
     let grid = Ellipse::solve(scene, given).ok()?.extent().grid(COARSE).ok()?;
     let asked = Asked {
         given,
-        kind: flexibility::Kind::Single,
+        kind: Flexibility::Single,
         bound: Bound::Parabolic,
         strip_theory: false,
         reduction: Reduction::NONE,

@@ -9,6 +9,9 @@
 //! model `half-space` slip and friction power belong to the way of a particle from an element's centre to the
 //! next one's, and their grid is shifted upstream by half an element.
 //!
+//! **Stresses** inside the bodies are those of half-spaces under these fields: below each patch x is along the track, y along the tape and z along the
+//! normal of the patch, and other patches act on it as from a plane that goes on.
+//!
 //! | module | what |
 //! |---|---|
 //! | `shape` | the surfaces of wheel and rail, from the files of their profiles |
@@ -52,7 +55,7 @@ const BYTES: f64 = 4000.0;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "wheel-on-track",
     spec,
-    takes: &[Kind::Bands, Kind::Adhesion, Kind::Layer, Kind::HeatShare],
+    takes: &[Kind::Bands, Kind::Adhesion, Kind::Layer, Kind::HeatShare, Kind::Observation],
     configure,
 };
 
@@ -63,7 +66,8 @@ fn spec() -> ModelSpec {
             "a wheel of a wheelset on a rail of a track: measured profiles, all patches, any angle"
                 .to_owned(),
         source: "Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990) ch. 4; \
-                 Vollebregt, User guide for CONTACT (2022) ch. 3-4"
+                 Vollebregt, User guide for CONTACT (2022) ch. 3-4; Piotrowski, Kik, Vehicle System Dynamics 46 \
+                 (2008) 27-48; Sichani, Enblom, Berg, Vehicle System Dynamics 52 (2014) 1752-1764"
             .to_owned(),
         steady: true,
         transient: true,
@@ -81,15 +85,17 @@ fn spec() -> ModelSpec {
 /// A case that is incomplete or out of range, profiles that cannot be read or do not meet, bodies of different
 /// materials.
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
-    let case = Case::read(configuration, terms)?;
+    let mut case = Case::read(configuration, terms)?;
     let plane = Plane::of(configuration, &case)?;
+    let place = plane.place();
+    case.terms.observations.iter_mut().for_each(|term| term.place(&place));
     let layout = layout(configuration, &case, &plane);
     Ok(Box::new(Prepared { case, plane, configuration: configuration.clone(), layout }))
 }
 
 fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
     let grid = plane.grid();
-    let (grids, fields) = fields_over(configuration, grid);
+    let (grids, fields) = fields_over(configuration, grid, &case.terms.observations);
     let size = format!(
         "{} x {} elements of {:.4} x {:.4} mm over the rail's surface, along x and along the tape",
         grid.ni,

@@ -18,7 +18,7 @@ use super::outline::Outline;
 use super::pair::{Pair, nearest};
 use super::patch::{Solved, Work};
 use super::rail::{Deviation, NoGauge, Rail, Side, Track};
-use super::settings::{Friction, Settings, Vertical};
+use super::settings::{Friction, Normal, Settings, Vertical};
 use super::surface::Surface;
 use super::wheelset::{Motion, Wheel, Wheelset};
 
@@ -30,6 +30,12 @@ const MOST_ROUNDS: usize = 40;
 const MOST_PARTINGS: usize = 3;
 /// A first depth [m].
 const FIRST_DEPTH: f64 = 2e-5;
+/// A first depth where the force may jump as the wheel goes down [m], and by how much more the next is.
+const FROM_ABOVE: (f64, f64) = (3e-6, 1.25);
+/// By how much more the next depth is where it does not.
+const LARGEST_STEP: f64 = 3.0;
+/// A bracket as narrow as this share of the depth holds a jump.
+const COLLAPSED: f64 = 1e-10;
 /// Exponent that makes a force linear in the depth.
 const LINEAR: f64 = 2.0 / 3.0;
 
@@ -141,7 +147,11 @@ impl WheelOnRail {
         }
         let tolerance = self.pair.settings.tolerance * force;
         let (mut found, mut partings) = (0.0, 0);
-        let mut depth = self.depth;
+        let mut depth = match self.pair.settings.normal {
+            Normal::HalfSpace => self.depth,
+            // Several depths may have the force: the least one is meant.
+            Normal::Kpec | Normal::Analyn => FROM_ABOVE.0.min(self.depth),
+        };
         for _ in 0..MOST_ROUNDS {
             let trial = self.press_to(touching, force, depth)?;
             self.depth = trial.depth;
@@ -168,6 +178,10 @@ impl WheelOnRail {
     fn press_to(&mut self, touching: f64, force: f64, first: f64) -> Result<Trial, TrackError> {
         let mut last = Trial { depth: 0.0, force: 0.0 };
         let tolerance = 0.3 * self.pair.settings.tolerance * force;
+        let largest_step = match self.pair.settings.normal {
+            Normal::HalfSpace => LARGEST_STEP,
+            Normal::Kpec | Normal::Analyn => FROM_ABOVE.1,
+        };
         let mut bracket = [0.0, f64::INFINITY];
         let mut depth = first;
         for _ in 0..MOST_HEIGHTS {
@@ -183,8 +197,11 @@ impl WheelOnRail {
             let rise = (linear(&trial) - linear(&last)) / (trial.depth - last.depth);
             let next = depth + (force.powf(LINEAR) - linear(&trial)) / rise;
             let [low, high] = bracket;
+            if high.is_finite() && high - low <= COLLAPSED * high {
+                return Err(TrackError::NotFound { wanted: force, found: trial.force });
+            }
             depth = match next > low && next < high {
-                true => next.min(3.0 * depth),
+                true => next.min(largest_step * depth),
                 false if high.is_finite() => 0.5 * (low + high),
                 false => 2.0 * depth,
             };

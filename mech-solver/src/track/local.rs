@@ -117,23 +117,85 @@ pub fn undeformed_distance(
     let (mut distance, mut heights) = (vec![NOTHING; nx * ny], vec![0.0; ny]);
     let mut surface = WheelSurface::new(frame, wheel, pose);
     let start = surface.start();
-    // From the middle out, so that every row starts from the one beside it.
-    let mut sweep = |rows: &mut dyn Iterator<Item = usize>| {
+    for rows in outwards(window) {
         let mut guess = start;
-        let mut tape = frame.element[1] as f64 * window.sides[1];
-        for j in rows {
-            let along = window.along(1, j);
-            let Some(height) = rail_height(frame, &rail.outline, along, &mut tape) else {
-                continue;
-            };
+        for_rail(frame, window, &rail.outline, rows, |j, height| {
             heights[j] = height;
             let row = &mut distance[j * nx..(j + 1) * nx];
-            surface.row(window, along, height, &mut guess, row);
-        }
-    };
-    sweep(&mut (window.half[1]..ny));
-    sweep(&mut (0..window.half[1]).rev());
+            surface.row(window, window.along(1, j), height, &mut guess, row);
+        });
+    }
     [distance, heights]
+}
+
+/// A row of a window as three of its distances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Three {
+    /// x of the middle one, and how far the others are from it [m].
+    pub(super) middle: f64,
+    pub(super) reach: f64,
+    /// Distances behind, in the middle and ahead [m].
+    pub(super) distances: [f64; 3],
+}
+
+impl Three {
+    /// The parabola through them, h = g + A (x − x₀)²: g and x₀ [m], and A [1/m], if it has a lowest place.
+    pub(super) fn parabola(&self) -> Option<[f64; 3]> {
+        let [behind, middle, ahead] = self.distances;
+        let slope = (ahead - behind) / (2.0 * self.reach);
+        let bend = (ahead - 2.0 * middle + behind) / (2.0 * self.reach * self.reach);
+        let off = -slope / (2.0 * bend);
+        (bend > 0.0).then_some([middle + 0.5 * slope * off, self.middle + off, bend])
+    }
+}
+
+/// Three undeformed distances of every row of a window, around its lowest place, as far apart as half of the window's half length; none
+/// where a body is missing. And the height of the rail as in [`undeformed_distance`].
+pub(super) fn three_distances(
+    frame: &Frame,
+    window: &Window,
+    (rail, wheel, pose): (&Rail, &Wheel, &Pose),
+) -> (Vec<Option<Three>>, Vec<f64>) {
+    let [_, ny] = window.counts();
+    let (mut three, mut heights) = (vec![None; ny], vec![0.0; ny]);
+    let mut surface = WheelSurface::new(frame, wheel, pose);
+    let start = surface.start();
+    let reach = 0.5 * window.half[0] as f64 * window.sides[0];
+    for rows in outwards(window) {
+        let (mut guess, mut middle) = (start, 0.0);
+        for_rail(frame, window, &rail.outline, rows, |j, height| {
+            heights[j] = height;
+            let along = window.along(1, j);
+            let found = surface.three([middle, along], reach, height, &mut guess);
+            three[j] = found;
+            if let Some([_, place, _]) = found.and_then(|found| found.parabola()) {
+                middle = place;
+            }
+        });
+    }
+    (three, heights)
+}
+
+/// The rows of a window from the middle out, to one side and to the other, so that every row starts from the one beside it.
+fn outwards(window: &Window) -> [Box<dyn Iterator<Item = usize>>; 2] {
+    let (middle, end) = (window.half[1], window.counts()[1]);
+    [Box::new(middle..end), Box::new((0..middle).rev())]
+}
+
+/// Visits those of these rows in which there is a rail, with its height over the plane.
+fn for_rail(
+    frame: &Frame,
+    window: &Window,
+    rail: &Outline,
+    rows: impl Iterator<Item = usize>,
+    mut visit: impl FnMut(usize, f64),
+) {
+    let mut tape = frame.element[1] as f64 * window.sides[1];
+    for j in rows {
+        if let Some(height) = rail_height(frame, rail, window.along(1, j), &mut tape) {
+            visit(j, height);
+        }
+    }
 }
 
 /// Height of the rail above the plane at t [m], from the tape distance `s` on, which becomes that of the place.
@@ -251,6 +313,26 @@ impl<'a> WheelSurface<'a> {
             }
         }
         *guess = first;
+    }
+
+    /// Distances around a place of the plane, above a rail of this height; the guess becomes that of the middle.
+    fn three(
+        &mut self,
+        [middle, along]: [f64; 2],
+        reach: f64,
+        rail: f64,
+        guess: &mut Guess,
+    ) -> Option<Three> {
+        let base = self.origin + self.axes[1] * along;
+        let own = self.meet(base + self.axes[0] * middle, *guess)?;
+        *guess = own;
+        let range = self.range[0]..=self.range[1];
+        let mut distances = [own.height - rail; 3];
+        for (side, distance) in [(-1.0, 0), (1.0, 2)] {
+            let found = self.meet(base + self.axes[0] * (middle + side * reach), own)?;
+            distances[distance] = found.height - rail;
+        }
+        range.contains(&own.s).then_some(Three { middle, reach, distances })
     }
 
     /// Where the line along the normal through a place of the plane meets the wheel.

@@ -17,6 +17,9 @@
 //! | [`contact`] | **all of it**: one position after another, by height or vertical force |
 //! | [`balance`] | one wheel or both: the roll under two loads, the angular velocity under a torque |
 //! | [`settings`], [`error`] | what it is solved with; why there is no solution |
+//! | `parabolas`, `kpec`, `analyn`, `strips` | approximate theories of the normal contact: a patch row by row |
+//! | `mutual` | what patches in planes of their own do to each other |
+//! | `springs` | the simplified theory of the tangential one, strip by strip |
 //! | `pair`, `pressed`, `pool` | a position at one height after another; a patch under pressure; solvers of all sizes |
 //! | `root` | the root of a function that is dear to evaluate |
 //!
@@ -25,10 +28,11 @@
 //!                                                                                       creepage ─► patch ─► contact ─► balance
 //! ```
 //!
-//! Every patch is a contact of half-spaces ([`crate::half_space`]) in its own plane, of bodies of the same
+//! Every patch is a contact of half-spaces ([`crate::half_space`]) in its own plane, or what fast theories have in their place, of bodies of the same
 //! material, rolling steadily. Axes are those of [`rail`]: x forward, y to the left, z up; forces act on the wheel.
 //! On a rail and a wheel that are one surface round a corner (conformal contact) half-spaces are a rough picture.
 
+mod analyn;
 pub mod balance;
 pub mod columns;
 pub mod contact;
@@ -38,9 +42,12 @@ pub mod distance;
 pub mod error;
 pub mod fields;
 mod gap;
+mod kpec;
 pub mod local;
+mod mutual;
 pub mod outline;
 mod pair;
+mod parabolas;
 pub mod patch;
 mod pool;
 mod pressed;
@@ -54,7 +61,9 @@ pub mod settings;
 pub mod silhouette;
 pub mod slices;
 mod sliding;
+mod springs;
 pub mod standard;
+mod strips;
 pub mod surface;
 #[cfg(test)]
 mod tests;

@@ -9,6 +9,7 @@ use super::creepage::{Rolling, rolling};
 use super::error::TrackError;
 use super::fields::Fields;
 use super::local::Window;
+use super::mutual::{Acting, opening};
 use super::patch::{Patch, Solved, Work};
 use super::pool::Pool;
 use super::pressed::Pressed;
@@ -19,12 +20,18 @@ use super::search::{Search, Seen, clearance};
 use super::settings::{Friction, FrictionPlace, RigidSlip, Settings};
 use super::silhouette::{Circles, Shadow, shadow};
 use super::sliding::everywhere;
+use super::springs;
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
 use crate::half_space::levels::{History, Levels, Solution, TangentialError};
 use crate::half_space::tangential::{Creepage, Prescribed, TangentialState};
 
 /// Patches are the same if their places along the tape are no farther from each other than this [m].
 const SAME: f64 = 5e-3;
+
+/// Turns in which patches displace each other: each leaves a tenth of the change before, or less.
+const MOST_TURNS: usize = 60;
+/// Forces of patches have settled when they change by less than this share of the tolerance.
+const MUTUAL_SHARE: f64 = 0.03;
 
 /// A wheel and a rail, their solvers, and what they were last.
 #[derive(Debug)]
@@ -153,8 +160,39 @@ impl Pair {
             self.work.normal_iterations += found.iterations;
             pressed.push(found);
         }
+        if self.settings.mutual {
+            self.press_together(&mut pressed)?;
+        }
         pressed.retain(|patch| patch.normal_force > 0.0);
         self.pressed = pressed;
+        Ok(())
+    }
+
+    /// Presses patches in turn, until what they displace under each other has settled.
+    fn press_together(&mut self, pressed: &mut [Pressed]) -> Result<(), TrackError> {
+        if pressed.len() < 2 {
+            return Ok(());
+        }
+        let compliance = self.settings.bodies.contact_compliance();
+        let mut acting: Vec<Acting> = pressed.iter().map(Acting::of).collect();
+        for _ in 0..MOST_TURNS {
+            let (mut change, mut force) = (0.0_f64, 0.0);
+            for at in 0..pressed.len() {
+                let others = acting.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, o)| o);
+                let patch = &mut pressed[at];
+                let (before, iterations) = (patch.normal_force, patch.iterations);
+                let opening = opening(patch, others, compliance);
+                patch.press_again(opening, &self.settings, &mut self.pool)?;
+                acting[at] = Acting::of(patch);
+                change = change.max((patch.normal_force - before).abs());
+                force += patch.normal_force;
+                self.work.normal_contacts += 1;
+                self.work.normal_iterations += patch.iterations - iterations;
+            }
+            if change <= MUTUAL_SHARE * self.settings.tolerance * force {
+                break;
+            }
+        }
         Ok(())
     }
 
@@ -203,6 +241,16 @@ impl Pair {
             let reference = [frame.reference.x, pressed.region.s];
             let middle = FrictionPlace { element: reference, reference, angle: frame.angle };
             let bound = fields.bound(&part, friction, &middle);
+            if let Some(slid) =
+                springs::slide(pressed, &rolling, &self.settings, (friction, &middle), &mut fields)
+            {
+                let bodies = (&self.rail, &self.wheel, &self.pose);
+                patches.push(
+                    Patch::of(pressed, fields, rolling, slid.off_plane, bodies).sliding(&slid),
+                );
+                self.work.tangential_contacts += 1;
+                continue;
+            }
             let off_plane = match self.settings.rigid_slip {
                 RigidSlip::Plane => None,
                 RigidSlip::Surfaces => Some(off_plane(pressed, &part, &rolling)),

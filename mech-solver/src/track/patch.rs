@@ -5,8 +5,8 @@ use super::fields::{Fields, Load};
 use super::local::Frame;
 use super::pressed::Pressed;
 use super::rail::Rail;
+use super::springs::Slid;
 use super::wheelset::{Pose, Wheel};
-use crate::half_space::area::contact_area;
 use nalgebra::Vector3;
 
 /// A patch.
@@ -106,7 +106,7 @@ impl Patch {
             in_rail: rail.profile_axes([place.y, place.z]),
             in_wheel: [on_wheel.x, on_wheel.y - wheel.origin[0], on_wheel.z - wheel.origin[1]],
             approach: pressed.approach(),
-            area: contact_area(&fields.grid(), &fields.pressure),
+            area: pressed.area(&fields.grid()),
             max_pressure,
             load: fields.load(),
             rolling,
@@ -116,6 +116,14 @@ impl Patch {
             at_end: region.at_end,
             fields,
         }
+    }
+
+    /// With the tractions' loads, power and slip as springs have them, which elements show as their means.
+    pub(super) fn sliding(mut self, slid: &Slid) -> Self {
+        self.load.force[..2].copy_from_slice(&slid.force);
+        self.load.moment[2] = slid.moment;
+        self.slip_area_ratio = slid.slip_area_ratio;
+        self
     }
 
     /// Force on the wheel in track axes [N].

@@ -1,14 +1,21 @@
 //! A patch under pressure, without tractions.
 
+use super::analyn;
 use super::distance::{distance_of_surfaces, on_rail};
 use super::error::TrackError;
-use super::local::{Frame, NOTHING, Window, undeformed_distance};
+use super::kpec;
+use super::local::{Frame, NOTHING, Window, three_distances, undeformed_distance};
+use super::parabolas::Parabolas;
 use super::pool::{Pool, room};
 use super::rail::Rail;
 use super::region::Region;
-use super::settings::Settings;
+use super::settings::{Normal, Settings};
+use super::strips::{self, PressedStrip};
 use super::wheelset::{Pose, Wheel};
+use crate::half_space::area::contact_area;
 use crate::half_space::normal::Prescribed;
+use proto::grid::Structured;
+use std::borrow::Cow;
 
 /// Elements by which a contact may grow on each side from one height to the next, beside the one round it.
 const GROWTH: usize = 1;
@@ -32,6 +39,10 @@ pub(super) struct Pressed {
     pub(super) normal_force: f64,
     /// The pressure is that of all of the window.
     complete: bool,
+    /// By how much other patches open the gap [m]; empty if they do not.
+    opening: Vec<f64>,
+    /// What an approximate theory makes the pressure of, and the strips that it made.
+    approximate: Option<(Parabolas, Vec<PressedStrip>)>,
     /// Iterations of the normal contact.
     pub(super) iterations: usize,
 }
@@ -52,15 +63,26 @@ impl Pressed {
         }
         let window = window(region, &frame, settings)?;
         let constant = rail.surface.constant().is_some() && wheel.surface.constant().is_some();
-        let [mut distance, rail_heights] = match constant {
-            true => undeformed_distance(&frame, &window, bodies),
-            false => distance_of_surfaces(&frame, &window, bodies, pitch),
+        let own = own_rows(region, &frame, &window);
+        let (distance, rail_heights, approximate) = match settings.normal {
+            Normal::HalfSpace => {
+                let [mut distance, heights] = match constant {
+                    true => undeformed_distance(&frame, &window, bodies),
+                    false => distance_of_surfaces(&frame, &window, bodies, pitch),
+                };
+                leave_to_others(&window, own, &mut distance);
+                (distance, heights, None)
+            }
+            Normal::Kpec | Normal::Analyn => {
+                let (rows, heights) = three_distances(&frame, &window, bodies);
+                let parabolas = Parabolas::of(&window, &rows, own);
+                (parabolas.distance(&window), heights, Some((parabolas, Vec::new())))
+            }
         };
-        leave_to_others(region, &frame, &window, &mut distance);
         let mut pressure = vec![0.0; window.points()];
         let (normal_force, iterations) = (0.0, 0);
         let mut part = window;
-        if let Some(near) = near {
+        if let Some(near) = near.filter(|_| approximate.is_none()) {
             copy_centred((&near.window, &near.pressure), (&window, &mut pressure));
             // Bodies that vary may touch where they did not at the height before.
             if constant {
@@ -79,10 +101,67 @@ impl Pressed {
             pressure,
             normal_force,
             complete,
+            opening: Vec::new(),
+            approximate,
             iterations,
         };
-        pressed.solve(&part, pool)?;
+        pressed.press(&part, settings, pool)?;
         Ok(pressed)
+    }
+
+    /// Presses with the gap that others leave, from the pressure that is there.
+    pub(super) fn press_again(
+        &mut self,
+        opening: Vec<f64>,
+        settings: &Settings,
+        pool: &mut Pool,
+    ) -> Result<(), TrackError> {
+        self.opening = opening;
+        let half = self.contact_window().half;
+        let half = [0, 1].map(|k| room(half[k] + GROWTH).min(self.window.half[k]));
+        let part = Window { half, ..self.window };
+        self.complete = part == self.window;
+        self.press(&part, settings, pool)
+    }
+
+    fn press(
+        &mut self,
+        part: &Window,
+        settings: &Settings,
+        pool: &mut Pool,
+    ) -> Result<(), TrackError> {
+        let Some((parabolas, strips)) = &mut self.approximate else {
+            return self.solve(part, pool);
+        };
+        let own = match self.opening.is_empty() {
+            true => parabolas.clone(),
+            false => parabolas.opened(&self.window, &self.opening),
+        };
+        *strips = match settings.normal {
+            Normal::Analyn => analyn::strips(&own, settings.bodies.contact_compliance()),
+            _ => kpec::strips(&own, &self.window, settings.bodies),
+        };
+        strips::write_pressure(strips, &self.window, 1.0, &mut self.pressure);
+        let [dx, dy] = self.window.sides;
+        self.normal_force = self.pressure.iter().sum::<f64>() * dx * dy;
+        self.complete = true;
+        Ok(())
+    }
+
+    /// The contact as strips along x.
+    pub(super) fn strips(&self) -> Vec<PressedStrip> {
+        match &self.approximate {
+            Some((_, strips)) => strips.clone(),
+            None => strips::of_pressure(&self.window, &self.pressure),
+        }
+    }
+
+    /// Area of the contact [m²].
+    pub(super) fn area(&self, grid: &Structured) -> f64 {
+        match &self.approximate {
+            Some((_, strips)) => strips::area(strips, self.window.sides[1]),
+            None => contact_area(grid, &self.pressure),
+        }
     }
 
     /// Solves on all of the window: what is outside a part of it may touch too.
@@ -98,11 +177,12 @@ impl Pressed {
     fn solve(&mut self, part: &Window, pool: &mut Pool) -> Result<(), TrackError> {
         let solver = pool.normal(part);
         let approach = Prescribed::Approach(0.0);
+        let gap = gap(&self.distance, &self.opening);
         let contact = if *part == self.window {
-            solver.solve(&self.distance, approach, &mut self.pressure)?
+            solver.solve(&gap, approach, &mut self.pressure)?
         } else {
             let (mut distance, mut pressure) = (vec![0.0; part.points()], vec![0.0; part.points()]);
-            copy_centred((&self.window, &self.distance), (part, &mut distance));
+            copy_centred((&self.window, &gap), (part, &mut distance));
             copy_centred((&self.window, &self.pressure), (part, &mut pressure));
             let contact = solver.solve(&distance, approach, &mut pressure)?;
             self.pressure.fill(0.0);
@@ -157,15 +237,25 @@ impl Pressed {
     }
 }
 
-/// Rows beyond those of the region are of other patches, or of none.
-fn leave_to_others(region: &Region, frame: &Frame, window: &Window, distance: &mut [f64]) {
-    let [nx, _] = window.counts();
-    for (j, row) in distance.chunks_exact_mut(nx).enumerate() {
-        let number = frame.element[1] + j as i64 - window.half[1] as i64;
-        if !(region.rows[0]..=region.rows[1]).contains(&number) {
-            row.fill(NOTHING);
-        }
+/// The distance with what others open it by [m].
+fn gap<'a>(distance: &'a [f64], opening: &[f64]) -> Cow<'a, [f64]> {
+    match opening {
+        [] => distance.into(),
+        _ => distance.iter().zip(opening).map(|(distance, more)| distance + more).collect(),
     }
+}
+
+/// Rows of a window that are of a region: the first, and the one behind the last.
+fn own_rows(region: &Region, frame: &Frame, window: &Window) -> [usize; 2] {
+    let [first, last] = region.rows.map(|row| row - frame.element[1] + window.half[1] as i64);
+    [first, last + 1].map(|row| row.clamp(0, window.counts()[1] as i64) as usize)
+}
+
+/// Rows beyond those of the region are of other patches, or of none.
+fn leave_to_others(window: &Window, [first, end]: [usize; 2], distance: &mut [f64]) {
+    let [nx, _] = window.counts();
+    distance[..first * nx].fill(NOTHING);
+    distance[end * nx..].fill(NOTHING);
 }
 
 /// The elements that hold a region, and one round it.

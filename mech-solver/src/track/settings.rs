@@ -2,6 +2,7 @@
 
 use super::region::Joining;
 use crate::half_space::influence::Elasticity;
+use crate::simplified::flexibility::Kind;
 
 /// Discretisation, bodies and accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +19,12 @@ pub struct Settings {
     pub joining: Joining,
     /// Where rigid slip is taken.
     pub rigid_slip: RigidSlip,
+    /// Whether the pressure of a patch displaces the surfaces under the others.
+    pub mutual: bool,
+    /// What gives the pressure.
+    pub normal: Normal,
+    /// What gives the tractions.
+    pub tangential: Tangential,
     /// Most elements of a patch.
     pub limit: usize,
     /// Tractions have settled when they change by less than this share of the largest, a given force is met to
@@ -36,6 +43,9 @@ impl Settings {
             layer: 0.0,
             joining: Joining::default(),
             rigid_slip: RigidSlip::default(),
+            mutual: false,
+            normal: Normal::default(),
+            tangential: Tangential::default(),
             limit: 400_000,
             tolerance: 1e-5,
         }
@@ -50,6 +60,30 @@ pub enum RigidSlip {
     Plane,
     /// On the surfaces, above the plane and below it: the rolling radius is that of every place.
     Surfaces,
+}
+
+/// What gives the pressure of a patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Normal {
+    /// Half-spaces.
+    #[default]
+    HalfSpace,
+    /// Virtual penetration, corrected by an equivalent ellipse: KPEC.
+    Kpec,
+    /// Hertz's theory row by row: ANALYN.
+    Analyn,
+}
+
+/// What gives the tractions of a patch that may stick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tangential {
+    /// Half-spaces.
+    #[default]
+    HalfSpace,
+    /// Springs, of these flexibilities of an equivalent ellipse: FASTSIM.
+    Fastsim(Kind),
+    /// The same where surfaces slip, strip theory where they stick: FASTRIP.
+    Fastrip(Kind),
 }
 
 /// Where friction is asked for: an element, and the reference of its patch.

@@ -159,6 +159,14 @@ fn what_cannot_be_placed_is_refused() {
         let refusal = refusal(&configuration(&case));
         assert!(refusal.key == key && refusal.to_string().contains(words), "{refusal}");
     };
+    refused(
+        &|case| {
+            case["mech"]["tangential"] = json!("fastsim");
+            case["effects"]["third_body_layer"] = json!({"flexibility": 1e-13});
+        },
+        "mech.tangential",
+        "half-spaces alone",
+    );
     refused(&|case| case["load"] = json!({}), "load.vertical_force", "one of force and height");
     refused(&|case| case["wheelset"]["y"] = json!(0.5), "wheelset", "beside the rail");
     refused(
@@ -269,4 +277,23 @@ fn friction_follows_inclination_and_track() {
     case["effects"]["friction_bands"] = json!({"table": slopes, "over": "inclination"});
     let refusal = refusal(&configuration(&case));
     assert_eq!(refusal.key, "effects.friction_bands.over");
+}
+
+/// Stresses below a patch are those of a half-space: the largest von Mises stress is 0.55 to 0.65 of the largest pressure below the surface of
+/// ellipses (Johnson, table 4.1), and where the patch is.
+#[test]
+fn stresses_are_below_the_patches() {
+    let mut case = on_track();
+    case["effects"]["subsurface_stress"] = json!({});
+    // More friction has the largest stress at the surface.
+    case["friction"]["coefficient"] = json!(0.05);
+    let mut run = run(&case);
+    run.model.observe(&mut Store::for_layout(&run.layout, &[]));
+    let stress = run.model.summary()["stress"].clone();
+    let [patch] = patches(&run).as_slice() else { panic!("{}", patches(&run).len()) };
+    let peak = &stress["rail"]["volume"];
+    let share = of(peak, "max_von_mises_pa") / of(patch, "max_pressure_pa");
+    assert!((0.5..0.7).contains(&share), "{peak} {patch}");
+    assert!((of(peak, "y_m") - of(patch, "y_m")).abs() < 3e-3, "{peak} {patch}");
+    assert!(of(peak, "depth_m") > 1e-3, "{peak}");
 }

@@ -1,17 +1,17 @@
 //! What a case asks of the model, the problem that it makes of a scene, and the rows of a history.
 
-use super::bound::Bound;
 use super::contact::{Contact, Problem};
 use super::fields;
-use super::flexibility::{Flexibilities, Kind};
-use super::march::Lattice;
-use super::reduction::{self, Reduction};
 use crate::ellipse::Ellipse;
 use crate::keys::CheckedParams;
 use crate::models::row_by_row::Rows;
 use crate::reference::kalker::{self, CreepCoefficients};
 use crate::resolution;
 use crate::scene::{GivenPatch, Scene};
+use crate::simplified::bound::Bound;
+use crate::simplified::flexibility::{self, Flexibilities, Kind};
+use crate::simplified::march::Lattice;
+use crate::simplified::reduction::{self, Reduction};
 use crate::terms::Terms;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
@@ -21,7 +21,6 @@ use proto::params::Params;
 use serde_json::Value;
 use std::f64::consts::PI;
 
-const FLEXIBILITY: &str = "mech.flexibility";
 const TRACTION_BOUND: &str = "mech.traction_bound";
 const STICK_ZONE: &str = "mech.stick_zone";
 /// Fewest strips: the force of a contact that sticks is then exact to 1e-4.
@@ -32,13 +31,7 @@ pub(super) const RESOLUTION: usize = 40;
 /// The keys that no other model has.
 pub(super) fn own_keys() -> Vec<KeySpec> {
     let mut keys = vec![
-        KeySpec::choice(
-            FLEXIBILITY,
-            &["single", "three", "blended"],
-            "one flexibility for all creepages (exact friction power), one for each (exact slopes), or three at small \
-             creepage and one at large",
-        )
-        .default_value("single"),
+        flexibility::key(),
         KeySpec::choice(
             TRACTION_BOUND,
             &["parabolic", "elliptic"],
@@ -84,11 +77,7 @@ impl Asked {
         partial: bool,
     ) -> Result<Self, Refusal> {
         let own = CheckedParams::new(case, own_keys());
-        let kind = match own.text(FLEXIBILITY)? {
-            "three" => Kind::Three,
-            "blended" => Kind::Blended,
-            _ => Kind::Single,
-        };
+        let kind = Kind::of(own.text(flexibility::KEY)?);
         let bound = match own.text(TRACTION_BOUND)? {
             "elliptic" => Bound::Elliptic,
             _ => Bound::Parabolic,

@@ -1,14 +1,14 @@
 //! The contact as a whole: creepage for a prescribed force, and everything that is one number.
 
-use super::flexibility::{Creepage, Flexibilities, Kind};
-use super::march::{Cell, Lattice, March, Strip, norm};
-use super::reduction::Reduction;
 use super::sliding::Sliding;
-use super::strip_theory::StripTheory;
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_density, power_imbalance};
 use crate::models::summary::extend;
 use crate::scene::Speeds;
+use crate::simplified::flexibility::{Creepage, Flexibilities, Kind};
+use crate::simplified::march::{Cell, Lattice, March, Strip, norm};
+use crate::simplified::reduction::Reduction;
+use crate::simplified::strip_theory::StripTheory;
 use proto::configuration::Refusal;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -330,8 +330,8 @@ impl Contact {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bound::Bound;
     use super::*;
+    use crate::simplified::bound::Bound;
 
     /// The contact of CONTACT's example fastsim with the flexibilities that CONTACT prints for it: a = 8 mm, b = 4 mm,
     /// f = 0.3, N = 82 kN, η = −6.25e-4, φ = 0.625/m.

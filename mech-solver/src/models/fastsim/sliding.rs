@@ -5,9 +5,9 @@
 //! of a lattice is made exact by a factor 1 + O(n⁻⁴), so that pure sliding carries f N. The friction
 //! power is −(ξ F_x + η F_y + φ M_z) to rounding, with the slip and its moment at the cells' middles.
 
-use super::bound::Bound;
-use super::flexibility::Creepage;
-use super::march::{Cell, Lattice, Strip, norm};
+use crate::simplified::bound::Bound;
+use crate::simplified::flexibility::Creepage;
+use crate::simplified::march::{Cell, Lattice, Strip, norm};
 use crate::strips::semi_ellipse::segment_area;
 
 /// What a sliding contact needs.

@@ -3,19 +3,20 @@
 use super::keys::{
     ANGULAR_VELOCITY, AXLE_LOAD, CANT, CURVATURE, FLANGE_BACK_DISTANCE, FLANGE_BACK_POSITION,
     FRICTION, GAUGE, GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, LEFT_SHARE, NOMINAL_RADIUS,
-    RIGID_SLIP, ROLL, SIDE, TORQUE, VERTICAL_FORCE, keys,
+    NORMAL, PATCH_INFLUENCE, RIGID_SLIP, ROLL, SIDE, TANGENTIAL, TORQUE, VERTICAL_FORCE, keys,
 };
 use super::shape::surface;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
 use crate::resolution::RESOLUTION;
 use crate::scene::{Material, SPEED, body_keys};
+use crate::simplified::flexibility::{self, Kind};
 use crate::terms::Terms;
 use crate::track::balance::{Given, WheelsetOnTrack};
 use crate::track::contact::WheelOnRail;
 use crate::track::profile::orientation::Body;
 use crate::track::rail::{Deviation, Placing, Side, Track};
-use crate::track::settings::{RigidSlip, Settings, Vertical};
+use crate::track::settings::{Normal, RigidSlip, Settings, Tangential, Vertical};
 use crate::track::surface::Surface;
 use crate::track::wheelset::{Motion, Wheelset};
 use proto::bodies::{Bodies, LOWER, UPPER};
@@ -85,19 +86,32 @@ impl Case {
             settings.rigid_slip = RigidSlip::Surfaces;
         }
         (settings.adhesion, settings.layer) = (terms.adhesion, terms.layer());
+        settings.normal = match case.text(NORMAL)? {
+            "kpec" => Normal::Kpec,
+            "analyn" => Normal::Analyn,
+            _ => Normal::HalfSpace,
+        };
+        settings.mutual = case.text(PATCH_INFLUENCE)? == "elastic";
+        settings.tangential = tangential(&case)?;
+        if settings.tangential != Tangential::HalfSpace {
+            refuse_on_springs(&settings, upper.poisson_ratio, &names)?;
+        }
         let sides = match case.text(SIDE)? {
             "right" => vec![Side::Right],
             "both" => vec![Side::Left, Side::Right],
             _ => vec![Side::Left],
         };
+        refuse_stresses_of_both(&sides, &terms)?;
         let placing =
             Placing::Gauge { width: case.number(GAUGE)?, height: case.number(GAUGE_HEIGHT)? };
         let nominal_radius = case.number(NOMINAL_RADIUS)?;
         let mut remarks = Vec::new();
         let mut surface =
             |body: usize, of| surface(&case, &names, (body, of), nominal_radius, &mut remarks);
+        let surfaces = [surface(UPPER, Body::Wheel)?, surface(LOWER, Body::Rail)?];
+        refuse_approximate(&settings, &surfaces)?;
         Ok(Self {
-            surfaces: [surface(UPPER, Body::Wheel)?, surface(LOWER, Body::Rail)?],
+            surfaces,
             rail_key: names.key(LOWER, "profile"),
             terms,
             sides,
@@ -205,6 +219,62 @@ impl Case {
                 refuse(force, reason, format!("write {force} or {HEIGHT}"))
             }
         }
+    }
+}
+
+/// What gives the tractions.
+fn tangential(case: &CheckedParams<'_>) -> Result<Tangential, Refusal> {
+    let kind = Kind::of(case.text(flexibility::KEY)?);
+    Ok(match case.text(TANGENTIAL)? {
+        "fastsim" => Tangential::Fastsim(kind),
+        "fastrip" => Tangential::Fastrip(kind),
+        _ => Tangential::HalfSpace,
+    })
+}
+
+/// Refuses what springs do not have.
+fn refuse_on_springs(
+    settings: &Settings,
+    poisson_ratio: f64,
+    names: &Bodies,
+) -> Result<(), Refusal> {
+    if settings.layer > 0.0 {
+        let reason = "asks for springs, and a layer between the bodies is on half-spaces alone";
+        let fix = "write \"half-space\" here, or leave the layer out";
+        return Err(Refusal::new(TANGENTIAL, reason, fix));
+    }
+    if poisson_ratio < 0.0 {
+        let reason =
+            format!("has a Poisson's ratio of {poisson_ratio}, and Kalker's table begins at 0");
+        let fix =
+            format!("name a material whose ratio is 0 or more, or {TANGENTIAL} = \"half-space\"");
+        return Err(Refusal::new(&names.key(UPPER, "material"), reason, fix));
+    }
+    Ok(())
+}
+
+/// Refuses stresses below both rails: other patches act on them as from a plane that goes on.
+fn refuse_stresses_of_both(sides: &[Side], terms: &Terms) -> Result<(), Refusal> {
+    match terms.effect_of(crate::terms::Kind::Observation) {
+        Some(effect) if sides.len() > 1 => Err(Refusal::new(
+            &format!("effects.{effect}"),
+            "of two rails that lie side by side on one grid the one would be loaded by the other",
+            format!("look at one wheel at a time, by {SIDE}, or remove the effect"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses approximate theories of the pressure on surfaces that vary, of which they would have to know parabolas along x.
+fn refuse_approximate(settings: &Settings, surfaces: &[Surface; 2]) -> Result<(), Refusal> {
+    let varies = surfaces.iter().any(|surface| surface.constant().is_none());
+    match settings.normal != Normal::HalfSpace && varies {
+        false => Ok(()),
+        true => Err(Refusal::new(
+            NORMAL,
+            "asks for a theory of bodies that are round along x, and these vary along the rolling direction",
+            "write \"half-space\", or leave slices and irregularities out",
+        )),
     }
 }
 

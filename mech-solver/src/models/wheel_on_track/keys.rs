@@ -3,6 +3,7 @@
 use super::shape;
 use crate::resolution::RESOLUTION;
 use crate::scene::SPEED;
+use crate::simplified::flexibility;
 use proto::accuracy::Refinement;
 use proto::description::KeySpec;
 
@@ -33,6 +34,9 @@ pub(super) const FRICTION: &str = "friction.coefficient";
 pub(super) const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 pub(super) const JOINING: &str = "mech.joining_distance";
 pub(super) const RIGID_SLIP: &str = "mech.rigid_slip";
+pub(super) const PATCH_INFLUENCE: &str = "mech.patch_influence";
+pub(super) const NORMAL: &str = "mech.normal";
+pub(super) const TANGENTIAL: &str = "mech.tangential";
 
 /// The keys of the model besides those of bodies.
 pub(super) fn keys() -> Vec<KeySpec> {
@@ -185,6 +189,27 @@ fn elements() -> Vec<KeySpec> {
             "where rigid slip is taken: on the surfaces, whose rolling radius varies across a patch, or in the plane of the patch",
         )
         .default_value("surfaces"),
+        KeySpec::choice(
+            PATCH_INFLUENCE,
+            &["none", "elastic"],
+            "what patches do to each other: nothing, or the pressure of each displaces the surfaces under the others",
+        )
+        .default_value("none"),
+        KeySpec::choice(
+            NORMAL,
+            &["half-space", "kpec", "analyn"],
+            "what gives the pressure: half-spaces, or approximately virtual penetration with an equivalent ellipse \
+             (KPEC), or Hertz row by row (ANALYN)",
+        )
+        .default_value("half-space"),
+        KeySpec::choice(
+            TANGENTIAL,
+            &["half-space", "fastsim", "fastrip"],
+            "what gives the tractions where surfaces may stick: half-spaces, or approximately springs under the bound \
+             of the pressure (FASTSIM), or strip theory where they stick (FASTRIP)",
+        )
+        .default_value("half-space"),
+        flexibility::key(),
     ]
 }
 

@@ -5,11 +5,12 @@
 
 use super::case::{Case, Position};
 use super::friction::coefficient;
+use crate::terms::Place;
 use crate::track::balance::{Balanced, Given};
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
 use crate::track::rail::Side;
-use crate::track::settings::FrictionPlace;
+use crate::track::settings::{FrictionPlace, Normal};
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 use proto::model::StepError;
@@ -18,6 +19,8 @@ use proto::model::StepError;
 const COARSER: f64 = 3.0;
 /// Free elements round the patches, of those that they were looked for with.
 const MARGIN: usize = 2;
+/// The same where a patch may jump from element to element, and with it the force.
+const MARGIN_OF_JUMPS: usize = 5;
 /// Between the lanes of both rails [m]: farther than heat goes while it matters.
 const APART: f64 = 5e-3;
 
@@ -31,6 +34,47 @@ pub(super) struct Plane {
     sides: [f64; 2],
     /// Elements of the patches of a position, at most and about.
     pub(super) elements: f64,
+    /// Half length and half width of the patch that carries most [m], and y of the highest pressure of all.
+    semi_axes: [f64; 2],
+    peak: Peak,
+}
+
+/// The highest pressure [Pa], and where it is along the tape [m].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Peak {
+    pressure: f64,
+    y: f64,
+}
+
+impl Peak {
+    fn higher(self, other: Self) -> Self {
+        if other.pressure > self.pressure { other } else { self }
+    }
+
+    fn of(patch: &Patch) -> Self {
+        let fields = &patch.fields;
+        let highest = fields.pressure.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+        highest.map_or_else(Self::default, |(at, pressure)| {
+            let row = fields.first[1] + (at / fields.counts[0]) as i64;
+            Self { pressure: *pressure, y: row as f64 * fields.sides[1] }
+        })
+    }
+}
+
+/// Half length and half width of what is in contact [m].
+fn half_sizes(patch: &Patch) -> [f64; 2] {
+    let fields = &patch.fields;
+    let mut ranges = [[usize::MAX, 0]; 2];
+    for (at, _) in fields.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+        for (range, place) in ranges.iter_mut().zip([at % fields.counts[0], at / fields.counts[0]])
+        {
+            *range = [range[0].min(place), range[1].max(place)];
+        }
+    }
+    [0, 1].map(|k| {
+        let [first, last] = ranges[k];
+        0.5 * (last + 1).saturating_sub(first) as f64 * fields.sides[k]
+    })
 }
 
 /// The rows of a rail.
@@ -51,6 +95,10 @@ impl Plane {
     pub(super) fn of(configuration: &Configuration, case: &Case) -> Result<Self, Refusal> {
         let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
         let coarser = if rows > 1 { COARSER } else { 1.0 };
+        let margin = match case.settings.normal {
+            Normal::HalfSpace => MARGIN,
+            Normal::Kpec | Normal::Analyn => MARGIN_OF_JUMPS,
+        };
         let mut wheelset = case.wheelset_on_track(coarser)?;
         let mut params = configuration.case.clone();
         let (mut found, mut failed): (Option<Self>, _) = (None, None);
@@ -65,7 +113,7 @@ impl Plane {
             let given = Given { torque: None, ..*given };
             match wheelset.solve(motion, deviation, &given, &friction) {
                 Ok(balanced) => {
-                    if let Some(own) = Self::around(&balanced, coarser) {
+                    if let Some(own) = Self::around(&balanced, coarser, margin) {
                         found = Some(found.map_or(own.clone(), |other| other.and(&own)));
                     }
                 }
@@ -82,20 +130,28 @@ impl Plane {
     }
 
     /// Round patches of elements so many times larger; `None` without any.
-    fn around(balanced: &Balanced, coarser: f64) -> Option<Self> {
+    fn around(balanced: &Balanced, coarser: f64, margin: usize) -> Option<Self> {
         let finer = |at: i64| (coarser * at as f64).round() as i64;
         let of = |patch: &Patch| (patch.fields.counts[0] * patch.fields.counts[1]) as f64;
+        let load = |patch: &&Patch| patch.load.force[2];
         let mut found: Option<Self> = None;
         for (side, solved) in &balanced.wheels {
-            let Developed { first, counts, .. } = Developed::of(&solved.patches, MARGIN);
+            let patches = &solved.patches;
+            let Developed { first, counts, .. } = Developed::of(patches, margin);
             if counts[0] == 0 {
                 continue;
             }
             let [columns, rows] =
                 [0, 1].map(|k| [finer(first[k]), finer(first[k] + counts[k] as i64)]);
-            let elements = coarser * coarser * solved.patches.iter().map(of).sum::<f64>();
-            let lanes = vec![Lane { side: *side, rows, shift: 0 }];
-            let own = Self { columns, lanes, sides: [0.0; 2], elements };
+            let most = patches.iter().max_by(|a, b| load(a).total_cmp(&load(b)));
+            let own = Self {
+                columns,
+                lanes: vec![Lane { side: *side, rows, shift: 0 }],
+                sides: [0.0; 2],
+                elements: coarser * coarser * patches.iter().map(of).sum::<f64>(),
+                semi_axes: most.map_or([0.0; 2], half_sizes),
+                peak: patches.iter().map(Peak::of).fold(Peak::default(), Peak::higher),
+            };
             found = Some(found.map_or(own.clone(), |other| {
                 let elements = own.elements + other.elements;
                 Self { elements, ..other.and(&own) }
@@ -119,6 +175,8 @@ impl Plane {
             lanes: [Side::Left, Side::Right].into_iter().filter_map(of).collect(),
             sides: self.sides,
             elements: self.elements.max(other.elements),
+            semi_axes: [0, 1].map(|k| self.semi_axes[k].max(other.semi_axes[k])),
+            peak: self.peak.higher(other.peak),
         }
     }
 
@@ -140,6 +198,11 @@ impl Plane {
     /// y on the grid less the tape distance of a rail [m].
     pub(super) fn shift(&self, side: Side) -> f64 {
         self.lane(side).map_or(0.0, |lane| lane.shift as f64 * self.sides[1])
+    }
+
+    /// Where stresses are looked for, of one rail.
+    pub(super) fn place(&self) -> Place {
+        Place { grid: self.grid(), semi_axes: self.semi_axes, peak_y: self.peak.y }
     }
 
     /// First element on the grid.

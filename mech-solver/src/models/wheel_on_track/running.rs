@@ -6,13 +6,14 @@ use super::plane::Plane;
 use super::summary::summary;
 use crate::models::each_window::{Windows, write_pair};
 use crate::models::varying::no_answer;
+use crate::terms::Accepted;
 use crate::track::balance::{Balanced, WheelsetOnTrack};
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
 use crate::track::settings::FrictionPlace;
 use proto::configuration::{Configuration, Refusal};
 use proto::field::{self, FieldSpec};
-use proto::model::{Step, StepError};
+use proto::model::{Outputs, Step, StepError};
 use serde_json::Value;
 
 /// A window that is solved.
@@ -75,8 +76,30 @@ impl Windows for Running {
         }
     }
 
+    fn observe(&mut self, window: &Window, outputs: &mut dyn Outputs) {
+        let Developed { pressure, traction, slip_velocity, friction_power, .. } = &window.fields;
+        let (traction, slip_velocity) = (traction.concat(), slip_velocity.concat());
+        let accepted = Accepted {
+            pressure,
+            traction: &traction,
+            slip_velocity: &slip_velocity,
+            friction_power,
+            surface_speed: window.surface_speeds(),
+            heated: None,
+        };
+        for term in &mut self.case.terms.observations {
+            term.observe(&accepted);
+            term.write(outputs);
+        }
+    }
+
     fn summary(&self, window: &Window) -> Value {
-        summary(&window.balanced, &window.position.given, &|side| self.plane.shift(side))
+        let given = &window.position.given;
+        let mut summary = summary(&window.balanced, given, &|side| self.plane.shift(side));
+        for (section, figures) in self.case.terms.observations.iter().filter_map(|t| t.summary()) {
+            summary[section] = figures;
+        }
+        summary
     }
 
     fn effort(&self, window: &Window) -> [usize; 2] {

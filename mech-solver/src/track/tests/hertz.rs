@@ -1,6 +1,6 @@
 //! A cylinder on a crown: what Hertz has.
 
-use super::{arc, line, rolling, single, solve, steel};
+use super::{arc, elements, line, rolling, single, solve, steel};
 use crate::reference::hertz::elliptic_contact;
 use crate::track::outline::Outline;
 use crate::track::settings::Vertical;
@@ -15,7 +15,7 @@ fn a_cylinder_on_a_crown_is_hertzs_contact() {
     let rail = rail.starting_at(middle);
     let hertz = elliptic_contact(0.5 / radius, 0.5 / crown, load, steel().contact_compliance());
     let wheel = line(30e-3);
-    let mut pair = single([&wheel, &rail], radius, hertz.semi_axis_b / 12.0);
+    let mut pair = single([&wheel, &rail], radius, elements(hertz.semi_axis_b / 12.0));
     let solved = solve(&mut pair, &rolling(0.0, 0.0, 0.0), Vertical::Force(load));
     let patch = &solved.patches[0];
     assert_eq!(solved.patches.len(), 1);
@@ -36,7 +36,7 @@ fn a_cylinder_on_a_crown_is_hertzs_contact() {
 fn creepages_are_of_the_wheel_over_the_rail() {
     let rail = Outline::new(&arc(0.0, 0.3, 0.08, 60), 0.0).unwrap();
     let middle = 0.5 * rail.range()[1];
-    let mut pair = single([&line(30e-3), &rail.starting_at(middle)], 0.46, 1e-3);
+    let mut pair = single([&line(30e-3), &rail.starting_at(middle)], 0.46, elements(1e-3));
     let motion =
         Motion { velocity: [2.02, 4e-3, 0.0], yaw_rate: 0.1, z: -50e-6, ..rolling(0.0, 0.0, 0.0) };
     let solved = solve(&mut pair, &motion, Vertical::Height);

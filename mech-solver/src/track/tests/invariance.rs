@@ -1,6 +1,6 @@
 //! The same contact, seen from elsewhere or reached in another way.
 
-use super::{arc, line, rolling, single, solve, standard, steel};
+use super::{arc, elements, line, rolling, single, solve, standard, steel};
 use crate::track::outline::Outline;
 use crate::track::patch::Solved;
 use crate::track::rail::{Deviation, Side};
@@ -56,7 +56,7 @@ fn a_turned_pair_has_the_same_contact() {
     let wheel = line(30e-3);
     let upright =
         Motion { y: 1e-3, z: -40e-6, velocity: [2.0, 3e-3, 0.0], ..rolling(0.0, 0.02, 5e-3) };
-    let mut pair = single([&wheel, &rail], 0.4, 3e-4);
+    let mut pair = single([&wheel, &rail], 0.4, elements(3e-4));
     let straight = solve(&mut pair, &upright, Vertical::Height);
     for angle in [0.3_f64, -1.1] {
         let (sin, cos) = angle.sin_cos();

@@ -1,9 +1,11 @@
 //! A wheel on a rail, against closed forms and against itself.
 
+mod approximate;
 mod energy;
 mod hertz;
 mod invariance;
 mod patches;
+mod theories;
 mod varying;
 
 use super::contact::WheelOnRail;
@@ -23,12 +25,16 @@ fn steel() -> Elasticity {
 }
 
 /// A wheel of these profiles above the origin of a rail at the origin of the track.
-fn single([wheel, rail]: [&Outline; 2], radius: f64, side: f64) -> WheelOnRail {
+fn single([wheel, rail]: [&Outline; 2], radius: f64, settings: Settings) -> WheelOnRail {
     let track = Track { placing: Placing::Origin { y: 0.0, z: 0.0 }, cant: 0.0, curvature: 0.0 };
     let wheelset =
         Wheelset { flange_back_distance: 0.0, flange_back_position: 0.0, nominal_radius: radius };
-    let settings = Settings::new([side, side], steel());
     WheelOnRail::new([wheel, rail], Side::Left, &track, &wheelset, settings).unwrap()
+}
+
+/// Square elements of this side [m] on steel.
+fn elements(side: f64) -> Settings {
+    Settings::new([side, side], steel())
 }
 
 /// S1002 on 60E1 at 1:40.

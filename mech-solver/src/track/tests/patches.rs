@@ -1,6 +1,6 @@
 //! Several patches, and the grid that they share.
 
-use super::{arc, line, rolling, single, solve, standard, steel};
+use super::{arc, elements, line, rolling, single, solve, standard, steel};
 use crate::track::contact::WheelOnRail;
 use crate::track::developed::Developed;
 use crate::track::error::TrackError;
@@ -23,7 +23,7 @@ fn crowns() -> Outline {
 #[test]
 fn two_crowns_carry_half_each() {
     let (rail, wheel) = (crowns(), line(30e-3));
-    let mut pair = single([&wheel, &rail], 0.46, 2e-4);
+    let mut pair = single([&wheel, &rail], 0.46, elements(2e-4));
     let solved = solve(&mut pair, &rolling(0.0, 0.0, 0.0), Vertical::Force(40e3));
     assert_eq!(solved.patches.len(), 2);
     let [one, other] = [&solved.patches[0], &solved.patches[1]];
@@ -44,6 +44,39 @@ fn two_crowns_carry_half_each() {
     assert!(together.z < solved.z - 3e-6, "{} {}", together.z, solved.z);
     let area = one.area + other.area;
     assert!((together.patches[0].area / area - 1.0).abs() < 0.05);
+    // So they do in planes of their own, if they act on each other: equal patches, mirrored, and as deep as on one half-space. Tolerances:
+    // blocks as point loads, and for the pressure where the middles of elements lie under a crown.
+    let settings = Settings { mutual: true, ..Settings::new([2e-4, 2e-4], steel()) };
+    let mut mutual = single([&wheel, &rail], 0.46, settings);
+    let apart = solve(&mut mutual, &rolling(0.0, 0.0, 0.0), Vertical::Force(40e3));
+    let [left, right] = apart.patches.as_slice() else { panic!("{}", apart.patches.len()) };
+    assert!((left.load.force[2] / right.load.force[2] - 1.0).abs() < 1e-5);
+    assert!((left.max_pressure / right.max_pressure - 1.0).abs() < 1e-4);
+    let [deeper, expected] = [solved.z - apart.z, solved.z - together.z];
+    assert!((deeper / expected - 1.0).abs() < 0.02, "{deeper:e} {expected:e}");
+    let highest = together.patches[0].max_pressure;
+    assert!((left.max_pressure / highest - 1.0).abs() < 1e-2, "{} {highest}", left.max_pressure);
+}
+
+/// What patches do to each other falls with the distance: E* P/(π r) of the depth. Tolerance: the patches' sizes over r, squared, and
+/// what they carry less.
+#[test]
+fn far_patches_hardly_act_on_each_other() {
+    let depth = |distance: f64, mutual: bool| {
+        let mut points = arc(-0.5 * distance, 20e-3, 0.1, 20);
+        points.extend(arc(0.5 * distance, 20e-3, 0.1, 20));
+        let rail = Outline::new(&points, 0.0).unwrap();
+        let middle = 0.5 * rail.range()[1];
+        let rail = rail.starting_at(middle);
+        let settings = Settings { mutual, ..Settings::new([2e-4, 2e-4], steel()) };
+        let mut pair = single([&line(60e-3), &rail], 0.46, settings);
+        solve(&mut pair, &rolling(0.0, 0.0, 0.0), Vertical::Force(4e3)).z
+    };
+    for distance in [12e-3, 24e-3, 72e-3] {
+        let deeper = depth(distance, false) - depth(distance, true);
+        let expected = steel().contact_compliance() * 2e3 / (std::f64::consts::PI * distance);
+        assert!((deeper / expected - 1.0).abs() < 0.02, "{distance} {deeper:e} {expected:e}");
+    }
 }
 
 /// Tread and flange at once: the elements of all patches are those of one grid along the rail, and none is of two.

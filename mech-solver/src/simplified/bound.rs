@@ -16,7 +16,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// What bounds the traction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Bound {
+pub(crate) enum Bound {
     /// Kalker's parabola.
     Parabolic,
     /// f times Hertz's pressure.
@@ -26,7 +26,7 @@ pub(super) enum Bound {
 impl Bound {
     /// x at node `index` of so many cells, counted from the leading edge, of a strip of this half length.
     #[inline]
-    pub(super) fn node(self, index: usize, cells: usize, half_length: f64) -> f64 {
+    pub(crate) fn node(self, index: usize, cells: usize, half_length: f64) -> f64 {
         // The difference of integers makes the nodes at ±x mirror images to the last bit.
         let steps = cells as f64 - 2.0 * index as f64;
         match self {
@@ -37,7 +37,7 @@ impl Bound {
 
     /// The bound at a node over that at the centre of the strip.
     #[inline]
-    pub(super) fn shape(self, index: usize, cells: usize) -> f64 {
+    pub(crate) fn shape(self, index: usize, cells: usize) -> f64 {
         match self {
             Self::Parabolic => {
                 let (cells, index) = (cells as f64, index as f64);
@@ -52,7 +52,7 @@ impl Bound {
 
     /// The bound at the centre of a strip, from that at the centre of the ellipse.
     #[inline]
-    pub(super) fn of_strip(self, largest: f64, eta: f64) -> f64 {
+    pub(crate) fn of_strip(self, largest: f64, eta: f64) -> f64 {
         match self {
             Self::Parabolic => largest * eta * eta,
             Self::Elliptic => largest * eta,
@@ -61,7 +61,7 @@ impl Bound {
 
     /// What the bound rises by over the first cell of the longest strip, over its length along X = x/a: the most of all
     /// cells.
-    pub(super) fn steepest(self, largest: f64, cells: usize) -> f64 {
+    pub(crate) fn steepest(self, largest: f64, cells: usize) -> f64 {
         match self {
             Self::Parabolic => 2.0 * largest * cells as f64 / (cells as f64 + 1.0),
             Self::Elliptic => largest * self.shape(1, cells) / (1.0 - self.node(1, cells, 1.0)),

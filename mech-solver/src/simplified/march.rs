@@ -33,62 +33,62 @@ use std::f64::consts::PI;
 
 /// The strips and cells of an ellipse.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Lattice {
+pub(crate) struct Lattice {
     /// Semi-axis a along x [m].
-    pub(super) semi_axis_a: f64,
+    pub(crate) semi_axis_a: f64,
     /// Semi-axis b along y [m].
-    pub(super) semi_axis_b: f64,
+    pub(crate) semi_axis_b: f64,
     /// Number n of strips, even.
-    pub(super) strips: usize,
+    pub(crate) strips: usize,
     /// Number m of cells of a strip, at least two.
-    pub(super) cells: usize,
+    pub(crate) cells: usize,
     /// What bounds the traction, to which the cells are fitted.
-    pub(super) bound: Bound,
+    pub(crate) bound: Bound,
 }
 
 /// One strip of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Strip {
+pub(crate) struct Strip {
     /// Its line y [m].
-    pub(super) y: f64,
+    pub(crate) y: f64,
     /// The values of y between which it lies on the grid [m].
-    pub(super) span: [f64; 2],
+    pub(crate) span: [f64; 2],
     /// Half length over a, η [-].
-    pub(super) eta: f64,
+    pub(crate) eta: f64,
     /// Width that its integrals count with [m].
-    pub(super) width: f64,
+    pub(crate) width: f64,
 }
 
 /// The state of one cell, or of a part of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Cell {
+pub(crate) struct Cell {
     /// x of the rear and of the front [m].
-    pub(super) ends: [f64; 2],
+    pub(crate) ends: [f64; 2],
     /// Mean traction on the upper body [Pa].
-    pub(super) traction: [f64; 2],
+    pub(crate) traction: [f64; 2],
     /// Mean slip over V [-].
-    pub(super) slip: [f64; 2],
+    pub(crate) slip: [f64; 2],
     /// It slips.
-    pub(super) slips: bool,
+    pub(crate) slips: bool,
     /// Larger traction of its two ends [Pa].
-    pub(super) largest_traction: f64,
+    pub(crate) largest_traction: f64,
 }
 
 impl Cell {
     /// Length [m].
-    pub(super) fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.ends[1] - self.ends[0]
     }
 
     /// x of the middle [m].
-    pub(super) fn middle(&self) -> f64 {
+    pub(crate) fn middle(&self) -> f64 {
         0.5 * (self.ends[0] + self.ends[1])
     }
 }
 
 impl Lattice {
     /// All strips, from y = −b to y = b; strips at ±y are mirror images to the last bit.
-    pub(super) fn strips(&self) -> impl Iterator<Item = Strip> {
+    pub(crate) fn strips(&self) -> impl Iterator<Item = Strip> {
         let Self { semi_axis_b: b, strips, .. } = *self;
         let step = PI / strips as f64;
         (0..strips).map(move |index| {
@@ -106,18 +106,18 @@ impl Lattice {
 
     /// x at which cell `index` of a strip, counted from the leading edge, starts [m].
     #[inline]
-    pub(super) fn node(&self, strip: &Strip, index: usize) -> f64 {
+    pub(crate) fn node(&self, strip: &Strip, index: usize) -> f64 {
         self.bound.node(index, self.cells, self.semi_axis_a * strip.eta)
     }
 
     /// The sum over the strips of half an ellipsoid of height one, 2/3 π a b (1 + O(n⁻⁴)) [m²].
-    pub(super) fn half_ellipsoid(&self) -> f64 {
+    pub(crate) fn half_ellipsoid(&self) -> f64 {
         let strip = |strip: Strip| strip.width * self.semi_axis_a * strip.eta * strip.eta;
         0.5 * PI * self.strips().map(strip).sum::<f64>()
     }
 
     /// The bound at the centre with which its sum is f N [Pa].
-    pub(super) fn largest_bound(&self, friction_bound: f64) -> f64 {
+    pub(crate) fn largest_bound(&self, friction_bound: f64) -> f64 {
         match self.bound {
             Bound::Parabolic => 2.0 * friction_bound / (PI * self.semi_axis_a * self.semi_axis_b),
             Bound::Elliptic => friction_bound / self.half_ellipsoid(),
@@ -127,20 +127,20 @@ impl Lattice {
 
 /// What the march of one contact needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct March {
+pub(crate) struct March {
     /// Strips and cells.
-    pub(super) lattice: Lattice,
+    pub(crate) lattice: Lattice,
     /// Springs of the surfaces.
-    pub(super) springs: Springs,
+    pub(crate) springs: Springs,
     /// Creepage.
-    pub(super) creepage: Creepage,
+    pub(crate) creepage: Creepage,
     /// Traction bound at the centre [Pa].
-    pub(super) largest_bound: f64,
+    pub(crate) largest_bound: f64,
 }
 
 impl March {
     /// Visits the cells of a strip from the leading to the trailing edge.
-    pub(super) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
+    pub(crate) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
         let Lattice { bound, cells, .. } = self.lattice;
         let largest = bound.of_strip(self.largest_bound, strip.eta);
         let node = |index: usize| Node {
@@ -290,13 +290,13 @@ struct Front {
 }
 
 /// Magnitude, without overflow or underflow on the way.
-pub(super) fn norm(vector: [f64; 2]) -> f64 {
+pub(crate) fn norm(vector: [f64; 2]) -> f64 {
     const SAFE: std::ops::Range<f64> = 1e-280..1e280;
     let square = dot(vector, vector);
     if SAFE.contains(&square) { square.sqrt() } else { vector[0].hypot(vector[1]) }
 }
 
 /// Inner product.
-pub(super) fn dot(left: [f64; 2], right: [f64; 2]) -> f64 {
+pub(crate) fn dot(left: [f64; 2], right: [f64; 2]) -> f64 {
     left[0] * right[0] + left[1] * right[1]
 }

@@ -28,13 +28,14 @@
 //! System Dynamics 54 (2016) 748–764; Kalker, A strip theory for rolling with slip and spin, Proc. Kon. Ned. Akad. Wet. B 70
 //! (1967) 10–62. Deviations: a reduction factor acts on both theories; the factor of the slip.
 
+use super::flexibility::Creepage;
 use super::march::{Cell, March, Strip, norm};
 use crate::strips::semi_ellipse::segment_area;
 use std::f64::consts::PI;
 
 /// What strip theory needs of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct StripTheory {
+pub(crate) struct StripTheory {
     /// The simplified theory, with the elliptic bound.
     march: March,
     /// f p₀ with the factor that makes the sum over the strips exact [Pa].
@@ -57,16 +58,27 @@ struct Stick<'a> {
 
 impl StripTheory {
     /// Beside a march with the elliptic bound, with Kalker's flexibilities L1, L2, L3 [m/Pa] and Poisson's ratio.
-    pub(super) fn new(march: March, [l1, l2, l3]: [f64; 3], poisson_ratio: f64) -> Self {
+    pub(crate) fn new(march: March, flexibilities: [f64; 3], poisson_ratio: f64) -> Self {
+        Self::of_strip(march, march.creepage, 0.0, flexibilities, poisson_ratio)
+    }
+
+    /// For a strip whose middle is at x [m], and at these creepages at x = 0; the march has those in its middle.
+    pub(crate) fn of_strip(
+        march: March,
+        [xi, eta, phi]: Creepage,
+        x: f64,
+        [l1, l2, l3]: [f64; 3],
+        poisson_ratio: f64,
+    ) -> Self {
         let (a, bound) = (march.lattice.semi_axis_a, march.largest_bound);
-        let [xi, eta, phi] = march.creepage;
         let creep = -(1.0 - poisson_ratio) * 16.0 * a / (3.0 * PI * PI * bound);
-        let reduced = [creep * xi / l1, creep * eta / l2, -3.0 * a * a * phi / (8.0 * l3 * bound)];
+        let spin = -3.0 * a * a * phi / (8.0 * l3 * bound);
+        let reduced = [creep * xi / l1, creep * eta / l2 + spin * (x / a), spin];
         Self { march, amplitude: bound, reduced, stretch: (1.0 - poisson_ratio).recip() }
     }
 
     /// Visits the cells of a strip from the leading to the trailing edge.
-    pub(super) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
+    pub(crate) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
         match self.stick(strip) {
             Some(stick) if !stick.beyond_bound(strip) => {
                 let border = 2.0 * stick.slipping - stick.half_length;

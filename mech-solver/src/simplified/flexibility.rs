@@ -23,14 +23,15 @@
 //! A reduction factor k (`reduction`) divides all of them.
 
 use crate::reference::kalker::CreepCoefficients;
+use proto::description::KeySpec;
 use std::f64::consts::PI;
 
 /// Creepages ξ, η [-] and φ [rad/m].
-pub(super) type Creepage = [f64; 3];
+pub(crate) type Creepage = [f64; 3];
 
 /// How many flexibilities there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub enum Kind {
     /// One for all creepages.
     Single,
     /// One for each creepage.
@@ -39,22 +40,47 @@ pub(super) enum Kind {
     Blended,
 }
 
+/// The key of a case.
+pub(crate) const KEY: &str = "mech.flexibility";
+
+/// What it may say.
+pub(crate) fn key() -> KeySpec {
+    KeySpec::choice(
+        KEY,
+        &["single", "three", "blended"],
+        "one flexibility for all creepages (exact friction power), one for each (exact slopes), or three at small \
+         creepage and one at large",
+    )
+    .default_value("single")
+}
+
+impl Kind {
+    /// By the word of the key.
+    pub(crate) fn of(word: &str) -> Self {
+        match word {
+            "three" => Self::Three,
+            "blended" => Self::Blended,
+            _ => Self::Single,
+        }
+    }
+}
+
 /// Kalker's three flexibilities [m/Pa].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Flexibilities {
+pub(crate) struct Flexibilities {
     /// L1, of ξ [m/Pa].
-    pub(super) longitudinal: f64,
+    pub(crate) longitudinal: f64,
     /// L2, of η [m/Pa].
-    pub(super) lateral: f64,
+    pub(crate) lateral: f64,
     /// L3, of φ [m/Pa].
-    pub(super) spin: f64,
+    pub(crate) spin: f64,
     /// Length at which φ weighs as much as a creepage [m].
-    pub(super) spin_length: f64,
+    pub(crate) spin_length: f64,
 }
 
 impl Flexibilities {
     /// For semi-axes a, b [m] and a shear modulus [Pa].
-    pub(super) fn new(coefficients: &CreepCoefficients, [a, b]: [f64; 2], modulus: f64) -> Self {
+    pub(crate) fn new(coefficients: &CreepCoefficients, [a, b]: [f64; 2], modulus: f64) -> Self {
         let creep = 8.0 * a / (3.0 * modulus);
         Self {
             longitudinal: creep / coefficients.c11,
@@ -65,7 +91,7 @@ impl Flexibilities {
     }
 
     /// The springs for a creepage; `reach` is 3 f N/(8 a² b) [Pa/m], with which L1 and L2 make c_ξ and c_η.
-    pub(super) fn springs(&self, kind: Kind, creepage: Creepage, reach: f64) -> Springs {
+    pub(crate) fn springs(&self, kind: Kind, creepage: Creepage, reach: f64) -> Springs {
         match kind {
             Kind::Three => self.three(),
             Kind::Single => Springs::new([self.single(creepage); 2], [1.0; 2]),
@@ -109,11 +135,11 @@ impl Flexibilities {
 
 /// Springs u = (L_x p_x, L_y p_y) under a rigid slip whose spin is weighted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Springs {
+pub(crate) struct Springs {
     /// L_x and L_y [m/Pa].
-    pub(super) flexibility: [f64; 2],
+    pub(crate) flexibility: [f64; 2],
     /// 1/L_x and 1/L_y [Pa/m].
-    pub(super) stiffness: [f64; 2],
+    pub(crate) stiffness: [f64; 2],
     /// Weights of the spin in the rigid slip [-].
     spin: [f64; 2],
 }
@@ -124,7 +150,7 @@ impl Springs {
     }
 
     /// With flexibilities divided by a factor.
-    pub(super) fn reduced(self, factor: f64) -> Self {
+    pub(crate) fn reduced(self, factor: f64) -> Self {
         Self {
             flexibility: self.flexibility.map(|own| own / factor),
             stiffness: self.stiffness.map(|own| own * factor),
@@ -132,8 +158,13 @@ impl Springs {
         }
     }
 
+    /// The creepages that a strip has whose middle is at x [m], in axes of its own.
+    pub(crate) fn in_the_middle(&self, [xi, eta, phi]: Creepage, x: f64) -> Creepage {
+        [xi, eta + self.spin[1] * phi * x, phi]
+    }
+
     /// Rigid slip over V at (x, y) [-].
-    pub(super) fn rigid_slip(&self, [xi, eta, phi]: Creepage, x: f64, y: f64) -> [f64; 2] {
+    pub(crate) fn rigid_slip(&self, [xi, eta, phi]: Creepage, x: f64, y: f64) -> [f64; 2] {
         [xi - self.spin[0] * phi * y, eta + self.spin[1] * phi * x]
     }
 }

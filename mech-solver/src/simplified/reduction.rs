@@ -24,7 +24,7 @@ const RATIO: &str = "mech.slope_factor_ratio";
 const DECREASE: &str = "mech.slope_factor_decrease";
 
 /// The keys of a case.
-pub(super) fn keys() -> Vec<KeySpec> {
+pub(crate) fn keys() -> Vec<KeySpec> {
     vec![
         KeySpec::number(
             FACTOR,
@@ -45,7 +45,7 @@ pub(super) fn keys() -> Vec<KeySpec> {
 
 /// How the slope is reduced.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Reduction {
+pub(crate) struct Reduction {
     /// k_0 [-].
     factor: f64,
     /// α [-].
@@ -56,11 +56,11 @@ pub(super) struct Reduction {
 
 impl Reduction {
     /// That of smooth elastic bodies: none.
-    pub(super) const NONE: Self = Self { factor: 1.0, ratio: 1.0, decrease: 0.0 };
+    pub(crate) const NONE: Self = Self { factor: 1.0, ratio: 1.0, decrease: 0.0 };
 
     /// With k_0, α and β [-].
     #[cfg(test)]
-    pub(super) fn of(factor: f64, ratio: f64, decrease: f64) -> Self {
+    pub(crate) fn of(factor: f64, ratio: f64, decrease: f64) -> Self {
         Self { factor, ratio, decrease }
     }
 
@@ -68,7 +68,7 @@ impl Reduction {
     ///
     /// # Errors
     /// A value is out of range.
-    pub(super) fn read(case: &CheckedParams<'_>) -> Result<Self, Refusal> {
+    pub(crate) fn read(case: &CheckedParams<'_>) -> Result<Self, Refusal> {
         Ok(Self {
             factor: case.number(FACTOR)?,
             ratio: case.number(RATIO)?,
@@ -77,7 +77,7 @@ impl Reduction {
     }
 
     /// k at a creepage, where ε/k_0 is `gradient` times |w|, on a semi-axis a [m].
-    pub(super) fn at(&self, creepage: Creepage, semi_axis_a: f64, gradient: f64) -> f64 {
+    pub(crate) fn at(&self, creepage: Creepage, semi_axis_a: f64, gradient: f64) -> f64 {
         let [xi, eta, phi] = creepage;
         let front = eta + semi_axis_a * phi;
         let lateral = if front.abs() < eta.abs() { eta } else { front };
@@ -87,7 +87,7 @@ impl Reduction {
 
     /// The ξ > 0 at which k ξ has a value: with s = β k_0 times the gradient, the positive root of
     /// α k_0 s ξ² + (k_0 − s·value) ξ − value = 0.
-    pub(super) fn unreduced(&self, value: f64, gradient: f64) -> f64 {
+    pub(crate) fn unreduced(&self, value: f64, gradient: f64) -> f64 {
         let Self { factor, ratio, decrease } = *self;
         let slip = decrease * factor * gradient;
         let linear = factor - slip * value;

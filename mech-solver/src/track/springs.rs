@@ -1,0 +1,268 @@
+//! The tractions of a patch of any outline by the simplified theory: FASTSIM, and FASTRIP.
+//!
+//! A strip is the middle strip of an ellipse of its own, with its length and f times its pressure
+//! ([`crate::simplified`]); its bound is half an ellipse. All have the flexibilities of the equivalent ellipse
+//! ([`super::strips`]). With creepages ξ, η, φ at the origin of the patch, and what is off the plane besides, a strip whose middle is at (x₀, t) has
+//! the rigid slip of ξ − φ t, η + φ x₀ in its middle.
+//!
+//! Strip theory compares a strip with the ellipse by its pressure over its length, which is p₀/a in all strips of an ellipse.
+//!
+//! **Energy.** With one flexibility friction dissipates what the creepages give, −V(ξF_x + ηF_y + φM_z), to rounding, M_z of the means of
+//! the cells; with strip theory all slip has one factor that makes it so.
+//!
+//! Source: Vollebregt, User guide for CONTACT (2022), for FASTSIM on patches that are no ellipse. Deviation: the march has cells of its own, shorter
+//! towards the edges, whose tractions elements share; slip and power lie half an element ahead, as in
+//! [`super::fields`].
+
+use super::creepage::Rolling;
+use super::fields::Fields;
+use super::local::Window;
+use super::pressed::Pressed;
+use super::settings::{Friction, FrictionPlace, RigidSlip, Settings, Tangential};
+use super::strips::{PressedStrip, equivalent_ellipse};
+use crate::half_space::influence::Elasticity;
+use crate::half_space::tangential::{Creepage, ElementState};
+use crate::reference::kalker::creep_coefficients;
+use crate::simplified::bound::Bound;
+use crate::simplified::flexibility::{Flexibilities, Kind, Springs};
+use crate::simplified::march::{Cell, Lattice, March, Strip};
+use crate::simplified::overlaps::overlaps;
+use crate::simplified::strip_theory::StripTheory;
+
+/// Cells of a strip.
+const CELLS: usize = 40;
+
+/// A patch, about to slide.
+struct Sliding<'a> {
+    strips: &'a [PressedStrip],
+    window: &'a Window,
+    /// Coefficient of friction of every strip [-].
+    friction: Vec<f64>,
+    rolling: &'a Rolling,
+    /// Rigid slip over V of every row of the window besides, off the plane [-].
+    off_plane: Vec<[f64; 2]>,
+    bodies: Elasticity,
+    kind: Kind,
+    /// Strip theory where strips stick.
+    strip_theory: bool,
+}
+
+/// What slid.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Slid {
+    /// Force on the wheel [N].
+    pub(super) force: [f64; 2],
+    /// Moment on it about the normal through the patch's origin [N m].
+    pub(super) moment: f64,
+    /// Part of the friction power that rigid slip off the plane gives [W].
+    pub(super) off_plane: f64,
+    /// Area that slips over all [-].
+    pub(super) slip_area_ratio: f64,
+    /// Cells with their strips; x from the middle of the strip.
+    cells: Vec<(usize, Cell)>,
+}
+
+/// Slides a patch and writes its fields, if springs are asked for and it may stick.
+pub(super) fn slide(
+    pressed: &Pressed,
+    rolling: &Rolling,
+    settings: &Settings,
+    (friction, middle): (Friction<'_>, &FrictionPlace),
+    fields: &mut Fields,
+) -> Option<Slid> {
+    let (kind, strip_theory) = match settings.tangential {
+        Tangential::HalfSpace => return None,
+        Tangential::Fastsim(kind) => (kind, false),
+        Tangential::Fastrip(kind) => (kind, true),
+    };
+    if !settings.adhesion {
+        return None;
+    }
+    let window = &pressed.window;
+    let strips = pressed.strips();
+    let sliding = Sliding {
+        friction: strips
+            .iter()
+            .map(|strip| friction_of_row(strip.row, fields, (friction, middle)))
+            .collect(),
+        strips: &strips,
+        window,
+        rolling,
+        off_plane: match settings.rigid_slip {
+            RigidSlip::Plane => vec![[0.0; 2]; window.counts()[1]],
+            RigidSlip::Surfaces => off_plane(pressed, rolling),
+        },
+        bodies: settings.bodies,
+        kind,
+        strip_theory,
+    };
+    let slid = sliding.solve();
+    sliding.write(&slid, fields);
+    Some(slid)
+}
+
+/// The coefficient of friction of a row: the mean, weighted with the pressure [-].
+fn friction_of_row(
+    row: usize,
+    fields: &Fields,
+    (friction, middle): (Friction<'_>, &FrictionPlace),
+) -> f64 {
+    let (nx, [dx, ds]) = (fields.counts[0], fields.sides);
+    let [first, j] = [fields.first[0], fields.first[1] + row as i64];
+    let pressures = fields.pressure[row * nx..(row + 1) * nx].iter().enumerate();
+    let pressed = pressures.filter(|(_, p)| **p > 0.0);
+    let (sum, weight) = pressed.fold((0.0, 0.0), |(sum, weight), (i, p)| {
+        let element = [(first + i as i64) as f64 * dx, j as f64 * ds];
+        (sum + p * friction(&FrictionPlace { element, ..*middle }), weight + p)
+    });
+    if weight > 0.0 { sum / weight } else { 0.0 }
+}
+
+/// Rigid slip over V off the plane, of every row [-].
+fn off_plane(pressed: &Pressed, rolling: &Rolling) -> Vec<[f64; 2]> {
+    let [rail, wheel] = pressed.heights(&pressed.window);
+    let [by_wheel, by_rail] = rolling.by_height;
+    let rows = wheel.iter().zip(&rail);
+    rows.map(|(wheel, rail)| [0, 1].map(|k| by_wheel[k] * wheel + by_rail[k] * rail)).collect()
+}
+
+/// The springs of a patch.
+struct Bed {
+    flexibilities: Flexibilities,
+    springs: Springs,
+    semi_axis_a: f64,
+    poisson_ratio: f64,
+}
+
+impl Sliding<'_> {
+    /// The tractions.
+    fn solve(&self) -> Slid {
+        let mut slid = Slid::default();
+        let bed = self.bed();
+        for (index, strip) in self.strips.iter().enumerate() {
+            self.march(&bed, index, self.creepage(strip), |cell| slid.cells.push((index, *cell)));
+        }
+        self.sum(&mut slid);
+        slid
+    }
+
+    /// ξ, η and φ in the axes of the patch, with what is off the plane in this row.
+    fn creepage(&self, strip: &PressedStrip) -> Creepage {
+        let [xi, eta, phi] = self.rolling.creepage;
+        let [x, y] = self.off_plane[strip.row];
+        [xi + x, eta + y, phi]
+    }
+
+    fn along(&self, strip: &PressedStrip) -> f64 {
+        self.window.along(1, strip.row)
+    }
+
+    /// The springs of the equivalent ellipse.
+    fn bed(&self) -> Bed {
+        let spacing = self.window.sides[1];
+        let [a, b] = equivalent_ellipse(self.strips, spacing);
+        let Elasticity { shear_compliance, poisson_compliance, .. } = self.bodies;
+        let poisson_ratio = poisson_compliance / shear_compliance;
+        let coefficients = creep_coefficients(a / b, poisson_ratio);
+        let flexibilities = Flexibilities::new(&coefficients, [a, b], shear_compliance.recip());
+        let loads = self.strips.iter().zip(&self.friction);
+        let bound: f64 = loads.map(|(strip, friction)| friction * load(strip, spacing)).sum();
+        let reach = 3.0 * bound / (8.0 * a * a * b);
+        let springs = flexibilities.springs(self.kind, self.rolling.creepage, reach);
+        Bed { flexibilities, springs, semi_axis_a: a, poisson_ratio }
+    }
+
+    /// Visits the cells of a strip from its leading to its trailing edge.
+    fn march(&self, bed: &Bed, index: usize, creepage: Creepage, visit: impl FnMut(&Cell)) {
+        let PressedStrip { middle, half_length, pressure, .. } = self.strips[index];
+        let eta = half_length / bed.semi_axis_a;
+        let lattice = Lattice {
+            semi_axis_a: bed.semi_axis_a,
+            semi_axis_b: bed.semi_axis_a,
+            strips: 1,
+            cells: CELLS,
+            bound: Bound::Elliptic,
+        };
+        let march = March {
+            lattice,
+            springs: bed.springs,
+            creepage: bed.springs.in_the_middle(creepage, middle),
+            largest_bound: self.friction[index] * pressure / eta,
+        };
+        let width = self.window.sides[1];
+        let y = self.along(&self.strips[index]);
+        let strip = Strip { y, span: [y - 0.5 * width, y + 0.5 * width], eta, width };
+        if !self.strip_theory {
+            return march.strip(&strip, visit);
+        }
+        let Flexibilities { longitudinal, lateral, spin, .. } = bed.flexibilities;
+        let own = [longitudinal, lateral, spin];
+        StripTheory::of_strip(march, creepage, middle, own, bed.poisson_ratio).strip(&strip, visit);
+    }
+
+    /// Sums over the cells, after the slip of strip theory is scaled.
+    fn sum(&self, slid: &mut Slid) {
+        let (mut taken, mut off_plane, mut slips, mut all) = (0.0, 0.0, 0.0, 0.0);
+        for (index, cell) in &slid.cells {
+            let strip = &self.strips[*index];
+            let area = self.window.sides[1] * cell.length();
+            let [px, py] = cell.traction.map(|p| p * area);
+            let [x, y] = [strip.middle + cell.middle(), self.along(strip)];
+            slid.force[0] += px;
+            slid.force[1] += py;
+            slid.moment += x * py - y * px;
+            taken -= px * cell.slip[0] + py * cell.slip[1];
+            let [off_x, off_y] = self.off_plane[strip.row];
+            off_plane -= px * off_x + py * off_y;
+            all += area;
+            slips += if cell.slips { area } else { 0.0 };
+        }
+        slid.off_plane = self.rolling.speed * off_plane;
+        slid.slip_area_ratio = if slips > 0.0 { slips / all } else { 0.0 };
+        let [xi, eta, phi] = self.rolling.creepage;
+        let given = off_plane - (xi * slid.force[0] + eta * slid.force[1] + phi * slid.moment);
+        let factor = given / taken;
+        if self.strip_theory && factor.is_finite() && factor > 0.0 {
+            slid.cells.iter_mut().for_each(|(_, cell)| cell.slip = cell.slip.map(|s| factor * s));
+        }
+    }
+
+    /// Puts it on the elements of the window's fields.
+    fn write(&self, slid: &Slid, fields: &mut Fields) {
+        let [nx, _] = self.window.counts();
+        let dx = self.window.sides[0];
+        let speed = self.rolling.speed;
+        let mut slips = vec![0.0; self.window.points()];
+        for (index, cell) in &slid.cells {
+            let strip = &self.strips[*index];
+            let first = strip.row * nx;
+            // In elements, from the trailing edge of the first one; slip and power are half an element ahead.
+            let place =
+                |x: f64, ahead: f64| (strip.middle + x) / dx + self.window.half[0] as f64 + ahead;
+            overlaps(cell.ends.map(|x| place(x, 0.5)), nx, |i, length| {
+                for (field, traction) in fields.traction.iter_mut().zip(cell.traction) {
+                    field[first + i] += length * traction;
+                }
+                slips[first + i] += if cell.slips { length } else { -length };
+            });
+            let power = -(cell.traction[0] * cell.slip[0] + cell.traction[1] * cell.slip[1]);
+            overlaps(cell.ends.map(|x| place(x, 0.0)), nx, |i, length| {
+                for (field, slip) in fields.slip_velocity.iter_mut().zip(cell.slip) {
+                    field[first + i] += length * slip * speed;
+                }
+                fields.friction_power[first + i] += length * power * speed;
+            });
+        }
+        for ((element, slips), p) in fields.element.iter_mut().zip(&slips).zip(&fields.pressure) {
+            if *p > 0.0 {
+                let slip = *slips > 0.0;
+                *element = if slip { ElementState::Slip } else { ElementState::Adhesion };
+            }
+        }
+    }
+}
+
+/// Load of a strip [N].
+fn load(strip: &PressedStrip, spacing: f64) -> f64 {
+    0.5 * std::f64::consts::PI * strip.pressure * strip.half_length * spacing
+}
