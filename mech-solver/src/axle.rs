@@ -75,7 +75,7 @@ impl Irregularity {
     #[must_use]
     pub fn hollow(&self, way: f64, circumference: f64) -> f64 {
         let Self { form, depth, length, .. } = *self;
-        let from = self.from_middle(way, circumference);
+        let from = self.way_from_middle(way, circumference);
         let within = 2.0 * from.abs() < length;
         match form {
             Form::Corrugation if from > 0.0 => {
@@ -93,7 +93,7 @@ impl Irregularity {
     #[must_use]
     pub fn slope(&self, way: f64, circumference: f64) -> f64 {
         let Self { form, depth, length, .. } = *self;
-        let from = self.from_middle(way, circumference);
+        let from = self.way_from_middle(way, circumference);
         let within = 2.0 * from.abs() < length;
         let wave = PI * depth / length * (2.0 * PI * from / length).sin();
         match form {
@@ -105,7 +105,7 @@ impl Irregularity {
     }
 
     /// Way from the middle, or from the first crest [m].
-    fn from_middle(&self, way: f64, circumference: f64) -> f64 {
+    fn way_from_middle(&self, way: f64, circumference: f64) -> f64 {
         let from = way - self.at;
         match self.form {
             Form::Flat if circumference.is_finite() => {

@@ -138,8 +138,9 @@ impl Columns {
         (self.depth, self.touching) = (depth, None);
         self.columns.clear();
         let near = |clear: &Option<f64>| clear.is_some_and(|clear| clear <= least + depth);
-        let near = || clear.iter().filter(|(_, clear)| near(clear)).map(|(x, _)| *x);
-        let (Some(from), Some(to)) = (near().next(), near().last()) else { return };
+        let mut near = clear.iter().filter(|(_, clear)| near(clear)).map(|(x, _)| *x);
+        let Some(from) = near.next() else { return };
+        let to = near.next_back().unwrap_or(from);
         let [from, to] = [(from - COARSE) / FINE, (to + COARSE) / FINE].map(|at| at.round() as i64);
         self.columns.extend((from..=to).map(|k| Column::cut(bodies, FINE * k as f64, STEPS[1])));
         let clear = |column: &Column| column.clearance(bodies).unwrap_or(f64::INFINITY);

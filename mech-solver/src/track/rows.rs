@@ -77,19 +77,19 @@ impl Rows {
         });
         let Some((start, segment)) = start else { return };
         let mut at = segment;
-        for j in start..rows {
-            met[j] = self.rows[j].follow(count, point, &mut at);
+        for (row, met) in self.rows.iter().zip(met.iter_mut()).skip(start) {
+            *met = row.follow(count, point, &mut at);
         }
         at = segment;
-        for j in (0..start).rev() {
-            met[j] = self.rows[j].follow(count, point, &mut at);
+        for (row, met) in self.rows.iter().zip(met.iter_mut()).take(start).rev() {
+            *met = row.follow(count, point, &mut at);
         }
     }
 }
 
 impl Row {
     /// A point of the plane y, z from the row, along its tangent and its normal [m].
-    fn from_here(&self, point: [f64; 2]) -> [f64; 2] {
+    fn seen_from_here(&self, point: [f64; 2]) -> [f64; 2] {
         let [y, z] = [point[0] - self.place[0], point[1] - self.place[1]];
         let [along, up] = self.tangent;
         [y * along + z * up, z * along - y * up]
@@ -98,7 +98,7 @@ impl Row {
     /// The segment of a curve that the row's normal meets nearest to the row.
     fn nearest(&self, count: usize, point: &impl Fn(usize) -> [f64; 2]) -> Option<usize> {
         let meets = |k: usize| {
-            let [one, next] = [k, k + 1].map(|k| self.from_here(point(k)));
+            let [one, next] = [k, k + 1].map(|k| self.seen_from_here(point(k)));
             (one[0] <= 0.0 && next[0] > 0.0).then(|| one[1].abs().min(next[1].abs()))
         };
         let found = (0..count.saturating_sub(1)).filter_map(|k| Some((k, meets(k)?)));
@@ -112,7 +112,7 @@ impl Row {
         point: &impl Fn(usize) -> [f64; 2],
         at: &mut usize,
     ) -> Option<Met> {
-        let along = |k: usize| self.from_here(point(k))[0];
+        let along = |k: usize| self.seen_from_here(point(k))[0];
         let mut k = *at;
         while k + 1 < count && along(k + 1) <= 0.0 {
             k += 1;
@@ -124,7 +124,7 @@ impl Row {
         if k + 1 >= count {
             return None;
         }
-        let [one, next] = [k, k + 1].map(|k| self.from_here(point(k)));
+        let [one, next] = [k, k + 1].map(|k| self.seen_from_here(point(k)));
         if one[0] > 0.0 || next[0] <= 0.0 {
             return None;
         }

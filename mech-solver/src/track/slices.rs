@@ -403,7 +403,8 @@ fn check_positions(slices: &[Slice], period: Option<f64>) -> Result<(), SlicesEr
     let span = slices[slices.len() - 1].at - slices[0].at;
     for (number, pair) in (1..).zip(slices.windows(2)) {
         let [from, to] = [pair[0].at, pair[1].at];
-        if !(to - from > CLOSEST * span) {
+        let rises = to - from > CLOSEST * span;
+        if !rises {
             return Err(SlicesError::Order { number, from, to });
         }
     }

@@ -53,10 +53,10 @@ impl Hollow {
             return;
         }
         let slope = radius * form.slope(way, *circumference);
-        for k in 0..2 {
-            spot.place.position[k] += depth * inwards[k];
-            spot.place.tangent[k] -= 2.0 * across * s * inwards[k];
-            spot.along[k] += slope * inwards[k];
+        for (k, inwards) in inwards.iter().enumerate() {
+            spot.place.position[k] += depth * inwards;
+            spot.place.tangent[k] -= 2.0 * across * s * inwards;
+            spot.along[k] += slope * inwards;
         }
     }
 }
