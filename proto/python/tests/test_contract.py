@@ -179,7 +179,8 @@ def test_summaries_of_numpy_values_are_json():
 
 def test_the_readme_shows_the_example():
     package = Path(__file__).parent.parent
-    shown = (package / "README.md").read_text().split("```python\n")[1].split("```")[0]
+    solvers = (package / "README.md").read_text().split("## Solvers\n")[1]
+    shown = solvers.split("```python\n")[1].split("```")[0]
     assert shown == (package / "examples/short_columns.py").read_text()
 
 
