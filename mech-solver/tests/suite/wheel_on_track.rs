@@ -167,6 +167,24 @@ fn what_cannot_be_placed_is_refused() {
         "mech.tangential",
         "half-spaces alone",
     );
+    refused(
+        &|case| {
+            case["mech"]["normal"] = json!("analyn");
+            case["bodies"]["wheel"]["irregularity"] =
+                json!({"form": "flat", "depth": 1e-4, "length": 40e-3, "at": 0.0});
+        },
+        "mech.normal",
+        "vary along the rolling direction",
+    );
+    refused(
+        &|case| {
+            case["effects"]["subsurface_stress"] = json!({});
+            case["wheelset"]["side"] = json!("both");
+            case["load"] = json!({"axle_load": 100e3});
+        },
+        "effects.subsurface_stress",
+        "one wheel at a time",
+    );
     refused(&|case| case["load"] = json!({}), "load.vertical_force", "one of force and height");
     refused(&|case| case["wheelset"]["y"] = json!(0.5), "wheelset", "beside the rail");
     refused(
