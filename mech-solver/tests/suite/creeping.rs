@@ -111,7 +111,11 @@ fn a_ball_sinks_in_as_lee_and_radok_have_it() {
         let t = f64::from(window) * duration;
         let found = [ball.number("approach_m"), highest];
         let expected = [Ball::approach(t), Ball::pressure(t)];
-        println!("{:4.1} τ: {found:?} {expected:?}", t / TIME);
+        let [approach, highest] = [0, 1].map(|k| found[k] / expected[k]);
+        println!(
+            "{:4.1} τ: of the closed form approach {approach:.5}, pressure {highest:.4}",
+            t / TIME
+        );
         assert_close(found[0], expected[0], 1e-3);
         assert_close(found[1], expected[1], 3e-3);
         assert!(ball.number("hysteresis_power_w") > 0.0);
@@ -158,7 +162,7 @@ fn long_and_short_windows_are_elastic() {
 /// other; they take power and give none. Power adds up.
 #[test]
 fn a_force_along_the_plane_creeps() {
-    for (other, sizes) in [("rubber", 1e-6), ("stiff", f64::INFINITY)] {
+    for other in ["rubber", "stiff"] {
         let motion = json!({"speed": 0.0, "traction_coefficient": 0.3});
         let mut ball = Pressed::of(&case(other, motion));
         let mut last = [0.0; 2];
@@ -170,8 +174,9 @@ fn a_force_along_the_plane_creeps() {
             assert!(now.iter().zip(last).all(|(now, last)| *now > last), "{now:?} {last:?}");
             assert!(power > 0.0, "{power}");
             assert_close(ball.number("creep_force_x_n"), 0.3 * LOAD, 1e-4);
-            if sizes.is_finite() {
-                assert!(ball.number("power_imbalance") <= sizes);
+            // Bodies of different constants have no balance: the energy of the normal contact takes part.
+            if other == "rubber" {
+                assert!(ball.number("power_imbalance") <= 1e-6);
             }
             last = now;
         }

@@ -63,19 +63,16 @@ pub(super) struct Kept {
 }
 
 impl Creeping {
-    /// Those of a case whose bodies do; with what there is in the beginning, under a pressure that displaces `normal` [m].
-    pub(super) fn of(case: &Case, pressure: &[f64], normal: Vec<f64>) -> Option<(Self, Crept)> {
+    /// The bodies of a case, and what there is in the beginning, under a pressure that displaces `normal` [m].
+    pub(super) fn new(case: &Case, pressure: &[f64], normal: Vec<f64>) -> (Self, Crept) {
         let delays = case.delays.clone();
-        if delays.is_empty() {
-            return None;
-        }
         let operators = Retarded::new(&case.footprint.grid, &delays);
         let retarded = operators.fresh();
         let stored = 0.5 * pressure.iter().zip(&normal).map(|(p, u)| p * u).sum::<f64>();
         let at_once = case.bodies.instantaneous;
         let displaced = [0, 1, 2].map(|_| vec![0.0; pressure.len()]);
         let creeping = Self { operators, delays, at_once, duration: f64::NAN, displaced };
-        Some((creeping, Crept { retarded, normal, stored: [stored, 0.0] }))
+        (creeping, Crept { retarded, normal, stored: [stored, 0.0] })
     }
 
     /// Takes the duration of a step [s]; the constants by which the bodies respond in it, where these change.

@@ -137,11 +137,12 @@ impl Transient {
         }
         let zeros = vec![0.0; contact.pressure.len()];
         let mut creeping = None;
-        let normal = match following {
-            Some(_) => zeros.clone(),
-            None => contact.normal_displacement(&accepted.solution.state),
-        };
-        if let Some((operators, crept)) = Creeping::of(&case, &accepted.pressure, normal) {
+        if !case.delays.is_empty() {
+            let normal = match following {
+                Some(_) => zeros.clone(),
+                None => contact.normal_displacement(&accepted.solution.state),
+            };
+            let (operators, crept) = Creeping::new(&case, &accepted.pressure, normal);
             accepted.crept = crept;
             creeping = Some(operators);
         }
@@ -279,7 +280,7 @@ impl Transient {
         let history = History { slip: [along, across], plastic };
         let before = trial.solution.state.traction.clone();
         let energy_before = energy(&before, &trial.displacement);
-        let displaced = trial.displacement.clone();
+        let displaced = self.creeping.as_ref().map(|_| trial.displacement.clone());
         let near = Some(trial.solution.clone());
         trial.solution = self.contact.solve_settled(case, inputs, &driven, near, Some(history))?;
         self.shortfall = self.shortfall.or(self.contact.shortfall);
@@ -287,12 +288,12 @@ impl Transient {
         self.contact.displacement(state, &mut trial.displacement);
         trial.answer = Answer::partial(case, &self.contact, &trial.solution, Some(&before));
         let mut kept = None;
-        if let Some(creeping) = &mut self.creeping {
+        if let (Some(creeping), Some(displaced)) = (&mut self.creeping, &displaced) {
             creeping.add_to(&mut trial.displacement);
             let normal = self.contact.normal_displacement(state);
             let Memory { solution, pressure, displacement, crept, .. } = &mut *trial;
             let state = &solution.state;
-            let before = Instant { pressure, traction: &before, displacement: &displaced };
+            let before = Instant { pressure, traction: &before, displacement: displaced };
             let (pressure, traction) = (&self.contact.pressure, &state.traction);
             let after = Instant { pressure, traction, displacement };
             kept = Some(creeping.end(crept, before, after, normal));

@@ -194,11 +194,10 @@ class Results:
 
     def __repr__(self) -> str:
         """The headlines, as the coordinator has them."""
-        said = {figure["key"]: figure for figure in described()}
         heads = [
-            one
-            for key, one in self.figures.items()
-            if (said.get(key) or description(key) or {}).get("headline")
+            figure
+            for key, figure in self.figures.items()
+            if (description(key) or {}).get("headline")
         ]
         lines = [f"{self.summary['case']}: {self.summary['status']}"]
         lines += [f"  {figure.words}: {figure} ({figure.key})" for figure in heads]
