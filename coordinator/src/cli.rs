@@ -24,6 +24,7 @@ use crate::replay;
 use crate::report;
 use crate::report::page::Page;
 use crate::reproduce;
+use crate::solvers;
 use crate::stability;
 use crate::states;
 use crate::study::output::{Kind, kind};
@@ -107,11 +108,7 @@ enum Command {
     /// Write a case that runs, with a line on every key, to begin from.
     New(new::Arguments),
     /// Show the models and effects that the installed solvers offer.
-    Solvers {
-        /// Print JSON: the descriptions, as the programs give them.
-        #[arg(long)]
-        json: bool,
-    },
+    Solvers(solvers::Arguments),
     /// Show every key that a case may have: unit, range, default, and who reads it.
     Keys(keys::Arguments),
     /// Show every field that participants exchange or write: unit, components, and who gives it.
@@ -344,8 +341,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             Ok(printed?)
         }
         Command::New(asked) => Ok(print(arguments.quiet, &new::act(asked, installed)?)?),
-        Command::Solvers { json: true } => Ok(print(false, &json(&installed()?))?),
-        Command::Solvers { json: false } => Ok(solvers()?),
+        Command::Solvers(asked) => Ok(solvers::main(asked, &installed()?)?),
         Command::Keys(asked) => Ok(keys::main(asked, &installed()?)?),
         Command::Fields(asked) => Ok(catalogue::fields(asked, &installed()?)?),
         Command::Figures(asked) => Ok(catalogue::figures(asked, &installed()?)?),
@@ -649,10 +645,6 @@ fn report_on(folder: &Path) -> Result<(), RunError> {
     report::write(&report::of_run(folder)?, folder).map(drop)
 }
 
-fn solvers() -> Result<(), RunError> {
-    installed()?.iter().try_for_each(|described| print(false, &show_solver(described)))
-}
-
 /// What the installed programs say of themselves.
 fn installed() -> Result<Vec<Description>, RunError> {
     let _asking = signals::end_at_once();
@@ -666,25 +658,6 @@ fn installed() -> Result<Vec<Description>, RunError> {
         Ok(described)
     });
     described.collect()
-}
-
-fn show_solver(of: &Description) -> String {
-    let mut text = format!("{} {} (role {})\n", of.name, of.version, of.role);
-    for model in &of.models {
-        let modes = match (model.steady, model.transient) {
-            (true, true) => "steady, transient",
-            (true, false) => "steady",
-            _ => "transient",
-        };
-        text += &format!("  model   {:16} {} [{modes}]\n", model.name, model.summary);
-        text += &format!("          {:16} source: {}\n", "", model.source);
-    }
-    for effect in &of.effects {
-        text += &format!("  effect  {:16} {}\n", effect.name, effect.law);
-        text += &format!("          {:16} models: {}\n", "", effect.models.join(", "));
-        text += &format!("          {:16} source: {}\n", "", effect.source);
-    }
-    text
 }
 
 fn print(quiet: bool, text: &str) -> Result<(), RunError> {

@@ -27,6 +27,7 @@ mod progress;
 mod replay;
 mod report;
 mod reproduce;
+mod solvers;
 mod stability;
 mod states;
 mod study;

@@ -111,7 +111,7 @@ fn fits(known: &str, key: &str) -> bool {
     known.len() == key.len() && known.iter().zip(&key).all(alike)
 }
 
-/// The pages of fields and figures are what the programs say; every field that a run writes and every figure that its lines show is
+/// The pages of fields, figures, models and effects are what the programs say; every field that a run writes and every figure that its lines show is
 /// on them, and a pattern shows some.
 #[test]
 fn every_field_and_figure_is_listed() {
@@ -131,6 +131,11 @@ fn every_field_and_figure_is_listed() {
         all.as_array().unwrap().iter().map(|one| one[key].as_str().unwrap().to_owned()).collect()
     };
     let (fields, figures) = (names("fields", "name"), names("figures", "key"));
+    let models = std::fs::read_to_string(root().join("docs/models.md")).unwrap();
+    assert!(
+        models == print(&["solvers", "--markdown"]),
+        "docs/models.md is stale; write it with `coordinator solvers --markdown`"
+    );
     let place = Place::new();
     let summary = place.summary(&case("third-body.toml"), &[]);
     let plan: Value =
