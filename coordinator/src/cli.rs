@@ -17,6 +17,7 @@ use crate::listing::Listing;
 use crate::logging::{Level, Logging};
 use crate::manual;
 use crate::new;
+use crate::new_solver;
 use crate::output;
 use crate::picture;
 use crate::progress::Progress;
@@ -107,6 +108,8 @@ enum Command {
     },
     /// Write a case that runs, with a line on every key, to begin from.
     New(new::Arguments),
+    /// Write a solver that conforms to the contract, in Python, C or Rust, to begin from.
+    NewSolver(new_solver::Arguments),
     /// Show the models and effects that the installed solvers offer.
     Solvers(solvers::Arguments),
     /// Show every key that a case may have: unit, range, default, and who reads it.
@@ -341,6 +344,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
             Ok(printed?)
         }
         Command::New(asked) => Ok(print(arguments.quiet, &new::act(asked, installed)?)?),
+        Command::NewSolver(asked) => Ok(print(arguments.quiet, &new_solver::act(asked)?)?),
         Command::Solvers(asked) => Ok(solvers::main(asked, &installed()?)?),
         Command::Keys(asked) => Ok(keys::main(asked, &installed()?)?),
         Command::Fields(asked) => Ok(catalogue::fields(asked, &installed()?)?),

@@ -21,6 +21,7 @@ mod listing;
 mod logging;
 mod manual;
 mod new;
+mod new_solver;
 mod output;
 mod picture;
 mod progress;

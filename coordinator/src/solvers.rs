@@ -30,8 +30,8 @@ pub(crate) fn main(asked: &Arguments, described: &[Description]) -> Result<(), R
 }
 
 /// The cases that a model answers.
-fn modes(model: &ModelSpec) -> &'static str {
-    match (model.steady, model.transient) {
+fn modes(steady: bool, transient: bool) -> &'static str {
+    match (steady, transient) {
         (true, true) => "steady, transient",
         (true, false) => "steady",
         _ => "transient",
@@ -41,7 +41,12 @@ fn modes(model: &ModelSpec) -> &'static str {
 fn lines(of: &Description) -> String {
     let mut text = format!("{} {} (role {})\n", of.name, of.version, of.role);
     for model in &of.models {
-        text += &format!("  model   {:16} {} [{}]\n", model.name, model.summary, modes(model));
+        text += &format!(
+            "  model   {:16} {} [{}]\n",
+            model.name,
+            model.summary,
+            modes(model.steady, model.transient)
+        );
         text += &format!("          {:16} source: {}\n", "", model.source);
     }
     for effect in &of.effects {
@@ -58,25 +63,32 @@ fn page(described: &[Description]) -> String {
                     each effect is held against: [effects.md](effects.md); every key: [case.md](case.md).\n"
         .to_owned();
     for Description { role, models, .. } in described {
-        let _ = write!(
-            text,
-            "\n## Models of role {role}\n\n| model | what | cases | keys of its own | source |\n| --- | --- | --- | --- | --- |\n"
-        );
-        for model in models {
-            let ModelSpec { name, summary, source, keys, .. } = model;
-            let cells = [summary.as_str(), modes(model), &named(keys), source].map(cell);
-            let _ = writeln!(text, "| `{name}` | {} |", cells.join(" | "));
+        let _ = write!(text, "\n## Models of role {role}\n");
+        for ModelSpec { name, summary, source, keys, steady, transient, .. } in models {
+            let lines = [
+                ("cases", modes(*steady, *transient).to_owned()),
+                ("keys of its own", named(keys)),
+                ("source", source.clone()),
+            ];
+            text += &section(name, summary, &lines);
         }
     }
     for Description { role, effects, .. } in described.iter().filter(|of| !of.effects.is_empty()) {
-        let _ = write!(
-            text,
-            "\n## Effects of role {role}\n\n| effect | law | models | keys | source |\n| --- | --- | --- | --- | --- |\n"
-        );
+        let _ = write!(text, "\n## Effects of role {role}\n");
         for EffectSpec { name, law, models, keys, source, .. } in effects {
-            let cells = [law.as_str(), &models.join(", "), &named(keys), source].map(cell);
-            let _ = writeln!(text, "| `{name}` | {} |", cells.join(" | "));
+            let lines =
+                [("models", models.join(", ")), ("keys", named(keys)), ("source", source.clone())];
+            text += &section(name, law, &lines);
         }
+    }
+    text
+}
+
+/// What is said under a name, line by line; a line without a text is left out.
+fn section(name: &str, what: &str, lines: &[(&str, String)]) -> String {
+    let mut text = format!("\n### {name}\n\n{}\n\n", escaped(what));
+    for (word, line) in lines.iter().filter(|(_, line)| !line.is_empty()) {
+        let _ = writeln!(text, "- {word}: {line}");
     }
     text
 }
@@ -87,7 +99,14 @@ fn named(keys: &[KeySpec]) -> String {
     names.join(", ")
 }
 
-/// A text in a cell of a table.
-fn cell(text: &str) -> String {
-    text.replace('|', "\\|")
+/// A formula as it is: nothing in it is a mark of the page.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for letter in text.chars() {
+        if matches!(letter, '*' | '_' | '<' | '[' | '|') {
+            escaped.push('\\');
+        }
+        escaped.push(letter);
+    }
+    escaped
 }

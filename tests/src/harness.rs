@@ -5,10 +5,12 @@
 mod answers;
 pub mod browser;
 mod programs;
+pub mod python;
 pub mod slurm;
+pub mod snippets;
 
 pub use answers::{Table, field, field_files, number};
-pub use programs::{library, programs, root};
+pub use programs::{example, library, programs, root};
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;

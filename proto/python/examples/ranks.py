@@ -32,7 +32,7 @@ class SpreadColumns(ShortColumns):
         ALL.bcast(("solve", None))
         computed = share(self.abel, shares)
         for name in outputs:
-            outputs[name] = np.concatenate(computed).ravel()
+            outputs[name] = self.scale[name] * np.concatenate(computed).ravel()
         return StepReport(work=len(computed), heat_received=self.grid.integrate(flux))
 
 

@@ -17,16 +17,19 @@ class ShortColumns(Solver):
     effects = (Effect("friction_heat", "q/2 into each body", "symmetry", ("short",), keys=(HALF,)),)
     keys = (
         Key.position(),
-        Key.name_in("bodies.*.material", "materials", "material of both bodies", required=True),
+        Key.name_in("bodies.*.material", "materials", "material of the body", required=True),
         Key.quantity("motion.speed", "m/s", "rolling speed", required=True, above=0.0),
         *(Key.quantity(f"materials.*.{p}", u, p, required=True) for p, u in STEEL.items()),
     )
 
     def configure(self, configuration):
         case, number = configuration.case, configuration.case.number
-        steel = case.text(f"bodies.{case.bodies()[1]}.material")
-        beta = np.sqrt(np.prod([number(f"materials.{steel}.{p}") for p in STEEL]))
-        self.scale = 1.0 / (beta * np.sqrt(np.pi * number("motion.speed")))
+        speed = number("motion.speed")
+        upper, lower = (case.text(f"bodies.{body}.material") for body in case.bodies())
+        self.scale = {
+            name: np.prod([np.pi * speed, *(number(f"materials.{steel}.{p}") for p in STEEL)]) ** -0.5
+            for name, steel in zip(BODIES, (lower, upper))
+        }
         self.grid = configuration.input("friction_power").grid
         if self.grid is None:  # while planning
             return Layout()
@@ -36,13 +39,14 @@ class ShortColumns(Solver):
         plane = self.grid.shape
         upstream = (np.arange(plane.ni)[:, None] - np.arange(plane.ni)) * plane.dx
         far, near = (np.sqrt(np.maximum(upstream + d * plane.dx, 0.0)) for d in (0.5, -0.5))
-        self.abel = self.scale * (far - near)
+        self.abel = far - near
 
     def solve(self, step, inputs, outputs):
         flux = inputs.finite("friction_power")  # a read-only view; NaN is refused by name
         strips = flux.reshape(self.grid.shape.nj, -1)
         for name in outputs:
-            np.matmul(strips, self.abel, out=outputs[name].reshape(strips.shape))  # no copy
+            rise = np.matmul(strips, self.abel, out=outputs[name].reshape(strips.shape))  # no copy
+            rise *= self.scale[name]
         return StepReport(heat_received=self.grid.integrate(flux))
 
 

@@ -107,8 +107,18 @@ fn chromium() -> &'static Path {
     })
 }
 
-/// Runs the browser on a file until it is done.
-fn browse(place: &TempDir, more: &[String], file: &Path) -> Output {
+/// What a page at an address is when its scripts have run.
+///
+/// # Panics
+/// The browser fails.
+pub fn document(address: &str) -> String {
+    let place = tempfile::tempdir().unwrap();
+    let ended = browse(&place, &["--dump-dom".to_owned()], address);
+    String::from_utf8_lossy(&ended.stdout).into_owned()
+}
+
+/// Runs the browser on a page until it is done.
+fn browse(place: &TempDir, more: &[String], address: &str) -> Output {
     let profile = place.path().join("profile");
     let ended = Command::new(chromium())
         .args([
@@ -124,7 +134,7 @@ fn browse(place: &TempDir, more: &[String], file: &Path) -> Output {
         .args(["--allow-file-access-from-files", "--virtual-time-budget=5000", "--timeout=60000"])
         .arg(format!("--user-data-dir={}", profile.display()))
         .args(more)
-        .arg(format!("file://{}", file.display()))
+        .arg(address)
         .stdin(Stdio::null())
         .output()
         .unwrap();
@@ -213,7 +223,8 @@ fn see(place: &TempDir, scheme: Scheme, widths: &[u32]) -> (Vec<Look>, Vec<Strin
             format!("--screenshot={}", at("shot.png").display()),
             "--dump-dom".to_owned(),
         ];
-        let ended = browse(place, &more, &at("frames.html"));
+        let address = format!("file://{}", at("frames.html").display());
+        let ended = browse(place, &more, &address);
         let layouts: Vec<Value> = probed(&String::from_utf8_lossy(&ended.stdout));
         assert_eq!(layouts.len(), widths.len(), "a frame has told nothing");
         let highest = layouts.iter().map(|layout| numbers(&layout["size"])[1]).max().unwrap();

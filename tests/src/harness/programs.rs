@@ -64,6 +64,17 @@ pub fn library() -> &'static Path {
     checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
 }
 
+/// An example of the crate `proto`, which `cargo test` builds.
+///
+/// # Panics
+/// It is missing or stale.
+pub fn example(name: &str) -> PathBuf {
+    let built = programs().join("examples").join(name);
+    fresh(&built, &[root().join(format!("proto/examples/{name}.rs"))])
+        .unwrap_or_else(|told| panic!("{told}"));
+    built
+}
+
 /// The root of the workspace.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()

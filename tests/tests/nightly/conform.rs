@@ -1,7 +1,7 @@
 //! The whole contract: up to the largest grids by a participant that takes its time, and by the mechanical solver with every model.
 
 use serde_json::Value;
-use std::process::Command;
+use tests::harness::python::interpreter;
 use tests::harness::{Place, case, root};
 
 /// Every check that concerns a participant passes, in so many settings.
@@ -24,15 +24,9 @@ fn conforms(role: &str, name: &str, more: &[&str], inapplicable: &[&str], settin
 /// In both of its modes. It has no volume.
 #[test]
 fn strip_columns_in_python_conform_up_to_the_largest_grids() {
-    let made = Command::new("python3")
-        .arg(root().join("proto/python/environment.py"))
-        .arg("--test")
-        .output()
-        .expect("Python 3.11 is installed");
-    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-    let interpreter = String::from_utf8(made.stdout).unwrap();
+    let interpreter = interpreter().display().to_string();
     let program = root().join("proto/python/examples/strip_columns.py").display().to_string();
-    let more = ["--", interpreter.trim_end(), &program];
+    let more = ["--", &interpreter, &program];
     conforms("thermal", "falling-friction.toml", &more, &["volumes"], 2);
 }
 

@@ -10,9 +10,12 @@
 mod conform;
 mod engines;
 mod explicit;
+mod licences;
 mod paper;
+mod release;
 #[path = "../shared/paper.rs"]
 mod shared_paper;
+mod snippets;
 mod stability;
 #[path = "../shared/sweeps.rs"]
 mod sweeps;

@@ -4,8 +4,8 @@
 mod contract;
 
 use crate::c_interface::Compiled;
+use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, programs, root};
-use crate::python::interpreter;
 use serde_json::Value;
 
 /// Puts a program through the contract; how that ended, and its report.

@@ -1,8 +1,8 @@
 //! Sweeps through schedulers that are really there: a Slurm, and a HyperQueue within a Python process.
 
+use crate::harness::python::interpreter;
 use crate::harness::slurm::Slurm;
 use crate::harness::{Place, case, root, wait_until};
-use crate::python::interpreter;
 use crate::sweeps::{points, table};
 use serde_json::Value;
 use std::io::Write;

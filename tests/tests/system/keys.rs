@@ -16,9 +16,7 @@ fn every_key_of_every_shipped_case_is_listed() {
         page == print("--markdown"),
         "docs/case.md is stale; write it with `coordinator keys --markdown`"
     );
-    let keys: Value = serde_json::from_str(&print("--json")).unwrap();
-    let paths: Vec<&str> =
-        keys.as_array().unwrap().iter().map(|key| key["path"].as_str().unwrap()).collect();
+    let paths = known_keys();
     let mut seen = 0;
     for entry in std::fs::read_dir(root().join("cases")).unwrap() {
         let path = entry.unwrap().path();
@@ -91,8 +89,17 @@ fn a_pattern_finds_keys() {
     assert!(nothing.stderr.contains("nothing is like `no such thing`"), "{}", nothing.stderr);
 }
 
+/// The paths of all keys that there are.
+pub(crate) fn known_keys() -> Vec<String> {
+    let ended = Place::new().start(&["keys", "--json"]).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let keys: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let path = |key: &Value| key["path"].as_str().unwrap().to_owned();
+    keys.as_array().unwrap().iter().map(path).collect()
+}
+
 /// Dotted keys of all values; a table of a file and a column is a value.
-fn flatten(path: &str, value: &toml::Value, keys: &mut Vec<String>) {
+pub(crate) fn flatten(path: &str, value: &toml::Value, keys: &mut Vec<String>) {
     match value.as_table() {
         Some(table) if !table.contains_key("column") => {
             for (key, value) in table {
@@ -104,7 +111,7 @@ fn flatten(path: &str, value: &toml::Value, keys: &mut Vec<String>) {
     }
 }
 
-fn fits(known: &str, key: &str) -> bool {
+pub(crate) fn fits(known: &str, key: &str) -> bool {
     let (known, key): (Vec<&str>, Vec<&str>) =
         (known.split('.').collect(), key.split('.').collect());
     let alike = |(known, key): (&&str, &&str)| *known == "*" || *known == "ROLE" || known == key;

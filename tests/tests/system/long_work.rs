@@ -1,8 +1,8 @@
 //! Long work: progress restarts deadlines, is shown, and says how far it came; models that cannot go
 //! back.
 
+use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, programs, root, sets};
-use crate::python::interpreter;
 
 /// A run of the smallest case with [`tests::long`] on the right.
 fn run(settings: &[&str]) -> (Place, Ended) {

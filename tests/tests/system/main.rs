@@ -46,6 +46,7 @@ mod mapping;
 mod mistakes;
 mod moving;
 mod new;
+mod new_solver;
 mod off_means_off;
 #[path = "../shared/paper.rs"]
 mod paper;
@@ -60,6 +61,7 @@ mod results;
 mod resume;
 mod rods;
 mod scenes;
+mod site;
 mod snippets;
 mod stability;
 mod start;

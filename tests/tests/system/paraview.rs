@@ -1,7 +1,7 @@
 //! The fields on disk as VTK's own readers see them, and the state that opens them in ParaView.
 
+use crate::harness::python::interpreter;
 use crate::harness::{Place, Table, case, programs, root, sets};
-use crate::python::interpreter;
 use proto::bodies::Bodies;
 use proto::description::Description;
 use proto::field::{self, FieldSpec};

@@ -1,29 +1,13 @@
 //! A participant in Python takes the place of ours: the same answer within its method's error, the
 //! same manners when something goes wrong.
 
+use crate::harness::python::interpreter;
 use crate::harness::{Place, case, completed as run, number, programs, root, sets};
 use proto::description::KeyKind;
 use rustix::process::Signal;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
-use std::sync::OnceLock;
-
-/// An interpreter that has the package and what tests need besides, made by
-/// `proto/python/environment.py` once.
-pub(crate) fn interpreter() -> &'static Path {
-    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(|| {
-        let script = root().join("proto/python/environment.py");
-        let made = Command::new("python3")
-            .arg(script)
-            .arg("--test")
-            .output()
-            .expect("Python 3.11 is installed");
-        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-        PathBuf::from(String::from_utf8(made.stdout).unwrap().trim_end())
-    })
-}
 
 /// The interpreter with the examples on its path.
 fn python() -> Command {

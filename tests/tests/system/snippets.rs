@@ -1,72 +1,85 @@
-//! What docs/tutorial.md has people type does what stands under it.
+//! What the pages have people type does what stands under it.
 
-use crate::harness::{programs, root};
-use crate::python::interpreter;
-use std::fmt::Write;
-use std::process::Command;
+use crate::harness::root;
+use crate::harness::snippets::{self, blocks};
+use crate::keys::{fits, flatten, known_keys};
 
-/// A block of a page: its language, its lines, and whether the page says that it is not run.
-struct Block {
-    language: String,
-    text: String,
-    left_out: bool,
+/// Pages that are run here, each in a test of its own.
+const DAILY: [&str; 7] = [
+    "docs/install.md",
+    "docs/tutorial.md",
+    "docs/how-to/swap-a-solver.md",
+    "docs/how-to/choose-accuracy.md",
+    "docs/how-to/debug-a-coupling.md",
+    "docs/how-to/run-on-a-cluster.md",
+    "docs/recording.md",
+];
+
+table_of_tests! {
+    is_true:
+    install(DAILY[0]);
+    the_tutorial(DAILY[1]);
+    swap_a_solver(DAILY[2]);
+    choose_accuracy(DAILY[3]);
+    debug_a_coupling(DAILY[4]);
+    run_on_a_cluster(DAILY[5]);
+    recordings(DAILY[6]);
 }
 
-fn blocks(page: &str) -> Vec<Block> {
-    let mut found = Vec::new();
-    let mut lines = page.lines();
-    let mut before = "";
-    while let Some(line) = lines.next() {
-        if let Some(language) = line.strip_prefix("```") {
-            let mut text = String::new();
-            for line in lines.by_ref().take_while(|line| *line != "```") {
-                writeln!(text, "{line}").unwrap();
-            }
-            let left_out = before.starts_with("<!-- not run");
-            found.push(Block { language: language.to_owned(), text, left_out });
-        }
-        before = line;
-    }
-    found
+fn is_true(page: &str) {
+    let (commands, _) = snippets::run(page);
+    assert!(commands > 0, "{page} has no commands");
 }
 
-/// Commands in order, in a folder with the project's cases; of the lines that are shown under one each is, from its beginning, in one that it prints.
+/// The pages of the site, by their paths in the repository.
+fn pages() -> Vec<String> {
+    let summary = std::fs::read_to_string(root().join("docs/SUMMARY.md")).unwrap();
+    let links = summary.lines().filter_map(|line| line.split_once("](")?.1.strip_suffix(')'));
+    links
+        .map(|link| match link.strip_prefix("../") {
+            Some(outside) => outside.to_owned(),
+            None => format!("docs/{link}"),
+        })
+        .collect()
+}
+
+/// Every block that people type is run, here or in the nightly test of the same name, or says why it is not.
 #[test]
-fn the_tutorial_is_true() {
-    let folder = tempfile::tempdir().unwrap();
-    for name in ["cases", "proto"] {
-        std::os::unix::fs::symlink(root().join(name), folder.path().join(name)).unwrap();
+fn every_block_is_run_or_says_why_not() {
+    let nightly = include_str!("../nightly/snippets.rs");
+    let mut seen = 0;
+    for page in pages() {
+        let run = DAILY.contains(&page.as_str()) || nightly.contains(&format!("\"{page}\""));
+        for block in blocks(&page).iter().filter(|block| block.is_typed()) {
+            assert!(
+                run || block.left_out.is_some(),
+                "{page} has a block that nothing runs:\n{}",
+                block.text
+            );
+            seen += 1;
+        }
     }
-    let path = format!("{}:{}", programs().display(), std::env::var("PATH").unwrap());
-    let page = std::fs::read_to_string(root().join("docs/tutorial.md")).unwrap();
-    let mut said = String::new();
-    let (mut commands, mut shown) = (0, 0);
-    for Block { language, text, left_out } in blocks(&page) {
-        let mut command = match language.as_str() {
-            "sh" if !left_out => {
-                let mut shell = Command::new("bash");
-                shell.args(["-euc", &text]);
-                shell
+    assert!(seen > 60, "{seen} blocks");
+}
+
+/// Parts of cases on the pages are TOML, and have keys that there are.
+#[test]
+fn parts_of_cases_have_keys_that_there_are() {
+    let known = known_keys();
+    let mut seen = 0;
+    for page in pages().iter().filter(|page| *page != "docs/mistakes.md") {
+        let left_out =
+            |block: &&snippets::Block| block.left_out.is_none() && block.language == "toml";
+        for block in blocks(page).iter().filter(left_out) {
+            let table: toml::Table =
+                block.text.parse().unwrap_or_else(|error| panic!("{page}: {error}"));
+            let mut keys = Vec::new();
+            flatten("", &table.into(), &mut keys);
+            for key in keys {
+                assert!(known.iter().any(|one| fits(one, &key)), "{page}: `{key}` is no key");
+                seen += 1;
             }
-            "python" => {
-                let mut python = Command::new(interpreter());
-                python.args(["-c", &text]).env("COSIM_COORDINATOR", programs().join("coordinator"));
-                python
-            }
-            "text" => {
-                for line in text.lines() {
-                    let there = said.lines().any(|printed| printed.starts_with(line));
-                    assert!(there, "docs/tutorial.md shows `{line}`, which is not in:\n{said}");
-                    shown += 1;
-                }
-                continue;
-            }
-            _ => continue,
-        };
-        let ended = command.current_dir(folder.path()).env("PATH", &path).output().unwrap();
-        said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
-        assert!(ended.status.success(), "{text}: {said}");
-        commands += 1;
+        }
     }
-    assert!(commands >= 10 && shown >= 10, "{commands} commands, {shown} lines");
+    assert!(seen > 60, "{seen} keys");
 }

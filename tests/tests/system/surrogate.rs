@@ -1,8 +1,8 @@
 //! `sweep --fit`, `fit` and `ask`: figures between the points of a sweep, within their stated errors, the same from
 //! Rust, the command line and Python, and none outside of the box.
 
+use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, root};
-use crate::python::interpreter;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;

@@ -1,8 +1,8 @@
 //! Fields on volumes: written out, recorded and replayed, and consumed by nobody.
 
 use crate::c_interface::Compiled;
+use crate::harness::python::interpreter;
 use crate::harness::{Place, case, completed, field_files, number, programs, root, sets};
-use crate::python::interpreter;
 use run::plan::{sample_bytes, topic_bytes};
 use serde_json::{Value, json};
 use tests::volume::{KINDS, hexahedra};

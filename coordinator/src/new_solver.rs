@@ -1,0 +1,185 @@
+//! `coordinator new-solver`: a solver that conforms, in a folder of its own, to begin from.
+//!
+//! What is written are the examples that tests put through the contract, under another name.
+
+use clap::{Args, ValueEnum};
+use run::error::{RunError, file_failure};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+const PYTHON: &str = include_str!("../../proto/python/examples/short_columns.py");
+const C: &str = include_str!("../../proto/c/examples/short_columns.c");
+const RUST: &str = include_str!("../../proto/examples/short_columns.rs");
+
+/// What the solver is called, and what it is written in.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Name of the solver, and of its folder.
+    #[arg(value_parser = name)]
+    name: String,
+    /// The language.
+    #[arg(long, value_enum)]
+    lang: Language,
+    /// The sources of this project, of which solvers in C and Rust need the library; absent: those that this program was built from.
+    #[arg(long, value_name = "FOLDER")]
+    sources: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Language {
+    Python,
+    C,
+    Rust,
+}
+
+/// Letters, digits and `_`, a letter first: it is a name in every language.
+fn name(text: &str) -> Result<String, String> {
+    let plain = text.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+    match plain && text.starts_with(|c: char| c.is_ascii_lowercase()) && text.len() <= 31 {
+        true => Ok(text.to_owned()),
+        false => {
+            Err("a name has up to 31 small letters, digits and _, and begins with a letter"
+                .to_owned())
+        }
+    }
+}
+
+/// A solver to be written.
+struct Template {
+    /// Files by their paths in the folder.
+    files: Vec<(String, String)>,
+    /// How it is built, in its folder.
+    build: Option<&'static str>,
+    /// Words that start it from the folder above.
+    command: Vec<String>,
+}
+
+/// Writes the folder; what to print.
+///
+/// # Errors
+/// There is something of that name; the sources are not where they are said to be; the file system.
+pub(crate) fn act(asked: &Arguments) -> Result<String, RunError> {
+    let name = &asked.name;
+    let Template { mut files, build, command } = match asked.lang {
+        Language::Python => python(name),
+        Language::C => c(name, asked)?,
+        Language::Rust => rust(name, &sources(asked)?),
+    };
+    files.push(("README.md".to_owned(), readme(name, build, &command)));
+    let folder = Path::new(name);
+    fs::create_dir(folder).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => RunError::Usage(format!(
+            "{name} is there already; choose another name, or move it away"
+        )),
+        _ => file_failure(folder, &error),
+    })?;
+    for (file, text) in &files {
+        let path = folder.join(file);
+        let inside = path.parent().expect("it is in the folder");
+        let written = fs::create_dir_all(inside).and_then(|()| fs::write(&path, text));
+        written.map_err(|error| file_failure(&path, &error))?;
+    }
+    let mut steps = format!(
+        "{name}: {}\n",
+        files.iter().map(|(file, _)| file.as_str()).collect::<Vec<_>>().join(", ")
+    );
+    for step in self::steps(name, build, &command) {
+        steps += &format!("  {step}\n");
+    }
+    Ok(steps)
+}
+
+/// What to type next.
+fn steps(name: &str, build: Option<&str>, command: &[String]) -> Vec<String> {
+    let build = build.map(|build| format!("(cd {name} && {build})"));
+    let (words, list) = (command.join(" "), serde_json::json!(command));
+    let conform = format!("coordinator conform --quick --role thermal -- {words}");
+    let run =
+        format!("coordinator run CASE --set thermal.model=short --set 'thermal.command={list}'");
+    build.into_iter().chain([conform, run]).collect()
+}
+
+fn readme(name: &str, build: Option<&str>, command: &[String]) -> String {
+    format!(
+        "# {name}\n\nA thermal solver: heat conduction normal to the surface, in strips. It answers steady cases by the model `short`; put your own physics in its place.\n\n\
+         ```sh\n{}\n```\n\n`conform` without `--quick` goes through the whole contract, which docs/write-a-solver.md of the project explains.\n",
+        steps(name, build, command).join("\n")
+    )
+}
+
+/// `short_columns` and its other spellings, under another name.
+fn renamed(text: &str, name: &str) -> String {
+    let camel: String = name.split('_').map(capital).collect();
+    let dashed = name.replace('_', "-");
+    text.replace("short_columns", name)
+        .replace("ShortColumns", &camel)
+        .replace("short-columns", &dashed)
+}
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters
+        .next()
+        .map_or(String::new(), |first| first.to_ascii_uppercase().to_string() + letters.as_str())
+}
+
+fn python(name: &str) -> Template {
+    let file = format!("{name}.py");
+    let command = vec!["python3".to_owned(), format!("{name}/{file}")];
+    Template { files: vec![(file, renamed(PYTHON, name))], build: None, command }
+}
+
+fn c(name: &str, asked: &Arguments) -> Result<Template, RunError> {
+    let (include, library) = library(asked)?;
+    let (include, library) = (include.display(), library.display());
+    let make = format!(
+        "# Header and library of the project; in its sources `cargo build --release -p cosim-c` makes the latter.\nINCLUDE = {include}\nLIBRARY = {library}\n\n\
+         {name}: {name}.c\n\tcc -std=c11 -O2 -Wall -Wextra -I$(INCLUDE) $< -L$(LIBRARY) -Wl,-rpath,$(LIBRARY) -lcosim -lm -o $@\n",
+    );
+    let files = vec![(format!("{name}.c"), renamed(C, name)), ("Makefile".to_owned(), make)];
+    Ok(Template { files, build: Some("make"), command: vec![format!("./{name}/{name}")] })
+}
+
+/// Where the header and the library for C stand: as an archive has them, or in the sources and beside the executables.
+fn library(asked: &Arguments) -> Result<(PathBuf, PathBuf), RunError> {
+    let program = env::current_exe().and_then(|program| program.canonicalize());
+    let program = program.map_err(|error| file_failure(Path::new("coordinator"), &error))?;
+    let beside = program.parent().expect("a program is in a folder");
+    let archive = beside.parent().filter(|folder| folder.join("include/cosim.h").is_file());
+    match archive.filter(|_| asked.sources.is_none()) {
+        Some(folder) => Ok((folder.join("include"), folder.join("lib"))),
+        None => Ok((sources(asked)?.join("proto/c/include"), beside.to_owned())),
+    }
+}
+
+fn rust(name: &str, sources: &Path) -> Template {
+    let dashed = name.replace('_', "-");
+    let manifest = format!(
+        "[package]\nname = \"{dashed}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[dependencies]\nproto = {{ path = {:?} }}\nserde_json = \"1.0\"\n\n\
+         # It stands alone, wherever its folder is.\n[workspace]\n",
+        sources.join("proto").display().to_string()
+    );
+    Template {
+        files: vec![
+            ("Cargo.toml".to_owned(), manifest),
+            ("src/main.rs".to_owned(), renamed(RUST, name)),
+        ],
+        build: Some("cargo build --release"),
+        command: vec![format!("./{name}/target/release/{dashed}")],
+    }
+}
+
+/// The folder with the sources.
+fn sources(asked: &Arguments) -> Result<PathBuf, RunError> {
+    let built_from = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folder = asked.sources.as_deref().unwrap_or(&built_from);
+    let found = folder
+        .canonicalize()
+        .ok()
+        .filter(|folder| folder.join("proto/c/include/cosim.h").is_file());
+    found.ok_or_else(|| {
+        let shown = folder.display();
+        RunError::Usage(format!("{shown} has no sources of this project (proto/c/include/cosim.h); name their folder by --sources"))
+    })
+}

@@ -1,0 +1,198 @@
+/*
+ * A complete thermal solver in C: heat conduction normal to the surface, in strips.
+ *
+ *     T(x) = 1/(beta sqrt(pi V)) int q/2 dx'/sqrt(x' - x)  upstream,
+ *
+ * with q constant over elements, one half of the heat into each body; beta is a body's effusivity, V the rolling speed
+ * (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
+ */
+#include <cosim.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+static const char *const SURFACE[] = {"lower_temperature", "upper_temperature"};
+
+static const char *const DESCRIPTION = COSIM_JSON({
+    "name": "short-columns", "version": "1.0", "role": "thermal",
+    "models": [{
+        "name": "short", "steady": true, "transient": false,
+        "summary": "Abel's integral", "source": "Carslaw & Jaeger, Conduction of Heat in Solids, 2.9",
+        "consumes": ["friction_power"], "provides": ["lower_temperature", "upper_temperature"]
+    }],
+    "effects": [{
+        "name": "friction_heat", "models": ["short"], "law": "q/2 into each body", "source": "symmetry",
+        "consumes": ["friction_power"], "provides": ["lower_temperature", "upper_temperature"],
+        "keys": [{"path": "effects.friction_heat.partition", "type": "choice", "of": ["equal"],
+                  "default": "equal", "help": "one half each"}]
+    }],
+    "keys": [
+        {"path": "bodies.*.position", "type": "choice", "of": ["upper", "lower"], "required": true,
+         "help": "which of the two bodies it is"},
+        {"path": "bodies.*.material", "type": "name-in", "table": "materials", "required": true,
+         "help": "material of the body"},
+        {"path": "motion.speed", "type": "quantity", "unit": "m/s", "required": true, "above": 0,
+         "help": "rolling speed"},
+        {"path": "materials.*.density", "type": "quantity", "unit": "kg/m3", "required": true,
+         "above": 0, "help": "density"},
+        {"path": "materials.*.specific_heat", "type": "quantity", "unit": "J/(kg K)",
+         "required": true, "above": 0, "help": "specific heat"},
+        {"path": "materials.*.conductivity", "type": "quantity", "unit": "W/(m K)",
+         "required": true, "above": 0, "help": "conductivity"}
+    ]
+});
+
+struct columns {
+    cosim_grid grid; /* of the flux and of both temperatures */
+    double scale[2]; /* 1/(beta sqrt(pi V)) of each body, in the order of SURFACE [K m^1.5/W] */
+    double *shape;   /* int dx'/(2 sqrt(x' - x)) over the element itself, the next one upstream, ... [sqrt(m)] */
+    double *trial, *accepted; /* the sums over the elements upstream [W/m^1.5] */
+};
+
+static const char *describe(void *user)
+{
+    (void)user;
+    return DESCRIPTION;
+}
+
+static int read_scale(const cosim_configuration *told, int body, double *scale)
+{
+    static const char *const PROPERTY[] = {"density", "specific_heat", "conductivity"};
+    char key[256];
+    double product;
+    const char *name = cosim_body_name(told, body);
+    if (!name || cosim_case_number(told, "motion.speed", &product))
+        return COSIM_REFUSED;
+    snprintf(key, sizeof key, "bodies.%s.material", name);
+    const char *material = cosim_case_text(told, key);
+    if (!material)
+        return COSIM_REFUSED;
+    for (int p = 0; p < 3; p++) {
+        double value;
+        snprintf(key, sizeof key, "materials.%s.%s", material, PROPERTY[p]);
+        if (cosim_case_number(told, key, &value))
+            return COSIM_REFUSED;
+        product *= value;
+    }
+    *scale = 1.0 / sqrt(PI * product);
+    return COSIM_OK;
+}
+
+static int configure(void *user, const cosim_configuration *told, cosim_layout *layout)
+{
+    struct columns *c = user;
+    if (read_scale(told, COSIM_LOWER, &c->scale[0]) || read_scale(told, COSIM_UPPER, &c->scale[1]))
+        return COSIM_REFUSED;
+    if (!cosim_input_grid(told, "friction_power", &c->grid))
+        return COSIM_OK; /* while planning */
+    if (c->grid.kind != COSIM_STRUCTURED)
+        return cosim_refuse("mech.model", "its grid has no rows along x", "name a model whose grid is structured");
+    cosim_layout_grid(layout, &c->grid);
+    for (int body = 0; body < 2; body++)
+        cosim_layout_output(layout, SURFACE[body], c->grid.name);
+    size_t n = c->grid.points;
+    return cosim_layout_cost(layout, 1e-9 * (double)(n * c->grid.ni), 8 * (2 * n + c->grid.ni));
+}
+
+static int build(void *user)
+{
+    struct columns *c = user;
+    size_t n = c->grid.points, ni = c->grid.ni;
+    c->shape = calloc(ni, sizeof *c->shape);
+    c->trial = calloc(n, sizeof *c->trial);
+    c->accepted = calloc(n, sizeof *c->accepted);
+    if (!c->shape || !c->trial || !c->accepted)
+        return cosim_fail("out of memory");
+    double h = c->grid.step_i[0];
+    for (size_t k = 0; k < ni; k++)
+        c->shape[k] = sqrt(((double)k + 0.5) * h) - sqrt(fmax((double)k - 0.5, 0.0) * h);
+    return COSIM_OK;
+}
+
+static int write_out(const struct columns *c, const double *sums, cosim_outputs *outputs)
+{
+    for (int body = 0; body < 2; body++) {
+        double *values = cosim_output(outputs, SURFACE[body], NULL);
+        for (size_t n = 0; values && n < c->grid.points; n++)
+            values[n] = c->scale[body] * sums[n];
+    }
+    return COSIM_OK;
+}
+
+static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
+                 cosim_outputs *outputs, cosim_report *report)
+{
+    (void)step;
+    struct columns *c = user;
+    size_t ni = c->grid.ni;
+    const double *power = cosim_require_input(inputs, "friction_power", c->grid.points);
+    if (!power)
+        return COSIM_FAILED;
+    double heat = 0.0;
+    for (size_t first = 0; first < c->grid.points; first += ni) {
+        for (size_t i = 0; i < ni; i++) {
+            double sum = 0.0;
+            for (size_t k = 0; i + k < ni; k++)
+                sum += power[first + i + k] * c->shape[k];
+            c->trial[first + i] = sum;
+            heat += power[first + i];
+        }
+    }
+    report->substeps = 1;
+    report->heat_received = heat * c->grid.step_i[0] * c->grid.step_j[1];
+    return write_out(c, c->trial, outputs);
+}
+
+static int accept(void *user)
+{
+    struct columns *c = user;
+    memcpy(c->accepted, c->trial, c->grid.points * sizeof *c->trial);
+    return COSIM_OK;
+}
+
+static int observe(void *user, cosim_outputs *outputs)
+{
+    struct columns *c = user;
+    return write_out(c, c->accepted, outputs);
+}
+
+static int save(void *user, cosim_blob *blob)
+{
+    struct columns *c = user;
+    return cosim_blob_write(blob, c->accepted, c->grid.points * sizeof *c->accepted);
+}
+
+static int restore(void *user, cosim_blob *blob)
+{
+    struct columns *c = user;
+    return cosim_blob_read(blob, c->accepted, c->grid.points * sizeof *c->accepted);
+}
+
+static const char *summary(void *user)
+{
+    (void)user;
+    return "{}";
+}
+
+static void destroy(void *user)
+{
+    struct columns *c = user;
+    free(c->shape);
+    free(c->trial);
+    free(c->accepted);
+}
+
+int main(int argc, char **argv)
+{
+    struct columns c = {0};
+    cosim_solver solver = {
+        .size = sizeof solver, .version = COSIM_VERSION,
+        .describe = describe, .configure = configure, .build = build, .solve = solve,
+        .accept = accept, .observe = observe, .save = save, .restore = restore,
+        .summary = summary, .destroy = destroy,
+    };
+    return cosim_main(argc, argv, &solver, &c);
+}

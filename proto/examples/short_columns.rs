@@ -1,0 +1,223 @@
+//! A complete thermal solver in Rust: heat conduction normal to the surface, in strips.
+//!
+//! T(x) = 1/(β√(πV)) ∫ q/2 dx'/√(x' − x) upstream, q constant over elements, one half of the heat into each body; β is a body's
+//! effusivity, V the rolling speed (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
+
+use proto::accuracy::Accuracy;
+use proto::bodies::{self, Bodies, LOWER, UPPER};
+use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::description::{Description, EffectSpec, KeySpec, ModelSpec};
+use proto::field::{FRICTION_POWER, LOWER_TEMPERATURE, UPPER_TEMPERATURE};
+use proto::grid::{Grid, Shape, Structured};
+use proto::model::{
+    Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
+    first_non_finite,
+};
+use proto::progress::Progress;
+use std::f64::consts::PI;
+use std::io::{self, Read, Write};
+use std::process::ExitCode;
+
+const STEEL: [(&str, &str); 3] =
+    [("density", "kg/m3"), ("specific_heat", "J/(kg K)"), ("conductivity", "W/(m K)")];
+
+fn main() -> ExitCode {
+    proto::participant::main(&ShortColumns)
+}
+
+struct ShortColumns;
+
+impl Solver for ShortColumns {
+    fn description(&self) -> Description {
+        let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+        let half = "one half each";
+        let mut keys = vec![
+            bodies::position_key(),
+            KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
+            KeySpec::quantity("motion.speed", "m/s", "rolling speed").required().above(0.0),
+        ];
+        keys.extend(STEEL.map(|(name, unit)| {
+            KeySpec::quantity(&format!("materials.*.{name}"), unit, name).required().above(0.0)
+        }));
+        Description {
+            protocol: proto::PROTOCOL_VERSION,
+            name: "short-columns".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            role: "thermal".to_owned(),
+            standalone: false,
+            estimates: true,
+            advises: false,
+            models: vec![ModelSpec {
+                name: "short".to_owned(),
+                summary: "Abel's integral".to_owned(),
+                source: "Carslaw & Jaeger, Conduction of Heat in Solids, 2.9".to_owned(),
+                steady: true,
+                transient: false,
+                rewinds: true,
+                consumes: names(&["friction_power"]),
+                provides: names(&["lower_temperature", "upper_temperature"]),
+                keys: Vec::new(),
+                accuracy: Accuracy::default(),
+            }],
+            effects: vec![EffectSpec {
+                name: "friction_heat".to_owned(),
+                law: "q/2 into each body".to_owned(),
+                source: "symmetry".to_owned(),
+                models: names(&["short"]),
+                consumes: names(&["friction_power"]),
+                provides: names(&["lower_temperature", "upper_temperature"]),
+                keys: vec![
+                    KeySpec::choice("effects.friction_heat.partition", &["equal"], half)
+                        .default_value("equal"),
+                ],
+                figures: Vec::new(),
+            }],
+            keys,
+            fields: Vec::new(),
+            figures: Vec::new(),
+            diagrams: Vec::new(),
+            renamed: Vec::new(),
+        }
+    }
+
+    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+        let case = &configuration.case;
+        let bodies = Bodies::read(case)?;
+        let scale = |body| {
+            let material = case.text(&bodies.key(body, "material"))?;
+            let product = STEEL.iter().try_fold(
+                PI * case.number("motion.speed")?,
+                |product, (name, _)| {
+                    Ok::<_, Refusal>(
+                        product * case.number(&format!("materials.{material}.{name}"))?,
+                    )
+                },
+            )?;
+            Ok::<_, Refusal>(1.0 / product.sqrt())
+        };
+        let scale = [scale(UPPER)?, scale(LOWER)?];
+        // Not known while planning.
+        let Some(grid) = configuration.input_grid(FRICTION_POWER.name) else {
+            return Ok(Box::new(Strips { scale, plane: None, layout: Layout::default() }));
+        };
+        let Shape::Structured(plane) = &grid.shape else {
+            let fix = "name a model whose grid is structured";
+            return Err(Refusal::new("mech.model", "its grid has no rows along x", fix));
+        };
+        let on_it = |field: &str| FieldOnGrid { field: field.to_owned(), grid: grid.name.clone() };
+        let layout = Layout {
+            grids: vec![grid.clone()],
+            fields: configuration
+                .outputs
+                .iter()
+                .chain(&configuration.observed)
+                .map(|f| on_it(f))
+                .collect(),
+            solve_seconds: 1e-9 * (plane.ni * plane.points()) as f64,
+            memory_bytes: 8 * (plane.ni + plane.points()) as u64,
+            ..Layout::default()
+        };
+        Ok(Box::new(Strips { scale, plane: Some(plane.clone()), layout }))
+    }
+}
+
+/// A checked configuration.
+struct Strips {
+    /// 1/(β√(πV)) of the upper and the lower body [K m^1.5/W].
+    scale: [f64; 2],
+    plane: Option<Structured>,
+    layout: Layout,
+}
+
+impl Setup for Strips {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let plane = self.plane.expect("the grid is known when a model is built");
+        let root = |elements: f64| (elements * plane.dx()).max(0.0).sqrt();
+        let rise = |upstream: usize| {
+            let upstream = upstream as f64;
+            root(upstream + 0.5) - root(upstream - 0.5)
+        };
+        Ok(Box::new(Running {
+            shape: (0..plane.ni).map(rise).collect(),
+            scale: self.scale,
+            columns: plane.ni,
+            grid: Grid::structured("contact", plane.clone()),
+            trial: vec![0.0; plane.points()],
+            accepted: vec![0.0; plane.points()],
+        }))
+    }
+}
+
+/// A model that runs: what it has solved, and what of that was accepted.
+struct Running {
+    /// ∫ dx'/(2√(x' − x)) over the element itself, the next one upstream, and so on [√m].
+    shape: Vec<f64>,
+    scale: [f64; 2],
+    columns: usize,
+    grid: Grid,
+    /// The sum over the elements upstream, of which each body has its multiple [W/m^1.5].
+    trial: Vec<f64>,
+    accepted: Vec<f64>,
+}
+
+fn write_out(sums: &[f64], scale: [f64; 2], outputs: &mut dyn Outputs) {
+    for (field, scale) in [&UPPER_TEMPERATURE, &LOWER_TEMPERATURE].into_iter().zip(scale) {
+        if let Some(values) = outputs.get(field) {
+            values.iter_mut().zip(sums).for_each(|(rise, sum)| *rise = scale * sum);
+        }
+    }
+}
+
+impl Model for Running {
+    fn solve(
+        &mut self,
+        _step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        let field = || FRICTION_POWER.name.to_owned();
+        let input = inputs.get(&FRICTION_POWER);
+        let flux = input.ok_or_else(|| StepError::MissingInput { field: field() })?.values;
+        if let Some(index) = first_non_finite(flux) {
+            let value = flux[index];
+            return Err(StepError::NonFiniteInput { field: field(), index, value });
+        }
+        let rows = flux.chunks_exact(self.columns).zip(self.trial.chunks_exact_mut(self.columns));
+        for (flux, sums) in rows {
+            for (i, sum) in sums.iter_mut().enumerate() {
+                *sum = flux[i..].iter().zip(&self.shape).map(|(q, shape)| q * shape).sum();
+            }
+        }
+        write_out(&self.trial, self.scale, outputs);
+        let heat_received = Some(self.grid.integrate(flux));
+        Ok(StepReport { substeps: 1, heat_received, ..StepReport::default() })
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        write_out(&self.accepted, self.scale, outputs);
+    }
+
+    fn accept(&mut self) {
+        self.accepted.copy_from_slice(&self.trial);
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        write_out(&self.accepted, self.scale, outputs);
+    }
+
+    fn summary(&self) -> serde_json::Value {
+        serde_json::json!({})
+    }
+
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        proto::state::write_numbers(into, &self.accepted)
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        Ok(proto::state::read_numbers(from, &mut self.accepted)?)
+    }
+}

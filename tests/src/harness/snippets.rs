@@ -1,0 +1,96 @@
+//! What pages have people type: commands that are run, in order, and of the lines shown under one that each is printed.
+//!
+//! A block is left out that says so in the line before, with the reason: `<!-- not run: it needs a cluster -->`, or that the gate takes its
+//! command from: `<!-- test -->`.
+
+use super::python::interpreter;
+use super::{programs, root};
+use std::fmt::Write;
+use std::os::unix::fs::symlink;
+use std::process::Command;
+
+/// A block of a page between fences.
+#[derive(Debug)]
+pub struct Block {
+    /// The word behind the fence.
+    pub language: String,
+    /// Its lines.
+    pub text: String,
+    /// Why it is not run, if the page says that it is not.
+    pub left_out: Option<String>,
+}
+
+impl Block {
+    /// It is something that people type.
+    pub fn is_typed(&self) -> bool {
+        matches!(self.language.as_str(), "sh" | "python")
+    }
+}
+
+/// The blocks of a page of the repository.
+pub fn blocks(page: &str) -> Vec<Block> {
+    let page = std::fs::read_to_string(root().join(page)).unwrap();
+    let mut found = Vec::new();
+    let mut lines = page.lines();
+    let mut before = "";
+    while let Some(line) = lines.next() {
+        if let Some(language) = line.strip_prefix("```") {
+            let mut text = String::new();
+            for line in lines.by_ref().take_while(|line| *line != "```") {
+                writeln!(text, "{line}").unwrap();
+            }
+            let gate = ["<!-- run -->", "<!-- test -->", "<!-- nightly -->"].contains(&before);
+            let reason =
+                before.strip_prefix("<!-- not run: ").or(gate.then_some("the gate runs it"));
+            let left_out = reason.map(|reason| reason.trim_end_matches(" -->").to_owned());
+            found.push(Block { language: language.to_owned(), text, left_out });
+        }
+        before = line;
+    }
+    found
+}
+
+/// Runs the blocks of a page in a folder that looks like the repository; of the lines that are shown under one each is, from its
+/// beginning, in one that it prints. Returns how many commands and lines those were.
+///
+/// # Panics
+/// A command fails, or does not print what is shown.
+pub fn run(page: &str) -> (usize, usize) {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["cases", "proto", "docs", "coordinator"] {
+        symlink(root().join(name), folder.path().join(name)).unwrap();
+    }
+    std::fs::create_dir(folder.path().join("target")).unwrap();
+    symlink(programs(), folder.path().join("target/release")).unwrap();
+    let python = interpreter().parent().unwrap().display();
+    let path = format!("{}:{python}:{}", programs().display(), std::env::var("PATH").unwrap());
+    let mut said = String::new();
+    let (mut commands, mut shown) = (0, 0);
+    for Block { language, text, left_out } in blocks(page) {
+        let mut command = match language.as_str() {
+            "sh" | "python" if left_out.is_some() => continue,
+            "sh" => Command::new("bash"),
+            "python" => Command::new(interpreter()),
+            "text" => {
+                for line in text.lines() {
+                    let there = said.lines().any(|printed| printed.starts_with(line));
+                    assert!(there, "{page} shows `{line}`, which is not in:\n{said}");
+                    shown += 1;
+                }
+                continue;
+            }
+            _ => continue,
+        };
+        match language.as_str() {
+            "sh" => command.args(["-euc", &text]),
+            _ => command.args(["-c", &text]),
+        };
+        command.current_dir(folder.path()).env("PATH", &path);
+        command.env("COSIM_COORDINATOR", programs().join("coordinator"));
+        let ended = command.output().unwrap();
+        said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
+        assert!(ended.status.success(), "{page}: {text}: {said}");
+        commands += 1;
+    }
+    (commands, shown)
+}

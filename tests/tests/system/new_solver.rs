@@ -1,0 +1,83 @@
+//! `coordinator new-solver`: what it writes builds, conforms, and answers alike in every language.
+
+use crate::harness::python::interpreter;
+use crate::harness::{Place, case, example, library, programs, root};
+use std::path::Path;
+use std::process::Command;
+
+/// Writes a solver in a folder, as its user does; what is printed.
+fn write(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut coordinator = Command::new(programs().join("coordinator"));
+    let ended = coordinator.arg("new-solver").args(arguments).current_dir(folder).output().unwrap();
+    let said = [ended.stdout, ended.stderr].concat();
+    (ended.status.code(), String::from_utf8(said).unwrap())
+}
+
+/// It passes the checks of the contract that take no time, and the rail's temperature in the main case.
+fn conforms(command: &[&str]) -> Vec<f64> {
+    let arguments = [&["conform", "--quick", "--role", "thermal", "--"], command].concat();
+    let ended = Place::new().start(&arguments).wait();
+    assert_eq!(ended.code, Some(0), "{}\n{}", ended.stderr, ended.stdout);
+    let place = Place::new();
+    let command = format!("thermal.command={command:?}");
+    let sets = ["--set", "thermal.model=short", "--set", &command, "--set", "output.fields=all"];
+    place.summary(&case("wheel-rail.toml"), &sets);
+    place.field("thermal_contact_000000.vti", "rail_temperature")
+}
+
+fn assert_alike(a: &[f64], b: &[f64]) {
+    let peak = a.iter().copied().fold(0.0, f64::max);
+    let off = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(a.len() == b.len() && peak > 200.0, "{peak} K");
+    assert!(off < 1e-12 * peak, "sums in another order: {off:e} K");
+}
+
+#[test]
+fn in_python_c_and_rust_they_conform_and_are_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, said) = write(folder.path(), &["my_strips", "--lang", "python"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(
+        said.contains(
+            "coordinator conform --quick --role thermal -- python3 my_strips/my_strips.py"
+        ),
+        "{said}"
+    );
+    let script = folder.path().join("my_strips/my_strips.py").display().to_string();
+    assert!(std::fs::read_to_string(&script).unwrap().contains("class MyStrips(Solver)"));
+    let python = conforms(&[&interpreter().display().to_string(), &script]);
+
+    let (code, said) = write(folder.path(), &["in_c", "--lang", "c"]);
+    assert_eq!(code, Some(0), "{said}");
+    let library = format!("LIBRARY={}", library().display());
+    let made =
+        Command::new("make").arg(library).current_dir(folder.path().join("in_c")).output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let c = conforms(&[&folder.path().join("in_c/in_c").display().to_string()]);
+
+    // What is written in Rust is this example; the nightly test compiles it in a folder of its own.
+    let (code, said) = write(folder.path(), &["in_rust", "--lang", "rust"]);
+    assert_eq!(code, Some(0), "{said}");
+    let shipped = std::fs::read_to_string(root().join("proto/examples/short_columns.rs")).unwrap();
+    let written = std::fs::read_to_string(folder.path().join("in_rust/src/main.rs")).unwrap();
+    assert_eq!(
+        written,
+        shipped.replace("ShortColumns", "InRust").replace("short-columns", "in-rust")
+    );
+    let rust = conforms(&[&example("short_columns").display().to_string()]);
+    assert_alike(&python, &c);
+    assert_alike(&python, &rust);
+}
+
+#[test]
+fn nothing_that_is_there_is_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("mine")).unwrap();
+    let (code, said) = write(folder.path(), &["mine", "--lang", "python"]);
+    assert!(code == Some(2) && said.contains("mine is there already"), "{said}");
+    let (code, said) = write(folder.path(), &["../mine", "--lang", "python"]);
+    assert!(code == Some(2) && said.contains("begins with a letter"), "{said}");
+    let (code, said) = write(folder.path(), &["other", "--lang", "rust", "--sources", "nowhere"]);
+    assert!(code == Some(2) && said.contains("name their folder by --sources"), "{said}");
+    assert!(!folder.path().join("other").exists());
+}
