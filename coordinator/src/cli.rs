@@ -9,6 +9,7 @@ use crate::colour::{self, Colours};
 use crate::compare;
 use crate::conform;
 use crate::cost;
+use crate::drive;
 use crate::export;
 use crate::fit;
 use crate::inspect;
@@ -77,6 +78,8 @@ pub struct Arguments {
 enum Command {
     /// Run a case and write its results.
     Run(RunArguments),
+    /// Drive a run from outside, window by window: JSON lines on standard input and output.
+    Drive(drive::Arguments),
     /// Check a case: every error at once, each with its place, reason and fix. Starts the programs
     /// that the case names, to ask them what they read.
     Check {
@@ -316,6 +319,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                 None => run_case(&begin(run, log)?, run, &screen),
             }
         }
+        Command::Drive(asked) => Ok(drive::main(asked, log, since)?),
         Command::Check { case, no_start: true, .. } => {
             let _asking = signals::end_at_once();
             let (shown, rest) = (case.shown(), case.alone()?.not_judged_text());

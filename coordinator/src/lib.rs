@@ -13,6 +13,7 @@ mod colour;
 mod compare;
 mod conform;
 mod cost;
+mod drive;
 mod export;
 mod fit;
 mod inspect;

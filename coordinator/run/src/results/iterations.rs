@@ -73,6 +73,22 @@ impl IterationTable {
         self.0.add(|out| write_row(out, row))
     }
 
+    /// Writes what is not in the file yet; its length \[byte\].
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn mark(&mut self) -> Result<u64, RunError> {
+        self.0.mark()
+    }
+
+    /// Forgets what has come after a length that [`Self::mark`] gave.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn back_to(&mut self, bytes: u64) -> Result<(), RunError> {
+        self.0.back_to(bytes)
+    }
+
     /// Writes what is not in the file yet.
     pub fn flush(&mut self) -> Result<(), RunError> {
         self.0.flush()

@@ -69,6 +69,21 @@ impl Rows {
         Ok(self.bytes)
     }
 
+    /// Writes what is not in the file yet; the length of the file \[byte\].
+    pub(super) fn mark(&mut self) -> Result<u64, RunError> {
+        self.flush()?;
+        Ok(self.bytes)
+    }
+
+    /// Forgets what comes after the first `bytes` bytes.
+    pub(super) fn back_to(&mut self, bytes: u64) -> Result<(), RunError> {
+        self.unwritten.clear();
+        self.bytes = bytes;
+        let Self { file, path, .. } = self;
+        let cut = file.set_len(bytes).and_then(|()| file.seek(SeekFrom::Start(bytes)));
+        cut.map(drop).map_err(|error| file_failure(path, &error))
+    }
+
     /// Adds a row; it is on disk a second later, if the run goes on.
     pub(super) fn add(&mut self, write: impl FnOnce(&mut Vec<u8>)) -> Result<(), RunError> {
         write(&mut self.unwritten);
