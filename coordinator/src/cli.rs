@@ -12,6 +12,7 @@ use crate::cost;
 use crate::drive;
 use crate::export;
 use crate::fit;
+use crate::fmu;
 use crate::inspect;
 use crate::keys;
 use crate::listing::Listing;
@@ -135,6 +136,8 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Fit the figures of a sweep, with errors, for `ask` and for simulations that link to them.
     Fit(fit::Arguments),
+    /// Write a case as an FMU for co-simulation (FMI 3.0): its live values are inputs, its figures outputs.
+    Fmu(fmu::Arguments),
     /// Print the figures of a surrogate at a point, with their errors, or at the rows of a table.
     Ask(ask::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
@@ -359,6 +362,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::States(asked) => Ok(states::main(asked, arguments.quiet)?),
         Command::Sweep(asked) => Ok(sweep::main(asked, arguments.quiet)?),
         Command::Fit(asked) => Ok(fit::main(asked, arguments.quiet)?),
+        Command::Fmu(asked) => Ok(fmu::main(asked, arguments.quiet)?),
         Command::Ask(asked) => Ok(ask::main(asked)?),
         Command::Ablate(asked) => Ok(ablate::main(asked, arguments.quiet)?),
         Command::Cost(asked) => Ok(cost::main(asked, arguments.quiet)?),

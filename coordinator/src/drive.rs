@@ -10,4 +10,4 @@ mod act;
 mod ear;
 mod line;
 
-pub(crate) use act::{Arguments, main};
+pub(crate) use act::{Arguments, main, planned};

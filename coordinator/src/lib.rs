@@ -16,6 +16,7 @@ mod cost;
 mod drive;
 mod export;
 mod fit;
+mod fmu;
 mod inspect;
 mod keys;
 mod listing;

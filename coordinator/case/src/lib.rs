@@ -63,6 +63,7 @@ pub use live_key::LiveKey;
 pub use quantity::{QuantityError, parse_quantity};
 pub use raw::{RawCase, RawParticipant};
 pub use settled::{Case, Control, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
+pub use unit::si_exponents;
 
 use checker::{Checker, fill_defaults};
 use contract::bodies::Bodies;

@@ -1,5 +1,6 @@
 //! `coordinator run`: from a plan to a result directory.
 
+mod branch;
 mod driven;
 mod march;
 mod origin;

@@ -187,7 +187,12 @@ fn one(
     let Some(participant) = found else {
         return Err(RunError::Usage("no active effect of the case needs it".to_owned()));
     };
-    let configuration = participant.configuration.clone();
+    let mut configuration = participant.configuration.clone();
+    // A live value is held at its first one.
+    if let Some(live) = configuration.histories.as_ref().and_then(|known| known.live.clone()) {
+        configuration.inputs.retain(|input| !live.limits.contains_key(&input.field.name));
+        configuration.histories = None;
+    }
     let mut figures = participant.figures.clone();
     if !figures.is_empty() {
         figures.push(UNKNOWN_FIGURE.to_owned());

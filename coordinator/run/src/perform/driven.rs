@@ -1,6 +1,7 @@
 //! A run that is driven from outside: its windows, one by one, with the values that hold in each, and its
 //! states, which are kept and returned to.
 
+use super::branch::Branch;
 use super::march::{Attempt, March, Missed};
 use crate::error::{RunError, file_failure};
 use crate::plan::{Participant, Plan};
@@ -75,8 +76,8 @@ struct Kept {
     iterate: Vec<f64>,
     time: WindowState,
     counts: Counts,
-    table_bytes: u64,
-    history_bytes: u64,
+    /// The tables `iterations.csv` and `history.csv`.
+    tables: [Branch; 2],
     series: Vec<FileSeries>,
 }
 
@@ -254,8 +255,25 @@ impl<'m, 'a> Driven<'m, 'a> {
     pub fn settle(&mut self) -> Result<(), Fault> {
         let Some(state) = self.back_to.take() else { return Ok(()) };
         self.march.back_to(&self.kept[&state])?;
+        self.tables_back_to(state)?;
         self.torn = false;
         Ok(())
+    }
+}
+
+impl Driven<'_, '_> {
+    /// The tables hold what they held at a state; what is cut is kept for the other states.
+    fn tables_back_to(&mut self, state: u64) -> Result<(), RunError> {
+        let [iterations, history] = self.kept[&state].tables.clone();
+        let tables = &mut *self.march.tables;
+        let (at, then) = (iterations.start(), history.start());
+        let cut = [tables.iterations.cut(at)?, tables.history.cut(then)?];
+        for kept in self.kept.values_mut() {
+            kept.tables[0].cut(at, &cut[0]);
+            kept.tables[1].cut(then, &cut[1]);
+        }
+        tables.iterations.append(iterations.rest())?;
+        tables.history.append(history.rest())
     }
 }
 
@@ -275,8 +293,10 @@ impl March<'_> {
             iterate: self.coupling.sent().to_vec(),
             time: self.time.state().clone(),
             counts: *self.counts,
-            table_bytes: self.tables.iterations.mark()?,
-            history_bytes: self.tables.history.mark()?,
+            tables: [
+                Branch::at(self.tables.iterations.mark()?),
+                Branch::at(self.tables.history.mark()?),
+            ],
             series: self.fields.series().to_vec(),
         })
     }
@@ -289,7 +309,6 @@ impl March<'_> {
         let bytes_exchanged = self.session.bytes_exchanged();
         *self.counts = Counts { bytes_exchanged, ..kept.counts };
         self.fields.resume(kept.series.clone());
-        self.tables.iterations.back_to(kept.table_bytes)?;
-        self.tables.history.back_to(kept.history_bytes)
+        Ok(())
     }
 }

@@ -81,12 +81,20 @@ impl IterationTable {
         self.0.mark()
     }
 
-    /// Forgets what has come after a length that [`Self::mark`] gave.
+    /// Forgets what comes after a length, and gives it.
     ///
     /// # Errors
     /// The file system.
-    pub fn back_to(&mut self, bytes: u64) -> Result<(), RunError> {
-        self.0.back_to(bytes)
+    pub fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
+        self.0.cut(bytes)
+    }
+
+    /// Adds rows that were cut.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
+        self.0.append(rows)
     }
 
     /// Writes what is not in the file yet.
