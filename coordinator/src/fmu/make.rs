@@ -146,12 +146,16 @@ fn identifier(name: &str) -> String {
     format!("case_{}", name.chars().map(plain).collect::<String>())
 }
 
-/// The library, from beside this executable.
+/// The library, from beside this executable; where both are built, tests may have left a newer one in `deps`.
 fn library() -> Result<Vec<u8>, RunError> {
     let own =
         std::env::current_exe().map_err(|error| file_failure(Path::new("coordinator"), &error))?;
-    let path = own.with_file_name(LIBRARY);
-    std::fs::read(&path).map_err(|error| {
+    let beside = own.with_file_name(LIBRARY);
+    let built = own.with_file_name("deps").join(LIBRARY);
+    let changed = |path: &PathBuf| path.metadata().and_then(|file| file.modified()).ok();
+    let newest = [&beside, &built].into_iter().max_by_key(|path| changed(path));
+    let path = newest.filter(|path| path.is_file()).unwrap_or(&beside);
+    std::fs::read(path).map_err(|error| {
         RunError::Usage(format!(
             "{}: {error}; the library of FMUs stands beside the coordinator: `cargo build --release` \
              makes it",
