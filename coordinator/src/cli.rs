@@ -9,8 +9,10 @@ use crate::colour::{self, Colours};
 use crate::compare;
 use crate::conform;
 use crate::cost;
+use crate::drive;
 use crate::export;
 use crate::fit;
+use crate::fmu;
 use crate::inspect;
 use crate::keys;
 use crate::listing::Listing;
@@ -79,6 +81,8 @@ pub struct Arguments {
 enum Command {
     /// Run a case and write its results.
     Run(RunArguments),
+    /// Drive a run from outside, window by window: JSON lines on standard input and output.
+    Drive(drive::Arguments),
     /// Check a case: every error at once, each with its place, reason and fix. Starts the programs
     /// that the case names, to ask them what they read.
     Check {
@@ -132,6 +136,8 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Fit the figures of a sweep, with errors, for `ask` and for simulations that link to them.
     Fit(fit::Arguments),
+    /// Write a case as an FMU for co-simulation (FMI 3.0): its live values are inputs, its figures outputs.
+    Fmu(fmu::Arguments),
     /// Print the figures of a surrogate at a point, with their errors, or at the rows of a table.
     Ask(ask::Arguments),
     /// Write the fields of a recording as VTK series or CSV.
@@ -316,6 +322,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                 None => run_case(&begin(run, log)?, run, &screen),
             }
         }
+        Command::Drive(asked) => Ok(drive::main(asked, log, since)?),
         Command::Check { case, no_start: true, .. } => {
             let _asking = signals::end_at_once();
             let (shown, rest) = (case.shown(), case.alone()?.not_judged_text());
@@ -355,6 +362,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::States(asked) => Ok(states::main(asked, arguments.quiet)?),
         Command::Sweep(asked) => Ok(sweep::main(asked, arguments.quiet)?),
         Command::Fit(asked) => Ok(fit::main(asked, arguments.quiet)?),
+        Command::Fmu(asked) => Ok(fmu::main(asked, arguments.quiet)?),
         Command::Ask(asked) => Ok(ask::main(asked)?),
         Command::Ablate(asked) => Ok(ablate::main(asked, arguments.quiet)?),
         Command::Cost(asked) => Ok(cost::main(asked, arguments.quiet)?),

@@ -59,7 +59,8 @@ fn markdown(keys: &[Key]) -> String {
         "# Keys of a case\n\nEvery key that the coordinator and the installed programs read, as `coordinator keys --markdown` writes \
          them; `coordinator keys PATTERN` shows some. A quantity is a number in the unit given, or a text with another one (`\"134 kN\"`); \
          `*` stands for any name, `{ROLE}` for the name of a participant. A key that may vary takes a column of a table, \
-         `{{ file = \"run.csv\", column = \"N\" }}`.\n"
+         `{{ file = \"run.csv\", column = \"N\" }}`, or is given from outside as the run goes, \
+         `{{ at = \"134 kN\", from = \"60 kN\", to = \"140 kN\" }}` (docs/fmi.md).\n"
     );
     let mut last = "";
     for key in keys {

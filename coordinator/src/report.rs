@@ -14,7 +14,7 @@
 pub(crate) mod axis;
 pub(crate) mod bars;
 mod canvas;
-mod html;
+pub(crate) mod html;
 pub(crate) mod image;
 pub(crate) mod lanes;
 pub(crate) mod map;

@@ -20,7 +20,7 @@
 
 pub use contract::{
     PROTOCOL_VERSION, accuracy, advice, bodies, configuration, description, diagram, field, figure,
-    grid, history, message, params, text,
+    grid, history, live, message, params, text,
 };
 
 pub mod binary;

@@ -3,12 +3,14 @@
 use super::data_table::Columns;
 use super::diagnostics::Problem;
 use super::known::{Instance, Known, References, all_keys, expand};
+use super::live_key::LiveKey;
 use super::raw::RawCase;
 use super::selection::Selection;
 use super::tree::Node;
 use contract::description::{Description, KeyKind, KeySpec};
 use contract::params::Params;
 use serde_json::{Map, Value as Json};
+use std::collections::BTreeMap;
 
 /// A case under check: what it says, what is known, and what has been found.
 pub(super) struct Checker<'a> {
@@ -27,6 +29,8 @@ pub(super) struct Checker<'a> {
     pub(super) unread: Vec<(String, String)>,
     /// The columns of tables that keys refer to.
     pub(super) columns: Columns,
+    /// Values that are given from outside, by key.
+    pub(super) live: BTreeMap<String, LiveKey>,
     pub(super) problems: Vec<Problem>,
     /// No participant was asked: what the coordinator does not know itself is not judged.
     pub(super) unasked: bool,
@@ -51,6 +55,7 @@ impl<'a> Checker<'a> {
             replaced,
             unread: Vec::new(),
             columns: Columns::default(),
+            live: BTreeMap::new(),
             problems: Vec::new(),
             unasked: false,
             not_judged: Vec::new(),

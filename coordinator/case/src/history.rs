@@ -116,6 +116,9 @@ impl Checker<'_> {
                 self.fault(axis, "is a number, not a column of a table", FORM);
             }
         }
+        if !self.live.is_empty() {
+            return self.live_histories(!values.is_empty());
+        }
         let varying = values.keys().find(|key| ![TIME, DISTANCE].contains(&key.as_str()));
         let Some(key) = varying.cloned() else {
             if rows {
@@ -144,7 +147,7 @@ impl Checker<'_> {
                 return None;
             }
         };
-        let histories = Histories { rows, times, values };
+        let histories = Histories { rows, times, values, live: None };
         if let Err(why) = histories.check() {
             self.fault(TIME, why, "sort the rows by time");
             return None;

@@ -35,6 +35,8 @@ mod example;
 mod groups;
 mod history;
 mod known;
+mod live;
+mod live_key;
 mod mapping;
 mod missing;
 mod quantity;
@@ -57,9 +59,11 @@ mod walk;
 pub use alone::{Alone, judge_alone};
 pub use alternatives::Replaced;
 pub use diagnostics::{Place, Problem, Problems};
+pub use live_key::LiveKey;
 pub use quantity::{QuantityError, parse_quantity};
 pub use raw::{RawCase, RawParticipant};
 pub use settled::{Case, Control, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
+pub use unit::si_exponents;
 
 use checker::{Checker, fill_defaults};
 use contract::bodies::Bodies;
@@ -97,12 +101,17 @@ pub fn validate(
     checker.models();
     checker.own_rules();
     let histories = checker.histories();
-    let Checker { values, references, unread, problems, .. } = checker;
+    let Checker { values, references, unread, problems, live, .. } = checker;
+    let live = live.into_values().collect();
     match case.report(problems) {
         Some(problems) => Err(problems),
-        None => {
-            Ok(Case { replaced, unread, histories, ..settle(case, &selection, values, references) })
-        }
+        None => Ok(Case {
+            replaced,
+            unread,
+            histories,
+            live,
+            ..settle(case, &selection, values, references)
+        }),
     }
 }
 
@@ -142,6 +151,7 @@ fn settle(
         output: settings.output(),
         unread: Vec::new(),
         histories: None,
+        live: Vec::new(),
         values,
         raw: case,
         references,

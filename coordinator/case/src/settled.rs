@@ -4,6 +4,7 @@ use super::alternatives::Replaced;
 use super::checker::{fill_defaults, put};
 use super::diagnostics::{Problem, Problems};
 use super::known::{References, instances, read_by};
+use super::live_key::LiveKey;
 use super::raw::RawCase;
 use super::settings::Settings;
 use super::tree::{Origin, Table, Value};
@@ -37,6 +38,8 @@ pub struct Case {
     pub timing: Timing,
     /// The values that vary; those of the first row stand among `values`.
     pub histories: Option<Histories>,
+    /// Values that are given from outside as the run goes.
+    pub live: Vec<LiveKey>,
     /// How the participants are coupled.
     pub coupling: Coupling,
     /// How fields come from one grid to another.
@@ -231,11 +234,25 @@ impl Case {
 }
 
 impl Case {
+    /// The keys of live values that a participant reads with a model.
+    #[must_use]
+    pub fn live_of(&self, description: &Description, model: &str) -> Vec<&str> {
+        if self.live.is_empty() {
+            return Vec::new();
+        }
+        let values = self.values_for(description, model);
+        let keys = self.live.iter().map(|live| live.field.name.as_str());
+        keys.filter(|key| values.has(key)).collect()
+    }
+
     /// The histories of those of the values that a participant is given.
     #[must_use]
     pub fn histories_of(&self, values: &Params) -> Option<Histories> {
         let mut histories = self.histories.clone()?;
         histories.values.retain(|key, _| values.has(key));
+        if let Some(live) = &mut histories.live {
+            live.limits.retain(|key, _| values.has(key));
+        }
         Some(histories)
     }
 }

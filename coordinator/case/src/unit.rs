@@ -210,6 +210,14 @@ fn unknown(name: &str) -> UnitError {
     UnitError::Unknown(name.to_owned(), near.map(str::to_owned))
 }
 
+/// Exponents of m, kg, s, K, A, mol and cd of an SI unit; `None` if it has others, or another size.
+#[must_use]
+pub fn si_exponents(unit: &str) -> Option<[i32; 7]> {
+    let Unit { dimension, ten, num, den, celsius } = parse_unit(unit).ok()?;
+    let coherent = ten == 0 && num == den && !celsius && dimension[7] == 0;
+    coherent.then(|| std::array::from_fn(|k| dimension[k]))
+}
+
 /// Reads a unit: symbols with powers (`m^2`, `m2`, `m²`, `s^-1`), products (space, `*`, `·`),
 /// quotients (`/`, from left to right) and parentheses.
 pub(super) fn parse_unit(text: &str) -> Result<Unit, UnitError> {

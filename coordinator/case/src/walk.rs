@@ -3,6 +3,7 @@
 use super::check::{Fault, check};
 use super::checker::{Checker, put};
 use super::known::{COORDINATOR, Known, leads_to, matches};
+use super::live::is_live;
 use super::schema::{ON_FAILURE, SECTIONS};
 use super::suggest::{all_of, any_of, nearest};
 use super::tree::{Node, Table, Value};
@@ -38,6 +39,7 @@ impl Checker<'_> {
                 Some(table) if table.get("column").is_some() => {
                     self.column(&key, node, table, &readers);
                 }
+                Some(table) if is_live(table) => self.live(&key, node, table, &readers),
                 _ => self.leaf(&key, node, &readers),
             }
         }

@@ -28,6 +28,11 @@ pub enum Windows {
         /// End of the run [s].
         end: f64,
     },
+    /// Windows that are asked for one by one, without an end.
+    Open {
+        /// Length of a window of which nobody says it [s]; `None` for windows without duration.
+        window: Option<f64>,
+    },
     /// Windows as long as the error allows.
     Adaptive {
         /// Length of the first window [s].
@@ -58,7 +63,7 @@ impl Windows {
                     if (ratio - whole).abs() <= ROUNDING * ratio { whole } else { ratio.ceil() };
                 Some((count as u64).max(1))
             }
-            Self::Adaptive { .. } => None,
+            Self::Open { .. } | Self::Adaptive { .. } => None,
         }
     }
 
@@ -66,7 +71,7 @@ impl Windows {
     #[must_use]
     pub fn end(&self) -> f64 {
         match self {
-            Self::Steady | Self::Sequence(_) => 0.0,
+            Self::Steady | Self::Sequence(_) | Self::Open { .. } => 0.0,
             Self::Fixed { end, .. } | Self::Adaptive { end, .. } => *end,
         }
     }
@@ -85,6 +90,7 @@ impl Windows {
                 let stop = if last { *end } else { (index + 1) as f64 * window };
                 (index as f64 * window, stop)
             }
+            Self::Open { window } => (start, start + window.unwrap_or(0.0)),
             Self::Adaptive { end, .. } => (start, adaptive_end(start, length, *end)),
         }
     }

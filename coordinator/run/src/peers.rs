@@ -359,6 +359,12 @@ impl Peers {
         self.error(Stopped::Transport(one, error))
     }
 
+    /// What has ended a wait, as the end of a run.
+    #[must_use]
+    pub fn stopped(&self, stopped: Stopped) -> RunError {
+        self.error(stopped)
+    }
+
     fn error(&self, stopped: Stopped) -> RunError {
         let stopped = match stopped {
             Stopped::Transport(one, error) => {

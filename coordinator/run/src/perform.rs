@@ -1,9 +1,12 @@
 //! `coordinator run`: from a plan to a result directory.
 
+mod branch;
+mod driven;
 mod march;
 mod origin;
 mod tables;
 
+pub use driven::{Accepted, Driven, Driver, Fault};
 pub use origin::{check_origin, origin};
 
 use crate::checkpoint::{Checkpoint, Checkpoints};
@@ -71,14 +74,47 @@ pub fn run(
     from: Option<&Checkpoint>,
     record: Option<Compression>,
 ) -> Outcome {
+    perform_whole(planned, folder, progress, start, Way { from, record, driver: None })
+}
+
+/// Runs a plan whose windows are asked for one by one.
+pub fn drive(
+    planned: &Planned,
+    folder: &ResultFolder,
+    progress: &Rc<dyn Progress>,
+    start: RunStart,
+    driver: &mut dyn Driver,
+) -> Outcome {
+    let way = Way { from: None, record: None, driver: Some(driver) };
+    perform_whole(planned, folder, progress, start, way)
+}
+
+/// How a run goes.
+struct Way<'a> {
+    from: Option<&'a Checkpoint>,
+    record: Option<Compression>,
+    /// Who asks for its windows; absent: they are those of the case.
+    driver: Option<&'a mut dyn Driver>,
+}
+
+fn perform_whole(
+    planned: &Planned,
+    folder: &ResultFolder,
+    progress: &Rc<dyn Progress>,
+    start: RunStart,
+    way: Way<'_>,
+) -> Outcome {
     let Planned { case, plan } = planned;
+    let Way { from, record, driver } = way;
     let mut counts = match from {
         Some(checkpoint) => checkpoint.state.counts.resumed(start.plan_seconds),
         None => Counts { plan_seconds: start.plan_seconds, ..Counts::default() },
     };
     let (ended, recorder) = match set_out(planned, folder, from, record) {
         Ok(recorder) => {
-            (perform(planned, folder, progress, &mut counts, from, recorder.clone()), recorder)
+            let ended =
+                perform(planned, folder, progress, &mut counts, (from, driver), recorder.clone());
+            (ended, recorder)
         }
         Err(error) => (Err(error), None),
     };
@@ -206,7 +242,7 @@ fn perform(
     folder: &ResultFolder,
     progress: &Rc<dyn Progress>,
     counts: &mut Counts,
-    from: Option<&Checkpoint>,
+    (from, driver): (Option<&Checkpoint>, Option<&mut dyn Driver>),
     recorder: Option<Arc<Recorder>>,
 ) -> Result<Vec<Finished>, RunError> {
     let plan = &planned.plan;
@@ -229,7 +265,15 @@ fn perform(
         if let Some(checkpoint) = from {
             march.resume(checkpoint)?;
         }
-        march.all(&**progress)
+        match driver {
+            None => march.all(&**progress),
+            Some(driver) => {
+                let mut driven = Driven::new(&mut march);
+                driver.drive(&mut driven)?;
+                // What is written at the end is of the state that was returned to.
+                driven.settle().map_err(Fault::into_error)
+            }
+        }
     };
     let looped = tracing::info_span!("windows").in_scope(windows);
     counts.bytes_exchanged = session.bytes_exchanged();

@@ -8,6 +8,7 @@ mod alone;
 mod contents;
 mod expected;
 mod figures;
+mod live;
 mod make;
 mod mapping;
 mod rewind;
@@ -18,8 +19,8 @@ mod volume;
 
 pub use alone::Shown;
 pub use contents::{
-    Effect, Field, History, Participant, Plan, Planned, SchemeChoice, geometry_bytes, sample_bytes,
-    topic_bytes,
+    Effect, Field, History, LiveValue, Participant, Plan, Planned, SchemeChoice, geometry_bytes,
+    sample_bytes, topic_bytes,
 };
 pub use make::plan;
 pub use mapping::non_matching;

@@ -12,9 +12,11 @@ mod collect;
 mod feedback;
 mod figures;
 mod geometry;
+mod given;
 mod index;
 mod iterates;
 mod layout;
+mod live;
 mod mapped;
 mod mapping;
 mod memory;
@@ -41,6 +43,7 @@ use coupling::{Part, ParticipantIndex};
 use feedback::Feedback;
 use figures::Figures;
 use index::{MappedIndex, MovingIndex, PartIndex, TapIndex};
+use live::LiveValues;
 use mapped::Mapped;
 use memory::SharedMemory;
 use typed_index_collections::{TiSlice, TiVec};
@@ -65,6 +68,7 @@ pub struct Session {
     feedback: TiVec<PartIndex, Feedback>,
     mapped: TiVec<MappedIndex, Mapped>,
     moving: TiVec<MovingIndex, MovingGrid>,
+    live: LiveValues,
     memory: SharedMemory,
     /// The fields of `feedback` as parts of the coupling vector.
     parts: TiVec<PartIndex, Part>,

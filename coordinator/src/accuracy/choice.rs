@@ -124,6 +124,9 @@ fn none(standing: &Planned, base: &Variant, target: &Target, refused: &[String])
 pub(super) fn window(plan: &Plan) -> Option<[f64; 2]> {
     match plan.windows {
         Windows::Fixed { window, end } => Some([window, end]),
-        Windows::Steady | Windows::Sequence(_) | Windows::Adaptive { .. } => None,
+        Windows::Steady
+        | Windows::Sequence(_)
+        | Windows::Open { .. }
+        | Windows::Adaptive { .. } => None,
     }
 }

@@ -187,7 +187,12 @@ fn one(
     let Some(participant) = found else {
         return Err(RunError::Usage("no active effect of the case needs it".to_owned()));
     };
-    let configuration = participant.configuration.clone();
+    let mut configuration = participant.configuration.clone();
+    // A live value is held at its first one.
+    if let Some(live) = configuration.histories.as_ref().and_then(|known| known.live.clone()) {
+        configuration.inputs.retain(|input| !live.limits.contains_key(&input.field.name));
+        configuration.histories = None;
+    }
     let mut figures = participant.figures.clone();
     if !figures.is_empty() {
         figures.push(UNKNOWN_FIGURE.to_owned());
@@ -222,6 +227,7 @@ fn with_inputs(
     let window = match plan.windows {
         coupling::windows::Windows::Steady | coupling::windows::Windows::Sequence(_) => 0.0,
         coupling::windows::Windows::Fixed { window, .. } => window,
+        coupling::windows::Windows::Open { window } => window.unwrap_or(0.0),
         coupling::windows::Windows::Adaptive { first, .. } => first,
     };
     let own = plan.participants.iter().find(|p| p.role == configuration.role);

@@ -121,6 +121,13 @@ fn value(key: &Key) -> Value {
             "properties": {"file": column, "column": column},
             "required": ["file", "column"],
         }));
+        let live = json!({"type": ["number", "string"]});
+        ways.push(json!({
+            "type": "object",
+            "properties": {"at": live, "from": live, "to": live},
+            "required": ["at", "from", "to"],
+            "additionalProperties": false,
+        }));
     }
     let mut node = match ways.len() {
         1 => ways.remove(0),

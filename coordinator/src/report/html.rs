@@ -5,7 +5,7 @@ pub(super) const PLOT_STYLE: &str = include_str!("plot.css");
 
 /// Text as it may stand in HTML and its attributes; control characters are shown, not sent.
 #[must_use]
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -35,7 +35,7 @@ fn over(case: &Value, columns: &[(&str, Vec<f64>)]) -> Configuration {
     let count = columns[0].1.len();
     let times = (1..=count).map(|k| k as f64).collect();
     let values = columns.iter().map(|(key, column)| ((*key).to_owned(), column.clone())).collect();
-    let histories = Histories { rows: false, times, values };
+    let histories = Histories { rows: false, times, values, live: None };
     let mut configuration = Configuration { mode: Mode::Transient, ..configuration(case) };
     histories.put_row(&mut configuration.case, 0);
     configuration.histories = Some(histories);

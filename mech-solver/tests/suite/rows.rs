@@ -17,7 +17,7 @@ fn rows(model: &str) -> Configuration {
         ("load.normal_force".to_owned(), vec![134e3, 120e3, 120e3, 150e3]),
     ];
     let times = vec![0.0, 1.0, 2.0, 3.0];
-    let histories = Some(Histories { rows: true, times, values: values.into() });
+    let histories = Some(Histories { rows: true, times, values: values.into(), live: None });
     Configuration { histories, ..configuration(&case) }
 }
 

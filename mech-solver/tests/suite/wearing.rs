@@ -58,7 +58,7 @@ fn rows(count: usize, passes: f64) -> Configuration {
     case["friction"]["coefficient"] = json!(FRICTION);
     let values = [("effects.wear.passes".to_owned(), vec![passes; count])];
     let times = (0..count).map(|row| row as f64).collect();
-    let histories = Some(Histories { rows: true, times, values: values.into() });
+    let histories = Some(Histories { rows: true, times, values: values.into(), live: None });
     Configuration { histories, ..configuration(&case) }
 }
 

@@ -120,7 +120,7 @@ impl Sequence {
     fn new(values: Vec<f64>) -> Self {
         let times = (0..values.len()).map(|row| row as f64).collect();
         let values = [("wheelset.y".to_owned(), values)].into();
-        let histories = Some(Histories { rows: true, times, values });
+        let histories = Some(Histories { rows: true, times, values, live: None });
         let configuration = Configuration { histories, ..configuration(&on_track()) };
         let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
         let store = Store::for_layout(setup.layout(), &configuration.outputs);

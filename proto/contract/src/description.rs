@@ -8,7 +8,7 @@ use crate::configuration::{Configuration, Mode};
 use crate::diagram::Diagram;
 use crate::field::{FieldKind, FieldSpec};
 use crate::figure::FigureSpec;
-use crate::grid::check_name;
+use crate::grid::{check_dotted, check_name};
 use crate::plausible::Plausible;
 use crate::refusal::Refusal;
 use crate::text::check_lines;
@@ -84,7 +84,7 @@ impl Description {
             model.accuracy.check().map_err(|fault| format!("model `{}`: {fault}", model.name))?;
         }
         for field in &self.fields {
-            check_name("field", &field.name)?;
+            check_dotted("field", &field.name)?;
             let unit = &field.unit;
             if unit.is_empty() || unit.len() > 15 || !unit.is_ascii() {
                 return Err(format!("field `{}` has the unit {unit:?}", field.name));

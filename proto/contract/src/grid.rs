@@ -39,6 +39,16 @@ pub fn check_name(what: &str, name: &str) -> Result<(), String> {
     Err(format!("the {what} name {shown:?} is not 1 to 31 letters, digits, `_` or `-`"))
 }
 
+/// The name of a field: one as of [`check_name`], or several with dots between, as of a key whose value
+/// it is.
+///
+/// # Errors
+/// It is no such name, or too long.
+pub fn check_dotted(what: &str, name: &str) -> Result<(), String> {
+    let parts = name.split('.').try_for_each(|part| check_name(what, part));
+    if parts.is_ok() && name.len() <= 31 { Ok(()) } else { check_name(what, name) }
+}
+
 /// A named grid with a revision that rises whenever its geometry changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grid {

@@ -1,5 +1,7 @@
-//! Case values that vary: columns of a table over time, or one steady contact after the other.
+//! Case values that vary: columns of a table over time, one steady contact after the other, or values that
+//! are given from outside as the run goes.
 
+use crate::live::Live;
 use crate::params::Params;
 use crate::step::Step;
 use serde::{Deserialize, Serialize};
@@ -16,9 +18,33 @@ pub struct Histories {
     pub times: Vec<f64>,
     /// One value for each row, in SI units, of every key that varies.
     pub values: BTreeMap<String, Vec<f64>>,
+    /// All the keys are given from outside, solve by solve. The rows are then those of
+    /// [`Histories::live`]: what a model has to be laid out for, of which none need be given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub live: Option<Live>,
 }
 
 impl Histories {
+    /// Those of keys that are given from outside, by key their first value and the limits of all that
+    /// follow: the first values, and then every corner of the box of limits. `steady` contacts have a
+    /// row each, windows of time the value over the window.
+    #[must_use]
+    pub fn live(steady: bool, keys: &BTreeMap<String, (f64, [f64; 2])>) -> Self {
+        let corners = 1_usize << keys.len().min(Live::MOST);
+        let column = |(place, (first, limits)): (usize, &(f64, [f64; 2]))| {
+            let corner = |corner: usize| limits[corner >> place & 1];
+            std::iter::once(*first).chain((0..corners).map(corner)).collect()
+        };
+        let columns = keys.values().enumerate().map(column);
+        let limits = keys.iter().map(|(key, (_, limits))| (key.clone(), *limits));
+        Self {
+            rows: steady,
+            times: (0..=corners).map(|row| row as f64).collect(),
+            values: keys.keys().cloned().zip(columns).collect(),
+            live: Some(Live::within(limits.collect())),
+        }
+    }
+
     /// What is wrong with histories that came from outside.
     ///
     /// # Errors
@@ -33,6 +59,9 @@ impl Histories {
         };
         if !rising || self.times.iter().any(|time| !time.is_finite()) {
             return Err("the times of a history do not rise".to_owned());
+        }
+        if let Some(live) = &self.live {
+            live.check(self.values.keys())?;
         }
         for (key, column) in &self.values {
             if column.len() != self.times.len() {
@@ -55,8 +84,15 @@ impl Histories {
         case
     }
 
-    /// Puts the values of a window into a case, in the place of those of another one.
+    /// Puts the values of a window into a case, in the place of those of another one; of live keys those
+    /// that were given last.
     pub fn put(&self, case: &mut Params, step: &Step) {
+        if let Some(live) = &self.live {
+            for (key, column) in &self.values {
+                put(&mut case.0, key, live.value(key).unwrap_or(column[0]));
+            }
+            return;
+        }
         match self.rows {
             true => self.put_row(case, usize::try_from(step.window).unwrap_or(usize::MAX)),
             false => self.put_time(case, 0.5 * (step.start + step.end)),
@@ -104,7 +140,7 @@ mod tests {
 
     fn histories(rows: bool) -> Histories {
         let values = [("load.normal_force".to_owned(), vec![1.0, 3.0, 2.0])];
-        Histories { rows, times: vec![0.0, 1.0, 3.0], values: values.into() }
+        Histories { rows, times: vec![0.0, 1.0, 3.0], values: values.into(), live: None }
     }
 
     fn case() -> Params {
@@ -145,5 +181,47 @@ mod tests {
         assert!(wrong(|h| h.times.push(9.0)).contains("has 3 rows, not 4"));
         let nan = |h: &mut Histories| h.values.values_mut().for_each(|c| c[1] = f64::NAN);
         assert!(wrong(nan).contains("not finite in row 1"));
+    }
+
+    #[test]
+    fn live_values_are_those_given_last_and_plans_see_the_corners() {
+        let keys = [
+            ("load.normal_force".to_owned(), (2.0, [1.0, 3.0])),
+            ("load.other".to_owned(), (5.0, [4.0, 6.0])),
+        ];
+        let histories = Histories::live(true, &keys.into());
+        assert_eq!(histories.check(), Ok(()));
+        let corners: Vec<_> = (0..histories.times.len())
+            .map(|row| {
+                let mut case = case();
+                histories.put_row(&mut case, row);
+                [case.number("load.normal_force").unwrap(), case.number("load.other").unwrap()]
+            })
+            .collect();
+        assert_eq!(corners, [[2.0, 5.0], [1.0, 4.0], [3.0, 4.0], [1.0, 6.0], [3.0, 6.0]]);
+        let copy = histories.clone();
+        let at = |histories: &Histories| {
+            histories.at(&case(), &Step { window: 7, ..Step::STEADY }).number("load.normal_force")
+        };
+        assert_eq!(at(&copy), Ok(2.0), "the first value until one is given");
+        histories.live.as_ref().unwrap().give("load.normal_force", 2.5);
+        assert_eq!(at(&copy), Ok(2.5), "copies share what is given");
+        let text = serde_json::to_string(&histories).unwrap();
+        let travelled: Histories = serde_json::from_str(&text).unwrap();
+        assert_eq!(travelled, histories);
+        assert_eq!(at(&travelled), Ok(2.0));
+    }
+
+    #[test]
+    fn live_keys_from_outside_are_checked() {
+        let wrong = |limits: &[(&str, [f64; 2])]| {
+            let limits = limits.iter().map(|(key, limits)| ((*key).to_owned(), *limits));
+            let live = Some(Live::within(limits.collect()));
+            Histories { live, ..histories(true) }.check().unwrap_err()
+        };
+        assert!(wrong(&[]).contains("`load.normal_force`"));
+        assert!(wrong(&[("load.normal_force", [3.0, 1.0])]).contains("limits"));
+        assert!(wrong(&[("load.normal_force", [0.0, f64::INFINITY])]).contains("limits"));
+        assert!(wrong(&[("load.normal_force", [1.0, 3.0]), ("a", [0.0, 1.0])]).contains("`a`"));
     }
 }

@@ -12,6 +12,7 @@
 //! | [`diagram`] | diagrams of two figures, with lines that are known |
 //! | [`configuration`] | what a participant receives: its part of the case, its inputs and outputs |
 //! | [`history`] | case values that vary: columns of a table |
+//! | [`live`] | case values that are given from outside as the run goes |
 //! | [`params`] | typed access to the case values inside a configuration |
 //! | [`advice`] | what a participant thinks of effects in a scene |
 //! | [`accuracy`] | what a model says of its errors |
@@ -31,6 +32,7 @@ pub mod field;
 pub mod figure;
 pub mod grid;
 pub mod history;
+pub mod live;
 pub mod message;
 pub mod params;
 pub mod plausible;

@@ -46,6 +46,36 @@ def test_figures_are_attributes_and_have_units(results):
     assert "temperature rise" in repr(results) and results.status == "completed"
 
 
+def test_a_run_is_driven_window_by_window(tmp_path):
+    load, force = "load.normal_force", "contact.creep_force_x_n"
+    given = cosim.live("134 kN", "60 kN", 140e3)
+    with cosim.drive(CASE, mech=COARSE, load={"normal_force": given}, out=tmp_path / "out") as run:
+        assert run.live == {load: cosim.Live("N", 134e3, 60e3, 140e3)} and run.window is None
+        first = run.step()
+        assert (first.number, first.status, first[load.replace("load", "contact") + "_n"]) == (
+            0,
+            "completed",
+            pytest.approx(134e3),
+        )
+        state = run.save()
+        low = run.step({load: 60e3}, end=0.1)
+        assert low[force] < 0.5 * first[force] and low.end == 0.1
+        run.restore(state)
+        run.set({load: 60e3})
+        assert dict(run.step(end=0.1)) == pytest.approx(dict(low), rel=0, abs=0, nan_ok=True)
+        with pytest.raises(cosim.Refused, match="window 2: 200000"):
+            run.step({load: 200e3})
+        run.free(state)
+        with pytest.raises(cosim.Refused, match="no state 1"):
+            run.restore(state)
+        run.finish()
+        with pytest.raises(cosim.Refused, match="has ended"):
+            run.step()
+    assert cosim.Results(tmp_path / "out").status == "completed"
+    with pytest.raises(cosim.CosimError, match="is not between"):
+        cosim.drive(CASE, load={"normal_force": cosim.live(1.0, 2.0, 3.0)})
+
+
 def test_fields_are_arrays_with_places(results):
     pressure = results["pressure"]
     assert pressure.unit == "Pa" and pressure.values.shape == (len(pressure.y), len(pressure.x))

@@ -293,3 +293,20 @@ def test_histories_give_the_case_of_a_window():
         instant = given(False).case_at(SimpleNamespace(window=0, start=start, end=end))
         assert instant.number("load.normal_force") == expected
     assert given(True).case.number("load.normal_force") == 1.0
+
+
+def test_live_values_are_those_given_last():
+    from types import SimpleNamespace
+
+    from cosim.configuration import Histories
+
+    histories = Histories(
+        rows=True,
+        times=[0.0, 1.0, 2.0],
+        values={"load.normal_force": [2.0, 1.0, 3.0]},
+        live={"limits": {"load.normal_force": [1.0, 3.0]}},
+    )
+    step = SimpleNamespace(window=7, start=0.0, end=0.0)
+    assert histories.at(step) == {"load.normal_force": 2.0}
+    histories.given["load.normal_force"] = 2.5
+    assert histories.at(step) == {"load.normal_force": 2.5}

@@ -18,6 +18,8 @@ pub(super) enum PortError {
          revision {known}"
     )]
     Revision { field: String, grid: String, revision: u64, known: u64 },
+    #[error("the live value `{key}` comes as {values:?}, not as one finite number")]
+    Live { key: String, values: Vec<f64> },
     #[error("{0}")]
     Geometry(String),
     #[error(

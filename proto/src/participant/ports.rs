@@ -4,6 +4,7 @@ use super::error::PortError;
 use super::geometry::InputGrid;
 use crate::field::{FieldKind, FieldSpec, Mapping};
 use crate::grid::Grid;
+use crate::live::Live;
 use crate::message::{Command, FieldHeader, Interpolation, Label, OutputFile, Topic, Topics};
 use crate::model::{InputField, Inputs, Outputs, Step};
 use crate::transport::{
@@ -153,6 +154,20 @@ impl InputPorts {
     /// The model of this participant has moved a grid.
     pub(super) fn moved(&mut self, grid: &Grid) {
         self.grids.iter_mut().for_each(|input| input.moved(grid));
+    }
+
+    /// Gives the live values that have come to the models that read them.
+    pub(super) fn give(&self, live: &Live) -> Result<(), PortError> {
+        for port in self.ports.iter().filter(|port| live.limits.contains_key(&port.field.name)) {
+            let (key, Some(sample)) = (&port.field.name, &port.sample) else { continue };
+            match sample.values() {
+                [value] if value.is_finite() => live.give(key, *value),
+                values => {
+                    return Err(PortError::Live { key: key.clone(), values: values.to_vec() });
+                }
+            }
+        }
+        Ok(())
     }
 
     fn port(&self, field: &FieldSpec) -> Option<&InputPort> {

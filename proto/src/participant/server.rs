@@ -8,6 +8,7 @@ use crate::configuration::{Configuration, Refusal};
 use crate::field::{self, FieldKind};
 use crate::figure;
 use crate::grid::Grid;
+use crate::live::Live;
 use crate::message::{
     Command, CommandKind, FIGURES, Failure, Finished, OBSERVE, Reply, StateFile, Status, Topics,
 };
@@ -70,6 +71,8 @@ struct Ports {
     outputs: OutputPorts,
     observed: OutputPorts,
     geometry: GeometryPorts,
+    /// Values of the case that come as inputs; the model has a copy.
+    live: Option<Live>,
     /// Keys of the figures that are asked for with [`FIGURES`].
     figures: Vec<String>,
 }
@@ -239,6 +242,7 @@ impl<'a> Server<'a> {
             outputs: OutputPorts::open(endpoint, &published, role, kind)?,
             observed: OutputPorts::open(endpoint, &observed, role, kind)?,
             geometry: GeometryPorts::open(endpoint, &topics.geometry, role, &setup.layout().grids)?,
+            live: configuration.histories.as_ref().and_then(|histories| histories.live.clone()),
             figures: topics.figures,
         };
         let patience = Duration::from_secs_f64(topics.deadline.clamp(0.0, 1e6));
@@ -300,8 +304,9 @@ impl Ports {
 
 impl Running {
     fn solve(&mut self, command: &Command, done: Reply) -> Result<Reply, CommandError> {
-        let Ports { inputs, outputs, .. } = &mut self.ports;
+        let Ports { inputs, outputs, live, .. } = &mut self.ports;
         inputs.advance(command)?;
+        live.iter().try_for_each(|live| inputs.give(live))?;
         outputs.loan()?;
         self.step = command.step();
         let start = Instant::now();

@@ -4,7 +4,7 @@
 
 use super::{CONTROL, FILES, Head, LONGEST_RECORD, STATE};
 use crate::field::GEOMETRY;
-use crate::grid::{Grid, check_name};
+use crate::grid::{Grid, check_dotted, check_name};
 use crate::message::{FieldHeader, MAX_INPUTS, Topics};
 use crate::text::{check_line, check_lines, one_line};
 
@@ -54,16 +54,16 @@ pub(super) fn channel(name: &str) -> Result<(), String> {
         let shown: String = one_line(name).chars().take(80).collect();
         return Err(format!("a channel `{shown}`, which does not belong to a recording"));
     }
-    parts.iter().try_for_each(|part| check_name("channel's", part))
+    parts.iter().try_for_each(|part| check_dotted("channel's", part))
 }
 
 /// What is wrong with the label of a sample that came on a channel that is admitted.
 pub(super) fn label(channel: &str, header: &FieldHeader) -> Result<(), String> {
     let [name, producer, grid] =
         [header.name.as_str(), header.producer.as_str(), header.grid.as_str()];
-    for (what, name) in [("field", name), ("producer", producer), ("grid", grid)] {
-        check_name(what, name)?;
-    }
+    check_dotted("field", name)?;
+    check_name("producer", producer)?;
+    check_name("grid", grid)?;
     if !(1..=MOST_COMPONENTS).contains(&header.components) {
         return Err(format!("{} components", header.components));
     }
@@ -90,7 +90,7 @@ pub(super) fn topics(topics: &Topics) -> Result<(), String> {
         return Err(format!("{} inputs and {} outputs", inputs.len(), outputs.len()));
     }
     for topic in inputs.iter().chain(outputs) {
-        check_name("field", &topic.field)?;
+        check_dotted("field", &topic.field)?;
         grid(&topic.grid)?;
     }
     if let Some(topic) = inputs.iter().find(|topic| topic.grid.only_written()) {

@@ -19,7 +19,8 @@ const ORDER: &[(&str, &[&str])] = &[
     ("case", &["contract", "coupling"]),
     ("surrogate", &[]),
     ("run", &["contract", "proto", "coupling", "case"]),
-    ("coordinator", &["contract", "proto", "coupling", "case", "surrogate", "run"]),
+    ("contact-fmu", &[]),
+    ("coordinator", &["contract", "proto", "coupling", "case", "surrogate", "run", "contact-fmu"]),
 ];
 
 /// Crates that are libraries for others, and what they do without, directly and through others.

@@ -96,6 +96,7 @@ impl Controller {
         let length = match &windows {
             Windows::Steady | Windows::Sequence(_) => 0.0,
             Windows::Fixed { window, .. } => *window,
+            Windows::Open { window } => window.unwrap_or(0.0),
             Windows::Adaptive { first, .. } => *first,
         };
         let state = WindowState {
@@ -135,6 +136,7 @@ impl Controller {
         let WindowState { index, start, length, .. } = self.state;
         let over = match &self.windows {
             Windows::Adaptive { end, .. } => start >= *end,
+            Windows::Open { .. } => false,
             Windows::Steady | Windows::Sequence(_) | Windows::Fixed { .. } => {
                 Some(index) == self.windows.count()
             }

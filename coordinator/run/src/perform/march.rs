@@ -16,9 +16,10 @@ use contract::step::Step;
 use coupling::Exchange as _;
 use coupling::converge::Verdict;
 use coupling::state::Reader;
-use coupling::windows::{self, Controller, Windows};
+use coupling::windows::{self, Controller, WindowState, Windows};
 use coupling::{Coupling, WindowOutcome};
 use proto::recording::{Event, Iteration};
+use std::path::Path;
 use std::time::Instant;
 
 /// Largest relative difference between the heat sent and received in a window: rounding only.
@@ -35,15 +36,39 @@ pub(super) struct Writing {
 
 /// A run on its way through time.
 pub(super) struct March<'a> {
-    plan: &'a Plan,
-    session: &'a mut Session,
-    tables: &'a mut Tables,
-    fields: &'a mut FieldWriter,
-    counts: &'a mut Counts,
+    pub(super) plan: &'a Plan,
+    pub(super) session: &'a mut Session,
+    pub(super) tables: &'a mut Tables,
+    pub(super) fields: &'a mut FieldWriter,
+    pub(super) counts: &'a mut Counts,
     checkpoints: Option<Writing>,
     recorder: Option<&'a Recorder>,
-    coupling: Coupling,
-    time: Controller,
+    pub(super) coupling: Coupling,
+    pub(super) time: Controller,
+}
+
+/// A window that was solved once, and accepted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Attempt {
+    /// How it has ended.
+    pub(super) status: &'static str,
+    pub(super) iterations: u32,
+}
+
+/// A window that was not accepted.
+#[derive(Debug)]
+pub(super) struct Missed {
+    pub(super) error: RunError,
+    /// The run is over.
+    pub(super) ended: bool,
+    /// Some participants have accepted it, and one has not.
+    pub(super) torn: bool,
+}
+
+impl Missed {
+    fn of(error: RunError, ended: bool) -> Self {
+        Self { error, ended, torn: false }
+    }
 }
 
 impl<'a> March<'a> {
@@ -72,15 +97,51 @@ impl<'a> March<'a> {
             &checkpoint.state;
         let (window, iteration, start, end) = *step;
         let step = Step { window, iteration, start, end };
-        self.session.restore(&step, &checkpoint.folder, iterate)?;
+        self.go_to(&step, &checkpoint.folder, (iterate, coupling, time))?;
         self.session.continue_counting(counts.bytes_exchanged);
+        self.fields.resume(series.clone());
+        tracing::info!(window = window + 1, time = end, "resumed");
+        Ok(())
+    }
+
+    /// Returns participants and coupling to the state after a step.
+    pub(super) fn go_to(
+        &mut self,
+        step: &Step,
+        folder: &Path,
+        (iterate, coupling, time): (&[f64], &[u8], &WindowState),
+    ) -> Result<(), RunError> {
+        self.session.restore(step, folder, iterate)?;
         self.coupling.restore(&mut Reader(coupling)).map_err(|error| {
             RunError::Usage(format!("{error}; the checkpoint is that of another plan"))
         })?;
         self.time = Controller::resume(self.plan.windows.clone(), time.clone());
-        self.fields.resume(series.clone());
-        tracing::info!(window = window + 1, time = end, "resumed");
         Ok(())
+    }
+
+    /// Solves a window that is asked for, once, and accepts it.
+    pub(super) fn attempt(&mut self, step: &Step, observe: bool) -> Result<Attempt, Missed> {
+        let _span = tracing::debug_span!("window", step.window, step.start, step.end).entered();
+        let outcome = match self.solve(step) {
+            Ok(outcome) => outcome,
+            Err(error) => {
+                let ended = !self.session.take_unanswered();
+                return Err(Missed::of(error, ended));
+            }
+        };
+        let (converged, iterations) = (outcome.not_converged.is_none(), outcome.iterations);
+        let wanted = self.session.wanted_window();
+        self.tell(outcome, wanted, step).map_err(|error| Missed::of(error, false))?;
+        self.time.judge(step, converged, wanted, self.session.exchanged());
+        let status = self.status(converged);
+        let due = observe || self.is_due(step);
+        match self.accept(step, due, status, iterations) {
+            Ok(()) => Ok(Attempt { status, iterations }),
+            Err(error) => {
+                let torn = self.session.take_unanswered();
+                Err(Missed { error, ended: !torn, torn })
+            }
+        }
     }
 
     /// Goes on to the end.
@@ -114,7 +175,8 @@ impl<'a> March<'a> {
                     let iterations = outcome.iterations;
                     self.tell(outcome, wanted, &step)?;
                     let status = self.status(converged);
-                    match self.accept(&step, status, iterations) {
+                    let due = self.time.window().is_none() || self.is_due(&step);
+                    match self.accept(&step, due, status, iterations) {
                         Err(error) => self.unanswered(&step, error)?,
                         Ok(()) => self.checkpoint()?,
                     }
@@ -174,13 +236,21 @@ impl<'a> March<'a> {
         Ok(())
     }
 
-    /// Accepts a window that has ended so.
-    fn accept(&mut self, step: &Step, status: &str, iterations: u32) -> Result<(), RunError> {
+    /// The case wants the fields of this window.
+    fn is_due(&self, step: &Step) -> bool {
+        self.plan.output_every.is_some_and(|every| (step.window + 1).is_multiple_of(every))
+    }
+
+    /// Accepts a window that has ended so; writes its fields if that is due.
+    fn accept(
+        &mut self,
+        step: &Step,
+        due: bool,
+        status: &str,
+        iterations: u32,
+    ) -> Result<(), RunError> {
         let roles: Vec<&str> = self.plan.participants.iter().map(|p| p.role.as_str()).collect();
         audit(&self.session.heat_balance(), &roles, step.window, self.counts)?;
-        let done = step.window + 1;
-        let last = self.time.window().is_none();
-        let due = last || self.plan.output_every.is_some_and(|every| done.is_multiple_of(every));
         self.coupling.accept_window();
         let observed = match (due, self.recorder) {
             (true, _) => Observed::Everybody,

@@ -46,6 +46,8 @@ pub struct Plan {
     pub idle: Vec<(String, String)>,
     /// Fields that exist at run time.
     pub fields: Vec<Field>,
+    /// Values of the case that are given as the run goes.
+    pub live: Vec<LiveValue>,
     /// The figures of the summary, with the names of the bodies.
     pub figures: Vec<FigureSpec>,
     /// Diagrams of them.
@@ -128,6 +130,21 @@ impl Field {
     pub fn observed_only(&self) -> bool {
         self.consumers.is_empty()
     }
+}
+
+/// A value of the case that is given from outside as the run goes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveValue {
+    /// The field as which it travels, named like its dotted key.
+    pub kind: FieldKind,
+    /// Its first value, in SI units.
+    pub first: f64,
+    /// Least and largest value, in SI units.
+    pub limits: [f64; 2],
+    /// The participant that sends it, among the fields of the run; absent: the coordinator does.
+    pub provider: Option<ParticipantIndex>,
+    /// Indices of the participants that read it.
+    pub readers: Vec<ParticipantIndex>,
 }
 
 /// An effect that some participant offers.

@@ -1,14 +1,16 @@
 //! Making a plan: describe, validate, route, estimate.
 
-use super::contents::{Field, Participant, Plan, Planned, SchemeChoice};
+use super::contents::{Field, LiveValue, Participant, Plan, Planned, SchemeChoice};
 use super::expected;
 use super::figures;
+use super::live;
 use super::rewind::cannot_rewind;
 use super::route::{self, Candidate};
 use super::threads;
 use super::volume;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
+use crate::peers::COORDINATOR;
 use crate::programs::Program;
 use case::schema::WELL_KNOWN_ROLES;
 use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
@@ -198,7 +200,8 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
     let candidates = case.participants.iter().filter_map(|p| {
         let description = &described.iter().find(|(role, _)| *role == p.role)?.1;
         let model = description.models.iter().find(|m| m.name == p.model)?;
-        Some(Candidate { role: &p.role, model, description })
+        let live = case.live_of(description, &p.model);
+        Some(Candidate { role: &p.role, model, description, live })
     });
     let running = TiVec::from(route::order(candidates.collect(), case));
     check_roles(case, described)?;
@@ -221,6 +224,8 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         });
         case.report(problems.collect()).expect("there is at least one problem")
     })?;
+    refuse(case, live::misfits(case, &fields))?;
+    let live = live::values(case, &running, &fields);
     let scheme = scheme(case, &fields, &running);
     route::feed_back(&mut fields, scheme.scheme);
     refuse(case, unused_tolerances(case, &fields, scheme.scheme))?;
@@ -233,7 +238,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         (role.clone(), format!("no active effect needs it (it serves {})", offers.join(", ")))
     });
     let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
-    let mut participants = participants(case, &running, &fields, scheme.scheme)?;
+    let mut participants = participants(case, &running, (&fields, &live), scheme.scheme)?;
     let figures = figures::gather(participants.iter_mut(), case.bodies.as_ref());
     let diagrams = participants.iter().flat_map(|p| p.description.diagrams.clone()).collect();
     Ok(Plan {
@@ -256,6 +261,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         idle: idle.collect(),
         effects: route::effects(&offers, case),
         fields,
+        live,
         output_every: case.output.every,
         checkpoint_every: case.output.checkpoint_every,
         deadlines: Deadlines {
@@ -354,7 +360,7 @@ fn unused_tolerances(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Probl
 fn participants(
     case: &Case,
     running: &TiSlice<ParticipantIndex, Candidate>,
-    fields: &[Field],
+    (fields, live): (&[Field], &[LiveValue]),
     scheme: Scheme,
 ) -> Result<TiVec<ParticipantIndex, Participant>, RunError> {
     let threads = threads::of_participants(case.limits.threads, scheme, running.len());
@@ -372,6 +378,7 @@ fn participants(
                 moves: false,
                 peak: None,
             })
+            .chain(live::inputs(live, index))
             .collect();
         if inputs.len() > MAX_INPUTS {
             let reason = format!("it would have {} inputs, {MAX_INPUTS} at most", inputs.len());
@@ -469,7 +476,8 @@ fn fill_input_moves(plan: &mut Plan, index: ParticipantIndex) -> bool {
 fn fill_input_grids(plan: &mut Plan, index: ParticipantIndex) {
     let layouts: Vec<(String, Option<Layout>)> =
         plan.participants.iter().map(|p| (p.role.clone(), p.estimate.clone())).collect();
-    for input in &mut plan.participants[index].configuration.inputs {
+    let inputs = &mut plan.participants[index].configuration.inputs;
+    for input in inputs.iter_mut().filter(|input| input.producer != COORDINATOR) {
         let producer = layouts.iter().find(|(role, _)| *role == input.producer);
         let layout = producer.and_then(|(_, layout)| layout.as_ref());
         input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();

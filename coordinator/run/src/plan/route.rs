@@ -15,6 +15,8 @@ pub(super) struct Candidate<'a> {
     pub(super) role: &'a str,
     pub(super) model: &'a ModelSpec,
     pub(super) description: &'a Description,
+    /// Live values of the case that it reads.
+    pub(super) live: Vec<&'a str>,
 }
 
 /// A field that is needed and that nobody provides.
@@ -45,7 +47,11 @@ impl<'a> Candidate<'a> {
                 (format!("effect `{}`", effect.name), format!("effects.{}", effect.name));
             effect.consumes.iter().map(move |f| (f.as_str(), why.clone(), key.clone()))
         });
-        model.chain(effects).collect()
+        let live = self
+            .live
+            .iter()
+            .map(|key| (*key, format!("the live value `{key}`"), (*key).to_owned()));
+        model.chain(effects).chain(live).collect()
     }
 
     fn provides(&self, case: &Case) -> Vec<&'a str> {
@@ -106,6 +112,8 @@ pub(super) fn fields(
             match fields.iter_mut().find(from_other) {
                 Some(field) if field.consumers.contains(&consumer) => {}
                 Some(field) => field.consumers.push(consumer),
+                // The coordinator gives it.
+                None if one.live.contains(&name) => {}
                 None => unprovided.push(Unprovided {
                     field: name.to_owned(),
                     consumer: one.role.to_owned(),

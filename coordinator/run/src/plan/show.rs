@@ -1,6 +1,6 @@
 //! The plan as a person reads it.
 
-use super::contents::{Participant, Plan, geometry_bytes};
+use super::contents::{LiveValue, Participant, Plan, geometry_bytes};
 use crate::format::{bytes, counted, seconds};
 use crate::wrap;
 use coupling::ParticipantIndex;
@@ -33,6 +33,7 @@ impl Plan {
         self.show_processes(f)?;
         self.show_effects(f)?;
         self.show_fields(f)?;
+        self.show_live(f)?;
         self.show_mappings(f)?;
         self.show_cost(f)
     }
@@ -135,6 +136,30 @@ impl Plan {
         }
     }
 
+    /// The values that are given as the run goes.
+    fn show_live(&self, f: &mut String) -> Result {
+        let role = |index: ParticipantIndex| self.participants[index].role.as_str();
+        let mut head = "live";
+        for LiveValue { kind, first, limits: [least, most], provider, readers } in &self.live {
+            let to: Vec<&str> = readers.iter().map(|&one| role(one)).collect();
+            let from = provider.map_or("coordinator", role);
+            let held = match provider {
+                Some(_) => String::new(),
+                None => format!(", {} in a run that nobody drives", si(*first, &kind.unit)),
+            };
+            writeln!(
+                f,
+                "{head:10} {:30} {from} -> {}; from {} to {}{held}",
+                kind.name,
+                to.join(", "),
+                si(*least, &kind.unit),
+                si(*most, &kind.unit)
+            )?;
+            head = "";
+        }
+        Ok(())
+    }
+
     /// The grids that move, and the volumes.
     fn show_grids(&self, f: &mut String) -> Result {
         for (one, p) in self.participants.iter_enumerated() {
@@ -184,6 +209,11 @@ impl Plan {
     }
 }
 
+/// A value with its unit; a plain number has none.
+fn si(value: f64, unit: &str) -> String {
+    if unit == "1" { format!("{value}") } else { format!("{value} {unit}") }
+}
+
 /// The windows of a run, in words.
 pub(super) fn in_time(windows: &Windows) -> String {
     match windows {
@@ -195,6 +225,12 @@ pub(super) fn in_time(windows: &Windows) -> String {
         Windows::Fixed { window, end } => {
             let count = windows.count().unwrap_or(0);
             format!("transient: {count} windows of {} to {}", seconds(*window), seconds(*end))
+        }
+        Windows::Open { window: None } => {
+            "steady: a row for every window that is asked for".to_owned()
+        }
+        Windows::Open { window: Some(window) } => {
+            format!("transient: windows of {}, as they are asked for", seconds(*window))
         }
         Windows::Adaptive { first, tolerance, shortest, longest, end } => format!(
             "transient: adaptive windows of {} to {}, the first of {}, to {}; tolerance \

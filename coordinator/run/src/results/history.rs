@@ -21,7 +21,8 @@ pub const FILE: &str = "history.csv";
 #[derive(Debug)]
 pub struct HistoryTable {
     rows: Rows,
-    columns: Vec<Column>,
+    /// By their keys.
+    columns: Vec<(String, Column)>,
 }
 
 /// Where the value of a column comes from: places in the list of what participants give.
@@ -73,6 +74,17 @@ impl HistoryTable {
         Ok(Self { rows: Rows::resume(path, bytes)?, columns: columns(figures, given) })
     }
 
+    /// The keys of its figures, in the order of the columns.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().map(|(key, _)| key.as_str())
+    }
+
+    /// The figures of a window, in the order of the columns, of what the participants give.
+    #[must_use]
+    pub fn values(&self, given: &[f64]) -> Vec<Option<f64>> {
+        self.columns.iter().map(|(_, column)| column.value(given)).collect()
+    }
+
     /// Adds the row of a window.
     ///
     /// # Errors
@@ -90,6 +102,30 @@ impl HistoryTable {
         self.rows.seal()
     }
 
+    /// Writes what is not in the file yet; its length \[byte\].
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn mark(&mut self) -> Result<u64, RunError> {
+        self.rows.mark()
+    }
+
+    /// Forgets what comes after a length, and gives it.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
+        self.rows.cut(bytes)
+    }
+
+    /// Adds rows that were cut.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
+        self.rows.append(rows)
+    }
+
     /// Writes what is not in the file yet.
     ///
     /// # Errors
@@ -103,7 +139,7 @@ fn listed(figures: &[FigureSpec]) -> impl Iterator<Item = &FigureSpec> {
     figures.iter().filter(|figure| !figure.is_of_a_list())
 }
 
-fn columns(figures: &[FigureSpec], given: &[&str]) -> Vec<Column> {
+fn columns(figures: &[FigureSpec], given: &[&str]) -> Vec<(String, Column)> {
     let place = |key: &String| given.iter().position(|given| given == key);
     let column = |figure: &FigureSpec| match &figure.derived {
         Some(Derived::Ratio { of, over }) => {
@@ -112,7 +148,7 @@ fn columns(figures: &[FigureSpec], given: &[&str]) -> Vec<Column> {
         Some(Derived::Within { .. }) => unreachable!("a figure of a list has no column"),
         None => Column::Given(place(&figure.key).expect("what is not derived is given")),
     };
-    listed(figures).map(column).collect()
+    listed(figures).map(|figure| (figure.key.clone(), column(figure))).collect()
 }
 
 impl Column {
@@ -125,11 +161,11 @@ impl Column {
     }
 }
 
-fn write_row(out: &mut Vec<u8>, record: &HistoryRecord<'_>, columns: &[Column]) {
+fn write_row(out: &mut Vec<u8>, record: &HistoryRecord<'_>, columns: &[(String, Column)]) {
     let HistoryRecord { step, status, iterations, given } = record;
     let Step { window, start, end, .. } = step;
     push(out, format_args!("{window},{start},{end},{status},{iterations}"));
-    for column in columns {
+    for (_, column) in columns {
         cell(out, given.and_then(|given| column.value(given)));
     }
 }

@@ -73,6 +73,30 @@ impl IterationTable {
         self.0.add(|out| write_row(out, row))
     }
 
+    /// Writes what is not in the file yet; its length \[byte\].
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn mark(&mut self) -> Result<u64, RunError> {
+        self.0.mark()
+    }
+
+    /// Forgets what comes after a length, and gives it.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
+        self.0.cut(bytes)
+    }
+
+    /// Adds rows that were cut.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
+        self.0.append(rows)
+    }
+
     /// Writes what is not in the file yet.
     pub fn flush(&mut self) -> Result<(), RunError> {
         self.0.flush()

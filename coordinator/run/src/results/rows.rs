@@ -5,7 +5,7 @@ use crate::results::dir::shown;
 use crate::results::write::fresh;
 use rustix::fs::OFlags;
 use std::fs::File;
-use std::io::{Seek, SeekFrom, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -67,6 +67,36 @@ impl Rows {
         self.flush()?;
         self.file.sync_data().map_err(|error| file_failure(&self.path, &error))?;
         Ok(self.bytes)
+    }
+
+    /// Writes what is not in the file yet; the length of the file \[byte\].
+    pub(super) fn mark(&mut self) -> Result<u64, RunError> {
+        self.flush()?;
+        Ok(self.bytes)
+    }
+
+    /// Forgets what comes after the first `bytes` bytes, and gives it.
+    pub(super) fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
+        self.flush()?;
+        let Self { file, path, bytes: length, .. } = self;
+        let mut cut = || {
+            let mut rest = Vec::new();
+            let mut written = File::open(&*path)?;
+            written.seek(SeekFrom::Start(bytes))?;
+            written.read_to_end(&mut rest)?;
+            file.set_len(bytes)?;
+            file.seek(SeekFrom::Start(bytes))?;
+            Ok(rest)
+        };
+        let rest = cut().map_err(|error| file_failure(path, &error))?;
+        *length = bytes;
+        Ok(rest)
+    }
+
+    /// Adds rows that were cut.
+    pub(super) fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
+        self.unwritten.extend_from_slice(rows);
+        self.flush()
     }
 
     /// Adds a row; it is on disk a second later, if the run goes on.

@@ -33,6 +33,12 @@ impl Session {
         self.moving.iter().any(|moving| moving.participant == participant)
     }
 
+    /// A grid of the run moves.
+    #[must_use]
+    pub fn has_moving_grid(&self) -> bool {
+        !self.moving.is_empty()
+    }
+
     /// The grid on which a tap's field is in the next window.
     pub(super) fn current_grid(&self, tap: TapIndex) -> &Grid {
         let tap = &self.taps[tap];

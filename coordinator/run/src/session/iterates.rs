@@ -22,7 +22,8 @@ impl Session {
     pub(super) fn wait_for_readers(&self) -> Result<(), RunError> {
         let deadline = std::time::Instant::now() + self.peers.deadlines().start;
         let iterates = self.feedback.iter().filter_map(|feedback| feedback.outlet.as_ref());
-        let mut outlets = iterates.chain(self.mapped.iter().map(|mapped| mapped.outlet()));
+        let outlets = iterates.chain(self.mapped.iter().map(|mapped| mapped.outlet()));
+        let mut outlets = outlets.chain(self.live.sent.iter().map(|sent| &sent.outlet));
         let waited = outlets.try_for_each(|outlet| outlet.wait_for_subscribers(deadline));
         waited.map_err(|error| self.not_sent(&error))
     }
@@ -62,7 +63,7 @@ impl Session {
         }
     }
 
-    fn not_sent(&self, error: &TransportError) -> RunError {
+    pub(super) fn not_sent(&self, error: &TransportError) -> RunError {
         RunError::Failed(Failure {
             who: "the exchange of fields".to_owned(),
             when: self.peers.phase.to_string(),

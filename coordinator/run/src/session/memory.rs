@@ -31,7 +31,7 @@ impl SharedMemory {
         layout: impl Fn(ParticipantIndex) -> Option<&'a Layout>,
     ) -> Result<Self, RunError> {
         let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);
-        let taken = OVERHEAD + fields(plan, &layout) + geometry(plan, &layout);
+        let taken = OVERHEAD + live(plan) + fields(plan, &layout) + geometry(plan, &layout);
         check(taken, limit, "before the fields were created")?;
         Ok(Self { limit, taken })
     }
@@ -61,6 +61,12 @@ impl SharedMemory {
 pub fn room_for(samples: Vec<u64>, when: &str) -> Result<(), RunError> {
     let topics = samples.into_iter().map(topic_bytes);
     check(topics.fold(OVERHEAD, u64::saturating_add), u64::MAX, when)
+}
+
+/// Live values that the coordinator sends [byte].
+fn live(plan: &Plan) -> u64 {
+    let sent = plan.live.iter().filter(|live| live.provider.is_none());
+    sent.count() as u64 * topic_bytes(sample_bytes(1, 1))
 }
 
 fn fields<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a Layout>) -> u64 {

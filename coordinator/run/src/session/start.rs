@@ -4,6 +4,7 @@ use super::Session;
 use super::feedback::Feedback;
 use super::figures::Figures;
 use super::layout::layout_fault;
+use super::live::{self, LiveValues};
 use super::mapped::Mapped;
 use super::memory::SharedMemory;
 use super::open_files;
@@ -12,7 +13,7 @@ use super::solved::SolveRecord;
 use super::subscription::{Subscription, consumer, is_informed, readers, subscription};
 use super::tap::{Consumer, Tap};
 use crate::error::{Failure, RunError, machine_failure};
-use crate::peers::{Peers, Phase, Seat};
+use crate::peers::{COORDINATOR, Peers, Phase, Seat};
 use crate::plan::{Field, Participant, Plan};
 use crate::progress::Progress;
 use crate::record::Recorder;
@@ -28,12 +29,12 @@ use std::sync::Arc;
 use typed_index_collections::{TiSlice, TiVec};
 
 /// The most topics that a plan can lead to: every field, once more what the coordinator sends of it,
-/// and the geometry of every grid.
+/// the geometry of every grid, and live values.
 fn topics_of(plan: &Plan) -> usize {
     let sent_on = |field: &Field| 1 + usize::from(!field.fed_back.is_empty());
     let layouts = plan.participants.iter().filter_map(|p| p.estimate.as_ref());
     let moving = layouts.flat_map(|l| l.grids.iter().filter(|grid| l.moves(grid)));
-    plan.fields.iter().map(sent_on).sum::<usize>() + moving.count()
+    plan.fields.iter().map(sent_on).sum::<usize>() + moving.count() + plan.live.len()
 }
 
 impl Session {
@@ -82,6 +83,7 @@ impl Session {
             feedback: TiVec::new(),
             mapped: TiVec::new(),
             moving: TiVec::new(),
+            live: LiveValues::default(),
             memory,
             parts: TiVec::new(),
             solved: peers.all().iter().map(|_| SolveRecord::default()).collect(),
@@ -128,7 +130,7 @@ impl Session {
             TiVec::with_capacity(self.peers.all().len());
         for (one, participant) in plan.participants.iter_enumerated() {
             let mut configuration = participant.configuration.clone();
-            for input in &mut configuration.inputs {
+            for input in configuration.inputs.iter_mut().filter(|i| i.producer != COORDINATOR) {
                 let producer = self.peers.all().position(|l| l.role() == input.producer);
                 let layout = producer.and_then(|index| layouts.get(index));
                 input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
@@ -209,6 +211,7 @@ impl Session {
                 .map_err(|error| not_connected(&error))?;
             topics.push(topic);
         }
+        self.live = LiveValues::open(plan, &self.peers).map_err(|error| not_connected(&error))?;
         let (deadline, interpolation) =
             (self.peers.deadlines().start.as_secs_f64(), plan.interpolation);
         for one in self.peers.all().keys() {
@@ -217,7 +220,7 @@ impl Session {
             let outputs = outputs.collect();
             let consumed = pairs().filter(|(f, _)| f.consumers.contains(&one));
             let inputs = consumed.map(|(field, topic)| self.subscribed(one, field, topic, layouts));
-            let inputs = inputs.collect();
+            let inputs = inputs.chain(live::topics(plan, one)).collect();
             let geometry = self.geometry_topics(plan, one, layouts);
             let figures = plan.participants[one].figures.clone();
             let topics = Topics { inputs, outputs, deadline, interpolation, geometry, figures };

@@ -41,8 +41,13 @@ pub(super) fn readers<'a>(
 
 /// A consumer of a field, and where that is among its inputs.
 pub(super) fn consumer(plan: &Plan, field: &Field, participant: ParticipantIndex) -> Consumer {
+    position(plan, &field.kind.name, participant)
+}
+
+/// A participant that has a field among its inputs, and where.
+pub(super) fn position(plan: &Plan, name: &str, participant: ParticipantIndex) -> Consumer {
     let inputs = &plan.participants[participant].configuration.inputs;
-    let slot = inputs.iter().position(|i| i.field.name == field.kind.name);
+    let slot = inputs.iter().position(|i| i.field.name == name);
     Consumer { participant, slot: slot.expect("a consumer has the field as an input") }
 }
 

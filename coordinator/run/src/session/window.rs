@@ -16,6 +16,7 @@ impl Session {
         // Nothing else looks through what was sent last in an explicit scheme before it is kept.
         self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         self.peers.phase = Phase::Accepting(*step);
+        self.check_live()?;
         let (mut observing, mut answers) = (0_u64, 0_u64);
         for one in self.peers.all().keys() {
             let observe = self.is_observed(one, observed);
@@ -123,6 +124,7 @@ impl Exchange for Session {
         if let Some(recorder) = self.peers.recorder() {
             recorder.wait_for_room()?;
         }
+        self.send_live(step)?;
         self.send_mapped(participants)?;
         for &one in participants {
             let mut command = Command::about(CommandKind::Solve, step);
@@ -134,6 +136,11 @@ impl Exchange for Session {
             for feedback in &self.feedback {
                 for reader in feedback.readers.iter().filter(|r| r.participant == one) {
                     command.expected[reader.slot] = feedback.sequence();
+                }
+            }
+            for sent in &self.live.sent {
+                for reader in sent.readers.iter().filter(|r| r.participant == one) {
+                    command.expected[reader.slot] = sent.outlet.sequence();
                 }
             }
             for mapped in self.mapped.iter().filter(|m| m.reader.participant == one) {

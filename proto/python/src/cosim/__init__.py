@@ -1,7 +1,7 @@
 """The contact co-simulation from Python: cases are run, and solvers written.
 
 `run`, `plan`, `sweep` and `cost` are commands of the coordinator that answer with objects:
-`cosim.run("case.toml").contact.approach_m`.
+`cosim.run("case.toml").contact.approach_m`. `drive` takes a run window by window.
 
 A solver is a subclass of `Solver` with `configure` and `solve`; `main` is its whole main. Fields
 are numpy arrays over shared memory, read and written in place.
@@ -11,6 +11,7 @@ from . import fields
 from .command import CosimError
 from .configuration import Case, Configuration, Input, Layout, Refusal, Simplification
 from .description import Effect, Figure, Key, Model
+from .driven import Drive, Live, NoAnswer, Refused, Window, drive, live
 from .fields import FieldKind
 from .front import Study, cost, plan, run, sweep
 from .grids import Array, Grid, Quadrilaterals, Structured
@@ -36,6 +37,7 @@ __all__ = [
     "Case",
     "Configuration",
     "CosimError",
+    "Drive",
     "Effect",
     "FieldKind",
     "Figure",
@@ -44,12 +46,15 @@ __all__ = [
     "Inputs",
     "Key",
     "Layout",
+    "Live",
     "MissingInput",
     "Model",
+    "NoAnswer",
     "NonFiniteInput",
     "Outputs",
     "Quadrilaterals",
     "Refusal",
+    "Refused",
     "Results",
     "Section",
     "Simplification",
@@ -61,9 +66,12 @@ __all__ = [
     "Structured",
     "Study",
     "Volume",
+    "Window",
     "cost",
+    "drive",
     "fields",
     "first_non_finite",
+    "live",
     "main",
     "plan",
     "run",

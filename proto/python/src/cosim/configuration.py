@@ -139,9 +139,15 @@ class Histories:
     """Times of the rows [s]."""
     values: Mapping[str, Sequence[float]]
     """The values of every row by dotted key, in SI units."""
+    live: Mapping[str, Any] | None = None
+    """All keys are given from outside, solve by solve, within `limits`; rows are what to expect."""
+    given: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
+    """What has been given last of live keys."""
 
     def at(self, step: Step) -> dict[str, float]:
-        """The values in a window: those of its row, or of its middle."""
+        """The values in a window: those of its row, or of its middle; of live keys the newest."""
+        if self.live is not None:
+            return {key: self.given.get(key, column[0]) for key, column in self.values.items()}
         if self.rows:
             return {key: column[step.window] for key, column in self.values.items()}
         time = 0.5 * (step.start + step.end)

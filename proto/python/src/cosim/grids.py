@@ -30,6 +30,13 @@ def check_name(what: str, name: str) -> None:
         )
 
 
+def check_dotted(what: str, name: str) -> None:
+    """Demand such a name, or several with dots between: the field of a live value (`case_at`)."""
+    parts = name.split(".")
+    for part in parts if len(name) <= 31 else [name]:
+        check_name(what, part)
+
+
 @dataclass(frozen=True)
 class Structured:
     """Plane patch of `ni` x `nj` equal parallelogram elements."""

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .configuration import Configuration, Refusal
+from .configuration import Configuration, Histories, Refusal
 from .fields import TABLE
 from .geometry import GeometryError, GeometryPorts, GeometryTopic
 from .grids import Array, Grid
@@ -112,6 +112,7 @@ class Server:
         self._grids: Sequence[Grid] = ()
         self._running: Running | None = None
         self._finished = False
+        self._live: Histories | None = None
         self._model_seconds = 0.0
         self._late: Exception | None = None
         solver.report_to(heart.report)
@@ -201,6 +202,8 @@ class Server:
         configuration, self._configuration = self._configuration, None
         if configuration is None:
             raise ProtocolError("Connect before Configure")
+        histories = configuration.histories
+        self._live = histories if histories is not None and histories.live is not None else None
         kinds = {**{kind.name: kind for kind in self._solver.fields}, **TABLE}
         inputs, outputs = (
             [understood(Topic.from_json, topic) for topic in topics[name]]
@@ -274,6 +277,10 @@ class Server:
         advance(running.inputs, command)
         running.step = _step(command)
         inputs = Inputs(running.inputs)
+        if self._live is not None:
+            for key in self._live.values:
+                if key in inputs:
+                    self._live.given[key] = float(inputs.finite(key).flat[0])
         report = StepReport()
 
         def solve(outputs: Outputs) -> None:

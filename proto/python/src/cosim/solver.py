@@ -19,7 +19,7 @@ import numpy as np
 from .configuration import Configuration, Layout, Refusal
 from .description import Effect, Figure, Key, Model
 from .fields import FieldKind
-from .grids import Array, Grid, check_name
+from .grids import Array, Grid, check_dotted, check_name
 from .messages import PROTOCOL_VERSION
 
 if TYPE_CHECKING:
@@ -210,7 +210,7 @@ class Solver:
         """What `--describe` prints. Raises `ValueError` for names that cannot travel."""
         check_name("role", cls.role)
         for kind in cls.fields:
-            check_name("field", kind.name)
+            check_dotted("field", kind.name)
         return {
             "protocol": PROTOCOL_VERSION,
             "name": cls.name or cls.__name__,

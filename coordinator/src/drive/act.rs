@@ -1,0 +1,201 @@
+//! What the lines do.
+
+use super::ear::{Ear, Heard};
+use super::line::{Answer, LiveKey, Request, VERSION};
+use crate::logging::Logging;
+use crate::output;
+use crate::study::Variant;
+use case::{Case, RawCase};
+use clap::Args;
+use coupling::windows::Windows;
+use run::error::{RunError, file_failure};
+use run::perform::{self, Driven, Driver, Fault, RunStart};
+use run::plan::{Planned, plan};
+use run::progress::silent;
+use run::results::{Existing, ResultFolder};
+use std::collections::BTreeMap;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Between two looks at processes and signals while nothing is asked for.
+const LOOK: Duration = Duration::from_millis(20);
+/// Looks after which the doorbell is emptied.
+const LOOKS: u32 = 50;
+
+/// The command line of `coordinator drive`.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The case file.
+    case: PathBuf,
+    /// Change a key: dotted name and TOML value (a bare word is a text).
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Remove a key.
+    #[arg(long, value_name = "KEY")]
+    unset: Vec<String>,
+    /// Result directory [default: none, results are not kept].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace the results of an earlier run in DIR.
+    #[arg(long)]
+    replace: bool,
+}
+
+/// Drives a run by what comes on standard input, until that ends.
+///
+/// # Errors
+/// A case that cannot be driven; what has ended the run.
+pub(crate) fn main(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunError> {
+    let ended = drive(asked, log, since);
+    if let Err(error) = &ended {
+        // Whoever drives reads it there, whatever has ended the run.
+        let answer = Answer::Failed { error: error.to_string(), kind: "ended" };
+        output::print_raw(&answer.line())?;
+    }
+    ended
+}
+
+fn drive(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunError> {
+    let planned =
+        planned(&asked.case, &Variant { set: asked.set.clone(), unset: asked.unset.clone() })?;
+    let plan_seconds = since.elapsed().as_secs_f64();
+    let unkept = match &asked.out {
+        Some(_) => None,
+        None => Some(
+            tempfile::Builder::new()
+                .prefix("cosim-drive-")
+                .tempdir()
+                .map_err(|error| file_failure(&std::env::temp_dir(), &error))?,
+        ),
+    };
+    let unkept_path = unkept.as_ref().map(|folder| folder.path().join("results"));
+    let path = asked.out.as_deref().or(unkept_path.as_deref()).unwrap_or(Path::new("results"));
+    let folder = ResultFolder::prepare(path, &asked.case, Existing::option(asked.replace))?;
+    log.write_to(folder.log()?).map_err(|error| file_failure(&folder.shown_log(), &error))?;
+    let mut lines = Lines { ear: Ear::open(BufReader::new(std::io::stdin())), finish: false };
+    let start = RunStart { since, plan_seconds };
+    let outcome = perform::drive(&planned, &folder, &silent(), start, &mut lines);
+    if unkept.is_some() {
+        log.release();
+    }
+    match outcome.error {
+        Some(error) => Err(error),
+        None if lines.finish => output::print_raw(&Answer::DONE.line()),
+        None => Ok(()),
+    }
+}
+
+/// The plan of a case that is driven.
+///
+/// # Errors
+/// That of the case; windows that nobody can ask for.
+pub(crate) fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
+    let mut raw = RawCase::read(case)?;
+    raw.apply(&variant.set, &variant.unset)?;
+    let mut planned = plan(raw)?;
+    planned.plan.windows = open(&planned.case, &planned.plan.windows)?;
+    Ok(planned)
+}
+
+/// The windows of a case, as they are asked for one by one.
+fn open(case: &Case, windows: &Windows) -> Result<Windows, RunError> {
+    let refuse = |key: &str, reason: &str, fix: &str| {
+        let problem = case.problem_at(key, reason, fix);
+        Err(case.report(vec![problem]).expect("there is a problem").into())
+    };
+    match windows {
+        Windows::Steady => Ok(Windows::Open { window: None }),
+        Windows::Fixed { window, .. } => Ok(Windows::Open { window: Some(*window) }),
+        Windows::Sequence(_) => refuse(
+            "time.mode",
+            "a sequence has the windows of its table, and nobody can ask for others",
+            "write time.mode = \"steady\", and live values in the place of columns",
+        ),
+        Windows::Adaptive { .. } | Windows::Open { .. } => refuse(
+            "time.control",
+            "adaptive windows are chosen by the run, and whoever drives it chooses them",
+            "remove time.control",
+        ),
+    }
+}
+
+/// Who drives the run: the lines of standard input.
+struct Lines {
+    ear: Ear,
+    /// The end was asked for, and is to be confirmed.
+    finish: bool,
+}
+
+impl Driver for Lines {
+    fn drive(&mut self, run: &mut Driven<'_, '_>) -> Result<(), RunError> {
+        output::print_raw(&ready(run))?;
+        let mut looks = 0;
+        loop {
+            let answer = match self.ear.hear(LOOK) {
+                Heard::Nothing => {
+                    looks += 1;
+                    let time =
+                        if looks % LOOKS == 0 { Duration::from_millis(1) } else { Duration::ZERO };
+                    run.idle(time)?;
+                    continue;
+                }
+                Heard::End => return Ok(()),
+                Heard::Noise(what) => Answer::refused(what),
+                Heard::Line(line) => match Request::read(&line) {
+                    Err(what) => Answer::refused(what),
+                    Ok(Request::Finish {}) => {
+                        self.finish = true;
+                        return Ok(());
+                    }
+                    Ok(request) => match act(run, request) {
+                        Ok(answer) => answer,
+                        Err(fault) => match Answer::of_fault(fault) {
+                            (_, Some(error)) => return Err(error),
+                            (answer, None) => answer,
+                        },
+                    },
+                },
+            };
+            output::print_raw(&answer.line())?;
+        }
+    }
+}
+
+/// The first line.
+fn ready(run: &Driven<'_, '_>) -> String {
+    let plan = run.plan();
+    let own = plan.live.iter().filter(|live| live.provider.is_none());
+    let live = own.map(|live| LiveKey {
+        key: &live.kind.name,
+        unit: &live.kind.unit,
+        at: live.first,
+        from: live.limits[0],
+        to: live.limits[1],
+    });
+    let window = match plan.windows {
+        Windows::Open { window } => window,
+        _ => None,
+    };
+    let one_way = run.one_way();
+    let (figures, one_way) = (run.figures().collect(), one_way.as_deref());
+    let live = live.collect();
+    Answer::Ready { ready: VERSION, case: &plan.name, window, live, figures, one_way }.line()
+}
+
+fn act(run: &mut Driven<'_, '_>, request: Request) -> Result<Answer<'static>, Fault> {
+    let give = |run: &mut Driven<'_, '_>, values: BTreeMap<String, f64>| {
+        values.iter().try_for_each(|(key, value)| run.give(key, *value))
+    };
+    match request {
+        Request::Set { values } => give(run, values).map(|()| Answer::DONE),
+        Request::Step { set, end, observe } => {
+            give(run, set)?;
+            run.step(end, observe).map(Answer::stepped)
+        }
+        Request::Save {} => run.save().map(|state| Answer::Saved { state }),
+        Request::Restore { state } => run.restore(state).map(|()| Answer::DONE),
+        Request::Free { state } => run.free(state).map(|()| Answer::DONE),
+        Request::Finish {} => Ok(Answer::DONE),
+    }
+}

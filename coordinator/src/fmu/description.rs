@@ -1,0 +1,133 @@
+//! `modelDescription.xml` of FMI 3.0.
+
+use super::variables::{Variable, Variables};
+use crate::report::html::escape;
+use case::si_exponents;
+use contact_fmu::manifest::{Manifest, TIME};
+use std::collections::BTreeSet;
+use std::fmt::{Result, Write};
+
+/// Names of the exponents that [`si_exponents`] gives, in FMI.
+const BASE: [&str; 7] = ["m", "kg", "s", "K", "A", "mol", "cd"];
+
+/// What the description says of the FMU as a whole.
+pub(super) struct About<'a> {
+    pub(super) name: &'a str,
+    pub(super) title: Option<&'a str>,
+    pub(super) identifier: &'a str,
+    pub(super) version: &'a str,
+}
+
+/// The text of the file.
+pub(super) fn text(about: &About<'_>, variables: &Variables, manifest: &Manifest) -> String {
+    let mut text = String::new();
+    write(&mut text, about, variables, manifest).expect("a text can be written to");
+    text
+}
+
+fn write(f: &mut String, about: &About<'_>, of: &Variables, manifest: &Manifest) -> Result {
+    let About { name, title, identifier, version } = about;
+    writeln!(f, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
+    writeln!(
+        f,
+        r#"<fmiModelDescription fmiVersion="3.0" modelName="{}" instantiationToken="{}" description="{}" generationTool="coordinator {version}" variableNamingConvention="structured">"#,
+        escape(name),
+        manifest.token,
+        escape(title.unwrap_or(name)),
+    )?;
+    let states = of.rewinds;
+    let internal = of.window.map(|window| format!(r#" fixedInternalStepSize="{window:e}""#));
+    writeln!(
+        f,
+        r#"  <CoSimulation modelIdentifier="{identifier}" needsExecutionTool="false" canBeInstantiatedOnlyOncePerProcess="false" canGetAndSetFMUState="{states}" canSerializeFMUState="false" canHandleVariableCommunicationStepSize="true"{}/>"#,
+        internal.unwrap_or_default()
+    )?;
+    units(f, of)?;
+    let step = of.window.map(|window| format!(r#" stepSize="{window:e}""#)).unwrap_or_default();
+    writeln!(f, r#"  <DefaultExperiment startTime="0"{step}/>"#)?;
+    writeln!(f, "  <ModelVariables>")?;
+    writeln!(
+        f,
+        r#"    <Float64 name="time" valueReference="{TIME}" causality="independent" variability="continuous" unit="s" description="time"/>"#
+    )?;
+    for (place, input) in of.inputs.iter().enumerate() {
+        variable(f, input, manifest.input_reference(place))?;
+    }
+    for (place, output) in of.outputs.iter().enumerate() {
+        variable(f, output, manifest.output_reference(place))?;
+    }
+    writeln!(f, "  </ModelVariables>\n  <ModelStructure>")?;
+    for element in ["Output", "InitialUnknown"] {
+        for place in 0..of.outputs.len() {
+            writeln!(
+                f,
+                r#"    <{element} valueReference="{}"/>"#,
+                manifest.output_reference(place)
+            )?;
+        }
+    }
+    writeln!(f, "  </ModelStructure>\n</fmiModelDescription>")
+}
+
+fn units(f: &mut String, of: &Variables) -> Result {
+    let named = of.all().map(|variable| variable.unit.as_str()).filter(|unit| *unit != "1");
+    let all: BTreeSet<&str> = named.chain(["s"]).collect();
+    writeln!(f, "  <UnitDefinitions>")?;
+    for unit in all {
+        let exponents = si_exponents(unit).unwrap_or_default();
+        let base: String = BASE
+            .iter()
+            .zip(exponents)
+            .filter(|(_, exponent)| *exponent != 0)
+            .map(|(name, exponent)| format!(r#" {name}="{exponent}""#))
+            .collect();
+        writeln!(f, r#"    <Unit name="{}"><BaseUnit{base}/></Unit>"#, escape(unit))?;
+    }
+    writeln!(f, "  </UnitDefinitions>")
+}
+
+fn variable(f: &mut String, of: &Variable, reference: u32) -> Result {
+    let Variable { key, unit, words, input } = of;
+    let unit = match unit.as_str() {
+        "1" => String::new(),
+        unit => format!(r#" unit="{}""#, escape(unit)),
+    };
+    let (name, words) = (escape(&structured(key)), escape(words));
+    match input {
+        Some((first, [least, most])) => writeln!(
+            f,
+            r#"    <Float64 name="{name}" valueReference="{reference}" causality="input" variability="continuous" start="{first:e}" min="{least:e}" max="{most:e}"{unit} description="{words}"/>"#
+        ),
+        None => writeln!(
+            f,
+            r#"    <Float64 name="{name}" valueReference="{reference}" causality="output" variability="continuous"{unit} description="{words}"/>"#
+        ),
+    }
+}
+
+/// A dotted key as a structured name: parts that are no identifiers stand in quotes.
+pub(super) fn structured(key: &str) -> String {
+    let part = |part: &str| {
+        let begins = part.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+        match begins && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            true => part.to_owned(),
+            false => format!("'{part}'"),
+        }
+    };
+    key.split('.').map(part).collect::<Vec<_>>().join(".")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::structured;
+
+    #[test]
+    fn names_are_structured() {
+        assert_eq!(structured("load.normal_force"), "load.normal_force");
+        assert_eq!(
+            structured("temperature.left-rail.max_rise_k"),
+            "temperature.'left-rail'.max_rise_k"
+        );
+        assert_eq!(structured("contact.2d"), "contact.'2d'");
+    }
+}

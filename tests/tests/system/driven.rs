@@ -1,0 +1,352 @@
+//! Runs that are driven from outside: values given window by window, states, and what is refused.
+
+use crate::harness::{Ended, Place, case, sets};
+use crate::python::interpreter;
+use serde_json::{Value, json};
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::Stdio;
+
+/// A coordinator that is driven by these lines, to their end; what it said, line by line.
+fn drive(place: &Place, name: &str, settings: &[&str], lines: &[Value]) -> (Ended, Vec<Value>) {
+    let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    drive_by(place, name, settings, text.as_bytes())
+}
+
+fn drive_by(place: &Place, name: &str, settings: &[&str], text: &[u8]) -> (Ended, Vec<Value>) {
+    let mut file = tempfile::tempfile().unwrap();
+    file.write_all(text).unwrap();
+    std::io::Seek::rewind(&mut file).unwrap();
+    let (out, case) = (place.out().display().to_string(), case(name));
+    let settings = sets(settings);
+    let mut arguments = vec!["drive", &case, "--out", &out, "--replace"];
+    arguments.extend(&settings);
+    let mut command = place.command(&arguments);
+    command.stdin(Stdio::from(file));
+    let ended = place.launch(command).wait();
+    let said = ended.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    place.assert_nothing_left();
+    (ended, said)
+}
+
+/// Steps with these values of a key.
+fn steps(key: &str, values: &[f64]) -> Vec<Value> {
+    values.iter().map(|value| json!({"do": "step", "set": {key: value}})).collect()
+}
+
+fn history(place: &Place) -> String {
+    fs::read_to_string(place.out().join("history.csv")).unwrap()
+}
+
+/// A table of rows at these times, and the setting that makes a key its column.
+fn table(folder: &Path, key: &str, rows: &[(f64, f64)]) -> [String; 2] {
+    let rows: String = rows.iter().map(|(time, value)| format!("{time:?},{value:?}\n")).collect();
+    let path = folder.join("run.csv");
+    fs::write(&path, format!("t,value\n{rows}")).unwrap();
+    let column = |key: &str, name: &str| format!("{key}={{file={path:?},column=\"{name}\"}}");
+    [column(key, "value"), column("time.history", "t")]
+}
+
+const LOAD: &str = "load.normal_force";
+const LIVE: &str = "load.normal_force={at=\"134 kN\",from=\"60 kN\",to=\"140 kN\"}";
+
+/// Values that are given window by window are the rows of a table with those values, to the bit.
+fn the_rows_of_a_table(name: &str, common: &[&str], key: &str, limits: [f64; 2], values: &[f64]) {
+    let (table_place, place) = (Place::new(), Place::new());
+    let folder = tempfile::tempdir().unwrap();
+    let rows: Vec<(f64, f64)> = values.iter().map(|value| (0.0, *value)).collect();
+    let [column, time] = table(folder.path(), key, &rows);
+    let mut set = common.to_vec();
+    set.extend(["time.mode=sequence", &column, &time]);
+    table_place.summary(&case(name), &sets(&set));
+    let live = format!("{key}={{at={:?},from={:?},to={:?}}}", values[0], limits[0], limits[1]);
+    let mut set = common.to_vec();
+    set.push(&live);
+    let mut lines = steps(key, values);
+    lines.push(json!({"do": "finish"}));
+    let (ended, said) = drive(&place, name, &set, &lines);
+    assert_eq!(ended.code, Some(0), "{} {said:?}", ended.stderr);
+    assert_eq!(said.len(), values.len() + 2, "{said:?}");
+    assert_eq!(history(&place), history(&table_place));
+    // What a step answers is what stands in the table.
+    let keys = said[0]["figures"].as_array().unwrap();
+    let written = place.table("history.csv");
+    for (window, answer) in said[1..=values.len()].iter().enumerate() {
+        for (figure, value) in keys.iter().zip(answer["figures"].as_array().unwrap()) {
+            let text = written.texts(figure.as_str().unwrap())[window];
+            assert_eq!(value.as_f64(), text.parse().ok(), "{figure}");
+        }
+    }
+}
+
+const LOADS: &[f64] = &[134e3, 60e3, 140e3, 100e3];
+
+table_of_tests! { the_rows_of_a_table:
+    hertz_carter("wheel-rail.toml", &["mech.model=hertz-carter"], LOAD, [60e3, 140e3], LOADS);
+    fastsim("wheel-rail.toml", &["mech.model=fastsim", "mech.resolution=10"], LOAD, [60e3, 140e3], LOADS);
+    half_space("wheel-rail.toml", &["mech.resolution=10"], LOAD, [60e3, 140e3], LOADS);
+    traction("wheel-rail.toml", &["mech.resolution=10"], "motion.traction_coefficient", [0.2, 0.58], &[0.58, 0.2, 0.4]);
+    a_loop("falling-friction.toml", &["mech.model=half-space", "mech.resolution=8", "effects.temperature_friction.decay_temperature=300"], LOAD, [60e3, 140e3], LOADS);
+    wheel_on_track("wheel-on-track.toml", &["mech.resolution=10"], "wheelset.y", [0.0, 0.004], &[0.003, 0.0, 0.004, 0.002]);
+}
+
+const TRANSIENT: [&str; 5] = [
+    "mech.resolution=10",
+    "time.mode=transient",
+    "time.window=1e-4",
+    "time.end=4e-4",
+    "motion.traction_coefficient=0.4",
+];
+
+/// The middle of a window.
+fn middle(window: usize) -> f64 {
+    0.5 * (window as f64 * 1e-4 + (window + 1) as f64 * 1e-4)
+}
+
+/// In time the values hold over their windows: as a table has them whose instants are their middles.
+#[test]
+fn windows_in_time_have_the_values_that_are_given() {
+    for rolling in ["steady", "transient"] {
+        let rolling = format!("mech.rolling={rolling}");
+        let folder = tempfile::tempdir().unwrap();
+        let rows: Vec<_> = LOADS.iter().enumerate().map(|(k, load)| (middle(k), *load)).collect();
+        let [column, time] = table(folder.path(), LOAD, &rows);
+        let mut set = TRANSIENT.to_vec();
+        set.push(&rolling);
+        let live: Vec<&str> = set.iter().copied().chain([LIVE]).collect();
+        set.extend([column.as_str(), &time]);
+        let (table_place, place) = (Place::new(), Place::new());
+        table_place.summary(&case("wheel-rail.toml"), &sets(&set));
+        let (ended, said) = drive(&place, "wheel-rail.toml", &live, &steps(LOAD, LOADS));
+        assert_eq!(ended.code, Some(0), "{} {said:?}", ended.stderr);
+        assert_eq!(history(&place), history(&table_place), "{rolling}");
+        // Nobody drives: the first value holds, in the windows of the case.
+        let alone = Place::new();
+        alone.summary(&case("wheel-rail.toml"), &sets(&live));
+        let constant = Place::new();
+        drive(&constant, "wheel-rail.toml", &live, &steps(LOAD, &[134e3; 4]));
+        assert_eq!(history(&constant), history(&alone));
+    }
+}
+
+/// A state that is returned to gives the same windows again, to the bit, as if nothing had been between;
+/// several are kept, and a window without an answer leaves the state before it.
+#[test]
+fn states_are_returned_to() {
+    let cases: [(&str, &[&str]); 3] = [
+        ("wheel-rail.toml", &TRANSIENT),
+        ("wheel-rail.toml", &["mech.resolution=10"]),
+        (
+            "falling-friction.toml",
+            &[
+                "mech.model=half-space",
+                "mech.resolution=8",
+                "time.mode=transient",
+                "time.window=1e-4",
+                "time.end=1e-3",
+            ],
+        ),
+    ];
+    for (name, common) in cases {
+        let mut set = common.to_vec();
+        set.push(LIVE);
+        let place = Place::new();
+        let mut straight = steps(LOAD, LOADS);
+        straight.push(json!({"do": "finish"}));
+        let (_, expected) = drive(&place, name, &set, &straight);
+        let expected_history = history(&place);
+        let step = |k: usize| json!({"do": "step", "set": {LOAD: LOADS[k]}});
+        let other = json!({"do": "step", "set": {LOAD: 70e3}});
+        let back = |state: u64| json!({"do": "restore", "state": state});
+        let lines = [
+            step(0),
+            json!({"do": "save"}),
+            step(1),
+            json!({"do": "save"}),
+            other.clone(),
+            other,
+            back(1),
+            back(2),
+            back(1),
+            step(1),
+            step(2),
+            back(2),
+            step(2),
+            json!({"do": "free", "state": 1}),
+            json!({"do": "restore", "state": 1}),
+            step(3),
+            json!({"do": "finish"}),
+        ];
+        let (ended, said) = drive(&place, name, &set, &lines);
+        assert_eq!(ended.code, Some(0), "{} {said:?}", ended.stderr);
+        let same = [(1, 1), (3, 2), (10, 2), (11, 3), (13, 3), (16, 4)];
+        for (found, one) in same {
+            assert_eq!(said[found], expected[one], "{name}: line {found}");
+        }
+        assert_eq!(said[15]["kind"], "refused", "{:?}", said[15]);
+        assert_eq!(history(&place), expected_history, "{name}");
+    }
+}
+
+/// What is wrong is named, and nothing has changed; the end of the input is the end of the run.
+#[test]
+fn what_cannot_be_done_is_refused() {
+    let place = Place::new();
+    let set = ["mech.model=hertz-carter", "mech.resolution=10", LIVE];
+    let text = concat!(
+        "{\"do\":\"save\"}\n",
+        "{\"do\":\"step\",\"set\":{\"load.normal_force\":150000.0}}\n",
+        "{\"do\":\"step\",\"set\":{\"load.weight\":1.0}}\n",
+        "nonsense\n",
+        "\u{0}\n",
+        "{\"do\":\"step\",\"end\":-1.0}\n",
+        "{\"do\":\"restore\",\"state\":7}\n",
+        "{\"do\":\"step\",\"end\":2.5}\n",
+    );
+    let (ended, said) = drive_by(&place, "wheel-rail.toml", &set, text.as_bytes());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let parts = [
+        "no state before the first window",
+        "window 0: 150000 of `load.normal_force` is not between 60000 and 140000",
+        "`load.weight` is no live value of this run; there are: load.normal_force",
+        "no request",
+        "no request",
+        "window 0 begins at 0 s and cannot end at -1 s",
+        "there is no state 7",
+    ];
+    for (answer, part) in said[1..].iter().zip(parts) {
+        assert_eq!(answer["kind"], "refused", "{answer}");
+        assert!(answer["error"].as_str().unwrap().contains(part), "{answer} {part}");
+    }
+    assert_eq!((&said[8]["window"], &said[8]["end"]), (&json!(0), &json!(2.5)));
+    assert_eq!(said.len(), 9);
+    let history = place.table("history.csv");
+    assert_eq!(history.numbers("contact.normal_force_n"), [134e3]);
+}
+
+/// A window without an answer says why, and the run goes on from the state before it.
+#[test]
+fn a_window_without_an_answer_leaves_the_state() {
+    let place = Place::new();
+    let live = "motion.traction_coefficient={at=0.4,from=0.1,to=0.7}";
+    let set = ["mech.resolution=10", live];
+    let values = [0.4, 0.65, 0.4];
+    let lines = steps("motion.traction_coefficient", &values);
+    let (ended, said) = drive(&place, "wheel-rail.toml", &set, &lines);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(said[2]["kind"], "no-answer", "{:?}", said[2]);
+    assert!(said[2]["error"].as_str().unwrap().contains("window 1"), "{:?}", said[2]);
+    assert_eq!(said[3]["window"], 1, "{:?}", said[3]);
+}
+
+/// Cases that cannot be driven so are refused with key and fix, on standard output too.
+#[test]
+fn cases_that_cannot_be_driven() {
+    let rows: [(&[&str], &str); 6] = [
+        (
+            &["load.normal_force={at=1e3,from=2e3,to=3e3}"],
+            "1000 N is not between 2000 N and 3000 N",
+        ),
+        (&["load.normal_force={at=1e3,from=1e2}"], "`to` is missing"),
+        (&["load.normal_force={at=1e3,from=-5,to=2e3}"], "`from` -5 N is not"),
+        (&["mech.resolution={at=10,from=5,to=20}"], "reads one number"),
+        (&[LIVE, "time.mode=sequence"], "a sequence has the rows of a table"),
+        (
+            &[
+                LIVE,
+                "time.mode=transient",
+                "time.window=1e-4",
+                "time.end=1e-3",
+                "time.control=adaptive",
+            ],
+            "adaptive windows are chosen by the run",
+        ),
+    ];
+    for (set, part) in rows {
+        let place = Place::new();
+        let (ended, said) = drive(&place, "wheel-rail.toml", set, &[]);
+        assert_eq!(ended.code, Some(2), "{part}: {said:?}");
+        let error = said[0]["error"].as_str().unwrap();
+        assert!(error.contains(part), "{part}: {error}");
+        assert_eq!(said[0]["kind"], "ended");
+    }
+}
+
+/// Several live values at once; the plan says what they are.
+#[test]
+fn a_plan_names_the_live_values() {
+    let place = Place::new();
+    let speed = "motion.speed={at=38.889,from=10,to=60}";
+    let set = sets(&["mech.model=hertz-carter", LIVE, speed]);
+    let case = case("wheel-rail.toml");
+    let mut arguments = vec!["plan", &case];
+    arguments.extend(&set);
+    let text = crate::harness::flat(&place.start(&arguments).wait().stdout);
+    let load = "load.normal_force coordinator -> mech; from 60000 N to 140000 N, 134000 N in a run that nobody drives";
+    assert!(text.contains(load), "{text}");
+    assert!(
+        text.contains("motion.speed coordinator -> mech, thermal; from 10 m/s to 60 m/s"),
+        "{text}"
+    );
+}
+
+/// A participant that describes a field named like a live key gives it, in every window; what is beyond the
+/// limits ends the run.
+#[test]
+fn a_participant_gives_a_live_value() {
+    let folder = tempfile::tempdir().unwrap();
+    let loads: Vec<f64> = (0..4).map(|k| 100e3 + 10e3 * f64::from(k)).collect();
+    let mut rows: Vec<_> = loads.iter().enumerate().map(|(k, load)| (middle(k), *load)).collect();
+    // Laid out for the same.
+    rows.extend([(1.0, 90e3), (2.0, 130e3)]);
+    let [column, time] = table(folder.path(), LOAD, &rows);
+    let program = "tests/tests/system/python/vehicle.py";
+    let command =
+        format!("vehicle.command=[{:?}, {program:?}]", interpreter().display().to_string());
+    for model in ["hertz-carter", "half-space"] {
+        let model = format!("mech.model={model}");
+        let mut common = TRANSIENT.to_vec();
+        common.push(&model);
+        let mut set = common.clone();
+        set.extend([column.as_str(), &time]);
+        let by_table = Place::new();
+        by_table.summary(&case("wheel-rail.toml"), &sets(&set));
+        let given = |limits: &str| {
+            let live = format!("load.normal_force={{at=1e5,{limits}}}");
+            let mut set = common.clone();
+            set.extend([command.as_str(), "vehicle.model=law", &live]);
+            let place = Place::new();
+            let ended = place.run(&case("wheel-rail.toml"), &sets(&set));
+            place.assert_nothing_left();
+            (place, ended)
+        };
+        let (place, ended) = given("from=9e4,to=1.3e5");
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        assert_eq!(history(&place), history(&by_table), "{model}");
+        let (_, ended) = given("from=9e4,to=1.15e5");
+        assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+        let part =
+            "gives `load.normal_force` the value 120000, which is not between 90000 and 115000";
+        assert!(
+            ended.stderr.contains(part) && ended.stderr.contains("window 2"),
+            "{}",
+            ended.stderr
+        );
+    }
+}
+
+/// What was recorded of a run with live values replays, to the bit.
+#[test]
+fn live_values_are_recorded_and_replayed() {
+    let mut set = TRANSIENT.to_vec();
+    set.extend(["mech.model=hertz-carter", LIVE]);
+    let place = Place::new();
+    let mut more = sets(&set);
+    more.push("--record");
+    place.summary(&case("wheel-rail.toml"), &more);
+    let recording = place.out().join("recording.mcap").display().to_string();
+    let replayed = place.start(&["replay", &recording, "--only", "mech"]).wait();
+    assert_eq!(replayed.code, Some(0), "{}{}", replayed.stdout, replayed.stderr);
+    place.assert_nothing_left();
+}

@@ -1,0 +1,20 @@
+//! Cases as FMUs, in FMPy: `proto/python/tests/fmu_out.py`, which needs the executables.
+
+use crate::harness::{programs, root};
+use crate::python::interpreter;
+use std::process::Command;
+
+#[test]
+fn a_case_is_an_fmu() {
+    let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
+    let ended = Command::new(interpreter())
+        .args(["-m", "pytest", "-p", "no:cacheprovider", "proto/python/tests/fmu_out.py"])
+        .env("COSIM_COORDINATOR", programs().join("coordinator"))
+        .env("COSIM_RUNTIME_DIR", runtime.path())
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&ended.stdout);
+    assert!(ended.status.success(), "{said}{}", String::from_utf8_lossy(&ended.stderr));
+    println!("{said}");
+}
