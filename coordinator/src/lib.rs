@@ -24,6 +24,7 @@ mod new;
 mod output;
 mod picture;
 mod progress;
+mod relay;
 mod replay;
 mod report;
 mod reproduce;

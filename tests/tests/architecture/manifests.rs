@@ -19,6 +19,7 @@ const ORDER: &[(&str, &[&str])] = &[
     ("case", &["contract", "coupling"]),
     ("surrogate", &[]),
     ("run", &["contract", "proto", "coupling", "case"]),
+    ("relay", &["contract", "proto", "coupling", "run"]),
     ("coordinator", &["contract", "proto", "coupling", "case", "surrogate", "run"]),
 ];
 
