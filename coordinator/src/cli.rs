@@ -23,6 +23,7 @@ use crate::new_solver;
 use crate::output;
 use crate::picture;
 use crate::progress::Progress;
+use crate::relay;
 use crate::replay;
 use crate::report;
 use crate::report::page::Page;
@@ -126,6 +127,9 @@ enum Command {
     Inspect(inspect::Arguments),
     /// Drive one participant through a recording, and compare all that it sends.
     Replay(replay::Arguments),
+    /// Carry a participant on another machine to the run at home.
+    #[command(disable_help_flag = true)]
+    Relay(relay::Arguments),
     /// Put a participant through the whole contract, and print how it went.
     Conform(conform::Arguments),
     /// Run the hard cases, drive their parameters to the edge, and print what held.
@@ -358,6 +362,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
         Command::Figures(asked) => Ok(catalogue::figures(asked, &installed()?)?),
         Command::Inspect(asked) => Ok(inspect::main(asked)?),
         Command::Replay(asked) => Ok(replay::main(asked, arguments.quiet)?),
+        Command::Relay(asked) => Ok(relay::main(asked)?),
         Command::Conform(asked) => Ok(conform::main(asked, arguments.quiet)?),
         Command::States(asked) => Ok(states::main(asked, arguments.quiet)?),
         Command::Sweep(asked) => Ok(sweep::main(asked, arguments.quiet)?),

@@ -27,6 +27,7 @@ mod new_solver;
 mod output;
 mod picture;
 mod progress;
+mod relay;
 mod replay;
 mod report;
 mod reproduce;

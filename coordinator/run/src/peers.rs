@@ -268,12 +268,25 @@ impl Peers {
     ///
     /// # Errors
     /// A process has ended; the user wants to stop.
-    pub fn idle(&mut self, time: Duration, mut beat: impl FnMut()) -> Result<(), Stopped> {
+    pub fn idle(&mut self, time: Duration, beat: impl FnMut()) -> Result<(), Stopped> {
         let until = Instant::now() + time;
+        self.attend(|| (Instant::now() >= until).then_some(()), beat)
+    }
+
+    /// Waits for something that does not come from a participant, with an eye on processes and signals; it is
+    /// looked for whenever the doorbell of the coordinator rings. `beat` hears of every heartbeat.
+    ///
+    /// # Errors
+    /// A process has ended; the user wants to stop.
+    pub fn attend<T>(
+        &mut self,
+        mut found: impl FnMut() -> Option<T>,
+        mut beat: impl FnMut(),
+    ) -> Result<T, Stopped> {
         let Self { doorbell, supervisor, .. } = self;
         let poll = || -> Result<_, Waiting> {
             interrupted_or_exited(supervisor, |_| false).map_err(Waiting::Stopped)?;
-            Ok((Instant::now() >= until).then_some(()))
+            Ok(found())
         };
         doorbell.wait(poll, |_, _| beat()).map_err(|waiting| waiting.of(ParticipantIndex::FIRST))
     }

@@ -59,6 +59,29 @@ impl Program {
         input: Vec<u8>,
         deadline: Duration,
     ) -> Result<T, RunError> {
+        let said = self.answer(role, question, input, deadline).await?;
+        serde_json::from_slice(&said).map_err(|error| {
+            let why = match answers(&said) {
+                0 | 1 => format!("its answer is not valid: {error}"),
+                _ => "it answers more than once: of several processes that are started as one \
+                      participant (MPI ranks) only one answers, and joins (docs/write-a-solver.md)"
+                    .to_owned(),
+            };
+            self.failed(role, question, &why)
+        })
+    }
+
+    /// What the program writes to its standard output when it is asked (`--describe`), as it is.
+    ///
+    /// # Errors
+    /// It is not there, fails, or is late; the user wants to stop.
+    pub async fn answer(
+        &self,
+        role: &str,
+        question: &str,
+        input: Vec<u8>,
+        deadline: Duration,
+    ) -> Result<Vec<u8>, RunError> {
         let answer = tokio::select! {
             answer = tokio::time::timeout(deadline, self.converse(question, input)) => answer,
             signal = signals::wait() => {
@@ -84,15 +107,7 @@ impl Program {
             let why = format!("it ended with {}, saying: {last}", output.status);
             return Err(self.failed(role, question, &why));
         }
-        serde_json::from_slice(&output.stdout).map_err(|error| {
-            let why = match answers(&output.stdout) {
-                0 | 1 => format!("its answer is not valid: {error}"),
-                _ => "it answers more than once: of several processes that are started as one \
-                      participant (MPI ranks) only one answers, and joins (docs/write-a-solver.md)"
-                    .to_owned(),
-            };
-            self.failed(role, question, &why)
-        })
+        Ok(output.stdout)
     }
 
     async fn converse(&self, question: &str, input: Vec<u8>) -> io::Result<Output> {

@@ -9,7 +9,7 @@
 mod portable;
 mod writing;
 
-pub use portable::{case_files, fits, without_paths};
+pub use portable::{case_files, fits, named_files, portable_body, without_paths};
 pub use proto::recording::Compression;
 
 use crate::error::{Failure, RunError, file_failure};
@@ -19,7 +19,7 @@ use crate::results::write::fresh;
 use crate::signals;
 use contract::message::{Command, CommandKind, Reply, Status};
 use coupling::ParticipantIndex;
-use portable::{portable_body, without_files};
+use portable::without_files;
 use proto::recording::{CaseFile, Event, FORMAT, Head, Participant, RecordingWriter};
 use proto::transport::{Endpoint, TransportError};
 use std::path::{Path, PathBuf};

@@ -57,6 +57,7 @@ mod patches;
 mod picture;
 mod python;
 mod recording;
+mod relay;
 mod report;
 mod reproduce;
 mod results;

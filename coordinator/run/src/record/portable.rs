@@ -19,17 +19,25 @@ pub fn case_files(plan: &Plan) -> Result<Vec<(CaseFile, Vec<u8>)>, RunError> {
     for participant in &plan.participants {
         let case = serde_json::to_value(&participant.configuration.case)
             .expect("a configuration is plain data");
-        texts(&case, &mut Vec::new(), &mut |key, path| {
-            if names_file(&participant.description, key) {
-                named.insert(key.join("."), PathBuf::from(path));
-            }
-        });
+        named.extend(named_files(&participant.description, &case));
     }
     let read = |(key, path): (String, PathBuf)| {
         let content = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
         Ok((CaseFile { attachment: attachment_name(&key), key }, content))
     };
     named.into_iter().map(read).collect()
+}
+
+/// The files that a configuration's case names, by their dotted keys: those of keys that are files.
+#[must_use]
+pub fn named_files(participant: &Description, case: &Value) -> BTreeMap<String, PathBuf> {
+    let mut named = BTreeMap::new();
+    texts(case, &mut Vec::new(), &mut |key, path| {
+        if names_file(participant, key) {
+            named.insert(key.join("."), PathBuf::from(path));
+        }
+    });
+    named
 }
 
 /// Every text of a tree with its key.
@@ -63,13 +71,16 @@ pub fn fits(path: &str, key: &[&str]) -> bool {
         && parts.zip(key).all(|(part, name)| part == "*" || part == *name)
 }
 
-/// The body of `Configure` with the names of attachments in the place of paths.
-pub(super) fn portable_body(body: &[u8], files: &[CaseFile]) -> Vec<u8> {
+/// The body of `Configure` with the names of attachments in the place of paths; one that is no
+/// configuration as it is.
+#[must_use]
+pub fn portable_body(body: &[u8], files: &[CaseFile]) -> Vec<u8> {
     if files.is_empty() {
         return body.to_vec();
     }
-    let mut configuration: Value =
-        serde_json::from_slice(body).expect("we have written it ourselves");
+    let Ok(mut configuration) = serde_json::from_slice::<Value>(body) else {
+        return body.to_vec();
+    };
     for file in files {
         if let Some(value) = configuration.pointer_mut(&format!("/case{}", pointer(&file.key))) {
             *value = Value::String(file.attachment.clone());

@@ -1,0 +1,337 @@
+//! The program as a participant of a run that exists here only: what the coordinator at home sends it reaches it
+//! through shared memory, as if the coordinator were here.
+//!
+//! Nothing here has a deadline of its own but the start: the coordinator at home has them all, hears every
+//! heartbeat, and leaves when it does not want to wait any longer; with it goes the participant.
+
+use super::guard::Guard;
+use super::place::Place;
+use crate::frame::Frame;
+use crate::line::{Fault, Incoming, Sending};
+use crate::pack::Packing;
+use crate::routes::{ForwardError, Readers, Routes, SampleError, Writers};
+use contract::message::{Command, CommandKind, Reply, StateFile, Status, Topics};
+use contract::text::one_line;
+use coupling::ParticipantIndex;
+use proto::transport::TransportError;
+use run::deadlines::Deadlines;
+use run::error::RunError;
+use run::peers::{COORDINATOR, EndsFirst, Peers, Phase, Seat, Stopped};
+use run::programs::Program;
+use run::progress::{Progress, Work};
+use run::supervise::Exit;
+use std::fs::File;
+use std::io::Read;
+use std::os::unix::process::ExitStatusExt;
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The participant.
+const ONE: ParticipantIndex = ParticipantIndex::FIRST;
+/// Longer than anybody at home waits.
+const FOR_EVER: Duration = Duration::from_secs(365 * 86_400);
+const DEADLINES: Deadlines = Deadlines {
+    start: Duration::from_secs(300),
+    build: FOR_EVER,
+    solve: FOR_EVER,
+    heartbeat: FOR_EVER,
+};
+/// Bytes of a state in one message.
+const PIECE: u64 = 1 << 20;
+/// Of an error of a process that has just ended.
+const EXITS: Duration = Duration::from_millis(200);
+
+/// How a run ends early: the exit code and the last words of the end at home.
+#[derive(Debug)]
+pub(super) struct Over {
+    pub(super) code: u8,
+    pub(super) words: String,
+}
+
+impl Over {
+    fn of(words: impl std::fmt::Display) -> Self {
+        Self { code: 1, words: words.to_string() }
+    }
+
+    /// A process has ended: its last words, or how.
+    fn exit(exit: &Exit) -> Self {
+        let code = exit.status.code().and_then(|code| u8::try_from(code).ok());
+        let signal = exit.status.signal();
+        let how = match (code, signal) {
+            (Some(code), _) => format!("ended with exit code {code}"),
+            (None, Some(signal)) => format!("was killed by signal {signal}"),
+            (None, None) => "ended".to_owned(),
+        };
+        let words = match (&exit.last_words, signal) {
+            (Some(last), None) => last.clone(),
+            (Some(last), Some(_)) => format!("the process at the far end {how}, saying: {last}"),
+            (None, _) => format!("the process at the far end {how}"),
+        };
+        let killed = || 128 + signal.and_then(|signal| u8::try_from(signal).ok()).unwrap_or(0);
+        Self { code: code.unwrap_or_else(killed).max(1), words }
+    }
+}
+
+macro_rules! over_of {
+    ($($error:ty),*) => { $(impl From<$error> for Over {
+        fn from(error: $error) -> Self {
+            Self::of(error)
+        }
+    })* };
+}
+over_of!(Fault, TransportError, ForwardError, SampleError, RunError, std::io::Error);
+
+/// Long work is shown at home.
+struct ToHome(Arc<Sending>);
+
+impl std::fmt::Debug for ToHome {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("ToHome")
+    }
+}
+
+impl Progress for ToHome {
+    fn window(&self, _done: u64, _reached: f64) {}
+
+    fn working(&self, work: &Work<'_>) {
+        // A line that is lost is the guard's to notice.
+        let _ = self.0.sign(&Frame::Progress(work.report));
+    }
+
+    fn finish(&self) {}
+}
+
+/// The line to the end at home.
+type ToAndFro<'a> = (&'a Arc<Sending>, &'a mut Incoming, &'a Guard);
+
+/// Takes part until the end at home finishes or leaves.
+pub(super) fn run(
+    program: &Program,
+    role: &str,
+    (sending, messages, guard): ToAndFro<'_>,
+    packing: Packing,
+) -> Result<(), Over> {
+    let seat = Seat { role: role.to_owned(), program: program.clone(), attach: false };
+    let mut peers = Peers::start(&[seat], DEADLINES, None)?;
+    guard.end_with_it(peers.end_first());
+    peers.show_on(&(Rc::new(ToHome(Arc::clone(sending))) as Rc<dyn Progress>));
+    let bell = peers.endpoint().ringer(COORDINATOR)?;
+    guard.ring(Some(Box::new(move || {
+        let _ = bell.ring();
+    })));
+    let place = Place::new(Some(&peers.info().folder))?;
+    let ends_first = peers.end_first();
+    let mut run = Run {
+        _ends_first: ends_first,
+        sending,
+        messages,
+        guard,
+        packing,
+        ports: None,
+        place,
+        moves: false,
+        peers,
+    };
+    let ended = run.serve();
+    guard.ring(None);
+    let ended = ended.map_err(|over| match run.peers.phase {
+        Phase::Starting => over,
+        phase if guard.lost().is_some() => Over { words: format!("{phase}"), ..over },
+        _ => over,
+    });
+    drop(run);
+    guard.let_go();
+    ended
+}
+
+struct Run<'a> {
+    // Processes end first, ports close next, the run's folder goes last.
+    _ends_first: EndsFirst,
+    sending: &'a Arc<Sending>,
+    messages: &'a mut Incoming,
+    guard: &'a Guard,
+    packing: Packing,
+    ports: Option<(Readers, Writers)>,
+    place: Place,
+    /// It answers every `Accept`.
+    moves: bool,
+    peers: Peers,
+}
+
+impl Run<'_> {
+    fn serve(&mut self) -> Result<(), Over> {
+        let joined = self.peers.joined(ONE, DEADLINES.start);
+        joined.map_err(|stopped| self.over(stopped))?;
+        self.sending.send(&Frame::Joined)?;
+        tracing::info!("a run has begun");
+        loop {
+            let message = self.next()?;
+            match Frame::read(&message).map_err(Fault::from)? {
+                Frame::Sample { topic, header, packing, values, bytes } => {
+                    let Some((_, writers)) = &self.ports else { return Err(out_of_turn()) };
+                    writers.publish(topic, &header, packing, values, bytes)?;
+                }
+                Frame::File { key, ending, last, bytes } => {
+                    self.place.file(key, ending, bytes, last)?;
+                }
+                Frame::State { part, last, bytes } => self.place.state(part, bytes, last)?,
+                Frame::Command(command, body) => {
+                    if self.command(command, body)? {
+                        self.peers.wait_for_exits();
+                        return Ok(());
+                    }
+                }
+                _ => return Err(out_of_turn()),
+            }
+        }
+    }
+
+    /// The next message from home.
+    fn next(&mut self) -> Result<Vec<u8>, Over> {
+        let Self { peers, messages, guard, sending, .. } = self;
+        let found = || match (messages.poll(), guard.lost()) {
+            (Ok(Some(message)), _) => Some(Ok(message)),
+            (Err(fault), _) => Some(Err(Over::from(fault))),
+            (Ok(None), Some(lost)) => Some(Err(Over::of(lost))),
+            (Ok(None), None) => None,
+        };
+        let next = peers.attend(found, || {
+            let _ = sending.sign(&Frame::Beat);
+        });
+        next.map_err(|stopped| self.over(stopped))?
+    }
+
+    /// Passes a command on, and sends home what comes of it; whether it was the last one.
+    fn command(&mut self, command: Command, body: &[u8]) -> Result<bool, Over> {
+        let kind = CommandKind::from_number(command.kind);
+        let (body, topics) = self.local(kind, body)?;
+        self.peers.phase = Phase::of(&command);
+        let silent = kind == Some(CommandKind::Accept) && command.flags == 0 && !self.moves;
+        self.peers.send(ONE, command, &body, !silent).map_err(|error| {
+            self.over(Stopped::Transport(ONE, error))
+        })?;
+        if silent {
+            return Ok(false);
+        }
+        let sending = Arc::clone(self.sending);
+        let reply = self.peers.wait(ONE, FOR_EVER, || {
+            let _ = sending.sign(&Frame::Beat);
+        });
+        let (_, message) = reply.map_err(|stopped| self.over(stopped))?;
+        let (reply, body): (Reply, Vec<u8>) = (*message.header(), message.body().to_vec());
+        drop(message);
+        let done = reply.status == Status::Done as u32;
+        match (kind, topics) {
+            (Some(CommandKind::Connect), Some(topics)) if done => {
+                let until = Instant::now() + DEADLINES.start;
+                if let Some((_, writers)) = &self.ports {
+                    writers.wait_for_subscribers(until)?;
+                }
+                self.moves = !topics.geometry.is_empty();
+            }
+            (Some(CommandKind::Connect), _) => self.ports = None,
+            (Some(CommandKind::Save), _) if done => self.send_state()?,
+            _ => {}
+        }
+        if matches!(kind, Some(CommandKind::Save | CommandKind::Restore)) {
+            self.place.clear_state();
+        }
+        if let Some((readers, _)) = &self.ports {
+            readers.forward(self.sending, self.packing)?;
+        }
+        self.sending.send(&Frame::Reply(reply, &body))?;
+        Ok(done && kind == Some(CommandKind::Finish))
+    }
+
+    /// The body of a command as it is here. One that is none is the participant's to refuse.
+    fn local(
+        &mut self,
+        kind: Option<CommandKind>,
+        body: &[u8],
+    ) -> Result<(Vec<u8>, Option<Topics>), Over> {
+        let body = match kind {
+            Some(CommandKind::Configure) => self.place.configuration(body),
+            Some(CommandKind::Connect) => {
+                let Ok(topics) = serde_json::from_slice::<Topics>(body) else {
+                    return Ok((body.to_vec(), None));
+                };
+                self.open(&topics)?;
+                let far = serde_json::to_vec(&Routes::far(&topics)).expect("topics are plain data");
+                return Ok((far, Some(topics)));
+            }
+            Some(CommandKind::Save | CommandKind::Restore) => {
+                let Ok(mut file) = serde_json::from_slice::<StateFile>(body) else {
+                    return Ok((body.to_vec(), None));
+                };
+                file.path = self.place.part(0);
+                for (output, part) in file.outputs.iter_mut().zip(1..) {
+                    output.path = self.place.part(part);
+                }
+                serde_json::to_vec(&file).expect("paths of a run are UTF-8")
+            }
+            _ => body.to_vec(),
+        };
+        Ok((body, None))
+    }
+
+    fn open(&mut self, topics: &Topics) -> Result<(), Over> {
+        let routes = Routes::of(topics);
+        let endpoint = self.peers.endpoint();
+        self.ports = None;
+        let writers = Writers::open(endpoint, &routes.inward, true)?;
+        let readers = Readers::open(endpoint, &routes.outward)?;
+        self.messages.most = routes.longest();
+        self.ports = Some((readers, writers));
+        Ok(())
+    }
+
+    /// Sends the state that has just been saved.
+    fn send_state(&self) -> Result<(), Over> {
+        let path: PathBuf = self.place.part(0);
+        let mut file = File::open(path)?;
+        let mut piece = Vec::new();
+        loop {
+            piece.clear();
+            let count = file.by_ref().take(PIECE).read_to_end(&mut piece)?;
+            let last = (count as u64) < PIECE;
+            self.sending.send(&Frame::State { part: 0, last, bytes: &piece })?;
+            if last {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Why a wait has ended, for the end at home.
+    fn over(&self, stopped: Stopped) -> Over {
+        match stopped {
+            Stopped::Interrupted(signal) => {
+                Over::of(format!("the far end was interrupted by {signal}"))
+            }
+            Stopped::Exited(exit) => Over::exit(&exit),
+            Stopped::ReplyLost(_) => {
+                Over::of("at the far end it has processed the last command, but its reply did not arrive")
+            }
+            Stopped::Late(_, patience) => {
+                let seconds = patience.as_secs_f64();
+                Over::of(format!("at the far end it did not join within {seconds:.0} s"))
+            }
+            Stopped::Silent(..) | Stopped::Gone(_) => Over::of("the far participant is gone"),
+            Stopped::Transport(_, error) => {
+                let until = Instant::now() + EXITS;
+                while Instant::now() < until {
+                    if let Some(exit) = self.peers.supervisor().exits().first() {
+                        return Over::exit(exit);
+                    }
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                Over::of(one_line(&error.to_string()))
+            }
+        }
+    }
+}
+
+fn out_of_turn() -> Over {
+    Over::of("the end at home says something out of turn")
+}

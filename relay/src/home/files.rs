@@ -1,0 +1,53 @@
+//! Files that a case names travel with it, and no path does.
+
+use super::HomeError;
+use crate::frame::Frame;
+use crate::line::Sending;
+use contract::description::Description;
+use run::record::named_files;
+use serde_json::Value;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Bytes of a file in one message.
+const PIECE: usize = 1 << 20;
+/// Letters of the ending of a name that travel.
+const ENDING: usize = 16;
+
+/// Sends the files that a configuration names. One that is none is the participant's to refuse.
+pub(super) fn send_files(
+    sending: &Sending,
+    description: &Description,
+    configuration: &[u8],
+) -> Result<(), HomeError> {
+    let Ok(configuration) = serde_json::from_slice::<Value>(configuration) else { return Ok(()) };
+    for (key, path) in named_files(description, &configuration["case"]) {
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        let simple = ending.len() <= ENDING && ending.bytes().all(|b| b.is_ascii_alphanumeric());
+        let ending = if simple { ending } else { "" };
+        let sent = pieces(&path, |bytes, last| {
+            sending.send(&Frame::File { key: &key, ending, last, bytes })
+        });
+        sent.map_err(|why| HomeError::of(format!("{key}: {}: {why}", path.display())))?;
+    }
+    Ok(())
+}
+
+/// Gives a file away piece by piece, the last one marked.
+pub(super) fn pieces<E: std::fmt::Display>(
+    path: &Path,
+    mut give: impl FnMut(&[u8], bool) -> Result<(), E>,
+) -> Result<(), String> {
+    let mut file = File::open(path).map_err(|error| error.to_string())?;
+    let mut piece = Vec::with_capacity(PIECE);
+    loop {
+        piece.clear();
+        let read = file.by_ref().take(PIECE as u64).read_to_end(&mut piece);
+        let count = read.map_err(|error| error.to_string())?;
+        give(&piece, count < PIECE).map_err(|error| error.to_string())?;
+        if count < PIECE {
+            return Ok(());
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Taking part in the run at home in the place of the far participant.
+
+use super::ask::{Kept, out_of_turn};
+use super::keeper::{Membership, leave};
+use super::seat::Seat;
+use super::serve::Server;
+use super::{Home, HomeError};
+use crate::frame::Frame;
+use proto::run_dir::{CoordinatorWatch, RunDir};
+use std::io::Write;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// From one look at the coordinator to the next.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Takes part in a run.
+///
+/// # Errors
+/// The run cannot be joined, the far end not reached; or how the far participant has ended.
+pub fn join(home: &Home, folder: &Path, role: &str) -> Result<(), HomeError> {
+    let run = RunDir::join(folder, role).map_err(HomeError::of)?;
+    let info = run.info().clone();
+    let watch = run.watch().map_err(HomeError::of)?;
+    // Declared first: whatever ends the process, ports close before the run's folder is left.
+    let membership: Membership = Arc::new(Mutex::new(Some(run)));
+    follow(watch, Arc::clone(&membership));
+    let mut kept = Kept::open(home, &membership)?;
+    let description = kept.description()?;
+    if description.role != role {
+        let (name, plays) = (&description.name, &description.role);
+        return Err(HomeError::of(format!(
+            "{}: the program there, `{name}`, plays `{plays}`, not `{role}`",
+            home.endpoint
+        )));
+    }
+    kept.sending.send(&Frame::Join { packing: home.packing }).map_err(HomeError::of)?;
+    let answer = kept.next()?;
+    if Frame::read(&answer).map_err(HomeError::of)? != Frame::Joined {
+        return Err(out_of_turn());
+    }
+    let (seat, heart) = Seat::open(&info, role).map_err(HomeError::of)?;
+    *kept.ears.lock().unwrap_or_else(PoisonError::into_inner) = Some(heart);
+    let mut server = Server::new(seat, &mut kept, description, home.packing);
+    let served = server.serve();
+    drop(server);
+    // Its ports belong to the node, which closes after them.
+    *kept.ears.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    served?;
+    kept.close();
+    Ok(())
+}
+
+/// Ends the process when the coordinator is dead, whatever is waited for.
+fn follow(coordinator: CoordinatorWatch, membership: Membership) {
+    std::thread::spawn(move || {
+        while coordinator.is_alive() {
+            std::thread::sleep(LOOK);
+        }
+        let _ = writeln!(std::io::stderr(), "error: the coordinator has ended; this run is over");
+        leave(&membership, 1);
+    });
+}

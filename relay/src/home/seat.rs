@@ -1,0 +1,90 @@
+//! The place of the far participant in the run at home: its ports, and the heart that beats as its own does.
+
+use super::keeper::Hears;
+use contract::message::{Command, ProgressReport, Reply};
+use proto::run_dir::RunInfo;
+use proto::transport::{
+    Beat, Doorbell, Endpoint, Message, Receiver, Ringer, Sender, TransportError,
+};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What the participant does: the number of the last command that it has dealt with, or this.
+const BUSY: u64 = u64::MAX;
+
+/// The ports of a participant.
+pub(super) struct Seat {
+    commands: Receiver<Command>,
+    replies: Sender<Reply>,
+    coordinator: Ringer,
+    doorbell: Doorbell,
+    activity: Arc<AtomicU64>,
+    // Last: ports close before the node that they belong to.
+    pub(super) endpoint: Endpoint,
+}
+
+/// The far participant's signs of life, as the coordinator at home knows them.
+struct Heart {
+    index: usize,
+    coordinator: Ringer,
+    reports: Sender<ProgressReport>,
+    activity: Arc<AtomicU64>,
+}
+
+impl Seat {
+    /// Joins, as the participant of this role; and who hears its signs of life.
+    pub(super) fn open(run: &RunInfo, role: &str) -> Result<(Self, Box<dyn Hears>), TransportError> {
+        let endpoint = Endpoint::open(run)?;
+        let doorbell = endpoint.doorbell(role)?;
+        // Before the replies, whose being served tells the coordinator to connect to both.
+        let reports = endpoint.progress_sender(role)?;
+        let replies = endpoint.reply_sender(role)?;
+        let coordinator = endpoint.ringer("coordinator")?;
+        let commands = endpoint.command_receiver(role)?;
+        coordinator.ring()?;
+        let index = run.roles.iter().position(|known| known == role).unwrap_or_default();
+        let activity = Arc::new(AtomicU64::new(0));
+        let heart = Heart {
+            index,
+            coordinator: coordinator.clone(),
+            reports,
+            activity: Arc::clone(&activity),
+        };
+        Ok((Self { commands, replies, coordinator, doorbell, activity, endpoint }, Box::new(heart)))
+    }
+
+    /// The next command. That the coordinator dies ends the process.
+    pub(super) fn command(&self) -> Result<Message<Command>, TransportError> {
+        let command = self.doorbell.wait(|| self.commands.receive(), |_, _| ())?;
+        self.activity.store(BUSY, Ordering::Release);
+        Ok(command)
+    }
+
+    pub(super) fn reply(&self, reply: &Reply, body: &[u8]) -> Result<(), TransportError> {
+        self.replies.send(reply, body)?;
+        self.coordinator.ring()
+    }
+
+    /// The command with this number has been dealt with.
+    pub(super) fn idle_after(&self, command: u64) {
+        self.activity.store(command, Ordering::Release);
+    }
+}
+
+impl Hears for Heart {
+    fn beat(&mut self) {
+        let beat = match self.activity.load(Ordering::Acquire) {
+            BUSY => Beat::Busy,
+            command => Beat::idle_after(command),
+        };
+        if let Err(error) = self.coordinator.beat(self.index, beat) {
+            tracing::warn!(%error, "the heartbeat does not reach the coordinator");
+        }
+    }
+
+    fn progress(&mut self, report: ProgressReport) {
+        if let Err(error) = self.reports.offer(&report) {
+            tracing::warn!(%error, "progress does not reach the coordinator");
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! From command to reply: what belongs to it goes to the far end, and what comes back enters the run.
+
+use super::ask::{Kept, out_of_turn};
+use super::files::{pieces, send_files};
+use super::seat::Seat;
+use super::HomeError;
+use crate::frame::Frame;
+use crate::pack::Packing;
+use crate::routes::{Readers, Routes, Writers};
+use contract::description::Description;
+use contract::message::{
+    Command, CommandKind, Failure, OutputFile, Reply, StateFile, Status, Topics,
+};
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// The largest state that is written at home [byte].
+const LARGEST_STATE: u64 = 64 << 30;
+
+/// What of the run is open.
+struct Ports {
+    readers: Readers,
+    writers: Writers,
+    patience: Duration,
+    /// It answers every `Accept`.
+    moves: bool,
+}
+
+/// A state on its way into a file.
+struct Saving {
+    path: PathBuf,
+    partial: PathBuf,
+    file: Option<File>,
+    bytes: u64,
+    fault: Option<String>,
+}
+
+/// How a command is dealt with.
+enum Dealt {
+    Answered(Reply, Vec<u8>),
+    Silently,
+}
+
+/// Answers commands in the place of the far participant.
+pub(super) struct Server<'a> {
+    kept: &'a mut Kept,
+    description: Description,
+    packing: Packing,
+    ports: Option<Ports>,
+    saving: Option<Saving>,
+    /// Commands that the far participant has not seen, as they failed here.
+    kept_back: u64,
+    // Last: ports close before the node that they belong to.
+    seat: Seat,
+}
+
+impl<'a> Server<'a> {
+    pub(super) fn new(
+        seat: Seat,
+        kept: &'a mut Kept,
+        description: Description,
+        packing: Packing,
+    ) -> Self {
+        Self { kept, description, packing, ports: None, saving: None, kept_back: 0, seat }
+    }
+
+    /// Until the run is finished.
+    pub(super) fn serve(&mut self) -> Result<(), HomeError> {
+        loop {
+            let message = self.seat.command().map_err(HomeError::of)?;
+            let (command, body) = (*message.header(), message.body().to_vec());
+            drop(message);
+            let kind = CommandKind::from_number(command.kind);
+            let dealt = self.deal(kind, &command, body)?;
+            let done = |reply: &Reply| reply.status == Status::Done as u32;
+            let leaves = match dealt {
+                Dealt::Answered(reply, body) => {
+                    self.seat.reply(&reply, &body).map_err(HomeError::of)?;
+                    kind == Some(CommandKind::Finish) && done(&reply)
+                }
+                Dealt::Silently => false,
+            };
+            self.seat.idle_after(command.sequence);
+            if leaves {
+                return Ok(());
+            }
+        }
+    }
+
+    fn deal(
+        &mut self,
+        kind: Option<CommandKind>,
+        command: &Command,
+        body: Vec<u8>,
+    ) -> Result<Dealt, HomeError> {
+        let prepared = match self.prepare(kind, body)? {
+            Ok(body) => body,
+            Err(error) => {
+                self.kept_back += 1;
+                return Ok(failed(command, error));
+            }
+        };
+        if let Some(ports) = &self.ports {
+            let forwarded = ports.readers.forward(&self.kept.sending, self.packing);
+            forwarded.map_err(HomeError::of)?;
+        }
+        self.kept.sending.send(&Frame::Command(*command, &prepared)).map_err(HomeError::of)?;
+        let moves = self.ports.as_ref().is_some_and(|ports| ports.moves);
+        if kind == Some(CommandKind::Accept) && command.flags == 0 && !moves {
+            return Ok(Dealt::Silently);
+        }
+        let (mut reply, body) = self.answer()?;
+        reply.sequence = reply.sequence.saturating_add(self.kept_back);
+        let saved = self.saving.take().map(Saving::finish);
+        match (reply.status == Status::Done as u32, saved) {
+            (true, Some(Err(error))) => Ok(failed(command, error)),
+            (true, _) => Ok(Dealt::Answered(reply, body)),
+            (false, _) => {
+                if kind == Some(CommandKind::Connect) {
+                    self.ports = None;
+                }
+                Ok(Dealt::Answered(reply, body))
+            }
+        }
+    }
+
+    /// What the far end needs before a command, and its body as it goes there; within the result, why the
+    /// command fails here. Bodies that are none are the participant's to refuse.
+    fn prepare(
+        &mut self,
+        kind: Option<CommandKind>,
+        body: Vec<u8>,
+    ) -> Result<Result<Vec<u8>, String>, HomeError> {
+        match kind {
+            Some(CommandKind::Configure) => {
+                let sent = send_files(&self.kept.sending, &self.description, &body);
+                Ok(sent.map(|()| body).map_err(|error| error.words))
+            }
+            Some(CommandKind::Connect) => {
+                let Ok(topics) = serde_json::from_slice::<Topics>(&body) else {
+                    return Ok(Ok(body));
+                };
+                Ok(self.connect(&topics).map(|()| body))
+            }
+            Some(CommandKind::Initialise) => {
+                let Some(ports) = &self.ports else { return Ok(Ok(body)) };
+                let until = Instant::now() + ports.patience;
+                let there = ports.writers.wait_for_subscribers(until);
+                Ok(there.map(|()| body).map_err(|error| error.to_string()))
+            }
+            Some(CommandKind::Save) => {
+                if let Ok(file) = serde_json::from_slice::<StateFile>(&body) {
+                    self.saving = Some(Saving::new(file.path));
+                    return Ok(Ok(without_paths(StateFile {
+                        path: PathBuf::new(),
+                        outputs: Vec::new(),
+                        geometry: Vec::new(),
+                    })));
+                }
+                Ok(Ok(body))
+            }
+            Some(CommandKind::Restore) => match serde_json::from_slice::<StateFile>(&body) {
+                Ok(file) => Ok(self.send_state(&file).map(|()| without_paths(file))),
+                Err(_) => Ok(Ok(body)),
+            },
+            _ => Ok(Ok(body)),
+        }
+    }
+
+    /// Opens the ports of the run.
+    fn connect(&mut self, topics: &Topics) -> Result<(), String> {
+        let routes = Routes::of(topics);
+        let endpoint = &self.seat.endpoint;
+        let failed = |error: proto::transport::TransportError| error.to_string();
+        self.ports = None;
+        let readers = Readers::open(endpoint, &routes.inward).map_err(failed)?;
+        let writers = Writers::open(endpoint, &routes.outward, false).map_err(failed)?;
+        self.kept.messages.most = routes.longest();
+        let patience = Duration::from_secs_f64(routes.deadline.clamp(0.0, 1e6));
+        self.ports = Some(Ports { readers, writers, patience, moves: !topics.geometry.is_empty() });
+        Ok(())
+    }
+
+    /// Sends a state, and what was sent last, ahead of the command.
+    fn send_state(&self, file: &StateFile) -> Result<(), String> {
+        let all = std::iter::once(&file.path).chain(file.outputs.iter().map(|output| &output.path));
+        for (part, path) in all.enumerate() {
+            pieces(path, |bytes, last| {
+                let part = part as u16;
+                self.kept.sending.send(&Frame::State { part, last, bytes })
+            })
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+        }
+        Ok(())
+    }
+
+    /// The reply, and before it all that belongs to it.
+    fn answer(&mut self) -> Result<(Reply, Vec<u8>), HomeError> {
+        loop {
+            let message = self.kept.next()?;
+            match Frame::read(&message).map_err(HomeError::of)? {
+                Frame::Reply(reply, body) => return Ok((reply, body.to_vec())),
+                Frame::Sample { topic, header, packing, values, bytes } => {
+                    let ports = self.ports.as_ref().ok_or_else(out_of_turn)?;
+                    let published = ports.writers.publish(topic, &header, packing, values, bytes);
+                    published.map_err(HomeError::of)?;
+                }
+                Frame::State { part: 0, bytes, .. } => {
+                    self.saving.as_mut().ok_or_else(out_of_turn)?.add(bytes);
+                }
+                _ => return Err(out_of_turn()),
+            }
+        }
+    }
+}
+
+fn failed(command: &Command, error: String) -> Dealt {
+    let body = serde_json::to_vec(&Failure { error }).expect("plain text always serialises");
+    Dealt::Answered(Reply::new(Status::Failed, command.sequence), body)
+}
+
+/// The body of `Save` or `Restore` with the names and grids alone.
+fn without_paths(file: StateFile) -> Vec<u8> {
+    let name = |output: OutputFile| OutputFile { path: PathBuf::new(), ..output };
+    let outputs = file.outputs.into_iter().map(name).collect();
+    let file = StateFile { path: PathBuf::new(), outputs, ..file };
+    serde_json::to_vec(&file).expect("names and grids are plain data")
+}
+
+impl Saving {
+    fn new(path: PathBuf) -> Self {
+        let partial = path.with_extension("partial");
+        Self { path, partial, file: None, bytes: 0, fault: None }
+    }
+
+    fn add(&mut self, bytes: &[u8]) {
+        if self.fault.is_none()
+            && let Err(error) = self.write(bytes)
+        {
+            self.fault = Some(format!("state file {}: {error}", self.path.display()));
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.bytes += bytes.len() as u64;
+        if self.bytes > LARGEST_STATE {
+            let most = LARGEST_STATE >> 30;
+            return Err(std::io::Error::other(format!("the far end sends more than {most} GiB")));
+        }
+        let file = match &mut self.file {
+            Some(file) => file,
+            none => none.insert(File::create(&self.partial)?),
+        };
+        file.write_all(bytes)
+    }
+
+    fn finish(self) -> Result<(), String> {
+        if let Some(fault) = self.fault {
+            return Err(fault);
+        }
+        rename(&self.partial, &self.path)
+    }
+}
+
+fn rename(partial: &Path, path: &Path) -> Result<(), String> {
+    std::fs::rename(partial, path)
+        .map_err(|error| format!("state file {}: {error}", path.display()))
+}

@@ -1,0 +1,150 @@
+//! The key that both ends have: a file that nobody else can read, and nothing of which ever travels.
+
+use ring::rand::{SecureRandom, SystemRandom};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
+use std::path::Path;
+
+/// Fewest and most bytes of a key.
+const LENGTHS: std::ops::RangeInclusive<usize> = 32..=4096;
+/// Bytes of a new key; its file has twice as many digits.
+const NEW: usize = 32;
+
+/// A key that two ends share.
+pub struct Key(Vec<u8>);
+
+impl std::fmt::Debug for Key {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Key(..)")
+    }
+}
+
+/// A key that is not used.
+#[derive(Debug, thiserror::Error)]
+pub enum KeyError {
+    /// The file cannot be read or written.
+    #[error("the key file {path}: {error}")]
+    File {
+        /// Its path.
+        path: String,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// Others may read the file.
+    #[error(
+        "the key file {path} can be read by others (mode {mode:03o}); \
+         make it yours alone: chmod 600 {path}"
+    )]
+    Open {
+        /// Its path.
+        path: String,
+        /// Its permissions.
+        mode: u32,
+    },
+    /// It is too short to be guessed in vain, or is something else.
+    #[error(
+        "the key file {path} has {bytes} bytes, not {} to {}; \
+         make one: coordinator relay --new-key FILE",
+        LENGTHS.start(), LENGTHS.end()
+    )]
+    Length {
+        /// Its path.
+        path: String,
+        /// Bytes without the end of the line.
+        bytes: usize,
+    },
+}
+
+impl Key {
+    /// Reads a key file.
+    ///
+    /// # Errors
+    /// It cannot be read, others can read it, or it is no key.
+    pub fn read(path: &Path) -> Result<Self, KeyError> {
+        let shown = path.display().to_string();
+        let failed = |error| KeyError::File { path: shown.clone(), error };
+        let file = File::open(path).map_err(failed)?;
+        let mode = file.metadata().map_err(failed)?.mode() & 0o777;
+        if mode & 0o077 != 0 {
+            return Err(KeyError::Open { path: shown, mode });
+        }
+        let mut bytes = Vec::new();
+        let most = *LENGTHS.end() as u64 + 2;
+        (&file).take(most).read_to_end(&mut bytes).map_err(failed)?;
+        while bytes.last().is_some_and(u8::is_ascii_whitespace) {
+            bytes.pop();
+        }
+        match LENGTHS.contains(&bytes.len()) {
+            true => Ok(Self(bytes)),
+            false => Err(KeyError::Length { path: shown, bytes: bytes.len() }),
+        }
+    }
+
+    /// Writes a new key to a file that is not there yet, and that nobody else can read.
+    ///
+    /// # Errors
+    /// The file exists, or cannot be written.
+    pub fn create(path: &Path) -> Result<(), KeyError> {
+        let failed = |error| KeyError::File { path: path.display().to_string(), error };
+        let text: String = random::<NEW>().iter().map(|byte| format!("{byte:02x}")).collect();
+        let mut options = OpenOptions::new();
+        let mut file =
+            options.write(true).create_new(true).mode(0o600).open(path).map_err(failed)?;
+        writeln!(file, "{text}").and_then(|()| file.sync_all()).map_err(failed)
+    }
+
+    /// The bytes.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.0
+    }
+
+    #[cfg(test)]
+    pub(crate) fn of(bytes: &[u8]) -> Self {
+        Self(bytes.to_vec())
+    }
+}
+
+/// Random bytes that nobody can foretell.
+///
+/// # Panics
+/// The system has none.
+pub(crate) fn random<const N: usize>() -> [u8; N] {
+    let mut bytes = [0; N];
+    SystemRandom::new().fill(&mut bytes).expect("the system has random numbers");
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::Permissions;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn a_new_key_is_read_back_and_is_ours_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("key");
+        Key::create(&path).unwrap();
+        assert_eq!(Key::read(&path).unwrap().bytes().len(), 2 * NEW);
+        assert!(Key::create(&path).unwrap_err().to_string().contains("exists"));
+        for mode in [0o640, 0o604, 0o660] {
+            std::fs::set_permissions(&path, Permissions::from_mode(mode)).unwrap();
+            let error = Key::read(&path).unwrap_err().to_string();
+            assert!(error.contains("can be read by others") && error.contains("chmod 600"));
+        }
+    }
+
+    #[test]
+    fn what_is_no_key_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("key");
+        for length in [0, 31, 4097, 100_000] {
+            std::fs::write(&path, "k".repeat(length) + "\n").unwrap();
+            std::fs::set_permissions(&path, Permissions::from_mode(0o600)).unwrap();
+            let error = Key::read(&path).unwrap_err().to_string();
+            assert!(error.contains("--new-key"), "{error}");
+        }
+        assert!(Key::read(&folder.path().join("none")).is_err());
+    }
+}

@@ -1,0 +1,195 @@
+//! The relay's executable, which `coordinator relay` hands over to.
+
+use clap::{Args, Parser};
+use proto::logging::wanted;
+use relay::far::{Far, serve};
+use relay::home::{Home, ask, join};
+use relay::key::Key;
+use relay::{Certificates, Packing};
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+use tracing_subscriber::Layer as _;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::SubscriberExt as _;
+use tracing_subscriber::util::SubscriberInitExt as _;
+
+/// Carries a participant on another machine to the run at home.
+///
+/// There: coordinator relay --listen tcp/0.0.0.0:7447 --key FILE -- thermal-solver
+///
+/// At home, in the case: thermal.command = ["cosim-relay", "--connect", "tcp/HOST:7447", "--key", "FILE"]
+#[derive(Debug, Parser)]
+#[command(name = "cosim-relay", version, max_term_width = 80)]
+struct Arguments {
+    #[command(flatten)]
+    mode: Mode,
+    /// The file with the key that both ends have, readable by you alone.
+    #[arg(long, value_name = "FILE", required_unless_present = "new_key")]
+    key: Option<PathBuf>,
+    /// Without a sign of life of the other end for so long the link is lost [s].
+    #[arg(long, value_name = "SECONDS", default_value_t = 5.0, value_parser = seconds)]
+    silence: f64,
+    /// For tls/...: PEM file with the authorities that the other end's certificate is checked against.
+    #[arg(long, value_name = "FILE")]
+    authority: Option<PathBuf>,
+    /// For tls/...: PEM file with the certificate of this end.
+    #[arg(long, value_name = "FILE", requires = "private_key")]
+    certificate: Option<PathBuf>,
+    /// For tls/...: PEM file with the private key of this end.
+    #[arg(long, value_name = "FILE", requires = "certificate")]
+    private_key: Option<PathBuf>,
+    #[command(flatten)]
+    listening: Listening,
+    #[command(flatten)]
+    connecting: Connecting,
+}
+
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+struct Mode {
+    /// On the other machine: wait for runs at tcp/ADDRESS:PORT or tls/ADDRESS:PORT.
+    #[arg(long, value_name = "ENDPOINT", requires = "program")]
+    listen: Option<String>,
+    /// At home: be the participant that runs at tcp/HOST:PORT or tls/HOST:PORT.
+    #[arg(long, value_name = "ENDPOINT")]
+    connect: Option<String>,
+    /// Write a new key to a file, for both ends.
+    #[arg(long, value_name = "FILE")]
+    new_key: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct Listening {
+    /// End after one run.
+    #[arg(long, requires = "listen")]
+    once: bool,
+    /// The program that takes part, and its arguments.
+    #[arg(last = true, value_name = "PROGRAM")]
+    program: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+struct Connecting {
+    /// How fields are compressed on the way, without loss.
+    #[arg(long, value_name = "HOW", default_value_t = Packing::None)]
+    compress: Packing,
+    /// Longest wait for the other end to answer [s].
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = seconds)]
+    patience: f64,
+    /// Print what the program there can do, as a participant does.
+    #[arg(long, requires = "connect", group = "action")]
+    describe: bool,
+    /// Read a configuration, print grids and cost, as a participant does.
+    #[arg(long, requires = "connect", group = "action")]
+    estimate: bool,
+    /// Read a scene, print what there is to say of effects, as a participant does.
+    #[arg(long, requires = "connect", group = "action")]
+    advise: bool,
+    /// Take part in the run with this folder, as a participant does.
+    #[arg(long, group = "action", value_name = "RUN_FOLDER", requires_all = ["role", "connect"])]
+    join: Option<PathBuf>,
+    /// The role to play in the run.
+    #[arg(long)]
+    role: Option<String>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (0.1..=86_400.0).contains(&value) => Ok(value),
+        _ => Err("write seconds from 0.1 to 86400".to_owned()),
+    }
+}
+
+/// Last words, and the exit code.
+struct Ended(String, u8);
+
+impl Ended {
+    fn of(error: impl std::fmt::Display) -> Self {
+        Self(error.to_string(), 1)
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    log(arguments.mode.listen.is_some());
+    match act(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Ended(words, code)) => {
+            let words = words.strip_prefix("error: ").unwrap_or(&words);
+            let _ = writeln!(std::io::stderr(), "error: {words}");
+            ExitCode::from(code)
+        }
+    }
+}
+
+/// The far end says what it does, and what its program says; the end at home what is wrong.
+fn log(listens: bool) {
+    let own = |level| {
+        let targets = Targets::new().with_default(LevelFilter::OFF);
+        targets.with_target("relay", level).with_target("run", LevelFilter::WARN)
+    };
+    let chosen = match (std::env::var_os("RUST_LOG"), listens) {
+        (Some(_), _) => wanted(LevelFilter::WARN),
+        (None, true) => own(LevelFilter::INFO).with_target("participant", LevelFilter::INFO),
+        (None, false) => own(LevelFilter::WARN),
+    };
+    let lines = tracing_subscriber::fmt::layer()
+        .with_writer(std::io::stderr)
+        .with_ansi(false)
+        .without_time()
+        .with_target(false)
+        .with_filter(chosen);
+    let _ = tracing_subscriber::registry().with(lines).try_init();
+}
+
+fn act(arguments: Arguments) -> Result<(), Ended> {
+    let Arguments { mode, key, silence, authority, certificate, private_key, listening, connecting } =
+        arguments;
+    if let Some(path) = &mode.new_key {
+        return Key::create(path).map_err(Ended::of);
+    }
+    let key = Key::read(&key.expect("required unless a new one is made")).map_err(Ended::of)?;
+    let certificates = Certificates { authority, certificate, private_key };
+    let silence = Duration::from_secs_f64(silence);
+    if let Some(endpoint) = mode.listen {
+        let Listening { once, program: command } = listening;
+        run::signals::listen().map_err(Ended::of)?;
+        run::processes::adopt_orphans().map_err(Ended::of)?;
+        let far = Far { endpoint, key, certificates, command, silence, once };
+        return serve(far).map_err(Ended::of);
+    }
+    let home = Home {
+        endpoint: mode.connect.expect("one of the three is required"),
+        key,
+        certificates,
+        packing: connecting.compress,
+        patience: Duration::from_secs_f64(connecting.patience),
+        silence,
+    };
+    if let (Some(folder), Some(role)) = (&connecting.join, &connecting.role) {
+        return join(&home, folder, role).map_err(|error| Ended(error.words, error.code));
+    }
+    let option = match (connecting.describe, connecting.estimate, connecting.advise) {
+        (true, ..) => "--describe",
+        (_, true, _) => "--estimate",
+        (.., true) => "--advise",
+        _ => {
+            let how = "nothing to do; the coordinator starts this end as the command of a participant";
+            return Err(Ended::of(how));
+        }
+    };
+    let mut input = Vec::new();
+    if option != "--describe" {
+        std::io::stdin().lock().read_to_end(&mut input).map_err(Ended::of)?;
+    }
+    let said = ask(&home, option, &input).map_err(|error| Ended(error.words, error.code))?;
+    std::io::stdout().write_all(&said).map_err(Ended::of)
+}

@@ -1,0 +1,222 @@
+//! The topics of a participant, numbered alike at both ends, and the samples that pass through them.
+
+use crate::frame::Frame;
+use crate::line::{Fault, SHORT, Sending};
+use crate::pack::{Packing, Unpackable, pack, unpack};
+use contract::field::{self, GEOMETRY};
+use contract::grid::Grid;
+use contract::message::{FieldHeader, Topics};
+use proto::transport::{Endpoint, FieldReader, FieldWriter, TransportError};
+use std::time::Instant;
+
+/// By how much a grid may outgrow what was announced.
+const GROWTH: usize = 4;
+
+/// A topic of the run.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Route {
+    pub(crate) service: String,
+    /// Values of a sample, as announced.
+    values: usize,
+    /// Who subscribes at home.
+    subscribers: usize,
+}
+
+/// The topics of a participant: inputs and the geometry of the grids they are on, outputs and geometry of its
+/// own. Both ends find the same ones in the body of `Connect`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Routes {
+    pub(crate) inward: Vec<Route>,
+    pub(crate) outward: Vec<Route>,
+    pub(crate) deadline: f64,
+}
+
+fn values(name: &str, grid: &Grid) -> usize {
+    grid.points() * field::find(name).map_or(1, |spec| spec.components as usize)
+}
+
+impl Routes {
+    pub(crate) fn of(topics: &Topics) -> Self {
+        let mut routes = Self { deadline: topics.deadline, ..Self::default() };
+        for topic in &topics.outputs {
+            let (service, values) = (topic.service.clone(), values(&topic.field, &topic.grid));
+            routes.outward.push(Route { service, values, subscribers: topic.subscribers });
+        }
+        for topic in &topics.geometry {
+            let (service, subscribers) = (topic.service.clone(), topic.subscribers);
+            routes.outward.push(Route { service, values: 0, subscribers });
+        }
+        for topic in &topics.inputs {
+            routes.add(&topic.service, values(&topic.field, &topic.grid));
+        }
+        for topic in &topics.inputs {
+            if let Some(service) = &topic.geometry {
+                routes.add(service, GEOMETRY.components as usize * topic.grid.geometry_points());
+            }
+        }
+        routes
+    }
+
+    /// What it publishes itself does not come from home.
+    fn add(&mut self, service: &str, values: usize) {
+        let known = self.inward.iter().chain(&self.outward).any(|route| route.service == service);
+        if !known {
+            self.inward.push(Route { service: service.to_owned(), values, subscribers: 1 });
+        }
+    }
+
+    /// The topics as the far participant is to open them: one who reads each, and itself.
+    pub(crate) fn far(topics: &Topics) -> Topics {
+        let mut far = topics.clone();
+        let own = |service: &str| topics.inputs.iter().any(|input| input.service == service);
+        for topic in &mut far.outputs {
+            topic.subscribers = 1 + usize::from(own(&topic.service));
+        }
+        for topic in &mut far.geometry {
+            topic.subscribers = 1;
+        }
+        far
+    }
+
+    /// The longest message with a sample [byte].
+    pub(crate) fn longest(&self) -> usize {
+        let all = self.inward.iter().chain(&self.outward);
+        let most = all.map(|route| route.values).max().unwrap_or(0);
+        SHORT.saturating_add(most.saturating_mul(GROWTH * size_of::<f64>()))
+    }
+}
+
+/// What is wrong with a sample that came over the network.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum SampleError {
+    #[error("a sample came for topic {0}, which there is not")]
+    NoTopic(u16),
+    #[error("a sample of {found} values came for `{service}`; {most} are the most")]
+    TooLong { service: String, found: u64, most: usize },
+    #[error(transparent)]
+    Unpackable(#[from] Unpackable),
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+}
+
+/// Where samples leave the run towards the other end.
+pub(crate) struct Readers(Vec<FieldReader>);
+
+impl Readers {
+    pub(crate) fn open(endpoint: &Endpoint, routes: &[Route]) -> Result<Self, TransportError> {
+        let open = |route: &Route| endpoint.field_reader(&route.service);
+        routes.iter().map(open).collect::<Result<_, _>>().map(Self)
+    }
+
+    /// Sends all that has come.
+    pub(crate) fn forward(&self, sending: &Sending, wanted: Packing) -> Result<(), ForwardError> {
+        for (topic, reader) in self.0.iter().enumerate() {
+            while let Some(sample) = reader.receive()? {
+                let (packing, bytes) = pack(sample.values(), wanted);
+                sending.send(&Frame::Sample {
+                    topic: topic as u16,
+                    header: *sample.header(),
+                    packing,
+                    values: sample.values().len() as u64,
+                    bytes: &bytes,
+                })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Why samples could not be sent on.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ForwardError {
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+    #[error(transparent)]
+    Line(#[from] Fault),
+}
+
+/// Where samples of the other end enter the run.
+pub(crate) struct Writers(Vec<(Route, FieldWriter)>);
+
+impl Writers {
+    /// Opens them for those who subscribe here, all of them or `one`.
+    pub(crate) fn open(
+        endpoint: &Endpoint,
+        routes: &[Route],
+        one: bool,
+    ) -> Result<Self, TransportError> {
+        let open = |route: &Route| {
+            let subscribers = if one { 1 } else { route.subscribers };
+            let writer = endpoint.field_writer(&route.service, route.values, subscribers)?;
+            Ok((route.clone(), writer))
+        };
+        routes.iter().map(open).collect::<Result<_, _>>().map(Self)
+    }
+
+    pub(crate) fn wait_for_subscribers(&self, until: Instant) -> Result<(), TransportError> {
+        self.0.iter().try_for_each(|(_, writer)| writer.wait_for_subscribers(until))
+    }
+
+    /// Publishes a sample; memory is taken for no more values than a topic of its size may have.
+    pub(crate) fn publish(
+        &self,
+        topic: u16,
+        header: &FieldHeader,
+        packing: Packing,
+        values: u64,
+        bytes: &[u8],
+    ) -> Result<(), SampleError> {
+        let (route, writer) = self.0.get(usize::from(topic)).ok_or(SampleError::NoTopic(topic))?;
+        let most = (route.values.saturating_mul(GROWTH)).max(SHORT / size_of::<f64>());
+        let count = usize::try_from(values).ok().filter(|count| *count <= most);
+        let count = count.ok_or_else(|| {
+            let service = route.service.clone();
+            SampleError::TooLong { service, found: values, most }
+        })?;
+        let mut loan = writer.loan(count)?;
+        unpack(packing, bytes, loan.values())?;
+        Ok(writer.publish(loan, header)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contract::grid::Structured;
+    use contract::message::{GeometryTopic, Topic};
+
+    fn topic(field: &str, service: &str, geometry: Option<&str>) -> Topic {
+        let grid = Grid::structured("g", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 10, 10));
+        let (field, service) = (field.to_owned(), service.to_owned());
+        Topic { field, service, grid, subscribers: 3, geometry: geometry.map(str::to_owned) }
+    }
+
+    #[test]
+    fn both_ends_number_the_same_topics() {
+        let topics = Topics {
+            inputs: vec![
+                topic("friction_power", "field/mech/friction_power", Some("geometry/mech/g")),
+                topic("pressure", "field/mech/pressure", Some("geometry/mech/g")),
+                topic("x", "field/thermal/x", Some("geometry/thermal/g")),
+            ],
+            outputs: vec![topic("x", "field/thermal/x", None)],
+            geometry: vec![GeometryTopic {
+                grid: "g".to_owned(),
+                service: "geometry/thermal/g".to_owned(),
+                subscribers: 2,
+            }],
+            ..Topics::default()
+        };
+        let routes = Routes::of(&topics);
+        let names = |routes: &[Route]| -> Vec<String> {
+            routes.iter().map(|route| route.service.clone()).collect()
+        };
+        let inward = ["field/mech/friction_power", "field/mech/pressure", "geometry/mech/g"];
+        assert_eq!(names(&routes.inward), inward);
+        assert_eq!(names(&routes.outward), ["field/thermal/x", "geometry/thermal/g"]);
+        let far = Routes::far(&topics);
+        assert_eq!((far.outputs[0].subscribers, far.geometry[0].subscribers), (2, 1));
+        assert_eq!(names(&Routes::of(&far).inward), inward);
+        assert_eq!(routes.longest(), SHORT + 100 * GROWTH * 8);
+    }
+}
