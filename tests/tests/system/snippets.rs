@@ -5,7 +5,7 @@ use crate::harness::snippets::{self, blocks};
 use crate::keys::{fits, flatten, known_keys};
 
 /// Pages that are run here, each in a test of its own.
-const DAILY: [&str; 7] = [
+const DAILY: [&str; 8] = [
     "docs/install.md",
     "docs/tutorial.md",
     "docs/how-to/swap-a-solver.md",
@@ -13,6 +13,7 @@ const DAILY: [&str; 7] = [
     "docs/how-to/debug-a-coupling.md",
     "docs/how-to/run-on-a-cluster.md",
     "docs/recording.md",
+    "docs/fmi.md",
 ];
 
 table_of_tests! {
@@ -24,6 +25,7 @@ table_of_tests! {
     debug_a_coupling(DAILY[4]);
     run_on_a_cluster(DAILY[5]);
     recordings(DAILY[6]);
+    fmus(DAILY[7]);
 }
 
 fn is_true(page: &str) {
