@@ -109,7 +109,8 @@ impl Fabric {
             let name = sample.key_expr().as_str().rsplit('/').next().unwrap_or_default();
             if is_name(name) && sample.payload().len() <= LONGEST_PIECE {
                 // More than there is room for are not answered, and end by their deadline.
-                let _ = sender.try_send((name.to_owned(), sample.payload().to_bytes().into_owned()));
+                let _ =
+                    sender.try_send((name.to_owned(), sample.payload().to_bytes().into_owned()));
             }
         };
         let subscriber = self.0.declare_subscriber("cosim/call/*").callback(taken).wait();
@@ -157,7 +158,8 @@ impl Fabric {
         subscribers.push(watch.wait().map_err(&failed)?);
         let token = self.0.liveliness().declare_token(format!("cosim/wire/{name}/{own}")).wait();
         let mut publishers = Vec::new();
-        for (lane, priority) in [Priority::Data, Priority::InteractiveHigh].into_iter().enumerate() {
+        for (lane, priority) in [Priority::Data, Priority::InteractiveHigh].into_iter().enumerate()
+        {
             let publisher = self.0.declare_publisher(format!("cosim/wire/{name}/{own}/{lane}"));
             let publisher = publisher
                 .congestion_control(CongestionControl::Block)
@@ -273,7 +275,7 @@ fn quiet(mode: &str) -> Result<Config, FabricError> {
 
 fn set(config: &mut Config, key: &str, value: &serde_json::Value) -> Result<(), FabricError> {
     let failed = FabricError::of(format!("{key} cannot be {value}"));
-    config.insert_json5(key, &value.to_string()).map_err(|error| failed(error))
+    config.insert_json5(key, &value.to_string()).map_err(failed)
 }
 
 fn certify(

@@ -372,15 +372,40 @@ mod tests {
 
     fn examples() -> Vec<Frame<'static>> {
         let expected = std::array::from_fn(|n| n as u64);
-        let mut command = Command { sequence: 3, window: 4, iteration: 5, expected, ..Command::new(CommandKind::Solve) };
+        let mut command = Command {
+            sequence: 3,
+            window: 4,
+            iteration: 5,
+            expected,
+            ..Command::new(CommandKind::Solve)
+        };
         (command.start, command.end, command.flags) = (0.25, 0.5, 3);
-        let reply = Reply { work: 7, substeps: 8, inner_iterations: 9, heat_received: -1.5, model_seconds: 0.1, wanted_window: 2.0, ..Reply::default() };
+        let reply = Reply {
+            work: 7,
+            substeps: 8,
+            inner_iterations: 9,
+            heat_received: -1.5,
+            model_seconds: 0.1,
+            wanted_window: 2.0,
+            ..Reply::default()
+        };
         let header = FieldHeader {
-            components: 2, points: 3, grid_revision: 4, window: 5, iteration: 6, start: 7.0, end: 8.0, sequence: 9,
-            name: Label::new("x"), unit: Label::new("K"), producer: Label::new("thermal"), grid: Label::new("g"),
+            components: 2,
+            points: 3,
+            grid_revision: 4,
+            window: 5,
+            iteration: 6,
+            start: 7.0,
+            end: 8.0,
+            sequence: 9,
+            name: Label::new("x"),
+            unit: Label::new("K"),
+            producer: Label::new("thermal"),
+            grid: Label::new("g"),
             ..FieldHeader::default()
         };
-        let report = ProgressReport { sequence: 1, done: 2, of: 3, what: Label::new("factorising") };
+        let report =
+            ProgressReport { sequence: 1, done: 2, of: 3, what: Label::new("factorising") };
         vec![
             Frame::Ask { question: Question::Advise, input: b"{}" },
             Frame::Answer { code: 0, said: b"{}" },

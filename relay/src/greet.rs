@@ -98,7 +98,9 @@ pub(crate) fn answer(
     match word(&arrivals[0], until) {
         Some(Word::Proof(shown)) if is_proven(key, End::Home, &drawn, &shown) => {}
         Some(Word::Proof(_)) => {
-            return refuse("the home end has another key; give both ends the same key file".to_owned());
+            return refuse(
+                "the home end has another key; give both ends the same key file".to_owned(),
+            );
         }
         Some(Word::Refused(why)) => return Err(NoLine::Refused(why)),
         Some(_) => return refuse("the home end does not say what it should".to_owned()),

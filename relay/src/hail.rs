@@ -45,7 +45,9 @@ impl Versions {
         let said = |it: Self| format!("relay version {}, protocol {}", it.relay, it.contract);
         let (theirs, ours) = (said(self), said(Self::OURS));
         (self != Self::OURS).then(|| {
-            format!("the other end speaks {theirs}, this one {ours}; install the same version at both")
+            format!(
+                "the other end speaks {theirs}, this one {ours}; install the same version at both"
+            )
         })
     }
 }
@@ -80,12 +82,9 @@ pub(crate) fn is_proven(key: &Key, end: End, drawn: &Drawn, proof: &[u8; 32]) ->
 
 impl Word {
     pub(crate) fn write(&self) -> Vec<u8> {
-        let versions =
-            |v: &Versions| [v.relay.to_le_bytes(), v.contract.to_le_bytes()].concat();
+        let versions = |v: &Versions| [v.relay.to_le_bytes(), v.contract.to_le_bytes()].concat();
         match self {
-            Self::Hello { versions: v, drawn } => {
-                [&MARK[..], &[0], &versions(v), drawn].concat()
-            }
+            Self::Hello { versions: v, drawn } => [&MARK[..], &[0], &versions(v), drawn].concat(),
             Self::Challenge { versions: v, drawn, proof } => {
                 [&MARK[..], &[1], &versions(v), drawn, proof].concat()
             }
@@ -101,11 +100,16 @@ impl Word {
             let of = |at: usize| Some(u32::from_le_bytes(rest.get(at..at + 4)?.try_into().ok()?));
             Some(Versions { relay: of(0)?, contract: of(4)? })
         };
-        let field = |from: usize| -> Option<[u8; 32]> { rest.get(from..from + 32)?.try_into().ok() };
+        let field =
+            |from: usize| -> Option<[u8; 32]> { rest.get(from..from + 32)?.try_into().ok() };
         // Another version may have more to say.
         match kind {
             0 => Some(Self::Hello { versions: versions(rest)?, drawn: field(8)? }),
-            1 => Some(Self::Challenge { versions: versions(rest)?, drawn: field(8)?, proof: field(40)? }),
+            1 => Some(Self::Challenge {
+                versions: versions(rest)?,
+                drawn: field(8)?,
+                proof: field(40)?,
+            }),
             2 => Some(Self::Proof(field(0)?)),
             3 => {
                 let why = String::from_utf8_lossy(&rest[..rest.len().min(LONGEST)]);

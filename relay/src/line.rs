@@ -198,7 +198,9 @@ mod tests {
     fn pieces_make_messages_and_what_is_not_of_the_other_end_is_left_out() {
         let (seal, arrives, mut incoming) = line();
         let first = piece(&seal, 1, false, b"one ");
-        for piece in [first.clone(), b"?".to_vec(), vec![0xff; 100], first, piece(&seal, 2, true, b"two")] {
+        for piece in
+            [first.clone(), b"?".to_vec(), vec![0xff; 100], first, piece(&seal, 2, true, b"two")]
+        {
             arrives.send(piece).unwrap();
         }
         assert_eq!(incoming.poll().unwrap().unwrap(), b"one two");

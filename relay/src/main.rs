@@ -151,8 +151,16 @@ fn log(listens: bool) {
 }
 
 fn act(arguments: Arguments) -> Result<(), Ended> {
-    let Arguments { mode, key, silence, authority, certificate, private_key, listening, connecting } =
-        arguments;
+    let Arguments {
+        mode,
+        key,
+        silence,
+        authority,
+        certificate,
+        private_key,
+        listening,
+        connecting,
+    } = arguments;
     if let Some(path) = &mode.new_key {
         return Key::create(path).map_err(Ended::of);
     }
@@ -182,7 +190,8 @@ fn act(arguments: Arguments) -> Result<(), Ended> {
         (_, true, _) => "--estimate",
         (.., true) => "--advise",
         _ => {
-            let how = "nothing to do; the coordinator starts this end as the command of a participant";
+            let how =
+                "nothing to do; the coordinator starts this end as the command of a participant";
             return Err(Ended::of(how));
         }
     };

@@ -74,8 +74,7 @@ pub(crate) fn pack(values: &[f64], wanted: Packing) -> (Packing, Vec<u8>) {
 
 /// Unpacks into values; memory is taken for no more than these.
 pub(crate) fn unpack(packing: Packing, bytes: &[u8], values: &mut [f64]) -> Result<(), Unpackable> {
-    let (length, unpackable) =
-        (size_of_val(values), Unpackable { values: values.len() });
+    let (length, unpackable) = (size_of_val(values), Unpackable { values: values.len() });
     let mut planes = match packing {
         Packing::None => {
             if bytes.len() != length {

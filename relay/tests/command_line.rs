@@ -50,6 +50,7 @@ fn what_cannot_be_is_refused_with_the_reason() {
     refused(&["--listen", "tcp/127.0.0.1:0", "--key", key, "--", "true"], "not valid");
     let connect = ["--connect", "udp/127.0.0.1:1", "--key", key, "--patience", "0.5", "--describe"];
     refused(&connect, "no far end is reached at udp/127.0.0.1:1");
-    let tls = ["--connect", "tls/localhost:1", "--key", key, "--authority", "none.pem", "--describe"];
+    let tls =
+        ["--connect", "tls/localhost:1", "--key", key, "--authority", "none.pem", "--describe"];
     refused(&tls, "none.pem");
 }

@@ -209,9 +209,9 @@ impl Run<'_> {
         let (body, topics) = self.local(kind, body)?;
         self.peers.phase = Phase::of(&command);
         let silent = kind == Some(CommandKind::Accept) && command.flags == 0 && !self.moves;
-        self.peers.send(ONE, command, &body, !silent).map_err(|error| {
-            self.over(Stopped::Transport(ONE, error))
-        })?;
+        self.peers
+            .send(ONE, command, &body, !silent)
+            .map_err(|error| self.over(Stopped::Transport(ONE, error)))?;
         if silent {
             return Ok(false);
         }
@@ -310,9 +310,9 @@ impl Run<'_> {
                 Over::of(format!("the far end was interrupted by {signal}"))
             }
             Stopped::Exited(exit) => Over::exit(&exit),
-            Stopped::ReplyLost(_) => {
-                Over::of("at the far end it has processed the last command, but its reply did not arrive")
-            }
+            Stopped::ReplyLost(_) => Over::of(
+                "at the far end it has processed the last command, but its reply did not arrive",
+            ),
             Stopped::Late(_, patience) => {
                 let seconds = patience.as_secs_f64();
                 Over::of(format!("at the far end it did not join within {seconds:.0} s"))

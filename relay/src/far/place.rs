@@ -38,13 +38,22 @@ impl Place {
     }
 
     /// A piece of the file under a key of the case.
-    pub(super) fn file(&mut self, key: &str, ending: &str, bytes: &[u8], last: bool) -> io::Result<()> {
+    pub(super) fn file(
+        &mut self,
+        key: &str,
+        ending: &str,
+        bytes: &[u8],
+        last: bool,
+    ) -> io::Result<()> {
         let known = self.files.len();
         let path = match self.files.get(key) {
             Some(path) => path.clone(),
-            None if known >= FILES => return Err(io::Error::other("the case names too many files")),
+            None if known >= FILES => {
+                return Err(io::Error::other("the case names too many files"));
+            }
             None => {
-                let simple = ending.len() <= 16 && ending.bytes().all(|b| b.is_ascii_alphanumeric());
+                let simple =
+                    ending.len() <= 16 && ending.bytes().all(|b| b.is_ascii_alphanumeric());
                 let mut path = self.folder.path().join(format!("file-{known}"));
                 if simple && !ending.is_empty() {
                     path.set_extension(ending);
@@ -55,7 +64,10 @@ impl Place {
         };
         self.file_bytes += bytes.len() as u64;
         if self.file_bytes > BYTES {
-            return Err(io::Error::other(format!("the files of the case have more than {} GiB", BYTES >> 30)));
+            return Err(io::Error::other(format!(
+                "the files of the case have more than {} GiB",
+                BYTES >> 30
+            )));
         }
         self.piece(path, bytes, last)
     }

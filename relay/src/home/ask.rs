@@ -46,7 +46,9 @@ impl Kept {
     /// keeper's to see.
     pub(super) fn next(&mut self) -> Result<Vec<u8>, HomeError> {
         loop {
-            let Some(message) = self.messages.within(LOOK).map_err(HomeError::of)? else { continue };
+            let Some(message) = self.messages.within(LOOK).map_err(HomeError::of)? else {
+                continue;
+            };
             if let Frame::Ended { code, words } = Frame::read(&message).map_err(HomeError::of)? {
                 let words = one_line(words).into_owned();
                 return Err(HomeError { words, code: code.max(1) });

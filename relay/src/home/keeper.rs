@@ -76,7 +76,10 @@ impl Drop for Keeper {
 enum Ends {
     Lost(String),
     /// The far end has said why.
-    Told { words: String, code: u8 },
+    Told {
+        words: String,
+        code: u8,
+    },
 }
 
 /// Until it is stopped, or why the process ends.

@@ -33,7 +33,10 @@ struct Heart {
 
 impl Seat {
     /// Joins, as the participant of this role; and who hears its signs of life.
-    pub(super) fn open(run: &RunInfo, role: &str) -> Result<(Self, Box<dyn Hears>), TransportError> {
+    pub(super) fn open(
+        run: &RunInfo,
+        role: &str,
+    ) -> Result<(Self, Box<dyn Hears>), TransportError> {
         let endpoint = Endpoint::open(run)?;
         let doorbell = endpoint.doorbell(role)?;
         // Before the replies, whose being served tells the coordinator to connect to both.

@@ -1,9 +1,9 @@
 //! From command to reply: what belongs to it goes to the far end, and what comes back enters the run.
 
+use super::HomeError;
 use super::ask::{Kept, out_of_turn};
 use super::files::{pieces, send_files};
 use super::seat::Seat;
-use super::HomeError;
 use crate::frame::Frame;
 use crate::pack::Packing;
 use crate::routes::{Readers, Routes, Writers};

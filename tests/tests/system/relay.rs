@@ -7,7 +7,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -77,15 +77,15 @@ impl<'a> Far<'a> {
     }
 }
 
-/// What a run leaves that does not depend on time.
-fn results(place: &Place) -> (Value, Vec<(String, Vec<u8>)>, Vec<Vec<f64>>) {
+/// What a run leaves that does not depend on time: the summary and the iterations, and every field.
+fn results(place: &Place) -> (Value, Vec<(String, Vec<u8>)>) {
     let mut summary = place.read_summary();
     summary.as_object_mut().unwrap().remove("cost");
     let timeless = |head: &str| !head.ends_with("_s") || head == "start_s" || head == "end_s";
     let table = place.table("iterations.csv").of(timeless);
     let rows = format!("{table:?}");
     summary["iterations"] = rows.into();
-    (summary, field_files(&place.out()), Vec::new())
+    (summary, field_files(&place.out()))
 }
 
 /// The same case with the participant here and behind the relay.
@@ -124,7 +124,8 @@ table_of_tests! { same_to_the_bit:
 /// Checkpoints lie at home, and a run goes on from one with a far participant that knows nothing of it.
 #[test]
 fn a_killed_run_is_resumed_to_the_bit() {
-    let settings = ["left.delay=3", "time.end=60", "output.checkpoint_every=5", "output.fields=all"];
+    let settings =
+        ["left.delay=0.03", "time.end=60", "output.checkpoint_every=5", "output.fields=all"];
     let undisturbed = Place::new();
     undisturbed.summary(&case("exchange.toml"), &sets(&settings));
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
@@ -155,7 +156,8 @@ fn a_participant_behind_the_relay_conforms() {
     let endpoint = format!("tcp/127.0.0.1:{}", far.port);
     let (name, key) = (case("falling-friction.toml"), key.path());
     let program = programs().join("cosim-relay").display().to_string();
-    let mut arguments = vec!["conform", "--role", "thermal", "--case", &name, "--quick", "--json", "--"];
+    let mut arguments =
+        vec!["conform", "--role", "thermal", "--case", &name, "--quick", "--json", "--"];
     arguments.extend([&program, "--connect", &endpoint, "--key", &key]);
     let ended = place.start(&arguments).wait();
     assert_eq!(ended.code, Some(0), "{}\n{}", ended.stderr, ended.stdout);
@@ -200,7 +202,8 @@ fn a_far_end_that_is_killed_is_named_with_the_window() {
 /// Passes on what comes, until it is told to swallow it; nobody is told.
 fn proxy(to: u16) -> (u16, Arc<AtomicBool>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let (port, swallows) = (listener.local_addr().unwrap().port(), Arc::new(AtomicBool::new(false)));
+    let (port, swallows) =
+        (listener.local_addr().unwrap().port(), Arc::new(AtomicBool::new(false)));
     let swallowing = Arc::clone(&swallows);
     let pass = move |mut from: TcpStream, mut to: TcpStream, swallowing: Arc<AtomicBool>| {
         std::thread::spawn(move || {
@@ -274,9 +277,14 @@ fn a_far_participant_that_exits_is_reported_with_its_last_words() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
     let far = Far::start(&there, &key.path(), "toy-left", &[]);
     let command = command_of("left", far.port, &key.path(), &[]);
-    for (fault, how) in [("exit", "ended with exit code 9"), ("panic", "exit code 101, saying: "), ("error", "told to fail")] {
+    for (fault, how) in [
+        ("exit", "ended with exit code 9"),
+        ("panic", "exit code 101, saying: "),
+        ("error", "told to fail"),
+    ] {
         let fault = format!("left.fault={fault}");
-        let ended = place.run(&case("exchange.toml"), &sets(&[&fault, "left.fault_window=2", &command]));
+        let ended =
+            place.run(&case("exchange.toml"), &sets(&[&fault, "left.fault_window=2", &command]));
         assert_failed(&place, &ended, &["left (cosim-relay) failed in window 2, iteration 1", how]);
     }
     far.stop(&there);
@@ -290,6 +298,7 @@ fn a_far_participant_that_is_killed_or_stopped_is_reported() {
     let running = in_mid_window(&place, &command, &[]);
     kill_process(child_of(far.running.pid()), Signal::KILL).unwrap();
     assert_failed(&place, &running.wait(), &[WHEN, "at the far end was killed by signal 9"]);
+    let place = Place::new();
     let running = in_mid_window(&place, &command, &["coupling.heartbeat_deadline=1.5"]);
     kill_process(child_of(far.running.pid()), Signal::STOP).unwrap();
     assert_failed(&place, &running.wait(), &[WHEN, "no heartbeat for"]);
@@ -298,12 +307,15 @@ fn a_far_participant_that_is_killed_or_stopped_is_reported() {
 
 /// The one child of a process.
 fn child_of(parent: Pid) -> Pid {
-    let tasks = PathBuf::from(format!("/proc/{}/task", parent.as_raw_nonzero()));
-    let children = |task: &Path| std::fs::read_to_string(task.join("children")).unwrap_or_default();
-    let all: Vec<String> =
-        std::fs::read_dir(tasks).unwrap().flatten().map(|task| children(&task.path())).collect();
-    let found = all.iter().flat_map(|line| line.split_whitespace()).next();
-    Pid::from_raw(found.expect("it has a child").parse().unwrap()).unwrap()
+    let parent = parent.as_raw_nonzero().to_string();
+    let is_child = |pid: &i32| {
+        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+        let after_name = stat.rsplit(") ").next().unwrap_or_default();
+        after_name.split(' ').nth(1) == Some(&parent)
+    };
+    let entries = std::fs::read_dir("/proc").unwrap().flatten();
+    let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    Pid::from_raw(pids.into_iter().find(is_child).expect("it has a child")).unwrap()
 }
 
 #[test]
@@ -335,7 +347,8 @@ fn the_coordinator_becomes_the_relay() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
     let far = Far::start(&there, &key.path(), "toy-left", &[]);
     let endpoint = format!("tcp/127.0.0.1:{}", far.port);
-    let ended = place.start(&["relay", "--connect", &endpoint, "--key", &key.path(), "--describe"]).wait();
+    let ended =
+        place.start(&["relay", "--connect", &endpoint, "--key", &key.path(), "--describe"]).wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     let said: Value = serde_json::from_str(&ended.stdout).unwrap();
     assert_eq!(said["role"], "left");
@@ -344,7 +357,8 @@ fn the_coordinator_becomes_the_relay() {
     far.stop(&there);
     let other = free_port();
     let endpoint = format!("tcp/127.0.0.1:{other}");
-    let listens = ["relay", "--listen", &endpoint, "--key", &key.path(), "--once", "--", "toy-left"];
+    let listens =
+        ["relay", "--listen", &endpoint, "--key", &key.path(), "--once", "--", "toy-left"];
     let running = there.start(&listens);
     wait_until("the far end to listen", || TcpStream::connect(("127.0.0.1", other)).is_ok());
     let command = command_of("left", other, &key.path(), &[]);
@@ -360,12 +374,26 @@ fn certificates(folder: &Path) -> [String; 3] {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     };
     let new = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2"];
-    let authority = ["req", "-x509", "-subj", "/CN=authority", "-keyout", "ca.key", "-out", "ca.pem"];
+    let authority =
+        ["req", "-x509", "-subj", "/CN=authority", "-keyout", "ca.key", "-out", "ca.pem"];
     openssl(&[&authority[..], &new].concat());
     let signed = [
-        "req", "-x509", "-CA", "ca.pem", "-CAkey", "ca.key", "-subj", "/CN=localhost", "-addext",
-        "subjectAltName=DNS:localhost", "-addext", "basicConstraints=CA:FALSE", "-keyout", "end.key",
-        "-out", "end.pem",
+        "req",
+        "-x509",
+        "-CA",
+        "ca.pem",
+        "-CAkey",
+        "ca.key",
+        "-subj",
+        "/CN=localhost",
+        "-addext",
+        "subjectAltName=DNS:localhost",
+        "-addext",
+        "basicConstraints=CA:FALSE",
+        "-keyout",
+        "end.key",
+        "-out",
+        "end.pem",
     ];
     openssl(&[&signed[..], &new].concat());
     ["ca.pem", "end.pem", "end.key"].map(|name| folder.join(name).display().to_string())
@@ -373,17 +401,29 @@ fn certificates(folder: &Path) -> [String; 3] {
 
 #[test]
 fn certificates_are_checked() {
-    let (key, there, place, folder) = (KeyFile::new(), Place::new(), Place::new(), tempfile::tempdir().unwrap());
+    let (key, there, place, folder) =
+        (KeyFile::new(), Place::new(), Place::new(), tempfile::tempdir().unwrap());
     let ([authority, certificate, private], path) = (certificates(folder.path()), key.path());
     let (port, other) = (free_port(), tempfile::tempdir().unwrap());
     let endpoint = format!("tls/localhost:{port}");
     let own = ["--certificate", &certificate, "--private-key", &private];
-    let listens = [&["--listen", &endpoint, "--key", &path][..], &own, &["--", "toy-left"]].concat();
+    let listens =
+        [&["--listen", &endpoint, "--key", &path][..], &own, &["--", "toy-left"]].concat();
     let command = Command::new(programs().join("cosim-relay"));
     let running = there.launch(there.becoming(command, &listens));
     wait_until("the far end to listen", || TcpStream::connect(("localhost", port)).is_ok());
     let command = |authority: &str| {
-        let words = ["cosim-relay", "--connect", &endpoint, "--key", &path, "--authority", authority, "--patience", "5"];
+        let words = [
+            "cosim-relay",
+            "--connect",
+            &endpoint,
+            "--key",
+            &path,
+            "--authority",
+            authority,
+            "--patience",
+            "5",
+        ];
         format!("left.command={words:?}")
     };
     place.summary(&case("exchange.toml"), &sets(&["time.end=3", &command(&authority)]));
