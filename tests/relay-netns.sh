@@ -51,8 +51,8 @@ link_both() {
     ip -n "$space" addr add "$address/24" dev v0
     ip -n "$space" link set v0 up
   done
-  local sent; sent=$(ip netns exec "$home" ping -c 5 -i 0.2 -q 10.77.0.2 2>/dev/null | tail -1 || true)
-  echo "# link: $1, $kind; ping $sent"
+  local sent=""; ! command -v ping >/dev/null || sent="; ping $(ip netns exec "$home" ping -c 5 -i 0.2 -q 10.77.0.2 | tail -1)"
+  echo "# link: $1, $kind$sent"
 }
 unlink_both() {
   if [ -n "$link_pid" ]; then kill "$link_pid" 2>/dev/null || true; wait "$link_pid" 2>/dev/null || true; link_pid=""; fi

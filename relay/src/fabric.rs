@@ -275,7 +275,7 @@ fn quiet(mode: &str) -> Result<Config, FabricError> {
 
 fn set(config: &mut Config, key: &str, value: &serde_json::Value) -> Result<(), FabricError> {
     let failed = FabricError::of(format!("{key} cannot be {value}"));
-    config.insert_json5(key, &value.to_string()).map_err(|error| failed(error))
+    config.insert_json5(key, &value.to_string()).map_err(failed)
 }
 
 fn certify(

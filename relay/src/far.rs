@@ -3,6 +3,7 @@
 
 mod drive;
 mod guard;
+mod offer;
 mod place;
 mod session;
 
@@ -11,6 +12,7 @@ use crate::greet::answer;
 use crate::hail::End;
 use crate::key::Key;
 use contract::description::Description;
+use offer::Offer;
 use run::programs::Program;
 use run::signals;
 use std::sync::Arc;
@@ -48,14 +50,6 @@ pub struct Far {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct FarError(String);
-
-/// What every conversation has in common.
-struct Offer {
-    program: Program,
-    role: String,
-    key: Key,
-    silence: Duration,
-}
 
 /// Serves until a signal comes, or once.
 ///

@@ -1,8 +1,8 @@
 //! One conversation: questions, and perhaps a run.
 
-use super::Offer;
 use super::drive::{Over, run};
 use super::guard::Guard;
+use super::offer::Offer;
 use super::place::Place;
 use crate::frame::{Frame, Question};
 use crate::line::{Fault, Incoming, Line, Sending};

@@ -1,7 +1,7 @@
 //! Runs that are driven from outside: values given window by window, states, and what is refused.
 
-use crate::harness::{Ended, Place, case, sets};
 use crate::harness::python::interpreter;
+use crate::harness::{Ended, Place, case, sets};
 use serde_json::{Value, json};
 use std::fs;
 use std::io::Write as _;

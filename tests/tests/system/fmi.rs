@@ -1,7 +1,7 @@
 //! Cases as FMUs, in FMPy: `proto/python/tests/fmu_out.py`, which needs the executables.
 
-use crate::harness::{programs, root};
 use crate::harness::python::interpreter;
+use crate::harness::{programs, root};
 use std::process::Command;
 
 #[test]
