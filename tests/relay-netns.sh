@@ -39,7 +39,7 @@ link_both() {
     kind="relay_link.py (this kernel has no netem)"
     python3 tests/relay_link.py "$home" "$far" 1 100 >"$work/link" &
     link_pid=$!
-    for _ in $(seq 100); do grep -q ready "$work/link" && break; sleep 0.05; done
+    for _ in $(seq 100); do grep -qs ready "$work/link" && break; sleep 0.05; done
   else
     tc -n "$home" qdisc del dev lo root 2>/dev/null || true
     ip -n "$home" link add v0 type veth peer name v0 netns "$far"
@@ -69,7 +69,7 @@ begin() {
   COSIM_RUNTIME_DIR="$shm/far" ip netns exec "$far" "$programs/cosim-relay" --listen tcp/10.77.0.2:7447 --key "$work/key" "$@" \
     -- "$program" 2>"$work/far.log" &
   far_pid=$!
-  for _ in $(seq 200); do grep -q "listening" "$work/far.log" && return; sleep 0.05; done
+  for _ in $(seq 200); do grep -qs "listening" "$work/far.log" && return; sleep 0.05; done
   echo "the far end does not listen" >&2; cat "$work/far.log" >&2; exit 1
 }
 end() {
@@ -142,15 +142,15 @@ key() {
   [ "$code" != 0 ]
 }
 
-# Microseconds of an iteration, the median, for so many values each way.
+# Microseconds of an iteration, the median: values of full precision that have little in common, so many each way.
 iteration() { # values, windows, settings...
   local values=$1 windows=$2; shift 2
-  at_home run cases/exchange.toml --set "left.points=$values" --set "right.points=$values" --set "time.end=$windows" "$@" \
-    --out "$work/cost" --replace --quiet >/dev/null
+  at_home run cases/linear.toml --set linear.problem=diagonal --set "linear.size=$values" --set coupling.scheme=serial-explicit \
+    --set "time.end=$windows" "$@" --out "$work/cost" --replace --quiet >/dev/null
   python3 - "$work/cost/iterations.csv" <<'PY'
 import csv, statistics, sys
 rows = list(csv.DictReader(open(sys.argv[1])))[1:]
-of = lambda row: float(row["coupling_s"]) + float(row["left_s"]) + float(row["right_s"])
+of = lambda row: float(row["coupling_s"]) + float(row["relay_s"]) + float(row["operator_s"])
 print(f"{1e6 * statistics.median(map(of, rows)):.0f}")
 PY
 }
@@ -158,14 +158,14 @@ PY
 cost() {
   for speed in fast slow; do
     unlink_both; link_both "$speed"
-    begin toy-left
+    begin toy-operator
     echo "us per iteration: one field each way, one participant far"
     printf '%9s %10s %10s %10s %10s\n' values local none lz4 zstd
     for one in "1000 200" "10000 100" "100000 20" "1000000 6"; do
       read -r values windows <<<"$one"
       printf '%9s %10s' "$values" "$(iteration "$values" "$windows")"
       for compress in none lz4 zstd; do
-        printf ' %10s' "$(iteration "$values" "$windows" --set "$(command_of left --compress "$compress")")"
+        printf ' %10s' "$(iteration "$values" "$windows" --set "$(command_of operator --compress "$compress")")"
       done
       echo
     done
