@@ -101,7 +101,10 @@ pub(crate) fn known_keys() -> Vec<String> {
 /// Dotted keys of all values; a table of a file and a column is a value, and so is a live one.
 pub(crate) fn flatten(path: &str, value: &toml::Value, keys: &mut Vec<String>) {
     match value.as_table() {
-        Some(table) if !table.contains_key("column") && !table.contains_key("at") => {
+        Some(table)
+            if !table.contains_key("column")
+                && !["at", "from", "to"].iter().all(|key| table.contains_key(*key)) =>
+        {
             for (key, value) in table {
                 let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
                 flatten(&path, value, keys);

@@ -22,7 +22,7 @@ fn conforms(command: &[&str]) -> Vec<f64> {
     let command = format!("thermal.command={command:?}");
     let sets = ["--set", "thermal.model=short", "--set", &command, "--set", "output.fields=all"];
     place.summary(&case("wheel-rail.toml"), &sets);
-    place.field("thermal_contact_000000.vti", "rail_temperature")
+    place.field("thermal_passage_000000.vti", "rail_temperature")
 }
 
 fn assert_alike(a: &[f64], b: &[f64]) {
