@@ -83,5 +83,5 @@ fn parts_of_cases_have_keys_that_there_are() {
             }
         }
     }
-    assert!(seen > 60, "{seen} keys");
+    assert!(seen > 10, "{seen} keys");
 }
