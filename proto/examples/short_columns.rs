@@ -117,7 +117,7 @@ impl Solver for ShortColumns {
             memory_bytes: 8 * (plane.ni + plane.points()) as u64,
             ..Layout::default()
         };
-        Ok(Box::new(Strips { scale, plane: Some(plane.clone()), layout }))
+        Ok(Box::new(Strips { scale, plane: Some(*plane), layout }))
     }
 }
 
@@ -145,7 +145,7 @@ impl Setup for Strips {
             shape: (0..plane.ni).map(rise).collect(),
             scale: self.scale,
             columns: plane.ni,
-            grid: Grid::structured("contact", plane.clone()),
+            grid: Grid::structured("contact", plane),
             trial: vec![0.0; plane.points()],
             accepted: vec![0.0; plane.points()],
         }))
