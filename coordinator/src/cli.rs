@@ -4,6 +4,7 @@ use crate::ablate;
 use crate::accuracy::{self, Decision, Search};
 use crate::advise;
 use crate::ask;
+use crate::case_arguments::CaseArguments;
 use crate::catalogue;
 use crate::colour::{self, Colours};
 use crate::compare;
@@ -34,7 +35,6 @@ use crate::states;
 use crate::study::output::{Kind, kind};
 use crate::study::{Variant, expected_seconds};
 use crate::sweep;
-use case::{Alone, RawCase, judge_alone};
 use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use contract::description::Description;
 use contract::text::{json, one_line, visible};
@@ -210,55 +210,6 @@ struct RunArguments {
     /// Go on with the run of this result directory from its last checkpoint.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out", "replace"])]
     resume: Option<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-struct CaseArguments {
-    /// The case file, or - for standard input.
-    case: PathBuf,
-    /// Change a key: dotted name and TOML value (a bare word is a text).
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// Remove a key.
-    #[arg(long, value_name = "KEY")]
-    unset: Vec<String>,
-}
-
-impl CaseArguments {
-    /// The file as messages name it.
-    fn shown(&self) -> String {
-        if self.case == Path::new("-") {
-            "<stdin>".to_owned()
-        } else {
-            self.case.display().to_string()
-        }
-    }
-
-    fn read(&self) -> Result<RawCase, RunError> {
-        // It may be a pipe that nobody writes to.
-        let reading = signals::end_at_once();
-        let mut raw = RawCase::read(&self.case)?;
-        drop(reading);
-        raw.apply(&self.set, &self.unset)?;
-        Ok(raw)
-    }
-
-    fn plan(&self) -> Result<Planned, RunError> {
-        let planned = self.plan_again()?;
-        crate::logging::warn_of_replaced(&planned.case);
-        Ok(planned)
-    }
-
-    /// Plans what has been described before.
-    fn plan_again(&self) -> Result<Planned, RunError> {
-        let raw = self.read()?;
-        tracing::info_span!("plan").in_scope(|| plan(raw))
-    }
-
-    /// What can be judged without starting a program.
-    fn alone(&self) -> Result<Alone, RunError> {
-        Ok(judge_alone(&self.read()?)?)
-    }
 }
 
 /// An error of a command, and the log in which there is more to read.

@@ -7,6 +7,7 @@ mod ablate;
 mod accuracy;
 mod advise;
 mod ask;
+mod case_arguments;
 mod catalogue;
 pub mod cli;
 mod colour;

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`model`] | the trait that every model implements |
 //! | [`participant`] | the state machine that serves any [`model::Setup`] |
+//! | [`command_ports`] | what a participant opens when it joins: commands, replies, progress, bells |
 //! | [`progress`] | how far long work is, for the heartbeat |
 //! | [`state`] | pieces of a state on their way to and from a file |
 //! | [`transport`] | the only module that knows iceoryx2 |
@@ -24,6 +25,7 @@ pub use contract::{
 };
 
 pub mod binary;
+pub mod command_ports;
 pub mod logging;
 pub mod model;
 pub mod participant;

@@ -2,15 +2,15 @@
 
 use super::ear::{Ear, Heard};
 use super::line::{Answer, LiveKey, Request, VERSION};
+use crate::case_arguments::CaseArguments;
 use crate::logging::Logging;
 use crate::output;
-use crate::study::Variant;
-use case::{Case, RawCase};
+use case::Case;
 use clap::Args;
 use coupling::windows::Windows;
 use run::error::{RunError, file_failure};
 use run::perform::{self, Driven, Driver, Fault, RunStart};
-use run::plan::{Planned, plan};
+use run::plan::Planned;
 use run::progress::silent;
 use run::results::{Existing, ResultFolder};
 use std::collections::BTreeMap;
@@ -26,14 +26,8 @@ const LOOKS: u32 = 50;
 /// The command line of `coordinator drive`.
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// The case file.
-    case: PathBuf,
-    /// Change a key: dotted name and TOML value (a bare word is a text).
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// Remove a key.
-    #[arg(long, value_name = "KEY")]
-    unset: Vec<String>,
+    #[command(flatten)]
+    of: CaseArguments,
     /// Result directory [default: none, results are not kept].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -57,8 +51,11 @@ pub(crate) fn main(asked: &Arguments, log: &Logging, since: Instant) -> Result<(
 }
 
 fn drive(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunError> {
-    let planned =
-        planned(&asked.case, &Variant { set: asked.set.clone(), unset: asked.unset.clone() })?;
+    if asked.of.case == Path::new("-") {
+        let why = "standard input has the lines that drive the run; name a file of the case";
+        return Err(RunError::Usage(why.to_owned()));
+    }
+    let planned = planned(&asked.of)?;
     let plan_seconds = since.elapsed().as_secs_f64();
     let unkept = match &asked.out {
         Some(_) => None,
@@ -71,7 +68,7 @@ fn drive(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunErro
     };
     let unkept_path = unkept.as_ref().map(|folder| folder.path().join("results"));
     let path = asked.out.as_deref().or(unkept_path.as_deref()).unwrap_or(Path::new("results"));
-    let folder = ResultFolder::prepare(path, &asked.case, Existing::option(asked.replace))?;
+    let folder = ResultFolder::prepare(path, &asked.of.case, Existing::option(asked.replace))?;
     log.write_to(folder.log()?).map_err(|error| file_failure(&folder.shown_log(), &error))?;
     let mut lines = Lines { ear: Ear::open(BufReader::new(std::io::stdin())), finish: false };
     let start = RunStart { since, plan_seconds };
@@ -90,10 +87,8 @@ fn drive(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunErro
 ///
 /// # Errors
 /// That of the case; windows that nobody can ask for.
-pub(crate) fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
-    let mut raw = RawCase::read(case)?;
-    raw.apply(&variant.set, &variant.unset)?;
-    let mut planned = plan(raw)?;
+pub(crate) fn planned(of: &CaseArguments) -> Result<Planned, RunError> {
+    let mut planned = of.plan()?;
     planned.plan.windows = open(&planned.case, &planned.plan.windows)?;
     Ok(planned)
 }

@@ -5,9 +5,9 @@ use super::pack::{self, Entry};
 use super::page;
 use super::resources::{self, OPTIONS, Resources};
 use super::variables::Variables;
+use crate::case_arguments::CaseArguments;
 use crate::drive::planned;
 use crate::output;
-use crate::study::Variant;
 use clap::Args;
 use contact_fmu::manifest::{self, Input, Manifest};
 use contract::description::KeySpec;
@@ -23,14 +23,8 @@ const LIBRARY: &str = "libcontact_fmu.so";
 /// The command line of `coordinator fmu`.
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// The case file. Its live values are the inputs.
-    case: PathBuf,
-    /// Change a key: dotted name and TOML value (a bare word is a text).
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// Remove a key.
-    #[arg(long, value_name = "KEY")]
-    unset: Vec<String>,
+    #[command(flatten)]
+    of: CaseArguments,
     /// The FMU that is written [default: NAME.fmu].
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -41,9 +35,9 @@ pub(crate) struct Arguments {
 /// # Errors
 /// That of the case, one without live values, the file system.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
-    let mut set = asked.set.clone();
-    set.extend(OPTIONS.map(str::to_owned));
-    let planned = planned(&asked.case, &Variant { set, unset: asked.unset.clone() })?;
+    let mut of = asked.of.clone();
+    of.set.extend(OPTIONS.map(str::to_owned));
+    let planned = planned(&of)?;
     let plan = &planned.plan;
     let variables = Variables::of(plan);
     if variables.inputs.is_empty() {

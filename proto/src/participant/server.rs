@@ -4,6 +4,7 @@ use super::error::PortError;
 use super::geometry::GeometryPorts;
 use super::ports::{InputPorts, OutputPorts};
 use super::pulse::{Activity, Voice};
+use crate::command_ports::CommandPorts;
 use crate::configuration::{Configuration, Refusal};
 use crate::field::{self, FieldKind};
 use crate::figure;
@@ -105,14 +106,8 @@ impl<'a> Server<'a> {
         index: usize,
         solver: &'a dyn Solver,
     ) -> Result<(Self, Voice), TransportError> {
-        let endpoint = Endpoint::open(run)?;
-        let doorbell = endpoint.doorbell(role)?;
-        // Before the replies, whose being served tells the coordinator to connect to both.
-        let reports = endpoint.progress_sender(role)?;
-        let replies = endpoint.reply_sender(role)?;
-        let coordinator = endpoint.ringer("coordinator")?;
-        let commands = endpoint.command_receiver(role)?;
-        coordinator.ring()?;
+        let CommandPorts { commands, replies, reports, coordinator, doorbell, endpoint } =
+            CommandPorts::open(run, role)?;
         let (activity, progress) = (Activity::default(), Progress::default());
         let voice = Voice {
             index,

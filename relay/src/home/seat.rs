@@ -2,6 +2,7 @@
 
 use super::keeper::Hears;
 use contract::message::{Command, ProgressReport, Reply};
+use proto::command_ports::CommandPorts;
 use proto::run_dir::RunInfo;
 use proto::transport::{
     Beat, Doorbell, Endpoint, Message, Receiver, Ringer, Sender, TransportError,
@@ -37,14 +38,8 @@ impl Seat {
         run: &RunInfo,
         role: &str,
     ) -> Result<(Self, Box<dyn Hears>), TransportError> {
-        let endpoint = Endpoint::open(run)?;
-        let doorbell = endpoint.doorbell(role)?;
-        // Before the replies, whose being served tells the coordinator to connect to both.
-        let reports = endpoint.progress_sender(role)?;
-        let replies = endpoint.reply_sender(role)?;
-        let coordinator = endpoint.ringer("coordinator")?;
-        let commands = endpoint.command_receiver(role)?;
-        coordinator.ring()?;
+        let CommandPorts { commands, replies, reports, coordinator, doorbell, endpoint } =
+            CommandPorts::open(run, role)?;
         let index = run.roles.iter().position(|known| known == role).unwrap_or_default();
         let activity = Arc::new(AtomicU64::new(0));
         let heart = Heart {
