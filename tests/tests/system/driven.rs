@@ -271,6 +271,9 @@ fn cases_that_cannot_be_driven() {
         assert!(error.contains(part), "{part}: {error}");
         assert_eq!(said[0]["kind"], "ended");
     }
+    let ended = Place::new().start(&["drive", "-"]).wait();
+    assert_eq!(ended.code, Some(2), "{}", ended.stdout);
+    assert!(ended.stderr.contains("standard input has the lines"), "{}", ended.stderr);
 }
 
 /// Several live values at once; the plan says what they are.
