@@ -47,8 +47,8 @@ fn scenes() {
         .collect();
     files.sort();
     // The scene that is meant if none is named: the first that the project was made for.
-    let mut list = String::from("pub(super) const FIRST: &str = \"wheel-rail\";\n");
-    list += "pub(super) const SCENES: &[(&str, &str)] = &[\n";
+    let mut list = String::from("pub(crate) const FIRST: &str = \"wheel-rail\";\n");
+    list += "pub(crate) const SCENES: &[(&str, &str)] = &[\n";
     for path in files {
         let text = fs::read_to_string(&path).expect("a case is a text");
         // A column of a table, a measured profile, or a program that lies somewhere.

@@ -32,6 +32,7 @@ mod relay;
 mod replay;
 mod report;
 mod reproduce;
+mod scenes;
 mod solvers;
 mod stability;
 mod states;

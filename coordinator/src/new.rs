@@ -1,15 +1,11 @@
 //! `coordinator new`: a case that runs, with a line on every key, to begin from.
 
-mod scenes {
-    include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
-}
-
 use crate::keys::about;
+use crate::scenes::{self, FIRST, SCENES};
 use clap::Args;
 use contract::description::Description;
 use run::error::{RunError, file_failure};
 use run::format::counted;
-use scenes::{FIRST, SCENES};
 use std::fs::File;
 use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
@@ -52,11 +48,11 @@ pub(crate) fn act(
         let line = |(name, text): &(&str, &str)| format!("  {name:26} {}\n", title(text));
         return Ok(SCENES.iter().map(line).collect());
     };
-    let scene = SCENES.iter().find(|(scene, _)| *scene == asked.scene).ok_or_else(|| {
+    let scene = scenes::text(&asked.scene).ok_or_else(|| {
         let fix = "coordinator new --list shows those that there are";
         RunError::Usage(format!("--scene {}: there is no such scene; {fix}", asked.scene))
     })?;
-    let text = commented(name, scene, about(&described()?));
+    let text = commented(name, (&asked.scene, scene), about(&described()?));
     let path = PathBuf::from(format!("{name}.toml"));
     // Nothing that is there is ever replaced.
     let mut file = File::options().write(true).create_new(true).open(&path).map_err(|error| {
@@ -84,7 +80,7 @@ fn title(text: &str) -> String {
 /// The case with its new name, and above each key a line on what it is.
 fn commented(
     name: &str,
-    (scene, text): &(&str, &str),
+    (scene, text): (&str, &str),
     about: impl Fn(&str) -> Option<String>,
 ) -> String {
     let mut out = format!(
@@ -147,7 +143,7 @@ mod tests {
     fn every_key_has_a_line_above_it() {
         let text = "[case]\nname = \"x\"\n[a.b]\nc = 1 # one\n[a.d]\nc = 2\n";
         let about = |path: &str| path.ends_with(".c").then(|| "what it is [m]".to_owned());
-        let made = commented("mine", &("x", text), about);
+        let made = commented("mine", ("x", text), about);
         let end = "[case]\nname = \"mine\"\n[a.b]\n# what it is [m]\nc = 1 # one\n[a.d]\nc = 2\n";
         assert!(made.ends_with(end), "{made}");
         assert!(comment(&"word ".repeat(40)).lines().all(|line| line.len() <= WIDTH));

@@ -16,9 +16,9 @@ pub(crate) struct Arguments {
     /// The role that it plays.
     #[arg(long, value_name = "ROLE")]
     role: String,
-    /// The case that it is configured with, for every model and mode it offers.
-    #[arg(long, value_name = "FILE", default_value = "cases/wheel-rail.toml")]
-    case: PathBuf,
+    /// The case that it is configured with, for every model and mode it offers [default: the scene wheel-rail].
+    #[arg(long, value_name = "FILE")]
+    case: Option<PathBuf>,
     /// Change a key of the case: dotted name and TOML value (a bare word is a text).
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,

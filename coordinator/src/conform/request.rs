@@ -11,8 +11,8 @@ pub(crate) struct Request {
     pub role: String,
     /// The executable.
     pub program: Program,
-    /// The case that it is configured with.
-    pub case: PathBuf,
+    /// The case that it is configured with; absent: the scene wheel-rail.
+    pub case: Option<PathBuf>,
     /// Keys of the case to change.
     pub set: Vec<String>,
     /// Keys of the case to remove.

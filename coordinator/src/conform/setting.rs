@@ -6,6 +6,7 @@
 use super::given::{self, Given};
 use super::recorded::Recorded;
 use super::request::Request;
+use crate::scenes::{self, FIRST};
 use case::RawCase;
 use contract::configuration::{Configuration, Mode};
 use contract::description::Description;
@@ -112,7 +113,10 @@ pub(super) fn all(
     description: &Description,
     recorded: Option<&Recorded>,
 ) -> Result<Settings, RunError> {
-    let mut raw = RawCase::read(&request.case)?;
+    let mut raw = match &request.case {
+        Some(file) => RawCase::read(file)?,
+        None => RawCase::parse(FIRST, scenes::text(FIRST).expect("it is built in"))?,
+    };
     raw.apply(&request.set, &request.unset)?;
     let mut all = Settings::default();
     let offered = description.models.iter().flat_map(|model| {

@@ -64,14 +64,19 @@ pub fn run(page: &str) -> (usize, usize) {
     symlink(programs(), folder.path().join("target/release")).unwrap();
     let python = interpreter().parent().unwrap().display();
     let path = format!("{}:{python}:{}", programs().display(), std::env::var("PATH").unwrap());
-    let mut said = String::new();
+    // Of a block that is left out nothing is known.
+    let mut said: Option<String> = None;
     let (mut commands, mut shown) = (0, 0);
     for Block { language, text, left_out } in blocks(page) {
         let mut command = match language.as_str() {
-            "sh" | "python" if left_out.is_some() => continue,
+            "sh" | "python" if left_out.is_some() => {
+                said = None;
+                continue;
+            }
             "sh" => Command::new("bash"),
             "python" => Command::new(interpreter()),
             "text" => {
+                let Some(said) = &said else { continue };
                 for line in text.lines() {
                     let there = said.lines().any(|printed| printed.starts_with(line));
                     assert!(there, "{page} shows `{line}`, which is not in:\n{said}");
@@ -88,8 +93,9 @@ pub fn run(page: &str) -> (usize, usize) {
         command.current_dir(folder.path()).env("PATH", &path);
         command.env("COSIM_COORDINATOR", programs().join("coordinator"));
         let ended = command.output().unwrap();
-        said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
-        assert!(ended.status.success(), "{page}: {text}: {said}");
+        let printed = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
+        assert!(ended.status.success(), "{page}: {text}: {printed}");
+        said = Some(printed);
         commands += 1;
     }
     (commands, shown)
