@@ -46,7 +46,7 @@ mod resolution;
 pub mod scene;
 pub mod simplified;
 mod situation;
-mod slip;
+pub mod slip;
 mod softening;
 mod state;
 mod strips;

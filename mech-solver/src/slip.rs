@@ -4,10 +4,11 @@
 //! to +1 at the trailing edge.
 
 use crate::reference::carter;
+use proto::grid::Structured;
 
 /// From which slip velocities the friction of a contact is looked for that follows the slip of every element itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SlipStart {
+pub enum SlipStart {
     /// Those of the step or the row before; at the first from rest.
     Before,
     /// Rest: of several solutions the one that slips least.
@@ -26,8 +27,9 @@ pub(crate) struct RigidSlip {
 }
 
 impl RigidSlip {
-    /// V |(ξ − φ y, η + φ x)| at a place [m/s].
-    pub(crate) fn at(&self, x: f64, y: f64) -> f64 {
+    /// V |(ξ − φ y, η + φ x)| at an element [m/s].
+    pub(crate) fn at(&self, grid: &Structured, index: usize) -> f64 {
+        let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
         let [xi, eta, phi] = self.creepage;
         self.speed * (xi - phi * y).hypot(eta + phi * x)
     }

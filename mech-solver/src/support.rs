@@ -54,7 +54,7 @@ mod tests {
         let lists = [
             (Kind::Gap, terms.gap.len()),
             (Kind::Friction, terms.friction.iter().filter(|term| term.bands().is_none()).count()),
-            (Kind::Bands, usize::from(terms.bands().is_some())),
+            (Kind::Bands, terms.friction.iter().filter(|term| term.bands().is_some()).count()),
             (Kind::PressureBound, terms.pressure_bounds.len()),
             (Kind::Adhesion, usize::from(terms.adhesion)),
             (Kind::Layer, terms.layers.len()),

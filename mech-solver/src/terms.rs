@@ -33,7 +33,7 @@ use crate::explicit::kernel::Flow;
 use crate::half_space::viscoelastic::Retardation;
 use crate::half_space::yielding::Yield;
 use crate::removal::Removal;
-use crate::slip::{RigidSlip, SlipStart};
+use crate::slip::SlipStart;
 use crate::softening::Softening;
 use proto::configuration::Refusal;
 use proto::field::FieldSpec;
@@ -95,8 +95,10 @@ pub(crate) trait GapTerm: State + Debug {
 pub(crate) struct Rubbing<'a> {
     /// What comes in.
     pub(crate) inputs: &'a dyn Inputs,
-    /// How the bodies would move over each other if they were rigid.
-    pub(crate) slip: RigidSlip,
+    /// Rolling speed V [m/s].
+    pub(crate) speed: f64,
+    /// Slip velocity that an element would have if the bodies were rigid [m/s].
+    pub(crate) rigid_slip: &'a dyn Fn(usize) -> f64,
     /// The elements.
     pub(crate) grid: &'a Structured,
     /// Lateral coordinate of their origin in the case [m].
@@ -113,7 +115,7 @@ pub(crate) trait FrictionTerm: State + Debug {
     ///
     /// # Errors
     /// An input is missing or unusable, or the law has no value for it.
-    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError>;
+    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError>;
 
     /// The factors over a coordinate that it is.
     fn bands(&self) -> Option<&Bands> {
@@ -240,24 +242,19 @@ impl Terms {
     /// # Errors
     /// Those of [`FrictionTerm::apply`].
     pub(crate) fn friction(
-        &mut self,
+        &self,
         coefficient: f64,
         rubbing: &Rubbing<'_>,
         friction: &mut Vec<f64>,
     ) -> Result<(), StepError> {
         friction.clear();
         friction.resize(rubbing.grid.points(), coefficient);
-        self.friction.iter_mut().try_for_each(|term| term.apply(rubbing, friction))
+        self.friction.iter().try_for_each(|term| term.apply(rubbing, friction))
     }
 
     /// The first active effect that changes friction coefficients.
     pub(crate) fn friction_effect(&self) -> Option<&'static str> {
         self.effect_of(Kind::Friction).or_else(|| self.effect_of(Kind::Bands))
-    }
-
-    /// Factors on the friction coefficient over a coordinate.
-    pub(crate) fn bands(&self) -> Option<&Bands> {
-        self.friction.iter().find_map(|term| term.bands())
     }
 
     /// Friction depends on the slip that it allows.

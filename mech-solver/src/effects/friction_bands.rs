@@ -107,7 +107,7 @@ fn refuse_without_rail(configuration: &Configuration, over: Over, at: At) -> Res
 impl State for Bands {}
 
 impl FrictionTerm for Bands {
-    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
+    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
         let Rubbing { grid, origin_y, .. } = rubbing;
         for (j, row) in friction.chunks_exact_mut(grid.ni).enumerate() {
             let factor = self.factor(origin_y + grid.y(j));

@@ -52,7 +52,7 @@ struct ShearLimit {
 impl State for ShearLimit {}
 
 impl FrictionTerm for ShearLimit {
-    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
+    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
         for (friction, pressure) in friction.iter_mut().zip(rubbing.pressure) {
             if *friction * pressure > self.yield_stress {
                 *friction = self.yield_stress / pressure;

@@ -109,14 +109,14 @@ fn start_of(
     if case.text(SLIP)? == "rigid" {
         return Ok(None);
     }
-    if configuration.model != "half-space" {
+    if !["half-space", "wheel-on-track"].contains(&configuration.model.as_str()) {
         return Err(Refusal::new(
             SLIP,
             format!(
                 "the model `{}` does not solve for the slip of its elements with friction that follows it",
                 configuration.model
             ),
-            "choose mech.model = \"half-space\", or slip = \"rigid\"",
+            "choose mech.model = \"half-space\" or \"wheel-on-track\", or slip = \"rigid\"",
         ));
     }
     let transient = configuration.case.get("mech").and_then(|mech| mech.get("rolling"));
@@ -166,21 +166,21 @@ impl Falling {
 impl State for Falling {}
 
 impl FrictionTerm for Falling {
-    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        let Rubbing { slip, grid, pressure, velocity, .. } = rubbing;
-        let rolls = slip.speed > 0.0 && self.memory > 0.0;
+    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
+        let Rubbing { speed, rigid_slip, grid, pressure, velocity, .. } = rubbing;
+        let rolls = *speed > 0.0 && self.memory > 0.0;
         for (j, row) in friction.chunks_exact_mut(grid.ni).enumerate() {
             // A particle enters at the front, where x is largest.
             let (mut before, mut touches) = (1.0, false);
             for (i, friction) in row.iter_mut().enumerate().rev() {
-                let rigid = || slip.at(grid.x(i), grid.y(j));
-                let velocity = velocity.map_or_else(rigid, |velocity| velocity[j * grid.ni + i]);
+                let index = j * grid.ni + i;
+                let velocity = velocity.map_or_else(|| rigid_slip(index), |own| own[index]);
                 let settled = self.share(velocity);
-                touches |= pressure[j * grid.ni + i] > 0.0;
+                touches |= pressure[index] > 0.0;
                 if !rolls {
                     *friction *= settled;
                 } else if touches {
-                    let slid = 0.5 * velocity / slip.speed * grid.dx();
+                    let slid = 0.5 * velocity / speed * grid.dx();
                     let kept = (-slid / self.memory).exp();
                     let towards = |before: f64| settled + (before - settled) * kept;
                     let middle = towards(before);

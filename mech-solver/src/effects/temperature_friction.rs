@@ -118,7 +118,7 @@ impl State for FrictionLaw {}
 
 impl FrictionTerm for FrictionLaw {
     /// The grid of the temperatures may be another one in every solve; it is structured along x and y.
-    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
+    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
         let Rubbing { inputs, grid, .. } = *rubbing;
         let surfaces = [Surface::of(inputs, &SURFACES[0])?, Surface::of(inputs, &SURFACES[1])?];
         for (index, friction) in friction.iter_mut().enumerate() {
@@ -173,7 +173,6 @@ fn advise(situation: &Situation<'_>) -> Advice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::slip::RigidSlip;
     use proto::grid::Structured;
     use proto::model::Inputs;
 
@@ -181,7 +180,8 @@ mod tests {
         Rubbing {
             velocity: None,
             inputs,
-            slip: RigidSlip { creepage: [0.0; 3], speed: 0.0 },
+            speed: 0.0,
+            rigid_slip: &|_| 0.0,
             grid,
             origin_y: 0.0,
             pressure: &[],
@@ -212,7 +212,7 @@ mod tests {
     /// rather than misread.
     #[test]
     fn friction_follows_a_grid_that_moves() {
-        let mut law = table(b"0 1\n10 2");
+        let law = table(b"0 1\n10 2");
         let own = Structured::contact_plane(0.0, 0.0, 0.5, 0.5, 3, 2);
         let mut friction = vec![0.6; 6];
         for shift in [0.0, 0.25] {
@@ -238,7 +238,7 @@ mod tests {
         let grid = proto::grid::Grid::structured("contact", own);
         let surfaces = Surfaces(grid, vec![-1e6; 6]);
         let decay = FrictionLaw::Decay { hot: 0.0, scale: 10.0 };
-        for mut law in [decay, table(b"0 0.6\n10 0.2")] {
+        for law in [decay, table(b"0 0.6\n10 0.2")] {
             let mut friction = vec![0.6; 6];
             law.apply(&rubbing(&surfaces, &own), &mut friction).unwrap();
             assert_eq!(friction, [0.6; 6]);

@@ -11,7 +11,6 @@
 
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
-use crate::scene::{Drive, Scene};
 use crate::situation::Situation;
 use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
 use proto::advice::Advice;
@@ -46,7 +45,8 @@ fn keys() -> Vec<KeySpec> {
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
-    if !matches!(Scene::read(&configuration.case)?.drive, Drive::Creepage { .. }) {
+    let forces = ["motion.traction_coefficient", "motion.tangential_force"];
+    if forces.iter().any(|key| configuration.case.has(key)) {
         return Err(Refusal::new(
             "effects.viscous_layer",
             "at rest the film carries no force, so that none can be prescribed",
@@ -67,12 +67,11 @@ struct Film {
 impl State for Film {}
 
 impl FrictionTerm for Film {
-    fn apply(&mut self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        let Rubbing { slip, grid, pressure, .. } = rubbing;
+    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
+        let Rubbing { rigid_slip, pressure, .. } = rubbing;
         for (index, (friction, pressure)) in friction.iter_mut().zip(*pressure).enumerate() {
-            let velocity = slip.at(grid.x(index % grid.ni), grid.y(index / grid.ni));
             // Without pressure there is no bound to speak of.
-            let film = self.shear_rate_factor * velocity / pressure.max(f64::MIN_POSITIVE);
+            let film = self.shear_rate_factor * rigid_slip(index) / pressure.max(f64::MIN_POSITIVE);
             *friction = friction.min(film);
         }
         Ok(())

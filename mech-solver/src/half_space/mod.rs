@@ -11,6 +11,7 @@
 //! | [`coupling`] | what normal and tangential contact do to each other when the bodies differ |
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
+//! | [`settling`] | friction that follows the slip of every element |
 //! | [`levels`] | the tangential problem by continuation in resolution |
 //! | [`viscoelastic`] | the same displacement of bodies with a memory that roll |
 //! | [`retarded`] | of bodies with a memory that are pressed and shifted in place |
@@ -33,6 +34,7 @@ pub mod patches;
 mod prescribed;
 pub mod profile;
 pub mod retarded;
+pub mod settling;
 pub mod slip_operator;
 pub(crate) mod spline;
 pub mod subsurface;

@@ -1,4 +1,4 @@
-//! Models of which every window depends on its own values alone: nothing is carried from one to the next, and nothing comes in.
+//! Models of which every window depends on its own values and what comes in alone: nothing is carried from one to the next.
 
 use super::half_space::PASSAGE_GRID;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
@@ -6,7 +6,7 @@ use crate::terms::Observation;
 use proto::configuration::{Configuration, FieldOnGrid};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
-use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use proto::model::{InputField, Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 
@@ -23,11 +23,19 @@ pub(super) trait Windows {
     /// A value is missing or out of range.
     fn row(&self, step: &Step) -> Result<Self::Row, StepError>;
 
-    /// Solves from nothing.
+    /// Solves from nothing but what comes in.
     ///
     /// # Errors
     /// There is no solution.
-    fn solve(&mut self, row: &Self::Row) -> Result<Self::Window, StepError>;
+    fn solve(&mut self, row: &Self::Row, inputs: &dyn Inputs) -> Result<Self::Window, StepError>;
+
+    /// Speed of rolling [m/s].
+    fn speed(&self, row: &Self::Row) -> f64;
+
+    /// A window depends on what comes in.
+    fn follows_inputs(&self) -> bool {
+        false
+    }
 
     /// Writes a field, if it is one of the model's.
     fn write(&self, window: &Self::Window, spec: &FieldSpec, values: &mut [f64]);
@@ -42,6 +50,15 @@ pub(super) trait Windows {
     fn effort(&self, window: &Self::Window) -> [usize; 2];
 }
 
+/// Nothing comes in.
+struct Nothing;
+
+impl Inputs for Nothing {
+    fn get(&self, _: &FieldSpec) -> Option<InputField<'_>> {
+        None
+    }
+}
+
 /// The model that runs.
 pub(super) struct EachWindow<W: Windows> {
     windows: W,
@@ -54,13 +71,18 @@ impl<W: Windows> EachWindow<W> {
         Self { windows, trial: None, accepted: None }
     }
 
-    /// A window; the last one of the same values is it.
-    fn window(&mut self, step: &Step) -> Result<(W::Row, W::Window), StepError> {
+    /// A window; the last one of the same values is it, unless it depends on what comes in.
+    fn window(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+    ) -> Result<(W::Row, W::Window), StepError> {
         let row = self.windows.row(step)?;
-        if let Some(same) = self.trial.take().filter(|(last, _)| *last == row) {
+        let follows = self.windows.follows_inputs();
+        if let Some(same) = self.trial.take().filter(|(last, _)| !follows && *last == row) {
             return Ok(same);
         }
-        let window = self.windows.solve(&row)?;
+        let window = self.windows.solve(&row, inputs)?;
         Ok((row, window))
     }
 
@@ -77,10 +99,10 @@ impl<W: Windows> Model for EachWindow<W> {
     fn solve(
         &mut self,
         step: &Step,
-        _inputs: &dyn Inputs,
+        inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        let (row, window) = self.window(step)?;
+        let (row, window) = self.window(step, inputs)?;
         self.write(&window, outputs);
         let [iterations, steps] = self.windows.effort(&window);
         self.trial = Some((row, window));
@@ -92,16 +114,19 @@ impl<W: Windows> Model for EachWindow<W> {
         })
     }
 
-    /// The fields of the first window, if it has an answer; zero if not.
+    /// The fields of the first window, if it depends on its own values alone and has an answer; if not there is nothing but its speed.
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        if let Ok((row, window)) = self.window(&Step::STEADY) {
+        if !self.windows.follows_inputs()
+            && let Ok((row, window)) = self.window(&Step::STEADY, &Nothing)
+        {
             self.write(&window, outputs);
             self.trial = Some((row, window));
             return;
         }
+        let speed = self.windows.row(&Step::STEADY).map_or(0.0, |row| self.windows.speed(&row));
         for spec in field::TABLE {
             if let Some(values) = outputs.get(spec) {
-                values.fill(0.0);
+                values.fill(if *spec == field::SURFACE_SPEED { speed } else { 0.0 });
             }
         }
     }

@@ -55,7 +55,14 @@ const BYTES: f64 = 4000.0;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "wheel-on-track",
     spec,
-    takes: &[Kind::Bands, Kind::Adhesion, Kind::Layer, Kind::HeatShare, Kind::Observation],
+    takes: &[
+        Kind::Bands,
+        Kind::Friction,
+        Kind::Adhesion,
+        Kind::Layer,
+        Kind::HeatShare,
+        Kind::Observation,
+    ],
     configure,
 };
 

@@ -13,10 +13,11 @@
 
 use super::contact::WheelOnRail;
 use super::error::TrackError;
+use super::friction::Friction;
 use super::patch::{Solved, Work};
 use super::rail::{Deviation, Side};
 use super::root::Search;
-use super::settings::{FrictionPlace, Vertical};
+use super::settings::Vertical;
 use super::wheelset::{Motion, Wheelset};
 
 /// Difference of the heights of both wheels, over the tolerance of their forces and their depth.
@@ -50,9 +51,6 @@ pub struct Given {
     /// Torque that drives the axle forward [N m]; with it the angular velocity is found, from that of the motion on.
     pub torque: Option<f64>,
 }
-
-/// Coefficient of friction of an element of a rail.
-pub type Friction<'a> = &'a dyn Fn(Side, &FrictionPlace) -> f64;
 
 /// A wheelset in balance.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -98,7 +96,7 @@ impl WheelsetOnTrack {
         motion: &Motion,
         deviation: &Deviation,
         given: &Given,
-        friction: Friction<'_>,
+        friction: &dyn Friction,
     ) -> Result<Balanced, TrackError> {
         let Some(torque) = given.torque else {
             return self.carry(motion, deviation, given, friction);
@@ -134,7 +132,7 @@ impl WheelsetOnTrack {
         motion: &Motion,
         deviation: &Deviation,
         given: &Given,
-        friction: Friction<'_>,
+        friction: &dyn Friction,
     ) -> Result<Balanced, TrackError> {
         let loaded =
             |vertical: &Vertical| matches!(vertical, Vertical::Force(force) if *force > 0.0);
@@ -186,14 +184,13 @@ impl WheelsetOnTrack {
         motion: &Motion,
         deviation: &Deviation,
         given: &Given,
-        friction: Friction<'_>,
+        friction: &dyn Friction,
     ) -> Result<Balanced, TrackError> {
         let mut wheels = Vec::with_capacity(self.wheels.len());
         let mut work = Work::default();
         for (side, wheel) in &mut self.wheels {
             let vertical = given.vertical[usize::from(*side == Side::Right)];
-            let of_side = |spot: &FrictionPlace| friction(*side, spot);
-            let solved = wheel.solve(motion, deviation, vertical, &of_side)?;
+            let solved = wheel.solve(motion, deviation, vertical, friction)?;
             work = work.and(&solved.work);
             wheels.push((*side, solved));
         }

@@ -14,11 +14,12 @@
 //! asked for.
 
 use super::error::TrackError;
+use super::friction::Friction;
 use super::outline::Outline;
 use super::pair::{Pair, nearest};
 use super::patch::{Solved, Work};
 use super::rail::{Deviation, NoGauge, Rail, Side, Track};
-use super::settings::{Friction, Normal, Settings, Vertical};
+use super::settings::{Normal, Settings, Vertical};
 use super::surface::Surface;
 use super::wheelset::{Motion, Wheel, Wheelset};
 
@@ -85,12 +86,12 @@ impl WheelOnRail {
     ) -> Result<Self, NoGauge> {
         let rail = Rail::placed(rail, side, track)?;
         let wheel = Wheel::placed(wheel, side, wheelset);
-        let pair = Pair::new(rail, wheel, *wheelset, settings);
+        let pair = Pair::new((rail, wheel), side, *wheelset, settings);
         Ok(Self { pair, depth: FIRST_DEPTH, leaning: Vec::new() })
     }
 
     /// Solves a position: the wheelset, how the rail is off its place, what is given along the vertical, and the
-    /// coefficient of friction of every element.
+    /// friction of the elements.
     ///
     /// # Errors
     /// There is no solution, or none was found.
@@ -99,7 +100,7 @@ impl WheelOnRail {
         motion: &Motion,
         deviation: &Deviation,
         vertical: Vertical,
-        friction: Friction<'_>,
+        friction: &dyn Friction,
     ) -> Result<Solved, TrackError> {
         if self.pair.settings.bodies.is_coupled() {
             return Err(TrackError::Different);
@@ -138,7 +139,7 @@ impl WheelOnRail {
     }
 
     /// Looks for the height under a force.
-    fn under(&mut self, force: f64, friction: Friction<'_>) -> Result<Solved, TrackError> {
+    fn under(&mut self, force: f64, friction: &dyn Friction) -> Result<Solved, TrackError> {
         let touching = self.pair.touching_height().ok_or(TrackError::Beside)?;
         if force == 0.0 {
             self.pair.lift_to(touching);

@@ -3,6 +3,7 @@
 use super::creepage::NotRolling;
 use crate::half_space::levels::TangentialError;
 use crate::half_space::normal::NormalError;
+use crate::half_space::settling::Unsettled;
 
 /// Why a wheel on a rail has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -69,6 +70,12 @@ pub enum TrackError {
     /// The tangential contact of a patch.
     #[error(transparent)]
     Tangential(#[from] TangentialError),
+    /// The friction of a patch.
+    #[error("{0}")]
+    Friction(String),
+    /// Friction that follows the slip of every element.
+    #[error(transparent)]
+    Unsettled(#[from] Unsettled),
     /// The motion of the wheelset.
     #[error(transparent)]
     Rolling(#[from] NotRolling),

@@ -7,7 +7,6 @@
 //! rigid slip is taken on the surfaces, what is off the plane adds its own power.
 
 use super::local::Window;
-use super::settings::{Friction, FrictionPlace};
 use crate::half_space::levels::RIGID_SLIP_AHEAD;
 use crate::half_space::tangential::{ElementState, TangentialState};
 use proto::grid::Structured;
@@ -69,22 +68,16 @@ impl Fields {
     }
 
     /// Traction bound on a window around the same origin, no larger than this: the pressure times the coefficient
-    /// of friction of the element [Pa]. `middle` is the reference of the patch with its angle.
+    /// of friction of the element [Pa].
     #[must_use]
-    pub fn bound(
-        &self,
-        window: &Window,
-        friction: Friction<'_>,
-        middle: &FrictionPlace,
-    ) -> Vec<f64> {
+    pub fn bound(&self, window: &Window, friction: &[f64]) -> Vec<f64> {
         let narrow = window.counts();
         let shift = [0, 1].map(|k| self.origin[k] - window.half[k]);
         let of = |at: usize| {
             let [i, j] = [at % narrow[0] + shift[0], at / narrow[0] + shift[1]];
-            let p = self.pressure[j * self.counts[0] + i];
-            let along = |k: usize, at: usize| (self.first[k] + at as i64) as f64 * self.sides[k];
-            let spot = FrictionPlace { element: [along(0, i), along(1, j)], ..*middle };
-            if p > 0.0 { p * friction(&spot) } else { 0.0 }
+            let at = j * self.counts[0] + i;
+            let p = self.pressure[at];
+            if p > 0.0 { p * friction[at] } else { 0.0 }
         };
         (0..narrow[0] * narrow[1]).map(of).collect()
     }
@@ -132,6 +125,14 @@ impl Fields {
             parts.map(|(slip, p)| -0.5 * (p[at] + ahead(p)) * slip[at]).sum::<f64>()
         };
         (0..window.points()).map(of).sum::<f64>() * speed * self.sides[1]
+    }
+
+    /// The grid over x in track axes and the tape distance.
+    #[must_use]
+    pub fn developed_grid(&self) -> Structured {
+        let [dx, dy] = self.sides;
+        let [x0, y0] = [0, 1].map(|k| self.first[k] as f64 * self.sides[k]);
+        Structured::contact_plane(x0, y0, dx, dy, self.counts[0], self.counts[1])
     }
 
     /// The grid in the axes of the patch.

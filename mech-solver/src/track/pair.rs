@@ -5,25 +5,22 @@
 //! of the same patch before.
 
 use super::columns::{Columns, Standing};
-use super::creepage::{Rolling, rolling};
+use super::creepage::rolling;
 use super::error::TrackError;
-use super::fields::Fields;
-use super::local::Window;
+use super::friction::Friction;
 use super::mutual::{Acting, opening};
 use super::patch::{Patch, Solved, Work};
 use super::pool::Pool;
 use super::pressed::Pressed;
-use super::rail::{Deviation, Rail};
+use super::rail::{Deviation, Rail, Side};
 use super::region::{Cuts, Region};
 use super::rows::Rows;
 use super::search::{Search, Seen, clearance};
-use super::settings::{Friction, FrictionPlace, RigidSlip, Settings};
+use super::settings::Settings;
 use super::silhouette::{Circles, Shadow, shadow};
-use super::sliding::everywhere;
-use super::springs;
+use super::tractions::Sliding;
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
-use crate::half_space::levels::{History, Levels, Solution, TangentialError};
-use crate::half_space::tangential::{Creepage, Prescribed, TangentialState};
+use crate::half_space::tangential::TangentialState;
 
 /// Patches are the same if their places along the tape are no farther from each other than this [m].
 const SAME: f64 = 5e-3;
@@ -37,6 +34,7 @@ const MUTUAL_SHARE: f64 = 0.03;
 #[derive(Debug)]
 pub(super) struct Pair {
     pub(super) settings: Settings,
+    side: Side,
     wheelset: Wheelset,
     /// The rail as it was placed, and off its place.
     design: Rail,
@@ -62,13 +60,19 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    pub(super) fn new(rail: Rail, wheel: Wheel, wheelset: Wheelset, settings: Settings) -> Self {
+    pub(super) fn new(
+        (rail, wheel): (Rail, Wheel),
+        side: Side,
+        wheelset: Wheelset,
+        settings: Settings,
+    ) -> Self {
         let motion = Motion::default();
         let surfaces = [&rail.surface, &wheel.surface];
         let varies = surfaces.iter().any(|surface| surface.constant().is_none());
         Self {
             columns: varies.then(Columns::default),
             settings,
+            side,
             wheelset,
             rows: Rows::of(&rail, settings.sides[1]),
             design: rail.clone(),
@@ -228,53 +232,25 @@ impl Pair {
     }
 
     /// Slides at this height: the patches with their tractions.
-    pub(super) fn slide(&mut self, friction: Friction<'_>) -> Result<Solved, TrackError> {
+    pub(super) fn slide(&mut self, friction: &dyn Friction) -> Result<Solved, TrackError> {
+        let Self { settings, side, rail, wheel, pose, motion, pool, work, .. } = self;
         let mut patches = Vec::with_capacity(self.pressed.len());
         let mut sliding = Vec::with_capacity(self.pressed.len());
         for pressed in &self.pressed {
-            let Pressed { frame, window, .. } = pressed;
-            let approach = pressed.approach();
-            let rolling = rolling(frame, approach, &self.rail, &self.pose, &self.motion)?;
-            let mut fields =
-                Fields::pressed(window, frame.element, &pressed.distance, &pressed.pressure);
+            let rolling = rolling(&pressed.frame, pressed.approach(), rail, pose, motion)?;
             let part = pressed.contact_window();
-            let reference = [frame.reference.x, pressed.region.s];
-            let middle = FrictionPlace { element: reference, reference, angle: frame.angle };
-            let bound = fields.bound(&part, friction, &middle);
-            if let Some(slid) =
-                springs::slide(pressed, &rolling, &self.settings, (friction, &middle), &mut fields)
-            {
-                let bodies = (&self.rail, &self.wheel, &self.pose);
-                patches.push(
-                    Patch::of(pressed, fields, rolling, slid.off_plane, bodies).sliding(&slid),
-                );
-                self.work.tangential_contacts += 1;
-                continue;
-            }
-            let off_plane = match self.settings.rigid_slip {
-                RigidSlip::Plane => None,
-                RigidSlip::Surfaces => Some(off_plane(pressed, &part, &rolling)),
-            };
-            let more = off_plane.as_ref().map(|[x, t]| [x.as_slice(), t.as_slice()]);
-            let state = if self.settings.adhesion {
-                let near = nearest(&self.sliding, pressed.region.s, |(s, ..)| *s)
-                    .filter(|(_, half, _)| *half == part.half)
-                    .map(|(.., state)| state.clone());
-                let levels = self.pool.tangential(&part);
-                let solution = rolls(levels, &bound, rolling.creepage, more, near)?;
-                self.work.newton_steps += solution.newton_steps;
-                solution.state
-            } else {
-                everywhere(&bound, &part, rolling.creepage, more)
-            };
-            self.work.tangential_contacts += 1;
-            fields.take(&part, &state, rolling.speed);
-            let given_off_plane = more.map_or(0.0, |slip| {
-                fields.power_of_slip(&part, slip, &state.traction, rolling.speed)
+            let near = nearest(&self.sliding, pressed.region.s, |(s, ..)| *s)
+                .filter(|(_, half, _)| *half == part.half)
+                .map(|(.., state)| state.clone());
+            let about = Sliding { side: *side, settings, pressed, rolling: &rolling, part };
+            let slid = about.solve(friction, near, pool, work)?;
+            let patch =
+                Patch::of(pressed, slid.fields, rolling, slid.off_plane, (rail, wheel, pose));
+            patches.push(match &slid.by_springs {
+                Some(springs) => patch.sliding(springs),
+                None => patch,
             });
-            let bodies = (&self.rail, &self.wheel, &self.pose);
-            patches.push(Patch::of(pressed, fields, rolling, given_off_plane, bodies));
-            sliding.push((pressed.region.s, part.half, state));
+            sliding.extend(slid.state.map(|state| (pressed.region.s, part.half, state)));
         }
         self.sliding = sliding;
         Ok(Solved::of(self.motion.z, patches, &self.pose, self.work))
@@ -285,44 +261,6 @@ impl Pair {
         self.pressed.clear();
         self.sliding.clear();
     }
-}
-
-/// The tractions of rolling contact, with a slip that is there besides [m], from a solution that is near if there is one.
-fn rolls(
-    levels: &mut Levels,
-    bound: &[f64],
-    creepage: Creepage,
-    more: Option<[&[f64]; 2]>,
-    near: Option<TangentialState>,
-) -> Result<Solution, TangentialError> {
-    let given = Prescribed::creepages(creepage);
-    let improved = near.and_then(|state| {
-        let mut solution = Solution::new(state);
-        levels
-            .improve(bound, &given, more.map(History::of_slip), &mut solution)
-            .is_ok()
-            .then_some(solution)
-    });
-    // What is too far from the last solution is solved without it.
-    if let Some(solution) = improved {
-        return Ok(solution);
-    }
-    let mut solution = levels.solve(bound, &given)?;
-    if more.is_some() {
-        levels.improve(bound, &given, more.map(History::of_slip), &mut solution)?;
-    }
-    Ok(solution)
-}
-
-/// Rigid slip of a step that is off the plane, on the elements of a part [m].
-fn off_plane(pressed: &Pressed, part: &Window, rolling: &Rolling) -> [Vec<f64>; 2] {
-    let [rail, wheel] = pressed.heights(part);
-    let [by_wheel, by_rail] = rolling.by_height;
-    [0, 1].map(|k| {
-        let of_row = |(wheel, rail): (&f64, &f64)| by_wheel[k] * wheel + by_rail[k] * rail;
-        let rows = wheel.iter().zip(&rail).map(of_row);
-        rows.flat_map(|slip| std::iter::repeat_n(part.sides[0] * slip, part.counts()[0])).collect()
-    })
 }
 
 /// The entry whose place is nearest, if it is near.

@@ -86,20 +86,6 @@ pub enum Tangential {
     Fastrip(Kind),
 }
 
-/// Where friction is asked for: an element, and the reference of its patch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrictionPlace {
-    /// x in track axes and the tape distance of the middle of the element [m].
-    pub element: [f64; 2],
-    /// The same of the reference [m].
-    pub reference: [f64; 2],
-    /// Angle of the patch, from the y-axis to its tangent [rad].
-    pub angle: f64,
-}
-
-/// Coefficient of friction of an element.
-pub type Friction<'a> = &'a dyn Fn(&FrictionPlace) -> f64;
-
 /// What is given along the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Vertical {

@@ -18,7 +18,7 @@ use super::creepage::Rolling;
 use super::fields::Fields;
 use super::local::Window;
 use super::pressed::Pressed;
-use super::settings::{Friction, FrictionPlace, RigidSlip, Settings, Tangential};
+use super::settings::{Settings, Tangential};
 use super::strips::{PressedStrip, equivalent_ellipse};
 use crate::half_space::influence::Elasticity;
 use crate::half_space::tangential::{Creepage, ElementState};
@@ -62,12 +62,13 @@ pub(super) struct Slid {
     cells: Vec<(usize, Cell)>,
 }
 
-/// Slides a patch and writes its fields, if springs are asked for and it may stick.
+/// Slides a patch and writes its fields, if springs are asked for and it may stick; with the coefficients of friction of its elements, and rigid
+/// slip over V off the plane of its rows, if there is.
 pub(super) fn slide(
     pressed: &Pressed,
     rolling: &Rolling,
     settings: &Settings,
-    (friction, middle): (Friction<'_>, &FrictionPlace),
+    (friction, off_plane): (&[f64], Option<&[[f64; 2]]>),
     fields: &mut Fields,
 ) -> Option<Slid> {
     let (kind, strip_theory) = match settings.tangential {
@@ -81,16 +82,13 @@ pub(super) fn slide(
     let window = &pressed.window;
     let strips = pressed.strips();
     let sliding = Sliding {
-        friction: strips
-            .iter()
-            .map(|strip| friction_of_row(strip.row, fields, (friction, middle)))
-            .collect(),
+        friction: strips.iter().map(|strip| friction_of_row(strip.row, fields, friction)).collect(),
         strips: &strips,
         window,
         rolling,
-        off_plane: match settings.rigid_slip {
-            RigidSlip::Plane => vec![[0.0; 2]; window.counts()[1]],
-            RigidSlip::Surfaces => off_plane(pressed, rolling),
+        off_plane: match off_plane {
+            Some(rows) => rows.to_vec(),
+            None => vec![[0.0; 2]; window.counts()[1]],
         },
         bodies: settings.bodies,
         kind,
@@ -102,28 +100,13 @@ pub(super) fn slide(
 }
 
 /// The coefficient of friction of a row: the mean, weighted with the pressure [-].
-fn friction_of_row(
-    row: usize,
-    fields: &Fields,
-    (friction, middle): (Friction<'_>, &FrictionPlace),
-) -> f64 {
-    let (nx, [dx, ds]) = (fields.counts[0], fields.sides);
-    let [first, j] = [fields.first[0], fields.first[1] + row as i64];
-    let pressures = fields.pressure[row * nx..(row + 1) * nx].iter().enumerate();
-    let pressed = pressures.filter(|(_, p)| **p > 0.0);
-    let (sum, weight) = pressed.fold((0.0, 0.0), |(sum, weight), (i, p)| {
-        let element = [(first + i as i64) as f64 * dx, j as f64 * ds];
-        (sum + p * friction(&FrictionPlace { element, ..*middle }), weight + p)
-    });
+fn friction_of_row(row: usize, fields: &Fields, friction: &[f64]) -> f64 {
+    let nx = fields.counts[0];
+    let elements = row * nx..(row + 1) * nx;
+    let pairs = fields.pressure[elements.clone()].iter().zip(&friction[elements]);
+    let pressed = pairs.filter(|(p, _)| **p > 0.0);
+    let (sum, weight) = pressed.fold((0.0, 0.0), |(sum, weight), (p, f)| (sum + p * f, weight + p));
     if weight > 0.0 { sum / weight } else { 0.0 }
-}
-
-/// Rigid slip over V off the plane, of every row [-].
-fn off_plane(pressed: &Pressed, rolling: &Rolling) -> Vec<[f64; 2]> {
-    let [rail, wheel] = pressed.heights(&pressed.window);
-    let [by_wheel, by_rail] = rolling.by_height;
-    let rows = wheel.iter().zip(&rail);
-    rows.map(|(wheel, rail)| [0, 1].map(|k| by_wheel[k] * wheel + by_rail[k] * rail)).collect()
 }
 
 /// The springs of a patch.

@@ -24,5 +24,6 @@ mod stress_at_points;
 mod varying_bodies;
 mod viscoelastic;
 mod wearing;
+mod wheel_friction;
 mod wheel_on_track;
 mod wheelset;

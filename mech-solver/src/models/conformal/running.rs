@@ -10,7 +10,7 @@ use crate::terms::Terms;
 use proto::configuration::Configuration;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
-use proto::model::{Step, StepError};
+use proto::model::{Inputs, Step, StepError};
 use serde_json::Value;
 
 /// The bodies.
@@ -44,7 +44,7 @@ impl Windows for Running {
         self.case.row(&params, self.terms.adhesion).map_err(no_answer)
     }
 
-    fn solve(&mut self, row: &Row) -> Result<Window, StepError> {
+    fn solve(&mut self, row: &Row, _inputs: &dyn Inputs) -> Result<Window, StepError> {
         let contact = self.solver.solve(&row.prescription);
         let contact = contact.map_err(|error| StepError::NoSolution(error.to_string()))?;
         let power = self.solver.friction_power(&contact, row.speed);
@@ -69,6 +69,10 @@ impl Windows for Running {
 
     fn summary(&self, window: &Window) -> Value {
         summary(window, &self.grid)
+    }
+
+    fn speed(&self, row: &Row) -> f64 {
+        row.speed
     }
 
     fn effort(&self, window: &Window) -> [usize; 2] {

@@ -10,10 +10,11 @@ use crate::half_space::coupling::Coupling;
 use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
+use crate::half_space::settling::{Settling, Unsettled, first_velocities, slip_velocities};
 use crate::half_space::slip_operator::Displacement;
-use crate::half_space::tangential::{self, Creepage, ElementState, TangentialState};
+use crate::half_space::tangential::{self, Creepage, TangentialState};
 use crate::models::shortfall::Shortfall;
-use crate::slip::{RigidSlip, SlipStart};
+use crate::slip::RigidSlip;
 use crate::terms::Rubbing;
 use proto::model::{Inputs, StepError};
 
@@ -28,15 +29,6 @@ const LOOP_TOLERANCE: f64 = 1e-10;
 const ALMOST_ALL: f64 = 0.999;
 /// Turns of normal and tangential contact after which they are given up.
 const MOST_ALTERNATIONS: usize = 30;
-/// Passes of friction and slip after which they are given up.
-const MOST_PASSES: usize = 600;
-/// Those that take all of the slip found; later ones take the share below of its change.
-const PLAIN_PASSES: usize = 400;
-/// See above.
-const DAMPED: f64 = 0.3;
-/// Change of the traction bounds, over the largest, at which friction has settled.
-const SETTLED: f64 = 1e-7;
-
 /// Why an instant has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum ContactError {
@@ -49,11 +41,8 @@ pub(super) enum ContactError {
          pressure still changes by {change:.1e} of its maximum"
     )]
     Unsettled { change: f64 },
-    #[error(
-        "friction that follows the slip of every element did not settle in {MOST_PASSES} passes: traction bounds still change by {change:.1e} of the \
-         largest; let it fall more slowly, or look from another start"
-    )]
-    Friction { change: f64 },
+    #[error(transparent)]
+    Friction(#[from] Unsettled),
     #[error(transparent)]
     Power(#[from] PowerError),
     #[error("under this approach of {approach:.4e} m the bodies do not touch")]
@@ -200,15 +189,22 @@ impl ContactSolver {
         let grid = &case.footprint.grid;
         let origin_y = case.footprint.gap.as_ref().map_or(0.0, |gap| gap.origin);
         let velocity = self.velocity.as_deref();
-        let rubbing = Rubbing { inputs, slip, grid, origin_y, pressure: &self.pressure, velocity };
+        let rubbing = Rubbing {
+            inputs,
+            speed: slip.speed,
+            rigid_slip: &|index| slip.at(grid, index),
+            grid,
+            origin_y,
+            pressure: &self.pressure,
+            velocity,
+        };
         case.terms.friction(case.scene.friction_coefficient, &rubbing, &mut self.friction)?;
         self.set_bound();
         Ok(())
     }
 
     /// Solves for the tractions as [`ContactSolver::solve`] does; where friction follows the slip of every element itself, with the friction
-    /// of the slip that it leaves. Friction and slip are found in turn: from rest friction falls from pass to pass, from above it rises, so that of
-    /// several solutions those are found that slip least and most.
+    /// of the slip that it leaves.
     pub(super) fn solve_settled(
         &mut self,
         case: &mut Case,
@@ -221,34 +217,26 @@ impl ContactSolver {
         let Some(start) = case.terms.friction_follows_elements() else {
             return self.solve(driven, near, history).map_err(no_solution);
         };
-        let (count, duration) = (self.pressure.len(), case.passage().duration);
-        self.velocity = Some(match (start, &near) {
-            (SlipStart::Above, _) => vec![case.scene.speeds.rolling; count],
-            (SlipStart::Before, Some(near)) => velocities(&near.state, duration),
-            _ => vec![0.0; count],
-        });
+        let duration = case.passage().duration;
+        let scale = (self.pressure.len(), duration, case.scene.speeds.rolling);
+        let first = first_velocities(start, near.as_ref().map(|near| &near.state), scale);
+        let mut settling = Settling::from(first);
+        self.velocity = Some(settling.velocity().to_vec());
         self.set_friction(case, inputs, [0.0; 3])?;
-        let mut change = f64::INFINITY;
-        for pass in 0..MOST_PASSES {
+        loop {
             let solution = self.solve(driven, near.take(), history).map_err(no_solution)?;
             let before = self.bound.clone();
-            let now = velocities(&solution.state, duration);
-            let share = if pass < PLAIN_PASSES { 1.0 } else { DAMPED };
+            let share = settling.follow(&slip_velocities(&solution.state, duration));
             if let Some(velocity) = &mut self.velocity {
-                let towards =
-                    |(velocity, now): (&mut f64, &f64)| *velocity += share * (now - *velocity);
-                velocity.iter_mut().zip(&now).for_each(towards);
+                velocity.copy_from_slice(settling.velocity());
             }
             self.set_friction(case, inputs, [0.0; 3])?;
-            let largest = before.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-            let off = self.bound.iter().zip(&before).map(|(bound, before)| (bound - before).abs());
-            change = off.fold(0.0, f64::max) / (share * largest);
-            if change <= SETTLED {
+            let settled = settling.has_settled(share, &before, &self.bound);
+            if settled.map_err(|error| no_solution(error.into()))? {
                 return Ok(solution);
             }
             near = Some(solution);
         }
-        Err(no_solution(ContactError::Friction { change }))
     }
 
     /// Traction bound f p of every element [Pa].
@@ -464,17 +452,6 @@ impl ContactSolver {
             }
         }
     }
-}
-
-/// Slip velocities of the elements [m/s]; 0 where they adhere.
-fn velocities(state: &TangentialState, duration: f64) -> Vec<f64> {
-    let [sx, sy] = &state.slip;
-    let pairs = state.element.iter().zip(sx.iter().zip(sy));
-    let velocity = |(element, (x, y)): (&ElementState, (&f64, &f64))| match element {
-        ElementState::Slip => x.hypot(*y) / duration,
-        _ => 0.0,
-    };
-    pairs.map(velocity).collect()
 }
 
 fn add(sum: &mut [f64], more: &[f64]) {

@@ -41,8 +41,15 @@ impl Heated {
     ) -> Result<[f64; 3], StepError> {
         let Case { terms, scene, grid, .. } = &mut self.case;
         let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
-        let rubbing =
-            Rubbing { inputs, slip, grid, origin_y: 0.0, pressure: &self.pressure, velocity: None };
+        let rubbing = Rubbing {
+            inputs,
+            speed: slip.speed,
+            rigid_slip: &|index| slip.at(grid, index),
+            grid,
+            origin_y: 0.0,
+            pressure: &self.pressure,
+            velocity: None,
+        };
         terms.friction(scene.friction_coefficient, &rubbing, &mut self.friction)?;
         let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
         let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();

@@ -105,11 +105,13 @@ impl Model for Sliding {
         self.solved = Some(solved);
         let [xi, eta] = self.case.creepage;
         let slip = RigidSlip { creepage: [xi, eta, 0.0], speed: self.case.scene.speeds.rolling };
+        let grid = &self.case.grid;
         let rubbing = Rubbing {
             velocity: None,
             inputs,
-            slip,
-            grid: &self.case.grid,
+            speed: slip.speed,
+            rigid_slip: &|index| slip.at(grid, index),
+            grid,
             origin_y: 0.0,
             pressure: &self.pressure,
         };

@@ -28,6 +28,9 @@ use std::sync::LazyLock;
 /// Length that elements are counted over [m].
 const CENTIMETRE: f64 = 1e-2;
 
+/// Accuracy where a loop iterates on the answers: well below what it is asked for.
+const LOOP_TOLERANCE: f64 = 1e-8;
+
 /// The keys, made once: a history has a position in every row.
 static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(|| [body_keys(), keys()].concat());
 
@@ -86,6 +89,9 @@ impl Case {
             settings.rigid_slip = RigidSlip::Surfaces;
         }
         (settings.adhesion, settings.layer) = (terms.adhesion, terms.layer());
+        if terms.follow_inputs() {
+            settings.tolerance = LOOP_TOLERANCE;
+        }
         settings.normal = match case.text(NORMAL)? {
             "kpec" => Normal::Kpec,
             "analyn" => Normal::Analyn,
@@ -94,7 +100,7 @@ impl Case {
         settings.mutual = case.text(PATCH_INFLUENCE)? == "elastic";
         settings.tangential = tangential(&case)?;
         if settings.tangential != Tangential::HalfSpace {
-            refuse_on_springs(&settings, upper.poisson_ratio, &names)?;
+            refuse_on_springs(&settings, &terms, upper.poisson_ratio, &names)?;
         }
         let sides = match case.text(SIDE)? {
             "right" => vec![Side::Right],
@@ -235,12 +241,18 @@ fn tangential(case: &CheckedParams<'_>) -> Result<Tangential, Refusal> {
 /// Refuses what springs do not have.
 fn refuse_on_springs(
     settings: &Settings,
+    terms: &Terms,
     poisson_ratio: f64,
     names: &Bodies,
 ) -> Result<(), Refusal> {
     if settings.layer > 0.0 {
         let reason = "asks for springs, and a layer between the bodies is on half-spaces alone";
         let fix = "write \"half-space\" here, or leave the layer out";
+        return Err(Refusal::new(TANGENTIAL, reason, fix));
+    }
+    if terms.friction_follows_elements().is_some() {
+        let reason = "asks for springs, and friction that follows the slip of every element is on half-spaces alone";
+        let fix = "write \"half-space\" here, or effects.speed_friction.slip = \"rigid\"";
         return Err(Refusal::new(TANGENTIAL, reason, fix));
     }
     if poisson_ratio < 0.0 {

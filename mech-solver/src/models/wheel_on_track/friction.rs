@@ -1,38 +1,94 @@
-//! The friction coefficient of every element: that of the case, and its factors over the surface of the rail or along the track.
+//! The friction coefficient of every element: that of the case, its factors over the surface of the rail or along the track, and what other
+//! laws make of it.
 
 use super::case::{Case, Position};
 use crate::bands::{At, Bands, Over};
+use crate::slip::SlipStart;
+use crate::terms::Rubbing;
+use crate::track::friction::{Elements, Friction};
 use crate::track::rail::Side;
-use crate::track::settings::FrictionPlace;
 use proto::bodies::LOWER;
+use proto::grid::Structured;
+use proto::model::Inputs;
 
-/// The coefficient of friction of an element of one side at a position.
-pub(super) fn coefficient(
-    case: &Case,
-    side: Side,
-    position: &Position,
-    spot: &FrictionPlace,
-) -> f64 {
-    let factor =
-        case.terms.bands().map(|bands| bands.factor(place(bands, case, side, position, spot)));
-    position.friction * factor.unwrap_or(1.0)
+/// The friction of a window.
+pub(super) struct Law<'a> {
+    pub(super) case: &'a Case,
+    pub(super) position: &'a Position,
+    /// What comes in, and y on the grid of the fields less the tape distance [m] of the left rail and the right; while the grid is looked for
+    /// there are only factors.
+    pub(super) solving: Option<(&'a dyn Inputs, [f64; 2])>,
 }
 
-/// The coordinate of factors at an element, or at the reference of its patch.
-fn place(bands: &Bands, case: &Case, side: Side, position: &Position, spot: &FrictionPlace) -> f64 {
-    let [x, tape] = match bands.at {
-        At::Elements => spot.element,
-        At::Patches => spot.reference,
-    };
-    match (bands.over, bands.at) {
-        (Over::Lateral, _) => tape,
-        (Over::Track, _) => position.motion.way + x,
-        (Over::Inclination, At::Elements) => {
-            case.surfaces[LOWER].angle(position.motion.way + x, side.sign() * tape)
+impl Friction for Law<'_> {
+    fn coefficients(&self, elements: &Elements<'_>, friction: &mut [f64]) -> Result<(), String> {
+        friction.fill(self.position.friction);
+        for term in &self.case.terms.friction {
+            match (term.bands(), self.solving) {
+                (Some(bands), _) => self.multiply(bands, elements, friction),
+                (None, Some((inputs, shifts))) => {
+                    let shift = shifts[usize::from(elements.side == Side::Right)];
+                    let mut grid = elements.grid;
+                    grid.origin[1] += shift;
+                    let rubbing = Rubbing {
+                        inputs,
+                        speed: elements.speed,
+                        rigid_slip: &|index| elements.rigid_slip[index],
+                        grid: &grid,
+                        origin_y: -shift,
+                        pressure: elements.pressure,
+                        velocity: elements.slip,
+                    };
+                    term.apply(&rubbing, friction).map_err(|error| error.to_string())?;
+                }
+                (None, None) => {}
+            }
         }
-        // In the axes of the profile, which cant and deviation have turned.
-        (Over::Inclination, At::Patches) => {
-            side.sign() * (spot.angle - position.deviation.roll) - case.track.cant
+        Ok(())
+    }
+
+    fn follows_elements(&self) -> Option<SlipStart> {
+        self.solving.and_then(|_| self.case.terms.friction_follows_elements())
+    }
+}
+
+impl Law<'_> {
+    /// Multiplies coefficients by the factors of their elements.
+    fn multiply(&self, bands: &Bands, elements: &Elements<'_>, friction: &mut [f64]) {
+        if bands.at == At::Patches {
+            let factor = bands.factor(self.of_patch(bands.over, elements));
+            friction.iter_mut().for_each(|friction| *friction *= factor);
+            return;
+        }
+        for (index, friction) in friction.iter_mut().enumerate() {
+            if elements.pressure[index] > 0.0 {
+                *friction *= bands.factor(self.of_element(bands.over, elements, index));
+            }
+        }
+    }
+
+    /// The coordinate of factors at an element.
+    fn of_element(&self, over: Over, elements: &Elements<'_>, index: usize) -> f64 {
+        let Elements { side, grid, .. } = elements;
+        let Structured { ni, .. } = *grid;
+        let (x, tape) = (self.position.motion.way + grid.x(index % ni), grid.y(index / ni));
+        match over {
+            Over::Lateral => tape,
+            Over::Track => x,
+            Over::Inclination => self.case.surfaces[LOWER].angle(x, side.sign() * tape),
+        }
+    }
+
+    /// The same at the reference of the patch.
+    fn of_patch(&self, over: Over, elements: &Elements<'_>) -> f64 {
+        let Elements { side, reference: [x, tape], angle, .. } = *elements;
+        match over {
+            Over::Lateral => tape,
+            Over::Track => self.position.motion.way + x,
+            // In the axes of the profile, which cant and deviation have turned.
+            Over::Inclination => {
+                side.sign() * (angle - self.position.deviation.roll) - self.case.track.cant
+            }
         }
     }
 }

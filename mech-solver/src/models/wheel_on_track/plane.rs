@@ -4,13 +4,13 @@
 //! of the left rail plus a shift, and that of the right one less the same shift, by which [`APART`] lies free between the lanes.
 
 use super::case::{Case, Position};
-use super::friction::coefficient;
+use super::friction::Law;
 use crate::terms::Place;
 use crate::track::balance::{Balanced, Given};
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
 use crate::track::rail::Side;
-use crate::track::settings::{FrictionPlace, Normal};
+use crate::track::settings::Normal;
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 use proto::model::StepError;
@@ -108,7 +108,7 @@ impl Plane {
             }
             let position = case.position(&params)?;
             let Position { motion, deviation, given, .. } = &position;
-            let friction = |side, spot: &FrictionPlace| coefficient(case, side, &position, spot);
+            let friction = Law { case, position: &position, solving: None };
             // Patches hardly move with the angular velocity that a torque finds.
             let given = Given { torque: None, ..*given };
             match wheelset.solve(motion, deviation, &given, &friction) {

@@ -1,7 +1,7 @@
 //! What solves the windows.
 
 use super::case::{Case, Position};
-use super::friction::coefficient;
+use super::friction::Law;
 use super::plane::Plane;
 use super::summary::summary;
 use crate::models::each_window::{Windows, write_pair};
@@ -10,10 +10,10 @@ use crate::terms::Accepted;
 use crate::track::balance::{Balanced, WheelsetOnTrack};
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
-use crate::track::settings::FrictionPlace;
+use crate::track::rail::Side;
 use proto::configuration::{Configuration, Refusal};
 use proto::field::{self, FieldSpec};
-use proto::model::{Outputs, Step, StepError};
+use proto::model::{Inputs, Outputs, Step, StepError};
 use serde_json::Value;
 
 /// A window that is solved.
@@ -50,10 +50,11 @@ impl Windows for Running {
         self.case.position(&self.configuration.case_at(step)).map_err(no_answer)
     }
 
-    fn solve(&mut self, position: &Position) -> Result<Window, StepError> {
+    fn solve(&mut self, position: &Position, inputs: &dyn Inputs) -> Result<Window, StepError> {
         let Position { motion, deviation, given, .. } = position;
         let case = &self.case;
-        let friction = |side, spot: &FrictionPlace| coefficient(case, side, position, spot);
+        let shifts = [Side::Left, Side::Right].map(|side| self.plane.shift(side));
+        let friction = Law { case, position, solving: Some((inputs, shifts)) };
         self.wheelset.forget();
         let balanced = self.wheelset.solve(motion, deviation, given, &friction);
         let balanced = balanced.map_err(|error| StepError::NoSolution(error.to_string()))?;
@@ -100,6 +101,14 @@ impl Windows for Running {
             summary[section] = figures;
         }
         summary
+    }
+
+    fn speed(&self, position: &Position) -> f64 {
+        position.motion.velocity[0]
+    }
+
+    fn follows_inputs(&self) -> bool {
+        self.case.terms.follow_inputs()
     }
 
     fn effort(&self, window: &Window) -> [usize; 2] {

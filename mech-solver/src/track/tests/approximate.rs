@@ -5,6 +5,7 @@ use crate::reference::hertz::{EllipticContact, elliptic_contact};
 use crate::reference::kalker::creep_coefficients;
 use crate::simplified::flexibility::Kind;
 use crate::track::contact::WheelOnRail;
+use crate::track::friction::Constant;
 use crate::track::outline::Outline;
 use crate::track::patch::Patch;
 use crate::track::rail::{Deviation, Side};
@@ -73,7 +74,12 @@ fn springs_have_the_slopes_of_the_linear_theory() {
     for creepage in [[1e-6, 0.0, 0.0], [0.0, -1e-6, 0.0], [0.0, 0.0, 1e-4]] {
         let [xi, eta, phi] = creepage;
         let solved = pair
-            .solve(&creeping(xi, eta, phi), &Deviation::default(), Vertical::Force(LOAD), &|_| 0.3)
+            .solve(
+                &creeping(xi, eta, phi),
+                &Deviation::default(),
+                Vertical::Force(LOAD),
+                &Constant(0.3),
+            )
             .unwrap();
         let patch = &solved.patches[0];
         let linear = coefficients.forces(axes, modulus, patch.rolling.creepage);

@@ -1,6 +1,7 @@
 //! The same contact, seen from elsewhere or reached in another way.
 
 use super::{arc, elements, line, rolling, single, solve, standard, steel};
+use crate::track::friction::Constant;
 use crate::track::outline::Outline;
 use crate::track::patch::Solved;
 use crate::track::rail::{Deviation, Side};
@@ -69,7 +70,7 @@ fn a_turned_pair_has_the_same_contact() {
             ..upright
         };
         let deviation = Deviation { roll: angle, ..Deviation::default() };
-        let turned = pair.solve(&motion, &deviation, Vertical::Height, &|_| 0.3).unwrap();
+        let turned = pair.solve(&motion, &deviation, Vertical::Height, &Constant(0.3)).unwrap();
         let (a, b) = (&straight.patches[0], &turned.patches[0]);
         near(b.frame.angle - a.frame.angle, angle, 1.0, 1e-6, "angle");
         near(a.tape, b.tape, 1e-3, 1e-4, "tape");

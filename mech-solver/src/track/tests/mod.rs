@@ -9,6 +9,7 @@ mod theories;
 mod varying;
 
 use super::contact::WheelOnRail;
+use super::friction::Constant;
 use super::outline::Outline;
 use super::patch::Solved;
 use super::rail::{Deviation, Placing, Side, Track};
@@ -54,7 +55,7 @@ fn rolling(y: f64, roll: f64, yaw: f64) -> Motion {
 }
 
 fn solve(pair: &mut WheelOnRail, motion: &Motion, vertical: Vertical) -> Solved {
-    pair.solve(motion, &Deviation::default(), vertical, &|_| 0.3).unwrap()
+    pair.solve(motion, &Deviation::default(), vertical, &Constant(0.3)).unwrap()
 }
 
 /// An arc with its top at (y, 0), turning by ±angle.

@@ -4,6 +4,7 @@ use super::{arc, elements, line, rolling, single, solve, standard, steel};
 use crate::track::contact::WheelOnRail;
 use crate::track::developed::Developed;
 use crate::track::error::TrackError;
+use crate::track::friction::{Constant, Elements, Friction};
 use crate::track::outline::Outline;
 use crate::track::patch::Patch;
 use crate::track::rail::{Deviation, Placing, Side, Track};
@@ -129,6 +130,19 @@ fn all_patches_are_on_one_grid() {
     assert!(most >= 2, "{most}");
 }
 
+/// Friction that grows along the tape.
+struct AcrossTape;
+
+impl Friction for AcrossTape {
+    fn coefficients(&self, elements: &Elements<'_>, friction: &mut [f64]) -> Result<(), String> {
+        let Elements { grid, .. } = elements;
+        for (at, friction) in friction.iter_mut().enumerate() {
+            *friction = 0.1 + 2.5 * grid.y(at / grid.ni);
+        }
+        Ok(())
+    }
+}
+
 /// Friction of elements, by their places; and what has no solution.
 #[test]
 fn friction_follows_the_grid_and_errors_are_told() {
@@ -136,7 +150,7 @@ fn friction_follows_the_grid_and_errors_are_told() {
     let motion = rolling(0.0, 0.0, 5e-3);
     let at_rest = Deviation::default();
     let force = Vertical::Force(50e3);
-    let solved = pair.solve(&motion, &at_rest, force, &|spot| 0.1 + 2.5 * spot.element[1]).unwrap();
+    let solved = pair.solve(&motion, &at_rest, force, &AcrossTape).unwrap();
     let fields = &solved.patches[0].fields;
     for (at, p) in fields.pressure.iter().enumerate() {
         let j = fields.first[1] + (at / fields.counts[0]) as i64;
@@ -145,11 +159,11 @@ fn friction_follows_the_grid_and_errors_are_told() {
     }
     let lifted = solve(&mut pair, &motion, Vertical::Force(0.0));
     assert!(lifted.patches.is_empty() && lifted.force == [0.0; 3]);
-    let beside = pair.solve(&rolling(0.3, 0.0, 0.0), &at_rest, force, &|_| 0.3);
+    let beside = pair.solve(&rolling(0.3, 0.0, 0.0), &at_rest, force, &Constant(0.3));
     assert_eq!(beside, Err(TrackError::Beside));
-    let pulled = pair.solve(&motion, &at_rest, Vertical::Force(-1.0), &|_| 0.3);
+    let pulled = pair.solve(&motion, &at_rest, Vertical::Force(-1.0), &Constant(0.3));
     assert_eq!(pulled, Err(TrackError::Force(-1.0)));
     let standing = crate::track::wheelset::Motion { velocity: [0.0; 3], ..motion };
-    let standing = pair.solve(&standing, &at_rest, force, &|_| 0.3);
+    let standing = pair.solve(&standing, &at_rest, force, &Constant(0.3));
     assert!(matches!(standing, Err(TrackError::Rolling(_))), "{standing:?}");
 }

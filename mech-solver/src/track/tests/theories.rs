@@ -2,6 +2,7 @@
 
 use super::{standard, steel};
 use crate::simplified::flexibility::Kind;
+use crate::track::friction::Constant;
 use crate::track::patch::Solved;
 use crate::track::rail::{Deviation, Side};
 use crate::track::settings::{Normal, Settings, Tangential, Vertical};
@@ -38,7 +39,8 @@ fn solved(normal: Normal, tangential: Tangential) -> Vec<(Solved, f64)> {
         wheel.forget();
         let start = Instant::now();
         let vertical = Vertical::Force(FORCE);
-        let solved = wheel.solve(&motion, &Deviation::default(), vertical, &|_| FRICTION).unwrap();
+        let solved =
+            wheel.solve(&motion, &Deviation::default(), vertical, &Constant(FRICTION)).unwrap();
         (solved, start.elapsed().as_secs_f64())
     };
     positions().map(of).collect()

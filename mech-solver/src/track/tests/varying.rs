@@ -4,6 +4,7 @@ use super::{arc, line, rolling, steel};
 use crate::axle::{Form, Irregularity};
 use crate::reference::hertz::elliptic_contact;
 use crate::track::contact::WheelOnRail;
+use crate::track::friction::Constant;
 use crate::track::outline::Outline;
 use crate::track::patch::Solved;
 use crate::track::rail::{Deviation, Placing, Side, Track};
@@ -53,7 +54,7 @@ fn standard(surfaces: &[Surface; 2], side: Side, settings: Settings) -> WheelOnR
 }
 
 fn solve(pair: &mut WheelOnRail, motion: &Motion, force: f64) -> Solved {
-    pair.solve(motion, &Deviation::default(), Vertical::Force(force), &|_| 0.3).unwrap()
+    pair.solve(motion, &Deviation::default(), Vertical::Force(force), &Constant(0.3)).unwrap()
 }
 
 /// A rail of a crown of 0.3 m.

@@ -1,0 +1,51 @@
+//! What the friction of a patch may depend on.
+
+use super::rail::Side;
+use crate::slip::SlipStart;
+use proto::grid::Structured;
+
+/// The elements of a patch, and how they move over each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Elements<'a> {
+    /// Side of the track.
+    pub side: Side,
+    /// Over x in track axes and the tape distance [m].
+    pub grid: Structured,
+    /// Pressure [Pa].
+    pub pressure: &'a [f64],
+    /// x in track axes and the tape distance of the reference of the patch [m].
+    pub reference: [f64; 2],
+    /// Angle of the patch, from the y-axis to its tangent [rad].
+    pub angle: f64,
+    /// Rolling speed V [m/s].
+    pub speed: f64,
+    /// Slip velocity of rigid bodies [m/s].
+    pub rigid_slip: &'a [f64],
+    /// Slip velocity with its elastic part, where friction follows that [m/s].
+    pub slip: Option<&'a [f64]>,
+}
+
+/// What gives the coefficients of friction.
+pub trait Friction {
+    /// The coefficients of the elements of a patch [-].
+    ///
+    /// # Errors
+    /// There are none, and why.
+    fn coefficients(&self, elements: &Elements<'_>, friction: &mut [f64]) -> Result<(), String>;
+
+    /// They follow the slip of every element with its elastic part, looked for from here.
+    fn follows_elements(&self) -> Option<SlipStart> {
+        None
+    }
+}
+
+/// The same everywhere [-].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constant(pub f64);
+
+impl Friction for Constant {
+    fn coefficients(&self, _: &Elements<'_>, friction: &mut [f64]) -> Result<(), String> {
+        friction.fill(self.0);
+        Ok(())
+    }
+}
