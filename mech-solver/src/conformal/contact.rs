@@ -8,7 +8,9 @@
 //! and the slip of a step Δx is S = w Δx + (1 − S)(A_tt p_t + A_tn p_n), as on half-spaces. The rigid slip w is that of the creepages ξ, η, φ at s = 0
 //! and of the rolling curvature c = 1/R₁ + 1/R₂ about the direction of s there:
 //!
-//! w_x = ξ − φ y + c z,   w_s = (η + φ x) cos α + (ζ − c x) sin α,   with y(s), z(s) on the surface.
+//! w_x = ξ − φ y + c z,   w_s = (η + φ x) cos α + (ζ − c x) sin α,   with y(s), z(s) on the surface,
+//!
+//! or, in the plane at s = 0, (ξ − φ s, η + φ x).
 //!
 //! Pressure and tractions are solved for in turn until the pressure rests, as for bodies of different constants. The tangential solver has the
 //! operator of half-spaces; what A_tt differs from it by is taken with the tractions before. So is the approach under a given force along z,
@@ -80,6 +82,8 @@ pub struct Prescription {
     pub creepage: Creepage,
     /// Relative velocity ζ along the normal at s = 0, over the speed.
     pub normal_creepage: f64,
+    /// Rigid slip is that of the creepages in the plane at s = 0, as half-spaces have it.
+    pub in_plane: bool,
     /// Friction coefficient f [-].
     pub friction: f64,
     /// Adhesion is possible; if not, everything slides.
@@ -319,7 +323,7 @@ impl ConformalSolver {
         slip
     }
 
-    /// Rigid slip over the way at an element, on the surface and on the plane at s = 0 [-].
+    /// Rigid slip over the way at an element, as prescribed and on the plane at s = 0 [-].
     fn rigid_slips(&self, prescription: &Prescription, index: usize) -> [[f64; 2]; 2] {
         let Prescription { creepage: [xi, eta, phi], normal_creepage: zeta, .. } = *prescription;
         let (grid, arcs) = (&self.grid, &self.arcs);
@@ -327,9 +331,10 @@ impl ConformalSolver {
             (grid.x(index % grid.ni) + RIGID_SLIP_AHEAD * grid.dx(), grid.y(index / grid.ni));
         let ([y, z], (sin, cos)) = (arcs.place(s), arcs.direction(s).sin_cos());
         let rolling = arcs.rolling_curvature;
+        let plane = [xi - phi * s, eta + phi * x];
         let curved =
             [xi - phi * y + rolling * z, (eta + phi * x) * cos + (zeta - rolling * x) * sin];
-        [curved, [xi - phi * s, eta + phi * x]]
+        [if prescription.in_plane { plane } else { curved }, plane]
     }
 
     /// Traction f p against the rigid slip, which is all the slip there is.

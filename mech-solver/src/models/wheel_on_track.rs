@@ -17,13 +17,13 @@
 //! | `shape` | the surfaces of wheel and rail, from the files of their profiles |
 //! | `keys` | the keys of track, wheelset and elements |
 //! | `case` | a checked case, and the position of a window |
-//! | `friction` | the friction coefficient of every element |
+//! | `interface` | friction coefficients and heights of the elements |
 //! | `plane` | the grid that holds the patches of all rows |
 //! | `running` | what solves a window |
 //! | `summary`, `wheels` | its figures; those of each wheel |
 
 mod case;
-mod friction;
+mod interface;
 mod keys;
 mod plane;
 mod running;
@@ -56,6 +56,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "wheel-on-track",
     spec,
     takes: &[
+        Kind::Gap,
         Kind::Bands,
         Kind::Friction,
         Kind::Adhesion,

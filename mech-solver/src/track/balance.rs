@@ -13,7 +13,7 @@
 
 use super::contact::WheelOnRail;
 use super::error::TrackError;
-use super::friction::Friction;
+use super::interface::Interface;
 use super::patch::{Solved, Work};
 use super::rail::{Deviation, Side};
 use super::root::Search;
@@ -96,10 +96,10 @@ impl WheelsetOnTrack {
         motion: &Motion,
         deviation: &Deviation,
         given: &Given,
-        friction: &dyn Friction,
+        interface: &dyn Interface,
     ) -> Result<Balanced, TrackError> {
         let Some(torque) = given.torque else {
-            return self.carry(motion, deviation, given, friction);
+            return self.carry(motion, deviation, given, interface);
         };
         let first = motion.angular_velocity;
         let mut balanced = Balanced::default();
@@ -114,7 +114,7 @@ impl WheelsetOnTrack {
         let mut motion = *motion;
         let found = search.root(|angular_velocity| {
             motion.angular_velocity = angular_velocity;
-            balanced = self.carry(&motion, deviation, given, friction)?;
+            balanced = self.carry(&motion, deviation, given, interface)?;
             work = work.and(&balanced.work);
             let up = balanced.sum(|solved| solved.force)[2].abs();
             let moment = balanced.sum(|solved| solved.moment_wheelset)[1];
@@ -132,12 +132,12 @@ impl WheelsetOnTrack {
         motion: &Motion,
         deviation: &Deviation,
         given: &Given,
-        friction: &dyn Friction,
+        interface: &dyn Interface,
     ) -> Result<Balanced, TrackError> {
         let loaded =
             |vertical: &Vertical| matches!(vertical, Vertical::Force(force) if *force > 0.0);
         if self.wheels.len() < 2 || !given.vertical.iter().all(loaded) {
-            return self.each(motion, deviation, given, friction);
+            return self.each(motion, deviation, given, interface);
         }
         let [step, far] = ROLL;
         let begin =
@@ -156,7 +156,7 @@ impl WheelsetOnTrack {
         let mut work = Work::default();
         let search = Search { first, slope, ..begin };
         let found = search.root(|roll| {
-            balanced = self.each(&Motion { roll, ..*motion }, deviation, given, friction)?;
+            balanced = self.each(&Motion { roll, ..*motion }, deviation, given, interface)?;
             work = work.and(&balanced.work);
             let depth = self.wheels.iter().map(|(_, wheel)| wheel.depth()).fold(0.0, f64::max);
             let [left, right] = [0, 1].map(|wheel| balanced.wheels[wheel].1.z);
@@ -184,13 +184,13 @@ impl WheelsetOnTrack {
         motion: &Motion,
         deviation: &Deviation,
         given: &Given,
-        friction: &dyn Friction,
+        interface: &dyn Interface,
     ) -> Result<Balanced, TrackError> {
         let mut wheels = Vec::with_capacity(self.wheels.len());
         let mut work = Work::default();
         for (side, wheel) in &mut self.wheels {
             let vertical = given.vertical[usize::from(*side == Side::Right)];
-            let solved = wheel.solve(motion, deviation, vertical, friction)?;
+            let solved = wheel.solve(motion, deviation, vertical, interface)?;
             work = work.and(&solved.work);
             wheels.push((*side, solved));
         }

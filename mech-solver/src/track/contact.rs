@@ -14,7 +14,7 @@
 //! asked for.
 
 use super::error::TrackError;
-use super::friction::Friction;
+use super::interface::Interface;
 use super::outline::Outline;
 use super::pair::{Pair, nearest};
 use super::patch::{Solved, Work};
@@ -91,7 +91,7 @@ impl WheelOnRail {
     }
 
     /// Solves a position: the wheelset, how the rail is off its place, what is given along the vertical, and the
-    /// friction of the elements.
+    /// heights and the friction of the elements.
     ///
     /// # Errors
     /// There is no solution, or none was found.
@@ -100,7 +100,7 @@ impl WheelOnRail {
         motion: &Motion,
         deviation: &Deviation,
         vertical: Vertical,
-        friction: &dyn Friction,
+        interface: &dyn Interface,
     ) -> Result<Solved, TrackError> {
         if self.pair.settings.bodies.is_coupled() {
             return Err(TrackError::Different);
@@ -108,12 +108,12 @@ impl WheelOnRail {
         self.pair.go_to(motion, deviation);
         match vertical {
             Vertical::Height => {
-                self.pair.press()?;
+                self.pair.press(interface)?;
                 self.pair.complete()?;
-                self.pair.slide(friction)
+                self.pair.slide(interface)
             }
             Vertical::Force(force) if force >= 0.0 && force.is_finite() => {
-                self.under(force, friction)
+                self.under(force, interface)
             }
             Vertical::Force(force) => Err(TrackError::Force(force)),
         }
@@ -139,7 +139,7 @@ impl WheelOnRail {
     }
 
     /// Looks for the height under a force.
-    fn under(&mut self, force: f64, friction: &dyn Friction) -> Result<Solved, TrackError> {
+    fn under(&mut self, force: f64, interface: &dyn Interface) -> Result<Solved, TrackError> {
         let touching = self.pair.touching_height().ok_or(TrackError::Beside)?;
         if force == 0.0 {
             self.pair.lift_to(touching);
@@ -154,10 +154,10 @@ impl WheelOnRail {
             Normal::Kpec | Normal::Analyn => FROM_ABOVE.0.min(self.depth),
         };
         for _ in 0..MOST_ROUNDS {
-            let trial = self.press_to(touching, force, depth)?;
+            let trial = self.press_to(touching, (force, depth), interface)?;
             self.depth = trial.depth;
             self.pair.complete()?;
-            let solved = self.pair.slide(friction)?;
+            let solved = self.pair.slide(interface)?;
             found = solved.force[2];
             self.leaning = solved
                 .patches
@@ -176,7 +176,12 @@ impl WheelOnRail {
     }
 
     /// Presses to the depth of a force, the tractions leaning as they did last, from a depth on.
-    fn press_to(&mut self, touching: f64, force: f64, first: f64) -> Result<Trial, TrackError> {
+    fn press_to(
+        &mut self,
+        touching: f64,
+        (force, first): (f64, f64),
+        interface: &dyn Interface,
+    ) -> Result<Trial, TrackError> {
         let mut last = Trial { depth: 0.0, force: 0.0 };
         let tolerance = 0.3 * self.pair.settings.tolerance * force;
         let largest_step = match self.pair.settings.normal {
@@ -187,7 +192,7 @@ impl WheelOnRail {
         let mut depth = first;
         for _ in 0..MOST_HEIGHTS {
             self.pair.lift_to(touching - depth);
-            self.pair.press()?;
+            self.pair.press(interface)?;
             let trial = Trial { depth, force: self.leaning_force() };
             let off = trial.force - force;
             if off.abs() <= tolerance {

@@ -20,7 +20,7 @@
 //! | `parabolas`, `kpec`, `analyn`, `strips` | approximate theories of the normal contact: a patch row by row |
 //! | `mutual` | what patches in planes of their own do to each other |
 //! | `springs` | the simplified theory of the tangential one, strip by strip |
-//! | [`friction`], `tractions` | what friction may depend on; a patch that slides under it |
+//! | [`interface`], `tractions` | heights and friction; a patch that slides under it |
 //! | `pair`, `pressed`, `pool` | a position at one height after another; a patch under pressure; solvers of all sizes |
 //! | `root` | the root of a function that is dear to evaluate |
 //!
@@ -42,8 +42,8 @@ pub mod developed;
 pub mod distance;
 pub mod error;
 pub mod fields;
-pub mod friction;
 mod gap;
+pub mod interface;
 mod kpec;
 pub mod local;
 mod mutual;

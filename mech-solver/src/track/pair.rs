@@ -7,11 +7,11 @@
 use super::columns::{Columns, Standing};
 use super::creepage::rolling;
 use super::error::TrackError;
-use super::friction::Friction;
+use super::interface::Interface;
 use super::mutual::{Acting, opening};
 use super::patch::{Patch, Solved, Work};
 use super::pool::Pool;
-use super::pressed::Pressed;
+use super::pressed::{Heights, Pressed};
 use super::rail::{Deviation, Rail, Side};
 use super::region::{Cuts, Region};
 use super::rows::Rows;
@@ -140,7 +140,7 @@ impl Pair {
     }
 
     /// Presses at this height.
-    pub(super) fn press(&mut self) -> Result<(), TrackError> {
+    pub(super) fn press(&mut self, interface: &dyn Interface) -> Result<(), TrackError> {
         let spacing = self.settings.sides[1];
         if let Some(mut columns) = self.columns.take() {
             columns.deepen(&self.standing(), self.pose.middle.z);
@@ -156,10 +156,13 @@ impl Pair {
         let regions = self.regions(&cuts);
         self.cuts = Some(cuts);
         let bodies = ((&self.rail, &self.wheel, &self.pose), self.motion.pitch);
+        let height = |place: [f64; 2]| interface.height(self.side, place);
+        let heights: Option<Heights<'_>> = if interface.is_rough() { Some(&height) } else { None };
         let mut pressed = Vec::with_capacity(regions.len());
         for region in &regions {
             let near = nearest(&self.pressed, region.s, |near| near.region.s);
-            let found = Pressed::of(region, bodies, &self.settings, &mut self.pool, near)?;
+            let rest = (near, heights);
+            let found = Pressed::of(region, bodies, &self.settings, &mut self.pool, rest)?;
             self.work.normal_contacts += 1;
             self.work.normal_iterations += found.iterations;
             pressed.push(found);
@@ -232,7 +235,7 @@ impl Pair {
     }
 
     /// Slides at this height: the patches with their tractions.
-    pub(super) fn slide(&mut self, friction: &dyn Friction) -> Result<Solved, TrackError> {
+    pub(super) fn slide(&mut self, interface: &dyn Interface) -> Result<Solved, TrackError> {
         let Self { settings, side, rail, wheel, pose, motion, pool, work, .. } = self;
         let mut patches = Vec::with_capacity(self.pressed.len());
         let mut sliding = Vec::with_capacity(self.pressed.len());
@@ -243,7 +246,7 @@ impl Pair {
                 .filter(|(_, half, _)| *half == part.half)
                 .map(|(.., state)| state.clone());
             let about = Sliding { side: *side, settings, pressed, rolling: &rolling, part };
-            let slid = about.solve(friction, near, pool, work)?;
+            let slid = about.solve(interface, near, pool, work)?;
             let patch =
                 Patch::of(pressed, slid.fields, rolling, slid.off_plane, (rail, wheel, pose));
             patches.push(match &slid.by_springs {

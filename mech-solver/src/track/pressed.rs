@@ -20,6 +20,9 @@ use std::borrow::Cow;
 /// Elements by which a contact may grow on each side from one height to the next, beside the one round it.
 const GROWTH: usize = 1;
 
+/// Heights to be added to the undeformed distance, at x in track axes and a tape distance [m].
+pub(super) type Heights<'a> = &'a dyn Fn([f64; 2]) -> f64;
+
 /// A patch and its pressure.
 ///
 /// From a pressure that is near, the patch is solved on the part of its window that the contact had, until
@@ -33,6 +36,8 @@ pub(super) struct Pressed {
     pub(super) distance: Vec<f64>,
     /// Height of the rail over the plane in every row [m].
     rail_heights: Vec<f64>,
+    /// Least undeformed distance of smooth bodies in every row [m].
+    lowest: Vec<f64>,
     /// Pressure [Pa].
     pub(super) pressure: Vec<f64>,
     /// Normal force [N].
@@ -48,13 +53,14 @@ pub(super) struct Pressed {
 }
 
 impl Pressed {
-    /// The patch of a region, the wheel turned by `pitch` [rad]; its pressure is looked for from that of `near` on.
+    /// The patch of a region, the wheel turned by `pitch` [rad]; its pressure is looked for from that of `near` on, with heights if surfaces are
+    /// rough.
     pub(super) fn of(
         region: &Region,
         (bodies, pitch): ((&Rail, &Wheel, &Pose), f64),
         settings: &Settings,
         pool: &mut Pool,
-        near: Option<&Self>,
+        (near, heights): (Option<&Self>, Option<Heights<'_>>),
     ) -> Result<Self, TrackError> {
         let (rail, wheel, _) = bodies;
         let mut frame = Frame::at(region, rail, settings.sides);
@@ -64,7 +70,7 @@ impl Pressed {
         let window = window(region, &frame, settings)?;
         let constant = rail.surface.constant().is_some() && wheel.surface.constant().is_some();
         let own = own_rows(region, &frame, &window);
-        let (distance, rail_heights, approximate) = match settings.normal {
+        let (mut distance, rail_heights, approximate) = match settings.normal {
             Normal::HalfSpace => {
                 let [mut distance, heights] = match constant {
                     true => undeformed_distance(&frame, &window, bodies),
@@ -79,13 +85,17 @@ impl Pressed {
                 (parabolas.distance(&window), heights, Some((parabolas, Vec::new())))
             }
         };
+        let lowest = lowest_of_rows(&window, &distance);
+        if let Some(heights) = heights {
+            roughen(&mut distance, &frame, &window, heights);
+        }
         let mut pressure = vec![0.0; window.points()];
         let (normal_force, iterations) = (0.0, 0);
         let mut part = window;
         if let Some(near) = near.filter(|_| approximate.is_none()) {
             copy_centred((&near.window, &near.pressure), (&window, &mut pressure));
-            // Bodies that vary may touch where they did not at the height before.
-            if constant {
+            // Bodies that vary, or are rough, may touch where they did not at the height before.
+            if constant && heights.is_none() {
                 let half = near.contact_window().half;
                 part.half = [0, 1].map(|k| room(half[k] + GROWTH).min(window.half[k]));
             }
@@ -98,6 +108,7 @@ impl Pressed {
             window,
             distance,
             rail_heights,
+            lowest,
             pressure,
             normal_force,
             complete,
@@ -205,15 +216,11 @@ impl Pressed {
     /// Heights over the plane of the rail, and of the wheel from its point Q, where it is lowest in a row; in
     /// every row of a part of the window [m].
     pub(super) fn heights(&self, part: &Window) -> [Vec<f64>; 2] {
-        let (nx, approach) = (self.window.counts()[0], self.approach());
+        let approach = self.approach();
         let first = self.window.half[1] - part.half[1];
         let rows = first..first + part.counts()[1];
-        let lowest = |j: usize| {
-            let row = &self.distance[j * nx..(j + 1) * nx];
-            row.iter().copied().fold(NOTHING, f64::min)
-        };
         let rail = self.rail_heights[rows.clone()].to_vec();
-        let height = |j: usize| match lowest(j) {
+        let height = |j: usize| match self.lowest[j] {
             NOTHING => 0.0,
             lowest => self.rail_heights[j] + lowest + approach,
         };
@@ -234,6 +241,23 @@ impl Pressed {
         }
         let half = [0, 1].map(|k| room(most[k] + 1).min(self.window.half[k]));
         Window { half, ..self.window }
+    }
+}
+
+/// Least distance in every row [m].
+fn lowest_of_rows(window: &Window, distance: &[f64]) -> Vec<f64> {
+    let rows = distance.chunks_exact(window.counts()[0]);
+    rows.map(|row| row.iter().copied().fold(NOTHING, f64::min)).collect()
+}
+
+/// Adds heights where there is a surface.
+fn roughen(distance: &mut [f64], frame: &Frame, window: &Window, heights: Heights<'_>) {
+    let nx = window.counts()[0];
+    let [first_x, first_tape] = [0, 1].map(|k| frame.element[k] - window.half[k] as i64);
+    let [dx, ds] = window.sides;
+    for (at, distance) in distance.iter_mut().enumerate().filter(|(_, h)| **h < NOTHING) {
+        let (i, j) = ((at % nx) as i64, (at / nx) as i64);
+        *distance += heights([(first_x + i) as f64 * dx, (first_tape + j) as f64 * ds]);
     }
 }
 

@@ -3,7 +3,7 @@
 use super::creepage::Rolling;
 use super::error::TrackError;
 use super::fields::Fields;
-use super::friction::{Elements, Friction};
+use super::interface::{Elements, Interface};
 use super::local::Window;
 use super::patch::Work;
 use super::pool::Pool;
@@ -42,7 +42,7 @@ impl Sliding<'_> {
     /// The tractions, from a state that is near if there is one.
     pub(super) fn solve(
         &self,
-        law: &dyn Friction,
+        law: &dyn Interface,
         near: Option<TangentialState>,
         pool: &mut Pool,
         work: &mut Work,
@@ -100,7 +100,7 @@ impl Sliding<'_> {
 /// A patch and its law of friction.
 struct Rubs<'a> {
     about: &'a Sliding<'a>,
-    law: &'a dyn Friction,
+    law: &'a dyn Interface,
     /// On the window [m/s].
     rigid_slip: Vec<f64>,
 }

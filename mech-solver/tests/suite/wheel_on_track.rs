@@ -315,3 +315,34 @@ fn stresses_are_below_the_patches() {
     assert!((of(peak, "y_m") - of(patch, "y_m")).abs() < 3e-3, "{peak} {patch}");
     assert!(of(peak, "depth_m") > 1e-3, "{peak}");
 }
+
+/// Waves along the track that are long beside the contact bend the rail under it: those of height h and wave number k take h k² off the curvature of the
+/// wheel on a crest, and add it in a trough, half a wave farther. Tolerance, of what that changes: the fourth order of the cosine, (k a)²/12, and what elements
+/// of a/18 leave of differences.
+#[test]
+fn long_waves_are_a_radius() {
+    let mut case = super::common::without(on_track(), "partial_slip");
+    case["wheelset"]["yaw"] = json!(0.0);
+    let (length, share) = (60e-3, 0.06);
+    let number = std::f64::consts::TAU / length;
+    let radius = case["wheelset"]["nominal_radius"].as_f64().expect("a radius");
+    let of = |case: &Value| run(case).number("max_pressure_pa");
+    let plain = of(&case);
+    for sign in [1.0, -1.0] {
+        let mut wavy = case.clone();
+        wavy["effects"]["roughness"] =
+            json!({"amplitude": share / radius / (number * number), "wavelength_x": length});
+        wavy["wheelset"]["way"] = json!(if sign > 0.0 { 0.0 } else { 0.5 * length });
+        let mut other = case.clone();
+        other["wheelset"]["nominal_radius"] = json!(radius / (1.0 - sign * share));
+        let [wavy, other] = [&wavy, &other].map(|case| of(case) / plain - 1.0);
+        println!("{sign}: {wavy} {other}");
+        assert!(sign * wavy < -5e-3, "{wavy}");
+        assert!((wavy / other - 1.0).abs() < 0.25, "{sign}: {wavy} {other}");
+    }
+    // Theories of smooth strips refuse it.
+    let mut fast = on_track();
+    fast["effects"]["roughness"] = json!({"amplitude": 1e-6, "wavelength_x": length});
+    fast["mech"]["normal"] = json!("analyn");
+    assert_eq!(refusal(&configuration(&fast)).key, "mech.normal");
+}

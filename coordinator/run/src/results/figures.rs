@@ -30,7 +30,7 @@ pub struct Line<'a> {
 pub struct List<'a> {
     /// The word for an entry.
     pub name: &'a str,
-    /// What may be known of an entry.
+    /// What is known of any entry.
     pub figures: Vec<&'a FigureSpec>,
     /// The figures of each entry, in the order of the list.
     pub rows: Vec<Vec<Entry<'a>>>,
@@ -93,6 +93,8 @@ fn list<'a>(
     let count = all.iter().find(counts).and_then(|figure| value(summary, &figure.key));
     let rows: Vec<Vec<Entry>> = rows.iter().map(row).collect();
     let count = count.map_or(rows.len(), |count| count as usize);
+    let known = |figure: &&FigureSpec| rows.iter().flatten().any(|entry| entry.figure == *figure);
+    let figures = figures.into_iter().filter(known).collect();
     Some(List { name, figures, rows, count })
 }
 

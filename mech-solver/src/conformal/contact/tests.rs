@@ -9,6 +9,7 @@ const DRIVEN: Prescription = Prescription {
     load: Prescribed::Approach(90.886e-6),
     creepage: [-4e-3, 9.8995e-3, 1.5372],
     normal_creepage: 9.8995e-3,
+    in_plane: false,
     friction: 0.3,
     adheres: true,
 };

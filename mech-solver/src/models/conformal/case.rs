@@ -34,6 +34,7 @@ const STEEPEST: f64 = 0.45 * PI;
 
 const TURN: &str = "contact.turn";
 const NORMAL_CREEPAGE: &str = "mech.normal_creepage";
+const RIGID_SLIP: &str = "mech.rigid_slip";
 const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 
 /// The keys of the model. The contact is driven by creepages.
@@ -54,10 +55,16 @@ pub(super) fn keys() -> Vec<KeySpec> {
         KeySpec::number(
             NORMAL_CREEPAGE,
             "relative velocity along the normal in the middle of the surface, over the speed: lateral slip \
-             where the surface turns; 0 where the contact is steady",
+             where the surface turns, and none in the plane; 0 where the contact is steady",
         )
         .default_value(0.0)
         .varies(),
+        KeySpec::choice(
+            RIGID_SLIP,
+            &["surfaces", "plane"],
+            "rigid slip turns with the surface, or is that in the plane of its middle, as half-spaces have it",
+        )
+        .default_value("surfaces"),
         KeySpec::integer(
             LATERAL_RESOLUTION,
             "elements per semi-axis b along the surface; absent: dy = dx",
@@ -160,6 +167,7 @@ impl Case {
                 load: prescribed(scene.load),
                 creepage: [xi, eta, phi],
                 normal_creepage: checked.number(NORMAL_CREEPAGE)?,
+                in_plane: checked.text(RIGID_SLIP)? == "plane",
                 friction: scene.friction_coefficient,
                 adheres,
             },

@@ -116,6 +116,7 @@ impl Case {
             |body: usize, of| surface(&case, &names, (body, of), nominal_radius, &mut remarks);
         let surfaces = [surface(UPPER, Body::Wheel)?, surface(LOWER, Body::Rail)?];
         refuse_approximate(&settings, &surfaces)?;
+        refuse_rough(&settings, &terms)?;
         Ok(Self {
             surfaces,
             rail_key: names.key(LOWER, "profile"),
@@ -273,6 +274,21 @@ fn refuse_stresses_of_both(sides: &[Side], terms: &Terms) -> Result<(), Refusal>
             "of two rails that lie side by side on one grid the one would be loaded by the other",
             format!("look at one wheel at a time, by {SIDE}, or remove the effect"),
         )),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses rough surfaces for theories that have smooth strips.
+fn refuse_rough(settings: &Settings, terms: &Terms) -> Result<(), Refusal> {
+    let exact = [NORMAL, TANGENTIAL]
+        .into_iter()
+        .zip([settings.normal == Normal::HalfSpace, settings.tangential == Tangential::HalfSpace]);
+    match (terms.effect_of(crate::terms::Kind::Gap), exact.into_iter().find(|(_, exact)| !exact)) {
+        (Some(effect), Some((key, _))) => {
+            let reason =
+                format!("asks for a theory of smooth strips, and effects.{effect} gives heights");
+            Err(Refusal::new(key, reason, "write \"half-space\", or remove the effect"))
+        }
         _ => Ok(()),
     }
 }

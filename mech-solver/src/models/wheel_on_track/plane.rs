@@ -4,7 +4,7 @@
 //! of the left rail plus a shift, and that of the right one less the same shift, by which [`APART`] lies free between the lanes.
 
 use super::case::{Case, Position};
-use super::friction::Law;
+use super::interface::Between;
 use crate::terms::Place;
 use crate::track::balance::{Balanced, Given};
 use crate::track::developed::Developed;
@@ -108,10 +108,10 @@ impl Plane {
             }
             let position = case.position(&params)?;
             let Position { motion, deviation, given, .. } = &position;
-            let friction = Law { case, position: &position, solving: None };
+            let between = Between { case, position: &position, solving: None };
             // Patches hardly move with the angular velocity that a torque finds.
             let given = Given { torque: None, ..*given };
-            match wheelset.solve(motion, deviation, &given, &friction) {
+            match wheelset.solve(motion, deviation, &given, &between) {
                 Ok(balanced) => {
                     if let Some(own) = Self::around(&balanced, coarser, margin) {
                         found = Some(found.map_or(own.clone(), |other| other.and(&own)));

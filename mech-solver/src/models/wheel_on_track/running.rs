@@ -1,7 +1,7 @@
 //! What solves the windows.
 
 use super::case::{Case, Position};
-use super::friction::Law;
+use super::interface::Between;
 use super::plane::Plane;
 use super::summary::summary;
 use crate::models::each_window::{Windows, write_pair};
@@ -54,9 +54,9 @@ impl Windows for Running {
         let Position { motion, deviation, given, .. } = position;
         let case = &self.case;
         let shifts = [Side::Left, Side::Right].map(|side| self.plane.shift(side));
-        let friction = Law { case, position, solving: Some((inputs, shifts)) };
+        let between = Between { case, position, solving: Some((inputs, shifts)) };
         self.wheelset.forget();
-        let balanced = self.wheelset.solve(motion, deviation, given, &friction);
+        let balanced = self.wheelset.solve(motion, deviation, given, &between);
         let balanced = balanced.map_err(|error| StepError::NoSolution(error.to_string()))?;
         let fields = self.plane.fields(&balanced)?;
         Ok(Window { position: *position, balanced, fields })

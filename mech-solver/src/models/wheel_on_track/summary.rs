@@ -150,6 +150,9 @@ fn of_wheelset(balanced: &Balanced, given: &Given) -> Value {
     wheelset
 }
 
+/// Creepages are differences of speeds over a speed: less is rounding.
+const ROUNDING: f64 = 1e-15;
+
 /// The figures of a patch whose tape distances lie so much further on the grid; moment and creepages are those at its reference, which does not jump from element to element as the origin of its
 /// fields does.
 fn of_patch(patch: &Patch, shift: f64) -> Value {
@@ -158,7 +161,8 @@ fn of_patch(patch: &Patch, shift: f64) -> Value {
     let from_origin = patch.frame.reference - patch.frame.origin;
     let [x, y] = [along, tangent].map(|axis| axis.dot(&from_origin));
     let [xi, eta, phi] = patch.rolling.creepage;
-    let [xi, eta] = [xi - phi * y, eta + phi * x];
+    let known = |creepage: f64| if creepage.abs() < ROUNDING { 0.0 } else { creepage };
+    let [xi, eta] = [xi - phi * y, eta + phi * x].map(known);
     let moment = patch.load.moment[2] - (x * fy - y * fx);
     json!({
         "y_m": patch.tape + shift,

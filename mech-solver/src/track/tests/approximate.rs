@@ -5,7 +5,7 @@ use crate::reference::hertz::{EllipticContact, elliptic_contact};
 use crate::reference::kalker::creep_coefficients;
 use crate::simplified::flexibility::Kind;
 use crate::track::contact::WheelOnRail;
-use crate::track::friction::Constant;
+use crate::track::interface::Constant;
 use crate::track::outline::Outline;
 use crate::track::patch::Patch;
 use crate::track::rail::{Deviation, Side};

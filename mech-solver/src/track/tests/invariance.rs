@@ -1,7 +1,7 @@
 //! The same contact, seen from elsewhere or reached in another way.
 
 use super::{arc, elements, line, rolling, single, solve, standard, steel};
-use crate::track::friction::Constant;
+use crate::track::interface::Constant;
 use crate::track::outline::Outline;
 use crate::track::patch::Solved;
 use crate::track::rail::{Deviation, Side};

@@ -9,7 +9,7 @@ mod theories;
 mod varying;
 
 use super::contact::WheelOnRail;
-use super::friction::Constant;
+use super::interface::Constant;
 use super::outline::Outline;
 use super::patch::Solved;
 use super::rail::{Deviation, Placing, Side, Track};

@@ -4,7 +4,7 @@ use super::{arc, elements, line, rolling, single, solve, standard, steel};
 use crate::track::contact::WheelOnRail;
 use crate::track::developed::Developed;
 use crate::track::error::TrackError;
-use crate::track::friction::{Constant, Elements, Friction};
+use crate::track::interface::{Constant, Elements, Interface};
 use crate::track::outline::Outline;
 use crate::track::patch::Patch;
 use crate::track::rail::{Deviation, Placing, Side, Track};
@@ -133,7 +133,7 @@ fn all_patches_are_on_one_grid() {
 /// Friction that grows along the tape.
 struct AcrossTape;
 
-impl Friction for AcrossTape {
+impl Interface for AcrossTape {
     fn coefficients(&self, elements: &Elements<'_>, friction: &mut [f64]) -> Result<(), String> {
         let Elements { grid, .. } = elements;
         for (at, friction) in friction.iter_mut().enumerate() {

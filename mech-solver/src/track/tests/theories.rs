@@ -2,7 +2,7 @@
 
 use super::{standard, steel};
 use crate::simplified::flexibility::Kind;
-use crate::track::friction::Constant;
+use crate::track::interface::Constant;
 use crate::track::patch::Solved;
 use crate::track::rail::{Deviation, Side};
 use crate::track::settings::{Normal, Settings, Tangential, Vertical};

@@ -4,7 +4,7 @@ use super::{arc, line, rolling, steel};
 use crate::axle::{Form, Irregularity};
 use crate::reference::hertz::elliptic_contact;
 use crate::track::contact::WheelOnRail;
-use crate::track::friction::Constant;
+use crate::track::interface::Constant;
 use crate::track::outline::Outline;
 use crate::track::patch::Solved;
 use crate::track::rail::{Deviation, Placing, Side, Track};

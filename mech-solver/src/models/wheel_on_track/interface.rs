@@ -1,18 +1,18 @@
-//! The friction coefficient of every element: that of the case, its factors over the surface of the rail or along the track, and what other
-//! laws make of it.
+//! What is between wheel and rail. The friction coefficient of every element: that of the case, its factors over the surface of the rail or along the track, and what other
+//! laws make of it. Heights of rough surfaces stand on the rail, over the way along the track and the tape distance.
 
 use super::case::{Case, Position};
 use crate::bands::{At, Bands, Over};
 use crate::slip::SlipStart;
 use crate::terms::Rubbing;
-use crate::track::friction::{Elements, Friction};
+use crate::track::interface::{Elements, Interface};
 use crate::track::rail::Side;
 use proto::bodies::LOWER;
 use proto::grid::Structured;
 use proto::model::Inputs;
 
-/// The friction of a window.
-pub(super) struct Law<'a> {
+/// What is between wheel and rail in a window.
+pub(super) struct Between<'a> {
     pub(super) case: &'a Case,
     pub(super) position: &'a Position,
     /// What comes in, and y on the grid of the fields less the tape distance [m] of the left rail and the right; while the grid is looked for
@@ -20,7 +20,15 @@ pub(super) struct Law<'a> {
     pub(super) solving: Option<(&'a dyn Inputs, [f64; 2])>,
 }
 
-impl Friction for Law<'_> {
+impl Interface for Between<'_> {
+    fn is_rough(&self) -> bool {
+        !self.case.terms.gap.is_empty()
+    }
+
+    fn height(&self, _side: Side, [x, tape]: [f64; 2]) -> f64 {
+        self.case.terms.height(self.position.motion.way + x, tape)
+    }
+
     fn coefficients(&self, elements: &Elements<'_>, friction: &mut [f64]) -> Result<(), String> {
         friction.fill(self.position.friction);
         for term in &self.case.terms.friction {
@@ -52,7 +60,7 @@ impl Friction for Law<'_> {
     }
 }
 
-impl Law<'_> {
+impl Between<'_> {
     /// Multiplies coefficients by the factors of their elements.
     fn multiply(&self, bands: &Bands, elements: &Elements<'_>, friction: &mut [f64]) {
         if bands.at == At::Patches {

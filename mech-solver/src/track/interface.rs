@@ -1,4 +1,4 @@
-//! What the friction of a patch may depend on.
+//! What is between wheel and rail: heights of their surfaces, and friction with what it may depend on.
 
 use super::rail::Side;
 use crate::slip::SlipStart;
@@ -25,8 +25,18 @@ pub struct Elements<'a> {
     pub slip: Option<&'a [f64]>,
 }
 
-/// What gives the coefficients of friction.
-pub trait Friction {
+/// What gives heights and coefficients of friction.
+pub trait Interface {
+    /// Heights are to be added to the undeformed distance.
+    fn is_rough(&self) -> bool {
+        false
+    }
+
+    /// Height of both surfaces at x in track axes and a tape distance [m]; positive opens the gap [m].
+    fn height(&self, _side: Side, _place: [f64; 2]) -> f64 {
+        0.0
+    }
+
     /// The coefficients of the elements of a patch [-].
     ///
     /// # Errors
@@ -39,11 +49,11 @@ pub trait Friction {
     }
 }
 
-/// The same everywhere [-].
+/// Smooth bodies with a coefficient of friction that is the same everywhere [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constant(pub f64);
 
-impl Friction for Constant {
+impl Interface for Constant {
     fn coefficients(&self, _: &Elements<'_>, friction: &mut [f64]) -> Result<(), String> {
         friction.fill(self.0);
         Ok(())
