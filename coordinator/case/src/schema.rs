@@ -147,10 +147,13 @@ fn coupling() -> Vec<OwnKey> {
             .at_least(1.0)
             .at_most(1000.0)
             .default_value(100)),
-        one(KeySpec::number(&key("relaxation"), "relaxation factor of the residual")
-            .above(0.0)
-            .at_most(2.0)
-            .default_value(given.relaxation)),
+        one(KeySpec::number(
+            &key("relaxation"),
+            "relaxation factor of the residual; of iqn-ils and iqn-imvj in the first step",
+        )
+        .above(0.0)
+        .at_most(2.0)
+        .default_value(given.relaxation)),
         // Gram matrices hold the square of the new part, to sixteen digits.
         one(KeySpec::number(
             &key("filter"),

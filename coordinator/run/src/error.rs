@@ -150,7 +150,9 @@ fn fix(of: &NotConverged) -> String {
             "{other}, or loosen coupling.relative: the participants may not be more precise"
         ),
         Why::OutOfIterations => {
-            format!("raise coupling.max_iterations, {other}, or shorten time.window")
+            format!(
+                "raise coupling.max_iterations, {other}, lower coupling.relaxation, or shorten time.window"
+            )
         }
     }
 }

@@ -145,25 +145,27 @@ impl Unknowns {
         }
     }
 
-    /// The values of the adhesion area as a vector field, zero elsewhere.
-    fn spread_sticking(&self, x: &[f64], field: &mut [Vec<f32>; 2]) {
+    /// The values of the adhesion area over `unit` as a vector field, zero elsewhere.
+    fn spread_sticking(&self, x: &[f64], unit: f64, field: &mut [Vec<f32>; 2]) {
         let count = self.sticking.len();
         for (component, values) in field.iter_mut().zip([&x[..count], &x[count..]]) {
             component.fill(0.0);
-            self.sticking.iter().zip(values).for_each(|(at, value)| component[*at] = *value as f32);
+            for (at, value) in self.sticking.iter().zip(values) {
+                component[*at] = (value / unit) as f32;
+            }
         }
     }
 
-    /// The values of the slip area as a part of a vector field.
-    fn spread_slipping(&self, x: &[f64], [along_x, along_y]: &mut [Vec<f32>; 2]) {
+    /// The values of the slip area over `unit` as a part of a vector field.
+    fn spread_slipping(&self, x: &[f64], unit: f64, [along_x, along_y]: &mut [Vec<f32>; 2]) {
         let sizes = &x[self.slipping.len()..];
         for (Turn { index, across, .. }, value) in self.slipping.iter().zip(x) {
-            along_x[*index] = (across[0] * value) as f32;
-            along_y[*index] = (across[1] * value) as f32;
+            along_x[*index] = (across[0] * value / unit) as f32;
+            along_y[*index] = (across[1] * value / unit) as f32;
         }
         for (Along { index, direction, .. }, value) in self.yielding.iter().zip(sizes) {
-            along_x[*index] += (direction[0] * value) as f32;
-            along_y[*index] += (direction[1] * value) as f32;
+            along_x[*index] += (direction[0] * value / unit) as f32;
+            along_y[*index] += (direction[1] * value / unit) as f32;
         }
     }
 
@@ -176,6 +178,17 @@ impl Unknowns {
                 .zip(out)
                 .for_each(|(at, value)| *value = factor * f64::from(component[*at]));
         }
+    }
+}
+
+/// The power of two next below the largest of these values, in which single precision holds them whatever their
+/// own unit; a quotient by it is exact.
+fn unit_of(values: &[f64]) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    match largest.is_normal() {
+        true => f64::from_bits(largest.to_bits() & EXPONENT),
+        false => 1.0,
     }
 }
 
@@ -279,11 +292,12 @@ impl System<'_> {
     fn approximate(&mut self, x: &[f64], out: &mut [f64]) {
         let unknowns = self.unknowns;
         let count = 2 * unknowns.sticking.len();
-        unknowns.spread_sticking(&x[..count], self.field);
+        let unit = unit_of(&x[..count]);
+        unknowns.spread_sticking(&x[..count], unit, self.field);
         let ([fx, fy], [ix, iy]) = (&*self.field, &mut *self.image);
         self.operator.apply_inverse([fx, fy], [ix, iy]);
         let own = self.operator.self_influence();
-        unknowns.gather_sticking(self.image, own.recip(), &mut out[..count]);
+        unknowns.gather_sticking(self.image, own.recip() * unit, &mut out[..count]);
         for ((turn, out), x) in unknowns.slipping.iter().zip(&mut out[count..]).zip(&x[count..]) {
             *out = x / (own + turn.stiffness);
         }
@@ -300,24 +314,26 @@ impl Preconditioned for System<'_> {
         let unknowns = self.unknowns;
         let count = 2 * unknowns.sticking.len();
         let (step, creepage) = x.split_at(unknowns.len());
-        unknowns.spread_sticking(&step[..count], self.field);
-        unknowns.spread_slipping(&step[count..], self.field);
+        let unit = unit_of(step);
+        unknowns.spread_sticking(&step[..count], unit, self.field);
+        unknowns.spread_slipping(&step[count..], unit, self.field);
         let ([fx, fy], [ix, iy]) = (&*self.field, &mut *self.image);
         self.operator.apply_single([fx, fy], [ix, iy]);
         let own = self.operator.self_influence();
-        unknowns.gather_sticking(self.image, own, &mut out[..count]);
+        let by_unit = own * unit;
+        unknowns.gather_sticking(self.image, by_unit, &mut out[..count]);
         let [ix, iy] = &*self.image;
         for ((turn, out), x) in unknowns.slipping.iter().zip(&mut out[count..]).zip(&step[count..])
         {
             let Turn { index, across, stiffness } = turn;
             let along = across[0] * f64::from(ix[*index]) + across[1] * f64::from(iy[*index]);
-            *out = own * along + stiffness * x;
+            *out = by_unit * along + stiffness * x;
         }
         let sizes = count + unknowns.slipping.len();
         let end = unknowns.len();
         for (one, out) in unknowns.yielding.iter().zip(&mut out[sizes..end]) {
             let [nx, ny] = one.direction;
-            *out = own * (nx * f64::from(ix[one.index]) + ny * f64::from(iy[one.index]));
+            *out = by_unit * (nx * f64::from(ix[one.index]) + ny * f64::from(iy[one.index]));
         }
         unknowns.follow_slip(own, &mut out[sizes..end]);
         for ((one, out), x) in

@@ -4,24 +4,35 @@ use crate::half_space::influence::{Elasticity, Influence};
 use crate::half_space::slip_operator::SlipOperator;
 use crate::scene::Material;
 
-/// A circular contact of radius 1 with n elements along it, under a semi-elliptic bound.
+/// A circular contact with n elements along its radius, under a semi-elliptic bound.
 struct Disc {
     n: usize,
+    radius: f64,
     x: Vec<f64>,
     bound: Vec<f64>,
 }
 
 impl Disc {
+    /// Of radius 1, under a bound of 1 at most.
     fn new(n: usize) -> Self {
+        Self::of_size(n, [1.0; 2])
+    }
+
+    /// Of this radius, under a bound of `most` at most.
+    fn of_size(n: usize, [radius, most]: [f64; 2]) -> Self {
         let half = n as f64 + 1.0;
         let x: Vec<f64> = (0..2 * n + 3).map(|i| (i as f64 - half) / n as f64).collect();
-        let at = |x: &f64, y: &f64| (1.0 - x * x - y * y).max(0.0).sqrt();
+        let at = |x: &f64, y: &f64| most * (1.0 - x * x - y * y).max(0.0).sqrt();
         let bound = x.iter().flat_map(|y| x.iter().map(move |x| at(x, y))).collect();
-        Self { n, x, bound }
+        Self { n, radius, x: x.iter().map(|x| radius * x).collect(), bound }
+    }
+
+    fn step(&self) -> f64 {
+        self.radius / self.n as f64
     }
 
     fn problem(&self) -> Problem<'_> {
-        let step = 1.0 / self.n as f64;
+        let step = self.step();
         Problem {
             nx: self.x.len(),
             distance: step,
@@ -38,7 +49,7 @@ impl Disc {
 
     fn solver(&self) -> TangentialSolver {
         let body = Material { youngs_modulus: 2.0, poisson_ratio: 0.25 };
-        let step = 1.0 / self.n as f64;
+        let step = self.step();
         let elasticity = Elasticity::of_pair(&body, &body);
         let influence = Influence { dx: step, dy: step, elasticity, plane_strain: false };
         let count = self.x.len();
@@ -175,10 +186,15 @@ fn mirror_and_reversal() {
 impl Disc {
     /// f N, and forces over it, the moment over the radius besides.
     fn wanting(&self, shares: [Option<f64>; 3]) -> (Problem<'_>, f64) {
-        let most: f64 = self.bound.iter().sum::<f64>() / (self.n * self.n) as f64;
-        let force = shares.map(|share| share.map(|share| share * most));
-        // Creepage of 0.5: a good part of this disc slips.
-        let wanted = Wanted { force, tolerance: 1e-6 * most, length: 1.0, creepage: 0.5 };
+        let bounds = self.bound.iter();
+        let (largest, sum) = (bounds.clone().copied().fold(0.0, f64::max), bounds.sum::<f64>());
+        let most = sum * self.step() * self.step();
+        let moment = most * self.radius;
+        let [x, y, spin] = shares;
+        let force = [x.map(|x| x * most), y.map(|y| y * most), spin.map(|spin| spin * moment)];
+        // Half of the largest bound, as G is 0.8: a good part of this disc slips.
+        let creepage = 0.5 * largest;
+        let wanted = Wanted { force, tolerance: 1e-6 * most, length: self.radius, creepage };
         (Problem { wanted: Some(wanted), ..self.problem() }, most)
     }
 }
@@ -214,6 +230,23 @@ fn creepages_of_forces_make_those_forces() {
                 None => assert_eq!(state.creepage[k], given[k]),
             }
         }
+    }
+}
+
+/// Nothing has a size of its own: lengths and tractions of another order of magnitude, as under a load of 1e-100 N, give the same
+/// creepages over the tractions, powers of two to the bit.
+#[test]
+fn contacts_of_any_size_are_the_same() {
+    let creepages = |radius: i32, bound: i32| {
+        let disc = Disc::of_size(12, [radius, bound].map(|power| 2.0_f64.powi(power)));
+        let (problem, _) = disc.wanting([Some(0.5), Some(-0.3), None]);
+        let mut state = TangentialState::at_rest(problem.bound, [0.0; 3]);
+        disc.solver().solve(&problem, &mut state, 1e-6).unwrap();
+        state.creepage.map(|creepage| creepage * 2.0_f64.powi(-bound))
+    };
+    let expected = creepages(0, 0);
+    for [radius, bound] in [[-200, -200], [-200, 0], [150, -150], [200, 150]] {
+        assert_eq!(creepages(radius, bound), expected, "2^{radius} m, 2^{bound} Pa");
     }
 }
 
