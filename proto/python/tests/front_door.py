@@ -131,7 +131,7 @@ def test_a_recording_is_read_as_objects():
     ]
     residuals = [one.residual for one in recording.iterations]
     assert len(residuals) == results.summary["coupling"]["iterations"] > 3
-    assert residuals[-1] == results.coupling.residual < 1e-3 < residuals[0]
+    assert residuals[-1] == results.coupling.final_residual < 1e-3 < residuals[0]
     power = recording["friction_power"]
     assert power.unit == "W/m2" and power.places[-1] == (0, len(residuals))
     last = power.at(window=0)
@@ -163,7 +163,9 @@ def test_a_recording_of_a_contact_with_vectors_and_one_that_was_cut(results, tmp
     area = np.diff(traction.x[:2])[0] * np.diff(traction.y[:2])[0]
     force = traction.values[..., 0].sum() * area
     assert force == pytest.approx(results.contact.creep_force_x_n, rel=1e-12)
-    assert whole["surface_speed"][-1].values.shape in {(2,), (1, 2), (2, 1)}
+    # Upper, lower: one element with two components.
+    upper, lower = whole["surface_speed"][-1].values.ravel()
+    assert upper > lower == 38.889
     # Without the end of its index: all chunks are read.
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole.path.read_bytes()[:-64])
@@ -186,7 +188,9 @@ def test_progress_is_a_bar_or_lines(capsys, monkeypatch):
 
 
 def test_a_study_of_cost_has_rows(tmp_path):
-    case, vary = ROOT / "cases" / "full-slip.toml", {"mech.resolution": [5, 10, 20]}
+    case = ROOT / "cases" / "full-slip.toml"
+    models = {"mech.model": ["hertz-carter"], "thermal.model": ["ertz-knothe"]}
+    vary = {**models, "mech.resolution": [5, 10, 20]}
     cost = cosim.cost(case, vary, repeat=1, longest_run=2.0, out=tmp_path / "c", progress=True)
     assert cost.report.exists() and cost.document["case"] == "full-slip"
     shown = cost.frame()

@@ -179,7 +179,7 @@ fn the_solver_in_fortran_conforms_and_answers_like_the_one_in_c() {
         let sets = ["thermal.model=short", "output.fields=all", &command];
         let sets: Vec<&str> = sets.into_iter().flat_map(|set| ["--set", set]).collect();
         place.summary(&case("wheel-rail.toml"), &sets);
-        place.field("thermal_contact_000000.vti", "rail_temperature")
+        place.field("thermal_passage_000000.vti", "rail_temperature")
     };
     let c = Compiled::from("proto/c/examples/short_columns.c");
     let (expected, found) = (rail(&c.path()), rail(&program));

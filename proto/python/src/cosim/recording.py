@@ -13,6 +13,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import json
+import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -151,7 +152,8 @@ class Recording(Mapping[str, Samples]):
             try:
                 for _, _, message in kind(file).iter_messages([topic], log_time_order=False):
                     found.append(message.data)
-            except McapError:
+            except (McapError, struct.error, ValueError):
+                # The package unpacks what is left of the record that was cut.
                 if self.complete:
                     raise
         return found
