@@ -5,3 +5,4 @@ mod file;
 mod table;
 
 pub(crate) use cli::{Arguments, main};
+pub(crate) use file::document;

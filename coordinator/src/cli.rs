@@ -140,7 +140,7 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Fit the figures of a sweep, with errors, for `ask` and for simulations that link to them.
     Fit(fit::Arguments),
-    /// Write a case as an FMU for co-simulation (FMI 3.0): its live values are inputs, its figures outputs.
+    /// Write a case, or a surrogate, as an FMU (FMI 3.0): live values or keys are inputs, figures outputs.
     Fmu(fmu::Arguments),
     /// Print the figures of a surrogate at a point, with their errors, or at the rows of a table.
     Ask(ask::Arguments),

@@ -16,6 +16,7 @@ mod conform;
 mod cost;
 mod drive;
 mod export;
+mod feed;
 mod fit;
 mod fmu;
 mod inspect;

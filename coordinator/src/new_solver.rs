@@ -10,6 +10,7 @@ use std::{env, fs};
 
 const PYTHON: &str = include_str!("../../proto/python/examples/short_columns.py");
 const C: &str = include_str!("../../proto/c/examples/short_columns.c");
+const FORTRAN: &str = include_str!("../../proto/c/examples/short_columns.f90");
 const RUST: &str = include_str!("../../proto/examples/short_columns.rs");
 
 /// What the solver is called, and what it is written in.
@@ -21,7 +22,7 @@ pub(crate) struct Arguments {
     /// The language.
     #[arg(long, value_enum)]
     lang: Language,
-    /// The sources of this project, of which solvers in C and Rust need the library; absent: those that this program was built from.
+    /// The sources of this project, of which solvers in C, Fortran and Rust need the library; absent: those that this program was built from.
     #[arg(long, value_name = "FOLDER")]
     sources: Option<PathBuf>,
 }
@@ -30,6 +31,7 @@ pub(crate) struct Arguments {
 enum Language {
     Python,
     C,
+    Fortran,
     Rust,
 }
 
@@ -64,6 +66,7 @@ pub(crate) fn act(asked: &Arguments) -> Result<String, RunError> {
     let Template { mut files, build, command } = match asked.lang {
         Language::Python => python(name),
         Language::C => c(name, asked)?,
+        Language::Fortran => fortran(name, asked)?,
         Language::Rust => rust(name, &sources(asked)?),
     };
     files.push(("README.md".to_owned(), readme(name, build, &command)));
@@ -131,17 +134,39 @@ fn python(name: &str) -> Template {
 }
 
 fn c(name: &str, asked: &Arguments) -> Result<Template, RunError> {
+    let build = format!(
+        "{name}: {name}.c\n\tcc -std=c11 -O2 -Wall -Wextra -I$(INCLUDE) $< {LINKED} -lm -o $@\n"
+    );
+    made(name, asked, (format!("{name}.c"), renamed(C, name)), &build)
+}
+
+fn fortran(name: &str, asked: &Arguments) -> Result<Template, RunError> {
+    let build = format!(
+        "{name}: {name}.f90\n\tgfortran -std=f2018 -O2 -Wall -Wno-unused-dummy-argument $(INCLUDE)/cosim.f90 $< {LINKED} -o $@\n"
+    );
+    made(name, asked, (format!("{name}.f90"), renamed(FORTRAN, name)), &build)
+}
+
+/// Links a program in a Makefile.
+const LINKED: &str = "-L$(LIBRARY) -Wl,-rpath,$(LIBRARY) -lcosim";
+
+/// A program over the library for C, with a Makefile.
+fn made(
+    name: &str,
+    asked: &Arguments,
+    source: (String, String),
+    build: &str,
+) -> Result<Template, RunError> {
     let (include, library) = library(asked)?;
     let (include, library) = (include.display(), library.display());
     let make = format!(
-        "# Header and library of the project; in its sources `cargo build --release -p cosim-c` makes the latter.\nINCLUDE = {include}\nLIBRARY = {library}\n\n\
-         {name}: {name}.c\n\tcc -std=c11 -O2 -Wall -Wextra -I$(INCLUDE) $< -L$(LIBRARY) -Wl,-rpath,$(LIBRARY) -lcosim -lm -o $@\n",
+        "# Header and library of the project; in its sources `cargo build --release -p cosim-c` makes the latter.\nINCLUDE = {include}\nLIBRARY = {library}\n\n{build}"
     );
-    let files = vec![(format!("{name}.c"), renamed(C, name)), ("Makefile".to_owned(), make)];
+    let files = vec![source, ("Makefile".to_owned(), make)];
     Ok(Template { files, build: Some("make"), command: vec![format!("./{name}/{name}")] })
 }
 
-/// Where the header and the library for C stand: as an archive has them, or in the sources and beside the executables.
+/// Where header, module and library for C and Fortran stand: as an archive has them, or in the sources and beside the executables.
 fn library(asked: &Arguments) -> Result<(PathBuf, PathBuf), RunError> {
     let program = env::current_exe().and_then(|program| program.canonicalize());
     let program = program.map_err(|error| file_failure(Path::new("coordinator"), &error))?;

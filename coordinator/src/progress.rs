@@ -1,5 +1,7 @@
-//! Progress of a run: a bar on a terminal, plain lines elsewhere, nothing with `--quiet`.
+//! Progress of a run: a bar on a terminal, plain lines elsewhere, JSON lines for a program that asks for them, nothing
+//! with `--quiet`.
 
+use crate::feed::Feed;
 use indicatif::{ProgressBar, ProgressStyle};
 use run::format::clock;
 use run::progress::Work;
@@ -39,6 +41,15 @@ pub(crate) enum Progress {
         /// When the last line was written.
         last: Cell<Instant>,
     },
+    /// To a program that shows it.
+    Fed {
+        /// The lines.
+        feed: Feed,
+        /// Windows in all.
+        total: Option<u64>,
+        /// Windows that are done.
+        done: Cell<u64>,
+    },
 }
 
 impl Progress {
@@ -48,6 +59,8 @@ impl Progress {
     pub(crate) fn new(quiet: bool, total: Option<u64>, expected: f64) -> Self {
         if quiet {
             Self::Silent
+        } else if let Some(feed) = Feed::wanted() {
+            Self::Fed { feed, total, done: Cell::new(0) }
         } else if std::io::stderr().is_terminal() {
             let bar = total.map_or_else(ProgressBar::no_length, ProgressBar::new);
             let windows = match total {
@@ -72,7 +85,7 @@ impl Progress {
     pub(crate) fn bar(&self) -> Option<&ProgressBar> {
         match self {
             Self::Bar { bar, .. } => Some(bar),
-            Self::Silent | Self::Lines { .. } => None,
+            Self::Silent | Self::Lines { .. } | Self::Fed { .. } => None,
         }
     }
 }
@@ -99,6 +112,10 @@ impl run::progress::Progress for Progress {
                 let _ = writeln!(std::io::stderr(), "window {done}{of}, t = {reached:.4e} s");
                 last.set(Instant::now());
             }
+            Self::Fed { feed, total, done: before } => {
+                before.set(done);
+                feed.tell((Some(done), *total), "windows", &format!("t = {reached:.3e} s"));
+            }
             Self::Silent | Self::Bar { .. } | Self::Lines { .. } => {}
         }
     }
@@ -115,13 +132,18 @@ impl run::progress::Progress for Progress {
                 let _ = writeln!(std::io::stderr(), "{work}");
                 last.set(Instant::now());
             }
+            Self::Fed { feed, total, done } => {
+                feed.tell((Some(done.get()), *total), "windows", &work.to_string());
+            }
             Self::Silent | Self::Lines { .. } => {}
         }
     }
 
     fn finish(&self) {
-        if let Self::Bar { bar, .. } = self {
-            bar.finish_and_clear();
+        match self {
+            Self::Bar { bar, .. } => bar.finish_and_clear(),
+            Self::Fed { feed, .. } => feed.finish(),
+            Self::Silent | Self::Lines { .. } => {}
         }
     }
 }

@@ -1,6 +1,5 @@
 //! The coordinator that is driven: started from the resources of an FMU, asked line by line, ended.
 
-use super::manifest::Manifest;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
@@ -63,12 +62,17 @@ fn ended(error: String) -> Fault {
 }
 
 impl Coordinator {
-    /// Starts one in a folder of resources, and waits until its first window can be asked for.
+    /// Starts one in a folder of resources, with options of `drive` and the executables there, and waits until its
+    /// first window can be asked for. A window gives so many outputs.
     ///
     /// # Errors
     /// It does not start, or refuses its case.
-    pub fn start(resources: &Path, manifest: &Manifest) -> Result<Self, Fault> {
-        for program in &manifest.programs {
+    pub fn start(
+        resources: &Path,
+        (options, programs): (&[String], &[String]),
+        outputs: usize,
+    ) -> Result<Self, Fault> {
+        for program in programs {
             make_executable(&resources.join(program)).map_err(ended)?;
         }
         let program = resources.join("coordinator");
@@ -77,7 +81,7 @@ impl Coordinator {
         let mut command = Command::new(&program);
         command
             .args(["--quiet", "drive", "case.toml"])
-            .args(&manifest.options)
+            .args(options)
             .current_dir(resources)
             .stdin(Stdio::from(OwnedFd::from(theirs)))
             .stdout(Stdio::piped())
@@ -87,7 +91,6 @@ impl Coordinator {
         // Its end of the socket would stay open here with the command.
         drop(command);
         let from = process.stdout.take().expect("its standard output is a pipe");
-        let outputs = manifest.outputs.len();
         let mut this = Self { process, to: Some(ours), from: BufReader::new(from), outputs };
         match this.hear()?.ready {
             Some(VERSION) => Ok(this),

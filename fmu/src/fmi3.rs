@@ -1,107 +1,16 @@
-//! The functions of FMI 3.0, of an FMU for co-simulation without events, clocks and intermediate updates.
+//! The functions of FMI 3.0 that every FMU has: one of a case for co-simulation, one of a surrogate for model exchange
+//! (`exchange.rs`) too; without clocks and intermediate updates, in co-simulation without events.
 //!
 //! Modelica Association: *Functional Mock-up Interface Specification, version 3.0* (2022), chapters 2 and 4.
-//! Functions of other interface types and of what no variable of such an FMU has are there, and say that
-//! they are not supported. Of those only the first argument is declared: the caller clears away the rest on
-//! all platforms that these FMUs are made for.
 
 #![allow(non_snake_case, reason = "names of the standard")]
 #![allow(clippy::missing_safety_doc, reason = "the standard says what a host may pass")]
 
 use super::child::Fault;
+use super::host::{Component, ERROR, LogMessage, Logger, OK, Status, list, put, text, with};
 use super::instance::{Instance, State};
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::ffi::{c_char, c_void};
 use std::path::Path;
-use std::slice;
-
-/// What a function has done: `fmi3OK`, or `fmi3Error`.
-type Status = c_int;
-const OK: Status = 0;
-const ERROR: Status = 3;
-
-/// Receives messages of an instance.
-type LogMessage = Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
-
-/// An instance, and whom it tells what.
-#[derive(Debug)]
-pub struct Component {
-    instance: Instance,
-    logger: Logger,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Logger {
-    environment: *mut c_void,
-    tell: LogMessage,
-}
-
-impl Logger {
-    fn error(self, message: &str) -> Status {
-        let text = CString::new(message.replace('\0', " ")).unwrap_or_default();
-        if let Some(tell) = self.tell {
-            // SAFETY: the host gave this function for such calls; both texts live until it returns.
-            unsafe { tell(self.environment, ERROR, c"logStatusError".as_ptr(), text.as_ptr()) };
-        }
-        ERROR
-    }
-}
-
-/// The text that a host has passed.
-///
-/// # Safety
-/// `text` is null or a string that ends with a null.
-unsafe fn text<'a>(text: *const c_char) -> Option<&'a str> {
-    if text.is_null() {
-        return None;
-    }
-    // SAFETY: as the caller promises.
-    unsafe { CStr::from_ptr(text) }.to_str().ok()
-}
-
-/// Does something with an instance that a host has passed.
-///
-/// # Safety
-/// `instance` is null or what `fmi3InstantiateCoSimulation` gave, and nobody else uses it now.
-unsafe fn with<E: Message>(
-    instance: *mut Component,
-    act: impl FnOnce(&mut Instance) -> Result<(), E>,
-) -> Status {
-    // SAFETY: as the caller promises.
-    let Some(component) = (unsafe { instance.as_mut() }) else { return ERROR };
-    match act(&mut component.instance) {
-        Ok(()) => OK,
-        Err(error) => component.logger.error(&error.message()),
-    }
-}
-
-/// What a host is told.
-trait Message {
-    fn message(&self) -> String;
-}
-
-impl Message for String {
-    fn message(&self) -> String {
-        self.clone()
-    }
-}
-
-impl Message for Fault {
-    fn message(&self) -> String {
-        self.error.clone()
-    }
-}
-
-/// A list that a host has passed, which may be null if it is empty.
-///
-/// # Safety
-/// `first` is null or the first of `count` values.
-unsafe fn list<'a, T>(first: *const T, count: usize) -> &'a [T] {
-    if first.is_null() || count == 0 {
-        return &[];
-    }
-    // SAFETY: as the caller promises.
-    unsafe { slice::from_raw_parts(first, count) }
-}
 
 /// The version of the standard.
 #[unsafe(no_mangle)]
@@ -132,29 +41,53 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _intermediate_update: *const c_void,
 ) -> *mut Component {
     let logger = Logger { environment, tell };
+    if event_mode || intermediate_count > 0 {
+        logger.error("this FMU has no event mode and no intermediate update in co-simulation");
+        return std::ptr::null_mut();
+    }
     // SAFETY: the host passes texts.
-    let (token, resources) = unsafe { (text(token), text(resources)) };
-    let made = match (token, resources) {
+    unsafe { instantiate(token, resources, logger, false) }
+}
+
+/// An instance for model exchange; null if there is none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateModelExchange(
+    _name: *const c_char,
+    token: *const c_char,
+    resources: *const c_char,
+    _visible: bool,
+    _logging: bool,
+    environment: *mut c_void,
+    tell: LogMessage,
+) -> *mut Component {
+    // SAFETY: the host passes texts.
+    unsafe { instantiate(token, resources, Logger { environment, tell }, true) }
+}
+
+/// # Safety
+/// Both are null or strings that end with a null.
+unsafe fn instantiate(
+    token: *const c_char,
+    resources: *const c_char,
+    logger: Logger,
+    exchange: bool,
+) -> *mut Component {
+    // SAFETY: as the caller promises.
+    let made = match unsafe { (text(token), text(resources)) } {
         (Some(token), Some(resources)) => Instance::new(Path::new(resources), token),
         _ => Err("the token, or the path of the resources, is missing".to_owned()),
     };
-    let made = made.and_then(|instance| match (event_mode, intermediate_count) {
-        (false, 0) => Ok(instance),
-        _ => Err("this FMU has no event mode and no intermediate update".to_owned()),
+    let made = made.and_then(|instance| match exchange && !instance.is_algebraic() {
+        true => Err("this FMU has a case inside, and is for co-simulation alone".to_owned()),
+        false => Ok(instance),
     });
     match made {
-        Ok(instance) => Box::into_raw(Box::new(Component { instance, logger })),
+        Ok(instance) => Box::into_raw(Box::new(Component { instance, exchange, logger })),
         Err(error) => {
             logger.error(&error);
             std::ptr::null_mut()
         }
     }
-}
-
-/// There is no instance of this kind.
-#[unsafe(no_mangle)]
-pub extern "C" fn fmi3InstantiateModelExchange() -> *mut Component {
-    std::ptr::null_mut()
 }
 
 /// There is no instance of this kind.
@@ -167,7 +100,7 @@ pub extern "C" fn fmi3InstantiateScheduledExecution() -> *mut Component {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: *mut Component) {
     if !instance.is_null() {
-        // SAFETY: it was made by `fmi3InstantiateCoSimulation`, and the host forgets it.
+        // SAFETY: it was made by `instantiate`, and the host forgets it.
         drop(unsafe { Box::from_raw(instance) });
     }
 }
@@ -183,7 +116,7 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
     _stop: f64,
 ) -> Status {
     let begin = |instance: &mut Instance| {
-        instance.begin_at(start);
+        instance.set_time(start);
         Ok::<_, Fault>(())
     };
     // SAFETY: the host passes its instance.
@@ -229,13 +162,15 @@ pub unsafe extern "C" fn fmi3GetFloat64(
         if value_count != count || (values.is_null() && count > 0) {
             return Err(format!("{value_count} values of {count} scalar variables"));
         }
+        let asked = references.iter().any(|reference| instance.is_output(*reference));
+        let remark = if asked { instance.refresh() } else { None };
         for (place, reference) in references.iter().enumerate() {
             let value = instance.value(*reference);
             let value = value.ok_or_else(|| format!("there is no variable {reference}"))?;
             // SAFETY: there is a place for every reference, as was checked.
             unsafe { values.add(place).write(value) };
         }
-        Ok(())
+        Ok(remark)
     };
     // SAFETY: the host passes its instance.
     unsafe { with(instance, get) }
@@ -275,24 +210,17 @@ pub unsafe extern "C" fn fmi3DoStep(
     early: *mut bool,
     last: *mut f64,
 ) -> Status {
-    let put = |time: f64| {
-        // SAFETY: the host passes places, or null.
-        unsafe {
-            for flag in [event_needed, terminate, early].into_iter().filter(|flag| !flag.is_null())
-            {
-                flag.write(false);
-            }
-            if !last.is_null() {
-                last.write(time);
-            }
-        }
-    };
-    put(start);
+    // SAFETY: the host passes places, or null.
+    unsafe {
+        put([event_needed, terminate, early], false);
+        put([last], start);
+    }
     let end = start + duration;
     // SAFETY: the host passes its instance.
     let status = unsafe { with(instance, |instance| instance.step(end)) };
     if status == OK {
-        put(end);
+        // SAFETY: the host passes a place, or null.
+        unsafe { put([last], end) };
     }
     status
 }
@@ -305,13 +233,8 @@ pub unsafe extern "C" fn fmi3GetFMUState(
 ) -> Status {
     let get = |instance: &mut Instance| {
         let saved = instance.save()?;
-        // SAFETY: the host passes a place; one that is not null holds a state of ours that is replaced.
-        unsafe {
-            match (*state).as_mut() {
-                Some(old) => *old = saved,
-                None => *state = Box::into_raw(Box::new(saved)),
-            }
-        }
+        // SAFETY: the place was looked at.
+        unsafe { keep(saved, state) };
         Ok::<_, Fault>(())
     };
     if state.is_null() {
@@ -319,6 +242,20 @@ pub unsafe extern "C" fn fmi3GetFMUState(
     }
     // SAFETY: the host passes its instance.
     unsafe { with(instance, get) }
+}
+
+/// Puts a state where a host wants it.
+///
+/// # Safety
+/// The host passes a place; one that is not null holds a state of ours that is replaced.
+unsafe fn keep(saved: State, place: *mut *mut State) {
+    // SAFETY: as the caller promises.
+    unsafe {
+        match (*place).as_mut() {
+            Some(old) => *old = saved,
+            None => *place = Box::into_raw(Box::new(saved)),
+        }
+    }
 }
 
 /// Returns to a state.
@@ -348,35 +285,72 @@ pub unsafe extern "C" fn fmi3FreeFMUState(
     OK
 }
 
-/// Functions that nothing of such an FMU needs.
-macro_rules! unsupported {
-    ($($name:ident)*) => {
-        $(
-            /// Not supported.
-            #[unsafe(no_mangle)]
-            pub unsafe extern "C" fn $name(instance: *mut Component) -> Status {
-                let refuse = |_: &mut Instance| Err(concat!(stringify!($name), " is not supported").to_owned());
-                // SAFETY: the host passes its instance.
-                unsafe { with::<String>(instance, refuse) }
-            }
-        )*
-    };
+/// How many bytes a state of a surrogate has.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
+    instance: *mut Component,
+    state: *const State,
+    size: *mut usize,
+) -> Status {
+    // SAFETY: the host passes a state of this instance and a place.
+    unsafe { serialised(instance, state, |bytes| Ok(put([size], bytes.len()))) }
 }
 
-unsupported! {
-    fmi3EnterEventMode fmi3EnterStepMode fmi3EnterConfigurationMode fmi3ExitConfigurationMode
-    fmi3GetFloat32 fmi3GetInt8 fmi3GetUInt8 fmi3GetInt16 fmi3GetUInt16 fmi3GetInt32 fmi3GetUInt32
-    fmi3GetInt64 fmi3GetUInt64 fmi3GetBoolean fmi3GetString fmi3GetBinary fmi3GetClock
-    fmi3SetFloat32 fmi3SetInt8 fmi3SetUInt8 fmi3SetInt16 fmi3SetUInt16 fmi3SetInt32 fmi3SetUInt32
-    fmi3SetInt64 fmi3SetUInt64 fmi3SetBoolean fmi3SetString fmi3SetBinary fmi3SetClock
-    fmi3GetNumberOfVariableDependencies fmi3GetVariableDependencies
-    fmi3SerializedFMUStateSize fmi3SerializeFMUState fmi3DeserializeFMUState
-    fmi3GetDirectionalDerivative fmi3GetAdjointDerivative fmi3GetOutputDerivatives
-    fmi3GetIntervalDecimal fmi3GetIntervalFraction fmi3GetShiftDecimal fmi3GetShiftFraction
-    fmi3SetIntervalDecimal fmi3SetIntervalFraction fmi3SetShiftDecimal fmi3SetShiftFraction
-    fmi3EvaluateDiscreteStates fmi3UpdateDiscreteStates fmi3ActivateModelPartition
-    fmi3EnterContinuousTimeMode fmi3CompletedIntegratorStep fmi3SetTime fmi3SetContinuousStates
-    fmi3GetContinuousStateDerivatives fmi3GetEventIndicators fmi3GetContinuousStates
-    fmi3GetNominalsOfContinuousStates fmi3GetNumberOfEventIndicators
-    fmi3GetNumberOfContinuousStates
+/// Writes a state of a surrogate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SerializeFMUState(
+    instance: *mut Component,
+    state: *const State,
+    bytes: *mut u8,
+    size: usize,
+) -> Status {
+    let copy = |all: &[u8]| match all.len() == size && !bytes.is_null() {
+        // SAFETY: there is a place for so many bytes, as the host says.
+        true => Ok(unsafe { bytes.copy_from_nonoverlapping(all.as_ptr(), size) }),
+        false => Err(format!("a state has {} bytes, there is a place for {size}", all.len())),
+    };
+    // SAFETY: the host passes a state of this instance.
+    unsafe { serialised(instance, state, copy) }
+}
+
+/// Does something with the bytes of a state.
+///
+/// # Safety
+/// Both are null or what functions of this library gave.
+unsafe fn serialised(
+    instance: *mut Component,
+    state: *const State,
+    act: impl FnOnce(&[u8]) -> Result<(), String>,
+) -> Status {
+    // SAFETY: as the caller promises.
+    let state = unsafe { state.as_ref() };
+    let bytes = |instance: &mut Instance| {
+        let state = state.ok_or_else(|| "there is no state".to_owned())?;
+        let bytes = instance.serialised(state);
+        act(&bytes.ok_or_else(|| "states of a run are not serialised".to_owned())?)
+    };
+    // SAFETY: as the caller promises.
+    unsafe { with(instance, bytes) }
+}
+
+/// Makes a state of bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3DeserializeFMUState(
+    instance: *mut Component,
+    bytes: *const u8,
+    size: usize,
+    state: *mut *mut State,
+) -> Status {
+    let read = |instance: &mut Instance| {
+        // SAFETY: the host passes so many bytes.
+        let saved = instance.deserialised(unsafe { list(bytes, size) })?;
+        // SAFETY: the place was looked at.
+        unsafe { keep(saved, state) };
+        Ok::<_, String>(())
+    };
+    if state.is_null() {
+        return ERROR;
+    }
+    // SAFETY: the host passes its instance.
+    unsafe { with(instance, read) }
 }

@@ -1,20 +1,29 @@
 //! An instance: its variables, its windows, and its states.
 
 use super::child::{Coordinator, Fault};
-use super::manifest::{Manifest, Variable};
+use super::evaluator::Evaluator;
+use super::manifest::{Manifest, Of, Variable};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// A run with the values of its variables.
+/// What gives the outputs, with the values of all variables.
 #[derive(Debug)]
 pub struct Instance {
     resources: PathBuf,
     manifest: Manifest,
-    /// Absent before the first window.
-    coordinator: Option<Rc<RefCell<Coordinator>>>,
+    source: Source,
     values: Values,
+}
+
+/// What gives the outputs.
+#[derive(Debug)]
+enum Source {
+    /// The run of a case; absent before it is started.
+    Run(Option<Rc<RefCell<Coordinator>>>),
+    /// A surrogate, which has no state: outputs are those of the inputs at any time.
+    Surrogate(Box<Evaluator>),
 }
 
 /// The values of all variables.
@@ -22,10 +31,10 @@ pub struct Instance {
 struct Values {
     time: f64,
     inputs: Vec<f64>,
-    /// NaN for those that there are not, as before the first window.
+    /// NaN for those that there are not, as before the first window of a run.
     outputs: Vec<f64>,
-    /// A window has been solved.
-    stepped: bool,
+    /// The outputs have been computed: a window of a run has been solved, a surrogate was asked for these inputs.
+    known: bool,
 }
 
 /// A state of an instance, which can be returned to for as long as it is there.
@@ -56,22 +65,34 @@ impl Instance {
             let of = &manifest.token;
             return Err(format!("the FMU was asked for with the token {token}, and has {of}"));
         }
+        let source = match &manifest.of {
+            Of::Case { .. } => Source::Run(None),
+            Of::Surrogate => Source::Surrogate(Box::new(Evaluator::read(resources, &manifest)?)),
+        };
         let values = Values::first(&manifest);
-        Ok(Self { resources: resources.to_owned(), manifest, coordinator: None, values })
+        Ok(Self { resources: resources.to_owned(), manifest, source, values })
+    }
+
+    /// It has neither windows nor a state: outputs follow from the inputs alone.
+    #[must_use]
+    pub fn is_algebraic(&self) -> bool {
+        matches!(self.source, Source::Surrogate(_))
     }
 
     /// A new run from the beginning.
     pub fn reset(&mut self) {
-        self.coordinator = None;
+        if let Source::Run(coordinator) = &mut self.source {
+            *coordinator = None;
+        }
         self.values = Values::first(&self.manifest);
     }
 
-    /// The time of the beginning [s].
-    pub fn begin_at(&mut self, time: f64) {
+    /// The time now [s].
+    pub fn set_time(&mut self, time: f64) {
         self.values.time = time;
     }
 
-    /// Starts the run, so that what is wrong with the case comes to light before its first window.
+    /// Starts the run of a case, so that what is wrong with it comes to light before its first window.
     ///
     /// # Errors
     /// It does not start.
@@ -79,14 +100,37 @@ impl Instance {
         self.running().map(drop)
     }
 
-    fn running(&mut self) -> Result<Rc<RefCell<Coordinator>>, Fault> {
-        if let Some(coordinator) = &self.coordinator {
-            return Ok(Rc::clone(coordinator));
+    /// The run of a case, which is started where there is none yet; `None` for a surrogate.
+    fn running(&mut self) -> Result<Option<Rc<RefCell<Coordinator>>>, Fault> {
+        let (Source::Run(run), Of::Case { options, programs }) =
+            (&mut self.source, &self.manifest.of)
+        else {
+            return Ok(None);
+        };
+        if run.is_none() {
+            let outputs = self.manifest.outputs.len();
+            let started = Coordinator::start(&self.resources, (options, programs), outputs)?;
+            *run = Some(Rc::new(RefCell::new(started)));
         }
-        let coordinator = Coordinator::start(&self.resources, &self.manifest)?;
-        let coordinator = Rc::new(RefCell::new(coordinator));
-        self.coordinator = Some(Rc::clone(&coordinator));
-        Ok(coordinator)
+        Ok(run.clone())
+    }
+
+    /// Brings the outputs of a surrogate up to date with the inputs. Returns what there is to remark: the point is
+    /// outside of the surrogate, and all outputs are NaN. It is remarked once for a point.
+    pub fn refresh(&mut self) -> Option<String> {
+        let Source::Surrogate(evaluator) = &mut self.source else { return None };
+        let Values { inputs, outputs, known, .. } = &mut self.values;
+        if std::mem::replace(known, true) {
+            return None;
+        }
+        let refused = evaluator.figures(inputs, outputs).err()?;
+        Some(format!("{refused}; all outputs are NaN"))
+    }
+
+    /// Whether a variable is an output.
+    #[must_use]
+    pub fn is_output(&self, reference: u32) -> bool {
+        matches!(self.manifest.variable(reference), Some(Variable::Output(_)))
     }
 
     /// The value of a variable; `None` if there is none of this reference.
@@ -103,11 +147,12 @@ impl Instance {
     /// Gives the value of an input.
     ///
     /// # Errors
-    /// There is none of this reference, in words. Limits are judged with the window.
+    /// There is none of this reference, in words. Limits are judged with the window, or when an output is read.
     pub fn set(&mut self, reference: u32, value: f64) -> Result<(), String> {
         match self.manifest.variable(reference) {
             Some(Variable::Input(place)) => {
                 self.values.inputs[place] = value;
+                self.values.known &= !self.is_algebraic();
                 Ok(())
             }
             Some(_) => Err(format!("the variable {reference} is no input")),
@@ -115,12 +160,15 @@ impl Instance {
         }
     }
 
-    /// Solves the window from the time of the instance to another one [s].
+    /// Solves the window from the time of the instance to another one [s]; of a surrogate only the time changes.
     ///
     /// # Errors
     /// The window has no answer, or the run has ended.
     pub fn step(&mut self, end: f64) -> Result<(), Fault> {
-        let coordinator = self.running()?;
+        let Some(coordinator) = self.running()? else {
+            self.values.time = end;
+            return Ok(());
+        };
         let keys = self.manifest.inputs.iter().map(|input| input.key.as_str());
         let set: BTreeMap<&str, f64> = keys.zip(self.values.inputs.iter().copied()).collect();
         if let Some((key, value)) = set.iter().find(|(_, value)| !value.is_finite()) {
@@ -128,7 +176,7 @@ impl Instance {
             return Err(Fault { error, ended: false });
         }
         self.values.outputs = coordinator.borrow_mut().step(&set, end)?;
-        (self.values.time, self.values.stepped) = (end, true);
+        (self.values.time, self.values.known) = (end, true);
         Ok(())
     }
 
@@ -139,8 +187,8 @@ impl Instance {
     pub fn save(&mut self) -> Result<State, Fault> {
         let values = self.values.clone();
         // Before its first window a run has no state that another start would not give.
-        let kept = match &self.coordinator {
-            Some(coordinator) if self.values.stepped => {
+        let kept = match &self.source {
+            Source::Run(Some(coordinator)) if self.values.known => {
                 let number = coordinator.borrow_mut().save()?;
                 Some((Rc::clone(coordinator), number))
             }
@@ -154,16 +202,47 @@ impl Instance {
     /// # Errors
     /// Its run has ended.
     pub fn restore(&mut self, state: &State) -> Result<(), Fault> {
-        match &state.kept {
-            Some((coordinator, number)) => {
-                coordinator.borrow_mut().restore(*number)?;
-                self.coordinator = Some(Rc::clone(coordinator));
+        if let Source::Run(run) = &mut self.source {
+            match &state.kept {
+                Some((coordinator, number)) => {
+                    coordinator.borrow_mut().restore(*number)?;
+                    *run = Some(Rc::clone(coordinator));
+                }
+                None if self.values.known => *run = None,
+                None => {}
             }
-            None if self.values.stepped => self.coordinator = None,
-            None => {}
         }
         self.values = state.values.clone();
         Ok(())
+    }
+
+    /// Bytes of a state of a surrogate: the time and the inputs, as little-endian doubles.
+    #[must_use]
+    pub fn serialised(&self, state: &State) -> Option<Vec<u8>> {
+        let Values { time, inputs, .. } = &state.values;
+        let bytes = [time].into_iter().chain(inputs).flat_map(|value| value.to_le_bytes());
+        self.is_algebraic().then(|| bytes.collect())
+    }
+
+    /// The state of such bytes.
+    ///
+    /// # Errors
+    /// It is the run of a case, or they are too many or too few; in words.
+    pub fn deserialised(&self, bytes: &[u8]) -> Result<State, String> {
+        let (values, rest) = bytes.as_chunks();
+        let expected = 1 + self.manifest.inputs.len();
+        if !self.is_algebraic() || !rest.is_empty() || values.len() != expected {
+            let given = bytes.len();
+            return Err(format!(
+                "{given} bytes are no state of this FMU, which has {}",
+                8 * expected
+            ));
+        }
+        let mut values = values.iter().map(|bytes| f64::from_le_bytes(*bytes));
+        let mut state = State { values: Values::first(&self.manifest), kept: None };
+        state.values.time = values.next().unwrap_or_default();
+        state.values.inputs = values.collect();
+        Ok(state)
     }
 }
 
@@ -174,7 +253,7 @@ impl Values {
             time: 0.0,
             inputs: manifest.inputs.iter().map(|input| input.start).collect(),
             outputs: vec![f64::NAN; manifest.outputs.len()],
-            stepped: false,
+            known: false,
         }
     }
 }

@@ -1,11 +1,14 @@
-//! What `coordinator fmu` leaves beside the case: which variables there are, in the order of their value
-//! references.
+//! What `coordinator fmu` leaves beside the case or the surrogate: which variables there are, in the order of
+//! their value references.
 
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// The file, in the resources of an FMU.
 pub const FILE: &str = "fmu.json";
+
+/// The surrogate, in the resources of an FMU that has one.
+pub const SURROGATE: &str = "surrogate.json";
 
 /// The value reference of the time.
 pub const TIME: u32 = 0;
@@ -15,17 +18,30 @@ pub const TIME: u32 = 0;
 pub struct Manifest {
     /// The token of the model description.
     pub token: String,
-    /// Options of `coordinator drive` behind the case, such as files of the case by their names here.
-    pub options: Vec<String>,
-    /// Executables of the resources.
-    pub programs: Vec<String>,
-    /// Live keys of the case; their value references count from 1.
+    /// What gives the outputs.
+    pub of: Of,
+    /// Live keys of the case, or keys of the surrogate; their value references count from 1.
     pub inputs: Vec<Input>,
     /// Keys of the figures; their value references go on from those of the inputs.
     pub outputs: Vec<String>,
 }
 
-/// A live key.
+/// What gives the outputs of an FMU.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Of {
+    /// A case, which a coordinator runs.
+    Case {
+        /// Options of `coordinator drive` behind the case, such as files of the case by their names here.
+        options: Vec<String>,
+        /// Executables of the resources.
+        programs: Vec<String>,
+    },
+    /// A surrogate, [`SURROGATE`], which is evaluated in the process of the host.
+    Surrogate,
+}
+
+/// A live key, or a key of a surrogate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Input {
     /// The dotted key.
@@ -94,8 +110,7 @@ mod tests {
         let input = |key: &str| Input { key: key.to_owned(), start: 1.0 };
         let manifest = Manifest {
             token: String::new(),
-            options: Vec::new(),
-            programs: Vec::new(),
+            of: Of::Surrogate,
             inputs: vec![input("a"), input("b")],
             outputs: vec!["x".to_owned(), "y".to_owned(), "z".to_owned()],
         };

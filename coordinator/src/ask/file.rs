@@ -12,17 +12,25 @@ use surrogate::{Document, LONGEST, Surrogate};
 /// # Errors
 /// [`RunError::Usage`] if it is no surrogate, or has a figure not; the file system.
 pub(super) fn read(path: &Path, figures: &[String]) -> Result<Surrogate, RunError> {
-    let file = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-    let document = Document::read(&bytes(&file)?).map_err(|fault| {
-        let fix = "write it again by `coordinator fit DIR`";
-        RunError::Usage(format!("{}: {fault}; {fix}", file.display()))
-    })?;
+    let document = document(path)?;
     let document = match figures {
         [] => document,
         some => only(&document, some)?,
     };
     Surrogate::new(&document)
-        .map_err(|fault| RunError::Usage(format!("{}: {fault}", file.display())))
+        .map_err(|fault| RunError::Usage(format!("{}: {fault}", path.display())))
+}
+
+/// The content of the file of a surrogate. A folder is that of a sweep.
+///
+/// # Errors
+/// [`RunError::Usage`] if it is no surrogate; the file system.
+pub(crate) fn document(path: &Path) -> Result<Document, RunError> {
+    let file = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
+    Document::read(&bytes(&file)?).map_err(|fault| {
+        let fix = "write it again by `coordinator fit DIR`";
+        RunError::Usage(format!("{}: {fault}; {fix}", file.display()))
+    })
 }
 
 /// No more of the file than a surrogate may have.

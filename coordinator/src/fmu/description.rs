@@ -37,9 +37,16 @@ fn write(f: &mut String, about: &About<'_>, of: &Variables, manifest: &Manifest)
     )?;
     let states = of.rewinds;
     let internal = of.window.map(|window| format!(r#" fixedInternalStepSize="{window:e}""#));
+    let serial = of.algebraic;
+    let may = format!(
+        r#"modelIdentifier="{identifier}" needsExecutionTool="false" canBeInstantiatedOnlyOncePerProcess="false" canGetAndSetFMUState="{states}" canSerializeFMUState="{serial}""#
+    );
+    if of.algebraic {
+        writeln!(f, r#"  <ModelExchange {may} needsCompletedIntegratorStep="false"/>"#)?;
+    }
     writeln!(
         f,
-        r#"  <CoSimulation modelIdentifier="{identifier}" needsExecutionTool="false" canBeInstantiatedOnlyOncePerProcess="false" canGetAndSetFMUState="{states}" canSerializeFMUState="false" canHandleVariableCommunicationStepSize="true"{}/>"#,
+        r#"  <CoSimulation {may} canHandleVariableCommunicationStepSize="true"{}/>"#,
         internal.unwrap_or_default()
     )?;
     units(f, of)?;

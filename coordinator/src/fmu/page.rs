@@ -19,6 +19,7 @@ pub(super) fn text(name: &str, title: Option<&str>, variables: &Variables) -> St
         )
     };
     let step = match variables.window {
+        _ if variables.algebraic => "Outputs follow from the inputs by a surrogate, at any time. Outside of the limits of the inputs they are NaN, with a warning.".to_owned(),
         None => "Every step is a steady contact of its own, with the inputs that hold at its start; its length does not matter.".to_owned(),
         Some(window) => format!("Every step is one coupling window, with the inputs that hold at its start. The case has windows of {window} s; others are possible."),
     };
@@ -26,11 +27,16 @@ pub(super) fn text(name: &str, title: Option<&str>, variables: &Variables) -> St
         true => "States can be kept and returned to.",
         false => "No state can be returned to.",
     };
+    let source = match variables.algebraic {
+        true => "The surrogate is resources/surrogate.json.",
+        false => {
+            "Outputs are NaN before the first step, and for what the models do not give. The case is resources/case.toml."
+        }
+    };
     let rows: String = variables.all().map(row).collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title></head><body>\n\
-         <h1>{title}</h1>\n<p>{step} Outputs are NaN before the first step, and for what the models do not \
-         give. {states} The case is resources/case.toml.</p>\n<table>\n\
+         <h1>{title}</h1>\n<p>{step} {states} {source}</p>\n<table>\n\
          <tr><th>variable</th><th>unit</th><th>what</th><th>input</th></tr>\n{rows}</table>\n</body></html>\n"
     )
 }

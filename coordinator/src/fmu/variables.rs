@@ -1,8 +1,10 @@
-//! Inputs and outputs of the FMU of a plan.
+//! Inputs and outputs of the FMU of a plan, or of a surrogate.
 
 use contract::figure::FigureSpec;
 use coupling::windows::Windows;
+use run::format::{number, stem_and_unit};
 use run::plan::{LiveValue, Plan};
+use surrogate::{Document, FittedFigure, Key, Measure};
 
 /// A variable of the FMU.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +28,8 @@ pub(super) struct Variables {
     pub(super) window: Option<f64>,
     /// States can be kept and returned to.
     pub(super) rewinds: bool,
+    /// Outputs follow from the inputs alone: it is for model exchange too, and its states are a few bytes.
+    pub(super) algebraic: bool,
 }
 
 impl Variables {
@@ -53,12 +57,66 @@ impl Variables {
                 _ => None,
             },
             rewinds: rewinds(plan),
+            algebraic: false,
+        }
+    }
+
+    /// Those of a surrogate: its keys, which begin in the middle of its box, and its figures.
+    pub(super) fn of_surrogate(document: &Document) -> Self {
+        let middle = middle(document);
+        let input = |(key, first): (&Key, f64)| Variable {
+            key: key.key.clone(),
+            unit: if key.unit.is_empty() { "1".to_owned() } else { key.unit.clone() },
+            words: format!("a key of the case {}", document.origin.case),
+            input: Some((first, [key.from, key.to])),
+        };
+        Self {
+            inputs: document.keys.iter().zip(middle).map(input).collect(),
+            outputs: document.figures.iter().map(fitted).collect(),
+            window: None,
+            rewinds: true,
+            algebraic: true,
         }
     }
 
     pub(super) fn all(&self) -> impl Iterator<Item = &Variable> {
         self.inputs.iter().chain(&self.outputs)
     }
+}
+
+/// A figure of a surrogate, with the largest error at points held out.
+fn fitted(figure: &FittedFigure) -> Variable {
+    let unit = match stem_and_unit(&figure.key).1 {
+        "-" => "1",
+        unit => unit,
+    };
+    let largest = figure.held.largest;
+    let error = match figure.held.measure {
+        Measure::Relative => format!("{} %", number(100.0 * largest, 2)),
+        Measure::Absolute if unit == "1" => number(largest, 2),
+        Measure::Absolute => format!("{} {unit}", number(largest, 2)),
+    };
+    let words = if figure.words.is_empty() { &figure.key } else { &figure.words };
+    Variable {
+        key: figure.key.clone(),
+        unit: unit.to_owned(),
+        words: format!("{words}; largest error at points held out {error}"),
+        input: None,
+    }
+}
+
+/// The middle of the box; where a quotient limits it, with the middle of that.
+fn middle(document: &Document) -> Vec<f64> {
+    let half = |from: f64, to: f64| 0.5 * (from + to);
+    let mut at: Vec<f64> = document.keys.iter().map(|key| half(key.from, key.to)).collect();
+    for one in &document.coordinates {
+        let by = one.per.as_deref().and_then(|per| document.place(per));
+        if let (Some(of), Some(by)) = (document.place(&one.key), by) {
+            let Key { from, to, .. } = document.keys[of];
+            at[of] = (half(one.from, one.to) * at[by]).clamp(from, to);
+        }
+    }
+    at
 }
 
 /// Every participant can go back, and no grid moves.

@@ -19,6 +19,9 @@ pub(crate) struct Arguments {
     /// List iterations and samples of this window.
     #[arg(long, value_name = "NUMBER")]
     window: Option<u64>,
+    /// List all iterations.
+    #[arg(long)]
+    iterations: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -31,7 +34,8 @@ pub(crate) struct Arguments {
 pub(crate) fn main(asked: &Arguments) -> Result<(), RunError> {
     let _reading = signals::end_at_once();
     let path = &asked.recording;
-    let wanted = Wanted { field: asked.field.clone(), window: asked.window };
+    let wanted =
+        Wanted { field: asked.field.clone(), window: asked.window, iterations: asked.iterations };
     let mut recording = open(path)?;
     let survey = survey(&mut recording, &wanted);
     let damaged = |damage: &String| Err(unreadable(path, damage));

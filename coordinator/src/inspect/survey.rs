@@ -1,6 +1,7 @@
 //! One pass over a recording.
 
 use super::Range;
+use contract::grid::{Shape, Structured};
 use contract::message::{CommandKind, FieldHeader};
 use proto::recording::{End, Event, Item, Iteration, Recording};
 use serde::Serialize;
@@ -14,12 +15,18 @@ pub(crate) struct Wanted {
     pub field: Option<String>,
     /// Only this window.
     pub window: Option<u64>,
+    /// All iterations, without samples unless those are asked for too.
+    pub iterations: bool,
 }
 
 impl Wanted {
     /// Samples and iterations are to be listed at all.
     #[must_use]
     pub(crate) fn anything(&self) -> bool {
+        self.samples() || self.iterations
+    }
+
+    fn samples(&self) -> bool {
         self.field.is_some() || self.window.is_some()
     }
 
@@ -107,6 +114,8 @@ pub(crate) struct FieldSurvey {
     pub unit: String,
     /// Name of the grid.
     pub grid: String,
+    /// The grid at the start of the run, where it is made of equal elements.
+    pub geometry: Option<Structured>,
     /// Values of the newest sample.
     pub values: u64,
     /// Samples.
@@ -164,7 +173,10 @@ pub(crate) fn survey<R: Read>(recording: &mut Recording<R>, wanted: &Wanted) -> 
         };
         taken.survey.duration_s = entry.nanoseconds as f64 * 1e-9;
         match entry.item {
-            Item::Event(event) => taken.event(event),
+            Item::Event(event) => {
+                taken.grids(&event);
+                taken.event(event);
+            }
             Item::Sample { service, header, values } => {
                 taken.sample(service, &header, values, entry.nanoseconds);
             }
@@ -183,6 +195,8 @@ struct Taken<'a> {
     wanted: &'a Wanted,
     /// Index of each topic.
     topics: BTreeMap<String, usize>,
+    /// Grids of equal elements, by topic.
+    grids: BTreeMap<String, Structured>,
     window: Option<u64>,
 }
 
@@ -203,7 +217,17 @@ impl<'a> Taken<'a> {
             details: wanted.anything().then(Details::default),
             ..Survey::default()
         };
-        Self { survey, wanted, topics: BTreeMap::new(), window: None }
+        Self { survey, wanted, topics: BTreeMap::new(), grids: BTreeMap::new(), window: None }
+    }
+
+    fn grids(&mut self, event: &Event) {
+        // What is damaged there is an error of the reader.
+        let Ok(Some((_, topics))) = event.topics() else { return };
+        for topic in topics.inputs.into_iter().chain(topics.outputs) {
+            if let Shape::Structured(plane) = topic.grid.shape {
+                self.grids.insert(topic.service, plane);
+            }
+        }
     }
 
     fn event(&mut self, event: Event) {
@@ -258,6 +282,7 @@ impl<'a> Taken<'a> {
                     topic: service.to_owned(),
                     unit: header.unit.as_str().to_owned(),
                     grid: header.grid.as_str().to_owned(),
+                    geometry: self.grids.get(service).cloned(),
                     values: 0,
                     samples: 0,
                     bytes: 0,
@@ -279,6 +304,7 @@ impl<'a> Taken<'a> {
         if let Some(details) = &mut self.survey.details
             && self.wanted.has_window(header.window)
             && self.wanted.has_field(service, header)
+            && self.wanted.samples()
         {
             details.samples.push(SampleSurvey {
                 topic: service.to_owned(),

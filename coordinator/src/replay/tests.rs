@@ -195,7 +195,7 @@ fn survive(bytes: &[u8]) -> Result<Vec<String>, TestCaseError> {
     let path = place.path().join("r.mcap");
     std::fs::write(&path, bytes).unwrap();
     let inspected = Recording::open(bytes).map(|mut recording| {
-        let wanted = Wanted { field: None, window: Some(0) };
+        let wanted = Wanted { window: Some(0), ..Wanted::default() };
         text(&survey(&mut recording, &wanted), &path)
     });
     if let Ok(text) = inspected {

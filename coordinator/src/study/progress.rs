@@ -1,6 +1,7 @@
 //! How far a study is, by the work that its runs are expected to take: a bar on a terminal, plain lines
-//! elsewhere, nothing with `--quiet`.
+//! elsewhere, JSON lines for a program that asks for them, nothing with `--quiet`.
 
+use crate::feed::Feed;
 use indicatif::{ProgressBar, ProgressStyle};
 use run::format::clock;
 use std::io::{IsTerminal, Write};
@@ -30,6 +31,7 @@ enum Show {
     Nowhere,
     Bar(ProgressBar),
     Lines(Instant),
+    Fed(Feed),
 }
 
 impl Steps {
@@ -44,6 +46,8 @@ impl Steps {
     pub(crate) fn of_work(quiet: bool, work: Vec<f64>) -> Self {
         let show = if quiet {
             Show::Nowhere
+        } else if let Some(feed) = Feed::wanted() {
+            Show::Fed(feed)
         } else if std::io::stderr().is_terminal() {
             let bar = ProgressBar::new(PARTS as u64);
             let style = ProgressStyle::with_template("{bar:30} {wide_msg}");
@@ -85,6 +89,11 @@ impl Steps {
                 *last = Instant::now();
             }
             Show::Lines(_) => {}
+            // What has begun is not done.
+            Show::Fed(feed) => {
+                let counted = (Some(begun.saturating_sub(1) as u64), Some(total as u64));
+                feed.tell(counted, "steps", &line);
+            }
         }
     }
 
@@ -92,14 +101,20 @@ impl Steps {
     pub(crate) fn aside(&self, write: impl FnOnce()) {
         match &self.show {
             Show::Bar(bar) => bar.suspend(write),
-            Show::Nowhere | Show::Lines(_) => write(),
+            Show::Nowhere | Show::Lines(_) | Show::Fed(_) => write(),
         }
     }
 
     /// The study is over.
     pub(crate) fn finish(self) {
-        if let Show::Bar(bar) = self.show {
-            bar.finish_and_clear();
+        match self.show {
+            Show::Bar(bar) => bar.finish_and_clear(),
+            Show::Fed(feed) => {
+                let all = Some(self.work.len() as u64);
+                feed.tell((all, all), "steps", "");
+                feed.finish();
+            }
+            Show::Nowhere | Show::Lines(_) => {}
         }
     }
 }

@@ -120,6 +120,84 @@ def test_a_recording_is_replayed_to_the_bit(results):
     assert "bit-identical" in results.replay("thermal")
 
 
+def test_a_recording_is_read_as_objects():
+    results = cosim.run(
+        ROOT / "cases" / "falling-friction.toml", mech={"resolution": 6}, record=True
+    )
+    recording = results.recording
+    assert recording.complete and [one.role for one in recording.participants] == [
+        "mech",
+        "thermal",
+    ]
+    residuals = [one.residual for one in recording.iterations]
+    assert len(residuals) == results.summary["coupling"]["iterations"] > 3
+    assert residuals[-1] == results.coupling.final_residual < 1e-3 < residuals[0]
+    power = recording["friction_power"]
+    assert power.unit == "W/m2" and power.places[-1] == (0, len(residuals))
+    last = power.at(window=0)
+    assert (last.producer, last.grid, last.name) == ("mech", "contact", "friction_power")
+    assert last.values.shape == (len(last.y), len(last.x)) and last.axes == ("y", "x")
+    # What was sent in the last iteration is what was written out, to the bit.
+    written = results["friction_power"]
+    assert np.array_equal(last.values, written.values)
+    assert np.allclose(last.x, written.x, rtol=0.0, atol=1e-15)
+    assert power.at(0, iteration=1).iteration == 1 and power[0].window == 0
+    assert not np.array_equal(power.at(0, iteration=1).values, last.values)
+    assert last.to_xarray().attrs["units"] == "W/m2"
+    # Iterates of the coordinator have the name of the field; they are had by their topic.
+    iterates = recording["field/coordinator/lower_temperature"]
+    assert (
+        len(iterates) == len(residuals) and recording["lower_temperature"][0].producer == "thermal"
+    )
+    assert "bit-identical" in recording.replay("mech")
+    with pytest.raises(KeyError, match="no field `heat`"):
+        _ = recording["heat"]
+    with pytest.raises(KeyError, match="has no sample of window 7"):
+        power.at(7)
+
+
+def test_a_recording_of_a_contact_with_vectors_and_one_that_was_cut(results, tmp_path):
+    whole = results.recording
+    traction = whole["traction"][-1]
+    assert traction.values.shape == (len(traction.y), len(traction.x), 2)
+    area = np.diff(traction.x[:2])[0] * np.diff(traction.y[:2])[0]
+    force = traction.values[..., 0].sum() * area
+    assert force == pytest.approx(results.contact.creep_force_x_n, rel=1e-12)
+    # Upper, lower: one element with two components.
+    upper, lower = whole["surface_speed"][-1].values.ravel()
+    assert upper > lower == 38.889
+    # Without the end of its index: all chunks are read.
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole.path.read_bytes()[:-64])
+    rest = cosim.Recording(cut)
+    assert not rest.complete and len(rest["friction_power"]) == len(whole["friction_power"]) > 0
+    assert np.array_equal(rest["friction_power"][0].values, whole["friction_power"][0].values)
+
+
+def test_progress_is_a_bar_or_lines(capsys, monkeypatch):
+    slow = {"mech": {"resolution": 10}, "time": {"end": "5 ms"}}
+    cosim.run(ROOT / "cases" / "cold-start.toml", progress=True, **slow)
+    shown = capsys.readouterr().err
+    assert "windows" in shown and "t = 5.000e-3 s" in shown and '{"progress"' not in shown
+    cosim.run(ROOT / "cases" / "cold-start.toml", **slow)
+    assert capsys.readouterr().err == ""
+    # Without tqdm the coordinator's own lines are passed on.
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    cosim.run(CASE, mech=COARSE, progress=True)
+    assert '{"progress"' not in capsys.readouterr().err
+
+
+def test_a_study_of_cost_has_rows(tmp_path):
+    case = ROOT / "cases" / "full-slip.toml"
+    models = {"mech.model": ["hertz-carter"], "thermal.model": ["ertz-knothe"]}
+    vary = {**models, "mech.resolution": [5, 10, 20]}
+    cost = cosim.cost(case, vary, repeat=1, longest_run=2.0, out=tmp_path / "c", progress=True)
+    assert cost.report.exists() and cost.document["case"] == "full-slip"
+    shown = cost.frame()
+    assert len(shown) == 3 and set(cost.rows) <= set(shown.columns)
+    assert len(cost.document["runs"]) == 3
+
+
 def test_results_are_kept_and_reported(results, tmp_path):
     kept = results.save(tmp_path / "kept")
     assert kept.summary == results.summary
@@ -262,4 +340,6 @@ def test_the_notebook_runs():
     outputs = [one for cell in notebook.cells for one in cell.get("outputs", ())]
     said = "".join(one.get("text", "") for one in outputs)
     assert "temperature rise: 225.9 K" in said
+    # A bar under the run in time, as far as its end.
+    assert "windows" in said and "100%" in said, said
     assert sum("image/png" in one.get("data", {}) for one in outputs) == 2

@@ -19,7 +19,7 @@ const ORDER: &[(&str, &[&str])] = &[
     ("case", &["contract", "coupling"]),
     ("surrogate", &[]),
     ("run", &["contract", "proto", "coupling", "case"]),
-    ("contact-fmu", &[]),
+    ("contact-fmu", &["surrogate"]),
     ("site", &[]),
     ("relay", &["contract", "proto", "coupling", "run"]),
     ("coordinator", &["contract", "proto", "coupling", "case", "surrogate", "run", "contact-fmu"]),

@@ -134,6 +134,17 @@ fn strip_columns_in_python_conform() {
     assert_eq!(settings, 1);
 }
 
+/// On a mesh that is made in no time.
+#[test]
+fn finite_elements_of_scikit_fem_conform() {
+    let program = root().join("proto/python/examples/finite_elements.py");
+    let command = [interpreter(), &program].map(|path| path.display().to_string());
+    let mesh = ["--quick", "--set", "thermal.resolution=8", "--set", "thermal.layers=4"];
+    let steady = ["other-end", "no-duration", "volumes"];
+    let settings = assert_conforms("thermal", &case("wheel-rail.toml"), (&mesh, &command), &steady);
+    assert_eq!(settings, 1);
+}
+
 #[test]
 fn the_closed_form_in_c_conforms() {
     let program = Compiled::from("proto/c/examples/closed_form.c");

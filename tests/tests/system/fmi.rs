@@ -1,4 +1,4 @@
-//! Cases as FMUs, in FMPy: `proto/python/tests/fmu_out.py`, which needs the executables.
+//! Cases and surrogates as FMUs, in FMPy: `proto/python/tests/fmu_out.py` and `fmu_surrogate.py`, which need the executables.
 
 use crate::harness::python::interpreter;
 use crate::harness::{programs, root};
@@ -6,9 +6,19 @@ use std::process::Command;
 
 #[test]
 fn a_case_is_an_fmu() {
+    passes("proto/python/tests/fmu_out.py");
+}
+
+#[test]
+fn a_surrogate_is_an_fmu() {
+    passes("proto/python/tests/fmu_surrogate.py");
+}
+
+/// Tests in Python, with the executables.
+fn passes(tests: &str) {
     let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
     let ended = Command::new(interpreter())
-        .args(["-m", "pytest", "-p", "no:cacheprovider", "proto/python/tests/fmu_out.py"])
+        .args(["-m", "pytest", "-p", "no:cacheprovider", tests])
         .env("COSIM_COORDINATOR", programs().join("coordinator"))
         .env("COSIM_RUNTIME_DIR", runtime.path())
         .current_dir(root())

@@ -42,6 +42,7 @@ mod histories;
 mod implicit;
 mod instability;
 mod keys;
+mod languages;
 mod long_work;
 mod machine;
 mod mapping;

@@ -2,6 +2,7 @@
 
 use crate::harness::python::interpreter;
 use crate::harness::{Place, case, example, library, programs, root};
+use crate::languages::there_is_gfortran;
 use std::path::Path;
 use std::process::Command;
 
@@ -29,6 +30,16 @@ fn conforms(command: &[&str]) -> Vec<f64> {
     place.field("thermal_passage_000000.vti", "rail_temperature")
 }
 
+/// Writes a solver and makes it; its program.
+fn made(folder: &Path, name: &str, language: &str) -> String {
+    let (code, said) = write(folder, &[name, "--lang", language]);
+    assert_eq!(code, Some(0), "{said}");
+    let library = format!("LIBRARY={}", library().display());
+    let made = Command::new("make").arg(library).current_dir(folder.join(name)).output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    folder.join(name).join(name).display().to_string()
+}
+
 fn assert_alike(a: &[f64], b: &[f64]) {
     let peak = a.iter().copied().fold(0.0, f64::max);
     let off = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -37,7 +48,7 @@ fn assert_alike(a: &[f64], b: &[f64]) {
 }
 
 #[test]
-fn in_python_c_and_rust_they_conform_and_are_alike() {
+fn in_every_language_they_conform_and_are_alike() {
     let folder = tempfile::tempdir().unwrap();
     let (code, said) = write(folder.path(), &["my_strips", "--lang", "python"]);
     assert_eq!(code, Some(0), "{said}");
@@ -51,13 +62,10 @@ fn in_python_c_and_rust_they_conform_and_are_alike() {
     assert!(std::fs::read_to_string(&script).unwrap().contains("class MyStrips(Solver)"));
     let python = conforms(&[&interpreter().display().to_string(), &script]);
 
-    let (code, said) = write(folder.path(), &["in_c", "--lang", "c"]);
-    assert_eq!(code, Some(0), "{said}");
-    let library = format!("LIBRARY={}", library().display());
-    let made =
-        Command::new("make").arg(library).current_dir(folder.path().join("in_c")).output().unwrap();
-    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-    let c = conforms(&[&folder.path().join("in_c/in_c").display().to_string()]);
+    assert_alike(&python, &conforms(&[&made(folder.path(), "in_c", "c")]));
+    if there_is_gfortran() {
+        assert_alike(&python, &conforms(&[&made(folder.path(), "in_fortran", "fortran")]));
+    }
 
     // What is written in Rust is this example; the nightly test compiles it in a folder of its own.
     let (code, said) = write(folder.path(), &["in_rust", "--lang", "rust"]);
@@ -69,7 +77,6 @@ fn in_python_c_and_rust_they_conform_and_are_alike() {
         shipped.replace("ShortColumns", "InRust").replace("short-columns", "in-rust")
     );
     let rust = conforms(&[&example("short_columns").display().to_string()]);
-    assert_alike(&python, &c);
     assert_alike(&python, &rust);
 }
 

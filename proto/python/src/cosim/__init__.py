@@ -18,6 +18,7 @@ from .grids import Array, Grid, Quadrilaterals, Structured
 from .main import main
 from .messages import PROTOCOL_VERSION
 from .ports import Inputs, Outputs
+from .recording import Recording, Sample, Samples
 from .results import Results, Section
 from .solver import (
     MissingInput,
@@ -53,9 +54,12 @@ __all__ = [
     "NonFiniteInput",
     "Outputs",
     "Quadrilaterals",
+    "Recording",
     "Refusal",
     "Refused",
     "Results",
+    "Sample",
+    "Samples",
     "Section",
     "Simplification",
     "Solver",

@@ -16,6 +16,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, mkdtemp
 from typing import IO, Any
 
+from .progress import FORM, Bar, bar
+
 EXECUTABLE = "COSIM_COORDINATOR"
 """Names the executable where it is neither beside this package nor on the PATH."""
 
@@ -114,10 +116,12 @@ def call(
     """Run the coordinator with these arguments; what it prints.
 
     An error has `folder` among its attributes. Standard error, with the progress of long work, is
-    passed on where someone looks at it, in a terminal and in a notebook, or as `progress` says.
+    passed on where someone looks at it, in a terminal and in a notebook, or as `progress` says;
+    how far the command is shows a bar where tqdm is installed.
     """
     command = [os.fspath(executable()), *(os.fspath(one) for one in arguments), "--color", "never"]
     shown = watched() if progress is None else progress
+    display = bar() if shown else None
     told: list[str] = []
     with subprocess.Popen(
         command,
@@ -126,9 +130,11 @@ def call(
         text=True,
         cwd=within,
         encoding="utf-8",
+        env={**os.environ, **FORM} if display else None,
     ) as process:
         assert process.stdout and process.stderr
-        listener = threading.Thread(target=listen, args=(process.stderr, told, shown), daemon=True)
+        given = (process.stderr, told, shown, display)
+        listener = threading.Thread(target=listen, args=given, daemon=True)
         listener.start()
         try:
             answer = process.stdout.read()
@@ -143,14 +149,18 @@ def call(
             raise
         finally:
             listener.join()
+            if display:
+                display.close()
     if code != 0:
         raise CosimError("".join(told).strip().removeprefix("error: "), code, folder)
     return answer
 
 
-def listen(stream: IO[str], told: list[str], shown: bool) -> None:
-    """Keep the lines of a stream, and pass them on."""
+def listen(stream: IO[str], told: list[str], shown: bool, display: Bar | None = None) -> None:
+    """Keep the lines of a stream, and pass them on; those about progress go into the bar."""
     for line in stream:
+        if display and display.takes(line):
+            continue
         told.append(line)
         if shown and not line.startswith("error: "):
             print(line, end="", file=sys.stderr, flush=True)

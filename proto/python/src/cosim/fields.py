@@ -52,8 +52,12 @@ TABLE: dict[str, FieldKind] = {
             3,
             meaning="geometry of a grid that moves, on a topic of its own (grid/geometry.rs)",
         ),
-        FieldKind("normal_gap", "m", meaning="distance of the deformed surfaces, 0 where they touch"),
-        FieldKind("traction", "Pa", 2, meaning="tangential traction (x, y) acting on the upper body"),
+        FieldKind(
+            "normal_gap", "m", meaning="distance of the deformed surfaces, 0 where they touch"
+        ),
+        FieldKind(
+            "traction", "Pa", 2, meaning="tangential traction (x, y) acting on the upper body"
+        ),
         FieldKind(
             "slip_velocity",
             "m/s",

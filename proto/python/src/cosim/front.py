@@ -48,8 +48,8 @@ def run(
 
     `out` is a folder for the results, which without it last as long as the object that is
     returned; `record` keeps every
-    exchange; `accuracy`, `extrapolate`, `strict` are those of `coordinator run`; `progress` shows
-    long work on standard error.
+    exchange; `accuracy`, `extrapolate`, `strict` are those of `coordinator run`; `progress` says
+    whether windows and long work are shown while it runs, by default in a terminal or a notebook.
     """
     options = ["--record"] * record + ["--extrapolate"] * extrapolate + ["--strict"] * strict
     options += ["--replace"] * replace
@@ -143,14 +143,26 @@ def sweep(
 
 def cost(
     case: Source,
+    vary: Mapping[str, Sequence[Any]] | None = None,
     *,
+    longest_run: float | None = None,
+    repeat: int | None = None,
     out: Source | None = None,
     replace: bool = False,
     progress: bool | None = None,
     **tables: Any,
 ) -> Study:
-    """What accuracy costs in time, over models, resolutions, windows and tolerances."""
-    return study("cost", case, [], out, replace, progress, tables)
+    """What accuracy costs in time, over models, resolutions, windows and tolerances.
+
+    `vary` has the values of keys, the coarsest first, in the place of the study's own plan; runs
+    that are expected to take longer than `longest_run` [s] are left out, and each is made `repeat`
+    times.
+    """
+    options = [] if longest_run is None else ["--longest-run", str(longest_run)]
+    options += [] if repeat is None else ["--repeat", str(repeat)]
+    for key, values in (vary or {}).items():
+        options += ["--vary", f"{key}={','.join(map(toml, values))}"]
+    return study("cost", case, options, out, replace, progress, tables)
 
 
 def study(

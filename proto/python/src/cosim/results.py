@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
+    from .recording import Recording
+
 
 class Section(Mapping[str, Any]):
     """A part of a summary, whose entries are attributes too:
@@ -169,6 +171,13 @@ class Results:
     def plot_depth(self, section: str, axes: Axes | None = None, label: str | None = None) -> Axes:
         """A picture of a section's field over the depth, below its largest value."""
         return pictures.depth_profile(self.fields[section], axes, label)
+
+    @functools.cached_property
+    def recording(self) -> Recording:
+        """What was exchanged, of a run with `record=True`."""
+        from .recording import Recording  # noqa: PLC0415
+
+        return Recording(self.folder / "recording.mcap")
 
     def replay(self, role: str, *options: str) -> str:
         """Drive a participant through what was recorded, and compare all that it sends; what the

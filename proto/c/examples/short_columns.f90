@@ -1,0 +1,228 @@
+! A complete thermal solver in Fortran: heat conduction normal to the surface, in strips.
+!
+!     T(x) = 1/(beta sqrt(pi V)) int q/2 dx'/sqrt(x' - x)  upstream,
+!
+! with q constant over elements, one half of the heat into each body; beta is a body's effusivity, V the rolling speed
+! (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
+module short_columns_callbacks
+   use cosim
+   implicit none
+   private
+   public :: columns, solver
+
+   type :: columns
+      type(cosim_grid) :: grid             ! of the flux and of both temperatures
+      real(c_double) :: scale(2)           ! 1/(beta sqrt(pi V)) of the lower and the upper body [K m^1.5/W]
+      real(c_double), allocatable :: shape(:) ! int dx'/(2 sqrt(x' - x)) over the element itself, the next upstream, ... [sqrt(m)]
+      real(c_double), allocatable :: trial(:, :) ! the sums over the elements upstream [W/m^1.5]
+      real(c_double), allocatable :: accepted(:, :)
+   end type
+
+   character(len=*), parameter :: SURFACE(2) = ['lower_temperature', 'upper_temperature']
+   character(kind=c_char), allocatable, target, save :: description(:)
+
+contains
+
+   ! The callbacks.
+   function solver() result(all)
+      type(cosim_solver) :: all
+      description = letters(description_text())
+      all%describe = c_funloc(describe)
+      all%configure = c_funloc(configure)
+      all%build = c_funloc(build)
+      all%solve = c_funloc(solve)
+      all%accept = c_funloc(accept)
+      all%observe = c_funloc(observe)
+      all%save = c_funloc(save_state)
+      all%restore = c_funloc(restore_state)
+   end function
+
+   function description_text() result(text)
+      character(len=:), allocatable :: text
+      character(len=*), parameter :: FIELDS = '"consumes": ["friction_power"], '// &
+         '"provides": ["lower_temperature", "upper_temperature"]'
+      text = '{"name": "short-columns", "version": "1.0", "role": "thermal", "models": [{"name": "short", '// &
+         '"steady": true, "transient": false, "summary": "Abel''s integral", '// &
+         '"source": "Carslaw & Jaeger, Conduction of Heat in Solids, 2.9", '//FIELDS//'}], '// &
+         '"effects": [{"name": "friction_heat", "models": ["short"], "law": "q/2 into each body", '// &
+         '"source": "symmetry", '//FIELDS//', "keys": [{"path": "effects.friction_heat.partition", '// &
+         '"type": "choice", "of": ["equal"], "default": "equal", "help": "one half each"}]}], "keys": ['// &
+         '{"path": "bodies.*.position", "type": "choice", "of": ["upper", "lower"], "required": true, '// &
+         '"help": "which of the two bodies it is"}, {"path": "bodies.*.material", "type": "name-in", '// &
+         '"table": "materials", "required": true, "help": "material of the body"}, '// &
+         quantity('motion.speed', 'm/s', 'rolling speed')//', '// &
+         quantity('materials.*.density', 'kg/m3', 'density')//', '// &
+         quantity('materials.*.specific_heat', 'J/(kg K)', 'specific heat')//', '// &
+         quantity('materials.*.conductivity', 'W/(m K)', 'conductivity')//']}'
+   end function
+
+   pure function quantity(path, unit, help) result(text)
+      character(len=*), intent(in) :: path, unit, help
+      character(len=:), allocatable :: text
+      text = '{"path": "'//path//'", "type": "quantity", "unit": "'//unit// &
+         '", "required": true, "above": 0, "help": "'//help//'"}'
+   end function
+
+   ! A string of C that stays where it is.
+   pure function letters(words)
+      character(len=*), intent(in) :: words
+      character(kind=c_char) :: letters(len(words) + 1)
+      letters = transfer(words//c_null_char, letters)
+   end function
+
+   function describe(user) bind(c) result(text)
+      type(c_ptr), value :: user
+      type(c_ptr) :: text
+      text = c_loc(description)
+   end function
+
+   function read_scale(told, body, scale) result(status)
+      type(c_ptr), intent(in) :: told
+      integer(c_int), intent(in) :: body
+      real(c_double), intent(out) :: scale
+      integer(c_int) :: status
+      character(len=*), parameter :: PROPERTY(3) = ['density      ', 'specific_heat', 'conductivity ']
+      real(c_double), parameter :: PI = acos(-1.0_c_double)
+      character(len=:), allocatable :: name, material
+      real(c_double) :: factor
+      integer :: p
+
+      scale = 0
+      status = COSIM_REFUSED
+      name = words_of(cosim_body_name(told, body))
+      if (name == '') return
+      material = words_of(cosim_case_text(told, c_text('bodies.'//name//'.material')))
+      if (material == '') return
+      status = cosim_case_number(told, c_text('motion.speed'), scale)
+      do p = 1, 3
+         if (status /= COSIM_OK) return
+         status = cosim_case_number(told, c_text('materials.'//material//'.'//PROPERTY(p)), factor)
+         scale = scale*factor
+      end do
+      if (status == COSIM_OK) scale = 1/sqrt(PI*scale)
+   end function
+
+   function configure(user, told, layout) bind(c) result(status)
+      type(c_ptr), value :: user, told, layout
+      integer(c_int) :: status
+      type(columns), pointer :: c
+      integer :: body
+
+      call c_f_pointer(user, c)
+      status = read_scale(told, COSIM_LOWER, c%scale(1))
+      if (status == COSIM_OK) status = read_scale(told, COSIM_UPPER, c%scale(2))
+      if (status /= COSIM_OK) return
+      if (.not. cosim_input_grid(told, c_text('friction_power'), c%grid)) return ! while planning
+      if (c%grid%kind /= COSIM_STRUCTURED) then
+         status = cosim_refuse(c_text('mech.model'), c_text('its grid has no rows along x'), &
+                               c_text('name a model whose grid is structured'))
+         return
+      end if
+      status = cosim_layout_grid(layout, c%grid)
+      do body = 1, 2
+         if (status == COSIM_OK) status = cosim_layout_output(layout, c_text(SURFACE(body)), c%grid%name)
+      end do
+      if (status == COSIM_OK) status = cosim_layout_cost(layout, 1e-9_c_double*c%grid%points*c%grid%ni, &
+                                                         8*(2*c%grid%points + c%grid%ni))
+   end function
+
+   function build(user) bind(c) result(status)
+      type(c_ptr), value :: user
+      integer(c_int) :: status
+      type(columns), pointer :: c
+      integer :: k
+
+      call c_f_pointer(user, c)
+      associate (ni => c%grid%ni, nj => c%grid%nj, h => c%grid%step_i(1))
+         c%shape = [(sqrt((k + 0.5_c_double)*h) - sqrt(max(k - 0.5_c_double, 0.0_c_double)*h), k=0, int(ni) - 1)]
+         allocate (c%trial(ni, nj), c%accepted(ni, nj))
+      end associate
+      c%accepted = 0
+      status = COSIM_OK
+   end function
+
+   function write_out(c, sums, outputs) result(status)
+      type(columns), intent(in) :: c
+      real(c_double), intent(in) :: sums(:, :)
+      type(c_ptr), intent(in) :: outputs
+      integer(c_int) :: status
+      type(c_ptr) :: place
+      real(c_double), pointer :: values(:, :)
+      integer :: body
+
+      do body = 1, 2
+         place = cosim_output(outputs, c_text(SURFACE(body)))
+         if (.not. c_associated(place)) cycle ! nobody needs it
+         call c_f_pointer(place, values, shape(sums))
+         values = c%scale(body)*sums
+      end do
+      status = COSIM_OK
+   end function
+
+   function solve(user, step, inputs, outputs, report) bind(c) result(status)
+      type(c_ptr), value :: user, inputs, outputs
+      type(cosim_step), intent(in) :: step
+      type(cosim_report), intent(inout) :: report
+      integer(c_int) :: status
+      type(columns), pointer :: c
+      type(c_ptr) :: place
+      real(c_double), pointer :: power(:, :)
+      integer :: i, j, ni
+
+      call c_f_pointer(user, c)
+      status = COSIM_FAILED
+      place = cosim_require_input(inputs, c_text('friction_power'), c%grid%points)
+      if (.not. c_associated(place)) return
+      call c_f_pointer(place, power, shape(c%trial))
+      ni = size(power, 1)
+      do j = 1, size(power, 2)
+         do i = 1, ni
+            c%trial(i, j) = dot_product(power(i:, j), c%shape(:ni - i + 1))
+         end do
+      end do
+      report%substeps = 1
+      report%heat_received = sum(power)*c%grid%step_i(1)*c%grid%step_j(2)
+      status = write_out(c, c%trial, outputs)
+   end function
+
+   function accept(user) bind(c) result(status)
+      type(c_ptr), value :: user
+      integer(c_int) :: status
+      type(columns), pointer :: c
+      call c_f_pointer(user, c)
+      c%accepted = c%trial
+      status = COSIM_OK
+   end function
+
+   function observe(user, outputs) bind(c) result(status)
+      type(c_ptr), value :: user, outputs
+      integer(c_int) :: status
+      type(columns), pointer :: c
+      call c_f_pointer(user, c)
+      status = write_out(c, c%accepted, outputs)
+   end function
+
+   function save_state(user, blob) bind(c) result(status)
+      type(c_ptr), value :: user, blob
+      integer(c_int) :: status
+      type(columns), pointer :: c
+      call c_f_pointer(user, c)
+      status = cosim_blob_write(blob, c_loc(c%accepted), 8*c%grid%points)
+   end function
+
+   function restore_state(user, blob) bind(c) result(status)
+      type(c_ptr), value :: user, blob
+      integer(c_int) :: status
+      type(columns), pointer :: c
+      call c_f_pointer(user, c)
+      status = cosim_blob_read(blob, c_loc(c%accepted), 8*c%grid%points)
+   end function
+end module
+
+program main
+   use cosim
+   use short_columns_callbacks
+   implicit none
+   type(columns), target :: c
+   stop cosim_run(solver(), c_loc(c)), quiet=.true.
+end program
