@@ -90,7 +90,8 @@ impl Archive {
             fs::create_dir_all(parent).map_err(failed)?;
         }
         let mut into = File::create_new(&to).map_err(failed)?;
-        let written = io::copy(&mut file.take(most.saturating_add(1)), &mut into).map_err(failed)?;
+        let written =
+            io::copy(&mut file.take(most.saturating_add(1)), &mut into).map_err(failed)?;
         match written > most {
             true => Err(format!("its content is larger than {} MiB", LARGEST >> 20)),
             false => Ok(written),
@@ -140,7 +141,9 @@ mod tests {
             let said = Archive::open(&path).unwrap().unpack(&into);
             // An absolute name is taken as one within the folder.
             assert!(name.starts_with('/') || said.unwrap_err().contains("leads out of"), "{name}");
-            assert!(!folder.path().join("in/evil").exists() && !folder.path().join("evil").exists());
+            assert!(
+                !folder.path().join("in/evil").exists() && !folder.path().join("evil").exists()
+            );
             assert!(!Path::new("/evil").exists());
         }
     }

@@ -67,7 +67,9 @@ impl ModelDescription {
         )?;
         let [keeps, serialises, token] = match version {
             Version::Two => ["canGetAndSetFMUstate", "canSerializeFMUstate", "guid"],
-            Version::Three => ["canGetAndSetFMUState", "canSerializeFMUState", "instantiationToken"],
+            Version::Three => {
+                ["canGetAndSetFMUState", "canSerializeFMUState", "instantiationToken"]
+            }
         };
         let identifier = of(about, "modelIdentifier").to_owned();
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -184,9 +186,10 @@ impl<'a> Reader<'a> {
                 None => reference(dimension).ok().and_then(|of| self.sizes.get(&of).copied()),
             };
             let length = length.ok_or("with a dimension whose length is not known")?;
-            size = size.checked_mul(length).filter(|size| *size <= LARGEST_ARRAY).ok_or_else(
-                || format!("with more than {LARGEST_ARRAY} values"),
-            )?;
+            size = size
+                .checked_mul(length)
+                .filter(|size| *size <= LARGEST_ARRAY)
+                .ok_or_else(|| format!("with more than {LARGEST_ARRAY} values"))?;
         }
         match size {
             0 => Err("without values".to_owned()),
@@ -320,7 +323,7 @@ mod tests {
         let names: Vec<_> = read.variables.iter().map(|one| one.name.as_str()).collect();
         assert_eq!(names, ["n", "y", "x", "on"]);
         let y = read.find("y").unwrap();
-        assert_eq!((y.size, y.unit.factor, y.unit.si()), (6, 1000.0, "kg m/s2"));
+        assert_eq!((y.size, y.unit.factor, y.unit.si()), (6, 1000.0, "N"));
         assert_eq!(read.find("x").unwrap().start, [1.0, 2.0, 3.0]);
         assert_eq!(read.find("on").unwrap().start, [1.0]);
     }

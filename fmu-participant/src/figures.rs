@@ -57,9 +57,9 @@ impl Figures {
         let Variable { name, words, unit, .. } = &self.variable;
         let (unit, said) = (unit.si(), if words.is_empty() { name } else { words });
         let said = one_line(said).into_owned();
-        self.words.iter().map(move |word| {
-            FigureSpec::new(&format!("{role}.{word}"), unit, &said).on(role, word)
-        })
+        self.words
+            .iter()
+            .map(move |word| FigureSpec::new(&format!("{role}.{word}"), unit, &said).on(role, word))
     }
 }
 

@@ -99,7 +99,8 @@ impl<T: Number> Access<T> {
     fn find(library: &Loaded) -> Self {
         let [set, get] = ["Set", "Get"].map(|verb| format!("fmi3{verb}{}", T::WORD));
         // SAFETY: FMI 3.0 gives these types to these names.
-        let (setter, getter) = unsafe { (library.function(&set).ok(), library.function(&get).ok()) };
+        let (setter, getter) =
+            unsafe { (library.function(&set).ok(), library.function(&get).ok()) };
         Self { set: (set, setter), get: (get, getter), way: Vec::new() }
     }
 
@@ -250,9 +251,8 @@ impl Slave for Fmi3 {
         let Self { instance, enter, exit, .. } = self;
         // SAFETY: the instance lives.
         unsafe {
-            instance.call("fmi3EnterInitializationMode", |of| {
-                enter(of, false, 0.0, 0.0, false, 0.0)
-            })?;
+            instance
+                .call("fmi3EnterInitializationMode", |of| enter(of, false, 0.0, 0.0, false, 0.0))?;
             instance.call("fmi3ExitInitializationMode", |of| exit(of))?;
         }
         instance.has_started();

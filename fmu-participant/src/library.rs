@@ -129,14 +129,24 @@ impl States {
         }
     }
 
-    pub(crate) fn keep(&self, of: Component, health: &mut Health, state: &mut Kept) -> Result<(), Fault> {
+    pub(crate) fn keep(
+        &self,
+        of: Component,
+        health: &mut Health,
+        state: &mut Kept,
+    ) -> Result<(), Fault> {
         let (name, keep) = &self.keep;
         // SAFETY: the instance lives; the state is null or one of its own, which the function renews.
         let status = unsafe { keep(of, &raw mut state.0) };
         health.check(name, status)
     }
 
-    pub(crate) fn return_to(&self, of: Component, health: &mut Health, state: &Kept) -> Result<(), Fault> {
+    pub(crate) fn return_to(
+        &self,
+        of: Component,
+        health: &mut Health,
+        state: &Kept,
+    ) -> Result<(), Fault> {
         let (name, give_back) = &self.give_back;
         // SAFETY: the instance lives, and the state is one of its own.
         let status = unsafe { give_back(of, state.0) };
@@ -155,13 +165,18 @@ impl States {
         self.bytes.as_ref().ok_or_else(|| {
             Fault(
                 "the FMU cannot turn its state into bytes (canSerializeFMUstate): a run with it has no \
-                 checkpoints; remove the key of checkpoints from the case"
+                 checkpoints; remove output.checkpoint_every"
                     .to_owned(),
             )
         })
     }
 
-    pub(crate) fn write(&self, of: Component, health: &mut Health, state: &Kept) -> Result<Vec<u8>, Fault> {
+    pub(crate) fn write(
+        &self,
+        of: Component,
+        health: &mut Health,
+        state: &Kept,
+    ) -> Result<Vec<u8>, Fault> {
         let Bytes { size: (name, size), write: (of_write, write), .. } = self.as_bytes()?;
         let mut length = 0_usize;
         // SAFETY: the instance lives, and the state is one of its own.

@@ -92,14 +92,8 @@ mod tests {
     use super::*;
 
     /// A caller in C, for which the logger has a variable number of arguments.
-    type Variadic = unsafe extern "C" fn(
-        *mut c_void,
-        *const c_char,
-        Status,
-        *const c_char,
-        *const c_char,
-        ...
-    );
+    type Variadic =
+        unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...);
 
     #[test]
     fn a_format_is_filled_in() {

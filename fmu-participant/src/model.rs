@@ -126,7 +126,11 @@ impl Running {
             let missing = || StepError::MissingInput { field: name() };
             let InputField { values, grid } = inputs.get(&take.spec).ok_or_else(missing)?;
             if let Some(index) = first_non_finite(values) {
-                return Err(StepError::NonFiniteInput { field: name(), index, value: values[index] });
+                return Err(StepError::NonFiniteInput {
+                    field: name(),
+                    index,
+                    value: values[index],
+                });
             }
             let start = inputs.start(&take.spec);
             measure(take.measure, (values, start), grid, *components, &mut self.way);
@@ -149,7 +153,9 @@ impl Running {
                 in_si(variable, own);
                 if let Some(place) = first_non_finite(own) {
                     let (name, value) = (&variable.name, own[place]);
-                    return Err(StepError::NoSolution(format!("the FMU gives {value} for `{name}`")));
+                    return Err(StepError::NoSolution(format!(
+                        "the FMU gives {value} for `{name}`"
+                    )));
                 }
                 rest = others;
             }
@@ -207,7 +213,9 @@ fn measure(
     let Some(start) = start else { return };
     let halve = |value: &mut f64, first: f64| *value = 0.5 * (*value + first);
     match measure {
-        Measure::Values => into.iter_mut().zip(start).for_each(|(value, first)| halve(value, *first)),
+        Measure::Values => {
+            into.iter_mut().zip(start).for_each(|(value, first)| halve(value, *first))
+        }
         _ => into
             .iter_mut()
             .zip(start.chunks_exact(points))
@@ -287,7 +295,7 @@ impl Model for Running {
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         let cannot = || {
             io::Error::other(
-                "the FMU keeps no states (canGetAndSetFMUstate): a run with it has no checkpoints",
+                "the FMU keeps no states (canGetAndSetFMUstate): a run with it has no checkpoints; remove output.checkpoint_every",
             )
         };
         let state = self.state.as_ref().ok_or_else(cannot)?;

@@ -18,8 +18,12 @@ const POINT: &str = "point";
 /// Name of the grid that the case gives.
 const OWN: &str = "fmu";
 /// The edges of that grid, and the numbers of its elements.
-const EDGES: [(&str, &str); 4] =
-    [("x_from", "rear edge"), ("x_to", "front edge"), ("y_from", "right edge"), ("y_to", "left edge")];
+const EDGES: [(&str, &str); 4] = [
+    ("x_from", "rear edge"),
+    ("x_to", "front edge"),
+    ("y_from", "right edge"),
+    ("y_to", "left edge"),
+];
 const COUNTS: [(&str, &str); 2] = [("nx", "elements along x"), ("ny", "elements along y")];
 
 /// An input that is placed.
@@ -56,8 +60,9 @@ pub fn keys(role: &str) -> Vec<KeySpec> {
     let path = |name: &str| format!("{role}.grid.{name}");
     let help = |words: &str| format!("{words} of the FMU's grid; absent: the grid of its inputs");
     let edges = EDGES.map(|(name, words)| KeySpec::quantity(&path(name), "m", &help(words)));
-    let counts = COUNTS
-        .map(|(name, words)| KeySpec::integer(&path(name), &help(words)).at_least(1.0).at_most(1e5));
+    let counts = COUNTS.map(|(name, words)| {
+        KeySpec::integer(&path(name), &help(words)).at_least(1.0).at_most(1e5)
+    });
     edges.into_iter().chain(counts).map(|key| key.together("the grid of the FMU")).collect()
 }
 
@@ -74,11 +79,18 @@ fn own_grid(role: &str, case: &Params) -> Result<Option<Grid>, Refusal> {
     let (nx, ny) = (nx?, ny?);
     if !(left < right && low < high && nx > 0 && ny > 0) {
         let reason = "has no area, or no elements";
-        return Err(Refusal::new(&table, reason, "let x_from be below x_to, and y_from below y_to"));
+        return Err(Refusal::new(
+            &table,
+            reason,
+            "let x_from be below x_to, and y_from below y_to",
+        ));
     }
     let (dx, dy) = ((right - left) / nx as f64, (high - low) / ny as f64);
     let (x, y) = (left + 0.5 * dx, low + 0.5 * dy);
-    Ok(Some(Grid::structured(OWN, Structured::contact_plane(x, y, dx, dy, nx as usize, ny as usize))))
+    Ok(Some(Grid::structured(
+        OWN,
+        Structured::contact_plane(x, y, dx, dy, nx as usize, ny as usize),
+    )))
 }
 
 /// Places the wires; nothing is placed as long as the grid of an input is not known.
@@ -113,9 +125,12 @@ pub fn place(
         }
         takes.push(taken(role, take, input, grid)?);
     }
-    let gives = given(role, wiring, configuration, surface.filter(|_| known).as_ref(), known, &mut layout)?;
+    let gives =
+        given(role, wiring, configuration, surface.filter(|_| known).as_ref(), known, &mut layout)?;
     if layout.inputs.iter().any(|one| one.grid == OWN) {
-        layout.grids.extend(own.filter(|own| layout.grids.iter().all(|grid| grid.name != own.name)));
+        layout
+            .grids
+            .extend(own.filter(|own| layout.grids.iter().all(|grid| grid.name != own.name)));
     }
     Ok((known.then_some(Placed { takes, gives }), layout))
 }
@@ -137,7 +152,10 @@ fn is_array(take: &Take, field: &FieldKind) -> bool {
 fn remark(take: &Take, field: &FieldKind) -> Option<String> {
     let strange = take.variables.iter().find(|one| {
         let name = &one.unit.name;
-        take.measure != Measure::Integral && !name.is_empty() && one.unit.is_si() && *name != field.unit
+        take.measure != Measure::Integral
+            && !name.is_empty()
+            && one.unit.is_si()
+            && *name != field.unit
     })?;
     Some(format!(
         "`{}` is in {} for the FMU, and {} is in {}: the numbers are the same",
@@ -183,7 +201,11 @@ fn given(
 ) -> Result<Vec<PlacedGive>, Refusal> {
     let point = Grid::structured(POINT, Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 1, 1));
     let asked = |give: &&Give| {
-        configuration.outputs.iter().chain(&configuration.observed).any(|name| *name == give.kind.name)
+        configuration
+            .outputs
+            .iter()
+            .chain(&configuration.observed)
+            .any(|name| *name == give.kind.name)
     };
     let mut gives = Vec::new();
     for give in wiring.gives.iter().filter(asked) {

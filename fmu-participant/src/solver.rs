@@ -97,7 +97,9 @@ impl Solver for FmuSolver {
     fn description(&self) -> Description {
         let Fmu { role, description, wiring, figures, .. } = &*self.fmu;
         let mut keys = start::keys(role, description);
-        keys.extend(placed::keys(role));
+        if wiring.has_arrays() {
+            keys.extend(placed::keys(role));
+        }
         let own = wiring.gives.iter().filter(|give| field::find(give.spec.name).is_none());
         Description {
             protocol: proto::PROTOCOL_VERSION,
@@ -148,7 +150,8 @@ impl Setup for Prepared {
             Refusal::new(&format!("{role}.command"), reason, "correct the FMU, or name another one")
         };
         let folder = folder.ok_or_else(|| failed("there is no run to unpack it for".to_owned()))?;
-        let placed = placed.ok_or_else(|| failed("the grid of an input is not known".to_owned()))?;
+        let placed =
+            placed.ok_or_else(|| failed("the grid of an input is not known".to_owned()))?;
         Archive::open(path).and_then(|mut archive| archive.unpack(&folder)).map_err(failed)?;
         // A place for its resources, which it is told of, whether it has any or not.
         std::fs::create_dir_all(folder.join("resources"))

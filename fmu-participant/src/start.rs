@@ -112,7 +112,7 @@ mod tests {
         let keys = keys("v", &description());
         let paths: Vec<_> = keys.iter().map(|key| key.path.as_str()).collect();
         assert_eq!(paths, ["v.start.k.primary", "v.start.on", "v.start.x", "v.start.n"]);
-        assert_eq!(keys[0].kind.unit(), "kg/s2");
+        assert_eq!(keys[0].kind.unit(), "N/m");
         assert_eq!(keys[0].help, "k.primary; absent: 2 kN/m");
     }
 

@@ -17,6 +17,18 @@ pub const BASE: [(&str, &str); 8] = [
     ("rad", "rad"),
 ];
 
+/// Exponents over the base units.
+pub type Exponents = [i32; BASE.len()];
+
+/// Units that people know by another name than that of their base units.
+const DERIVED: [(&str, Exponents); 5] = [
+    ("N", [1, 1, -2, 0, 0, 0, 0, 0]),
+    ("Pa", [1, -1, -2, 0, 0, 0, 0, 0]),
+    ("W", [1, 2, -3, 0, 0, 0, 0, 0]),
+    ("N m", [1, 2, -2, 0, 0, 0, 0, 0]),
+    ("N/m", [1, 0, -2, 0, 0, 0, 0, 0]),
+];
+
 /// The unit of a variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unit {
@@ -39,7 +51,7 @@ impl Unit {
 
     /// One that it defines.
     #[must_use]
-    pub fn defined(name: &str, exponents: [i32; BASE.len()], factor: f64, offset: f64) -> Self {
+    pub fn defined(name: &str, exponents: Exponents, factor: f64, offset: f64) -> Self {
         Self { name: name.to_owned(), base: Some(expression(exponents)), factor, offset }
     }
 
@@ -78,7 +90,10 @@ fn fits(name: &str) -> bool {
 }
 
 /// `kg m/s2` for kg 1, m 1, s −2; `1` for a plain number.
-fn expression(exponents: [i32; BASE.len()]) -> String {
+fn expression(exponents: Exponents) -> String {
+    if let Some((name, _)) = DERIVED.iter().find(|(_, derived)| *derived == exponents) {
+        return (*name).to_owned();
+    }
     let product = |sign: i32| {
         let mut text = String::new();
         for ((_, symbol), exponent) in BASE.iter().zip(exponents) {
@@ -106,7 +121,8 @@ mod tests {
 
     #[test]
     fn exponents_become_an_expression() {
-        assert_eq!(expression([1, 1, -2, 0, 0, 0, 0, 0]), "kg m/s2");
+        assert_eq!(expression([1, 1, -2, 0, 0, 0, 0, 0]), "N");
+        assert_eq!(expression([1, 1, -1, 0, 0, 0, 0, 0]), "kg m/s");
         assert_eq!(expression([0; 8]), "1");
         assert_eq!(expression([1, 0, -3, 0, -1, 0, 0, 0]), "kg/(s3 K)");
         assert_eq!(expression([0, 0, -1, 0, 0, 0, 0, 1]), "rad/s");
@@ -120,7 +136,7 @@ mod tests {
         let newton = Unit::defined("N", [1, 1, -2, 0, 0, 0, 0, 0], 1.0, 0.0);
         assert_eq!((newton.to_si(0.1), newton.from_si(0.1), newton.si()), (0.1, 0.1, "N"));
         let kilo = Unit::defined("kN", [1, 1, -2, 0, 0, 0, 0, 0], 1e3, 0.0);
-        assert_eq!((kilo.to_si(2.0), kilo.from_si(2e3), kilo.si()), (2e3, 2.0, "kg m/s2"));
+        assert_eq!((kilo.to_si(2.0), kilo.from_si(2e3), kilo.si()), (2e3, 2.0, "N"));
         assert_eq!(Unit::named("").si(), "1");
         assert_eq!(Unit::named("µm").si(), "1");
     }

@@ -7,7 +7,7 @@
 //! q <- friction_power                   to an array: all its values
 //! P <- integral(friction_power)         its integral over the surface
 //! T <- mean(lower_temperature)          its mean over the surface
-//! Q -> load.normal_force [N]            the SI unit, where the FMU's own name for it is another
+//! Q -> load.normal_force [N]            the SI unit, where the FMU does not define its own
 //! ```
 
 use crate::description::ModelDescription;
@@ -76,6 +76,13 @@ impl Wiring {
         Ok(wiring)
     }
 
+    /// A variable with several values is wired.
+    #[must_use]
+    pub fn has_arrays(&self) -> bool {
+        let given = self.gives.iter().flat_map(|give| &give.variables);
+        given.chain(self.takes.iter().flat_map(|take| &take.variables)).any(|one| one.size > 1)
+    }
+
     fn add(&mut self, wire: &str, of: &ModelDescription) -> Result<(), String> {
         let Parsed { names, gives, field, measure, unit } = Parsed::read(wire)?;
         let variables: Vec<Variable> =
@@ -132,14 +139,16 @@ impl Parsed {
             (None, Some(parts)) => (false, parts),
             _ => return Err(form.to_owned()),
         };
-        let names: Vec<String> = listed(names).into_iter().map(|name| name.trim().to_owned()).collect();
+        let names: Vec<String> =
+            listed(names).into_iter().map(|name| name.trim().to_owned()).collect();
         if names.iter().any(String::is_empty) {
             return Err(form.to_owned());
         }
-        let (target, unit) = match target.trim().strip_suffix(']').and_then(|text| text.rsplit_once('[')) {
-            Some((target, unit)) => (target.trim(), Some(unit.trim().to_owned())),
-            None => (target.trim(), None),
-        };
+        let (target, unit) =
+            match target.trim().strip_suffix(']').and_then(|text| text.rsplit_once('[')) {
+                Some((target, unit)) => (target.trim(), Some(unit.trim().to_owned())),
+                None => (target.trim(), None),
+            };
         let (measure, field) = measured(target);
         check_dotted("field", field)?;
         if gives && measure != Measure::Values {
@@ -180,13 +189,16 @@ fn measured(target: &str) -> (Measure, &str) {
 fn found(name: &str, of: &ModelDescription) -> Result<Variable, String> {
     let variable = of.find(name).ok_or_else(|| {
         let wired = |one: &&Variable| matches!(one.causality, Causality::Input | Causality::Output);
-        let known: Vec<_> = of.variables.iter().filter(wired).map(|one| one.name.as_str()).collect();
+        let known: Vec<_> =
+            of.variables.iter().filter(wired).map(|one| one.name.as_str()).collect();
         let more = known.len().saturating_sub(20);
         let mut listed = known[..known.len() - more].join(", ");
         if more > 0 {
             listed += &format!(", and {more} more");
         }
-        format!("names `{name}`, which is no variable of the FMU; its inputs and outputs are: {listed}")
+        format!(
+            "names `{name}`, which is no variable of the FMU; its inputs and outputs are: {listed}"
+        )
     })?;
     match variable.kind.is_real() {
         true => Ok(variable.clone()),
@@ -299,12 +311,18 @@ mod tests {
             read(&["Q -> load.normal_force", "Fx,Fy<-own_force", "k[1,2] <- integral( traction )"]);
         let Wiring { gives, takes } = wiring.unwrap();
         let kind = &gives[0].kind;
-        assert_eq!((kind.name.as_str(), kind.unit.as_str(), kind.components), ("load.normal_force", "N", 1));
+        assert_eq!(
+            (kind.name.as_str(), kind.unit.as_str(), kind.components),
+            ("load.normal_force", "N", 1)
+        );
         let [own, traction] = &takes[..] else { panic!("{takes:?}") };
         assert_eq!((own.variables.len(), own.measure), (2, Measure::Values));
         assert_eq!((traction.spec, traction.measure), (field::TRACTION, Measure::Integral));
-        let several = read(&["Q, R -> forces [kN]"]).unwrap();
-        assert_eq!((several.gives[0].kind.unit.as_str(), several.gives[0].kind.components), ("kN", 2));
+        let several = read(&["Q, R -> forces [kg m/s2]"]).unwrap();
+        assert_eq!(
+            (several.gives[0].kind.unit.as_str(), several.gives[0].kind.components),
+            ("kg m/s2", 2)
+        );
     }
 
     #[test]
