@@ -63,7 +63,7 @@ pub fn keys(role: &str) -> Vec<KeySpec> {
     let counts = COUNTS.map(|(name, words)| {
         KeySpec::integer(&path(name), &help(words)).at_least(1.0).at_most(1e5)
     });
-    edges.into_iter().chain(counts).map(|key| key.together("the grid of the FMU")).collect()
+    edges.into_iter().chain(counts).map(|key| key.together(&format!("{role}.grid"))).collect()
 }
 
 fn own_grid(role: &str, case: &Params) -> Result<Option<Grid>, Refusal> {

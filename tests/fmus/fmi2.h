@@ -147,3 +147,13 @@ int fmi2DeSerializeFMUstate(void *of, const char *bytes, size_t size, void **sta
     memcpy(*state, bytes, size);
     return STATUS_OK;
 }
+
+/* What the standard has besides: there, and not supported. */
+#define ABSENT(name) \
+    int name(void) { return STATUS_ERROR; }
+ABSENT(fmi2CancelStep) ABSENT(fmi2CompletedIntegratorStep) ABSENT(fmi2EnterContinuousTimeMode)
+ABSENT(fmi2EnterEventMode) ABSENT(fmi2GetBooleanStatus) ABSENT(fmi2GetContinuousStates) ABSENT(fmi2GetDerivatives)
+ABSENT(fmi2GetDirectionalDerivative) ABSENT(fmi2GetEventIndicators) ABSENT(fmi2GetIntegerStatus)
+ABSENT(fmi2GetNominalsOfContinuousStates) ABSENT(fmi2GetRealOutputDerivatives) ABSENT(fmi2GetRealStatus)
+ABSENT(fmi2GetStatus) ABSENT(fmi2GetString) ABSENT(fmi2GetStringStatus) ABSENT(fmi2NewDiscreteStates)
+ABSENT(fmi2SetContinuousStates) ABSENT(fmi2SetRealInputDerivatives) ABSENT(fmi2SetString) ABSENT(fmi2SetTime)

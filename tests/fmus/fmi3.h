@@ -122,3 +122,26 @@ int fmi3DeserializeFMUState(void *of, const uint8_t *bytes, size_t size, void **
     memcpy(*state, bytes, size);
     return STATUS_OK;
 }
+
+/* What the standard has besides: there, and not supported. */
+#define ABSENT(name) \
+    int name(void) { return STATUS_ERROR; }
+ABSENT(fmi3ActivateModelPartition) ABSENT(fmi3CompletedIntegratorStep) ABSENT(fmi3EnterConfigurationMode)
+ABSENT(fmi3EnterContinuousTimeMode) ABSENT(fmi3EnterEventMode) ABSENT(fmi3EnterStepMode)
+ABSENT(fmi3EvaluateDiscreteStates) ABSENT(fmi3ExitConfigurationMode) ABSENT(fmi3GetAdjointDerivative)
+ABSENT(fmi3GetBinary) ABSENT(fmi3GetBoolean) ABSENT(fmi3GetClock) ABSENT(fmi3GetContinuousStateDerivatives)
+ABSENT(fmi3GetContinuousStates) ABSENT(fmi3GetDirectionalDerivative) ABSENT(fmi3GetEventIndicators)
+ABSENT(fmi3GetFloat32) ABSENT(fmi3GetInt16) ABSENT(fmi3GetInt32) ABSENT(fmi3GetInt64) ABSENT(fmi3GetInt8)
+ABSENT(fmi3GetIntervalDecimal) ABSENT(fmi3GetIntervalFraction) ABSENT(fmi3GetNominalsOfContinuousStates)
+ABSENT(fmi3GetNumberOfContinuousStates) ABSENT(fmi3GetNumberOfEventIndicators)
+ABSENT(fmi3GetNumberOfVariableDependencies) ABSENT(fmi3GetOutputDerivatives) ABSENT(fmi3GetShiftDecimal)
+ABSENT(fmi3GetShiftFraction) ABSENT(fmi3GetString) ABSENT(fmi3GetUInt16) ABSENT(fmi3GetUInt32) ABSENT(fmi3GetUInt64)
+ABSENT(fmi3GetUInt8) ABSENT(fmi3GetVariableDependencies) ABSENT(fmi3SetBinary) ABSENT(fmi3SetBoolean)
+ABSENT(fmi3SetClock) ABSENT(fmi3SetContinuousStates) ABSENT(fmi3SetFloat32) ABSENT(fmi3SetInt16)
+ABSENT(fmi3SetInt32) ABSENT(fmi3SetInt64) ABSENT(fmi3SetInt8) ABSENT(fmi3SetIntervalDecimal)
+ABSENT(fmi3SetIntervalFraction) ABSENT(fmi3SetShiftDecimal) ABSENT(fmi3SetShiftFraction) ABSENT(fmi3SetString)
+ABSENT(fmi3SetTime) ABSENT(fmi3SetUInt16) ABSENT(fmi3SetUInt32) ABSENT(fmi3SetUInt64) ABSENT(fmi3SetUInt8)
+ABSENT(fmi3UpdateDiscreteStates)
+
+void *fmi3InstantiateModelExchange(void) { return NULL; }
+void *fmi3InstantiateScheduledExecution(void) { return NULL; }
