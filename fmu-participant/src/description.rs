@@ -199,10 +199,15 @@ impl<'a> Reader<'a> {
 
     fn unit(&self, typed: Node<'a, '_>) -> Unit {
         let declared = || self.types.get(of(typed, "declaredType")).copied();
-        match typed.attribute("unit").or_else(declared) {
+        let mut unit = match typed.attribute("unit").or_else(declared) {
             None => Unit::named(""),
             Some(name) => self.units.get(name).cloned().unwrap_or_else(|| Unit::named(name)),
+        };
+        // A difference, such as a temperature rise in degrees Celsius.
+        if flag(typed, "relativeQuantity") {
+            unit.offset = 0.0;
         }
+        unit
     }
 }
 

@@ -10,6 +10,8 @@ use std::collections::BTreeSet;
 const LARGEST: usize = 16;
 /// The most figures.
 const MOST: usize = 500;
+/// So many of them, the first, stand on a line of the terminal.
+const SHOWN: usize = 8;
 
 /// A variable whose values are figures.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +20,8 @@ pub struct Figures {
     pub variable: Variable,
     /// The last part of the key of each value.
     pub words: Vec<String>,
+    /// They stand on a line of the terminal.
+    pub shown: bool,
 }
 
 /// The outputs of an FMU that are figures.
@@ -37,7 +41,8 @@ pub fn figures(of: &ModelDescription) -> Vec<Figures> {
         };
         let words = (0..variable.size).map(|place| free(one(place), &mut taken)).collect();
         left -= variable.size;
-        figures.push(Figures { variable: variable.clone(), words });
+        let shown = MOST - left <= SHOWN;
+        figures.push(Figures { variable: variable.clone(), words, shown });
     }
     figures
 }
@@ -57,9 +62,10 @@ impl Figures {
         let Variable { name, words, unit, .. } = &self.variable;
         let (unit, said) = (unit.si(), if words.is_empty() { name } else { words });
         let said = one_line(said).into_owned();
-        self.words
-            .iter()
-            .map(move |word| FigureSpec::new(&format!("{role}.{word}"), unit, &said).on(role, word))
+        self.words.iter().map(move |word| {
+            let spec = FigureSpec::new(&format!("{role}.{word}"), unit, &said);
+            if self.shown { spec.on(role, word) } else { spec }
+        })
     }
 }
 

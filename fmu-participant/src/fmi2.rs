@@ -119,10 +119,10 @@ impl Fmi2 {
         let name = text(name)?;
         let token = text(&of.token)?;
         let resources = text(&uri(&folder.join("resources")))?;
-        let instance = Instance::new(library, of, |_, health| {
+        let instance = Instance::new(&library, of, |health| {
             callbacks.environment = health.logger.environment();
             // SAFETY: the texts live through the call, callbacks and logger as long as the instance.
-            Ok(unsafe {
+            unsafe {
                 instantiate(
                     name.as_ptr(),
                     CO_SIMULATION,
@@ -132,7 +132,7 @@ impl Fmi2 {
                     0,
                     0,
                 )
-            })
+            }
         })?;
         Ok(Self {
             instance,

@@ -193,10 +193,10 @@ impl Fmi3 {
         };
         let [name, token] = [text(name)?, text(&of.token)?];
         let resources: CString = text(&format!("{}/resources/", folder.display()))?;
-        let instance = Instance::new(library, of, |_, health| {
+        let instance = Instance::new(&library, of, |health| {
             let to = health.logger.environment();
             // SAFETY: the texts live through the call, the logger as long as the instance.
-            Ok(unsafe {
+            unsafe {
                 instantiate(
                     name.as_ptr(),
                     token.as_ptr(),
@@ -211,7 +211,7 @@ impl Fmi3 {
                     log_message,
                     std::ptr::null(),
                 )
-            })
+            }
         })?;
         Ok(Self { instance, values, enter, exit, step })
     }

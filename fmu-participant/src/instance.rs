@@ -18,8 +18,6 @@ pub struct Instance {
     terminate: Terminate,
     free: Free,
     started: bool,
-    // Last: the functions above are of this library.
-    _library: Loaded,
 }
 
 impl Instance {
@@ -28,11 +26,11 @@ impl Instance {
     /// # Errors
     /// A function is missing; the FMU makes none.
     pub fn new(
-        library: Loaded,
+        library: &Loaded,
         of: &ModelDescription,
-        make: impl FnOnce(&Loaded, &Health) -> Result<Component, String>,
+        make: impl FnOnce(&Health) -> Component,
     ) -> Result<Self, String> {
-        let states = States::find(&library, of)?;
+        let states = States::find(library, of)?;
         let [terminate, free] = match of.version {
             Version::Two => ["fmi2Terminate", "fmi2FreeInstance"],
             Version::Three => ["fmi3Terminate", "fmi3FreeInstance"],
@@ -40,12 +38,12 @@ impl Instance {
         // SAFETY: both versions of FMI give these types to these names.
         let (terminate, free) = unsafe { (library.function(terminate)?, library.function(free)?) };
         let health = Health::default();
-        let component = make(&library, &health)?;
+        let component = make(&health);
         if component.is_null() {
             let said = health.logger.take().unwrap_or_else(|| "it does not say why".to_owned());
             return Err(format!("the FMU makes no instance: {said}"));
         }
-        Ok(Self { component, health, states, terminate, free, started: false, _library: library })
+        Ok(Self { component, health, states, terminate, free, started: false })
     }
 
     /// Calls a function of the instance, unless it is beyond use.

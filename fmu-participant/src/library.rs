@@ -4,6 +4,7 @@ use crate::description::{ModelDescription, Version};
 use crate::slave::{Fault, Health, Kept};
 use libloading::{Library, Symbol};
 use std::ffi::c_void;
+use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 
 /// An instance, as functions of FMI name it.
@@ -15,10 +16,10 @@ type Size = unsafe extern "C" fn(Component, *mut c_void, *mut usize) -> i32;
 type Write = unsafe extern "C" fn(Component, *mut c_void, *mut u8, usize) -> i32;
 type Read = unsafe extern "C" fn(Component, *const u8, usize, *mut *mut c_void) -> i32;
 
-/// A library that is loaded as long as this lives.
+/// A library that is loaded, until the process ends: what an FMU has begun, such as a thread, may use its code to the end.
 #[derive(Debug)]
 pub struct Loaded {
-    library: Library,
+    library: ManuallyDrop<Library>,
     path: PathBuf,
 }
 
@@ -48,7 +49,7 @@ impl Loaded {
                 folder.display()
             )
         })?;
-        Ok(Self { library, path })
+        Ok(Self { library: ManuallyDrop::new(library), path })
     }
 
     /// A function of it.
@@ -57,7 +58,7 @@ impl Loaded {
     /// There is none of this name.
     ///
     /// # Safety
-    /// `F` is its type, and it is used as long as the library is loaded.
+    /// `F` is its type.
     pub unsafe fn function<F: Copy>(&self, name: &str) -> Result<F, String> {
         // SAFETY: as the caller promises.
         let found: Result<Symbol<'_, F>, _> = unsafe { self.library.get(name.as_bytes()) };

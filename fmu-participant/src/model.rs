@@ -202,10 +202,11 @@ fn measure(
 ) {
     into.clear();
     let points = values.len() / components;
-    let over = |values: &[f64]| match measure {
-        Measure::Mean => grid.integrate(values) / grid.integrate(&vec![1.0; points]),
-        _ => grid.integrate(values),
+    let area = match measure {
+        Measure::Mean => (0..points).map(|element| grid.area(element)).sum(),
+        _ => 1.0,
     };
+    let over = |values: &[f64]| grid.integrate(values) / area;
     match measure {
         Measure::Values => into.extend_from_slice(values),
         _ => into.extend(values.chunks_exact(points).map(over)),
