@@ -3,6 +3,7 @@
 //! The file comes from outside: it is XML without a document type, and what it claims is limited before
 //! anything is allocated.
 
+use crate::depth::deepest;
 use crate::unit::{BASE, Unit};
 use crate::variable::{Causality, Kind, Variable};
 use roxmltree::{Document, Node, ParsingOptions};
@@ -10,6 +11,8 @@ use std::collections::BTreeMap;
 
 /// More elements, texts and attributes than this are refused.
 const MOST_NODES: u32 = 4_000_000;
+/// Elements that stand deeper in each other are refused.
+const DEEPEST: usize = 200;
 /// Arrays with more values than this are refused.
 pub const LARGEST_ARRAY: usize = 1 << 24;
 
@@ -53,6 +56,9 @@ impl ModelDescription {
     /// # Errors
     /// What is wrong with it, in words.
     pub fn parse(text: &str) -> Result<Self, String> {
+        if deepest(text) > DEEPEST {
+            return Err(format!("has elements more than {DEEPEST} deep in each other"));
+        }
         let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES };
         let document = Document::parse_with_options(text, options)
             .map_err(|error| format!("is no model description: {error}"))?;
@@ -360,7 +366,10 @@ mod tests {
     #[test]
     fn depth_is_no_danger() {
         let deep = "<a>".repeat(100_000);
-        assert!(ModelDescription::parse(&deep).is_err());
+        let said = ModelDescription::parse(&deep).unwrap_err();
+        assert!(said.contains("more than 200 deep"), "{said}");
+        let most = format!("{}{}", "<a>".repeat(DEEPEST), "</a>".repeat(DEEPEST));
+        assert!(ModelDescription::parse(&most).unwrap_err().contains("but `a`"));
     }
 
     proptest! {

@@ -3,7 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`archive`] | the archive that an FMU is: limited, whatever it claims |
-//! | [`description`], [`variable`], [`unit`] | `modelDescription.xml` |
+//! | [`description`], [`depth`], [`variable`], [`unit`] | `modelDescription.xml` |
 //! | [`wiring`] | which variables give fields, and which receive them |
 //! | [`figures`], [`start`] | outputs as figures; parameters as keys of the case |
 //! | [`placed`] | grids, and numbers of values |
@@ -15,6 +15,7 @@
 //! process alone. Of the file nothing is run before a run starts.
 
 pub mod archive;
+pub mod depth;
 pub mod description;
 pub mod figures;
 pub mod fmi2;

@@ -119,9 +119,10 @@ fn a_scalar_is_the_same_everywhere() {
     let found = answer(&path, &[&wires[..], &["--estimate"]].concat(), &configuration(&json!({})));
     let expected = json!([{"field": "lower_temperature", "grid": "contact"}]);
     assert_eq!(found["layout"]["fields"], expected, "{found}");
-    let whole = ["--wire", "P <- friction_power", "--estimate"];
+    let whole = ["--wire", "P <- friction_power", "--wire", "T -> lower_temperature", "--estimate"];
     let refused = answer(&path, &whole, &configuration(&json!({})));
-    assert!(refused["refused"]["fix"].as_str().unwrap().contains("wire integral(friction_power)"));
+    let fix = refused["refused"]["fix"].as_str().unwrap();
+    assert!(fix.contains("wire integral(friction_power)"), "{refused}");
 }
 
 #[test]

@@ -43,7 +43,10 @@ fn the_force_is_that_of_pressure_and_traction() {
         case["mech"]["model"] = json!(model);
         case["motion"]["creepage"]["eta"] = json!(-2e-3);
         let (force, sums) = forces(&case);
-        assert!(force[0] < 0.0 && force[1] > 0.0, "a braking wheel that drifts to the right: {force:?}");
+        assert!(
+            force[0] < 0.0 && force[1] > 0.0,
+            "a braking wheel that drifts to the right: {force:?}"
+        );
         assert!((force[1] - sums[1]).abs() < 1e-9 * force[2], "{model}: {force:?}, {sums:?}");
     }
 }
