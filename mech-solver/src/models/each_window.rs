@@ -1,7 +1,7 @@
 //! Models of which every window depends on its own values and what comes in alone: nothing is carried from one to the next.
 
 use super::half_space::PASSAGE_GRID;
-use crate::models::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
+use crate::models::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, laid_out};
 use crate::terms::Observation;
 use proto::configuration::{Configuration, FieldOnGrid};
 use proto::field::{self, FieldSpec};
@@ -174,7 +174,7 @@ pub(super) fn fields_over(
 ) -> (Vec<Grid>, Vec<FieldOnGrid>) {
     let on = |spec: &FieldSpec| match *spec {
         _ if let Some(grid) = observations.iter().find_map(|term| term.grid_of(spec)) => grid,
-        field::SURFACE_SPEED => RIGID_GRID,
+        _ if is_rigid(spec) => RIGID_GRID,
         field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
         _ => CONTACT_GRID,
     };

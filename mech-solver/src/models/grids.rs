@@ -10,6 +10,11 @@ pub const CONTACT_GRID: &str = "contact";
 /// contact's grid.
 pub const RIGID_GRID: &str = "rigid";
 
+/// The field belongs to a whole body or contact: it has one value for each component.
+pub(super) fn is_rigid(spec: &FieldSpec) -> bool {
+    *spec == field::SURFACE_SPEED || *spec == field::CONTACT_FORCE
+}
+
 /// The fields that a run asks for, each on the grid that `on` names, and those of the grids that have any.
 pub(super) fn laid_out(
     configuration: &Configuration,

@@ -34,7 +34,7 @@ use crate::half_space::retarded::Delay;
 use crate::half_space::viscoelastic::Bodies;
 use crate::keys::CheckedParams;
 use crate::models::expected::refinement;
-use crate::models::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
+use crate::models::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, laid_out};
 use crate::models::varying::Varying;
 use crate::resolution;
 use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys, width_key};
@@ -163,7 +163,12 @@ fn spec() -> ModelSpec {
         transient: true,
         rewinds: true,
         consumes: Vec::new(),
-        provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
+        provides: names(&[
+            &field::PRESSURE,
+            &field::TRACTION,
+            &field::SLIP_VELOCITY,
+            &field::CONTACT_FORCE,
+        ]),
         keys,
         accuracy: Accuracy { refinement: Some(refinement(1.0, 0.06)), ..Accuracy::default() },
     }
@@ -350,7 +355,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let observations = &case.terms.observations;
     let on = |spec: &FieldSpec| match *spec {
         _ if let Some(grid) = observations.iter().find_map(|term| term.grid_of(spec)) => grid,
-        field::SURFACE_SPEED => RIGID_GRID,
+        _ if is_rigid(spec) => RIGID_GRID,
         field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
         _ => CONTACT_GRID,
     };

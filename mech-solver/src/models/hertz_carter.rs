@@ -75,7 +75,12 @@ fn spec() -> ModelSpec {
         transient: true,
         rewinds: true,
         consumes: Vec::new(),
-        provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
+        provides: names(&[
+            &field::PRESSURE,
+            &field::TRACTION,
+            &field::SLIP_VELOCITY,
+            &field::CONTACT_FORCE,
+        ]),
         keys,
         accuracy: Accuracy {
             refinement: Some(refinement(2.0, 0.005)),

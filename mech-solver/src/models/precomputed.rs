@@ -1,7 +1,7 @@
 //! Models without memory: their fields are computed once, when the model is built, and a solve
 //! copies them to the outputs that are asked for.
 
-use super::grids::{CONTACT_GRID, RIGID_GRID};
+use super::grids::{CONTACT_GRID, RIGID_GRID, is_rigid};
 use proto::configuration::{Configuration, FieldOnGrid, Layout};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
@@ -13,7 +13,7 @@ const SECONDS_PER_COPY: f64 = 2e-9;
 
 /// Number of points of a field.
 pub(super) fn points(spec: &FieldSpec, grid: &Structured) -> usize {
-    if *spec == field::SURFACE_SPEED { 1 } else { grid.points() }
+    if is_rigid(spec) { 1 } else { grid.points() }
 }
 
 /// Number of values of a field.
@@ -36,7 +36,7 @@ pub(super) fn layout(
     build_seconds: f64,
 ) -> Layout {
     let mut grids = vec![Grid::structured(CONTACT_GRID, grid)];
-    if wanted.contains(&&field::SURFACE_SPEED) {
+    if wanted.iter().any(|spec| is_rigid(spec)) {
         let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
         let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
         grids.push(Grid::structured(RIGID_GRID, whole));
@@ -54,7 +54,7 @@ pub(super) fn layout(
 }
 
 fn on_grid(spec: &FieldSpec) -> FieldOnGrid {
-    let grid = if *spec == field::SURFACE_SPEED { RIGID_GRID } else { CONTACT_GRID };
+    let grid = if is_rigid(spec) { RIGID_GRID } else { CONTACT_GRID };
     FieldOnGrid { field: spec.name.to_owned(), grid: grid.to_owned() }
 }
 

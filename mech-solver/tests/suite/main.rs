@@ -2,6 +2,7 @@
 
 mod carried;
 mod common;
+mod contact_force;
 mod creeping;
 mod description;
 mod expanding;

@@ -108,6 +108,8 @@ field_table! {
         "frictional power density, element and window mean";
     SURFACE_SPEED = "surface_speed" ["m/s"; 2], Consistent, Interface,
         "speeds (upper, lower) at which material passes through the contact, on a one-point grid";
+    CONTACT_FORCE = "contact_force" ["N"; 3], Consistent, Interface,
+        "force (x, y, z) of the contact on the upper body, on a one-point grid";
     LOWER_TEMPERATURE = "lower_temperature" ["K"; 1], Consistent, Lower,
         "temperature rise of the lower body's surface";
     UPPER_TEMPERATURE = "upper_temperature" ["K"; 1], Consistent, Upper,

@@ -57,7 +57,7 @@ pub fn blocks(page: &str) -> Vec<Block> {
 /// A command fails, or does not print what is shown.
 pub fn run(page: &str) -> (usize, usize) {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["cases", "proto", "docs", "coordinator"] {
+    for name in ["cases", "proto", "docs", "coordinator", "tests"] {
         symlink(root().join(name), folder.path().join(name)).unwrap();
     }
     std::fs::create_dir(folder.path().join("target")).unwrap();

@@ -20,6 +20,7 @@ const ORDER: &[(&str, &[&str])] = &[
     ("surrogate", &[]),
     ("run", &["contract", "proto", "coupling", "case"]),
     ("contact-fmu", &["surrogate"]),
+    ("fmu-participant", &["proto"]),
     ("site", &[]),
     ("relay", &["contract", "proto", "coupling", "run"]),
     ("coordinator", &["contract", "proto", "coupling", "case", "surrogate", "run", "contact-fmu"]),

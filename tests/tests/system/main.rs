@@ -37,6 +37,7 @@ mod explicit;
 mod faults;
 mod figures;
 mod fmi;
+mod fmu_in;
 mod folders;
 mod histories;
 mod implicit;

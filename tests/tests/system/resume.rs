@@ -71,7 +71,7 @@ fn random(state: &mut u64) -> u64 {
 
 /// Runs undisturbed, and killed after a random number of checkpoints and resumed; both have to end
 /// alike.
-fn killed_and_resumed(case: &str, settings: &[&str], most: u64, seed: &mut u64) {
+pub(crate) fn killed_and_resumed(case: &str, settings: &[&str], most: u64, seed: &mut u64) {
     let more = sets(settings);
     let undisturbed = Place::new();
     undisturbed.summary(case, &more);

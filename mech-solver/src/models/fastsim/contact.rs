@@ -256,6 +256,12 @@ impl Contact {
         self.strips.iter().map(|(strip, cells)| (strip, &self.cells[cells.clone()]))
     }
 
+    /// Force on the upper body [N].
+    pub(super) fn force(&self) -> [f64; 3] {
+        let [x, y] = self.totals.force;
+        [x, y, self.problem.ellipse.normal_force]
+    }
+
     /// Scales the slip, so that friction dissipates the power of the creepages.
     fn balance_slip(&mut self) {
         let factor = self.creep_power() / self.totals.power;

@@ -38,6 +38,7 @@ pub(super) fn write(
         field::SURFACE_SPEED => {
             values.copy_from_slice(&speeds.of_surfaces(contact.creepage[0]));
         }
+        field::CONTACT_FORCE => values.copy_from_slice(&contact.force()),
         _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
     }
 }

@@ -10,7 +10,7 @@ use crate::half_space::tangential::{Creepage, ElementState, TangentialState};
 use crate::measures::{Measures, add_elements};
 use crate::models::summary::add_patches;
 use crate::surface::KeptSurface;
-use crate::terms::{Accepted, Terms};
+use crate::terms::Accepted;
 use proto::field;
 use proto::grid::Structured;
 use proto::model::Outputs;
@@ -282,7 +282,7 @@ impl Answer {
 
     /// Writes the fields that are asked for; the friction power is the mean over the window, and of it
     /// what becomes heat.
-    pub(super) fn write(&self, terms: &Terms, friction_power: &[f64], outputs: &mut dyn Outputs) {
+    pub(super) fn write(&self, case: &Case, friction_power: &[f64], outputs: &mut dyn Outputs) {
         let fields: [(_, &[f64]); 5] = [
             (&field::PRESSURE, &self.pressure),
             (&field::TRACTION, &self.traction),
@@ -294,9 +294,14 @@ impl Answer {
             if let Some(place) = outputs.get(spec) {
                 place.copy_from_slice(values);
                 if *spec == field::FRICTION_POWER {
-                    terms.keep_heat(place);
+                    case.terms.keep_heat(place);
                 }
             }
+        }
+        if let Some(place) = outputs.get(&field::CONTACT_FORCE) {
+            let grid = &case.footprint.grid;
+            let [normal, x, y, _] = self.sums(grid).map(|sum| sum * grid.element_area());
+            place.copy_from_slice(&[x, y, normal]);
         }
     }
 }
@@ -304,7 +309,7 @@ impl Answer {
 impl Case {
     /// Writes what is observed of an accepted window.
     pub(super) fn observe(&mut self, answer: &Answer, power: &[f64], outputs: &mut dyn Outputs) {
-        answer.write(&self.terms, power, outputs);
+        answer.write(self, power, outputs);
         let accepted = answer.accepted();
         self.terms.removal.iter().for_each(|removal| removal.write(outputs));
         for term in &mut self.terms.observations {

@@ -196,7 +196,7 @@ impl Model for Steady {
                 (answer, report)
             }
         };
-        answer.write(&self.case.terms, &answer.friction_power, outputs);
+        answer.write(&self.case, &answer.friction_power, outputs);
         if let Some(removal) = &mut self.case.terms.removal {
             removal.take(&self.case.footprint.grid, &answer.accepted());
         }

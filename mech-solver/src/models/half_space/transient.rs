@@ -344,7 +344,7 @@ impl Model for Transient {
         let creepage = self.case.driven.at(0.0).creepage;
         self.contact.set_friction(&mut self.case, inputs, creepage)?;
         let report = self.advance(step.duration(), inputs)?;
-        self.trial.answer.write(&self.case.terms, &self.power, outputs);
+        self.trial.answer.write(&self.case, &self.power, outputs);
         Ok(report)
     }
 

@@ -47,6 +47,9 @@ pub(super) fn write(
         field::SURFACE_SPEED => {
             values.copy_from_slice(&contact.speeds.of_surfaces(contact.creepage_xi()));
         }
+        field::CONTACT_FORCE => {
+            values.copy_from_slice(&[contact.creep_force(), 0.0, contact.ellipse.normal_force]);
+        }
         _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
     }
 }

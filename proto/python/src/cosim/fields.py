@@ -77,6 +77,12 @@ TABLE: dict[str, FieldKind] = {
             meaning="speeds (upper, lower) at which material passes through the contact, on a "
             "one-point grid",
         ),
+        FieldKind(
+            "contact_force",
+            "N",
+            3,
+            meaning="force (x, y, z) of the contact on the upper body, on a one-point grid",
+        ),
         *(
             FieldKind(
                 f"{body}_temperature",

@@ -1,0 +1,99 @@
+//! Outputs of an FMU as figures of the summary: `ROLE.NAME`, an array of a few values element by element.
+
+use crate::description::ModelDescription;
+use crate::variable::{Causality, Variable};
+use proto::figure::FigureSpec;
+use proto::text::one_line;
+use std::collections::BTreeSet;
+
+/// Arrays with more values than this are no figures.
+const LARGEST: usize = 16;
+/// The most figures.
+const MOST: usize = 500;
+/// So many of them, the first, stand on a line of the terminal.
+const SHOWN: usize = 8;
+
+/// A variable whose values are figures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// The variable.
+    pub variable: Variable,
+    /// The last part of the key of each value.
+    pub words: Vec<String>,
+    /// They stand on a line of the terminal.
+    pub shown: bool,
+}
+
+/// The outputs of an FMU that are figures.
+#[must_use]
+pub fn figures(of: &ModelDescription) -> Vec<Figures> {
+    let mut taken = BTreeSet::new();
+    let mut left = MOST;
+    let mut figures = Vec::new();
+    for variable in of.variables.iter().filter(|one| one.causality == Causality::Output) {
+        if variable.size > LARGEST.min(left) {
+            continue;
+        }
+        let word = variable.word();
+        let one = |place: usize| match variable.size {
+            1 => word.clone(),
+            _ => format!("{word}_{}", place + 1),
+        };
+        let words = (0..variable.size).map(|place| free(one(place), &mut taken)).collect();
+        left -= variable.size;
+        let shown = MOST - left <= SHOWN;
+        figures.push(Figures { variable: variable.clone(), words, shown });
+    }
+    figures
+}
+
+/// The word, or with a number behind it where that is taken.
+fn free(word: String, taken: &mut BTreeSet<String>) -> String {
+    let numbered = (2..).map(|number| format!("{word}_{number}"));
+    let mut candidates = std::iter::once(word.clone()).chain(numbered);
+    let free = candidates.find(|one| !taken.contains(one)).expect("numbers do not end");
+    taken.insert(free.clone());
+    free
+}
+
+impl Figures {
+    /// What is said of them.
+    pub fn specs(&self, role: &str) -> impl Iterator<Item = FigureSpec> {
+        let Variable { name, words, unit, .. } = &self.variable;
+        let (unit, said) = (unit.si(), if words.is_empty() { name } else { words });
+        let said = one_line(said).into_owned();
+        self.words.iter().map(move |word| {
+            let spec = FigureSpec::new(&format!("{role}.{word}"), unit, &said);
+            if self.shown { spec.on(role, word) } else { spec }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_output_has_a_word_of_its_own() {
+        let outputs: String = ["a.b", "a_b", "der(x)", "y"]
+            .iter()
+            .enumerate()
+            .map(|(n, name)| {
+                let of = if *name == "y" { r#"<Dimension start="2"/>"# } else { "" };
+                format!(
+                    r#"<Float64 name="{name}" valueReference="{n}" causality="output" unit="m">{of}</Float64>"#
+                )
+            })
+            .collect();
+        let text = format!(
+            r#"<fmiModelDescription fmiVersion="3.0" modelName="m"><CoSimulation modelIdentifier="m"/>
+            <ModelVariables>{outputs}</ModelVariables></fmiModelDescription>"#
+        );
+        let all = figures(&ModelDescription::parse(&text).unwrap());
+        let words: Vec<_> = all.iter().flat_map(|one| &one.words).collect();
+        assert_eq!(words, ["a_b", "a_b_2", "der_x_", "y_1", "y_2"]);
+        let specs: Vec<_> = all.iter().flat_map(|one| one.specs("vehicle")).collect();
+        assert!(specs.iter().all(|spec| spec.check() == Ok(()) && spec.unit == "m"));
+        assert_eq!(specs[3].key, "vehicle.y_1");
+    }
+}

@@ -1,0 +1,205 @@
+//! The library inside an FMU, and the functions that FMI 2.0 and 3.0 have alike but for their names.
+
+use crate::description::{ModelDescription, Version};
+use crate::slave::{Fault, Health, Kept};
+use libloading::{Library, Symbol};
+use std::ffi::c_void;
+use std::mem::ManuallyDrop;
+use std::path::{Path, PathBuf};
+
+/// An instance, as functions of FMI name it.
+pub type Component = *mut c_void;
+
+type Keep = unsafe extern "C" fn(Component, *mut *mut c_void) -> i32;
+type Return = unsafe extern "C" fn(Component, *mut c_void) -> i32;
+type Size = unsafe extern "C" fn(Component, *mut c_void, *mut usize) -> i32;
+type Write = unsafe extern "C" fn(Component, *mut c_void, *mut u8, usize) -> i32;
+type Read = unsafe extern "C" fn(Component, *const u8, usize, *mut *mut c_void) -> i32;
+
+/// A library that is loaded, until the process ends: what an FMU has begun, such as a thread, may use its code to the end.
+#[derive(Debug)]
+pub struct Loaded {
+    library: ManuallyDrop<Library>,
+    path: PathBuf,
+}
+
+impl Loaded {
+    /// Loads the library of an FMU that is unpacked in this folder.
+    ///
+    /// # Errors
+    /// There is none for this machine, or the system cannot load it.
+    pub fn open(folder: &Path, of: &ModelDescription) -> Result<Self, String> {
+        let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
+        let platform = match of.version {
+            Version::Two if arch == "x86_64" => format!("{os}64"),
+            _ => format!("{arch}-{os}"),
+        };
+        let inside = format!("binaries/{platform}/{}.so", of.identifier);
+        let path = folder.join(&inside);
+        if !path.is_file() {
+            return Err(format!("the FMU has no {inside}, the library for this machine"));
+        }
+        // SAFETY: code of the FMU is run from here on: whoever names an FMU in a case trusts it, and this
+        // process has nothing that it could spoil.
+        let library = unsafe { Library::new(&path) };
+        let library = library.map_err(|error| {
+            format!(
+                "the library of the FMU cannot be loaded: {error}; where files of {} must not be executed, set \
+                 COSIM_RUNTIME_DIR to a folder where they may",
+                folder.display()
+            )
+        })?;
+        Ok(Self { library: ManuallyDrop::new(library), path })
+    }
+
+    /// A function of it.
+    ///
+    /// # Errors
+    /// There is none of this name.
+    ///
+    /// # Safety
+    /// `F` is its type.
+    pub unsafe fn function<F: Copy>(&self, name: &str) -> Result<F, String> {
+        // SAFETY: as the caller promises.
+        let found: Result<Symbol<'_, F>, _> = unsafe { self.library.get(name.as_bytes()) };
+        found.map(|symbol| *symbol).map_err(|_| format!("{} has no {name}", self.path.display()))
+    }
+}
+
+/// Functions of states.
+#[derive(Debug)]
+pub struct States {
+    keep: (String, Keep),
+    give_back: (String, Return),
+    free: Keep,
+    /// To bytes and back, if the FMU can.
+    bytes: Option<Bytes>,
+}
+
+#[derive(Debug)]
+struct Bytes {
+    size: (String, Size),
+    write: (String, Write),
+    read: (String, Read),
+}
+
+impl States {
+    /// Those of an FMU that says that it has them.
+    ///
+    /// # Errors
+    /// One is missing.
+    pub fn find(library: &Loaded, of: &ModelDescription) -> Result<Option<Self>, String> {
+        if !of.keeps_states {
+            return Ok(None);
+        }
+        let names = match of.version {
+            Version::Two => [
+                "fmi2GetFMUstate",
+                "fmi2SetFMUstate",
+                "fmi2FreeFMUstate",
+                "fmi2SerializedFMUstateSize",
+                "fmi2SerializeFMUstate",
+                "fmi2DeSerializeFMUstate",
+            ],
+            Version::Three => [
+                "fmi3GetFMUState",
+                "fmi3SetFMUState",
+                "fmi3FreeFMUState",
+                "fmi3SerializedFMUStateSize",
+                "fmi3SerializeFMUState",
+                "fmi3DeserializeFMUState",
+            ],
+        };
+        let [keep, give_back, free, size, write, read] = names.map(str::to_owned);
+        // SAFETY: both versions of FMI give these types to these names.
+        unsafe {
+            let bytes = match of.serialises {
+                false => None,
+                true => Some(Bytes {
+                    size: (size.clone(), library.function(&size)?),
+                    write: (write.clone(), library.function(&write)?),
+                    read: (read.clone(), library.function(&read)?),
+                }),
+            };
+            Ok(Some(Self {
+                keep: (keep.clone(), library.function(&keep)?),
+                give_back: (give_back.clone(), library.function(&give_back)?),
+                free: library.function(&free)?,
+                bytes,
+            }))
+        }
+    }
+
+    pub(crate) fn keep(
+        &self,
+        of: Component,
+        health: &mut Health,
+        state: &mut Kept,
+    ) -> Result<(), Fault> {
+        let (name, keep) = &self.keep;
+        // SAFETY: the instance lives; the state is null or one of its own, which the function renews.
+        let status = unsafe { keep(of, &raw mut state.0) };
+        health.check(name, status)
+    }
+
+    pub(crate) fn return_to(
+        &self,
+        of: Component,
+        health: &mut Health,
+        state: &Kept,
+    ) -> Result<(), Fault> {
+        let (name, give_back) = &self.give_back;
+        // SAFETY: the instance lives, and the state is one of its own.
+        let status = unsafe { give_back(of, state.0) };
+        health.check(name, status)
+    }
+
+    pub(crate) fn free(&self, of: Component, state: &mut Kept) {
+        if !state.0.is_null() {
+            // SAFETY: the instance lives, and the state is one of its own, which nobody uses any more.
+            unsafe { (self.free)(of, &raw mut state.0) };
+            state.0 = std::ptr::null_mut();
+        }
+    }
+
+    fn as_bytes(&self) -> Result<&Bytes, Fault> {
+        self.bytes.as_ref().ok_or_else(|| {
+            Fault(
+                "the FMU cannot turn its state into bytes (canSerializeFMUstate): a run with it has no \
+                 checkpoints; remove output.checkpoint_every"
+                    .to_owned(),
+            )
+        })
+    }
+
+    pub(crate) fn write(
+        &self,
+        of: Component,
+        health: &mut Health,
+        state: &Kept,
+    ) -> Result<Vec<u8>, Fault> {
+        let Bytes { size: (name, size), write: (of_write, write), .. } = self.as_bytes()?;
+        let mut length = 0_usize;
+        // SAFETY: the instance lives, and the state is one of its own.
+        let status = unsafe { size(of, state.0, &raw mut length) };
+        health.check(name, status)?;
+        let mut bytes = vec![0; length];
+        // SAFETY: the same, and there is room for as many bytes.
+        let status = unsafe { write(of, state.0, bytes.as_mut_ptr(), length) };
+        health.check(of_write, status)?;
+        Ok(bytes)
+    }
+
+    pub(crate) fn read(
+        &self,
+        of: Component,
+        health: &mut Health,
+        bytes: &[u8],
+        state: &mut Kept,
+    ) -> Result<(), Fault> {
+        let (name, read) = &self.as_bytes()?.read;
+        // SAFETY: the instance lives, and there are as many bytes.
+        let status = unsafe { read(of, bytes.as_ptr(), bytes.len(), &raw mut state.0) };
+        health.check(name, status)
+    }
+}

@@ -1,0 +1,70 @@
+//! The executable: its own arguments, then those of every participant.
+
+use clap::Parser;
+use fmu_participant::solver::{Fmu, FmuSolver};
+use std::ffi::OsString;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Plays an FMU (FMI 2.0 or 3.0, co-simulation) as a role of a case.
+///
+/// In the case: vehicle.command = ["fmu-participant", "vehicle.fmu", "--role", "vehicle",
+/// "--wire", "Q -> load.normal_force", "--wire", "Fx, Fy, Fz <- contact_force"]
+///
+/// "Q -> load.normal_force": an output gives a field, or the value of a key;
+/// "Fx, Fy, Fz <- contact_force": inputs receive a field, a component each; "P <- integral(friction_power)"
+/// and "T <- mean(lower_temperature)": its integral or mean over the surface.
+#[derive(Debug, Parser)]
+#[command(name = "fmu-participant", version, max_term_width = 100)]
+struct Own {
+    /// The FMU.
+    #[arg(value_name = "FMU")]
+    path: PathBuf,
+    /// Variables that give or receive a field; any number of times.
+    #[arg(long = "wire", value_name = "WIRE")]
+    wires: Vec<String>,
+    /// The role to play; absent: the file's name.
+    #[arg(long)]
+    role: Option<String>,
+}
+
+/// Where the arguments of every participant begin.
+const CONTRACT: [&str; 4] = ["--describe", "--estimate", "--advise", "--join"];
+
+fn main() -> ExitCode {
+    let all: Vec<OsString> = std::env::args_os().collect();
+    let begins = |argument: &OsString| CONTRACT.iter().any(|word| argument == word);
+    let place = all.iter().position(begins).unwrap_or(all.len());
+    let (own, asked) = all.split_at(place);
+    let own = match Own::try_parse_from(own) {
+        Ok(own) => own,
+        Err(error) => {
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    match read(own, asked) {
+        Ok(solver) => {
+            let program = all[..1].iter().chain(asked).cloned();
+            ExitCode::from(proto::participant::main_from(program, &solver))
+        }
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn read(own: Own, asked: &[OsString]) -> Result<FmuSolver, String> {
+    let Own { path, wires, role } = own;
+    let after = |word: &str| {
+        let place = asked.iter().position(|argument| argument == word)?;
+        asked.get(place + 1)
+    };
+    let stem = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let asked_for = after("--role").map(|role| role.to_string_lossy().into_owned());
+    let role = asked_for.or(role).or_else(stem).unwrap_or_default();
+    let fmu = Fmu::read(&path, &role, &wires)?;
+    Ok(FmuSolver::new(fmu, after("--join").map(PathBuf::from)))
+}

@@ -1,0 +1,339 @@
+//! An FMU that runs: windows are its communication steps.
+//!
+//! A solve returns to the accepted state, if a step has been taken since, sets the inputs, which hold over the step, takes
+//! the step and reads the outputs. Where inputs vary within a window, the FMU is given their mean over it.
+
+use crate::description::{ModelDescription, Version};
+use crate::figures::Figures;
+use crate::fmi2::Fmi2;
+use crate::fmi3::Fmi3;
+use crate::placed::{Placed, PlacedGive, PlacedTake};
+use crate::slave::{Fault, Kept, Slave};
+use crate::variable::Variable;
+use crate::wiring::Measure;
+use proto::grid::Grid;
+use proto::model::{
+    InputField, Inputs, Model, Outputs, StateError, Step, StepError, StepReport, first_non_finite,
+};
+use serde_json::{Map, Value};
+use std::cell::RefCell;
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+/// The largest state that is read back [byte].
+const LARGEST_STATE: u64 = 1 << 36;
+
+/// What a model is made of.
+pub struct Parts<'a> {
+    /// The role it plays.
+    pub role: &'a str,
+    /// What the FMU says of itself.
+    pub description: &'a ModelDescription,
+    /// Its figures.
+    pub figures: &'a [Figures],
+    /// Values of parameters, in the units of the FMU.
+    pub starts: &'a [(Variable, Vec<f64>)],
+    /// What crosses.
+    pub placed: Placed,
+}
+
+/// What was read of the FMU after a step.
+#[derive(Clone, Debug, Default)]
+struct Answer {
+    /// Values of each output that is asked for, in SI units.
+    given: Vec<Vec<f64>>,
+    /// Values of each variable that is a figure, in SI units.
+    figures: Vec<Vec<f64>>,
+}
+
+/// The model that runs.
+pub struct Running {
+    role: String,
+    slave: RefCell<Box<dyn Slave>>,
+    placed: Placed,
+    figures: Vec<Figures>,
+    /// The accepted state; `None` for an FMU that keeps none.
+    state: Option<Kept>,
+    /// The FMU has gone on from the accepted state.
+    moved: bool,
+    trial: Answer,
+    accepted: Answer,
+    /// The state of the last accepted step could not be kept.
+    late: Option<Fault>,
+    /// Values on their way to the FMU.
+    way: Vec<f64>,
+}
+
+impl Running {
+    /// Starts an FMU that is unpacked in this folder.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn new(folder: &Path, parts: Parts<'_>) -> Result<Self, String> {
+        let Parts { role, description, figures, starts, placed } = parts;
+        let mut slave: Box<dyn Slave> = match description.version {
+            Version::Two => Box::new(Fmi2::new(folder, description, role)?),
+            Version::Three => Box::new(Fmi3::new(folder, description, role)?),
+        };
+        let told = |fault: Fault| fault.to_string();
+        starts.iter().try_for_each(|(of, values)| slave.set(of, values)).map_err(told)?;
+        slave.start().map_err(told)?;
+        let mut state = description.keeps_states.then_some(Kept(std::ptr::null_mut()));
+        state.iter_mut().try_for_each(|state| slave.keep(state)).map_err(told)?;
+        let room = |variables: &[Variable]| vec![0.0; variables.iter().map(|one| one.size).sum()];
+        let trial = Answer {
+            given: placed.gives.iter().map(|placed| room(&placed.give.variables)).collect(),
+            figures: figures.iter().map(|one| vec![0.0; one.variable.size]).collect(),
+        };
+        let mut model = Self {
+            role: role.to_owned(),
+            slave: RefCell::new(slave),
+            placed,
+            figures: figures.to_vec(),
+            state,
+            moved: false,
+            accepted: trial.clone(),
+            trial,
+            late: None,
+            way: Vec::new(),
+        };
+        model.read().map_err(|error| error.to_string())?;
+        model.accepted.clone_from(&model.trial);
+        Ok(model)
+    }
+
+    /// Goes back to the accepted state.
+    fn go_back(&mut self) -> Result<(), StepError> {
+        if !self.moved {
+            return Ok(());
+        }
+        let Some(state) = &self.state else {
+            return Err(StepError::NoSolution(
+                "the FMU cannot go back to solve a window again (canGetAndSetFMUstate)".to_owned(),
+            ));
+        };
+        self.slave.get_mut().return_to(state).map_err(failed)?;
+        self.moved = false;
+        Ok(())
+    }
+
+    /// Sets the inputs; the power received through densities, if there are any.
+    fn set(&mut self, inputs: &dyn Inputs) -> Result<Option<f64>, StepError> {
+        let mut heat = None;
+        for placed in &self.placed.takes {
+            let PlacedTake { take, conservative, components } = placed;
+            let name = || take.spec.name.to_owned();
+            let missing = || StepError::MissingInput { field: name() };
+            let InputField { values, grid } = inputs.get(&take.spec).ok_or_else(missing)?;
+            if let Some(index) = first_non_finite(values) {
+                return Err(StepError::NonFiniteInput {
+                    field: name(),
+                    index,
+                    value: values[index],
+                });
+            }
+            let start = inputs.start(&take.spec);
+            measure(take.measure, (values, start), grid, *components, &mut self.way);
+            if *conservative && *components == 1 {
+                *heat.get_or_insert(0.0) += grid.integrate(values);
+            }
+            pass_on(&mut **self.slave.get_mut(), &take.variables, &mut self.way)?;
+        }
+        Ok(heat)
+    }
+
+    /// Reads outputs and figures.
+    fn read(&mut self) -> Result<(), StepError> {
+        let slave = self.slave.get_mut();
+        for (placed, values) in self.placed.gives.iter().zip(&mut self.trial.given) {
+            let mut rest = &mut values[..];
+            for variable in &placed.give.variables {
+                let (own, others) = rest.split_at_mut(variable.size);
+                slave.get(variable, own).map_err(failed)?;
+                in_si(variable, own);
+                if let Some(place) = first_non_finite(own) {
+                    let (name, value) = (&variable.name, own[place]);
+                    return Err(StepError::NoSolution(format!(
+                        "the FMU gives {value} for `{name}`"
+                    )));
+                }
+                rest = others;
+            }
+        }
+        for (figures, values) in self.figures.iter().zip(&mut self.trial.figures) {
+            slave.get(&figures.variable, values).map_err(failed)?;
+            in_si(&figures.variable, values);
+        }
+        Ok(())
+    }
+
+    fn write(&self, answer: &Answer, outputs: &mut dyn Outputs) {
+        for (PlacedGive { give, uniform }, values) in self.placed.gives.iter().zip(&answer.given) {
+            let Some(place) = outputs.get(&give.spec) else { continue };
+            match uniform {
+                false => place.copy_from_slice(values),
+                true => {
+                    let points = place.len() / values.len();
+                    let components = place.chunks_exact_mut(points).zip(values);
+                    components.for_each(|(component, value)| component.fill(*value));
+                }
+            }
+        }
+    }
+}
+
+fn failed(fault: Fault) -> StepError {
+    StepError::NoSolution(fault.to_string())
+}
+
+fn in_si(variable: &Variable, values: &mut [f64]) {
+    if !variable.unit.is_si() {
+        values.iter_mut().for_each(|value| *value = variable.unit.to_si(*value));
+    }
+}
+
+/// What an FMU is given of a field.
+fn measure(
+    measure: Measure,
+    (values, start): (&[f64], Option<&[f64]>),
+    grid: &Grid,
+    components: usize,
+    into: &mut Vec<f64>,
+) {
+    into.clear();
+    let points = values.len() / components;
+    let area = match measure {
+        Measure::Mean => (0..points).map(|element| grid.area(element)).sum(),
+        _ => 1.0,
+    };
+    let over = |values: &[f64]| grid.integrate(values) / area;
+    match measure {
+        Measure::Values => into.extend_from_slice(values),
+        _ => into.extend(values.chunks_exact(points).map(over)),
+    }
+    let Some(start) = start else { return };
+    let halve = |value: &mut f64, first: f64| *value = 0.5 * (*value + first);
+    match measure {
+        Measure::Values => {
+            into.iter_mut().zip(start).for_each(|(value, first)| halve(value, *first))
+        }
+        _ => into
+            .iter_mut()
+            .zip(start.chunks_exact(points))
+            .for_each(|(value, first)| halve(value, over(first))),
+    }
+}
+
+/// Sets variables to values in SI units, one after the other.
+fn pass_on(
+    slave: &mut dyn Slave,
+    variables: &[Variable],
+    values: &mut [f64],
+) -> Result<(), StepError> {
+    let found = values.len();
+    let mut rest = values;
+    for variable in variables {
+        let Some((own, others)) = rest.split_at_mut_checked(variable.size) else {
+            return Err(StepError::NoSolution(format!("{found} values are too few for the FMU")));
+        };
+        if !variable.unit.is_si() {
+            own.iter_mut().for_each(|value| *value = variable.unit.from_si(*value));
+        }
+        slave.set(variable, own).map_err(failed)?;
+        rest = others;
+    }
+    match rest.len() {
+        0 => Ok(()),
+        _ => Err(StepError::NoSolution(format!("{found} values are too many for the FMU"))),
+    }
+}
+
+impl Model for Running {
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        if let Some(fault) = self.late.take() {
+            return Err(failed(fault));
+        }
+        self.go_back()?;
+        let heat_received = self.set(inputs)?;
+        self.moved = true;
+        self.slave.get_mut().step(step.start, step.duration()).map_err(failed)?;
+        self.read()?;
+        self.write(&self.trial, outputs);
+        Ok(StepReport { substeps: 1, work: 1, heat_received, ..StepReport::default() })
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        self.write(&self.accepted, outputs);
+    }
+
+    fn accept(&mut self) {
+        if let Some(state) = &mut self.state {
+            self.late = self.slave.get_mut().keep(state).err();
+        }
+        self.moved = false;
+        std::mem::swap(&mut self.accepted, &mut self.trial);
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        self.write(&self.accepted, outputs);
+    }
+
+    fn summary(&self) -> Value {
+        let values = self.figures.iter().zip(&self.accepted.figures);
+        let named = values.flat_map(|(figures, values)| figures.words.iter().cloned().zip(values));
+        let section: Map<String, Value> =
+            named.map(|(word, value)| (word, Value::from(*value))).collect();
+        let mut summary = Map::new();
+        summary.insert(self.role.clone(), Value::Object(section));
+        Value::Object(summary)
+    }
+
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        let cannot = || {
+            io::Error::other(
+                "the FMU keeps no states (canGetAndSetFMUstate): a run with it has no checkpoints; remove output.checkpoint_every",
+            )
+        };
+        let state = self.state.as_ref().ok_or_else(cannot)?;
+        let bytes = self.slave.borrow_mut().bytes(state).map_err(io::Error::other)?;
+        into.write_all(&(bytes.len() as u64).to_le_bytes())?;
+        into.write_all(&bytes)
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        let length = u64::from_le_bytes(proto::state::read_bytes(from)?);
+        if length > LARGEST_STATE {
+            return Err(StateError(format!("it claims {length} bytes")));
+        }
+        let mut bytes = Vec::new();
+        from.take(length).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 != length {
+            return Err(StateError("it is truncated".to_owned()));
+        }
+        let Some(state) = &mut self.state else {
+            return Err(StateError("the FMU keeps no states".to_owned()));
+        };
+        let slave = self.slave.get_mut();
+        let told = |fault: Fault| StateError(fault.to_string());
+        slave.free(state);
+        slave.from_bytes(&bytes, state).map_err(told)?;
+        slave.return_to(state).map_err(told)?;
+        (self.moved, self.late) = (false, None);
+        self.read().map_err(|error| StateError(error.to_string()))?;
+        self.accepted.clone_from(&self.trial);
+        Ok(())
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Some(state) = &mut self.state {
+            self.slave.get_mut().free(state);
+        }
+    }
+}

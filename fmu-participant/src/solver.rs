@@ -1,0 +1,162 @@
+//! An FMU as a solver: what it says of itself, and what it makes of a configuration.
+
+use crate::archive::Archive;
+use crate::description::{ModelDescription, Version};
+use crate::figures::{Figures, figures};
+use crate::model::{Parts, Running};
+use crate::placed::{self, Placed};
+use crate::start;
+use crate::variable::Variable;
+use crate::wiring::Wiring;
+use proto::accuracy::Accuracy;
+use proto::configuration::{Configuration, Layout, Refusal};
+use proto::description::{Description, ModelSpec};
+use proto::field;
+use proto::model::{Model, Setup, Solver};
+use proto::progress::Progress;
+use proto::text::one_line;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// Name of the one model.
+const MODEL: &str = "co-simulation";
+
+/// An FMU that is read, and its wires.
+#[derive(Debug)]
+pub struct Fmu {
+    path: PathBuf,
+    role: String,
+    pub(crate) description: ModelDescription,
+    pub(crate) wiring: Wiring,
+    figures: Vec<Figures>,
+}
+
+impl Fmu {
+    /// Reads an FMU that plays a role.
+    ///
+    /// # Errors
+    /// What is wrong with the file or a wire.
+    pub fn read(path: &Path, role: &str, wires: &[String]) -> Result<Self, String> {
+        let text = Archive::open(path)?.text("modelDescription.xml")?;
+        let description = ModelDescription::parse(&text)
+            .map_err(|fault| format!("{}: modelDescription.xml {fault}", path.display()))?;
+        let wiring = Wiring::read(wires, &description)
+            .map_err(|fault| format!("{}: {fault}", path.display()))?;
+        let figures = figures(&description);
+        Ok(Self { path: path.to_owned(), role: role.to_owned(), description, wiring, figures })
+    }
+
+    fn source(&self) -> String {
+        let ModelDescription { version, name, model_version, tool, .. } = &self.description;
+        let fmi = match version {
+            Version::Two => "2.0",
+            Version::Three => "3.0",
+        };
+        let made = if tool.is_empty() { String::new() } else { format!(", made by {tool}") };
+        let which =
+            if model_version.is_empty() { String::new() } else { format!(" {model_version}") };
+        one_line(&format!("FMU of FMI {fmi}: {name}{which}{made}")).into_owned()
+    }
+
+    fn model(&self) -> ModelSpec {
+        let ModelDescription { name, words, keeps_states, .. } = &self.description;
+        let words = if words.is_empty() { name } else { words };
+        let fields = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
+        ModelSpec {
+            name: MODEL.to_owned(),
+            summary: one_line(words).into_owned(),
+            source: self.source(),
+            steady: false,
+            transient: true,
+            rewinds: *keeps_states,
+            consumes: fields(self.wiring.takes.iter().map(|take| take.spec.name).collect()),
+            provides: fields(self.wiring.gives.iter().map(|give| give.spec.name).collect()),
+            keys: Vec::new(),
+            accuracy: Accuracy::default(),
+        }
+    }
+}
+
+/// An FMU that answers what it is, or takes part in a run.
+#[derive(Debug)]
+pub struct FmuSolver {
+    fmu: Rc<Fmu>,
+    /// The folder of the run, where it is unpacked.
+    folder: Option<PathBuf>,
+}
+
+impl FmuSolver {
+    /// With the folder of the run that it takes part in, if it does.
+    #[must_use]
+    pub fn new(fmu: Fmu, folder: Option<PathBuf>) -> Self {
+        Self { fmu: Rc::new(fmu), folder }
+    }
+}
+
+impl Solver for FmuSolver {
+    fn description(&self) -> Description {
+        let Fmu { role, description, wiring, figures, .. } = &*self.fmu;
+        let mut keys = start::keys(role, description);
+        if wiring.has_arrays() {
+            keys.extend(placed::keys(role));
+        }
+        let own = wiring.gives.iter().filter(|give| field::find(give.spec.name).is_none());
+        Description {
+            protocol: proto::PROTOCOL_VERSION,
+            name: "fmu-participant".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            role: role.clone(),
+            standalone: true,
+            estimates: true,
+            advises: false,
+            models: vec![self.fmu.model()],
+            effects: Vec::new(),
+            keys,
+            fields: own.map(|give| give.kind.clone()).collect(),
+            figures: figures.iter().flat_map(|figures| figures.specs(role)).collect(),
+            diagrams: Vec::new(),
+            renamed: Vec::new(),
+        }
+    }
+
+    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+        let Fmu { role, description, wiring, .. } = &*self.fmu;
+        let starts = start::read(role, description, &configuration.case)?;
+        let (placed, layout) = placed::place(role, wiring, configuration)?;
+        let folder = self.folder.as_ref().map(|folder| folder.join(format!("fmu-{role}")));
+        Ok(Box::new(Prepared { fmu: Rc::clone(&self.fmu), folder, starts, placed, layout }))
+    }
+}
+
+/// A checked configuration.
+struct Prepared {
+    fmu: Rc<Fmu>,
+    folder: Option<PathBuf>,
+    starts: Vec<(Variable, Vec<f64>)>,
+    placed: Option<Placed>,
+    layout: Layout,
+}
+
+impl Setup for Prepared {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        let Self { fmu, folder, starts, placed, .. } = *self;
+        let Fmu { path, role, description, figures, .. } = &*fmu;
+        let failed = |reason: String| {
+            let reason = format!("{}: {reason}", path.display());
+            Refusal::new(&format!("{role}.command"), reason, "correct the FMU, or name another one")
+        };
+        let folder = folder.ok_or_else(|| failed("there is no run to unpack it for".to_owned()))?;
+        let placed =
+            placed.ok_or_else(|| failed("the grid of an input is not known".to_owned()))?;
+        Archive::open(path).and_then(|mut archive| archive.unpack(&folder)).map_err(failed)?;
+        // A place for its resources, which it is told of, whether it has any or not.
+        std::fs::create_dir_all(folder.join("resources"))
+            .map_err(|error| failed(format!("{}: {error}", folder.display())))?;
+        let parts = Parts { role, description, figures, starts: &starts, placed };
+        Running::new(&folder, parts).map(|model| Box::new(model) as Box<dyn Model>).map_err(failed)
+    }
+}

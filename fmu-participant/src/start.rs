@@ -1,0 +1,128 @@
+//! Values that a case gives to an FMU before the start: `[ROLE.start]`, a key for every parameter.
+
+use crate::description::ModelDescription;
+use crate::variable::{Kind, Variable};
+use proto::configuration::Refusal;
+use proto::description::KeySpec;
+use proto::params::Params;
+use proto::text::one_line;
+use serde_json::Value;
+
+/// The parameters that a case can set: those whose name is a dotted key.
+fn parameters(of: &ModelDescription) -> impl Iterator<Item = &Variable> {
+    let part = |part: &str| {
+        !part.is_empty() && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    };
+    let is_key = move |name: &str| name.split('.').all(part);
+    let all = of.variables.iter().filter(move |one| one.settable && is_key(&one.name));
+    all.filter(|one| {
+        let table = format!("{}.", one.name);
+        !of.variables.iter().any(|other| other.settable && other.name.starts_with(&table))
+    })
+}
+
+fn path(role: &str, name: &str) -> String {
+    format!("{role}.start.{name}")
+}
+
+/// Their keys.
+pub fn keys(role: &str, of: &ModelDescription) -> Vec<KeySpec> {
+    let key = |one: &Variable| {
+        let path = path(role, &one.name);
+        let words = if one.words.is_empty() { &one.name } else { &one.words };
+        let first = one.start.first().filter(|_| one.size == 1);
+        let without = first.map_or_else(String::new, |first| {
+            let unit = one.unit.name.as_str();
+            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+            format!("; absent: {first}{unit}")
+        });
+        let help = one_line(&format!("{words}{without}")).into_owned();
+        let spec = match one.kind {
+            Kind::Boolean => KeySpec::flag(&path, &help),
+            kind if kind.is_real() => {
+                KeySpec::quantity(&path, one.unit.base.as_deref().unwrap_or("1"), &help)
+            }
+            _ => KeySpec::integer(&path, &help),
+        };
+        if one.size > 1 { spec.or_list() } else { spec }
+    };
+    parameters(of).map(key).collect()
+}
+
+/// The values that a case gives, in the units of the FMU.
+///
+/// # Errors
+/// Another number of values than the parameter has.
+pub fn read(
+    role: &str,
+    of: &ModelDescription,
+    case: &Params,
+) -> Result<Vec<(Variable, Vec<f64>)>, Refusal> {
+    let mut given = Vec::new();
+    for one in parameters(of) {
+        let key = path(role, &one.name);
+        let Some(value) = case.get(&key) else { continue };
+        let listed = match value {
+            Value::Array(list) => list.iter().map(number).collect(),
+            single => number(single).map(|value| vec![value]),
+        };
+        match listed {
+            Some(values) if values.len() == one.size => {
+                // What has no base unit is in the FMU's own.
+                let own = |value| match one.unit.base {
+                    Some(_) => one.unit.from_si(value),
+                    None => value,
+                };
+                given.push((one.clone(), values.into_iter().map(own).collect()));
+            }
+            _ => {
+                let reason = format!("{value} is not as many numbers as `{}` has", one.name);
+                return Err(Refusal::new(&key, reason, format!("write {} numbers", one.size)));
+            }
+        }
+    }
+    Ok(given)
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value.as_bool().map(|is| f64::from(u8::from(is))).or_else(|| value.as_f64())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn description() -> ModelDescription {
+        let text = r#"<fmiModelDescription fmiVersion="3.0" modelName="m"><CoSimulation modelIdentifier="m"/>
+            <UnitDefinitions><Unit name="kN/m"><BaseUnit kg="1" s="-2" factor="1000"/></Unit></UnitDefinitions>
+            <ModelVariables>
+            <Float64 name="k.primary" valueReference="1" causality="parameter" start="2" unit="kN/m"/>
+            <Float64 name="k" valueReference="2" causality="parameter"/>
+            <Float64 name="a[1]" valueReference="3" causality="parameter"/>
+            <Boolean name="on" valueReference="4" causality="parameter" start="true"/>
+            <Float64 name="x" valueReference="5" causality="parameter"><Dimension start="2"/></Float64>
+            <UInt8 name="n" valueReference="6" causality="parameter"/>
+            </ModelVariables></fmiModelDescription>"#;
+        ModelDescription::parse(text).unwrap()
+    }
+
+    #[test]
+    fn parameters_are_keys() {
+        let keys = keys("v", &description());
+        let paths: Vec<_> = keys.iter().map(|key| key.path.as_str()).collect();
+        assert_eq!(paths, ["v.start.k.primary", "v.start.on", "v.start.x", "v.start.n"]);
+        assert_eq!(keys[0].kind.unit(), "N/m");
+        assert_eq!(keys[0].help, "k.primary; absent: 2 kN/m");
+    }
+
+    #[test]
+    fn values_reach_the_fmu_in_its_units() {
+        let read = |case| read("v", &description(), &Params(json!({"v": {"start": case}})));
+        let given = read(json!({"k": {"primary": 3e6}, "on": false, "x": [1.0, 2.0]})).unwrap();
+        let values: Vec<_> = given.iter().map(|(_, values)| values.as_slice()).collect();
+        assert_eq!(values, [&[3e3][..], &[0.0], &[1.0, 2.0]]);
+        let refused = read(json!({"x": [1.0]})).unwrap_err();
+        assert_eq!((refused.key.as_str(), refused.fix.as_str()), ("v.start.x", "write 2 numbers"));
+    }
+}

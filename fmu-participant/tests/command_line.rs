@@ -1,0 +1,144 @@
+//! The executable: what it says of an FMU, and what it refuses before anything of it is run.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use serde_json::{Value, json};
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use zip::write::SimpleFileOptions;
+
+/// An FMU without a library: what it says of itself is all that is read.
+fn fmu(folder: &Path, name: &str, description: &str) -> PathBuf {
+    let path = folder.join(name);
+    let mut zip = zip::ZipWriter::new(File::create(&path).unwrap());
+    zip.start_file("modelDescription.xml", SimpleFileOptions::default()).unwrap();
+    zip.write_all(description.as_bytes()).unwrap();
+    zip.finish().unwrap();
+    path
+}
+
+const VEHICLE: &str = include_str!("../../tests/fmus/vehicle/modelDescription.xml");
+const BODY: &str = include_str!("../../tests/fmus/body/modelDescription.xml");
+
+fn ask(path: &Path, arguments: &[&str], input: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_fmu-participant"))
+        .arg(path)
+        .args(arguments)
+        .env_remove("RUST_LOG")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // One that refuses reads nothing.
+    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
+    child.wait_with_output().unwrap()
+}
+
+fn answer(path: &Path, arguments: &[&str], input: &Value) -> Value {
+    let output = ask(path, arguments, &input.to_string());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn refused(path: &Path, arguments: &[&str], words: &str) {
+    let output = ask(path, arguments, "");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && said.contains(words), "{arguments:?}: {said}");
+}
+
+#[test]
+fn it_says_what_the_fmu_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = fmu(folder.path(), "car.fmu", VEHICLE);
+    let wires = ["--wire", "Q -> load.normal_force", "--wire", "Fx, Fy, Fz <- contact_force"];
+    let said = answer(&path, &[&wires[..], &["--describe"]].concat(), &json!(null));
+    assert_eq!((&said["role"], &said["standalone"]), (&json!("car"), &json!(true)));
+    let model = &said["models"][0];
+    assert_eq!(model["provides"], json!(["load.normal_force"]));
+    assert_eq!(model["consumes"], json!(["contact_force"]));
+    assert_eq!((&model["steady"], model.get("rewinds")), (&json!(false), None));
+    assert_eq!(said["fields"][0]["unit"], "N");
+    let keys: Vec<_> = said["keys"].as_array().unwrap().iter().map(|key| &key["path"]).collect();
+    assert_eq!(keys[..2], ["car.start.speed", "car.start.body.mass"]);
+    let figures: Vec<_> =
+        said["figures"].as_array().unwrap().iter().map(|one| (&one["key"], &one["unit"])).collect();
+    assert_eq!(figures[0], (&json!("car.Q"), &json!("N")));
+    let named = answer(&path, &["--role", "vehicle", "--describe"], &json!(null));
+    assert_eq!(named["role"], "vehicle");
+    let without = VEHICLE.replace("canGetAndSetFMUstate=\"true\"", "");
+    let without = answer(&fmu(folder.path(), "b.fmu", &without), &["--describe"], &json!(null));
+    assert_eq!(without["models"][0]["rewinds"], json!(false));
+}
+
+/// The density of friction power, 24 x 16 elements, for a program in the place of the thermal solver.
+fn configuration(case: &Value) -> Value {
+    json!({
+        "role": "thermal", "model": "co-simulation", "mode": "transient", "case": {"thermal": case},
+        "inputs": [{
+            "field": {"name": "friction_power", "unit": "W/m2", "components": 1, "mapping": "conservative",
+                      "body": "interface", "meaning": "frictional power density"},
+            "producer": "mech",
+            "grid": {"name": "contact", "revision": 1, "kind": "structured", "origin": [-0.0046, -0.003, 0.0],
+                     "step_i": [4e-4, 0.0, 0.0], "step_j": [0.0, 4e-4, 0.0], "ni": 24, "nj": 16}
+        }],
+        "outputs": ["lower_temperature"], "observed": []
+    })
+}
+
+#[test]
+fn arrays_are_placed_by_the_case() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = fmu(folder.path(), "thermal.fmu", BODY);
+    let arrays =
+        ["--wire", "q <- friction_power", "--wire", "surface -> lower_temperature", "--estimate"];
+    let lost = answer(&path, &arrays, &configuration(&json!({})));
+    let reason = lost["refused"]["reason"].as_str().unwrap();
+    assert!(reason.contains(
+        "`q` has 96 values in the FMU, and `friction_power` has 384 on the grid `contact`"
+    ));
+    assert!(lost["refused"]["fix"].as_str().unwrap().contains("[thermal.grid]"), "{lost}");
+    let grid = json!({"grid": {"x_from": -0.006, "x_to": 0.006, "y_from": -0.004, "y_to": 0.004, "nx": 12, "ny": 8}});
+    let found = answer(&path, &arrays, &configuration(&grid));
+    let layout = &found["layout"];
+    assert_eq!(layout["inputs"], json!([{"field": "friction_power", "grid": "fmu"}]), "{found}");
+    assert_eq!(layout["fields"], json!([{"field": "lower_temperature", "grid": "fmu"}]));
+    assert_eq!((&layout["grids"][0]["ni"], &layout["grids"][0]["nj"]), (&json!(12), &json!(8)));
+    let none = json!({"grid": {"x_from": 0, "x_to": 0, "y_from": 0, "y_to": 1, "nx": 1, "ny": 1}});
+    let refused = answer(&path, &arrays, &configuration(&none));
+    assert_eq!(refused["refused"]["key"], "thermal.grid");
+}
+
+#[test]
+fn a_scalar_is_the_same_everywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = fmu(folder.path(), "thermal.fmu", BODY);
+    let wires = ["--wire", "P <- integral(friction_power)", "--wire", "T -> lower_temperature"];
+    let found = answer(&path, &[&wires[..], &["--estimate"]].concat(), &configuration(&json!({})));
+    let expected = json!([{"field": "lower_temperature", "grid": "contact"}]);
+    assert_eq!(found["layout"]["fields"], expected, "{found}");
+    let whole = ["--wire", "P <- friction_power", "--wire", "T -> lower_temperature", "--estimate"];
+    let refused = answer(&path, &whole, &configuration(&json!({})));
+    let fix = refused["refused"]["fix"].as_str().unwrap();
+    assert!(fix.contains("wire integral(friction_power)"), "{refused}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = fmu(folder.path(), "car.fmu", VEHICLE);
+    refused(
+        &path,
+        &["--wire", "P -> load", "--describe"],
+        "no variable of the FMU; its inputs and outputs are: Q, xi, Fx",
+    );
+    refused(&path, &[], "nothing to do");
+    let none = folder.path().join("none.fmu");
+    refused(&none, &["--describe"], "none.fmu");
+    std::fs::write(&none, "no archive").unwrap();
+    refused(&none, &["--describe"], "none.fmu");
+    let other = fmu(folder.path(), "a.fmu", "<a/>");
+    refused(&other, &["--describe"], "a.fmu: modelDescription.xml is no model description");
+}

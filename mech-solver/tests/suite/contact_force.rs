@@ -1,0 +1,52 @@
+//! The force of a contact as a field: what vehicles receive.
+
+use crate::common::{NoInputs, Store, assert_close, configuration, driven, fields_of, paper};
+use mech_solver::MechSolver;
+use proto::model::{Model, Solver, Step};
+use proto::progress::Progress;
+use serde_json::{Value, json};
+
+/// The force, and the sums of pressure and traction over the elements [N].
+fn forces(case: &Value) -> ([f64; 3], [f64; 3]) {
+    let mut configuration = configuration(case);
+    configuration.outputs = [fields_of(case), vec!["contact_force".to_owned()]].concat();
+    let setup = MechSolver.configure(&configuration).unwrap();
+    let layout = setup.layout().clone();
+    let mut store = Store::for_layout(&layout, &configuration.outputs);
+    let mut model: Box<dyn Model> = setup.build(&Progress::default()).unwrap();
+    model.solve(&Step::STEADY, &NoInputs, &mut store).unwrap();
+    assert_eq!(layout.grid_of("contact_force").unwrap().points(), 1);
+    let grid = layout.grid_of("pressure").unwrap();
+    let (x, y) = store.0["traction"].split_at(grid.points());
+    let sums = [x, y, &store.0["pressure"]].map(|values| grid.integrate(values));
+    let force = store.0["contact_force"].as_slice().try_into().unwrap();
+    (force, sums)
+}
+
+/// It is the integral of the tractions on the upper body, which a driving wheel pushes forward with, and of the pressure,
+/// which carries it.
+#[test]
+fn the_force_is_that_of_pressure_and_traction() {
+    for model in ["hertz-carter", "fastsim", "half-space"] {
+        let mut case = paper();
+        case["mech"]["model"] = json!(model);
+        let (force, sums) = forces(&case);
+        assert!(force[0] > 0.0 && force[2] > 0.0, "{model}: {force:?}");
+        for (part, sum) in force.into_iter().zip(sums) {
+            // Rounding of the sums over the elements; the lateral force is none of 134 kN.
+            assert!((part - sum).abs() < 1e-9 * force[2], "{model}: {force:?}, {sums:?}");
+        }
+        assert_close(force[2], 134e3, 1e-9);
+    }
+    for model in ["fastsim", "half-space"] {
+        let mut case = driven(paper(), "creepage", 1e-3);
+        case["mech"]["model"] = json!(model);
+        case["motion"]["creepage"]["eta"] = json!(-2e-3);
+        let (force, sums) = forces(&case);
+        assert!(
+            force[0] < 0.0 && force[1] > 0.0,
+            "a braking wheel that drifts to the right: {force:?}"
+        );
+        assert!((force[1] - sums[1]).abs() < 1e-9 * force[2], "{model}: {force:?}, {sums:?}");
+    }
+}
