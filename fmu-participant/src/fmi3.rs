@@ -295,8 +295,8 @@ impl Slave for Fmi3 {
         self.instance.bytes(state)
     }
 
-    fn from_bytes(&mut self, bytes: &[u8], state: &mut Kept) -> Result<(), Fault> {
-        self.instance.from_bytes(bytes, state)
+    fn read_bytes(&mut self, bytes: &[u8], state: &mut Kept) -> Result<(), Fault> {
+        self.instance.read_bytes(bytes, state)
     }
 
     fn free(&mut self, state: &mut Kept) {

@@ -88,7 +88,7 @@ impl Instance {
         states.write(of, health, state)
     }
 
-    pub(crate) fn from_bytes(&mut self, bytes: &[u8], state: &mut Kept) -> Result<(), Fault> {
+    pub(crate) fn read_bytes(&mut self, bytes: &[u8], state: &mut Kept) -> Result<(), Fault> {
         let (states, of, health) = self.states()?;
         states.read(of, health, bytes, state)
     }

@@ -237,7 +237,7 @@ fn pass_on(
             return Err(StepError::NoSolution(format!("{found} values are too few for the FMU")));
         };
         if !variable.unit.is_si() {
-            own.iter_mut().for_each(|value| *value = variable.unit.from_si(*value));
+            own.iter_mut().for_each(|value| *value = variable.unit.in_own(*value));
         }
         slave.set(variable, own).map_err(failed)?;
         rest = others;
@@ -321,7 +321,7 @@ impl Model for Running {
         let slave = self.slave.get_mut();
         let told = |fault: Fault| StateError(fault.to_string());
         slave.free(state);
-        slave.from_bytes(&bytes, state).map_err(told)?;
+        slave.read_bytes(&bytes, state).map_err(told)?;
         slave.return_to(state).map_err(told)?;
         (self.moved, self.late) = (false, None);
         self.read().map_err(|error| StateError(error.to_string()))?;

@@ -61,7 +61,7 @@ pub trait Slave {
     ///
     /// # Errors
     /// The FMU's words.
-    fn from_bytes(&mut self, bytes: &[u8], state: &mut Kept) -> Result<(), Fault>;
+    fn read_bytes(&mut self, bytes: &[u8], state: &mut Kept) -> Result<(), Fault>;
 
     /// Frees a state.
     fn free(&mut self, state: &mut Kept);

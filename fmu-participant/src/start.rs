@@ -70,7 +70,7 @@ pub fn read(
             Some(values) if values.len() == one.size => {
                 // What has no base unit is in the FMU's own.
                 let own = |value| match one.unit.base {
-                    Some(_) => one.unit.from_si(value),
+                    Some(_) => one.unit.in_own(value),
                     None => value,
                 };
                 given.push((one.clone(), values.into_iter().map(own).collect()));

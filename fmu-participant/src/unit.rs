@@ -79,7 +79,7 @@ impl Unit {
 
     /// A value in SI as the FMU has it.
     #[must_use]
-    pub fn from_si(&self, value: f64) -> f64 {
+    pub fn in_own(&self, value: f64) -> f64 {
         if self.is_si() { value } else { (value - self.offset) / self.factor }
     }
 }
@@ -132,11 +132,11 @@ mod tests {
     fn values_go_to_si_and_back() {
         let degrees = Unit::defined("degC", [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 273.15);
         assert_eq!((degrees.to_si(20.0), degrees.si()), (293.15, "K"));
-        assert!((degrees.from_si(293.15) - 20.0).abs() < 1e-12, "rounding of 293.15 − 273.15");
+        assert!((degrees.in_own(293.15) - 20.0).abs() < 1e-12, "rounding of 293.15 − 273.15");
         let newton = Unit::defined("N", [1, 1, -2, 0, 0, 0, 0, 0], 1.0, 0.0);
-        assert_eq!((newton.to_si(0.1), newton.from_si(0.1), newton.si()), (0.1, 0.1, "N"));
+        assert_eq!((newton.to_si(0.1), newton.in_own(0.1), newton.si()), (0.1, 0.1, "N"));
         let kilo = Unit::defined("kN", [1, 1, -2, 0, 0, 0, 0, 0], 1e3, 0.0);
-        assert_eq!((kilo.to_si(2.0), kilo.from_si(2e3), kilo.si()), (2e3, 2.0, "N"));
+        assert_eq!((kilo.to_si(2.0), kilo.in_own(2e3), kilo.si()), (2e3, 2.0, "N"));
         assert_eq!(Unit::named("").si(), "1");
         assert_eq!(Unit::named("µm").si(), "1");
     }

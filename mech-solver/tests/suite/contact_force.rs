@@ -2,6 +2,7 @@
 
 use crate::common::{NoInputs, Store, assert_close, configuration, driven, fields_of, paper};
 use mech_solver::MechSolver;
+use proto::grid::Grid;
 use proto::model::{Model, Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
@@ -10,16 +11,17 @@ use serde_json::{Value, json};
 fn forces(case: &Value) -> ([f64; 3], [f64; 3]) {
     let mut configuration = configuration(case);
     configuration.outputs = [fields_of(case), vec!["contact_force".to_owned()]].concat();
-    let setup = MechSolver.configure(&configuration).unwrap();
+    let setup = MechSolver.configure(&configuration).expect("a case that can be");
     let layout = setup.layout().clone();
     let mut store = Store::for_layout(&layout, &configuration.outputs);
-    let mut model: Box<dyn Model> = setup.build(&Progress::default()).unwrap();
-    model.solve(&Step::STEADY, &NoInputs, &mut store).unwrap();
-    assert_eq!(layout.grid_of("contact_force").unwrap().points(), 1);
-    let grid = layout.grid_of("pressure").unwrap();
+    let mut model: Box<dyn Model> =
+        setup.build(&Progress::default()).expect("a checked case builds");
+    model.solve(&Step::STEADY, &NoInputs, &mut store).expect("a solution");
+    assert_eq!(layout.grid_of("contact_force").map(Grid::points), Some(1));
+    let grid = layout.grid_of("pressure").expect("always there");
     let (x, y) = store.0["traction"].split_at(grid.points());
     let sums = [x, y, &store.0["pressure"]].map(|values| grid.integrate(values));
-    let force = store.0["contact_force"].as_slice().try_into().unwrap();
+    let force = store.0["contact_force"].as_slice().try_into().expect("three components");
     (force, sums)
 }
 
