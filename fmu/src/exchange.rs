@@ -52,8 +52,11 @@ macro_rules! counts {
             /// There are none.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name(instance: *mut Component, count: *mut usize) -> Status {
-                // SAFETY: the host passes a place, or null.
-                let none = |_: &mut Instance| Ok(unsafe { put([count], 0) });
+                let none = |_: &mut Instance| {
+                    // SAFETY: the host passes a place, or null.
+                    unsafe { put([count], 0) };
+                    Ok(())
+                };
                 // SAFETY: the host passes its instance.
                 unsafe { exchanging(instance, stringify!($name), none) }
             }
@@ -113,8 +116,11 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     _next_event: *mut f64,
 ) -> Status {
     let flags = [update_needed, terminate, nominals_changed, values_changed, next_event_defined];
-    // SAFETY: the host passes places, or null.
-    let update = |_: &mut Instance| Ok(unsafe { put(flags, false) });
+    let update = |_: &mut Instance| {
+        // SAFETY: the host passes places, or null.
+        unsafe { put(flags, false) };
+        Ok(())
+    };
     // SAFETY: the host passes its instance.
     unsafe { exchanging(instance, "fmi3UpdateDiscreteStates", update) }
 }
@@ -127,8 +133,11 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     enter_event_mode: *mut bool,
     terminate: *mut bool,
 ) -> Status {
-    // SAFETY: the host passes places, or null.
-    let done = |_: &mut Instance| Ok(unsafe { put([enter_event_mode, terminate], false) });
+    let done = |_: &mut Instance| {
+        // SAFETY: the host passes places, or null.
+        unsafe { put([enter_event_mode, terminate], false) };
+        Ok(())
+    };
     // SAFETY: the host passes its instance.
     unsafe { exchanging(instance, "fmi3CompletedIntegratorStep", done) }
 }

@@ -292,8 +292,13 @@ pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     state: *const State,
     size: *mut usize,
 ) -> Status {
-    // SAFETY: the host passes a state of this instance and a place.
-    unsafe { serialised(instance, state, |bytes| Ok(put([size], bytes.len()))) }
+    let count = |bytes: &[u8]| {
+        // SAFETY: the host passes a place, or null.
+        unsafe { put([size], bytes.len()) };
+        Ok(())
+    };
+    // SAFETY: the host passes a state of this instance.
+    unsafe { serialised(instance, state, count) }
 }
 
 /// Writes a state of a surrogate.
@@ -304,10 +309,13 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
     bytes: *mut u8,
     size: usize,
 ) -> Status {
-    let copy = |all: &[u8]| match all.len() == size && !bytes.is_null() {
+    let copy = |all: &[u8]| {
+        if all.len() != size || bytes.is_null() {
+            return Err(format!("a state has {} bytes, there is a place for {size}", all.len()));
+        }
         // SAFETY: there is a place for so many bytes, as the host says.
-        true => Ok(unsafe { bytes.copy_from_nonoverlapping(all.as_ptr(), size) }),
-        false => Err(format!("a state has {} bytes, there is a place for {size}", all.len())),
+        unsafe { bytes.copy_from_nonoverlapping(all.as_ptr(), size) };
+        Ok(())
     };
     // SAFETY: the host passes a state of this instance.
     unsafe { serialised(instance, state, copy) }

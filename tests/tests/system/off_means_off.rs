@@ -139,7 +139,11 @@ fn without_friction_heat_no_thermal_process_is_started() {
         .collect();
     assert_eq!(started, ["mech"]);
     assert!(summary.get("temperature").is_none(), "absent, never 0");
-    assert_eq!(summary["cost"]["bytes_exchanged"], 8 * POINTS * 5, "pressure, traction, slip");
+    let bytes = 8 * (POINTS * 5 + 3);
+    assert_eq!(
+        summary["cost"]["bytes_exchanged"], bytes,
+        "pressure, traction, slip, and the force"
+    );
     assert!(summary["cost"].get("thermal_s").is_none());
 }
 

@@ -253,7 +253,7 @@ fn refuse_on_springs(
     }
     if terms.friction_follows_elements().is_some() {
         let reason = "asks for springs, and friction that follows the slip of every element is on half-spaces alone";
-        let fix = "write \"half-space\" here, or effects.speed_friction.slip = \"rigid\"";
+        let fix = "write \"half-space\" here, or let friction follow the slip of rigid bodies";
         return Err(Refusal::new(TANGENTIAL, reason, fix));
     }
     if poisson_ratio < 0.0 {
