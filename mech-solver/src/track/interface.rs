@@ -5,7 +5,7 @@ use crate::slip::SlipStart;
 use proto::grid::Structured;
 
 /// The elements of a patch, and how they move over each other.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Elements<'a> {
     /// Side of the track.
     pub side: Side,
@@ -19,8 +19,8 @@ pub struct Elements<'a> {
     pub angle: f64,
     /// Rolling speed V [m/s].
     pub speed: f64,
-    /// Slip velocity of rigid bodies [m/s].
-    pub rigid_slip: &'a [f64],
+    /// Slip velocity that an element would have if the bodies were rigid [m/s].
+    pub rigid_slip: &'a dyn Fn(usize) -> f64,
     /// Slip velocity with its elastic part, where friction follows that [m/s].
     pub slip: Option<&'a [f64]>,
 }

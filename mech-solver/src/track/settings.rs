@@ -86,6 +86,28 @@ pub enum Tangential {
     Fastrip(Kind),
 }
 
+/// Springs that are asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct AskedSprings {
+    /// Their flexibilities.
+    pub(super) kind: Kind,
+    /// Strip theory where strips stick.
+    pub(super) strip_theory: bool,
+}
+
+impl Settings {
+    /// The springs that give the tractions, if they do: a patch that cannot stick needs none.
+    pub(super) fn springs(&self) -> Option<AskedSprings> {
+        let of = |kind, strip_theory| Some(AskedSprings { kind, strip_theory });
+        match self.tangential {
+            _ if !self.adhesion => None,
+            Tangential::HalfSpace => None,
+            Tangential::Fastsim(kind) => of(kind, false),
+            Tangential::Fastrip(kind) => of(kind, true),
+        }
+    }
+}
+
 /// What is given along the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Vertical {

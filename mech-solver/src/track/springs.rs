@@ -18,7 +18,7 @@ use super::creepage::Rolling;
 use super::fields::Fields;
 use super::local::Window;
 use super::pressed::Pressed;
-use super::settings::{Settings, Tangential};
+use super::settings::{AskedSprings, Settings};
 use super::strips::{PressedStrip, equivalent_ellipse};
 use crate::half_space::influence::Elasticity;
 use crate::half_space::tangential::{Creepage, ElementState};
@@ -62,23 +62,16 @@ pub(super) struct Slid {
     cells: Vec<(usize, Cell)>,
 }
 
-/// Slides a patch and writes its fields, if springs are asked for and it may stick; with the coefficients of friction of its elements, and rigid
-/// slip over V off the plane of its rows, if there is.
+/// Slides a patch on springs and writes its fields, with the coefficients of friction of its elements, and rigid slip over V off the plane of
+/// its rows, if there is.
 pub(super) fn slide(
     pressed: &Pressed,
     rolling: &Rolling,
-    settings: &Settings,
+    (settings, springs): (&Settings, AskedSprings),
     (friction, off_plane): (&[f64], Option<&[[f64; 2]]>),
     fields: &mut Fields,
-) -> Option<Slid> {
-    let (kind, strip_theory) = match settings.tangential {
-        Tangential::HalfSpace => return None,
-        Tangential::Fastsim(kind) => (kind, false),
-        Tangential::Fastrip(kind) => (kind, true),
-    };
-    if !settings.adhesion {
-        return None;
-    }
+) -> Slid {
+    let AskedSprings { kind, strip_theory } = springs;
     let window = &pressed.window;
     let strips = pressed.strips();
     let sliding = Sliding {
@@ -96,7 +89,7 @@ pub(super) fn slide(
     };
     let slid = sliding.solve();
     sliding.write(&slid, fields);
-    Some(slid)
+    slid
 }
 
 /// The coefficient of friction of a row: the mean, weighted with the pressure [-].

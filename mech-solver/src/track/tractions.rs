@@ -55,16 +55,16 @@ impl Sliding<'_> {
             RigidSlip::Plane => None,
             RigidSlip::Surfaces => Some(off_plane(pressed, rolling)),
         };
-        let rubs = Rubs { about: self, law, rigid_slip: self.rigid_slip(rows.as_deref()) };
-        let mut friction = vec![0.0; window.points()];
-        rubs.friction(&fields, None, &mut friction)?;
+        let rubs = Rubs { about: self, law, off_plane: rows.as_deref() };
         work.tangential_contacts += 1;
-        let given = (&friction[..], rows.as_deref());
-        if let Some(slid) = springs::slide(pressed, rolling, settings, given, &mut fields) {
+        if let Some(springs) = settings.springs() {
+            let given = (&rubs.friction(&fields, None)?[..], rows.as_deref());
+            let with = (*settings, springs);
+            let slid = springs::slide(pressed, rolling, with, given, &mut fields);
             let off_plane = slid.off_plane;
             return Ok(Slid { fields, off_plane, state: None, by_springs: Some(slid) });
         }
-        let more = rows.map(|rows| slip_of_a_step(&rows, window, part));
+        let more = rows.as_deref().map(|rows| slip_of_a_step(rows, window, part));
         let more = more.as_ref().map(|[x, t]| [x.as_slice(), t.as_slice()]);
         let mut tractions = |bound: &[f64], near: Option<TangentialState>| {
             if !settings.adhesion {
@@ -75,7 +75,7 @@ impl Sliding<'_> {
             Ok::<_, TangentialError>(solution.state)
         };
         let state = match law.follows_elements() {
-            None => tractions(&fields.bound(part, &friction), near)?,
+            None => tractions(&fields.bound(part, &rubs.friction(&fields, None)?), near)?,
             Some(start) => rubs.settle(start, near, &fields, tractions)?,
         };
         fields.take(part, &state, rolling.speed);
@@ -83,26 +83,14 @@ impl Sliding<'_> {
             .map_or(0.0, |slip| fields.power_of_slip(part, slip, &state.traction, rolling.speed));
         Ok(Slid { fields, off_plane, state: Some(state), by_springs: None })
     }
-
-    /// Slip velocity of rigid bodies, in the middle of every element of the window [m/s].
-    fn rigid_slip(&self, off_plane: Option<&[[f64; 2]]>) -> Vec<f64> {
-        let (window, [xi, eta, phi]) = (&self.pressed.window, self.rolling.creepage);
-        let nx = window.counts()[0];
-        let at = |index: usize| {
-            let (x, t) = (window.along(0, index % nx), window.along(1, index / nx));
-            let [off_x, off_t] = off_plane.map_or([0.0; 2], |rows| rows[index / nx]);
-            self.rolling.speed * (xi - phi * t + off_x).hypot(eta + phi * x + off_t)
-        };
-        (0..window.points()).map(at).collect()
-    }
 }
 
 /// A patch and its law of friction.
 struct Rubs<'a> {
     about: &'a Sliding<'a>,
     law: &'a dyn Interface,
-    /// On the window [m/s].
-    rigid_slip: Vec<f64>,
+    /// Rigid slip over V off the plane, of every row of the window, if there is [-].
+    off_plane: Option<&'a [[f64; 2]]>,
 }
 
 impl Rubs<'_> {
@@ -121,14 +109,14 @@ impl Rubs<'_> {
         let duration = part.sides[0] / rolling.speed;
         let scale = (part.points(), duration, rolling.speed);
         let mut settling = Settling::from(first_velocities(start, near.as_ref(), scale));
-        let mut friction = vec![0.0; fields.pressure.len()];
-        self.friction(fields, Some(settling.velocity()), &mut friction)?;
-        let mut bound = fields.bound(part, &friction);
+        let bound_by = |velocity: &[f64]| {
+            Ok::<_, TrackError>(fields.bound(part, &self.friction(fields, Some(velocity))?))
+        };
+        let mut bound = bound_by(settling.velocity())?;
         loop {
             let state = tractions(&bound, near.take())?;
             let share = settling.follow(&slip_velocities(&state, duration));
-            self.friction(fields, Some(settling.velocity()), &mut friction)?;
-            let before = std::mem::replace(&mut bound, fields.bound(part, &friction));
+            let before = std::mem::replace(&mut bound, bound_by(settling.velocity())?);
             if settling.has_settled(share, &before, &bound)? {
                 return Ok(state);
             }
@@ -137,12 +125,7 @@ impl Rubs<'_> {
     }
 
     /// The coefficients of friction on the window, with slip velocities on the part [m/s] if they follow those.
-    fn friction(
-        &self,
-        fields: &Fields,
-        slip: Option<&[f64]>,
-        friction: &mut [f64],
-    ) -> Result<(), TrackError> {
+    fn friction(&self, fields: &Fields, slip: Option<&[f64]>) -> Result<Vec<f64>, TrackError> {
         let Sliding { side, pressed, rolling, part, .. } = self.about;
         let Pressed { frame, window, region, .. } = pressed;
         let slip = slip.map(|slip| {
@@ -157,10 +140,22 @@ impl Rubs<'_> {
             reference: [frame.reference.x, region.s],
             angle: frame.angle,
             speed: rolling.speed,
-            rigid_slip: &self.rigid_slip,
+            rigid_slip: &|index| self.rigid_slip(index),
             slip: slip.as_deref(),
         };
-        self.law.coefficients(&elements, friction).map_err(TrackError::Friction)
+        let mut friction = vec![0.0; window.points()];
+        self.law.coefficients(&elements, &mut friction).map_err(TrackError::Friction)?;
+        Ok(friction)
+    }
+
+    /// Slip velocity of rigid bodies, in the middle of an element of the window [m/s].
+    fn rigid_slip(&self, index: usize) -> f64 {
+        let Sliding { pressed: Pressed { window, .. }, rolling, .. } = self.about;
+        let [xi, eta, phi] = rolling.creepage;
+        let nx = window.counts()[0];
+        let (x, t) = (window.along(0, index % nx), window.along(1, index / nx));
+        let [off_x, off_t] = self.off_plane.map_or([0.0; 2], |rows| rows[index / nx]);
+        rolling.speed * (xi - phi * t + off_x).hypot(eta + phi * x + off_t)
     }
 }
 

@@ -1,4 +1,4 @@
-"""FMUs as participants, against the same FMUs in FMPy, bit by bit: run by the system tests, which name the executables."""
+"""FMUs as participants, against the same FMUs in FMPy, bit by bit: run by the system tests, which name the programs."""
 
 import csv
 import importlib.util
@@ -7,7 +7,6 @@ import subprocess
 from pathlib import Path
 
 import fmpy
-import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
@@ -169,7 +168,7 @@ def on_the_rail(path, model, window, windows, scheme):
     ],
 )
 def test_a_vehicle_on_its_suspension(fmu, tmp_path, model, scheme):
-    """Every window of the vehicle is what FMPy computes with the forces of the contact, whatever was iterated on the way."""
+    """Every window of the vehicle is what FMPy computes with the forces of the contact, whatever was iterated before."""
     path, window, windows = fmu("vehicle"), 2.0**-9, 24
     assert validate_fmu(str(path)) == []
     rows = run(tmp_path, ROOT / "cases/wheel-rail.toml", *on_the_rail(path, model, window, windows, scheme))
@@ -199,7 +198,7 @@ def test_a_vehicle_on_its_suspension(fmu, tmp_path, model, scheme):
 
 
 def test_windows_too_long_for_an_explicit_scheme_are_iterated(fmu, tmp_path):
-    """The wheel settles within a millisecond or two: over longer windows its creepage grows without bounds, unless it is iterated."""
+    """The wheel settles within a millisecond or two: over longer windows its creepage grows, unless it is iterated."""
     path, window = fmu("vehicle"), 2.0**-7
     case = ROOT / "cases/wheel-rail.toml"
     out = tmp_path / "out"

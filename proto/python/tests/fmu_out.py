@@ -157,7 +157,7 @@ def test_windows_in_time_are_those_of_the_plain_run(tmp_path):
     fmu.freeInstance()
     middles = [0.5 * (k * 1e-4 + (k + 1) * 1e-4) for k in range(4)]
     for row, expected in zip(found, plain(tmp_path, "mech.resolution=10", times=middles), strict=True):
-        same(row, expected, [name for name in row])
+        same(row, expected, list(row))
 
 
 def test_states_and_two_instances_in_one_process(steady, tmp_path):

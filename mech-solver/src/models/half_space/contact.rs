@@ -29,6 +29,7 @@ const LOOP_TOLERANCE: f64 = 1e-10;
 const ALMOST_ALL: f64 = 0.999;
 /// Turns of normal and tangential contact after which they are given up.
 const MOST_ALTERNATIONS: usize = 30;
+
 /// Why an instant has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum ContactError {

@@ -1,5 +1,5 @@
-//! What is between wheel and rail. The friction coefficient of every element: that of the case, its factors over the surface of the rail or along the track, and what other
-//! laws make of it. Heights of rough surfaces stand on the rail, over the way along the track and the tape distance.
+//! What is between wheel and rail. The friction coefficient of every element is that of the case, with its factors over the surface of the rail or
+//! along the track and what other laws make of it. Heights of rough surfaces stand on the rail, over the way along the track and the tape distance.
 
 use super::case::{Case, Position};
 use crate::bands::{At, Bands, Over};
@@ -41,7 +41,7 @@ impl Interface for Between<'_> {
                     let rubbing = Rubbing {
                         inputs,
                         speed: elements.speed,
-                        rigid_slip: &|index| elements.rigid_slip[index],
+                        rigid_slip: elements.rigid_slip,
                         grid: &grid,
                         origin_y: -shift,
                         pressure: elements.pressure,

@@ -76,7 +76,7 @@ class Case:
     def bodies(self) -> tuple[str, str]:
         """The names that the case gives to the upper and the lower body."""
         table = self.get("bodies", {})
-        of = {position: [] for position in ("upper", "lower")}
+        of: dict[str, list[str]] = {position: [] for position in ("upper", "lower")}
         for name in table:
             of.setdefault(self.text(f"bodies.{name}.position"), []).append(name)
         if [len(names) for names in of.values()] != [1, 1]:

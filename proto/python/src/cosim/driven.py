@@ -85,7 +85,7 @@ class Drive:
         self._told: list[str] = []
         with ExitStack() as kept:
             path = kept.enter_context(case_file(case))
-            command = [executable(), "--color", "never", "drive", path]
+            command: list[str | os.PathLike[str]] = [executable(), "--color", "never", "drive", path]
             command += [] if out is None else ["--out", out]
             command += ["--replace"] * replace + [*_settings(tables)]
             self._process = subprocess.Popen(

@@ -256,7 +256,8 @@ def admit(solver: Solver, configuration: Configuration) -> None:
                 f"the model `{model.name}` does not support it",
                 f"choose one of {', '.join(effects[name].models)}, or remove the effect",
             )
-    provided = {field for claim in (model, *effects.values()) for field in claim.provides}
+    claims: list[Model | Effect] = [model, *effects.values()]
+    provided = {field for claim in claims for field in claim.provides}
     for field in (*configuration.outputs, *configuration.observed):
         if field not in provided:
             raise Refusal(
