@@ -168,7 +168,7 @@ def on_the_rail(path, model, window, windows, scheme):
     ],
 )
 def test_a_vehicle_on_its_suspension(fmu, tmp_path, model, scheme):
-    """Every window of the vehicle is what FMPy computes with the forces of the contact, whatever was iterated before."""
+    """Every window of the vehicle is what FMPy computes with the contact's forces, whatever was iterated before."""
     path, window, windows = fmu("vehicle"), 2.0**-9, 24
     assert validate_fmu(str(path)) == []
     rows = run(tmp_path, ROOT / "cases/wheel-rail.toml", *on_the_rail(path, model, window, windows, scheme))
