@@ -2,7 +2,6 @@
 
 use crate::harness::python::interpreter;
 use crate::harness::{Place, case, example, library, programs, root};
-use crate::languages::there_is_gfortran;
 use std::path::Path;
 use std::process::Command;
 
@@ -63,9 +62,7 @@ fn in_every_language_they_conform_and_are_alike() {
     let python = conforms(&[&interpreter().display().to_string(), &script]);
 
     assert_alike(&python, &conforms(&[&made(folder.path(), "in_c", "c")]));
-    if there_is_gfortran() {
-        assert_alike(&python, &conforms(&[&made(folder.path(), "in_fortran", "fortran")]));
-    }
+    assert_alike(&python, &conforms(&[&made(folder.path(), "in_fortran", "fortran")]));
 
     // What is written in Rust is this example; the nightly test compiles it in a folder of its own.
     let (code, said) = write(folder.path(), &["in_rust", "--lang", "rust"]);
