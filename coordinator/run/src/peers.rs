@@ -583,7 +583,10 @@ fn interrupted_or_exited(
         return Err(Stopped::Interrupted(signal));
     }
     match supervisor.exits().into_iter().find(|exit| !in_peace(exit)) {
-        Some(exit) => Err(Stopped::Exited(exit)),
+        Some(exit) => {
+            Err(signals::received_like(exit.status)
+                .map_or(Stopped::Exited(exit), Stopped::Interrupted))
+        }
         None => Ok(()),
     }
 }

@@ -82,11 +82,11 @@ impl Program {
         input: Vec<u8>,
         deadline: Duration,
     ) -> Result<Vec<u8>, RunError> {
+        let asked = || format!("while {role} was asked to {}", question.trim_start_matches('-'));
         let answer = tokio::select! {
             answer = tokio::time::timeout(deadline, self.converse(question, input)) => answer,
             signal = signals::wait() => {
-                let when = format!("while {role} was asked to {}", question.trim_start_matches('-'));
-                return Err(RunError::Interrupted { signal, when });
+                return Err(RunError::Interrupted { signal, when: asked() });
             }
         };
         let output = match answer {
@@ -101,6 +101,9 @@ impl Program {
                 return Err(self.failed(role, question, &why));
             }
         };
+        if let Some(signal) = signals::received_like(output.status) {
+            return Err(RunError::Interrupted { signal, when: asked() });
+        }
         if !output.status.success() {
             let said = String::from_utf8_lossy(&output.stderr);
             let last = said.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("nothing");

@@ -6,6 +6,8 @@
 
 use crate::processes;
 use std::io::{self, Write};
+use std::os::unix::process::ExitStatusExt;
+use std::process::ExitStatus;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicI32, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -19,6 +21,9 @@ static AT_ONCE: AtomicUsize = AtomicUsize::new(0);
 
 /// From one look to the next.
 const LOOK: Duration = Duration::from_millis(20);
+
+/// Processes of one job are signalled within this time.
+const SAME_JOB: Duration = Duration::from_millis(500);
 
 /// A signal that comes twice within this time was sent once (`timeout` signals a process and then its
 /// group).
@@ -103,6 +108,22 @@ pub fn received() -> Option<&'static str> {
         number if number == SignalKind::hangup().as_raw_value() => Some("SIGHUP"),
         _ => Some("SIGTERM"),
     }
+}
+
+/// The signal that asks us to stop, where the one that has ended another process is such a signal. Whoever stops a whole job, as schedulers
+/// do, signals all of its processes, and this one may learn of it after the other has ended: it is waited for a moment.
+#[must_use]
+pub fn received_like(other: ExitStatus) -> Option<&'static str> {
+    let kinds = [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()];
+    let number = other.signal()?;
+    let since = Instant::now();
+    while kinds.iter().any(|kind| kind.as_raw_value() == number) && since.elapsed() < SAME_JOB {
+        if received().is_some() {
+            return received();
+        }
+        std::thread::sleep(LOOK);
+    }
+    None
 }
 
 /// Ends when a signal has been received.

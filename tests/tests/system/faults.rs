@@ -291,6 +291,18 @@ fn a_wish_for_a_wrong_grid_is_refused() {
     }
 }
 
+/// Who stops a whole job signals all of its processes: a program that ends by that, before the signal is here, has not failed.
+#[test]
+fn a_signal_to_all_processes_is_an_interrupt_whichever_ends_first() {
+    let place = Place::new();
+    let later = "setsid sh -c \"sleep 0.1; kill -TERM $PPID\" >/dev/null 2>&1 &";
+    let command = format!("mech.command={:?}", ["sh", "-c", &format!("{later} kill -TERM $$")]);
+    let ended = place.run(&case("wheel-rail.toml"), &["--set", &command]);
+    assert_eq!(ended.code, Some(143), "{}", ended.stderr);
+    let expected = "interrupted by SIGTERM while mech was asked to describe";
+    assert!(ended.stderr.contains(expected), "{}", ended.stderr);
+}
+
 #[test]
 fn an_interrupt_at_any_moment_leaves_nothing() {
     for delay in [1, 3, 6, 10, 15, 20, 30] {
