@@ -295,7 +295,7 @@ fn a_wish_for_a_wrong_grid_is_refused() {
 #[test]
 fn a_signal_to_all_processes_is_an_interrupt_whichever_ends_first() {
     let place = Place::new();
-    let command = format!("mech.command={:?}", ["sh", "-c", "kill -TERM $$ $PPID"]);
+    let command = format!("mech.command={:?}", ["sh", "-c", "kill -TERM $PPID $$"]);
     let ended = place.run(&case("wheel-rail.toml"), &["--set", &command]);
     assert_eq!(ended.code, Some(143), "{}", ended.stderr);
     let expected = "interrupted by SIGTERM while mech was asked to describe";
