@@ -15,7 +15,8 @@
 
 use super::kernel::{Material, Tensor, kernel};
 use super::outline::{Arc, Outline};
-use nalgebra::DMatrix;
+use faer::Mat;
+use faer::prelude::Solve;
 
 /// Gauss's rules on (−1, 1).
 const GAUSS_4: [(f64, f64); 2] = [
@@ -38,6 +39,8 @@ const GAUSS_16: [(f64, f64); 8] = [
     (0.944_575_023_073_232_6, 0.062_253_523_938_647_9),
     (0.989_400_934_991_649_9, 0.027_152_459_411_754_1),
 ];
+/// e^{−NOTHING}, by which waves decay, is nothing.
+const NOTHING: f64 = 45.0;
 /// Power by which points gather at the middle of an element, for the logarithm there.
 const GATHERED: i32 = 5;
 
@@ -56,11 +59,11 @@ impl Body {
     /// Displacements of the contact's elements by tractions on them [m/Pa], at the wave number k [1/m]; row and column 3j + c of
     /// component c on element j.
     #[must_use]
-    pub(super) fn flexibility(&self, k: f64) -> DMatrix<f64> {
+    pub(super) fn flexibility(&self, k: f64) -> Mat<f64> {
         let (elements, contact) = (&self.outline.elements, self.outline.contact);
         let size = 3 * elements.len();
-        let mut left = DMatrix::zeros(size, size);
-        let mut right = DMatrix::zeros(size, 3 * contact);
+        let mut left = Mat::zeros(size, size);
+        let mut right = Mat::zeros(size, 3 * contact);
         for (q, source) in elements.iter().enumerate() {
             for (p, target) in elements.iter().enumerate() {
                 let [u, t] = self.integrals(k, target, source, p == q);
@@ -79,10 +82,8 @@ impl Body {
         if k == 0.0 && self.outline.closed && self.outward * elements[0].curvature < 0.0 {
             self.balance(&mut left, &mut right);
         }
-        let solved = left.lu().solve(&right).expect("the body is held");
-        let mut local = DMatrix::zeros(3 * contact, 3 * contact);
-        local.copy_from(&solved.rows(0, 3 * contact));
-        local
+        let solved = left.partial_piv_lu().solve(&right);
+        solved.subrows(0, 3 * contact).to_owned()
     }
 
     /// Integrals of U and T over a source, from the middle of a target: rows are components along the source's axes, columns
@@ -117,7 +118,11 @@ impl Body {
             return sums;
         }
         let d = [source.centre[0] - target.centre[0], source.centre[1] - target.centre[1]];
-        let distance = d[0].hypot(d[1]) / source.length;
+        let distance = d[0].hypot(d[1]);
+        if k * (distance - half) > NOTHING {
+            return sums;
+        }
+        let distance = distance / source.length;
         let rule: &[(f64, f64)] = match distance {
             near if near < 1.6 => &GAUSS_16,
             near if near < 5.0 => &GAUSS_8,
@@ -131,7 +136,7 @@ impl Body {
     }
 
     /// Holds a closed body at its centre.
-    fn balance(&self, left: &mut DMatrix<f64>, right: &mut DMatrix<f64>) {
+    fn balance(&self, left: &mut Mat<f64>, right: &mut Mat<f64>) {
         let elements = &self.outline.elements;
         let curvature = elements[0].curvature;
         let centre = [0.0, 1.0 / curvature];

@@ -20,17 +20,18 @@
 //! Vehicle System Dynamics 56 (2018) 1622, where the yaw of a wheel has a part ζ along the normal. Where the origin is the place of the
 //! contact, to which a yaw moves it, there is none.
 
-use super::numbers::{Numbers, Patch, Surface};
+use super::elastic::ElasticPair;
+use super::numbers::{Numbers, Patch};
+use super::section::Section;
 use super::shape::Arcs;
-use crate::half_space::influence::{Elasticity, Influence};
+use crate::half_space::influence::Elasticity;
 use crate::half_space::levels::{
     Contact, History, Levels, Motion, RIGID_SLIP_AHEAD, Solution, TangentialError,
 };
-use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
+use crate::half_space::normal::{NormalError, Prescribed};
 use crate::half_space::tangential::{self, Creepage, TangentialState};
 use crate::half_space::viscoelastic::Bodies;
 use crate::scene::Material;
-use numerics::rows::{Kernel, Rows};
 use proto::grid::Structured;
 
 /// Change of the pressure over the largest at which it rests: far below the error of any grid.
@@ -112,15 +113,8 @@ pub struct Conformal {
 pub struct ConformalSolver {
     grid: Structured,
     arcs: Arcs,
-    rows: Rows,
-    normal: NormalSolver,
+    elastic: ElasticPair,
     levels: Levels,
-    /// A_nx, A_ns.
-    distance_by_traction: [Kernel; 2],
-    /// A_xn, A_sn.
-    displacement_by_pressure: [Kernel; 2],
-    /// A_tt less that of half-spaces: xx, xs, sx, ss.
-    change: [[Kernel; 2]; 2],
 }
 
 impl ConformalSolver {
@@ -139,31 +133,18 @@ impl ConformalSolver {
             sides: [grid.dx(), grid.dy()],
             first: grid.y(0) - 0.5 * grid.dy(),
         };
-        let surface = Surface { curvatures: arcs.curvatures, turn };
-        let numbers = Numbers::new(materials, &surface, &patch);
-        let mut rows = Rows::new(grid.ni, grid.nj);
-        let influence =
-            Influence::of_elements(patch.sides, Elasticity::of_pair(&materials[0], &materials[1]));
-        let nn = numbers.kernel(&mut rows, [2, 2]);
-        let normal = NormalSolver::curved(Rows::new(grid.ni, grid.nj), nn, &influence);
-        let bodies = Bodies::from(influence.elasticity);
+        let sections = arcs.curvatures.map(|curvature| match curvature {
+            0.0 => Section::straight(),
+            _ => Section::arc(curvature, 0.5 * turn / curvature.abs()),
+        });
+        let numbers = Numbers::new(materials, &sections, &patch);
+        let elastic = ElasticPair::new(materials, &numbers, 0, patch.counts);
+        let bodies = Bodies::from(Elasticity::of_pair(&materials[0], &materials[1]));
         let (layer, motion) = (0.0, Motion::SteadyRolling);
         let contact =
             Contact { bodies, layer, yields: None, semi_axes, motion, tolerance: TOLERANCE };
         let levels = Levels::new(grid, &contact);
-        let distance_by_traction = [0, 1].map(|t| numbers.kernel(&mut rows, [2, t]));
-        let displacement_by_pressure = [0, 1].map(|t| numbers.kernel(&mut rows, [t, 2]));
-        let change = [0, 1].map(|a| [0, 1].map(|b| numbers.change(&mut rows, &influence, [a, b])));
-        Self {
-            grid: *grid,
-            arcs,
-            rows,
-            normal,
-            levels,
-            distance_by_traction,
-            displacement_by_pressure,
-            change,
-        }
+        Self { grid: *grid, arcs, elastic, levels }
     }
 
     /// Solves one row, from nothing.
@@ -186,9 +167,7 @@ impl ConformalSolver {
                 found.force = self.force(&found);
                 return Ok(found);
             }
-            let [x, s] = &found.state.traction;
-            let [by_x, by_s] = &self.distance_by_traction;
-            self.rows.apply(&[(by_x, x), (by_s, s)], &mut closer);
+            self.elastic.opening(&found.state.traction, &mut closer);
             let before = found.pressure.clone();
             self.press(prescription, &closer, &mut found)?;
             let largest = found.pressure.iter().copied().fold(0.0, f64::max);
@@ -239,7 +218,7 @@ impl ConformalSolver {
     /// The approach of this force as one approach for all of the surface has it.
     fn first_approach(&mut self, force: f64, found: &mut Conformal) -> Result<f64, ConformalError> {
         let undeformed = self.undeformed(0.0, &[]);
-        Ok(self.normal.solve(&undeformed, Prescribed::Load(force), &mut found.pressure)?.approach)
+        Ok(self.elastic.approach(&undeformed, force, &mut found.pressure)?)
     }
 
     fn undeformed(&self, approach: f64, closer: &[f64]) -> Vec<f64> {
@@ -259,10 +238,9 @@ impl ConformalSolver {
         found: &mut Conformal,
     ) -> Result<(), ConformalError> {
         let distance = self.undeformed(approach, closer);
-        let solved =
-            self.normal.solve(&distance, Prescribed::Approach(0.0), &mut found.pressure)?;
+        let solved = self.elastic.press(&distance, &mut found.pressure)?;
         if solved.touches_edge {
-            let (nx, ny) = self.normal.shape();
+            let (nx, ny) = (self.grid.ni, self.grid.nj);
             return Err(NormalError::Edge { nx, ny }.into());
         }
         if solved.contact_elements == 0 {
@@ -302,20 +280,10 @@ impl ConformalSolver {
     /// Slip of a step that half-spaces on a plane do not have [m]: by the pressure, by what A_tt differs from theirs with the
     /// latest tractions, and by the turn of the surface.
     fn slip_besides(&mut self, prescription: &Prescription, found: &Conformal) -> [Vec<f64>; 2] {
-        let (nx, points) = (self.grid.ni, self.grid.points());
         let [x, s] = &found.state.traction;
-        let mut slip = [vec![0.0; points], vec![0.0; points]];
-        let mut displacement = vec![0.0; points];
+        let mut slip = self.elastic.slip_besides([x, s], &found.pressure);
         for (component, slip) in slip.iter_mut().enumerate() {
-            let [by_x, by_s] = &self.change[component];
-            let by_pressure = &self.displacement_by_pressure[component];
-            let terms = [(by_x, &x[..]), (by_s, &s[..]), (by_pressure, &found.pressure[..])];
-            self.rows.apply(&terms, &mut displacement);
             for (index, slip) in slip.iter_mut().enumerate() {
-                // The element at the leading edge is not in contact.
-                if !(index + 1).is_multiple_of(nx) {
-                    *slip = displacement[index] - displacement[index + 1];
-                }
                 let [curved, plane] = self.rigid_slips(prescription, index);
                 *slip += self.grid.dx() * (curved[component] - plane[component]);
             }

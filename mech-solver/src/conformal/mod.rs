@@ -8,18 +8,22 @@
 //! |---|---|
 //! | [`bessel`] | K₀ and K₁ |
 //! | [`kernel`] | an elastic space under forces that vary like a wave along x |
+//! | [`section`] | where the surface of a body goes across its axis |
 //! | [`outline`] | the outline of a body as boundary elements |
 //! | [`boundary`] | its flexibility for a wave along x |
 //! | [`shape`] | two arcs that touch |
-//! | [`contact`] | pressure and tractions |
 //! | [`numbers`] | influence numbers of a pair of bodies |
+//! | [`elastic`] | what they displace under pressure and tractions |
+//! | [`contact`] | pressure and tractions |
 //! | [`pin`] | a pin in a hole |
 
 mod bessel;
 mod boundary;
 pub mod contact;
+pub mod elastic;
 mod kernel;
 pub mod numbers;
 mod outline;
 pub mod pin;
+pub mod section;
 pub mod shape;

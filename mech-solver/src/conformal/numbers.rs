@@ -18,9 +18,10 @@
 use super::boundary::Body;
 use super::kernel::Material as Elastic;
 use super::outline::Outline;
+use super::section::Section;
 use crate::half_space::influence::{Elasticity, Influence};
 use crate::scene::Material;
-use nalgebra::DMatrix;
+use faer::Mat;
 use numerics::rows::{Kernel, Parity, Rows};
 use std::f64::consts::PI;
 
@@ -43,16 +44,7 @@ const GAUSS: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-/// The surface across the axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
-    /// Curvature dθ/ds of the upper and the lower body [1/m]: negative where the surface bends down, as that of a rail.
-    pub curvatures: [f64; 2],
-    /// Angle from one straight flank to the other [rad]; 0 for half-spaces.
-    pub turn: f64,
-}
-
-/// The grid along x and s; the middle of the turn is at s = 0.
+/// The grid along x and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// Elements along x and s.
@@ -75,9 +67,9 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Of body 1 (upper) and body 2.
+    /// Of body 1 (upper) and body 2, with these sections over the same s.
     #[must_use]
-    pub fn new(materials: &[Material; 2], surface: &Surface, patch: &Patch) -> Self {
+    pub fn new(materials: &[Material; 2], sections: &[Section; 2], patch: &Patch) -> Self {
         let [nx, ny] = patch.counts;
         let [dx, ds] = patch.sides;
         let influence =
@@ -89,40 +81,54 @@ impl Numbers {
                 *value = of_half_spaces(&influence, pair, i as i32, t as i32 - q as i32);
             }
         }
-        if surface.turn > 0.0 && surface.curvatures != [0.0; 2] {
-            numbers.add(materials, surface);
+        if sections.iter().any(|section| section.turn() > 0.0) {
+            numbers.add(materials, sections);
         }
         numbers
     }
 
     /// Adds what curvature changes.
-    fn add(&mut self, materials: &[Material; 2], surface: &Surface) {
+    fn add(&mut self, materials: &[Material; 2], sections: &[Section; 2]) {
         let Patch { counts: [nx, ny], sides: [dx, ds], first } = self.patch;
+        let bent = sections.iter().filter(|section| section.turn() > 0.0);
+        // Of an arc its radius.
+        let radius = |section: &Section| {
+            let [from, to] = section.ends();
+            (to - from) / section.turn()
+        };
         let longest = [nx as f64 * dx, ny as f64 * ds]
             .into_iter()
-            .chain(surface.curvatures.iter().filter(|c| **c != 0.0).map(|c| 1.0 / c.abs()))
+            .chain(bent.map(radius))
             .fold(0.0, f64::max);
         let (least, most) = (1.0 / (LONGEST * longest), SHORTEST / dx.min(ds));
         let steps = (DENSITY * (most / least).log2()).ceil();
         let waves: Vec<f64> =
             (0..=steps as usize).map(|n| least * (most / least).powf(n as f64 / steps)).collect();
-        let outline = |curvature: f64| {
-            let arc = if curvature == 0.0 { 0.0 } else { 0.5 * surface.turn / curvature.abs() };
-            Outline::open(curvature, arc, [first, ds], ny, REACH / least)
-        };
-        let mut changes = vec![DMatrix::zeros(3 * ny, 3 * ny); waves.len()];
-        for (body, outward) in [(0, -1.0), (1, 1.0)] {
-            let curvature = surface.curvatures[body];
-            if curvature == 0.0 {
-                continue;
-            }
+        let outline = |section: &Section| Outline::open(section, [first, ds], ny, REACH / least);
+        let straight = Section::straight();
+        let bodies = [(0, -1.0), (1, 1.0)].map(|(body, outward)| {
             let material = Elastic::of(&materials[body]);
-            let [curved, flat] =
-                [curvature, 0.0].map(|c| Body { material, outline: outline(c), outward });
-            for (k, change) in waves.iter().zip(&mut changes) {
-                *change += curved.flexibility(*k) - flat.flexibility(*k);
+            let of = |section: &Section| Body { material, outline: outline(section), outward };
+            (of(&sections[body]), of(&straight))
+        });
+        let same = materials[0] == materials[1];
+        let change = |k: f64| {
+            let mut change = Mat::zeros(3 * ny, 3 * ny);
+            let mut known: Option<Mat<f64>> = None;
+            for ((curved, flat), section) in bodies.iter().zip(sections) {
+                if section.turn() == 0.0 {
+                    continue;
+                }
+                let of_flat = match known.take() {
+                    Some(other) if same => mirrored(other),
+                    _ => flat.flexibility(k),
+                };
+                change += curved.flexibility(k) - &of_flat;
+                known = Some(of_flat);
             }
-        }
+            change
+        };
+        let changes: Vec<Mat<f64>> = waves.iter().map(|k| change(*k)).collect();
         let [even, odd] = weights(&waves, self.patch);
         let len = nx * ny * ny;
         let mut series = vec![0.0; waves.len()];
@@ -152,10 +158,12 @@ impl Numbers {
         self.values[(((COMPONENTS * a + b) * ny + t) * ny + q) * nx + i]
     }
 
-    /// The transform of A_ab; of n by n, which is symmetric, the mean of both directions.
+    /// The transform of A_ab between the rows from `first` on, as many as `rows` has; of a component by itself, which is symmetric,
+    /// the mean of both directions.
     #[must_use]
-    pub fn kernel(&self, rows: &mut Rows, [a, b]: [usize; 2]) -> Kernel {
+    pub(super) fn kernel(&self, rows: &mut Rows, first: usize, [a, b]: [usize; 2]) -> Kernel {
         rows.kernel(parity([a, b]), |i, t, q| {
+            let [t, q] = [first + t, first + q];
             let one = self.value([a, b], i, [t, q]);
             if a == b { 0.5 * (one + self.value([a, b], i, [q, t])) } else { one }
         })
@@ -163,13 +171,34 @@ impl Numbers {
 
     /// The same of what A_ab differs by from that of half-spaces.
     #[must_use]
-    pub fn change(&self, rows: &mut Rows, influence: &Influence, [a, b]: [usize; 2]) -> Kernel {
+    pub(super) fn change(
+        &self,
+        rows: &mut Rows,
+        first: usize,
+        influence: &Influence,
+        [a, b]: [usize; 2],
+    ) -> Kernel {
         rows.kernel(parity([a, b]), |i, t, q| {
             let pair = COMPONENTS * a + b;
-            self.value([a, b], i, [t, q])
+            self.value([a, b], i, [first + t, first + q])
                 - of_half_spaces(influence, pair, i as i32, t as i32 - q as i32)
         })
     }
+
+    /// The grid.
+    #[must_use]
+    pub fn patch(&self) -> &Patch {
+        &self.patch
+    }
+}
+
+/// The flexibility of the flat body on the other side of the surface.
+fn mirrored(flexibility: Mat<f64>) -> Mat<f64> {
+    let along_normal = |at: usize| at % COMPONENTS == 2;
+    Mat::from_fn(flexibility.nrows(), flexibility.ncols(), |row, column| {
+        let value = flexibility[(row, column)];
+        if along_normal(row) == along_normal(column) { value } else { -value }
+    })
 }
 
 fn parity([a, b]: [usize; 2]) -> Parity {

@@ -1,15 +1,16 @@
 //! The outline of a prismatic body across its axis, as boundary elements.
 //!
 //! Elements are arcs. Those of the contact are equal, and numbered along the surface; the outline goes on from them
-//! on both sides, along the shape as far as it is given and straight from there, in elements that grow. A closed outline is a circle.
-//!
-//! y is across, z up, s along the surface; the direction of the surface is (cos θ, sin θ), the common normal of
-//! both bodies (−sin θ, cos θ), from the lower into the upper body.
+//! on both sides, along the section as far as it is given and straight from there, in elements that grow. A closed outline is a circle.
+
+use super::section::Section;
 
 /// How much longer an element is than the one before, away from the contact.
 const GROWTH: f64 = 1.5;
 /// Angle that an element spans at most, away from the contact [rad].
 const MOST_ANGLE: f64 = 0.2;
+/// Of an angle that is met.
+const ROUNDING: f64 = 1e-9;
 
 /// A boundary element.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,43 +50,37 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// An arc of this curvature [1/m] over |s| ≤ `arc` [m], and straight beyond, as far as `reach` [m]; with `count` elements of
-    /// the contact, of this length [m], from `first` on [m].
+    /// A section as far as `reach` [m]; with `count` elements of the contact, of this length [m], from `first` on [m].
     #[must_use]
     pub(super) fn open(
-        curvature: f64,
-        arc: f64,
+        section: &Section,
         [first, length]: [f64; 2],
         count: usize,
         reach: f64,
     ) -> Self {
-        let bend = |s: f64| if s.abs() < arc { curvature } else { 0.0 };
+        let turn = |from: f64, length: f64| section.at(from + length).1 - section.at(from).1;
         let place = |from: f64, length: f64| {
-            let middle = from + 0.5 * length;
-            let inside = middle.clamp(-arc, arc);
-            let turned = Arc { centre: [0.0; 2], direction: 0.0, length: 0.0, curvature };
-            let (end, direction) = turned.at(inside);
-            let rest = middle - inside;
-            let centre = [end[0] + rest * direction.cos(), end[1] + rest * direction.sin()];
-            Arc { centre, direction, length, curvature: bend(middle) }
+            let (centre, direction) = section.at(from + 0.5 * length);
+            Arc { centre, direction, length, curvature: turn(from, length) / length }
         };
         let mut elements: Vec<Arc> =
             (0..count).map(|j| place(first + j as f64 * length, length)).collect();
         let last = first + count as f64 * length;
+        let ends = section.ends();
         for (start, sign) in [(last, 1.0), (first, -1.0)] {
             let (mut at, mut size) = (start, length);
             while (at - start).abs() < reach {
                 size *= GROWTH;
-                // Up to where the arc begins or ends.
-                let outwards = sign * at;
-                for end in [-arc, arc] {
-                    let left = end - outwards;
+                // Up to where the section begins or ends to turn.
+                for end in ends {
+                    let left = sign * (end - at);
                     if left > 1e-9 * length && size > 0.75 * left {
                         size = if size > left { left } else { 0.5 * left };
                     }
                 }
-                if bend(at + sign * 0.5 * size) != 0.0 {
-                    size = size.min(MOST_ANGLE / curvature.abs());
+                let spanned = |size: f64| turn(at, sign * size).abs() / MOST_ANGLE;
+                while spanned(size) > 1.0 + ROUNDING {
+                    size /= spanned(size);
                 }
                 elements.push(place(if sign > 0.0 { at } else { at - size }, size));
                 at += sign * size;

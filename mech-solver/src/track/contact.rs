@@ -29,6 +29,8 @@ const MOST_HEIGHTS: usize = 60;
 const MOST_ROUNDS: usize = 40;
 /// Rounds in which patches are parted or joined anew.
 const MOST_PARTINGS: usize = 3;
+/// How often numbers of curved surfaces are made anew once the height is found with them.
+const RENEWALS: usize = 1;
 /// A first depth [m].
 const FIRST_DEPTH: f64 = 2e-5;
 /// A first depth where the force may jump as the wheel goes down [m], and by how much more the next is.
@@ -46,7 +48,7 @@ pub struct WheelOnRail {
     pair: Pair,
     /// Depth below touching at last [m].
     depth: f64,
-    /// F_s/N of patches, with their places along the tape.
+    /// How tractions lean the forces of patches, with their places along the tape.
     leaning: Vec<(f64, f64)>,
 }
 
@@ -153,18 +155,27 @@ impl WheelOnRail {
             // Several depths may have the force: the least one is meant.
             Normal::Kpec | Normal::Analyn => FROM_ABOVE.0.min(self.depth),
         };
+        // Near the height before numbers of curved surfaces are made, which are those of that height.
+        let mut renewals = 0;
+        if self.pair.is_curved() {
+            self.pair.stay_plane();
+            depth = self.press_to(touching, (force, depth), interface)?.depth;
+            self.pair.turn();
+            renewals = RENEWALS;
+        }
         for _ in 0..MOST_ROUNDS {
             let trial = self.press_to(touching, (force, depth), interface)?;
             self.depth = trial.depth;
             self.pair.complete()?;
             let solved = self.pair.slide(interface)?;
             found = solved.force[2];
-            self.leaning = solved
-                .patches
-                .iter()
-                .map(|patch| (patch.tape, patch.load.force[1] / patch.load.force[2]))
-                .collect();
+            self.leaning = solved.patches.iter().map(|patch| (patch.tape, patch.leaning)).collect();
             if (found - force).abs() <= tolerance {
+                if renewals > 0 {
+                    self.pair.turn();
+                    renewals -= 1;
+                    continue;
+                }
                 partings += 1;
                 if partings > MOST_PARTINGS || self.pair.part() {
                     return Ok(solved);
@@ -219,9 +230,8 @@ impl WheelOnRail {
     /// Vertical force of the pressures, and of tractions that lean as they did.
     fn leaning_force(&self) -> f64 {
         let of = |pressed: &super::pressed::Pressed| {
-            let (sin, cos) = pressed.frame.angle.sin_cos();
             let known = nearest(&self.leaning, pressed.region.s, |(s, _)| *s);
-            pressed.normal_force * (cos + known.map_or(0.0, |(_, leaning)| *leaning) * sin)
+            pressed.vertical(known.map_or(0.0, |(_, leaning)| *leaning))
         };
         self.pair.pressed.iter().map(of).sum()
     }

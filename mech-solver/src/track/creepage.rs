@@ -36,6 +36,15 @@ pub struct Rolling {
     pub by_height: [[f64; 2]; 2],
 }
 
+/// Rigid slip of a row of elements over V, beside that of the creepages.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RowSlip {
+    /// Along x and along the tangent, at x = 0 [-].
+    pub slip: [f64; 2],
+    /// Spin [1/m]: along the tangent it grows with x.
+    pub spin: f64,
+}
+
 /// A wheelset that does not roll forward.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(

@@ -64,6 +64,25 @@ pub enum TrackError {
         /// Most elements.
         limit: usize,
     },
+    /// A patch on a curved surface has too many rows.
+    #[error(
+        "a patch on a curved surface needs influence numbers of every pair of its {rows} rows, of {elements} elements each, \
+         which is too much; take fewer by mech.lateral_resolution"
+    )]
+    Rows {
+        /// Elements of a row.
+        elements: usize,
+        /// Rows of the patch.
+        rows: usize,
+    },
+    /// Pressure and tractions of a patch on a curved surface.
+    #[error(
+        "on a curved surface pressure and tractions did not settle: they still change by {change:.1e} of the largest pressure"
+    )]
+    Turns {
+        /// Their change over the largest pressure.
+        change: f64,
+    },
     /// The normal contact of a patch.
     #[error(transparent)]
     Normal(#[from] NormalError),

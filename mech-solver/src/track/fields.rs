@@ -163,6 +163,15 @@ impl Fields {
         load
     }
 
+    /// Traction along the tangent over pressure, both summed over the elements in contact [-].
+    #[must_use]
+    pub fn leaning(&self) -> f64 {
+        let pressed = self.pressure.iter().zip(&self.traction[1]).filter(|(p, _)| **p > 0.0);
+        let [sum, across] =
+            pressed.fold([0.0; 2], |[sum, across], (p, traction)| [sum + p, across + traction]);
+        across / sum
+    }
+
     /// Friction power of the patch [W].
     #[must_use]
     pub fn total_power(&self) -> f64 {

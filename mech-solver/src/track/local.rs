@@ -218,6 +218,44 @@ fn rail_height(frame: &Frame, rail: &Outline, along: f64, s: &mut f64) -> Option
     None
 }
 
+/// Where the normal through the origin of a frame meets the wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct WheelAbove {
+    /// s on the wheel's profile [m].
+    pub(super) s: f64,
+    /// Tape distance of the frame's element [m].
+    tape: f64,
+    /// Unit vector from the axle to the place, in wheelset axes.
+    radial: Vector3<f64>,
+    /// Direction of the surface across, from the y-axis [rad].
+    pub(super) angle: f64,
+}
+
+/// Where the normal through the origin of a frame meets the wheel; `None` if it does not.
+pub(super) fn wheel_above(
+    frame: &Frame,
+    (wheel, pose): (&Wheel, &Pose),
+    sides: [f64; 2],
+) -> Option<WheelAbove> {
+    let mut surface = WheelSurface::new(frame, wheel, pose);
+    let Guess { height, s } = surface.meet(surface.origin, surface.start())?;
+    let place = surface.origin + surface.axes[2] * height;
+    let radial = Vector3::new(place.x, 0.0, place.z).normalize();
+    let tape = frame.element[1] as f64 * sides[1];
+    let mut above = WheelAbove { s, tape, radial, angle: 0.0 };
+    above.angle = above.angle_at(tape, wheel, pose);
+    Some(above)
+}
+
+impl WheelAbove {
+    /// Direction of the surface as far from the place along the profile as a tape distance [m] is from that of the frame [rad].
+    pub(super) fn angle_at(&self, tape: f64, wheel: &Wheel, pose: &Pose) -> f64 {
+        let [across, up] = wheel.outline.at(self.s + tape - self.tape).tangent;
+        let tangent = pose.rotation * (Vector3::y() * across - self.radial * up);
+        tangent.z.atan2(tangent.y)
+    }
+}
+
 /// The wheel, seen from the plane of a patch.
 struct WheelSurface<'a> {
     outline: &'a Outline,

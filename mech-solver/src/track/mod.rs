@@ -18,6 +18,7 @@
 //! | [`balance`] | one wheel or both: the roll under two loads, the angular velocity under a torque |
 //! | [`settings`], [`error`] | what it is solved with; why there is no solution |
 //! | `parabolas`, `kpec`, `analyn`, `strips` | approximate theories of the normal contact: a patch row by row |
+//! | `curved` | a patch on a surface that turns under it |
 //! | `mutual` | what patches in planes of their own do to each other |
 //! | `springs` | the simplified theory of the tangential one, strip by strip |
 //! | [`interface`], `tractions` | heights and friction; a patch that slides under it |
@@ -31,13 +32,15 @@
 //!
 //! Every patch is a contact of half-spaces ([`crate::half_space`]) in its own plane, or what fast theories have in their place, of bodies of the same
 //! material, rolling steadily. Axes are those of [`rail`]: x forward, y to the left, z up; forces act on the wheel.
-//! On a rail and a wheel that are one surface round a corner (conformal contact) half-spaces are a rough picture.
+//! On a rail and a wheel that are one surface round a corner (conformal contact) half-spaces are a rough picture: there a patch may be on a
+//! curved surface ([`crate::conformal`]).
 
 mod analyn;
 pub mod balance;
 pub mod columns;
 pub mod contact;
 pub mod creepage;
+mod curved;
 pub mod developed;
 pub mod distance;
 pub mod error;

@@ -5,7 +5,7 @@
 //! of the same patch before.
 
 use super::columns::{Columns, Standing};
-use super::creepage::rolling;
+use super::creepage::{Rolling, rolling};
 use super::error::TrackError;
 use super::interface::Interface;
 use super::mutual::{Acting, opening};
@@ -16,19 +16,21 @@ use super::rail::{Deviation, Rail, Side};
 use super::region::{Cuts, Region};
 use super::rows::Rows;
 use super::search::{Search, Seen, clearance};
-use super::settings::Settings;
+use super::settings::{PatchSurface, RigidSlip, Settings};
 use super::silhouette::{Circles, Shadow, shadow};
-use super::tractions::Sliding;
+use super::tractions::{Slid, Sliding};
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
 use crate::half_space::tangential::TangentialState;
 
 /// Patches are the same if their places along the tape are no farther from each other than this [m].
 const SAME: f64 = 5e-3;
 
-/// Turns in which patches displace each other: each leaves a tenth of the change before, or less.
+/// Turns in which patches displace each other, or pressure and tractions do: each leaves a tenth of the change before, or less.
 const MOST_TURNS: usize = 60;
 /// Forces of patches have settled when they change by less than this share of the tolerance.
 const MUTUAL_SHARE: f64 = 0.03;
+/// Pressure and tractions on a curved surface rest when they change by less than this share of the largest pressure.
+const REST: f64 = 1e-5;
 
 /// A wheel and a rail, their solvers, and what they were last.
 #[derive(Debug)]
@@ -115,6 +117,24 @@ impl Pair {
             }
         }
         self.work = Work::default();
+        if self.is_curved() {
+            self.turn();
+        }
+    }
+
+    /// Whether patches are on curved surfaces.
+    pub(super) fn is_curved(&self) -> bool {
+        self.settings.patch_surface == PatchSurface::Curved
+    }
+
+    /// Has patches on curved surfaces from now on, of bodies as they are here.
+    pub(super) fn turn(&mut self) {
+        self.pool.curved.get_or_insert_default().clear();
+    }
+
+    /// Has patches in planes until they turn.
+    pub(super) fn stay_plane(&mut self) {
+        self.pool.curved = None;
     }
 
     /// The bodies, where they are.
@@ -239,21 +259,19 @@ impl Pair {
         let Self { settings, side, rail, wheel, pose, motion, pool, work, .. } = self;
         let mut patches = Vec::with_capacity(self.pressed.len());
         let mut sliding = Vec::with_capacity(self.pressed.len());
-        for pressed in &self.pressed {
-            let rolling = rolling(&pressed.frame, pressed.approach(), rail, pose, motion)?;
-            let part = pressed.contact_window();
-            let near = nearest(&self.sliding, pressed.region.s, |(s, ..)| *s)
-                .filter(|(_, half, _)| *half == part.half)
-                .map(|(.., state)| state.clone());
-            let about = Sliding { side: *side, settings, pressed, rolling: &rolling, part };
-            let slid = about.solve(interface, near, pool, work)?;
+        let about = (&*settings, *side, (&*rail, &*pose, &*motion));
+        for pressed in &mut self.pressed {
+            let near = nearest(&self.sliding, pressed.region.s, |(s, ..)| *s);
+            let near = near.map(|(_, half, state)| (*half, state.clone()));
+            let (rolling, slid) = slide(pressed, about, near, interface, (pool, work))?;
             let patch =
                 Patch::of(pressed, slid.fields, rolling, slid.off_plane, (rail, wheel, pose));
             patches.push(match &slid.by_springs {
                 Some(springs) => patch.sliding(springs),
                 None => patch,
             });
-            sliding.extend(slid.state.map(|state| (pressed.region.s, part.half, state)));
+            let half = slid.part.half;
+            sliding.extend(slid.state.map(|state| (pressed.region.s, half, state)));
         }
         self.sliding = sliding;
         Ok(Solved::of(self.motion.z, patches, &self.pose, self.work))
@@ -264,6 +282,47 @@ impl Pair {
         self.pressed.clear();
         self.sliding.clear();
     }
+}
+
+/// Slides a patch, from tractions that are near if there are; on a curved surface its pressure and its tractions in turn, until both rest.
+fn slide(
+    pressed: &mut Pressed,
+    (settings, side, bodies): (&Settings, Side, (&Rail, &Pose, &Motion)),
+    mut near: Option<([usize; 2], TangentialState)>,
+    interface: &dyn Interface,
+    (pool, work): (&mut Pool, &mut Work),
+) -> Result<(Rolling, Slid), TrackError> {
+    let (rail, pose, motion) = bodies;
+    let mut traction = [0, 1].map(|_| vec![0.0; pressed.window.points()]);
+    let mut change = f64::INFINITY;
+    for _ in 0..MOST_TURNS {
+        let rolling = rolling(&pressed.frame, pressed.approach(), rail, pose, motion)?;
+        let part = pressed.contact_window();
+        let besides = match settings.rigid_slip {
+            RigidSlip::Plane => None,
+            RigidSlip::Surfaces => Some(pressed.rigid_slip(&rolling, bodies)?),
+        };
+        let elastic = pressed.elastic_slip(&traction);
+        let near_here = near.take().filter(|(half, _)| *half == part.half);
+        let about = Sliding { side, settings, pressed, rolling: &rolling, part, besides, elastic };
+        let slid = about.solve(interface, near_here.map(|(_, state)| state), pool, work)?;
+        if pressed.curved.is_none() || change <= REST {
+            return Ok((rolling, slid));
+        }
+        let before = std::mem::replace(&mut traction, slid.fields.traction);
+        let iterations = pressed.iterations;
+        change = pressed.yield_to(&traction, pool)?.max(change_of(&traction, &before, pressed));
+        work.normal_iterations += pressed.iterations - iterations;
+        near = slid.state.map(|state| (part.half, state));
+    }
+    Err(TrackError::Turns { change })
+}
+
+/// By how much tractions differ, over the largest pressure.
+fn change_of(traction: &[Vec<f64>; 2], before: &[Vec<f64>; 2], pressed: &Pressed) -> f64 {
+    let largest = pressed.pressure.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let pairs = traction.iter().flatten().zip(before.iter().flatten());
+    pairs.map(|(one, other)| (one - other).abs()).fold(0.0, f64::max) / largest
 }
 
 /// The entry whose place is nearest, if it is near.

@@ -28,6 +28,8 @@ pub struct Patch {
     pub max_pressure: f64,
     /// Forces and moments on the wheel in the patch's axes, about their origin.
     pub load: Load,
+    /// How tractions lean its force, as [`Pressed::leaning`] has it [-].
+    pub(super) leaning: f64,
     /// Creepages at the origin, and the rolling speed.
     pub rolling: Rolling,
     /// Friction power [W].
@@ -108,7 +110,8 @@ impl Patch {
             approach: pressed.approach(),
             area: pressed.area(&fields.grid()),
             max_pressure,
-            load: fields.load(),
+            leaning: pressed.leaning(&fields),
+            load: pressed.load(&fields),
             rolling,
             friction_power: fields.total_power(),
             power_off_plane,
@@ -122,6 +125,7 @@ impl Patch {
     pub(super) fn sliding(mut self, slid: &Slid) -> Self {
         self.load.force[..2].copy_from_slice(&slid.force);
         self.load.moment[2] = slid.moment;
+        self.leaning = self.load.force[1] / self.load.force[2];
         self.slip_area_ratio = slid.slip_area_ratio;
         self
     }

@@ -4,6 +4,7 @@
 //! size alone, wherever it is. Its counts are the largest odd ones below products of the primes that transforms
 //! are fast with, so that contacts of about the same size share solvers.
 
+use super::curved::KnownNumbers;
 use super::local::Window;
 use super::settings::Settings;
 use crate::half_space::influence::Influence;
@@ -14,8 +15,6 @@ use proto::grid::Structured;
 
 /// Sizes that are kept, of either kind.
 const KEPT: usize = 16;
-/// Tolerance of the pressure over that of the tractions.
-const PRESSURE_SHARE: f64 = 1e-2;
 
 /// At least this many elements on either side of an origin: as many as a transform of the next size takes.
 pub(super) fn room(half: usize) -> usize {
@@ -30,16 +29,19 @@ pub(super) struct Pool {
     settings: Settings,
     normal: Vec<([usize; 2], NormalSolver)>,
     tangential: Vec<([usize; 2], Levels)>,
+    /// Numbers of curved surfaces, where patches are on them.
+    pub(super) curved: Option<KnownNumbers>,
 }
 
 impl Pool {
     pub(super) fn new(settings: Settings) -> Self {
-        Self { settings, normal: Vec::new(), tangential: Vec::new() }
+        Self { settings, normal: Vec::new(), tangential: Vec::new(), curved: None }
     }
 
     /// The solver of normal contacts on a window.
     pub(super) fn normal(&mut self, window: &Window) -> &mut NormalSolver {
-        let Settings { sides: [dx, dy], bodies, tolerance, .. } = self.settings;
+        let Settings { sides: [dx, dy], bodies, .. } = self.settings;
+        let tolerance = self.settings.pressure_tolerance();
         kept(&mut self.normal, window.half, || {
             let [nx, ny] = window.counts();
             let mut solver = NormalSolver::new(
@@ -47,7 +49,7 @@ impl Pool {
                 ny,
                 &Influence { dx, dy, elasticity: bodies, plane_strain: false },
             );
-            solver.tolerance = PRESSURE_SHARE * tolerance;
+            solver.tolerance = tolerance;
             solver
         })
     }

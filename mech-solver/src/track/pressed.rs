@@ -1,8 +1,11 @@
 //! A patch under pressure, without tractions.
 
 use super::analyn;
+use super::creepage::{Rolling, RowSlip};
+use super::curved::Curved;
 use super::distance::{distance_of_surfaces, on_rail};
 use super::error::TrackError;
+use super::fields::{Fields, Load};
 use super::kpec;
 use super::local::{Frame, NOTHING, Window, three_distances, undeformed_distance};
 use super::parabolas::Parabolas;
@@ -11,7 +14,7 @@ use super::rail::Rail;
 use super::region::Region;
 use super::settings::{Normal, Settings};
 use super::strips::{self, PressedStrip};
-use super::wheelset::{Pose, Wheel};
+use super::wheelset::{Motion, Pose, Wheel};
 use crate::half_space::area::contact_area;
 use crate::half_space::normal::Prescribed;
 use proto::grid::Structured;
@@ -20,6 +23,9 @@ use std::borrow::Cow;
 /// Elements by which a contact may grow on each side from one height to the next, beside the one round it.
 const GROWTH: usize = 1;
 
+/// Rows beside those that penetrate in which a patch on a curved surface may touch: there tractions close the gap, too.
+const BESIDE: i64 = 3;
+
 /// Heights to be added to the undeformed distance, at x in track axes and a tape distance [m].
 pub(super) type Heights<'a> = &'a dyn Fn([f64; 2]) -> f64;
 
@@ -27,7 +33,7 @@ pub(super) type Heights<'a> = &'a dyn Fn([f64; 2]) -> f64;
 ///
 /// From a pressure that is near, the patch is solved on the part of its window that the contact had, until
 /// [`Pressed::complete`] is asked for.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Pressed {
     pub(super) region: Region,
     pub(super) frame: Frame,
@@ -44,8 +50,10 @@ pub(super) struct Pressed {
     pub(super) normal_force: f64,
     /// The pressure is that of all of the window.
     complete: bool,
-    /// By how much other patches open the gap [m]; empty if they do not.
+    /// By how much other patches, or tractions, open the gap [m]; empty if they do not.
     opening: Vec<f64>,
+    /// The surface that it is on, where that is no plane.
+    pub(super) curved: Option<Curved>,
     /// What an approximate theory makes the pressure of, and the strips that it made.
     approximate: Option<(Parabolas, Vec<PressedStrip>)>,
     /// Iterations of the normal contact.
@@ -67,14 +75,24 @@ impl Pressed {
         if rail.surface.constant().is_none() {
             frame = on_rail(&frame, rail);
         }
-        let window = window(region, &frame, settings)?;
+        let rows = match pool.curved {
+            Some(_) => [region.rows[0] - BESIDE, region.rows[1] + BESIDE],
+            None => region.rows,
+        };
+        let window = window((region, rows), &frame, settings)?;
         let constant = rail.surface.constant().is_some() && wheel.surface.constant().is_some();
-        let own = own_rows(region, &frame, &window);
+        let own = own_rows(rows, &frame, &window);
+        let known = pool.curved.as_mut();
+        let curved =
+            known.map(|known| known.patch(&frame, &window, bodies, settings)).transpose()?;
         let (mut distance, rail_heights, approximate) = match settings.normal {
             Normal::HalfSpace => {
-                let [mut distance, heights] = match constant {
-                    true => undeformed_distance(&frame, &window, bodies),
-                    false => distance_of_surfaces(&frame, &window, bodies, pitch),
+                let [mut distance, heights] = match &curved {
+                    Some(curved) => {
+                        [curved.distance(&window, bodies), vec![0.0; window.counts()[1]]]
+                    }
+                    None if constant => undeformed_distance(&frame, &window, bodies),
+                    None => distance_of_surfaces(&frame, &window, bodies, pitch),
                 };
                 leave_to_others(&window, own, &mut distance);
                 (distance, heights, None)
@@ -91,11 +109,14 @@ impl Pressed {
         }
         let mut pressure = vec![0.0; window.points()];
         let (normal_force, iterations) = (0.0, 0);
-        let mut part = window;
+        let (mut part, mut opening) = (window, Vec::new());
         if let Some(near) = near.filter(|_| approximate.is_none()) {
             copy_centred((&near.window, &near.pressure), (&window, &mut pressure));
+            if curved.is_some() && !near.opening.is_empty() {
+                opening = near.opening_of((&frame, &window));
+            }
             // Bodies that vary, or are rough, may touch where they did not at the height before.
-            if constant && heights.is_none() {
+            if constant && heights.is_none() && curved.is_none() {
                 let half = near.contact_window().half;
                 part.half = [0, 1].map(|k| room(half[k] + GROWTH).min(window.half[k]));
             }
@@ -112,7 +133,8 @@ impl Pressed {
             pressure,
             normal_force,
             complete,
-            opening: Vec::new(),
+            opening,
+            curved,
             approximate,
             iterations,
         };
@@ -186,16 +208,17 @@ impl Pressed {
 
     /// Solves on a part of the window, from the pressure that is there.
     fn solve(&mut self, part: &Window, pool: &mut Pool) -> Result<(), TrackError> {
-        let solver = pool.normal(part);
         let approach = Prescribed::Approach(0.0);
         let gap = gap(&self.distance, &self.opening);
-        let contact = if *part == self.window {
-            solver.solve(&gap, approach, &mut self.pressure)?
+        let contact = if let Some(curved) = &mut self.curved {
+            curved.elastic.press(&gap, &mut self.pressure)?
+        } else if *part == self.window {
+            pool.normal(part).solve(&gap, approach, &mut self.pressure)?
         } else {
             let (mut distance, mut pressure) = (vec![0.0; part.points()], vec![0.0; part.points()]);
             copy_centred((&self.window, &gap), (part, &mut distance));
             copy_centred((&self.window, &self.pressure), (part, &mut pressure));
-            let contact = solver.solve(&distance, approach, &mut pressure)?;
+            let contact = pool.normal(part).solve(&distance, approach, &mut pressure)?;
             self.pressure.fill(0.0);
             copy_centred((part, &pressure), (&self.window, &mut self.pressure));
             contact
@@ -205,6 +228,100 @@ impl Pressed {
         match contact.touches_edge && !self.complete {
             true => self.complete(pool),
             false => Ok(()),
+        }
+    }
+
+    /// The opening of the gap on the elements of another window, nothing where they are not here [m].
+    fn opening_of(&self, (frame, window): (&Frame, &Window)) -> Vec<f64> {
+        let [nx, ny] = self.window.counts();
+        let shift = [0, 1].map(|k| {
+            let [there, here] = [(frame, window), (&self.frame, &self.window)]
+                .map(|(frame, window)| frame.element[k] - window.half[k] as i64);
+            there - here
+        });
+        let width = window.counts()[0];
+        let at = |index: usize| {
+            let [i, j] = [(0, index % width), (1, index / width)]
+                .map(|(k, at)| usize::try_from(at as i64 + shift[k]).ok());
+            match (i?, j?) {
+                (i, j) if i < nx && j < ny => Some(self.opening[j * nx + i]),
+                _ => None,
+            }
+        };
+        (0..window.points()).map(|index| at(index).unwrap_or(0.0)).collect()
+    }
+
+    /// Lets tractions open the gap of a patch on a curved surface, and presses it anew; by how much its pressure changes, over the largest.
+    pub(super) fn yield_to(
+        &mut self,
+        traction: &[Vec<f64>; 2],
+        pool: &mut Pool,
+    ) -> Result<f64, TrackError> {
+        let Some(curved) = &mut self.curved else { return Ok(0.0) };
+        self.opening.resize(self.distance.len(), 0.0);
+        curved.elastic.opening(traction, &mut self.opening);
+        let before = self.pressure.clone();
+        self.solve(&self.window.clone(), pool)?;
+        let changes = self.pressure.iter().zip(&before).map(|(p, q)| (p - q).abs());
+        let largest = self.pressure.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        Ok(changes.fold(0.0, f64::max) / largest)
+    }
+
+    /// Slip of a step that elastic half-spaces do not have under these tractions [m], on a curved surface.
+    pub(super) fn elastic_slip(&mut self, [x, s]: &[Vec<f64>; 2]) -> Option<[Vec<f64>; 2]> {
+        let curved = self.curved.as_mut()?;
+        Some(curved.elastic.slip_besides([x, s], &self.pressure))
+    }
+
+    /// How tractions lean the force: in a plane what of it is along the tangent for one along the normal, on a curved surface the vertical part of
+    /// the tractions over the sum of the pressure [-].
+    pub(super) fn leaning(&self, fields: &Fields) -> f64 {
+        match &self.curved {
+            Some(curved) => {
+                let all = curved.vertical(&fields.pressure, Some(&fields.traction[1]));
+                let sum: f64 = fields.pressure.iter().sum();
+                (all - curved.vertical(&fields.pressure, None)) / sum
+            }
+            None => fields.leaning(),
+        }
+    }
+
+    /// Vertical force of the pressure, and of tractions that lean it so [N].
+    pub(super) fn vertical(&self, leaning: f64) -> f64 {
+        match &self.curved {
+            Some(curved) => {
+                let [dx, dy] = self.window.sides;
+                curved.vertical(&self.pressure, None) * dx * dy + leaning * self.normal_force
+            }
+            None => {
+                let (sin, cos) = self.frame.angle.sin_cos();
+                self.normal_force * (cos + leaning * sin)
+            }
+        }
+    }
+
+    /// Rigid slip of the rows of the window beside that of creepages in its plane, where it is taken on the surfaces.
+    pub(super) fn rigid_slip(
+        &self,
+        rolling: &Rolling,
+        bodies: (&Rail, &Pose, &Motion),
+    ) -> Result<Vec<RowSlip>, TrackError> {
+        if let Some(curved) = &self.curved {
+            return Ok(curved.rigid_slip((&self.window, rolling), &self.lowest, bodies)?);
+        }
+        let [rail, wheel] = self.heights(&self.window);
+        let [by_wheel, by_rail] = rolling.by_height;
+        let rows = wheel.iter().zip(&rail);
+        let off_plane =
+            |(wheel, rail): (&f64, &f64)| [0, 1].map(|k| by_wheel[k] * wheel + by_rail[k] * rail);
+        Ok(rows.map(off_plane).map(|slip| RowSlip { slip, spin: 0.0 }).collect())
+    }
+
+    /// Forces and moments on the wheel in the axes of the patch, about their origin.
+    pub(super) fn load(&self, fields: &Fields) -> Load {
+        match &self.curved {
+            Some(curved) => curved.load(&self.frame, fields),
+            None => fields.load(),
         }
     }
 
@@ -269,9 +386,9 @@ fn gap<'a>(distance: &'a [f64], opening: &[f64]) -> Cow<'a, [f64]> {
     }
 }
 
-/// Rows of a window that are of a region: the first, and the one behind the last.
-fn own_rows(region: &Region, frame: &Frame, window: &Window) -> [usize; 2] {
-    let [first, last] = region.rows.map(|row| row - frame.element[1] + window.half[1] as i64);
+/// Rows of a window of these first and last ones: the first, and the one behind the last.
+fn own_rows(rows: [i64; 2], frame: &Frame, window: &Window) -> [usize; 2] {
+    let [first, last] = rows.map(|row| row - frame.element[1] + window.half[1] as i64);
     [first, last + 1].map(|row| row.clamp(0, window.counts()[1] as i64) as usize)
 }
 
@@ -282,12 +399,16 @@ fn leave_to_others(window: &Window, [first, end]: [usize; 2], distance: &mut [f6
     distance[end * nx..].fill(NOTHING);
 }
 
-/// The elements that hold a region, and one round it.
-fn window(region: &Region, frame: &Frame, settings: &Settings) -> Result<Window, TrackError> {
+/// The elements that hold a region with these rows, and one round it.
+fn window(
+    (region, rows): (&Region, [i64; 2]),
+    frame: &Frame,
+    settings: &Settings,
+) -> Result<Window, TrackError> {
     let [dx, _] = settings.sides;
     let along = region.x_range.map(|x| (x - frame.origin.x).abs() / dx);
     let along = along[0].max(along[1]).ceil() as usize;
-    let across = region.rows.map(|row| row.abs_diff(frame.element[1]) as usize);
+    let across = rows.map(|row| row.abs_diff(frame.element[1]) as usize);
     let half = [room(along + 1), room(across[0].max(across[1]) + 1)];
     let window = Window { half, sides: settings.sides };
     match window.points() {

@@ -2,7 +2,11 @@
 
 use super::region::Joining;
 use crate::half_space::influence::Elasticity;
+use crate::scene::Material;
 use crate::simplified::flexibility::Kind;
+
+/// Tolerance of the pressure over that of the tractions.
+const PRESSURE_SHARE: f64 = 1e-2;
 
 /// Discretisation, bodies and accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +15,8 @@ pub struct Settings {
     pub sides: [f64; 2],
     /// Elastic constants of wheel (body 1) and rail (body 2), of the same material.
     pub bodies: Elasticity,
+    /// The same of each.
+    pub materials: [Material; 2],
     /// Whether surfaces may stick; without it all of a contact slides.
     pub adhesion: bool,
     /// Tangential flexibility of a layer between the surfaces [m/Pa], 0 for none.
@@ -19,6 +25,8 @@ pub struct Settings {
     pub joining: Joining,
     /// Where rigid slip is taken.
     pub rigid_slip: RigidSlip,
+    /// What a patch is on.
+    pub patch_surface: PatchSurface,
     /// Whether the pressure of a patch displaces the surfaces under the others.
     pub mutual: bool,
     /// What gives the pressure.
@@ -33,16 +41,18 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Elements of these sides [m] on bodies of the same material; the rest as usual.
+    /// Elements of these sides [m] on a wheel and a rail of these materials; the rest as usual.
     #[must_use]
-    pub fn new(sides: [f64; 2], bodies: Elasticity) -> Self {
+    pub fn new(sides: [f64; 2], materials: [Material; 2]) -> Self {
         Self {
             sides,
-            bodies,
+            bodies: Elasticity::of_pair(&materials[0], &materials[1]),
+            materials,
             adhesion: true,
             layer: 0.0,
             joining: Joining::default(),
             rigid_slip: RigidSlip::default(),
+            patch_surface: PatchSurface::default(),
             mutual: false,
             normal: Normal::default(),
             tangential: Tangential::default(),
@@ -60,6 +70,16 @@ pub enum RigidSlip {
     Plane,
     /// On the surfaces, above the plane and below it: the rolling radius is that of every place.
     Surfaces,
+}
+
+/// What a patch is on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PatchSurface {
+    /// A plane between half-spaces.
+    #[default]
+    Plane,
+    /// A surface that turns with the bodies, which are prisms of their sections.
+    Curved,
 }
 
 /// What gives the pressure of a patch.
@@ -88,16 +108,21 @@ pub enum Tangential {
 
 /// Springs that are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct AskedSprings {
+pub(crate) struct AskedSprings {
     /// Their flexibilities.
-    pub(super) kind: Kind,
+    pub(crate) kind: Kind,
     /// Strip theory where strips stick.
-    pub(super) strip_theory: bool,
+    pub(crate) strip_theory: bool,
 }
 
 impl Settings {
+    /// Tolerance of the pressure: a share of that of the tractions.
+    pub(super) fn pressure_tolerance(&self) -> f64 {
+        PRESSURE_SHARE * self.tolerance
+    }
+
     /// The springs that give the tractions, if they do: a patch that cannot stick needs none.
-    pub(super) fn springs(&self) -> Option<AskedSprings> {
+    pub(crate) fn springs(&self) -> Option<AskedSprings> {
         let of = |kind, strip_theory| Some(AskedSprings { kind, strip_theory });
         match self.tangential {
             _ if !self.adhesion => None,

@@ -14,7 +14,7 @@
 //! towards the edges, whose tractions elements share; slip and power lie half an element ahead, as in
 //! [`super::fields`].
 
-use super::creepage::Rolling;
+use super::creepage::{Rolling, RowSlip};
 use super::fields::Fields;
 use super::local::Window;
 use super::pressed::Pressed;
@@ -39,8 +39,8 @@ struct Sliding<'a> {
     /// Coefficient of friction of every strip [-].
     friction: Vec<f64>,
     rolling: &'a Rolling,
-    /// Rigid slip over V of every row of the window besides, off the plane [-].
-    off_plane: Vec<[f64; 2]>,
+    /// Rigid slip of every row of the window besides.
+    besides: Vec<RowSlip>,
     bodies: Elasticity,
     kind: Kind,
     /// Strip theory where strips stick.
@@ -62,13 +62,13 @@ pub(super) struct Slid {
     cells: Vec<(usize, Cell)>,
 }
 
-/// Slides a patch on springs and writes its fields, with the coefficients of friction of its elements, and rigid slip over V off the plane of
-/// its rows, if there is.
+/// Slides a patch on springs and writes its fields, with the coefficients of friction of its elements, and what rigid slip its
+/// rows have besides, if there is.
 pub(super) fn slide(
     pressed: &Pressed,
     rolling: &Rolling,
     (settings, springs): (&Settings, AskedSprings),
-    (friction, off_plane): (&[f64], Option<&[[f64; 2]]>),
+    (friction, besides): (&[f64], Option<&[RowSlip]>),
     fields: &mut Fields,
 ) -> Slid {
     let AskedSprings { kind, strip_theory } = springs;
@@ -79,9 +79,9 @@ pub(super) fn slide(
         strips: &strips,
         window,
         rolling,
-        off_plane: match off_plane {
+        besides: match besides {
             Some(rows) => rows.to_vec(),
-            None => vec![[0.0; 2]; window.counts()[1]],
+            None => vec![RowSlip::default(); window.counts()[1]],
         },
         bodies: settings.bodies,
         kind,
@@ -122,11 +122,11 @@ impl Sliding<'_> {
         slid
     }
 
-    /// ξ, η and φ in the axes of the patch, with what is off the plane in this row.
+    /// ξ, η and φ in the axes of the patch, with what this row has besides.
     fn creepage(&self, strip: &PressedStrip) -> Creepage {
         let [xi, eta, phi] = self.rolling.creepage;
-        let [x, y] = self.off_plane[strip.row];
-        [xi + x, eta + y, phi]
+        let RowSlip { slip: [x, y], spin } = self.besides[strip.row];
+        [xi + x, eta + y, phi + spin]
     }
 
     fn along(&self, strip: &PressedStrip) -> f64 {
@@ -188,8 +188,8 @@ impl Sliding<'_> {
             slid.force[1] += py;
             slid.moment += x * py - y * px;
             taken -= px * cell.slip[0] + py * cell.slip[1];
-            let [off_x, off_y] = self.off_plane[strip.row];
-            off_plane -= px * off_x + py * off_y;
+            let RowSlip { slip: [more_x, more_y], spin } = self.besides[strip.row];
+            off_plane -= px * more_x + py * (more_y + spin * x);
             all += area;
             slips += if cell.slips { area } else { 0.0 };
         }

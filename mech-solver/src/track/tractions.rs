@@ -1,6 +1,6 @@
 //! A patch under its pressure, about to slide: friction, and the tractions that it allows.
 
-use super::creepage::Rolling;
+use super::creepage::{Rolling, RowSlip};
 use super::error::TrackError;
 use super::fields::Fields;
 use super::interface::{Elements, Interface};
@@ -9,10 +9,10 @@ use super::patch::Work;
 use super::pool::Pool;
 use super::pressed::{Pressed, copy_centred};
 use super::rail::Side;
-use super::settings::{RigidSlip, Settings};
+use super::settings::Settings;
 use super::sliding::everywhere;
 use super::springs;
-use crate::half_space::levels::{History, Levels, Solution, TangentialError};
+use crate::half_space::levels::{History, Levels, RIGID_SLIP_AHEAD, Solution, TangentialError};
 use crate::half_space::settling::{Settling, first_velocities, slip_velocities};
 use crate::half_space::tangential::{Creepage, Prescribed, TangentialState};
 use crate::slip::SlipStart;
@@ -25,10 +25,16 @@ pub(super) struct Sliding<'a> {
     pub(super) rolling: &'a Rolling,
     /// The part of its window that holds the contact.
     pub(super) part: Window,
+    /// Rigid slip of the rows of the window beside that of the creepages, if there is.
+    pub(super) besides: Option<Vec<RowSlip>>,
+    /// Slip of a step on the window that elastic half-spaces do not have [m], if there is.
+    pub(super) elastic: Option<[Vec<f64>; 2]>,
 }
 
 /// A patch that slides.
 pub(super) struct Slid {
+    /// The part of the window that they were solved on.
+    pub(super) part: Window,
     pub(super) fields: Fields,
     /// Part of the friction power that rigid slip off the plane gives [W].
     pub(super) off_plane: f64,
@@ -47,30 +53,33 @@ impl Sliding<'_> {
         pool: &mut Pool,
         work: &mut Work,
     ) -> Result<Slid, TrackError> {
-        let Self { settings, pressed, rolling, part, .. } = self;
+        let Self { settings, pressed, rolling, part, besides, elastic, .. } = self;
         let Pressed { frame, window, .. } = pressed;
         let mut fields =
             Fields::pressed(window, frame.element, &pressed.distance, &pressed.pressure);
-        let rows = match settings.rigid_slip {
-            RigidSlip::Plane => None,
-            RigidSlip::Surfaces => Some(off_plane(pressed, rolling)),
-        };
-        let rubs = Rubs { about: self, law, off_plane: rows.as_deref() };
+        let rubs = Rubs { about: self, law };
         work.tangential_contacts += 1;
         if let Some(springs) = settings.springs() {
-            let given = (&rubs.friction(&fields, None)?[..], rows.as_deref());
+            let given = (&rubs.friction(&fields, None)?[..], besides.as_deref());
             let with = (*settings, springs);
             let slid = springs::slide(pressed, rolling, with, given, &mut fields);
             let off_plane = slid.off_plane;
-            return Ok(Slid { fields, off_plane, state: None, by_springs: Some(slid) });
+            return Ok(Slid {
+                part: *part,
+                fields,
+                off_plane,
+                state: None,
+                by_springs: Some(slid),
+            });
         }
-        let more = rows.as_deref().map(|rows| slip_of_a_step(rows, window, part));
-        let more = more.as_ref().map(|[x, t]| [x.as_slice(), t.as_slice()]);
+        let rigid = besides.as_deref().map(|rows| slip_of_a_step(rows, window, part));
+        let all = with_elastic(rigid.as_ref(), elastic.as_ref(), (window, part));
+        let [rigid, all] = [&rigid, &all].map(|slip| slip.as_ref().map(|[x, t]| [&x[..], &t[..]]));
         let mut tractions = |bound: &[f64], near: Option<TangentialState>| {
             if !settings.adhesion {
-                return Ok(everywhere(bound, part, rolling.creepage, more));
+                return Ok(everywhere(bound, part, rolling.creepage, rigid));
             }
-            let solution = rolls(pool.tangential(part), bound, rolling.creepage, more, near)?;
+            let solution = rolls(pool.tangential(part), bound, rolling.creepage, all, near)?;
             work.newton_steps += solution.newton_steps;
             Ok::<_, TangentialError>(solution.state)
         };
@@ -79,9 +88,9 @@ impl Sliding<'_> {
             Some(start) => rubs.settle(start, near, &fields, tractions)?,
         };
         fields.take(part, &state, rolling.speed);
-        let off_plane = more
+        let off_plane = rigid
             .map_or(0.0, |slip| fields.power_of_slip(part, slip, &state.traction, rolling.speed));
-        Ok(Slid { fields, off_plane, state: Some(state), by_springs: None })
+        Ok(Slid { part: *part, fields, off_plane, state: Some(state), by_springs: None })
     }
 }
 
@@ -89,8 +98,6 @@ impl Sliding<'_> {
 struct Rubs<'a> {
     about: &'a Sliding<'a>,
     law: &'a dyn Interface,
-    /// Rigid slip over V off the plane, of every row of the window, if there is [-].
-    off_plane: Option<&'a [[f64; 2]]>,
 }
 
 impl Rubs<'_> {
@@ -150,12 +157,13 @@ impl Rubs<'_> {
 
     /// Slip velocity of rigid bodies, in the middle of an element of the window [m/s].
     fn rigid_slip(&self, index: usize) -> f64 {
-        let Sliding { pressed: Pressed { window, .. }, rolling, .. } = self.about;
+        let Sliding { pressed: Pressed { window, .. }, rolling, besides, .. } = self.about;
         let [xi, eta, phi] = rolling.creepage;
         let nx = window.counts()[0];
         let (x, t) = (window.along(0, index % nx), window.along(1, index / nx));
-        let [off_x, off_t] = self.off_plane.map_or([0.0; 2], |rows| rows[index / nx]);
-        rolling.speed * (xi - phi * t + off_x).hypot(eta + phi * x + off_t)
+        let RowSlip { slip: [more_x, more_t], spin } =
+            besides.as_ref().map_or_else(RowSlip::default, |rows| rows[index / nx]);
+        rolling.speed * (xi - phi * t + more_x).hypot(eta + phi * x + more_t + spin * x)
     }
 }
 
@@ -186,20 +194,32 @@ fn rolls(
     Ok(solution)
 }
 
-/// Rigid slip over V off the plane, of every row of the window [-].
-fn off_plane(pressed: &Pressed, rolling: &Rolling) -> Vec<[f64; 2]> {
-    let [rail, wheel] = pressed.heights(&pressed.window);
-    let [by_wheel, by_rail] = rolling.by_height;
-    let rows = wheel.iter().zip(&rail);
-    rows.map(|(wheel, rail)| [0, 1].map(|k| by_wheel[k] * wheel + by_rail[k] * rail)).collect()
-}
-
-/// The same as the slip of a step on the elements of a part [m].
-fn slip_of_a_step(rows: &[[f64; 2]], window: &Window, part: &Window) -> [Vec<f64>; 2] {
+/// Rigid slip of rows as the slip of a step on the elements of a part [m].
+fn slip_of_a_step(rows: &[RowSlip], window: &Window, part: &Window) -> [Vec<f64>; 2] {
     let first = window.half[1] - part.half[1];
     let [nx, ny] = part.counts();
+    let dx = part.sides[0];
     [0, 1].map(|k| {
-        let own = rows[first..first + ny].iter();
-        own.flat_map(|slip| std::iter::repeat_n(part.sides[0] * slip[k], nx)).collect()
+        let row = |row: &RowSlip| {
+            let (slip, spin) = (row.slip[k], if k == 0 { 0.0 } else { row.spin });
+            (0..nx).map(move |i| dx * (slip + spin * (part.along(0, i) + RIGID_SLIP_AHEAD * dx)))
+        };
+        rows[first..first + ny].iter().flat_map(row).collect()
     })
+}
+
+/// Slip of a step on a part, with an elastic one on the window, of which there may be none [m].
+fn with_elastic(
+    rigid: Option<&[Vec<f64>; 2]>,
+    elastic: Option<&[Vec<f64>; 2]>,
+    (window, part): (&Window, &Window),
+) -> Option<[Vec<f64>; 2]> {
+    let Some(elastic) = elastic else { return rigid.cloned() };
+    let mut all = [0, 1].map(|_| vec![0.0; part.points()]);
+    for (k, all) in all.iter_mut().enumerate() {
+        copy_centred((window, &elastic[k]), (part, all));
+        let rigid = rigid.iter().flat_map(|rigid| &rigid[k]);
+        all.iter_mut().zip(rigid).for_each(|(all, rigid)| *all += rigid);
+    }
+    Some(all)
 }

@@ -85,9 +85,8 @@ fn friction_takes_what_the_rigid_slip_gives(solver: &mut ConformalSolver, found:
     let (speed, grid) = (30.0, solver.grid);
     let [x, s] = &found.state.traction;
     let mut displacement = vec![0.0; grid.points()];
-    let [by_x, by_s] = &solver.distance_by_traction;
-    solver.rows.apply(&[(by_x, x), (by_s, s)], &mut displacement);
-    displacement.iter_mut().zip(solver.normal.displacement()).for_each(|(sum, more)| *sum += more);
+    solver.elastic.opening(&found.state.traction, &mut displacement);
+    displacement.iter_mut().zip(solver.elastic.displacement()).for_each(|(sum, more)| *sum += more);
     let (mut rigid, mut normal) = (0.0, 0.0);
     for index in (0..grid.points()).filter(|index| !(index + 1).is_multiple_of(grid.ni)) {
         let mean = |field: &[f64]| 0.5 * (field[index] + field[index + 1]);

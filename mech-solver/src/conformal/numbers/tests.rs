@@ -6,7 +6,7 @@ const STEEL: Material = Material { youngs_modulus: 209.92e9, poisson_ratio: 0.28
 #[test]
 fn flat_bodies_are_half_spaces() {
     let patch = Patch { counts: [24, 7], sides: [1e-3, 1e-3], first: -3.5e-3 };
-    let outline = Outline::open(0.0, 0.0, [patch.first, 1e-3], 7, 1000.0);
+    let outline = Outline::open(&Section::straight(), [patch.first, 1e-3], 7, 1000.0);
     let waves: Vec<f64> = (0..45).map(|n| 0.05 * 1.33_f64.powi(n)).collect();
     let [even, odd] = weights(&waves, patch);
     for (outward, elasticity) in [-1.0, 1.0].into_iter().zip(Elasticity::of_bodies(&[STEEL, STEEL]))
@@ -39,8 +39,9 @@ fn flat_bodies_are_half_spaces() {
 #[test]
 fn curved_bodies_are_reciprocal() {
     let patch = Patch { counts: [9, 13], sides: [0.8e-3; 2], first: -5.2e-3 };
-    let surface = Surface { curvatures: [-98.0, -100.0], turn: std::f64::consts::FRAC_PI_2 };
-    let numbers = Numbers::new(&[STEEL, STEEL], &surface, &patch);
+    let quarter = std::f64::consts::FRAC_PI_4;
+    let sections = [98.0, 100.0].map(|c| Section::arc(-c, quarter / c));
+    let numbers = Numbers::new(&[STEEL, STEEL], &sections, &patch);
     let own = numbers.value([2, 2], 0, [6, 6]);
     for i in [0, 2, 8] {
         for (t, q) in [(6, 6), (7, 6), (10, 3), (12, 0)] {

@@ -3,7 +3,8 @@
 use super::keys::{
     ANGULAR_VELOCITY, AXLE_LOAD, CANT, CURVATURE, FLANGE_BACK_DISTANCE, FLANGE_BACK_POSITION,
     FRICTION, GAUGE, GAUGE_HEIGHT, HEIGHT, JOINING, LATERAL_RESOLUTION, LEFT_SHARE, NOMINAL_RADIUS,
-    NORMAL, PATCH_INFLUENCE, RIGID_SLIP, ROLL, SIDE, TANGENTIAL, TORQUE, VERTICAL_FORCE, keys,
+    NORMAL, PATCH_INFLUENCE, PATCH_SURFACE, RIGID_SLIP, ROLL, SIDE, TANGENTIAL, TORQUE,
+    VERTICAL_FORCE, keys,
 };
 use super::shape::surface;
 use crate::half_space::influence::Elasticity;
@@ -16,7 +17,7 @@ use crate::track::balance::{Given, WheelsetOnTrack};
 use crate::track::contact::WheelOnRail;
 use crate::track::profile::orientation::Body;
 use crate::track::rail::{Deviation, Placing, Side, Track};
-use crate::track::settings::{Normal, RigidSlip, Settings, Tangential, Vertical};
+use crate::track::settings::{Normal, PatchSurface, RigidSlip, Settings, Tangential, Vertical};
 use crate::track::surface::Surface;
 use crate::track::wheelset::{Motion, Wheelset};
 use proto::bodies::{Bodies, LOWER, UPPER};
@@ -83,7 +84,7 @@ impl Case {
             false => along,
         };
         let sides = [along, across].map(|count| CENTIMETRE / count as f64);
-        let mut settings = Settings::new(sides, bodies);
+        let mut settings = Settings::new(sides, [upper, lower]);
         settings.joining.distance = case.number(JOINING)?;
         if case.text(RIGID_SLIP)? == "surfaces" {
             settings.rigid_slip = RigidSlip::Surfaces;
@@ -117,6 +118,10 @@ impl Case {
         let surfaces = [surface(UPPER, Body::Wheel)?, surface(LOWER, Body::Rail)?];
         refuse_approximate(&settings, &surfaces)?;
         refuse_rough(&settings, &terms)?;
+        if case.text(PATCH_SURFACE)? == "curved" {
+            settings.patch_surface = PatchSurface::Curved;
+            refuse_curved(&settings, &terms, &surfaces)?;
+        }
         Ok(Self {
             surfaces,
             rail_key: names.key(LOWER, "profile"),
@@ -291,6 +296,43 @@ fn refuse_rough(settings: &Settings, terms: &Terms) -> Result<(), Refusal> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses what is not there on curved surfaces.
+fn refuse_curved(
+    settings: &Settings,
+    terms: &Terms,
+    surfaces: &[Surface; 2],
+) -> Result<(), Refusal> {
+    let refuse = |key: &str, reason: &str, fix: &str| {
+        let fix = format!("{fix}, or write {PATCH_SURFACE} = \"plane\"");
+        Err(Refusal::new(key, reason, fix))
+    };
+    if let Some(effect) = terms.effect_of(crate::terms::Kind::Observation) {
+        let reason = "the stresses are those below a plane, and patches are on curved surfaces";
+        return refuse(&format!("effects.{effect}"), reason, "remove the effect");
+    }
+    if surfaces.iter().any(|surface| surface.constant().is_none()) {
+        let reason =
+            "asks for prisms along the track, and these bodies vary along the rolling direction";
+        return refuse(PATCH_SURFACE, reason, "leave slices and irregularities out");
+    }
+    let theory = "asks for strips in a plane, and patches are on curved surfaces";
+    if settings.normal != Normal::HalfSpace {
+        return refuse(NORMAL, theory, "write \"half-space\"");
+    }
+    if settings.springs().is_some() {
+        return refuse(TANGENTIAL, theory, "write \"half-space\"");
+    }
+    if settings.mutual {
+        let reason = "patches on curved surfaces act on each other where they are one";
+        return refuse(
+            PATCH_INFLUENCE,
+            reason,
+            "write \"none\" here, and a longer mech.joining_distance",
+        );
+    }
+    Ok(())
 }
 
 /// Refuses approximate theories of the pressure on surfaces that vary, of which they would have to know parabolas along x.

@@ -35,6 +35,7 @@ pub(super) const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 pub(super) const JOINING: &str = "mech.joining_distance";
 pub(super) const RIGID_SLIP: &str = "mech.rigid_slip";
 pub(super) const PATCH_INFLUENCE: &str = "mech.patch_influence";
+pub(super) const PATCH_SURFACE: &str = "mech.patch_surface";
 pub(super) const NORMAL: &str = "mech.normal";
 pub(super) const TANGENTIAL: &str = "mech.tangential";
 
@@ -195,6 +196,13 @@ fn elements() -> Vec<KeySpec> {
             "what patches do to each other: nothing, or the pressure of each displaces the surfaces under the others",
         )
         .default_value("none"),
+        KeySpec::choice(
+            PATCH_SURFACE,
+            &["plane", "curved"],
+            "what a patch is on: a plane between half-spaces, or a surface that turns with the profiles (conformal \
+             contact), between bodies that are prisms of these along the track",
+        )
+        .default_value("plane"),
         KeySpec::choice(
             NORMAL,
             &["half-space", "kpec", "analyn"],

@@ -1,6 +1,6 @@
 //! Approximate theories of the normal and of the tangential contact, against closed forms and against half-spaces.
 
-use super::{arc, line, rolling, single, solve, standard, steel};
+use super::{STEEL, arc, line, rolling, single, solve, standard, steel};
 use crate::reference::hertz::{EllipticContact, elliptic_contact};
 use crate::reference::kalker::creep_coefficients;
 use crate::simplified::flexibility::Kind;
@@ -24,7 +24,7 @@ fn crown(normal: Normal, tangential: Tangential, elements: f64) -> (WheelOnRail,
     let compliance = steel().contact_compliance();
     let hertz = elliptic_contact(0.5 / RADIUS, 0.5 / CROWN, LOAD, compliance);
     let side = hertz.semi_axis_b / elements;
-    let mut settings = Settings::new([side, side], steel());
+    let mut settings = Settings::new([side, side], [STEEL; 2]);
     (settings.normal, settings.tangential) = (normal, tangential);
     (single([&line(30e-3), &rail.starting_at(middle)], RADIUS, settings), hertz)
 }
@@ -106,7 +106,7 @@ fn large_creepage_takes_all_of_the_friction() {
 }
 
 fn settings(normal: Normal, tangential: Tangential) -> Settings {
-    Settings { normal, tangential, ..Settings::new([3e-4, 3e-4], steel()) }
+    Settings { normal, tangential, ..Settings::new([3e-4, 3e-4], [STEEL; 2]) }
 }
 
 /// Power is that of the forces, on patches that are no ellipse, with yaw; what elements show has the sums of the strips.

@@ -1,6 +1,6 @@
 //! Power and momentum: what friction takes is what the forces give.
 
-use super::{rolling, solve, standard, steel};
+use super::{STEEL, rolling, solve, standard};
 use crate::track::contact::WheelOnRail;
 use crate::track::rail::Side;
 use crate::track::settings::{RigidSlip, Settings, Vertical};
@@ -8,7 +8,7 @@ use crate::track::settings::{RigidSlip, Settings, Vertical};
 #[test]
 fn friction_takes_what_the_forces_give() {
     for rigid_slip in [RigidSlip::Plane, RigidSlip::Surfaces] {
-        let settings = Settings { rigid_slip, ..Settings::new([3e-4, 3e-4], steel()) };
+        let settings = Settings { rigid_slip, ..Settings::new([3e-4, 3e-4], [STEEL; 2]) };
         balance(standard(Side::Right, settings), rigid_slip == RigidSlip::Plane);
     }
 }

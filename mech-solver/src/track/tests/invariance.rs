@@ -1,6 +1,6 @@
 //! The same contact, seen from elsewhere or reached in another way.
 
-use super::{arc, elements, line, rolling, single, solve, standard, steel};
+use super::{STEEL, arc, elements, line, rolling, single, solve, standard};
 use crate::track::interface::Constant;
 use crate::track::outline::Outline;
 use crate::track::patch::Solved;
@@ -18,7 +18,7 @@ const POSITIONS: [(f64, f64); 4] = [(0.0, 0.0), (2e-3, -5e-3), (5e-3, 1e-2), (9e
 /// The left wheel at (y, roll, yaw) and the right one at (−y, −roll, −yaw).
 #[test]
 fn left_and_right_are_mirror_images() {
-    let settings = Settings::new([4e-4, 4e-4], steel());
+    let settings = Settings::new([4e-4, 4e-4], [STEEL; 2]);
     let [mut left, mut right] = [Side::Left, Side::Right].map(|side| standard(side, settings));
     for (y, yaw) in POSITIONS {
         let force = Vertical::Force(60e3);
@@ -85,7 +85,7 @@ fn a_turned_pair_has_the_same_contact() {
 /// A flank touches ahead of the axle, or behind it, by (r tan δ − y) yaw to first order.
 #[test]
 fn yaw_moves_the_contact_along_the_rail() {
-    let mut pair = standard(Side::Left, Settings::new([4e-4, 4e-4], steel()));
+    let mut pair = standard(Side::Left, Settings::new([4e-4, 4e-4], [STEEL; 2]));
     for yaw in [2e-3, -4e-3] {
         let solved = solve(&mut pair, &rolling(9e-3, 0.0, yaw), Vertical::Force(20e3));
         let flank = solved.patches.iter().min_by(|a, b| a.tape.total_cmp(&b.tape)).unwrap();
@@ -101,7 +101,7 @@ fn yaw_moves_the_contact_along_the_rail() {
 /// What a force finds, the height that it finds finds again; and it does not depend on what was before.
 #[test]
 fn the_way_to_a_position_does_not_matter() {
-    let settings = Settings::new([3e-4, 3e-4], steel());
+    let settings = Settings::new([3e-4, 3e-4], [STEEL; 2]);
     let same = |one: &Solved, other: &Solved, tolerance: f64| {
         for k in 0..3 {
             near(one.force[k], other.force[k], 60e3, tolerance, "force");

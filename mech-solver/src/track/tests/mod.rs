@@ -1,6 +1,7 @@
 //! A wheel on a rail, against closed forms and against itself.
 
 mod approximate;
+mod curved;
 mod energy;
 mod hertz;
 mod invariance;
@@ -19,10 +20,11 @@ use super::wheelset::{Motion, Wheelset};
 use crate::half_space::influence::Elasticity;
 use crate::scene::Material;
 
+const STEEL: Material = Material { youngs_modulus: 210e9, poisson_ratio: 0.28 };
+
 /// Steel on steel.
 fn steel() -> Elasticity {
-    let body = Material { youngs_modulus: 210e9, poisson_ratio: 0.28 };
-    Elasticity::of_pair(&body, &body)
+    Elasticity::of_pair(&STEEL, &STEEL)
 }
 
 /// A wheel of these profiles above the origin of a rail at the origin of the track.
@@ -35,7 +37,7 @@ fn single([wheel, rail]: [&Outline; 2], radius: f64, settings: Settings) -> Whee
 
 /// Square elements of this side [m] on steel.
 fn elements(side: f64) -> Settings {
-    Settings::new([side, side], steel())
+    Settings::new([side, side], [STEEL; 2])
 }
 
 /// S1002 on 60E1 at 1:40.

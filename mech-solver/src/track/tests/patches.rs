@@ -1,6 +1,6 @@
 //! Several patches, and the grid that they share.
 
-use super::{arc, elements, line, rolling, single, solve, standard, steel};
+use super::{STEEL, arc, elements, line, rolling, single, solve, standard, steel};
 use crate::track::contact::WheelOnRail;
 use crate::track::developed::Developed;
 use crate::track::error::TrackError;
@@ -34,7 +34,7 @@ fn two_crowns_carry_half_each() {
     }
     // On one half-space they push each other away: the same force takes more depth.
     let wide = Joining { distance: 20e-3, ..Joining::default() };
-    let settings = Settings { joining: wide, ..Settings::new([2e-4, 2e-4], steel()) };
+    let settings = Settings { joining: wide, ..Settings::new([2e-4, 2e-4], [STEEL; 2]) };
     let track = Track { placing: Placing::Origin { y: 0.0, z: 0.0 }, cant: 0.0, curvature: 0.0 };
     let wheelset =
         Wheelset { flange_back_distance: 0.0, flange_back_position: 0.0, nominal_radius: 0.46 };
@@ -47,7 +47,7 @@ fn two_crowns_carry_half_each() {
     assert!((together.patches[0].area / area - 1.0).abs() < 0.05);
     // So they do in planes of their own, if they act on each other: equal patches, mirrored, and as deep as on one half-space. Tolerances:
     // blocks as point loads, and for the pressure where the middles of elements lie under a crown.
-    let settings = Settings { mutual: true, ..Settings::new([2e-4, 2e-4], steel()) };
+    let settings = Settings { mutual: true, ..Settings::new([2e-4, 2e-4], [STEEL; 2]) };
     let mut mutual = single([&wheel, &rail], 0.46, settings);
     let apart = solve(&mut mutual, &rolling(0.0, 0.0, 0.0), Vertical::Force(40e3));
     let [left, right] = apart.patches.as_slice() else { panic!("{}", apart.patches.len()) };
@@ -69,7 +69,7 @@ fn far_patches_hardly_act_on_each_other() {
         let rail = Outline::new(&points, 0.0).unwrap();
         let middle = 0.5 * rail.range()[1];
         let rail = rail.starting_at(middle);
-        let settings = Settings { mutual, ..Settings::new([2e-4, 2e-4], steel()) };
+        let settings = Settings { mutual, ..Settings::new([2e-4, 2e-4], [STEEL; 2]) };
         let mut pair = single([&line(60e-3), &rail], 0.46, settings);
         solve(&mut pair, &rolling(0.0, 0.0, 0.0), Vertical::Force(4e3)).z
     };
@@ -84,7 +84,7 @@ fn far_patches_hardly_act_on_each_other() {
 #[test]
 fn all_patches_are_on_one_grid() {
     let sides = [3e-4, 2e-4];
-    let mut pair = standard(Side::Left, Settings::new(sides, steel()));
+    let mut pair = standard(Side::Left, Settings::new(sides, [STEEL; 2]));
     let mut most = 0;
     for k in 0..24 {
         let (y, force) = (4.9e-3 + 5e-5 * f64::from(k / 2), [30e3, 120e3][k as usize % 2]);
@@ -146,7 +146,7 @@ impl Interface for AcrossTape {
 /// Friction of elements, by their places; and what has no solution.
 #[test]
 fn friction_follows_the_grid_and_errors_are_told() {
-    let mut pair = standard(Side::Left, Settings::new([4e-4, 4e-4], steel()));
+    let mut pair = standard(Side::Left, Settings::new([4e-4, 4e-4], [STEEL; 2]));
     let motion = rolling(0.0, 0.0, 5e-3);
     let at_rest = Deviation::default();
     let force = Vertical::Force(50e3);

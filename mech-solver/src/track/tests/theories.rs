@@ -1,6 +1,6 @@
 //! How near fast theories are to half-spaces: the positions of the Manchester benchmark, case, both wheels.
 
-use super::{standard, steel};
+use super::{STEEL, standard};
 use crate::simplified::flexibility::Kind;
 use crate::track::interface::Constant;
 use crate::track::patch::Solved;
@@ -32,7 +32,7 @@ fn positions() -> impl Iterator<Item = (Side, Motion)> {
 
 /// Solutions, and the time of each [s].
 fn solved(normal: Normal, tangential: Tangential) -> Vec<(Solved, f64)> {
-    let settings = Settings { normal, tangential, ..Settings::new([2e-4, 2e-4], steel()) };
+    let settings = Settings { normal, tangential, ..Settings::new([2e-4, 2e-4], [STEEL; 2]) };
     let mut wheels = [Side::Left, Side::Right].map(|side| standard(side, settings));
     let of = |(side, motion): (Side, Motion)| {
         let wheel = &mut wheels[usize::from(side == Side::Right)];

@@ -1,6 +1,6 @@
 //! Bodies that vary along the rolling direction, against closed forms and against those that do not.
 
-use super::{arc, line, rolling, steel};
+use super::{STEEL, arc, line, rolling, steel};
 use crate::axle::{Form, Irregularity};
 use crate::reference::hertz::elliptic_contact;
 use crate::track::contact::WheelOnRail;
@@ -37,7 +37,7 @@ fn single(surfaces: [Surface; 2], side: f64) -> WheelOnRail {
     let track = Track { placing: Placing::Origin { y: 0.0, z: 0.0 }, cant: 0.0, curvature: 0.0 };
     let wheelset =
         Wheelset { flange_back_distance: 0.0, flange_back_position: 0.0, nominal_radius: RADIUS };
-    let settings = Settings::new([side, side], steel());
+    let settings = Settings::new([side, side], [STEEL; 2]);
     WheelOnRail::of_surfaces(&surfaces, Side::Left, &track, &wheelset, settings).unwrap()
 }
 
@@ -69,7 +69,7 @@ fn crown() -> Outline {
 /// 4 µm, on the throat, where circles across the normal are far from parabolas, by 12 µm, which turns the patch by 1 mrad.
 #[test]
 fn equal_slices_have_the_contact_of_their_profile() {
-    let settings = Settings::new([4e-4, 4e-4], steel());
+    let settings = Settings::new([4e-4, 4e-4], [STEEL; 2]);
     let (wheel, rail) = (wheel_s1002().unwrap(), rail_60e1().unwrap());
     let sliced = |profile: &Outline, period| {
         let slices = raised(profile, &places(-0.3, 0.4, 7), |_| 0.0);
@@ -179,7 +179,7 @@ fn waves_of_the_rail_change_hertzs_contact() {
 /// A flat that is not near the rail is none.
 #[test]
 fn a_flat_on_the_other_side_is_none() {
-    let settings = Settings::new([4e-4, 4e-4], steel());
+    let settings = Settings::new([4e-4, 4e-4], [STEEL; 2]);
     let flat = Irregularity { form: Form::Flat, depth: 0.9e-3, length: 58e-3, at: 0.2 };
     let wheel = wheel_s1002().unwrap();
     let rail: Surface = rail_60e1().unwrap().into();
@@ -210,7 +210,7 @@ fn a_flat_keeps_energy_and_has_a_mirror_image() {
     let slices = raised(&profile, &places(0.1, 0.4, 300), depth);
     let slices = Surface::from(Slices::new(&slices, Along::Through, Some(TAU)).unwrap());
     for rigid_slip in [RigidSlip::Plane, RigidSlip::Surfaces] {
-        let settings = Settings { rigid_slip, ..Settings::new([4e-4, 4e-4], steel()) };
+        let settings = Settings { rigid_slip, ..Settings::new([4e-4, 4e-4], [STEEL; 2]) };
         let of = |wheel: &Surface, side| standard(&[wheel.clone(), rail.clone()], side, settings);
         let mut left = of(&wheel, Side::Left);
         let mut right = of(&wheel, Side::Right);
