@@ -41,6 +41,8 @@ const GAUSS_16: [(f64, f64); 8] = [
 ];
 /// e^{−NOTHING}, by which waves decay, is nothing.
 const NOTHING: f64 = 45.0;
+/// The same over which the outline is followed from the contact: e^{−FAR} of the displacement is nothing.
+const FAR: f64 = 25.0;
 /// Power by which points gather at the middle of an element, for the logarithm there.
 const GATHERED: i32 = 5;
 
@@ -60,7 +62,7 @@ impl Body {
     /// component c on element j.
     #[must_use]
     pub(super) fn flexibility(&self, k: f64) -> Mat<f64> {
-        let (elements, contact) = (&self.outline.elements, self.outline.contact);
+        let (elements, contact) = (self.outline.near_contact(FAR / k), self.outline.contact);
         let size = 3 * elements.len();
         let mut left = Mat::zeros(size, size);
         let mut right = Mat::zeros(size, 3 * contact);

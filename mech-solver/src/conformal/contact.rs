@@ -33,6 +33,7 @@ use crate::half_space::tangential::{self, Creepage, TangentialState};
 use crate::half_space::viscoelastic::Bodies;
 use crate::scene::Material;
 use proto::grid::Structured;
+use std::sync::Arc;
 
 /// Change of the pressure over the largest at which it rests: far below the error of any grid.
 const REST: f64 = 1e-6;
@@ -137,8 +138,8 @@ impl ConformalSolver {
             0.0 => Section::straight(),
             _ => Section::arc(curvature, 0.5 * turn / curvature.abs()),
         });
-        let numbers = Numbers::new(materials, &sections, &patch);
-        let elastic = ElasticPair::new(materials, &numbers, 0, patch.counts);
+        let numbers = Arc::new(Numbers::new(materials, &sections, &patch));
+        let elastic = ElasticPair::new(materials, numbers, 0, patch.counts);
         let bodies = Bodies::from(Elasticity::of_pair(&materials[0], &materials[1]));
         let (layer, motion) = (0.0, Motion::SteadyRolling);
         let contact =
@@ -167,7 +168,8 @@ impl ConformalSolver {
                 found.force = self.force(&found);
                 return Ok(found);
             }
-            self.elastic.opening(&found.state.traction, &mut closer);
+            let [x, s] = &found.state.traction;
+            self.elastic.opening([x, s], &mut closer);
             let before = found.pressure.clone();
             self.press(prescription, &closer, &mut found)?;
             let largest = found.pressure.iter().copied().fold(0.0, f64::max);
@@ -281,7 +283,9 @@ impl ConformalSolver {
     /// latest tractions, and by the turn of the surface.
     fn slip_besides(&mut self, prescription: &Prescription, found: &Conformal) -> [Vec<f64>; 2] {
         let [x, s] = &found.state.traction;
-        let mut slip = self.elastic.slip_besides([x, s], &found.pressure);
+        let mut slip = [0, 1].map(|_| vec![0.0; found.pressure.len()]);
+        let [slip_x, slip_s] = &mut slip;
+        self.elastic.slip_besides([x, s], &found.pressure, [slip_x, slip_s]);
         for (component, slip) in slip.iter_mut().enumerate() {
             for (index, slip) in slip.iter_mut().enumerate() {
                 let [curved, plane] = self.rigid_slips(prescription, index);

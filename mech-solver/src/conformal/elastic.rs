@@ -10,14 +10,24 @@ use crate::half_space::influence::{Elasticity, Influence};
 use crate::half_space::normal::{NormalContact, NormalError, NormalSolver, Prescribed};
 use crate::scene::Material;
 use numerics::rows::{Kernel, Rows};
+use std::sync::Arc;
 
 /// The bodies on a grid of nx × ny elements.
 #[derive(Debug)]
 pub struct ElasticPair {
+    numbers: Arc<Numbers>,
+    first: usize,
+    influence: Influence,
     rows: Rows,
     normal: NormalSolver,
+    by_tractions: Option<ByTractions>,
+}
+
+/// What tractions take part in, made when they do.
+#[derive(Debug)]
+struct ByTractions {
     /// A_nx, A_ns.
-    distance_by_traction: [Kernel; 2],
+    distance: [Kernel; 2],
     /// A_xn, A_sn.
     displacement_by_pressure: [Kernel; 2],
     /// A_tt less that of half-spaces: xx, xs, sx, ss.
@@ -32,7 +42,7 @@ impl ElasticPair {
     #[must_use]
     pub fn new(
         materials: &[Material; 2],
-        numbers: &Numbers,
+        numbers: Arc<Numbers>,
         first: usize,
         [nx, ny]: [usize; 2],
     ) -> Self {
@@ -44,11 +54,17 @@ impl ElasticPair {
             Influence::of_elements(patch.sides, Elasticity::of_pair(&materials[0], &materials[1]));
         let nn = numbers.kernel(&mut rows, first, [2, 2]);
         let normal = NormalSolver::curved(Rows::new(nx, ny), nn, &influence);
-        let distance_by_traction = [0, 1].map(|t| numbers.kernel(&mut rows, first, [2, t]));
-        let displacement_by_pressure = [0, 1].map(|t| numbers.kernel(&mut rows, first, [t, 2]));
-        let change =
-            [0, 1].map(|a| [0, 1].map(|b| numbers.change(&mut rows, first, &influence, [a, b])));
-        Self { rows, normal, distance_by_traction, displacement_by_pressure, change }
+        Self { numbers, first, influence, rows, normal, by_tractions: None }
+    }
+
+    fn by_tractions(&mut self) -> (&ByTractions, &mut Rows) {
+        let Self { numbers, first, influence, rows, by_tractions, .. } = self;
+        let by_tractions = by_tractions.get_or_insert_with(|| ByTractions {
+            distance: [0, 1].map(|t| numbers.kernel(rows, *first, [2, t])),
+            displacement_by_pressure: [0, 1].map(|t| numbers.kernel(rows, *first, [t, 2])),
+            change: [0, 1].map(|a| [0, 1].map(|b| numbers.change(rows, *first, influence, [a, b]))),
+        });
+        (by_tractions, rows)
     }
 
     /// The tolerance of the pressure.
@@ -91,28 +107,27 @@ impl ElasticPair {
     }
 
     /// By how much tractions open the gap [m].
-    pub fn opening(&mut self, traction: &[Vec<f64>; 2], opening: &mut [f64]) {
-        let ([x, s], [by_x, by_s]) = (traction, &self.distance_by_traction);
-        self.rows.apply(&[(by_x, x), (by_s, s)], opening);
+    pub fn opening(&mut self, [x, s]: [&[f64]; 2], opening: &mut [f64]) {
+        let (ByTractions { distance: [by_x, by_s], .. }, rows) = self.by_tractions();
+        rows.apply(&[(by_x, x), (by_s, s)], opening);
     }
 
     /// Slip of a step that half-spaces do not have under these tractions and this pressure [m].
-    #[must_use]
-    pub fn slip_besides(&mut self, [x, s]: [&[f64]; 2], pressure: &[f64]) -> [Vec<f64>; 2] {
+    pub fn slip_besides(&mut self, [x, s]: [&[f64]; 2], pressure: &[f64], slip: [&mut [f64]; 2]) {
         let (nx, _) = self.normal.shape();
-        let points = pressure.len();
-        let mut displacement = vec![0.0; points];
-        [0, 1].map(|component: usize| {
-            let [by_x, by_s] = &self.change[component];
-            let by_pressure = &self.displacement_by_pressure[component];
+        let mut displacement = vec![0.0; pressure.len()];
+        let (ByTractions { displacement_by_pressure, change, .. }, rows) = self.by_tractions();
+        let kernels = change.iter().zip(displacement_by_pressure);
+        for (([by_x, by_s], by_pressure), slip) in kernels.zip(slip) {
             let terms = [(by_x, x), (by_s, s), (by_pressure, pressure)];
-            self.rows.apply(&terms, &mut displacement);
-            // The element at the leading edge is not in contact.
-            let slip = |at: usize| match (at + 1).is_multiple_of(nx) {
-                true => 0.0,
-                false => displacement[at] - displacement[at + 1],
-            };
-            (0..points).map(slip).collect()
-        })
+            rows.apply(&terms, &mut displacement);
+            for (at, slip) in slip.iter_mut().enumerate() {
+                // The element at the leading edge is not in contact.
+                *slip = match (at + 1).is_multiple_of(nx) {
+                    true => 0.0,
+                    false => displacement[at] - displacement[at + 1],
+                };
+            }
+        }
     }
 }

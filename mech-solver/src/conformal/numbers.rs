@@ -10,6 +10,9 @@
 //! error of the elements, which is that of constant tractions, cancels where it is large; e is cos for components of which both or none
 //! are along x, and ± sin for the others. The difference decays like the curvature over k², and grows like ln k for long waves.
 //!
+//! What curvature changes of M is a field of the size of the radius, so that the boundary elements are [`MOST_TURN`] of it long if the rows are finer;
+//! between their middles it is linear.
+//!
 //! The integral is taken over k₀ < k < k₁ with cubics in ln k between the wave numbers that M is computed for.
 //!
 //! Sources: Kalker (1990) §1.6 for influence numbers of bodies that are no half-spaces; Vollebregt and Segal, Vehicle System Dynamics
@@ -34,6 +37,10 @@ const SHORTEST: f64 = 3.0;
 const DENSITY: f64 = 2.0;
 /// Reach of the outline, over the longest wave number's inverse.
 const REACH: f64 = 5.0;
+/// Angle by which a boundary element of the contact may turn where rows are finer [rad].
+const MOST_TURN: f64 = 0.01;
+/// Boundary elements of the contact at least, where rows are finer.
+const FEWEST: usize = 16;
 /// Phase of the shortest step of the quadrature.
 const PHASE: f64 = 1.0;
 /// Gauss's rule of four points on (0, 1).
@@ -82,14 +89,16 @@ impl Numbers {
             }
         }
         if sections.iter().any(|section| section.turn() > 0.0) {
-            numbers.add(materials, sections);
+            let joined = joined(sections, patch);
+            numbers.add(materials, sections, joined);
         }
         numbers
     }
 
-    /// Adds what curvature changes.
-    fn add(&mut self, materials: &[Material; 2], sections: &[Section; 2]) {
-        let Patch { counts: [nx, ny], sides: [dx, ds], first } = self.patch;
+    /// Adds what curvature changes, by boundary elements of so many rows.
+    fn add(&mut self, materials: &[Material; 2], sections: &[Section; 2], joined: usize) {
+        let Patch { counts: [nx, rows], sides: [dx, side], first } = self.patch;
+        let (ny, ds) = (rows.div_ceil(joined), joined as f64 * side);
         let bent = sections.iter().filter(|section| section.turn() > 0.0);
         // Of an arc its radius.
         let radius = |section: &Section| {
@@ -130,7 +139,13 @@ impl Numbers {
         };
         let changes: Vec<Mat<f64>> = waves.iter().map(|k| change(*k)).collect();
         let [even, odd] = weights(&waves, self.patch);
-        let len = nx * ny * ny;
+        // Of a row the element below its middle, and how far it is from that to the next.
+        let between = |row: usize| {
+            let at = (row as f64 + 0.5) / joined as f64 - 0.5;
+            let below = at.max(0.0).min(ny.saturating_sub(2) as f64).floor();
+            (below as usize, if ny > 1 { at - below } else { 0.0 })
+        };
+        let (len, share) = (nx * rows * rows, 1.0 / joined as f64);
         let mut series = vec![0.0; waves.len()];
         for (pair, values) in self.values.chunks_exact_mut(len).enumerate() {
             let (a, b) = (pair / COMPONENTS, pair % COMPONENTS);
@@ -140,9 +155,18 @@ impl Numbers {
                 _ => (&even, 1.0),
             };
             for (at, values) in values.chunks_exact_mut(nx).enumerate() {
-                let (t, q) = (at / ny, at % ny);
+                let [(t, part_t), (q, part_q)] = [at / rows, at % rows].map(between);
                 for (value, change) in series.iter_mut().zip(&changes) {
-                    *value = sign * change[(3 * t + a, 3 * q + b)];
+                    let of = |t: usize, q: usize| change[(COMPONENTS * t + a, COMPONENTS * q + b)];
+                    let along = |t: usize| match part_q {
+                        0.0 => of(t, q),
+                        _ => (1.0 - part_q) * of(t, q) + part_q * of(t, q + 1),
+                    };
+                    let all = match part_t {
+                        0.0 => along(t),
+                        _ => (1.0 - part_t) * along(t) + part_t * along(t + 1),
+                    };
+                    *value = sign * share * all;
                 }
                 for (value, weights) in values.iter_mut().zip(weights.chunks_exact(waves.len())) {
                     *value += weights.iter().zip(&series).map(|(w, v)| w * v).sum::<f64>();
@@ -190,6 +214,18 @@ impl Numbers {
     pub fn patch(&self) -> &Patch {
         &self.patch
     }
+}
+
+/// Rows that are one boundary element.
+fn joined(sections: &[Section; 2], patch: &Patch) -> usize {
+    let Patch { counts: [_, rows], sides: [_, side], first } = *patch;
+    let edge = |row: usize| first + row as f64 * side;
+    let turn = |section: &Section| {
+        let direction = |row: usize| section.at(edge(row)).1;
+        (0..rows).map(|row| (direction(row + 1) - direction(row)).abs()).fold(0.0, f64::max)
+    };
+    let most = sections.iter().map(turn).fold(f64::MIN_POSITIVE, f64::max);
+    ((MOST_TURN / most) as usize).clamp(1, (rows / FEWEST).max(1))
 }
 
 /// The flexibility of the flat body on the other side of the surface.

@@ -43,8 +43,10 @@ impl Arc {
 pub(super) struct Outline {
     /// Elements of the contact.
     pub(super) contact: usize,
-    /// All elements.
+    /// All elements, those beyond the contact by their distance from it.
     pub(super) elements: Vec<Arc>,
+    /// How far those beyond begin from it along an open outline [m].
+    away: Vec<f64>,
     /// A circle whose elements reach round it.
     pub(super) closed: bool,
 }
@@ -67,6 +69,7 @@ impl Outline {
             (0..count).map(|j| place(first + j as f64 * length, length)).collect();
         let last = first + count as f64 * length;
         let ends = section.ends();
+        let mut beyond: Vec<(f64, Arc)> = Vec::new();
         for (start, sign) in [(last, 1.0), (first, -1.0)] {
             let (mut at, mut size) = (start, length);
             while (at - start).abs() < reach {
@@ -82,11 +85,27 @@ impl Outline {
                 while spanned(size) > 1.0 + ROUNDING {
                     size /= spanned(size);
                 }
-                elements.push(place(if sign > 0.0 { at } else { at - size }, size));
+                let arc = place(if sign > 0.0 { at } else { at - size }, size);
+                beyond.push(((at - start).abs(), arc));
                 at += sign * size;
             }
         }
-        Self { contact: count, elements, closed: false }
+        beyond.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (away, beyond): (Vec<f64>, Vec<Arc>) = beyond.into_iter().unzip();
+        elements.extend(beyond);
+        Self { contact: count, elements, away, closed: false }
+    }
+
+    /// The elements of the contact, and those that are no farther from it along the outline [m]; of a circle all.
+    #[must_use]
+    pub(super) fn near_contact(&self, reach: f64) -> &[Arc] {
+        match self.closed {
+            true => &self.elements,
+            false => {
+                let near = self.away.partition_point(|away| *away <= reach);
+                &self.elements[..self.contact + near]
+            }
+        }
     }
 
     /// A circle of this curvature [1/m] in `count` elements, of which the middle of the contact's is at s = 0.
@@ -99,6 +118,7 @@ impl Outline {
             let (centre, direction) = turned.at(first + j as f64 * length);
             Arc { centre, direction, length, curvature }
         };
-        Self { contact, elements: (0..count).map(place).collect(), closed: true }
+        let elements = (0..count).map(place).collect();
+        Self { contact, elements, away: Vec::new(), closed: true }
     }
 }

@@ -29,8 +29,6 @@ const MOST_HEIGHTS: usize = 60;
 const MOST_ROUNDS: usize = 40;
 /// Rounds in which patches are parted or joined anew.
 const MOST_PARTINGS: usize = 3;
-/// How often numbers of curved surfaces are made anew once the height is found with them.
-const RENEWALS: usize = 1;
 /// A first depth [m].
 const FIRST_DEPTH: f64 = 2e-5;
 /// A first depth where the force may jump as the wheel goes down [m], and by how much more the next is.
@@ -155,13 +153,12 @@ impl WheelOnRail {
             // Several depths may have the force: the least one is meant.
             Normal::Kpec | Normal::Analyn => FROM_ABOVE.0.min(self.depth),
         };
-        // Near the height before numbers of curved surfaces are made, which are those of that height.
-        let mut renewals = 0;
+        // Numbers of curved surfaces are those of the bodies where patches in planes carry the force without tractions: whatever was before.
         if self.pair.is_curved() {
+            self.leaning.clear();
             self.pair.stay_plane();
             depth = self.press_to(touching, (force, depth), interface)?.depth;
             self.pair.turn();
-            renewals = RENEWALS;
         }
         for _ in 0..MOST_ROUNDS {
             let trial = self.press_to(touching, (force, depth), interface)?;
@@ -171,11 +168,6 @@ impl WheelOnRail {
             found = solved.force[2];
             self.leaning = solved.patches.iter().map(|patch| (patch.tape, patch.leaning)).collect();
             if (found - force).abs() <= tolerance {
-                if renewals > 0 {
-                    self.pair.turn();
-                    renewals -= 1;
-                    continue;
-                }
                 partings += 1;
                 if partings > MOST_PARTINGS || self.pair.part() {
                     return Ok(solved);

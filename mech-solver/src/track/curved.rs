@@ -25,8 +25,11 @@ use super::wheelset::{Motion, Pose, Wheel};
 use crate::conformal::elastic::ElasticPair;
 use crate::conformal::numbers::{Numbers, Patch};
 use crate::conformal::section::Section;
+use crate::half_space::normal::{NormalContact, NormalError};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+use std::sync::Arc;
 
 /// How far beyond a patch the sections of the bodies are followed [m].
 const AROUND: f64 = 30e-3;
@@ -41,15 +44,17 @@ const MOST: f64 = 3e7;
 #[derive(Debug, Default)]
 pub(super) struct KnownNumbers {
     /// With the first of their rows.
-    known: Vec<(i64, Numbers)>,
+    known: Vec<(i64, Arc<Numbers>)>,
 }
 
 /// A patch on such a surface.
 #[derive(Debug)]
 pub(super) struct Curved {
     /// The axes of every row of its window.
-    pub(super) rows: Vec<Frame>,
-    pub(super) elastic: ElasticPair,
+    rows: Vec<Frame>,
+    /// Elements of the rows that are its own, in the order of the fields.
+    own: Range<usize>,
+    elastic: ElasticPair,
 }
 
 impl KnownNumbers {
@@ -58,17 +63,17 @@ impl KnownNumbers {
         self.known.clear();
     }
 
-    /// A patch in the window around the origin of a frame.
+    /// A patch in the window around the origin of a frame, of which these rows are its own, the first and the one behind the last.
     pub(super) fn patch(
         &mut self,
         frame: &Frame,
-        window: &Window,
+        (window, [from, end]): (&Window, [usize; 2]),
         bodies: (&Rail, &Wheel, &Pose),
         settings: &Settings,
     ) -> Result<Curved, TrackError> {
-        let [nx, ny] = window.counts();
-        let first = frame.element[1] - window.half[1] as i64;
-        let holds = |(row, numbers): &&(i64, Numbers)| {
+        let counts @ [nx, ny] = [window.counts()[0], end - from];
+        let first = frame.element[1] - window.half[1] as i64 + from as i64;
+        let holds = |(row, numbers): &&(i64, Arc<Numbers>)| {
             let [columns, rows] = numbers.patch().counts;
             nx <= columns && *row <= first && first + ny as i64 <= row + rows as i64
         };
@@ -76,17 +81,18 @@ impl KnownNumbers {
             Some(at) => at,
             None => {
                 let room = |count: usize| (ROOM.0 * count as f64).ceil() as usize + ROOM.1;
-                let counts = [nx + room(nx), ny + 2 * room(ny)];
                 let first = first - room(ny) as i64;
-                self.known.push((first, numbers(frame, (first, counts), bodies, settings)?));
+                let counts = [nx + room(nx), ny + 2 * room(ny)];
+                let numbers = numbers(frame, (first, counts), bodies, settings)?;
+                self.known.push((first, Arc::new(numbers)));
                 self.known.len() - 1
             }
         };
         let (row, numbers) = &self.known[known];
-        let elastic =
-            ElasticPair::new(&settings.materials, numbers, (first - row) as usize, [nx, ny]);
-        let elastic = elastic.with_tolerance(settings.pressure_tolerance());
-        Ok(Curved { rows: rows(frame, window, bodies), elastic })
+        let (numbers, skipped) = (Arc::clone(numbers), (first - row) as usize);
+        let elastic = ElasticPair::new(&settings.materials, numbers, skipped, counts)
+            .with_tolerance(settings.pressure_tolerance());
+        Ok(Curved { rows: rows(frame, window, bodies), own: from * nx..end * nx, elastic })
     }
 }
 
@@ -177,6 +183,35 @@ fn rows(frame: &Frame, window: &Window, (rail, wheel, pose): (&Rail, &Wheel, &Po
 }
 
 impl Curved {
+    /// The pressure under which the gap closes [Pa], from the one that is there.
+    pub(super) fn press(
+        &mut self,
+        gap: &[f64],
+        pressure: &mut [f64],
+    ) -> Result<NormalContact, NormalError> {
+        self.elastic.press(&gap[self.own.clone()], &mut pressure[self.own.clone()])
+    }
+
+    /// By how much tractions open the gap [m].
+    pub(super) fn opening(&mut self, [x, s]: &[Vec<f64>; 2], opening: &mut [f64]) {
+        let own = || self.own.clone();
+        self.elastic.opening([&x[own()], &s[own()]], &mut opening[own()]);
+    }
+
+    /// Slip of a step that half-spaces do not have under these tractions and this pressure [m].
+    pub(super) fn elastic_slip(
+        &mut self,
+        [x, s]: &[Vec<f64>; 2],
+        pressure: &[f64],
+    ) -> [Vec<f64>; 2] {
+        let mut slip = [0, 1].map(|_| vec![0.0; pressure.len()]);
+        let own = || self.own.clone();
+        let [slip_x, slip_s] = &mut slip;
+        let slips = [&mut slip_x[own()], &mut slip_s[own()]];
+        self.elastic.slip_besides([&x[own()], &s[own()]], &pressure[own()], slips);
+        slip
+    }
+
     /// The undeformed distance of the elements of a window along the normals of its rows [m].
     pub(super) fn distance(&self, window: &Window, bodies: (&Rail, &Wheel, &Pose)) -> Vec<f64> {
         let row = Window { half: [window.half[0], 0], ..*window };

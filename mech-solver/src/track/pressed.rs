@@ -84,7 +84,7 @@ impl Pressed {
         let own = own_rows(rows, &frame, &window);
         let known = pool.curved.as_mut();
         let curved =
-            known.map(|known| known.patch(&frame, &window, bodies, settings)).transpose()?;
+            known.map(|known| known.patch(&frame, (&window, own), bodies, settings)).transpose()?;
         let (mut distance, rail_heights, approximate) = match settings.normal {
             Normal::HalfSpace => {
                 let [mut distance, heights] = match &curved {
@@ -211,7 +211,7 @@ impl Pressed {
         let approach = Prescribed::Approach(0.0);
         let gap = gap(&self.distance, &self.opening);
         let contact = if let Some(curved) = &mut self.curved {
-            curved.elastic.press(&gap, &mut self.pressure)?
+            curved.press(&gap, &mut self.pressure)?
         } else if *part == self.window {
             pool.normal(part).solve(&gap, approach, &mut self.pressure)?
         } else {
@@ -259,7 +259,7 @@ impl Pressed {
     ) -> Result<f64, TrackError> {
         let Some(curved) = &mut self.curved else { return Ok(0.0) };
         self.opening.resize(self.distance.len(), 0.0);
-        curved.elastic.opening(traction, &mut self.opening);
+        curved.opening(traction, &mut self.opening);
         let before = self.pressure.clone();
         self.solve(&self.window.clone(), pool)?;
         let changes = self.pressure.iter().zip(&before).map(|(p, q)| (p - q).abs());
@@ -268,9 +268,8 @@ impl Pressed {
     }
 
     /// Slip of a step that elastic half-spaces do not have under these tractions [m], on a curved surface.
-    pub(super) fn elastic_slip(&mut self, [x, s]: &[Vec<f64>; 2]) -> Option<[Vec<f64>; 2]> {
-        let curved = self.curved.as_mut()?;
-        Some(curved.elastic.slip_besides([x, s], &self.pressure))
+    pub(super) fn elastic_slip(&mut self, traction: &[Vec<f64>; 2]) -> Option<[Vec<f64>; 2]> {
+        Some(self.curved.as_mut()?.elastic_slip(traction, &self.pressure))
     }
 
     /// How tractions lean the force: in a plane what of it is along the tangent for one along the normal, on a curved surface the vertical part of

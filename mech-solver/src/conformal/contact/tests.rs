@@ -85,7 +85,7 @@ fn friction_takes_what_the_rigid_slip_gives(solver: &mut ConformalSolver, found:
     let (speed, grid) = (30.0, solver.grid);
     let [x, s] = &found.state.traction;
     let mut displacement = vec![0.0; grid.points()];
-    solver.elastic.opening(&found.state.traction, &mut displacement);
+    solver.elastic.opening([x, s], &mut displacement);
     displacement.iter_mut().zip(solver.elastic.displacement()).for_each(|(sum, more)| *sum += more);
     let (mut rigid, mut normal) = (0.0, 0.0);
     for index in (0..grid.points()).filter(|index| !(index + 1).is_multiple_of(grid.ni)) {

@@ -54,3 +54,31 @@ fn curved_bodies_are_reciprocal() {
         }
     }
 }
+
+/// Boundary elements of three rows, which turn by less than 0.01, are off by less than that share of an element's own number: next to an element
+/// what curvature changes is not as smooth as elsewhere.
+#[test]
+fn boundary_elements_may_be_longer_than_rows() {
+    let patch = Patch { counts: [9, 48], sides: [0.2e-3; 2], first: -4.8e-3 };
+    let sections = [12.0, 12.5].map(|c| Section::arc(-c, 0.1 / c));
+    assert_eq!(joined(&sections, &patch), 3);
+    let flat = [Section::straight(), Section::straight()];
+    let numbers = |sections: &[Section; 2], joined: Option<usize>| {
+        let mut numbers = Numbers::new(&[STEEL, STEEL], &flat, &patch);
+        joined.iter().for_each(|joined| numbers.add(&[STEEL, STEEL], sections, *joined));
+        numbers
+    };
+    let [none, one, three] = [None, Some(1), Some(3)].map(|joined| numbers(&sections, joined));
+    let own = none.value([2, 2], 0, [24, 24]);
+    for pair in [[0, 0], [1, 1], [2, 2], [2, 1], [0, 2]] {
+        let (mut most, mut off) = (0.0_f64, 0.0_f64);
+        for i in [0, 3, 8] {
+            for (t, q) in [(24, 24), (25, 24), (30, 22), (5, 5), (40, 8)] {
+                let of = |numbers: &Numbers| numbers.value(pair, i, [t, q]);
+                most = most.max((of(&one) - of(&none)).abs());
+                off = off.max((of(&one) - of(&three)).abs());
+            }
+        }
+        assert!(off < 2e-3 * own, "{pair:?}: {off:e} of {most:e}, {own:e}");
+    }
+}

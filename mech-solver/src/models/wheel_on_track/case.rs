@@ -138,12 +138,16 @@ impl Case {
         })
     }
 
-    /// Wheels and rails in their places, with elements so many times larger.
+    /// Wheels and rails in their places, with elements so many times larger, and patches on this.
     ///
     /// # Errors
     /// The profile of the rail has no gauge point.
-    pub(super) fn wheelset_on_track(&self, coarser: f64) -> Result<WheelsetOnTrack, Refusal> {
-        let mut settings = self.settings;
+    pub(super) fn wheelset_on_track(
+        &self,
+        coarser: f64,
+        patch_surface: PatchSurface,
+    ) -> Result<WheelsetOnTrack, Refusal> {
+        let mut settings = Settings { patch_surface, ..self.settings };
         settings.sides = settings.sides.map(|side| coarser * side);
         let wheelset = &self.wheelset;
         let wheel = |side: &Side| {

@@ -10,7 +10,7 @@ use crate::track::balance::{Balanced, Given};
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
 use crate::track::rail::Side;
-use crate::track::settings::Normal;
+use crate::track::settings::{Normal, PatchSurface};
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 use proto::model::StepError;
@@ -21,6 +21,8 @@ const COARSER: f64 = 3.0;
 const MARGIN: usize = 2;
 /// The same where a patch may jump from element to element, and with it the force.
 const MARGIN_OF_JUMPS: usize = 5;
+/// The same of patches on curved surfaces, which are looked for in planes.
+const MARGIN_OF_CURVED: usize = 8;
 /// Between the lanes of both rails [m]: farther than heat goes while it matters.
 const APART: f64 = 5e-3;
 
@@ -95,11 +97,12 @@ impl Plane {
     pub(super) fn of(configuration: &Configuration, case: &Case) -> Result<Self, Refusal> {
         let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
         let coarser = if rows > 1 { COARSER } else { 1.0 };
-        let margin = match case.settings.normal {
-            Normal::HalfSpace => MARGIN,
-            Normal::Kpec | Normal::Analyn => MARGIN_OF_JUMPS,
+        let margin = match (case.settings.normal, case.settings.patch_surface) {
+            (Normal::HalfSpace, PatchSurface::Plane) => MARGIN,
+            (Normal::HalfSpace, PatchSurface::Curved) => MARGIN_OF_CURVED,
+            (Normal::Kpec | Normal::Analyn, _) => MARGIN_OF_JUMPS,
         };
-        let mut wheelset = case.wheelset_on_track(coarser)?;
+        let mut wheelset = case.wheelset_on_track(coarser, PatchSurface::Plane)?;
         let mut params = configuration.case.clone();
         let (mut found, mut failed): (Option<Self>, _) = (None, None);
         for row in 0..rows {

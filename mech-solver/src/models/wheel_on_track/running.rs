@@ -37,7 +37,7 @@ impl Running {
         plane: Plane,
         configuration: Configuration,
     ) -> Result<Self, Refusal> {
-        let wheelset = case.wheelset_on_track(1.0)?;
+        let wheelset = case.wheelset_on_track(1.0, case.settings.patch_surface)?;
         Ok(Self { case, plane, configuration, wheelset })
     }
 }
