@@ -346,3 +346,61 @@ fn long_waves_are_a_radius() {
     fast["mech"]["normal"] = json!("analyn");
     assert_eq!(refusal(&configuration(&fast)).key, "mech.normal");
 }
+
+/// On a curved surface pressure and tractions of a patch are along the normals of its rows: its force is no more than their integrals, and up it is
+/// what was asked for, to 1e-5. The grid that was laid for planes holds it. Both wheels are mirror images, to what forces are met to.
+#[test]
+fn patches_on_curved_surfaces_are_on_the_grid() {
+    let mut case = on_track();
+    case["mech"]["patch_surface"] = json!("curved");
+    case["wheelset"]["y"] = json!(5e-3);
+    let run = run(&case);
+    let [patch] = &patches(&run)[..] else { panic!("{:?}", patches(&run)) };
+    let (pressed, normal) = (run.integral("pressure"), of(patch, "normal_force_n"));
+    assert!(normal < pressed && normal > 0.97 * pressed, "{normal} of {pressed}");
+    assert_close(run.integral("traction"), of(patch, "creep_force_x_n"), 1e-12);
+    let (sin, cos) = of(patch, "angle_rad").sin_cos();
+    assert_close(normal * cos + of(patch, "creep_force_y_n") * sin, 100e3, 1e-5);
+    case["wheelset"]["side"] = json!("both");
+    case["wheelset"]["y"] = json!(0.0);
+    case["wheelset"]["yaw"] = json!(0.0);
+    case["load"] = json!({"axle_load": 200e3});
+    let both = super::common::run(&case);
+    let [right, left] = &patches(&both)[..] else { panic!("{:?}", patches(&both)) };
+    assert_close(of(right, "normal_force_n"), of(left, "normal_force_n"), 3e-5);
+    assert_close(of(right, "creep_force_y_n"), -of(left, "creep_force_y_n"), 3e-5);
+}
+
+#[test]
+fn what_curved_surfaces_do_not_have_is_refused() {
+    let refused = |change: &dyn Fn(&mut Value), key: &str, words: &str| {
+        let mut case = on_track();
+        case["mech"]["patch_surface"] = json!("curved");
+        change(&mut case);
+        let refusal = refusal(&configuration(&case));
+        assert!(refusal.key == key && refusal.to_string().contains(words), "{refusal}");
+    };
+    refused(&|case| case["mech"]["normal"] = json!("kpec"), "mech.normal", "strips in a plane");
+    refused(&|case| case["mech"]["tangential"] = json!("fastsim"), "mech.tangential", "strips");
+    refused(
+        &|case| case["mech"]["patch_influence"] = json!("elastic"),
+        "mech.patch_influence",
+        "where they are one",
+    );
+    refused(
+        &|case| {
+            let dip = json!({"form": "dip", "depth": 1e-4, "length": 0.1, "at": 0.0});
+            case["bodies"]["rail"]["irregularity"] = dip;
+        },
+        "mech.patch_surface",
+        "vary along the rolling direction",
+    );
+    refused(
+        &|case| {
+            let effects = case["effects"].as_object_mut().expect("effects");
+            effects.insert("subsurface_stress".to_owned(), json!({}));
+        },
+        "effects.subsurface_stress",
+        "below a plane",
+    );
+}

@@ -4,9 +4,12 @@ use super::{STEEL, arc, rolling, single, solve, standard};
 use crate::conformal::contact::{ConformalSolver, Prescription};
 use crate::conformal::shape::Arcs;
 use crate::half_space::normal::Prescribed;
+use crate::track::contact::WheelOnRail;
+use crate::track::error::TrackError;
+use crate::track::interface::Constant;
 use crate::track::outline::Outline;
 use crate::track::patch::{Patch, Solved};
-use crate::track::rail::Side;
+use crate::track::rail::{Deviation, Side};
 use crate::track::settings::{PatchSurface, RigidSlip, Settings, Vertical};
 use crate::track::wheelset::Motion;
 use proto::grid::Structured;
@@ -24,8 +27,8 @@ fn settings(side: f64, patch_surface: PatchSurface) -> Settings {
     Settings { patch_surface, rigid_slip, ..Settings::new([side, side], [STEEL; 2]) }
 }
 
-/// A wheel of 0.46 m with the throat on the corner, in [`APPROACH`] along the vertical.
-fn corner(patch_surface: PatchSurface) -> Solved {
+/// A wheel of 0.46 m with the throat on the corner.
+fn corner(settings: Settings) -> WheelOnRail {
     let profile = |radius: f64| {
         let mut points = arc(0.0, radius, HALF, 400);
         let [y, z] = [radius * HALF.sin(), radius * (HALF.cos() - 1.0)];
@@ -41,14 +44,22 @@ fn corner(patch_surface: PatchSurface) -> Solved {
         outline.starting_at(0.5 * (from + to))
     };
     let [throat, corner] = RADII.map(profile);
-    let mut pair = single([&throat, &corner], 0.46, settings(0.3e-3, patch_surface));
-    let motion = Motion {
+    single([&throat, &corner], 0.46, settings)
+}
+
+/// [`APPROACH`] along the vertical into each other.
+fn close() -> Motion {
+    Motion {
         z: -APPROACH,
         velocity: [2.0, 0.01, 0.0],
         angular_velocity: 2.0 / 0.46 * 1.002,
         ..rolling(0.0, 0.0, 0.0)
-    };
-    solve(&mut pair, &motion, Vertical::Height)
+    }
+}
+
+fn solved(patch_surface: PatchSurface) -> Solved {
+    let mut pair = corner(settings(0.3e-3, patch_surface));
+    solve(&mut pair, &close(), Vertical::Height)
 }
 
 fn only(solved: &Solved) -> &Patch {
@@ -66,7 +77,7 @@ fn sums(patch: &Patch) -> [f64; 3] {
 /// along x of a wheel round its axle, cos α of that in the middle, α up to 0.25.
 #[test]
 fn arcs_are_those_of_prisms() {
-    let solved = corner(PatchSurface::Curved);
+    let solved = solved(PatchSurface::Curved);
     let patch = only(&solved);
     let curvatures = RADII.map(|radius| -1.0 / radius);
     let arcs = Arcs { curvatures, rolling_curvature: 1.0 / 0.46 };
@@ -85,7 +96,7 @@ fn arcs_are_those_of_prisms() {
     let found = solver.solve(&prescription).unwrap();
     let [x, s] = &found.state.traction;
     let expected = [&found.pressure, x, s].map(|field| field.iter().sum::<f64>() * side * side);
-    let plane = corner(PatchSurface::Plane);
+    let plane = self::solved(PatchSurface::Plane);
     let pairs = sums(patch).into_iter().zip(expected).zip(sums(only(&plane)));
     for ((value, expected), plane) in pairs {
         assert!((value / expected - 1.0).abs() < 2e-3, "{value} instead of {expected}");
@@ -97,7 +108,7 @@ fn arcs_are_those_of_prisms() {
 /// the particles that pass, which is less the undeformed distance: to the reciprocity of the numbers.
 #[test]
 fn friction_takes_what_the_rigid_slip_gives() {
-    let solved = corner(PatchSurface::Curved);
+    let solved = solved(PatchSurface::Curved);
     let patch = only(&solved);
     let (fields, grid) = (&patch.fields, patch.fields.grid());
     let [xi, eta, phi] = patch.rolling.creepage;
@@ -141,4 +152,14 @@ fn a_force_is_met_from_any_position_and_on_either_side() {
         assert!(off.iter().all(|off| off.abs() < 3e-5 * up), "{off:?} of {:?}", fresh.force);
         assert_eq!(found.patches.len(), fresh.patches.len());
     }
+}
+
+#[test]
+fn too_many_rows_are_refused() {
+    let fine = Settings { sides: [1e-5, 2e-5], ..settings(1e-5, PatchSurface::Curved) };
+    let found =
+        corner(fine).solve(&close(), &Deviation::default(), Vertical::Height, &Constant(0.3));
+    let error = found.unwrap_err();
+    assert!(matches!(error, TrackError::Rows { .. }), "{error}");
+    assert!(error.to_string().contains("mech.lateral_resolution"));
 }
