@@ -81,7 +81,12 @@ fn spec() -> ModelSpec {
         transient: true,
         rewinds: true,
         consumes: Vec::new(),
-        provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
+        provides: names(&[
+            &field::PRESSURE,
+            &field::TRACTION,
+            &field::SLIP_VELOCITY,
+            &field::CONTACT_FORCE,
+        ]),
         keys: keys::keys(),
         accuracy: Accuracy { refinement: Some(keys::refinement()), ..Accuracy::default() },
     }

@@ -1,14 +1,16 @@
 //! The force of a contact as a field: what vehicles receive.
 
-use crate::common::{NoInputs, Store, assert_close, configuration, driven, fields_of, paper};
+use crate::common::{
+    NoInputs, Store, assert_close, configuration, driven, fields_of, fitted, paper,
+};
 use mech_solver::MechSolver;
 use proto::grid::Grid;
 use proto::model::{Model, Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
 
-/// The force, and the sums of pressure and traction over the elements [N].
-fn forces(case: &Value) -> ([f64; 3], [f64; 3]) {
+/// The force, the sums of pressure and traction over the elements [N], and the summary.
+fn forces_and_summary(case: &Value) -> ([f64; 3], [f64; 3], Value) {
     let mut configuration = configuration(case);
     configuration.outputs = [fields_of(case), vec!["contact_force".to_owned()]].concat();
     let setup = MechSolver.configure(&configuration).expect("a case that can be");
@@ -22,6 +24,11 @@ fn forces(case: &Value) -> ([f64; 3], [f64; 3]) {
     let (x, y) = store.0["traction"].split_at(grid.points());
     let sums = [x, y, &store.0["pressure"]].map(|values| grid.integrate(values));
     let force = store.0["contact_force"].as_slice().try_into().expect("three components");
+    (force, sums, model.summary())
+}
+
+fn forces(case: &Value) -> ([f64; 3], [f64; 3]) {
+    let (force, sums, _) = forces_and_summary(case);
     (force, sums)
 }
 
@@ -50,5 +57,22 @@ fn the_force_is_that_of_pressure_and_traction() {
             "a braking wheel that drifts to the right: {force:?}"
         );
         assert!((force[1] - sums[1]).abs() < 1e-9 * force[2], "{model}: {force:?}, {sums:?}");
+    }
+}
+
+/// On a track it is that on the wheel in track axes, of both wheels their sum.
+#[test]
+fn on_a_track_the_force_is_that_of_the_wheels() {
+    for load in [json!({"vertical_force": 100e3}), json!({"axle_load": 150e3})] {
+        let mut case = fitted(paper(), "wheel-on-track");
+        let side = if load["axle_load"].is_null() { "left" } else { "both" };
+        case["wheelset"]["side"] = json!(side);
+        case["load"] = load;
+        case["mech"]["resolution"] = json!(15);
+        let (force, _, summary) = forces_and_summary(&case);
+        let told = ["force_x_n", "force_y_n", "force_z_n"]
+            .map(|key| summary["wheelset"][key].as_f64().expect("a figure"));
+        assert_eq!(force, told);
+        assert!(force[2] > 99e3);
     }
 }

@@ -73,6 +73,10 @@ impl Windows for Running {
                 self.case.terms.keep_heat(values);
             }
             field::SURFACE_SPEED => values.copy_from_slice(&window.surface_speeds()),
+            // In track axes, of both wheels if there are.
+            field::CONTACT_FORCE => {
+                values.copy_from_slice(&window.balanced.sum(|solved| solved.force));
+            }
             _ => {}
         }
     }
