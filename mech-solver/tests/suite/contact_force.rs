@@ -19,6 +19,7 @@ fn forces_and_summary(case: &Value) -> ([f64; 3], [f64; 3], Value) {
     let mut model: Box<dyn Model> =
         setup.build(&Progress::default()).expect("a checked case builds");
     model.solve(&Step::STEADY, &NoInputs, &mut store).expect("a solution");
+    model.accept();
     assert_eq!(layout.grid_of("contact_force").map(Grid::points), Some(1));
     let grid = layout.grid_of("pressure").expect("always there");
     let (x, y) = store.0["traction"].split_at(grid.points());
