@@ -113,7 +113,7 @@ enum Command {
     },
     /// Write a case that runs, with a line on every key, to begin from.
     New(new::Arguments),
-    /// Write a solver that conforms to the contract, in Python, C or Rust, to begin from.
+    /// Write a solver that conforms to the contract, in Python, C, Fortran or Rust, to begin from.
     NewSolver(new_solver::Arguments),
     /// Show the models and effects that the installed solvers offer.
     Solvers(solvers::Arguments),

@@ -29,7 +29,8 @@ pub(crate) fn main(asked: &Arguments) -> Result<(), RunError> {
     let shown = program.path.display();
     Err(RunError::Usage(match error.kind() {
         io::ErrorKind::NotFound => format!(
-            "there is no {PROGRAM} beside the coordinator; build it: cargo build --release -p relay"
+            "there is no {PROGRAM} beside the coordinator; build it: cargo build --release -p relay, \
+             or install it: cargo install --locked --path relay"
         ),
         _ => format!("{shown}: {error}"),
     }))

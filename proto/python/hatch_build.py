@@ -1,9 +1,10 @@
-"""Puts the executables into the wheel, where COSIM_EXECUTABLES names their folder.
+"""Puts what a release has into the wheel, where COSIM_EXECUTABLES names the folder of what is built.
 
-    cargo build --release
+    cargo build --release --workspace
     COSIM_EXECUTABLES=$PWD/target/release pip wheel --no-deps ./proto/python -w dist
 
-Such a wheel is of a platform; without them it is of any, and finds the executables elsewhere.
+Such a wheel is of a platform, and has a command `coordinator`; without them it is of any, and finds the executables
+elsewhere. They are listed in `release/programs` of the sources.
 """
 
 import os
@@ -13,10 +14,11 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-NAMES = ("coordinator", "mech-solver", "thermal-solver")
+LIST = Path("../../release/programs")
+BUILD = "cargo build --release --workspace"
 
 
-class Executables(BuildHookInterface):
+class Executables(BuildHookInterface[Any]):
     """The hook of this package's `pyproject.toml`."""
 
     PLUGIN_NAME = "custom"
@@ -26,11 +28,13 @@ class Executables(BuildHookInterface):
         folder = os.environ.get("COSIM_EXECUTABLES")
         if not folder or version == "editable" or self.target_name != "wheel":
             return
-        for name in NAMES:
+        root = Path(self.root)
+        for name in (root / LIST).read_text().split():
             path = Path(folder) / name
             if not path.is_file():
-                raise FileNotFoundError(f"{path}: run `cargo build --release` first")
+                raise FileNotFoundError(f"{path}: run `{BUILD}` first")
             build_data["force_include"][str(path)] = f"cosim/bin/{name}"
+        build_data["shared_scripts"][str(root / "coordinator.py")] = "coordinator"
         platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{platform}"

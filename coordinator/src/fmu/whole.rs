@@ -98,8 +98,8 @@ fn library() -> Result<Vec<u8>, RunError> {
     let path = newest.filter(|path| path.is_file()).unwrap_or(&beside);
     std::fs::read(path).map_err(|error| {
         RunError::Usage(format!(
-            "{}: {error}; the library of FMUs stands beside the coordinator: `cargo build --release` \
-             makes it",
+            "{}: {error}; the library of FMUs has to stand beside the coordinator: `cargo build \
+             --release` makes it, copy target/release/{LIBRARY} there",
             path.display()
         ))
     })
