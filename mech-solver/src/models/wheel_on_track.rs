@@ -34,6 +34,7 @@ mod wheels;
 use super::each_window::{EachWindow, fields_over};
 use crate::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
+use crate::track::settings::PatchSurface;
 use case::Case;
 use plane::Plane;
 use proto::accuracy::Accuracy;
@@ -48,6 +49,12 @@ pub(super) use summary::figures;
 
 /// Time of a position over the elements of its patches, measured [s].
 const SECONDS: f64 = 6e-6;
+/// Time of influence numbers on curved surfaces over the third power of the rows and of those beside them, measured [s].
+const SECONDS_OF_NUMBERS: f64 = 6e-7;
+/// Boundary elements beside the rows.
+const BESIDE: f64 = 60.0;
+/// Memory for an element and every row of a curved surface [byte].
+const BYTES_OF_NUMBERS: f64 = 150.0;
 /// Working memory for an element of the patches [byte].
 const BYTES: f64 = 4000.0;
 
@@ -116,11 +123,17 @@ fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
         1e3 * grid.dx(),
         1e3 * grid.dy()
     );
+    let (mut seconds, mut bytes) = (SECONDS * plane.elements, BYTES * plane.elements);
+    if case.settings.patch_surface == PatchSurface::Curved {
+        let rows = grid.nj as f64;
+        seconds += SECONDS_OF_NUMBERS * (rows + BESIDE).powi(3);
+        bytes += BYTES_OF_NUMBERS * plane.elements * rows;
+    }
     Layout {
         grids,
         fields,
-        solve_seconds: SECONDS * plane.elements,
-        memory_bytes: (BYTES * plane.elements) as u64,
+        solve_seconds: seconds,
+        memory_bytes: bytes as u64,
         remarks: std::iter::once(size).chain(case.remarks.iter().cloned()).collect(),
         ..Layout::default()
     }
