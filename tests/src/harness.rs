@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// No test may take longer; generous, because it only ends what hangs.
-const WATCHDOG: Duration = Duration::from_secs(180);
+const WATCHDOG: Duration = Duration::from_secs(400);
 
 /// The path of a shipped case.
 pub fn case(name: &str) -> String {
