@@ -34,6 +34,7 @@ mod ellipse;
 pub mod entry;
 pub mod explicit;
 mod figures;
+pub mod friction;
 pub mod half_space;
 mod keys;
 mod measures;
@@ -100,7 +101,9 @@ impl Solver for MechSolver {
                 return Err(not_provided(field, &configuration.model));
             }
         }
-        (model.configure)(configuration, effects::terms(&active, configuration)?)
+        let terms = effects::terms(&active, configuration)?;
+        support::refuse_needs(model, &terms)?;
+        (model.configure)(configuration, terms)
     }
 
     fn advise(&self, scene: &Scene) -> Opinion {

@@ -19,6 +19,7 @@ const SHEAR_RATIO: &str = "pressure_over_shear_strength";
 const SHAKEDOWN: &str = "shakedown_ratio";
 const SIZE: &str = "size_over_radius";
 const T_GAMMA: &str = "t_gamma_n";
+const WORK: &str = "work_per_metre_n";
 const ACROSS: &str = "elements_across";
 
 /// What a contact is held against.
@@ -53,19 +54,23 @@ impl Measures {
         let [pressure, load] = ["max_pressure_pa", "normal_force_n"].map(figure);
         let force = |name: &str| figure(name).unwrap_or(0.0);
         let tangential = force("creep_force_x_n").hypot(force("creep_force_y_n"));
+        // Of no slip it is 0, not −0.
         let t_gamma = figure("creepage_xi").zip(figure("creepage_eta")).map(|(xi, eta)| {
-            let spin = figure("creepage_phi_per_m").unwrap_or(0.0) * force("spin_moment_nm");
-            // Of no slip it is 0, not −0.
-            0.0 - (force("creep_force_x_n") * xi + force("creep_force_y_n") * eta + spin)
+            0.0 - (force("creep_force_x_n") * xi + force("creep_force_y_n") * eta)
         });
+        let spin = figure("creepage_phi_per_m").zip(figure("spin_moment_nm"));
+        let work = t_gamma.zip(spin).map(|(t_gamma, (phi, moment))| t_gamma - phi * moment);
         let size = ["semi_axis_a_m", "semi_axis_b_m"]
             .map(figure)
             .iter()
             .zip(self.radii)
             .filter_map(|(axis, radius)| Some((*axis)? / radius))
             .fold(0.0, f64::max);
-        if let Some(work) = t_gamma {
-            contact[T_GAMMA] = work.into();
+        if let Some(t_gamma) = t_gamma {
+            contact[T_GAMMA] = t_gamma.into();
+        }
+        if let Some(work) = work {
+            contact[WORK] = work.into();
         }
         if size > 0.0 {
             contact[SIZE] = size.into();
@@ -107,9 +112,15 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
         FigureSpec::new(
             &format!("contact.{T_GAMMA}"),
             "N",
-            "T-gamma number, the work of creep forces for each metre rolled",
+            "T-gamma number of wear: creep forces times creepages, without spin",
         )
         .on("friction", "Tγ")
+        .digits(4),
+        FigureSpec::new(
+            &format!("contact.{WORK}"),
+            "N",
+            "work of creep forces and spin moment for each metre rolled",
+        )
         .digits(4),
         figure(SHEAR_RATIO, "p0 over the yield stress in shear").on("material", "p0/k").digits(3),
         figure(SHAKEDOWN, "p0/k over the limit of elastic shakedown")
@@ -157,17 +168,21 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Forces times creepages and moment times spin, against the forces.
+    /// Tγ is forces times creepages, against the forces; the work has moment times spin too, where both are known.
     #[test]
     fn the_work_for_each_metre() {
         let measures = Measures { shear_strength: None, radii: [f64::INFINITY; 2] };
         let mut contact = json!({"creep_force_x_n": 2e4, "creep_force_y_n": -1e4, "spin_moment_nm": -10.0,
             "creepage_xi": -2e-3, "creepage_eta": 1e-3, "creepage_phi_per_m": 0.3});
         measures.add_to(&mut contact);
-        assert!((contact[T_GAMMA].as_f64().unwrap() - 53.0).abs() < 1e-12, "{contact}");
+        assert!((contact[T_GAMMA].as_f64().unwrap() - 50.0).abs() < 1e-12, "{contact}");
+        assert!((contact[WORK].as_f64().unwrap() - 53.0).abs() < 1e-12, "{contact}");
         let mut shifted = json!({"creep_force_x_n": 2e4, "shift_x_m": 1e-6});
         measures.add_to(&mut shifted);
         assert_eq!(shifted.get(T_GAMMA), None);
+        let mut strips = json!({"creep_force_x_n": 2e4, "creepage_xi": -1e-3, "creepage_eta": 0.0});
+        measures.add_to(&mut strips);
+        assert_eq!((&strips[T_GAMMA], strips.get(WORK)), (&json!(20.0), None));
     }
 
     /// p₀/k and its part of the limit with the softer body's strength; sizes over the smaller radius of either direction.

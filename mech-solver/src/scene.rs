@@ -481,6 +481,11 @@ fn read_load(case: &CheckedParams<'_>) -> Result<Load, Refusal> {
     }
 }
 
+/// The case prescribes a longitudinal force.
+pub(crate) fn prescribes_force(case: &Params) -> bool {
+    [TRACTION_COEFFICIENT, TANGENTIAL_FORCE].iter().any(|key| case.has(key))
+}
+
 fn read_drive(
     params: &Params,
     case: &CheckedParams<'_>,

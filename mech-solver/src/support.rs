@@ -3,6 +3,7 @@
 use crate::effects::EFFECTS;
 use crate::entry::{Effect, ModelEntry};
 use crate::models::MODELS;
+use crate::terms::Terms;
 use proto::configuration::{Configuration, Refusal};
 
 /// A model supports an effect.
@@ -16,13 +17,34 @@ pub(crate) fn models_of(effect: &Effect) -> Vec<String> {
     supporting.map(|model| model.name.to_owned()).collect()
 }
 
-/// The effects of a configuration.
+/// The effects of a configuration, in the order of [`EFFECTS`]: that of the tables in the case has no influence.
 ///
 /// # Errors
 /// Refuses an effect that is not in [`EFFECTS`] or that the chosen model does not support.
 pub(crate) fn active(configuration: &Configuration) -> Result<Vec<&'static Effect>, Refusal> {
     let table = configuration.case.get("effects").and_then(serde_json::Value::as_object);
-    table.into_iter().flatten().map(|(name, _)| supported(name, &configuration.model)).collect()
+    let named = table.into_iter().flatten();
+    let supported = named.map(|(name, _)| supported(name, &configuration.model));
+    let mut active = supported.collect::<Result<Vec<_>, _>>()?;
+    active.sort_by_key(|effect| EFFECTS.iter().position(|own| own.name == effect.name));
+    Ok(active)
+}
+
+/// Refuses values of keys that need what a model does not take.
+///
+/// # Errors
+/// There is one.
+pub(crate) fn refuse_needs(model: &ModelEntry, terms: &Terms) -> Result<(), Refusal> {
+    let Some(need) = terms.needs.iter().find(|need| !model.takes.contains(&need.kind)) else {
+        return Ok(());
+    };
+    let others = MODELS.iter().filter(|model| model.takes.contains(&need.kind));
+    let others: Vec<_> = others.map(|model| format!("\"{}\"", model.name)).collect();
+    Err(Refusal::new(
+        need.key,
+        format!("the model `{}` has no {}", model.name, need.lacks),
+        format!("choose mech.model = {}, or write \"{}\"", others.join(" or "), need.instead),
+    ))
 }
 
 fn supported(name: &str, model: &str) -> Result<&'static Effect, Refusal> {
@@ -53,8 +75,8 @@ mod tests {
     fn made(terms: &Terms) -> Vec<Kind> {
         let lists = [
             (Kind::Gap, terms.gap.len()),
-            (Kind::Friction, terms.friction.iter().filter(|term| term.bands().is_none()).count()),
-            (Kind::Bands, terms.friction.iter().filter(|term| term.bands().is_some()).count()),
+            (Kind::FrictionFactor, terms.friction.factors.len()),
+            (Kind::TractionBound, terms.friction.bounds.len()),
             (Kind::PressureBound, terms.pressure_bounds.len()),
             (Kind::Adhesion, usize::from(terms.adhesion)),
             (Kind::Layer, terms.layers.len()),
@@ -119,5 +141,43 @@ mod tests {
             let terms = crate::effects::terms(&[effect], &configuration).unwrap();
             assert_eq!(made(&terms), effect.kinds, "{}", effect.name);
         }
+    }
+
+    /// The page on adding an effect lists every kind with the models that take it.
+    #[test]
+    fn the_page_lists_kinds_and_models() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/add-an-effect.md");
+        let page = std::fs::read_to_string(page).unwrap();
+        for kind in MODELS.iter().flat_map(|model| model.takes) {
+            let start = format!("| `{kind:?}` |");
+            let row = page.lines().find(|line| line.starts_with(&start));
+            let row = row.unwrap_or_else(|| panic!("no row {start}"));
+            let taking = MODELS.iter().filter(|model| model.takes.contains(kind));
+            let names: Vec<_> = taking.map(|model| format!("`{}`", model.name)).collect();
+            assert!(row.ends_with(&format!("| {} |", names.join(", "))), "{row}: {names:?}");
+        }
+    }
+
+    /// Effects come in the order of the list, whatever the order of their tables.
+    #[test]
+    fn the_order_of_tables_is_that_of_the_list() {
+        let mut effects = serde_json::Map::new();
+        for name in ["viscous_layer", "shear_limit", "friction_bands"] {
+            effects.insert(name.to_owned(), json!({}));
+        }
+        let configuration = Configuration {
+            role: "mech".to_owned(),
+            model: "half-space".to_owned(),
+            mode: Mode::Steady,
+            case: Params(json!({ "effects": effects })),
+            histories: None,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            observed: Vec::new(),
+            threads: 1,
+        };
+        let names: Vec<_> =
+            active(&configuration).unwrap().iter().map(|effect| effect.name).collect();
+        assert_eq!(names, ["friction_bands", "shear_limit", "viscous_layer"]);
     }
 }

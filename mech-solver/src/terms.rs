@@ -7,8 +7,10 @@
 //! | [`Kind`] | a term is | it enters |
 //! |---|---|---|
 //! | `Gap` | heights [m] | the undeformed distance, to which they are added |
-//! | `Friction` | a law for the friction coefficients of the elements | the traction bound, before every solve |
-//! | `Bands` | factors on them over a coordinate | the same; one of the laws |
+//! | `FrictionFactor` | factors on the friction coefficient of the case | the traction bound, before every solve; several multiply |
+//! | `LocalSlip` | such factors by the slip of every element | the same, in turn with that slip |
+//! | `RailPlace` | such factors by a place on a rail of a track | the same |
+//! | `TractionBound` | a largest traction [Pa] | the same; the smallest holds, after all factors |
 //! | `PressureBound` | a largest pressure [Pa], of several the smallest | the normal contact |
 //! | `Adhesion` | that surfaces may stick | the tangential contact; without it all of the contact slides |
 //! | `Layer` | a tangential flexibility [m/Pa], in series | the displacement difference |
@@ -28,17 +30,16 @@
 pub(crate) use crate::state::{Accepted, State};
 
 use crate::axle::Axle;
-use crate::bands::Bands;
 use crate::explicit::kernel::Flow;
+use crate::friction::FrictionLaw;
 use crate::half_space::viscoelastic::Retardation;
 use crate::half_space::yielding::Yield;
 use crate::removal::Removal;
-use crate::slip::SlipStart;
 use crate::softening::Softening;
 use proto::configuration::Refusal;
 use proto::field::FieldSpec;
 use proto::grid::{Shape, Structured};
-use proto::model::{Inputs, Outputs, StateError, StepError};
+use proto::model::{Outputs, StateError};
 use serde_json::Value;
 use std::fmt::Debug;
 use std::io::{self, Read, Write};
@@ -48,10 +49,14 @@ use std::io::{self, Read, Write};
 pub enum Kind {
     /// Heights of the surfaces.
     Gap,
-    /// Friction coefficients of the elements.
-    Friction,
-    /// Factors on friction coefficients over a coordinate.
-    Bands,
+    /// Factors on the friction coefficient of the case.
+    FrictionFactor,
+    /// Such factors by the slip of every element with its elastic part.
+    LocalSlip,
+    /// Such factors by a place on a rail of a track.
+    RailPlace,
+    /// Largest traction.
+    TractionBound,
     /// Largest pressure.
     PressureBound,
     /// Surfaces that may stick.
@@ -78,6 +83,31 @@ pub enum Kind {
     Observation,
 }
 
+impl Kind {
+    /// A contact has at most one of it.
+    pub(crate) fn is_exclusive(self) -> bool {
+        match self {
+            Self::Yield
+            | Self::Expansion
+            | Self::Softening
+            | Self::Flow
+            | Self::Retardation
+            | Self::Axle
+            | Self::Removal => true,
+            Self::Gap
+            | Self::FrictionFactor
+            | Self::LocalSlip
+            | Self::RailPlace
+            | Self::TractionBound
+            | Self::PressureBound
+            | Self::Adhesion
+            | Self::Layer
+            | Self::HeatShare
+            | Self::Observation => false,
+        }
+    }
+}
+
 /// A term of the undeformed distance.
 pub(crate) trait GapTerm: State + Debug {
     /// Height at a place from the origin of the undeformed contact [m]; positive opens the gap.
@@ -88,57 +118,6 @@ pub(crate) trait GapTerm: State + Debug {
     /// # Errors
     /// It cannot, or not without becoming another surface.
     fn repeat(&mut self, periods: [f64; 2]) -> Result<(), Refusal>;
-}
-
-/// What a friction law may depend on.
-#[derive(Clone, Copy)]
-pub(crate) struct Rubbing<'a> {
-    /// What comes in.
-    pub(crate) inputs: &'a dyn Inputs,
-    /// Rolling speed V [m/s].
-    pub(crate) speed: f64,
-    /// Slip velocity that an element would have if the bodies were rigid [m/s].
-    pub(crate) rigid_slip: &'a dyn Fn(usize) -> f64,
-    /// The elements.
-    pub(crate) grid: &'a Structured,
-    /// Lateral coordinate of their origin in the case [m].
-    pub(crate) origin_y: f64,
-    /// Their pressure [Pa].
-    pub(crate) pressure: &'a [f64],
-    /// Slip velocity of every element, where a law follows that [m/s].
-    pub(crate) velocity: Option<&'a [f64]>,
-}
-
-/// A term of the friction law.
-pub(crate) trait FrictionTerm: State + Debug {
-    /// Changes the friction coefficients of the elements, which enter as those of the case and of the terms before.
-    ///
-    /// # Errors
-    /// An input is missing or unusable, or the law has no value for it.
-    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError>;
-
-    /// The factors over a coordinate that it is.
-    fn bands(&self) -> Option<&Bands> {
-        None
-    }
-
-    /// It depends on the slip, so that a prescribed force and its creepage are found together.
-    fn follows_slip(&self) -> bool {
-        false
-    }
-
-    /// It depends on the slip of every element itself, looked for from here.
-    fn follows_elements(&self) -> Option<SlipStart> {
-        None
-    }
-
-    /// It depends on what comes in.
-    fn follows_inputs(&self) -> bool {
-        !self.follows_slip()
-    }
-
-    /// Why friction may carry less than a prescribed force.
-    fn shortfall(&self) -> &'static str;
 }
 
 /// Where a contact is solved.
@@ -179,13 +158,26 @@ pub(crate) trait Observation: State + Debug {
     fn summary(&self) -> Option<(&'static str, Value)>;
 }
 
+/// A kind that the value of a key needs a model to take, beyond those that its effect always makes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Need {
+    pub(crate) kind: Kind,
+    pub(crate) key: &'static str,
+    /// The model lacks this.
+    pub(crate) lacks: &'static str,
+    /// Value of the key that every model takes.
+    pub(crate) instead: &'static str,
+}
+
 /// The terms of all active effects.
 #[derive(Debug, Default)]
 pub(crate) struct Terms {
     /// The active effects, with the kinds that they make.
     pub(crate) effects: Vec<(&'static str, &'static [Kind])>,
     pub(crate) gap: Vec<Box<dyn GapTerm>>,
-    pub(crate) friction: Vec<Box<dyn FrictionTerm>>,
+    pub(crate) friction: FrictionLaw,
+    /// What values of keys need of a model.
+    pub(crate) needs: Vec<Need>,
     pub(crate) pressure_bounds: Vec<f64>,
     pub(crate) adhesion: bool,
     pub(crate) layers: Vec<f64>,
@@ -202,28 +194,48 @@ pub(crate) struct Terms {
 
 impl Terms {
     /// Adds the terms of one more effect.
-    pub(crate) fn join(&mut self, name: &'static str, kinds: &'static [Kind], more: Self) {
+    ///
+    /// # Errors
+    /// Refuses a second effect of a kind of which a contact has one; both are named.
+    pub(crate) fn join(
+        &mut self,
+        name: &'static str,
+        kinds: &'static [Kind],
+        more: Self,
+    ) -> Result<(), Refusal> {
+        for kind in kinds.iter().filter(|kind| kind.is_exclusive()) {
+            if let Some(first) = self.effect_of(*kind) {
+                return Err(Refusal::new(
+                    &format!("effects.{name}"),
+                    format!("and effects.{first} exclude each other: both make the one `{kind:?}` that a contact has"),
+                    format!("remove [effects.{first}] or [effects.{name}]"),
+                ));
+            }
+        }
         self.effects.push((name, kinds));
         self.gap.extend(more.gap);
-        self.friction.extend(more.friction);
+        self.friction.join(more.friction);
+        self.needs.extend(more.needs);
         self.pressure_bounds.extend(more.pressure_bounds);
         self.adhesion |= more.adhesion;
         self.layers.extend(more.layers);
-        self.yields = self.yields.or(more.yields);
+        self.heat_shares.extend(more.heat_shares);
+        self.observations.extend(more.observations);
+        // Of these kinds no earlier effect has made any.
+        self.yields = self.yields.take().or(more.yields);
+        self.expansion = self.expansion.take().or(more.expansion);
+        self.axle = self.axle.take().or(more.axle);
+        self.removal = self.removal.take().or(more.removal);
         for (own, more) in self.softening.iter_mut().zip(more.softening) {
             *own = own.take().or(more);
         }
         for (own, more) in self.flow.iter_mut().zip(more.flow) {
-            *own = own.or(more);
+            *own = own.take().or(more);
         }
         for (own, more) in self.retardation.iter_mut().zip(more.retardation) {
-            *own = own.or(more);
+            *own = own.take().or(more);
         }
-        self.expansion = self.expansion.or(more.expansion);
-        self.axle = self.axle.or(more.axle);
-        self.heat_shares.extend(more.heat_shares);
-        self.removal = self.removal.take().or(more.removal);
-        self.observations.extend(more.observations);
+        Ok(())
     }
 
     /// The first active effect that makes terms of a kind.
@@ -237,34 +249,9 @@ impl Terms {
         self.gap.iter().map(|term| term.height(x, y)).sum::<f64>() + worn
     }
 
-    /// Friction coefficients of elements, from that of the case.
-    ///
-    /// # Errors
-    /// Those of [`FrictionTerm::apply`].
-    pub(crate) fn friction(
-        &self,
-        coefficient: f64,
-        rubbing: &Rubbing<'_>,
-        friction: &mut Vec<f64>,
-    ) -> Result<(), StepError> {
-        friction.clear();
-        friction.resize(rubbing.grid.points(), coefficient);
-        self.friction.iter().try_for_each(|term| term.apply(rubbing, friction))
-    }
-
-    /// The first active effect that changes friction coefficients.
+    /// The first active effect that changes the traction bound.
     pub(crate) fn friction_effect(&self) -> Option<&'static str> {
-        self.effect_of(Kind::Friction).or_else(|| self.effect_of(Kind::Bands))
-    }
-
-    /// Friction depends on the slip that it allows.
-    pub(crate) fn friction_follows_slip(&self) -> bool {
-        self.friction.iter().any(|term| term.follows_slip())
-    }
-
-    /// Friction depends on the slip of every element itself, looked for from here.
-    pub(crate) fn friction_follows_elements(&self) -> Option<SlipStart> {
-        self.friction.iter().find_map(|term| term.follows_elements())
+        self.effect_of(Kind::FrictionFactor).or_else(|| self.effect_of(Kind::TractionBound))
     }
 
     /// The smallest of the largest pressures; infinite without one [Pa].
@@ -280,7 +267,7 @@ impl Terms {
 
     /// The contact depends on what comes in.
     pub(crate) fn follow_inputs(&self) -> bool {
-        self.friction.iter().any(|term| term.follows_inputs()) || self.warms()
+        self.friction.follows_inputs() || self.warms()
     }
 
     /// Materials expand or soften where they are warm.
@@ -307,18 +294,16 @@ impl Terms {
 
     fn states(&self) -> impl Iterator<Item = &dyn State> {
         let gap = self.gap.iter().map(|term| &**term as &dyn State);
-        let friction = self.friction.iter().map(|term| &**term as &dyn State);
         let removal = self.removal.iter().map(|removal| removal as &dyn State);
         let observations = self.observations.iter().map(|term| &**term as &dyn State);
-        gap.chain(friction).chain(removal).chain(observations)
+        gap.chain(removal).chain(observations)
     }
 
     fn states_mut(&mut self) -> impl Iterator<Item = &mut dyn State> {
         let gap = self.gap.iter_mut().map(|term| &mut **term as &mut dyn State);
-        let friction = self.friction.iter_mut().map(|term| &mut **term as &mut dyn State);
         let observations = self.observations.iter_mut().map(|term| &mut **term as &mut dyn State);
         let removal = self.removal.iter_mut().map(|removal| removal as &mut dyn State);
-        gap.chain(friction).chain(removal).chain(observations)
+        gap.chain(removal).chain(observations)
     }
 
     /// The last solve becomes the accepted state of every term.
@@ -394,8 +379,8 @@ mod tests {
             ..Terms::default()
         };
         assert!(terms.leave_hertz() && terms.pressure_bound() == f64::INFINITY);
-        terms.join("one", &[Kind::Gap, Kind::Layer], one);
-        terms.join("other", &[Kind::PressureBound], other);
+        terms.join("one", &[Kind::Gap, Kind::Layer], one).unwrap();
+        terms.join("other", &[Kind::PressureBound], other).unwrap();
         assert_eq!((terms.layer(), terms.pressure_bound(), terms.adhesion), (5.0, 4.0, false));
         assert_eq!(terms.effect_of(Kind::PressureBound), Some("other"));
         assert!(!terms.leave_hertz());
@@ -411,5 +396,20 @@ mod tests {
         terms.restore(&mut saved.as_slice()).unwrap();
         assert_eq!(terms.height(0.0, 0.0), 22.0);
         assert!(terms.restore(&mut &saved[..9]).is_err());
+    }
+
+    /// The second effect of an exclusive kind is refused, by both names, and nothing of it is taken.
+    #[test]
+    fn a_second_effect_of_an_exclusive_kind_is_refused() {
+        for kinds in [&[Kind::Yield], &[Kind::Expansion], &[Kind::Axle]] {
+            let mut terms = Terms::default();
+            let first = Terms { expansion: Some([1.0, 1.0]), ..Terms::default() };
+            terms.join("first", kinds, first).unwrap();
+            let second = Terms { expansion: Some([2.0, 2.0]), ..Terms::default() };
+            let refusal = terms.join("second", kinds, second).unwrap_err();
+            let text = format!("{} {} {}", refusal.key, refusal.reason, refusal.fix);
+            assert!(text.contains("effects.first") && text.contains("effects.second"), "{text}");
+            assert_eq!((terms.expansion, terms.effects.len()), (Some([1.0, 1.0]), 1));
+        }
     }
 }

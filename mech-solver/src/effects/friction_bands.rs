@@ -1,6 +1,6 @@
 //! Effect `friction_bands`: friction varies across the contact, or along the track.
 //!
-//! f = f₀ m(q): a table of a coordinate q and of factors m on the friction coefficient of the case and of the effects before, with straight lines
+//! f = f₀ m(q): a table of a coordinate q and of factors m on the friction coefficient, with straight lines
 //! between and the ends' beyond: a rail whose gauge face is greased, or a head with a friction modifier. Two lines that are close make a step. The
 //! coordinate is
 //!
@@ -18,7 +18,8 @@ use crate::curve::Curve;
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::situation::Situation;
-use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
+use crate::terms::{Kind, Need, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
@@ -30,7 +31,7 @@ pub const EFFECT: Effect = Effect {
     name: "friction_bands",
     law: "f = f0 m, a table of factors over the lateral coordinate, the inclination of the rail or the track",
     source: "Coulomb's law element by element; Vollebregt, User guide for CONTACT (2022), friction variation",
-    kinds: &[Kind::Bands],
+    kinds: &[Kind::FrictionFactor],
     consumes: &[],
     provides: &[],
     keys,
@@ -54,13 +55,13 @@ fn keys() -> Vec<KeySpec> {
             OVER,
             &["lateral", "inclination", "track"],
             "the coordinate: the lateral one [m], the inclination of the rail's surface in its profile, positive on the gauge side [rad], or the \
-             place along the track [m]; the last two in model wheel-on-track",
+             place along the track [m]; the last two on a rail of a track",
         )
         .default_value("lateral"),
         KeySpec::choice(
             AT,
             &["elements", "patches"],
-            "every element has the friction of its own place, or all of a patch that of its reference, in model wheel-on-track",
+            "every element has the friction of its own place, or all of a patch that of its reference, on a rail of a track",
         )
         .default_value("elements"),
     ]
@@ -83,45 +84,37 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         _ => Over::Lateral,
     };
     let at = if case.text(AT)? == "patches" { At::Patches } else { At::Elements };
-    refuse_without_rail(configuration, over, at)?;
+    let needs = [
+        (over != Over::Lateral)
+            .then_some(rail_place(OVER, "rail on a track, of which this is the coordinate", "lateral")),
+        (at == At::Patches).then_some(rail_place(AT, "patches with references", "elements")),
+    ];
     let bands = Bands { table, over, at };
-    Ok(Terms { friction: vec![Box::new(bands)], ..Terms::default() })
+    Ok(Terms {
+        friction: FrictionLaw::of_factor(bands),
+        needs: needs.into_iter().flatten().collect(),
+        ..Terms::default()
+    })
 }
 
-/// Refuses what only a rail on a track has.
-fn refuse_without_rail(configuration: &Configuration, over: Over, at: At) -> Result<(), Refusal> {
-    let model = &configuration.model;
-    let refuse = |key: &str, lacks: &str, word: &str| {
-        let reason = format!("the model `{model}` has no {lacks}");
-        let fix = format!("choose mech.model = \"wheel-on-track\", or write \"{word}\"");
-        Err(Refusal::new(key, reason, fix))
-    };
-    match (over, at) {
-        _ if model == "wheel-on-track" => Ok(()),
-        (Over::Inclination | Over::Track, _) => refuse(OVER, "rail on a track", "lateral"),
-        (_, At::Patches) => refuse(AT, "patches with references", "elements"),
-        _ => Ok(()),
-    }
+/// What only a rail on a track has.
+fn rail_place(key: &'static str, lacks: &'static str, instead: &'static str) -> Need {
+    Need { kind: Kind::RailPlace, key, lacks, instead }
 }
 
-impl State for Bands {}
-
-impl FrictionTerm for Bands {
-    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        let Rubbing { grid, origin_y, .. } = rubbing;
-        for (j, row) in friction.chunks_exact_mut(grid.ni).enumerate() {
-            let factor = self.factor(origin_y + grid.y(j));
-            row.iter_mut().for_each(|friction| *friction *= factor);
+impl FrictionFactor for Bands {
+    fn write(
+        &self,
+        state: &FrictionState<'_>,
+        _coefficient: f64,
+        factors: &mut [f64],
+    ) -> Result<(), StepError> {
+        for (index, factor) in factors.iter_mut().enumerate() {
+            if let Some(coordinate) = (state.coordinate)(self.over, self.at, index) {
+                *factor = self.factor(coordinate);
+            }
         }
         Ok(())
-    }
-
-    fn bands(&self) -> Option<&Bands> {
-        Some(self)
-    }
-
-    fn follows_inputs(&self) -> bool {
-        false
     }
 
     fn shortfall(&self) -> &'static str {

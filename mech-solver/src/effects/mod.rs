@@ -49,13 +49,16 @@ pub const EFFECTS: &[Effect] = &[
 ];
 
 /// The terms of some effects of a configuration.
+///
+/// # Errors
+/// An effect refuses its values, or two effects exclude each other.
 pub(crate) fn terms(
     effects: &[&'static Effect],
     configuration: &Configuration,
 ) -> Result<Terms, Refusal> {
     let mut terms = Terms::default();
     for effect in effects {
-        terms.join(effect.name, effect.kinds, (effect.terms)(configuration)?);
+        terms.join(effect.name, effect.kinds, (effect.terms)(configuration)?)?;
     }
     Ok(terms)
 }

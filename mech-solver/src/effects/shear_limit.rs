@@ -1,8 +1,8 @@
 //! Effect `shear_limit`: the layer between the surfaces yields at a shear stress, whatever presses on it.
 //!
 //! |p_t| ≤ min(f p, τ_y): where friction would carry more than the yield stress τ_y of the third body, this flows, ideally plastic, and
-//! what it dissipates is its stress on the velocity over it, as friction's is. So a yield stress is a friction coefficient that falls
-//! with the pressure, f = τ_y/p. Together with `third_body_layer` it is an elastic–plastic layer.
+//! what it dissipates is its stress on the velocity over it, as friction's is. The yield stress is a bound of its own: factors on the friction
+//! coefficient do not change it. Together with `third_body_layer` it is an elastic–plastic layer.
 //!
 //! Source: Vollebregt, Wear 314 (2014) 87–95; Vollebregt, Voltr et al., Veh. Syst. Dyn. (2022), for elastic–plastic third bodies.
 //! Left out: what is left of the layer's strain behind the contact; hardening is in `plastic_layer`.
@@ -10,18 +10,18 @@
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::situation::Situation;
-use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use crate::friction::{FrictionLaw, FrictionState, TractionBound};
+use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
-use proto::model::StepError;
 
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
     name: "shear_limit",
     law: "|p_t| <= min(f p, tau_y), with the yield stress tau_y of what is between the surfaces",
     source: "Vollebregt, Wear 314 (2014) 87-95",
-    kinds: &[Kind::Friction],
+    kinds: &[Kind::TractionBound],
     consumes: &[],
     provides: &[],
     keys,
@@ -49,21 +49,9 @@ struct ShearLimit {
     yield_stress: f64,
 }
 
-impl State for ShearLimit {}
-
-impl FrictionTerm for ShearLimit {
-    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        for (friction, pressure) in friction.iter_mut().zip(rubbing.pressure) {
-            if *friction * pressure > self.yield_stress {
-                *friction = self.yield_stress / pressure;
-            }
-        }
-        Ok(())
-    }
-
-    /// The pressure is the model's own.
-    fn follows_inputs(&self) -> bool {
-        false
+impl TractionBound for ShearLimit {
+    fn at(&self, _state: &FrictionState<'_>, _index: usize) -> f64 {
+        self.yield_stress
     }
 
     fn shortfall(&self) -> &'static str {
@@ -74,7 +62,7 @@ impl FrictionTerm for ShearLimit {
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
     let limit = ShearLimit { yield_stress: case.number(YIELD_STRESS)? };
-    Ok(Terms { friction: vec![Box::new(limit)], ..Terms::default() })
+    Ok(Terms { friction: FrictionLaw::of_bound(limit), ..Terms::default() })
 }
 
 /// Yield stress of wear debris and iron oxides between wheel and rail, where the case has none [Pa].

@@ -1,6 +1,6 @@
 //! Effect `speed_friction`: friction falls with the slip velocity.
 //!
-//! From f₀, the friction coefficient of the case and of the effects before, at rest to A f₀ at high speed:
+//! From f₀ at rest to A f₀ at high speed; f₀ is the friction coefficient of the case, times the factors of other effects:
 //!
 //! - exponential (Polach) f(v) = f₀ ((1 − A) e^{−Bv} + A),
 //! - linear f(v) = f₀ ((1 − A) max(0, 1 − Bv) + A),
@@ -27,7 +27,8 @@ use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::situation::{CREEPAGE, Situation};
 use crate::slip::SlipStart;
-use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
+use crate::terms::{Kind, Need, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
@@ -39,7 +40,7 @@ pub const EFFECT: Effect = Effect {
     law: "f(v) = f0 ((1 - A) g(B v) + A) with the rigid slip velocity v and g(u) = exp(-u), 1 - u or 1/(1 + u), \
           after a distance of sliding",
     source: "Polach, Wear 258 (2005) 992-1000; Vollebregt & Schuttelaars, J. Sound Vib. 331 (2012) 2141-2155",
-    kinds: &[Kind::Friction],
+    kinds: &[Kind::FrictionFactor],
     consumes: &[],
     provides: &[],
     keys,
@@ -96,36 +97,22 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         decrease: case.number(DECREASE)?,
         curve: curve_of(case.text(LAW)?),
         memory: case.number(MEMORY)?,
-        local: start_of(&case, configuration)?,
+        local: start_of(&case)?,
     };
-    Ok(Terms { friction: vec![Box::new(law)], ..Terms::default() })
+    let need = Need {
+        kind: Kind::LocalSlip,
+        key: SLIP,
+        lacks: "slip of elements that is solved for with friction that follows it",
+        instead: "rigid",
+    };
+    let needs = law.local.map(|_| need).into_iter().collect();
+    Ok(Terms { friction: FrictionLaw::of_factor(law), needs, ..Terms::default() })
 }
 
-/// From where the slip of the elements is looked for, if the law follows that.
-fn start_of(
-    case: &CheckedParams<'_>,
-    configuration: &Configuration,
-) -> Result<Option<SlipStart>, Refusal> {
+/// Start of the search for the slip of the elements, if the law follows that.
+fn start_of(case: &CheckedParams<'_>) -> Result<Option<SlipStart>, Refusal> {
     if case.text(SLIP)? == "rigid" {
         return Ok(None);
-    }
-    if !["half-space", "wheel-on-track"].contains(&configuration.model.as_str()) {
-        return Err(Refusal::new(
-            SLIP,
-            format!(
-                "the model `{}` does not solve for the slip of its elements with friction that follows it",
-                configuration.model
-            ),
-            "choose mech.model = \"half-space\" or \"wheel-on-track\", or slip = \"rigid\"",
-        ));
-    }
-    let transient = configuration.case.get("mech").and_then(|mech| mech.get("rolling"));
-    if case.number(MEMORY)? > 0.0 && transient.is_some_and(|rolling| rolling == "transient") {
-        return Err(Refusal::new(
-            MEMORY,
-            "friction remembers along the rows of a steady contact, and not from step to step",
-            "write 0, mech.rolling = \"steady\", or slip = \"rigid\"",
-        ));
     }
     Ok(Some(match case.text(START)? {
         "below" => SlipStart::Below,
@@ -163,28 +150,31 @@ impl Falling {
     }
 }
 
-impl State for Falling {}
-
-impl FrictionTerm for Falling {
-    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        let Rubbing { speed, rigid_slip, grid, pressure, velocity, .. } = rubbing;
+impl FrictionFactor for Falling {
+    fn write(
+        &self,
+        state: &FrictionState<'_>,
+        _coefficient: f64,
+        factors: &mut [f64],
+    ) -> Result<(), StepError> {
+        let FrictionState { speed, rigid_slip, grid, pressure, velocity, .. } = state;
         let rolls = *speed > 0.0 && self.memory > 0.0;
-        for (j, row) in friction.chunks_exact_mut(grid.ni).enumerate() {
+        for (j, row) in factors.chunks_exact_mut(grid.ni).enumerate() {
             // A particle enters at the front, where x is largest.
             let (mut before, mut touches) = (1.0, false);
-            for (i, friction) in row.iter_mut().enumerate().rev() {
+            for (i, factor) in row.iter_mut().enumerate().rev() {
                 let index = j * grid.ni + i;
                 let velocity = velocity.map_or_else(|| rigid_slip(index), |own| own[index]);
                 let settled = self.share(velocity);
                 touches |= pressure[index] > 0.0;
                 if !rolls {
-                    *friction *= settled;
+                    *factor = settled;
                 } else if touches {
                     let slid = 0.5 * velocity / speed * grid.dx();
                     let kept = (-slid / self.memory).exp();
                     let towards = |before: f64| settled + (before - settled) * kept;
                     let middle = towards(before);
-                    *friction *= middle;
+                    *factor = middle;
                     before = towards(middle);
                 }
             }
@@ -200,8 +190,8 @@ impl FrictionTerm for Falling {
         self.local
     }
 
-    fn follows_inputs(&self) -> bool {
-        false
+    fn memory_of_rows(&self) -> Option<&'static str> {
+        (self.local.is_some() && self.memory > 0.0).then_some(MEMORY)
     }
 
     fn shortfall(&self) -> &'static str {

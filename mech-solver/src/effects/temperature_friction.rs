@@ -1,7 +1,8 @@
 //! Effect `temperature_friction`: the friction coefficient depends on the contact temperature.
 //!
 //! Either f(T) = f_∞ + (f_0 − f_∞) e^{−T/T_c}, with f_0 the case's friction coefficient, or a table of
-//! temperatures and coefficients with straight lines between. T is the mean of the temperature rises
+//! temperatures and coefficients with straight lines between, which take the place of f_0. The law enters as the factor f(T)/f_0, so that
+//! the factors of other effects multiply f(T), and bounds of the traction hold whatever it says. T is the mean of the temperature rises
 //! of both surfaces over their initial temperature, at the centre of an element. A rise below zero
 //! counts as none: friction heats, so only rounding or an iterate on its way has one, and the
 //! exponential of a far one is not finite.
@@ -22,7 +23,8 @@ use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::situation::{POWER, Situation};
 use crate::surface::Surface;
-use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
+use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
@@ -37,7 +39,7 @@ pub const EFFECT: Effect = Effect {
     law: "f(T) = f_inf + (f_0 - f_inf) exp(-T/T_c), or a table; T the mean rise of both surfaces",
     source: "Ertz & Bucher, Vehicle System Dynamics 37 suppl. (2002) 675-684; Polach, Wear 258 \
              (2005) 992-1000",
-    kinds: &[Kind::Friction],
+    kinds: &[Kind::FrictionFactor],
     consumes: &[&SURFACES[0], &SURFACES[1]],
     provides: &[],
     keys,
@@ -71,7 +73,7 @@ fn keys() -> Vec<KeySpec> {
 
 /// How friction depends on temperature.
 #[derive(Debug, PartialEq)]
-enum FrictionLaw {
+enum TemperatureLaw {
     /// f_∞ + (f_0 − f_∞) e^{−T/T_c}.
     Decay {
         /// f_∞ [-].
@@ -84,10 +86,11 @@ enum FrictionLaw {
 }
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
-    Ok(Terms { friction: vec![Box::new(read(&configuration.case)?)], ..Terms::default() })
+    let law = read(&configuration.case)?;
+    Ok(Terms { friction: FrictionLaw::of_factor(law), ..Terms::default() })
 }
 
-fn read(params: &Params) -> Result<FrictionLaw, Refusal> {
+fn read(params: &Params) -> Result<TemperatureLaw, Refusal> {
     let case = CheckedParams::new(params, keys());
     if case.has(TABLE) {
         let path = case.text(TABLE)?;
@@ -96,15 +99,15 @@ fn read(params: &Params) -> Result<FrictionLaw, Refusal> {
             true => Ok(()),
             false => Err("has no friction coefficient above 0".to_owned()),
         });
-        return curve.map(FrictionLaw::Table).map_err(|reason| {
+        return curve.map(TemperatureLaw::Table).map_err(|reason| {
             let fix = "give lines of two numbers, temperature rising";
             Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
         });
     }
-    Ok(FrictionLaw::Decay { hot: case.number(LIMIT)?, scale: case.number(DECAY)? })
+    Ok(TemperatureLaw::Decay { hot: case.number(LIMIT)?, scale: case.number(DECAY)? })
 }
 
-impl FrictionLaw {
+impl TemperatureLaw {
     /// f(T) of a friction coefficient f_0; `None` beyond the table.
     fn coefficient(&self, cold: f64, temperature: f64) -> Option<f64> {
         match self {
@@ -114,25 +117,33 @@ impl FrictionLaw {
     }
 }
 
-impl State for FrictionLaw {}
-
-impl FrictionTerm for FrictionLaw {
+impl FrictionFactor for TemperatureLaw {
     /// The grid of the temperatures may be another one in every solve; it is structured along x and y.
-    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        let Rubbing { inputs, grid, .. } = *rubbing;
+    fn write(
+        &self,
+        state: &FrictionState<'_>,
+        coefficient: f64,
+        factors: &mut [f64],
+    ) -> Result<(), StepError> {
+        let FrictionState { inputs: Some(inputs), grid, .. } = *state else { return Ok(()) };
         let surfaces = [Surface::of(inputs, &SURFACES[0])?, Surface::of(inputs, &SURFACES[1])?];
-        for (index, friction) in friction.iter_mut().enumerate() {
+        for (index, factor) in factors.iter_mut().enumerate() {
             let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
             let [upper, lower] = surfaces.each_ref().map(|surface| surface.at(x, y));
             let temperature = (0.5 * upper + 0.5 * lower).max(0.0);
-            *friction = self.coefficient(*friction, temperature).ok_or_else(|| {
+            let friction = self.coefficient(coefficient, temperature).ok_or_else(|| {
                 StepError::NoSolution(format!(
                     "the contact temperature rise of {temperature:.1} K is beyond the table of \
                      {TABLE}; extend it, or write {BEYOND} = \"clamp\""
                 ))
             })?;
+            *factor = friction / coefficient;
         }
         Ok(())
+    }
+
+    fn follows_inputs(&self) -> bool {
+        true
     }
 
     fn shortfall(&self) -> &'static str {
@@ -147,7 +158,7 @@ const MEAN: f64 = 0.6;
 
 fn advise(situation: &Situation<'_>) -> Advice {
     let cold = situation.scene.friction_coefficient;
-    let typical = FrictionLaw::Decay { hot: TYPICAL * cold, scale: 200.0 };
+    let typical = TemperatureLaw::Decay { hot: TYPICAL * cold, scale: 200.0 };
     let law = match situation.has(EFFECT.name) {
         true => read(situation.case).unwrap_or(typical),
         false => typical,
@@ -176,28 +187,28 @@ mod tests {
     use proto::grid::Structured;
     use proto::model::Inputs;
 
-    fn rubbing<'a>(inputs: &'a Surfaces, grid: &'a Structured) -> Rubbing<'a> {
-        Rubbing {
+    fn state<'a>(inputs: &'a Surfaces, grid: &'a Structured) -> FrictionState<'a> {
+        FrictionState {
             velocity: None,
-            inputs,
+            inputs: Some(inputs),
             speed: 0.0,
             rigid_slip: &|_| 0.0,
             grid,
-            origin_y: 0.0,
+            coordinate: &|_, _, _| None,
             pressure: &[],
         }
     }
 
     #[test]
     fn decay_from_cold_to_hot() {
-        let law = FrictionLaw::Decay { hot: 0.2, scale: 100.0 };
+        let law = TemperatureLaw::Decay { hot: 0.2, scale: 100.0 };
         assert_eq!(law.coefficient(0.6, 0.0), Some(0.6));
         let value = law.coefficient(0.6, 100.0).unwrap();
         assert!((value - (0.2 + 0.4 / std::f64::consts::E)).abs() < 1e-15);
     }
 
-    fn table(lines: &[u8]) -> FrictionLaw {
-        FrictionLaw::Table(Curve::of(lines, false, |_| Ok(())).unwrap())
+    fn table(lines: &[u8]) -> TemperatureLaw {
+        TemperatureLaw::Table(Curve::of(lines, false, |_| Ok(())).unwrap())
     }
 
     struct Surfaces(proto::grid::Grid, Vec<f64>);
@@ -214,19 +225,19 @@ mod tests {
     fn friction_follows_a_grid_that_moves() {
         let law = table(b"0 1\n10 2");
         let own = Structured::contact_plane(0.0, 0.0, 0.5, 0.5, 3, 2);
-        let mut friction = vec![0.6; 6];
+        let mut factors = vec![1.0; 6];
         for shift in [0.0, 0.25] {
             let mut shape = Structured::contact_plane(shift - 1.0, -1.0, 0.5, 0.5, 7, 7);
             let values = (0..49).map(|k| 2.0 + shape.x(k % 7)).collect();
             let mut surfaces = Surfaces(proto::grid::Grid::structured("contact", shape), values);
-            law.apply(&rubbing(&surfaces, &own), &mut friction).unwrap();
-            for (k, found) in friction.iter().enumerate() {
-                let expected = 1.0 + 0.1 * (2.0 + own.x(k % 3));
+            law.write(&state(&surfaces, &own), 0.5, &mut factors).unwrap();
+            for (k, found) in factors.iter().enumerate() {
+                let expected = (1.0 + 0.1 * (2.0 + own.x(k % 3))) / 0.5;
                 assert!((found - expected).abs() < 1e-14, "rounding: {found} {expected}");
             }
             shape.step_i = [0.3, 0.4, 0.0];
             surfaces.0 = proto::grid::Grid::structured("contact", shape);
-            let refused = law.apply(&rubbing(&surfaces, &own), &mut friction).unwrap_err();
+            let refused = law.write(&state(&surfaces, &own), 0.5, &mut factors).unwrap_err();
             assert!(refused.to_string().contains("along x and y"), "{refused}");
         }
     }
@@ -237,11 +248,11 @@ mod tests {
         let own = Structured::contact_plane(0.0, 0.0, 0.5, 0.5, 3, 2);
         let grid = proto::grid::Grid::structured("contact", own);
         let surfaces = Surfaces(grid, vec![-1e6; 6]);
-        let decay = FrictionLaw::Decay { hot: 0.0, scale: 10.0 };
+        let decay = TemperatureLaw::Decay { hot: 0.0, scale: 10.0 };
         for law in [decay, table(b"0 0.6\n10 0.2")] {
-            let mut friction = vec![0.6; 6];
-            law.apply(&rubbing(&surfaces, &own), &mut friction).unwrap();
-            assert_eq!(friction, [0.6; 6]);
+            let mut factors = vec![0.0; 6];
+            law.write(&state(&surfaces, &own), 0.6, &mut factors).unwrap();
+            assert_eq!(factors, [1.0; 6]);
         }
     }
 }

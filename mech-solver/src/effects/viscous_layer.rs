@@ -1,8 +1,7 @@
 //! Effect `viscous_layer`: a film between the surfaces that shears like a viscous fluid, up to friction.
 //!
-//! τ = η v/h with the film's viscosity η and thickness h, and v = V |(ξ − φy, η_y + φx)|, the slip of rigid bodies; where that is
-//! beyond the friction of the case and of the effects before, that is the bound. Of an element with the pressure p the
-//! friction coefficient is min(f, η v/(h p)). The force then rises with the creepage like that of a fluid, and bends
+//! τ = η v/h with the film's viscosity η and thickness h, and v = V |(ξ − φy, η_y + φx)|, the slip of rigid bodies; where friction
+//! carries less, f p is the bound: |p_t| ≤ min(f p, η v/h). The force then rises with the creepage like that of a fluid, and bends
 //! to f N.
 //!
 //! Source: Stachowiak & Batchelor, Engineering Tribology (2013), ch. 4, for the film; Hou, Kalousek & Magel, Wear 211 (1997)
@@ -12,11 +11,12 @@
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::situation::Situation;
-use crate::terms::{FrictionTerm, Kind, Rubbing, State, Terms};
+use crate::friction::{FrictionLaw, FrictionState, TractionBound};
+use crate::scene;
+use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
-use proto::model::StepError;
 
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {
@@ -24,7 +24,7 @@ pub const EFFECT: Effect = Effect {
     law: "traction bound min(f p, eta v/h) with the rigid slip velocity v",
     source: "Stachowiak & Batchelor, Engineering Tribology (2013), ch. 4; Hou, Kalousek & Magel, Wear \
              211 (1997) 134-140",
-    kinds: &[Kind::Friction],
+    kinds: &[Kind::TractionBound],
     consumes: &[],
     provides: &[],
     keys,
@@ -45,8 +45,7 @@ fn keys() -> Vec<KeySpec> {
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
-    let forces = ["motion.traction_coefficient", "motion.tangential_force"];
-    if forces.iter().any(|key| configuration.case.has(key)) {
+    if scene::prescribes_force(&configuration.case) {
         return Err(Refusal::new(
             "effects.viscous_layer",
             "at rest the film carries no force, so that none can be prescribed",
@@ -54,7 +53,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         ));
     }
     let film = Film { shear_rate_factor: case.number(VISCOSITY)? / case.number(THICKNESS)? };
-    Ok(Terms { friction: vec![Box::new(film)], ..Terms::default() })
+    Ok(Terms { friction: FrictionLaw::of_bound(film), ..Terms::default() })
 }
 
 /// The film.
@@ -64,17 +63,9 @@ struct Film {
     shear_rate_factor: f64,
 }
 
-impl State for Film {}
-
-impl FrictionTerm for Film {
-    fn apply(&self, rubbing: &Rubbing<'_>, friction: &mut [f64]) -> Result<(), StepError> {
-        let Rubbing { rigid_slip, pressure, .. } = rubbing;
-        for (index, (friction, pressure)) in friction.iter_mut().zip(*pressure).enumerate() {
-            // Without pressure there is no bound to speak of.
-            let film = self.shear_rate_factor * rigid_slip(index) / pressure.max(f64::MIN_POSITIVE);
-            *friction = friction.min(film);
-        }
-        Ok(())
+impl TractionBound for Film {
+    fn at(&self, state: &FrictionState<'_>, index: usize) -> f64 {
+        self.shear_rate_factor * (state.rigid_slip)(index)
     }
 
     fn follows_slip(&self) -> bool {

@@ -18,7 +18,8 @@
 //! | `contact` | prescribed force, sums over the contact |
 //! | `fields` | element means on the contact's grid |
 //! | `case` | what a case asks for |
-//! | `rubbing` | friction that depends on slip, or on what comes in |
+//! | `limits` | bounds of friction that is not one coefficient |
+//! | `rubbing` | friction that depends on slip, on what comes in or on a bound of the traction |
 //!
 //! The model is quasi-static and has no memory but that of its friction. It is computed once, when the model is built, or in
 //! every iteration where friction depends on something.
@@ -32,6 +33,7 @@
 mod case;
 mod contact;
 mod fields;
+mod limits;
 mod rubbing;
 mod sliding;
 
@@ -71,7 +73,13 @@ const PASSES: usize = 25;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "fastsim",
     spec,
-    takes: &[Kind::Friction, Kind::Bands, Kind::Adhesion, Kind::Axle, Kind::HeatShare],
+    takes: &[
+        Kind::FrictionFactor,
+        Kind::TractionBound,
+        Kind::Adhesion,
+        Kind::Axle,
+        Kind::HeatShare,
+    ],
     configure,
 };
 /// The same for an estimate.
@@ -222,7 +230,7 @@ impl Setup for Prepared {
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { scene, problem, case, varying, wanted, .. } = *self;
-        if !case.terms.friction.is_empty() {
+        if !case.terms.friction.is_constant() {
             return Ok(Box::new(Rubbed::new(scene, case, varying, wanted)));
         }
         if let Some(varying) = varying {

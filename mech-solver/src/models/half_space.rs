@@ -99,7 +99,7 @@ fn begins_steady(
 
 /// Refuses friction that follows the slip of every element where it is not solved for.
 fn refuse_local(case: &Case) -> Result<(), Refusal> {
-    if case.terms.friction_follows_elements().is_none() {
+    if case.terms.friction.follows_elements().is_none() {
         return Ok(());
     }
     if !case.terms.adhesion {
@@ -124,8 +124,9 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
     spec,
     takes: &[
         Kind::Gap,
-        Kind::Friction,
-        Kind::Bands,
+        Kind::FrictionFactor,
+        Kind::LocalSlip,
+        Kind::TractionBound,
         Kind::PressureBound,
         Kind::Adhesion,
         Kind::Layer,
@@ -246,11 +247,27 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
         expansion::refuse(&case, effect)?;
         case.expand_observed()?;
     }
-    if case.memory && case.driven.has_force() && case.terms.friction_follows_slip() {
+    if case.memory && case.driven.has_force() && case.terms.friction.follows_slip() {
         return Err(Refusal::new(
             ROLLING,
             "with memory the creepage of a force is another in every step, and friction that depends on it does not follow",
             "prescribe motion.creepage, or write mech.rolling = \"steady\"",
+        ));
+    }
+    if let Some(effect) = case.terms.friction_effect().filter(|_| {
+        case.scene.speeds.rolling == 0.0 && case.terms.friction.follows_slip()
+    }) {
+        return Err(Refusal::new(
+            &format!("effects.{effect}"),
+            "friction follows the slip velocity of rigid bodies, and a shift without rolling has none",
+            "write a motion.speed above 0, or remove the effect",
+        ));
+    }
+    if let (true, Some(key)) = (case.memory, case.terms.friction.memory_of_rows()) {
+        return Err(Refusal::new(
+            key,
+            "friction remembers along the rows of a steady contact, and not from step to step",
+            "write 0, mech.rolling = \"steady\" and a motion.speed above 0, or slip = \"rigid\"",
         ));
     }
     let mut layout = layout(configuration, &case);

@@ -9,8 +9,8 @@
 //!
 //! Fields are element means, see `strips`. The model is quasi-static and has no memory: its answer
 //! is the same in every window of a transient case. It is computed once, when the model is built; a
-//! solve copies it to the outputs that are asked for. Where friction depends on what comes in it is
-//! computed in every iteration ([`heated`]).
+//! solve copies it to the outputs that are asked for. Where friction depends on what comes in, on slip, or on a bound of the
+//! traction, one coefficient stands for it, computed in every iteration ([`heated`]).
 //!
 //! Deviations from the sources: the strips of an elliptic patch share one prefactor A and take ξ
 //! from their own half length, so that the friction power is V s F in every strip.
@@ -51,7 +51,13 @@ const SECONDS_PER_VALUE: f64 = 7e-8;
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "hertz-carter",
     spec,
-    takes: &[Kind::Friction, Kind::Bands, Kind::Adhesion, Kind::Axle, Kind::HeatShare],
+    takes: &[
+        Kind::FrictionFactor,
+        Kind::TractionBound,
+        Kind::Adhesion,
+        Kind::Axle,
+        Kind::HeatShare,
+    ],
     configure,
 };
 /// Elements per semi-axis, unless the case says otherwise.
@@ -135,6 +141,12 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
         (layout.solve_seconds, layout.build_seconds) = (layout.build_seconds, 0.0);
     }
     layout.remarks.extend(remarks(&scene, &contact, given, partial));
+    if let Some(effect) = terms.effect_of(Kind::TractionBound) {
+        layout.remarks.push(format!(
+            "effects.{effect} enters as the one friction coefficient with which all of a sliding contact carries the same force: tractions \
+             in the middle of the contact pass its bound (half-space and fastsim have it element by element)"
+        ));
+    }
     layout.closed_forms = contact.ellipse.closed_forms();
     if let (Some(effect), Some(_)) = (follows, &varying) {
         return Err(Refusal::new(
@@ -182,7 +194,7 @@ impl Setup for Prepared {
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { case, given, varying, .. } = *self;
-        if !case.terms.friction.is_empty() {
+        if !case.terms.friction.is_constant() {
             return Ok(Box::new(Heated::new(case)));
         }
         let Case { contact, grid, wanted, law, terms, .. } = case;

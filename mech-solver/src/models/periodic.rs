@@ -42,8 +42,8 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
     spec,
     takes: &[
         Kind::Gap,
-        Kind::Friction,
-        Kind::Bands,
+        Kind::FrictionFactor,
+        Kind::TractionBound,
         Kind::PressureBound,
         Kind::Expansion,
         Kind::HeatShare,

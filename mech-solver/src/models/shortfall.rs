@@ -39,11 +39,10 @@ impl Shortfall {
     /// The error of a state that would be accepted so.
     pub(super) fn refused(shortfall: Option<Self>, terms: &Terms) -> Result<(), StepError> {
         let Some(Self { asked, carried }) = shortfall else { return Ok(()) };
-        let why = terms.friction.iter().map(|term| term.shortfall());
         Err(StepError::NoSolution(format!(
             "{}: {asked:.6e} N are prescribed, and in this state friction carries {carried:.6e} N; \
              prescribe less, or motion.creepage",
-            why.collect::<Vec<_>>().join(", and ")
+            terms.friction.shortfalls().join(", and ")
         )))
     }
 }

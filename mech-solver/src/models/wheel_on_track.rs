@@ -64,8 +64,10 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
     spec,
     takes: &[
         Kind::Gap,
-        Kind::Bands,
-        Kind::Friction,
+        Kind::FrictionFactor,
+        Kind::LocalSlip,
+        Kind::RailPlace,
+        Kind::TractionBound,
         Kind::Adhesion,
         Kind::Layer,
         Kind::HeatShare,

@@ -2,6 +2,7 @@
 
 pub mod carter;
 pub mod cattaneo;
+pub mod cut_off;
 pub mod different_bodies;
 pub mod elliptic_integrals;
 pub mod hertz;

@@ -16,9 +16,17 @@
 //! with three: with c = 3πa/32, the length at which φ weighs as much as a creepage,
 //! (ξ² + η² + c²φ²)/L = ξ²/L1 + η²/L2 + c²φ²/L3. For one creepage alone it is that creepage's own.
 //!
+//! It is this project's mean, not that of FASTSIM as published.
+//!
+//! `kalker-1982`: one L for all as in FASTSIM as published, L = (|ξ| L1 + |η| L2 + |φ| √(ab) L3)/√(ξ² + η² + ab φ²). For one creepage alone it is
+//! that creepage's own too; for mixed ones it is larger than any mean, by up to √3, so that the linear force falls short of Kalker's
+//! linear theory.
+//!
 //! `blended`: three at small creepage, one where it is large, each L_i (1 − w) + w L between, with
 //! w = min(1, |(ξ, η)|/(3 c_s)), c_s² = c_ξ² + c_η², c_ξ = f N/(G a b C11), c_η = f N/(G a b C22): the
 //! creepages at which the linear theory reaches f N (Vollebregt, as CONTACT r2707 has it).
+//!
+//! Sources: J. J. Kalker, Vehicle System Dynamics 11 (1982) 1–13, for `three` and `kalker-1982`; `single` is worked out here.
 //!
 //! A reduction factor k (`reduction`) divides all of them.
 
@@ -32,8 +40,10 @@ pub(crate) type Creepage = [f64; 3];
 /// How many flexibilities there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// One for all creepages.
+    /// One for all creepages, with the component of the linear force along the creepage.
     Single,
+    /// One for all creepages, Kalker's weighted sum of 1982.
+    Kalker1982,
     /// One for each creepage.
     Three,
     /// Three at small creepage, one at large.
@@ -47,9 +57,9 @@ pub(crate) const KEY: &str = "mech.flexibility";
 pub(crate) fn key() -> KeySpec {
     KeySpec::choice(
         KEY,
-        &["single", "three", "blended"],
-        "one flexibility for all creepages (exact friction power), one for each (exact slopes), or three at small \
-         creepage and one at large",
+        &["single", "kalker-1982", "three", "blended"],
+        "one flexibility for all creepages (exact friction power) by this project's mean or by the sum of FASTSIM as published in 1982, one for \
+         each (exact slopes), or three at small creepage and one at large",
     )
     .default_value("single")
 }
@@ -60,8 +70,14 @@ impl Kind {
         match word {
             "three" => Self::Three,
             "blended" => Self::Blended,
+            "kalker-1982" => Self::Kalker1982,
             _ => Self::Single,
         }
+    }
+
+    /// Friction dissipates exactly the power of all creepages, spin too.
+    pub(crate) fn balances_spin(self) -> bool {
+        matches!(self, Self::Single | Self::Kalker1982)
     }
 }
 
@@ -74,8 +90,10 @@ pub(crate) struct Flexibilities {
     pub(crate) lateral: f64,
     /// L3, of φ [m/Pa].
     pub(crate) spin: f64,
-    /// Length at which φ weighs as much as a creepage [m].
+    /// Length at which φ weighs as much as a creepage, 3πa/32 [m].
     pub(crate) spin_length: f64,
+    /// The same in Kalker's sum of 1982, √(ab) [m].
+    pub(crate) mean_axis: f64,
 }
 
 impl Flexibilities {
@@ -87,6 +105,7 @@ impl Flexibilities {
             lateral: creep / coefficients.c22,
             spin: PI * a * (a / b).sqrt() / (4.0 * modulus * coefficients.c23),
             spin_length: 3.0 * PI * a / 32.0,
+            mean_axis: (a * b).sqrt(),
         }
     }
 
@@ -95,6 +114,7 @@ impl Flexibilities {
         match kind {
             Kind::Three => self.three(),
             Kind::Single => Springs::new([self.single(creepage); 2], [1.0; 2]),
+            Kind::Kalker1982 => Springs::new([self.kalker_1982(creepage); 2], [1.0; 2]),
             Kind::Blended => self.blended(creepage, reach).three(),
         }
     }
@@ -119,6 +139,17 @@ impl Flexibilities {
             spin: blend(self.spin),
             ..*self
         }
+    }
+
+    fn kalker_1982(&self, [xi, eta, phi]: Creepage) -> f64 {
+        let parts = [xi, eta, self.mean_axis * phi].map(f64::abs);
+        let largest = parts.iter().copied().fold(0.0, f64::max);
+        if largest == 0.0 {
+            return self.longitudinal;
+        }
+        let [x, y, z] = parts.map(|part| part / largest);
+        (x * self.longitudinal + y * self.lateral + z * self.spin)
+            / (x * x + y * y + z * z).sqrt()
     }
 
     fn single(&self, [xi, eta, phi]: Creepage) -> f64 {
@@ -173,8 +204,13 @@ impl Springs {
 mod tests {
     use super::*;
 
-    const THREE: Flexibilities =
-        Flexibilities { longitudinal: 2.0, lateral: 3.0, spin: 5.0, spin_length: 0.1 };
+    const THREE: Flexibilities = Flexibilities {
+        longitudinal: 2.0,
+        lateral: 3.0,
+        spin: 5.0,
+        spin_length: 0.1,
+        mean_axis: 0.2,
+    };
 
     #[test]
     fn one_creepage_alone_has_its_own_flexibility() {
@@ -184,7 +220,9 @@ mod tests {
             ([0.0, 0.0, -1e200], 5.0),
             ([0.0; 3], 2.0),
         ] {
-            assert_eq!(THREE.springs(Kind::Single, creepage, 1.0).flexibility, [expected; 2]);
+            for kind in [Kind::Single, Kind::Kalker1982] {
+                assert_eq!(THREE.springs(kind, creepage, 1.0).flexibility, [expected; 2]);
+            }
         }
     }
 
@@ -197,6 +235,19 @@ mod tests {
         let larger = mixed.map(|part| 1e3 * part);
         let same = THREE.springs(Kind::Single, larger, 1.0).flexibility[0];
         assert!((same / flexibility - 1.0).abs() < 1e-15);
+    }
+
+    /// Kalker's sum of 1982 by hand: of 3:4:0 and of 1:2:2 parts.
+    #[test]
+    fn the_sum_of_1982() {
+        for (creepage, expected) in [
+            ([3e-3, -4e-3, 0.0], (3.0 * 2.0 + 4.0 * 3.0) / 5.0),
+            ([1e-3, 2e-3, -0.01], (2.0 + 2.0 * 3.0 + 2.0 * 5.0) / 3.0),
+        ] {
+            let springs = THREE.springs(Kind::Kalker1982, creepage, 1.0);
+            assert!((springs.flexibility[0] - expected).abs() < 1e-14, "{springs:?}");
+            assert_eq!((springs.flexibility[1], springs.spin), (springs.flexibility[0], [1.0; 2]));
+        }
     }
 
     /// CONTACT r2707, example fastsim: a = 8 mm, b = 4 mm, f N = 24.6 kN, G = 82 GPa, ν = 0.28, η = −6.25e-4 and

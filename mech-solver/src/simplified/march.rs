@@ -21,6 +21,9 @@
 //! takes the traction at one end of the cell, which leaves an error of first order.) With three
 //! flexibilities M_z is replaced by ∫(L2/L3 x p_y − L1/L3 y p_x) dA, see `flexibility`.
 //!
+//! **Local friction.** A law that is not one coefficient for all gives every node a bound of its own: `limit` makes it of the place and of the
+//! bound by the mean coefficient. The sums above then are those of the trapezoidal rule, of second order, and the power balance holds as before.
+//!
 //! Where spin turns the slip around within one cell, −p̄·s could be negative: such a cell is halved
 //! until it is not. That ends, because it is positive once Δ |w|/L is below g or p follows −w.
 //!
@@ -139,13 +142,30 @@ pub(crate) struct March {
 }
 
 impl March {
-    /// Visits the cells of a strip from the leading to the trailing edge.
-    pub(crate) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
+    /// Traction bound at the nodes of a strip by the mean coefficient, with their x [m, Pa].
+    pub(crate) fn nodes(&self, strip: &Strip) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let strip = *strip;
+        (0..=self.lattice.cells).map(move |index| self.node(&strip, index))
+    }
+
+    #[inline]
+    fn node(&self, strip: &Strip, index: usize) -> (f64, f64) {
         let Lattice { bound, cells, .. } = self.lattice;
         let largest = bound.of_strip(self.largest_bound, strip.eta);
-        let node = |index: usize| Node {
-            x: self.lattice.node(strip, index),
-            bound: largest * bound.shape(index, cells),
+        (self.lattice.node(strip, index), largest * bound.shape(index, cells))
+    }
+
+    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds that `limit` makes of x and of the bound by the mean
+    /// coefficient.
+    pub(crate) fn strip(
+        &self,
+        strip: &Strip,
+        limit: impl Fn(f64, f64) -> f64,
+        mut visit: impl FnMut(&Cell),
+    ) {
+        let node = |index: usize| {
+            let (x, bound) = self.node(strip, index);
+            Node { x, bound: limit(x, bound) }
         };
         let mut front = Front { node: node(0), traction: Traction::default() };
         for index in 1..=self.lattice.cells {

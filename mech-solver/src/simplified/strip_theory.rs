@@ -16,7 +16,8 @@
 //!
 //! where (κ, λ) is the unit vector along (ξ' − φ' y/a, η' + φ' d/a). Behind, p is f times Hertz's pressure in the direction
 //! in which the simplified theory slips under the elliptic bound. Where d has no real value, or is none or more than a_y, all of the strip slips.
-//! Where φ' is large the traction that sticks could pass the bound: such a strip is left to the simplified theory.
+//! Where φ' is large the traction that sticks could pass the bound, and where friction is not one coefficient times Hertz's pressure the theory
+//! has no traction: such a strip is left to the simplified theory.
 //!
 //! Without spin the force is 1 − (3/2)(s − s³/3 − δ θ) of f N, δ = d/a = cos θ < 1, s = sin θ (Haines and Ollerton; worked out here). Cells have
 //! exact mean tractions, and full slip carries f N.
@@ -77,19 +78,36 @@ impl StripTheory {
         Self { march, amplitude: bound, reduced, stretch: (1.0 - poisson_ratio).recip() }
     }
 
-    /// Visits the cells of a strip from the leading to the trailing edge.
-    pub(crate) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
+    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of [`March::strip`].
+    pub(crate) fn strip(
+        &self,
+        strip: &Strip,
+        limit: impl Fn(f64, f64) -> f64,
+        mut visit: impl FnMut(&Cell),
+    ) {
+        if self.is_limited(strip, &limit) {
+            return self.march.strip(strip, limit, visit);
+        }
         match self.stick(strip) {
             Some(stick) if !stick.beyond_bound(strip) => {
                 let border = 2.0 * stick.slipping - stick.half_length;
-                self.march.strip(strip, |cell| stick.cut(cell, border, &mut visit));
+                self.march.strip(strip, limit, |cell| stick.cut(cell, border, &mut visit));
             }
-            Some(_) => self.march.strip(strip, visit),
+            Some(_) => self.march.strip(strip, limit, visit),
             None => {
                 let half_length = self.march.lattice.semi_axis_a * strip.eta;
-                self.march.strip(strip, |cell| visit(&self.sliding(half_length, *cell)));
+                self.march.strip(strip, limit, |cell| visit(&self.sliding(half_length, *cell)));
             }
         }
+    }
+
+    /// The bounds of a strip are not those of its mean coefficient.
+    fn is_limited(&self, strip: &Strip, limit: impl Fn(f64, f64) -> f64) -> bool {
+        /// Rounding of a mean of equal coefficients.
+        const ROUNDING: f64 = 1e-9;
+        self.march
+            .nodes(strip)
+            .any(|(x, bound)| (limit(x, bound) - bound).abs() > ROUNDING * bound)
     }
 
     /// The part that sticks, if any does.

@@ -7,6 +7,7 @@
 //! rigid slip is taken on the surfaces, what is off the plane adds its own power.
 
 use super::local::Window;
+use crate::friction::ElementFriction;
 use crate::half_space::levels::RIGID_SLIP_AHEAD;
 use crate::half_space::tangential::{ElementState, TangentialState};
 use proto::grid::Structured;
@@ -67,17 +68,16 @@ impl Fields {
         }
     }
 
-    /// Traction bound on a window around the same origin, no larger than this: the pressure times the coefficient
-    /// of friction of the element [Pa].
+    /// Traction bound on a window around the same origin, no larger than this, by the friction of its elements [Pa].
     #[must_use]
-    pub fn bound(&self, window: &Window, friction: &[f64]) -> Vec<f64> {
+    pub fn bound(&self, window: &Window, friction: &ElementFriction) -> Vec<f64> {
         let narrow = window.counts();
         let shift = [0, 1].map(|k| self.origin[k] - window.half[k]);
         let of = |at: usize| {
             let [i, j] = [at % narrow[0] + shift[0], at / narrow[0] + shift[1]];
             let at = j * self.counts[0] + i;
             let p = self.pressure[at];
-            if p > 0.0 { p * friction[at] } else { 0.0 }
+            if p > 0.0 { friction.bound(at, p) } else { 0.0 }
         };
         (0..narrow[0] * narrow[1]).map(of).collect()
     }

@@ -1,6 +1,7 @@
 //! What is between wheel and rail: heights of their surfaces, and friction with what it may depend on.
 
 use super::rail::Side;
+use crate::friction::ElementFriction;
 use crate::slip::SlipStart;
 use proto::grid::Structured;
 
@@ -25,7 +26,7 @@ pub struct Elements<'a> {
     pub slip: Option<&'a [f64]>,
 }
 
-/// What gives heights and coefficients of friction.
+/// Heights and friction between wheel and rail.
 pub trait Interface {
     /// Heights are to be added to the undeformed distance.
     fn is_rough(&self) -> bool {
@@ -37,13 +38,13 @@ pub trait Interface {
         0.0
     }
 
-    /// The coefficients of the elements of a patch [-].
+    /// Friction of the elements of a patch.
     ///
     /// # Errors
-    /// There are none, and why.
-    fn coefficients(&self, elements: &Elements<'_>, friction: &mut [f64]) -> Result<(), String>;
+    /// There is none, and why.
+    fn friction(&self, elements: &Elements<'_>) -> Result<ElementFriction, String>;
 
-    /// They follow the slip of every element with its elastic part, looked for from here.
+    /// It follows the slip of every element with its elastic part, looked for from here.
     fn follows_elements(&self) -> Option<SlipStart> {
         None
     }
@@ -54,8 +55,7 @@ pub trait Interface {
 pub struct Constant(pub f64);
 
 impl Interface for Constant {
-    fn coefficients(&self, _: &Elements<'_>, friction: &mut [f64]) -> Result<(), String> {
-        friction.fill(self.0);
-        Ok(())
+    fn friction(&self, elements: &Elements<'_>) -> Result<ElementFriction, String> {
+        Ok(ElementFriction::uniform(elements.grid.points(), self.0))
     }
 }

@@ -1,7 +1,8 @@
 //! The tractions of a patch of any outline by the simplified theory: FASTSIM, and FASTRIP.
 //!
 //! A strip is the middle strip of an ellipse of its own, with its length and f times its pressure
-//! ([`crate::simplified`]); its bound is half an ellipse. All have the flexibilities of the equivalent ellipse
+//! ([`crate::simplified`]); its bound is half an ellipse. f is the mean of its elements, and every node is bounded by the friction of the element in
+//! which it lies. All have the flexibilities of the equivalent ellipse
 //! ([`super::strips`]). With creepages ξ, η, φ at the origin of the patch, and what is off the plane besides, a strip whose middle is at (x₀, t) has
 //! the rigid slip of ξ − φ t, η + φ x₀ in its middle.
 //!
@@ -20,6 +21,7 @@ use super::local::Window;
 use super::pressed::Pressed;
 use super::settings::{AskedSprings, Settings};
 use super::strips::{PressedStrip, equivalent_ellipse};
+use crate::friction::ElementFriction;
 use crate::half_space::influence::Elasticity;
 use crate::half_space::tangential::{Creepage, ElementState};
 use crate::reference::kalker::creep_coefficients;
@@ -36,6 +38,8 @@ const CELLS: usize = 40;
 struct Sliding<'a> {
     strips: &'a [PressedStrip],
     window: &'a Window,
+    /// Friction of the elements of the window.
+    elements: &'a ElementFriction,
     /// Coefficient of friction of every strip [-].
     friction: Vec<f64>,
     rolling: &'a Rolling,
@@ -62,20 +66,21 @@ pub(super) struct Slid {
     cells: Vec<(usize, Cell)>,
 }
 
-/// Slides a patch on springs and writes its fields, with the coefficients of friction of its elements, and what rigid slip its
+/// Slides a patch on springs and writes its fields, with the friction of its elements, and what rigid slip its
 /// rows have besides, if there is.
 pub(super) fn slide(
     pressed: &Pressed,
     rolling: &Rolling,
     (settings, springs): (&Settings, AskedSprings),
-    (friction, besides): (&[f64], Option<&[RowSlip]>),
+    (friction, besides): (&ElementFriction, Option<&[RowSlip]>),
     fields: &mut Fields,
 ) -> Slid {
     let AskedSprings { kind, strip_theory } = springs;
     let window = &pressed.window;
     let strips = pressed.strips();
     let sliding = Sliding {
-        friction: strips.iter().map(|strip| friction_of_row(strip.row, fields, friction)).collect(),
+        elements: friction,
+        friction: strips.iter().map(|strip| mean_of_row(strip.row, fields, friction)).collect(),
         strips: &strips,
         window,
         rolling,
@@ -93,13 +98,9 @@ pub(super) fn slide(
 }
 
 /// The coefficient of friction of a row: the mean, weighted with the pressure [-].
-fn friction_of_row(row: usize, fields: &Fields, friction: &[f64]) -> f64 {
+fn mean_of_row(row: usize, fields: &Fields, friction: &ElementFriction) -> f64 {
     let nx = fields.counts[0];
-    let elements = row * nx..(row + 1) * nx;
-    let pairs = fields.pressure[elements.clone()].iter().zip(&friction[elements]);
-    let pressed = pairs.filter(|(p, _)| **p > 0.0);
-    let (sum, weight) = pressed.fold((0.0, 0.0), |(sum, weight), (p, f)| (sum + p * f, weight + p));
-    if weight > 0.0 { sum / weight } else { 0.0 }
+    friction.mean(row * nx..(row + 1) * nx, &fields.pressure)
 }
 
 /// The springs of a patch.
@@ -168,12 +169,19 @@ impl Sliding<'_> {
         let width = self.window.sides[1];
         let y = self.along(&self.strips[index]);
         let strip = Strip { y, span: [y - 0.5 * width, y + 0.5 * width], eta, width };
+        let [nx, _] = self.window.counts();
+        let PressedStrip { row, .. } = self.strips[index];
+        let limit = |x: f64, bound: f64| {
+            let column = (middle + x) / self.window.sides[0] + self.window.half[0] as f64;
+            let column = (column.round().max(0.0) as usize).min(nx - 1);
+            self.elements.limit(row * nx + column, self.friction[index], bound)
+        };
         if !self.strip_theory {
-            return march.strip(&strip, visit);
+            return march.strip(&strip, limit, visit);
         }
         let Flexibilities { longitudinal, lateral, spin, .. } = bed.flexibilities;
         let own = [longitudinal, lateral, spin];
-        StripTheory::of_strip(march, creepage, middle, own, bed.poisson_ratio).strip(&strip, visit);
+        StripTheory::of_strip(march, creepage, middle, own, bed.poisson_ratio).strip(&strip, limit, visit);
     }
 
     /// Sums over the cells, after the slip of strip theory is scaled.

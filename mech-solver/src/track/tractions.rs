@@ -12,6 +12,7 @@ use super::rail::Side;
 use super::settings::Settings;
 use super::sliding::everywhere;
 use super::springs;
+use crate::friction::ElementFriction;
 use crate::half_space::levels::{History, Levels, RIGID_SLIP_AHEAD, Solution, TangentialError};
 use crate::half_space::settling::{Settling, first_velocities, slip_velocities};
 use crate::half_space::tangential::{Creepage, Prescribed, TangentialState};
@@ -60,7 +61,8 @@ impl Sliding<'_> {
         let rubs = Rubs { about: self, law };
         work.tangential_contacts += 1;
         if let Some(springs) = settings.springs() {
-            let given = (&rubs.friction(&fields, None)?[..], besides.as_deref());
+            let friction = rubs.friction(&fields, None)?;
+            let given = (&friction, besides.as_deref());
             let with = (*settings, springs);
             let slid = springs::slide(pressed, rolling, with, given, &mut fields);
             let off_plane = slid.off_plane;
@@ -131,8 +133,12 @@ impl Rubs<'_> {
         }
     }
 
-    /// The coefficients of friction on the window, with slip velocities on the part [m/s] if they follow those.
-    fn friction(&self, fields: &Fields, slip: Option<&[f64]>) -> Result<Vec<f64>, TrackError> {
+    /// Friction on the window, with slip velocities on the part [m/s] if it follows those.
+    fn friction(
+        &self,
+        fields: &Fields,
+        slip: Option<&[f64]>,
+    ) -> Result<ElementFriction, TrackError> {
         let Sliding { side, pressed, rolling, part, .. } = self.about;
         let Pressed { frame, window, region, .. } = pressed;
         let slip = slip.map(|slip| {
@@ -150,9 +156,7 @@ impl Rubs<'_> {
             rigid_slip: &|index| self.rigid_slip(index),
             slip: slip.as_deref(),
         };
-        let mut friction = vec![0.0; window.points()];
-        self.law.coefficients(&elements, &mut friction).map_err(TrackError::Friction)?;
-        Ok(friction)
+        self.law.friction(&elements).map_err(TrackError::Friction)
     }
 
     /// Slip velocity of rigid bodies, in the middle of an element of the window [m/s].

@@ -8,6 +8,7 @@ mod description;
 mod expanding;
 mod fast_models;
 mod fastsim;
+mod friction_effects;
 mod half_space;
 mod half_space_model;
 mod hertz_carter;

@@ -1,5 +1,6 @@
 //! The contact as a whole: creepage for a prescribed force, and everything that is one number.
 
+use super::limits::Limits;
 use super::sliding::Sliding;
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_density, power_imbalance};
@@ -79,11 +80,48 @@ impl Problem {
         Tangential::Strips(StripTheory::new(march, flexibilities, poisson_ratio))
     }
 
-    /// Solves it, in the memory of a contact that is no longer needed.
+    /// Solves it with one friction coefficient, in the memory of a contact that is no longer needed.
     pub(super) fn solve(&self, spent: Option<Contact>) -> Contact {
+        self.solve_under(|_, _, bound| bound, 1.0, spent)
+    }
+
+    /// Solves it with the friction of elements.
+    pub(super) fn solve_limited(&self, limits: &Limits<'_>, spent: Option<Contact>) -> Contact {
+        let most = self.capacity(limits) / self.friction_bound();
+        self.solve_under(|x, y, bound| limits.at(x, y, bound), most, spent)
+    }
+
+    /// Force of springs all of which slide along x, with the friction of elements [N].
+    pub(super) fn capacity(&self, limits: &Limits<'_>) -> f64 {
+        if self.friction_bound() == 0.0 {
+            return 0.0;
+        }
+        let (march, _) = self.march([0.0; 3]);
+        let strip = |strip: Strip| {
+            let nodes = march.nodes(&strip).map(|(x, g)| (x, limits.at(x, strip.y, g)));
+            let (mut sum, mut before) = (0.0, (0.0, 0.0));
+            for (x, g) in nodes {
+                sum += 0.5 * (before.1 + g) * (before.0 - x).max(0.0);
+                before = (x, g);
+            }
+            strip.width * sum
+        };
+        self.lattice.strips().map(strip).sum()
+    }
+
+    /// Solves it under the bounds that `limit` makes of the place and of the bound by the mean coefficient; all of the contact carries `most`
+    /// of f N.
+    fn solve_under(
+        &self,
+        limit: impl Fn(f64, f64, f64) -> f64 + Copy,
+        most: f64,
+        spent: Option<Contact>,
+    ) -> Contact {
         let creepage = match self.prescribed {
             Prescribed::Creepage { xi, eta, phi } => [xi, eta, phi],
-            Prescribed::ForceRatio(ratio) => [self.longitudinal_creepage(ratio), 0.0, 0.0],
+            Prescribed::ForceRatio(ratio) => {
+                [self.longitudinal_creepage(ratio, most, limit), 0.0, 0.0]
+            }
         };
         let tangential = self.tangential(creepage);
         let (mut strips, mut cells) =
@@ -94,7 +132,8 @@ impl Problem {
         let mut totals = Totals::default();
         for strip in self.lattice.strips() {
             let (mut own, first) = (Totals::default(), cells.len());
-            tangential.strip(&strip, |cell| {
+            let limit = |x: f64, bound: f64| limit(x, strip.y, bound);
+            tangential.strip(&strip, limit, |cell| {
                 own.add(cell, strip.y);
                 cells.push(*cell);
             });
@@ -108,18 +147,36 @@ impl Problem {
         contact
     }
 
-    /// The ξ whose longitudinal force is `ratio` · f N, with η = φ = 0.
-    fn longitudinal_creepage(&self, ratio: f64) -> f64 {
-        let (target, most) = (ratio.abs(), self.full_slip_creepage());
-        if target >= 1.0 {
-            return -ratio.signum() * most;
-        }
-        let excess = |creep: f64| {
-            let totals = Totals::of(&self.lattice, &self.sticking([-creep, 0.0, 0.0]));
-            totals.force[0] / self.friction_bound() - target
+    /// The ξ whose longitudinal force is `ratio` · f N, with η = φ = 0, where all of the contact carries `most`.
+    fn longitudinal_creepage(
+        &self,
+        ratio: f64,
+        most: f64,
+        limit: impl Fn(f64, f64, f64) -> f64 + Copy,
+    ) -> f64 {
+        /// Rounding of a sum over all cells.
+        const ROUNDING: f64 = 1e-12;
+        /// Doublings of the creepage after which all slips, however friction varies.
+        const DOUBLINGS: usize = 40;
+        let target = ratio.abs();
+        let force = |creep: f64| {
+            let tangential = self.sticking([-creep, 0.0, 0.0]);
+            Totals::of(&self.lattice, &tangential, limit).force[0] / self.friction_bound()
         };
+        let (mut all, mut largest) = (self.full_slip_creepage(), most);
+        if most != 1.0 {
+            // Friction that varies may slip later than friction of the mean coefficient.
+            let slides = |creep: &f64| force(*creep) >= most * (1.0 - ROUNDING);
+            let tried = (0..DOUBLINGS).map(|count| all * f64::from(count as u32).exp2());
+            all = tried.clone().find(slides).unwrap_or(all);
+            largest = force(all);
+        }
+        if target >= largest {
+            return -ratio.signum() * all;
+        }
+        let excess = |creep: f64| force(creep) - target;
         // Adding zero turns −0 into 0.
-        -ratio.signum() * increasing_root(excess, most, [-target, 1.0 - target]) + 0.0
+        -ratio.signum() * increasing_root(excess, all, [-target, largest - target]) + 0.0
     }
 
     /// Least creep at which every cell slips [-]: the predictor of the traction of the first cell,
@@ -178,11 +235,16 @@ enum Tangential {
 }
 
 impl Tangential {
-    fn strip(&self, strip: &Strip, visit: impl FnMut(&Cell)) {
+    fn strip(
+        &self,
+        strip: &Strip,
+        limit: impl Fn(f64, f64) -> f64,
+        visit: impl FnMut(&Cell),
+    ) {
         match self {
-            Self::Partial(march) => march.strip(strip, visit),
-            Self::Strips(theory) => theory.strip(strip, visit),
-            Self::Sliding(sliding) => sliding.strip(strip, visit),
+            Self::Partial(march) => march.strip(strip, limit, visit),
+            Self::Strips(theory) => theory.strip(strip, limit, visit),
+            Self::Sliding(sliding) => sliding.strip(strip, limit, visit),
         }
     }
 }
@@ -205,11 +267,16 @@ struct Totals {
 }
 
 impl Totals {
-    fn of(lattice: &Lattice, tangential: &Tangential) -> Self {
+    fn of(
+        lattice: &Lattice,
+        tangential: &Tangential,
+        limit: impl Fn(f64, f64, f64) -> f64,
+    ) -> Self {
         let mut totals = Self::default();
         for strip in lattice.strips() {
             let mut own = Self::default();
-            tangential.strip(&strip, |cell| own.add(cell, strip.y));
+            let limit = |x: f64, bound: f64| limit(x, strip.y, bound);
+            tangential.strip(&strip, limit, |cell| own.add(cell, strip.y));
             totals.add_strip(&own, strip.width);
         }
         totals
@@ -293,7 +360,7 @@ impl Contact {
     /// not claim it, but for the slip of strip theory, which is scaled to it.
     pub(super) fn check_power(&self) -> Result<(), Refusal> {
         let Problem { partial, kind, strip_theory, .. } = self.problem;
-        let exact = kind == Kind::Single || self.creepage[2] == 0.0;
+        let exact = kind.balances_spin() || self.creepage[2] == 0.0;
         let claimed = !partial || strip_theory.is_some() || exact;
         let imbalance = self.power_imbalance();
         if !claimed || imbalance <= LARGEST_POWER_IMBALANCE {
@@ -339,6 +406,9 @@ mod tests {
     use super::*;
     use crate::simplified::bound::Bound;
 
+    /// One friction coefficient.
+    const MEAN: fn(f64, f64, f64) -> f64 = |_, _, bound| bound;
+
     /// The contact of CONTACT's example fastsim with the flexibilities that CONTACT prints for it: a = 8 mm, b = 4 mm,
     /// f = 0.3, N = 82 kN, η = −6.25e-4, φ = 0.625/m.
     fn published(bound: Bound) -> March {
@@ -349,6 +419,7 @@ mod tests {
             lateral: 5.152e-14,
             spin: 4.090e-14,
             spin_length: 1.0,
+            mean_axis: 1.0,
         };
         let creepage = [0.0, -6.25e-4, 0.625];
         let springs = flexibilities.springs(Kind::Three, creepage, 1.0);
@@ -362,7 +433,7 @@ mod tests {
     #[test]
     fn published_result() {
         let march = published(Bound::Parabolic);
-        let totals = Totals::of(&march.lattice, &Tangential::Partial(march));
+        let totals = Totals::of(&march.lattice, &Tangential::Partial(march), MEAN);
         assert!((totals.force[1] / -15.79e3 - 1.0).abs() < 3e-3, "{totals:?}");
         assert!((totals.moment / -37.73 - 1.0).abs() < 3e-3, "{totals:?}");
         assert!(totals.force[0].abs() < 1e-9 * 82e3, "{totals:?}");
@@ -382,7 +453,7 @@ mod tests {
         for (tangential, force, moment) in
             [(Tangential::Partial(march), -14.61e3, -44.58), (strips, -15.85e3, -47.46)]
         {
-            let totals = Totals::of(&march.lattice, &tangential);
+            let totals = Totals::of(&march.lattice, &tangential, MEAN);
             assert!((totals.force[1] / force - 1.0).abs() < 1e-3, "{totals:?}");
             assert!((totals.moment / moment - 1.0).abs() < 1e-3, "{totals:?}");
             assert!(totals.force[0].abs() < 1e-9 * 82e3, "{totals:?}");
@@ -402,6 +473,7 @@ mod tests {
             lateral: 6.774e-14,
             spin: 4.526e-14,
             spin_length: 1.0,
+            mean_axis: 1.0,
         };
         for (xi, force) in [
             (1e-5, 131.0),
@@ -425,7 +497,7 @@ mod tests {
             let springs = flexibilities.springs(Kind::Blended, creepage, 1.0).reduced(factor);
             let largest_bound = lattice.largest_bound(friction_bound);
             let march = March { lattice, springs, creepage, largest_bound };
-            let found = -Totals::of(&lattice, &Tangential::Partial(march)).force[0];
+            let found = -Totals::of(&lattice, &Tangential::Partial(march), MEAN).force[0];
             assert!((found / force - 1.0).abs() < 2e-3, "{xi}: {found}");
         }
     }

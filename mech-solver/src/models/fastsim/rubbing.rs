@@ -1,19 +1,20 @@
 //! The contact whose friction depends on slip, or on what comes in.
 //!
-//! The march knows one friction coefficient: the mean of f over the contact, weighted with the pressure, which keeps the
-//! force f N of a contact that slides. A law that falls with slip thus lowers the bound of all elements alike, as Spiryagin,
-//! Polach and Cole have it. It is solved anew in every iteration, and in every row where the case varies.
+//! The springs and their reduction have the mean of f over the contact, weighted with the pressure; every place is bounded by the friction of
+//! its own element ([`super::limits`]). With one slip velocity for all, as Spiryagin, Polach and Cole have it, both are the same. It is solved anew in
+//! every iteration, and in every row where the case varies.
 
 use super::case::{Case, cells, problem};
 use super::contact::Contact;
 use super::fields;
+use super::limits::Limits;
 use crate::ellipse::Ellipse;
+use crate::friction::{FrictionState, lateral};
 use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Varying, no_answer};
 use crate::scene::{Drive, Scene};
 use crate::slip::RigidSlip;
-use crate::terms::Rubbing;
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
@@ -27,7 +28,6 @@ pub(super) struct Rubbed {
     varying: Option<Varying>,
     wanted: Vec<&'static FieldSpec>,
     pressure: Vec<f64>,
-    friction: Vec<f64>,
     trial: Option<(Contact, Step)>,
     accepted: Option<(Contact, Step)>,
     /// The contact of an earlier row.
@@ -45,9 +45,8 @@ impl Rubbed {
         wanted: Vec<&'static FieldSpec>,
     ) -> Self {
         let pressure = vec![0.0; case.grid.points()];
-        let (friction, shortfall) = (Vec::new(), None);
-        let (trial, accepted, spent) = (None, None, None);
-        Self { scene, case, varying, wanted, pressure, friction, trial, accepted, spent, shortfall }
+        let (trial, accepted, spent, shortfall) = (None, None, None, None);
+        Self { scene, case, varying, wanted, pressure, trial, accepted, spent, shortfall }
     }
 
     fn scene(&mut self, step: &Step) -> Result<Scene, StepError> {
@@ -67,24 +66,29 @@ impl Rubbed {
     ) -> Result<Contact, StepError> {
         let Case { asked, terms, grid } = &mut self.case;
         let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
-        let rubbing = Rubbing {
-            inputs,
+        let state = FrictionState {
+            inputs: Some(inputs),
             speed: slip.speed,
             rigid_slip: &|index| slip.at(grid, index),
             grid,
-            origin_y: 0.0,
+            coordinate: &lateral(grid, 0.0),
             pressure: &self.pressure,
             velocity: None,
         };
-        terms.friction(scene.friction_coefficient, &rubbing, &mut self.friction)?;
-        let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
-        let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
-        let ellipse = Ellipse::solve(scene, asked.given).map_err(no_answer)?;
-        let (drive, shortfall) = Shortfall::of(scene.drive, friction, ellipse.normal_force);
+        let friction = terms.friction.evaluate(scene.friction_coefficient, &state)?;
+        let limits = Limits::new(grid, &friction, &self.pressure);
+        let at_rest = Drive::Creepage { xi: 0.0, eta: 0.0, phi: 0.0 };
+        let free =
+            Scene { friction_coefficient: limits.mean, drive: at_rest, ..scene.clone() };
+        let (mut problem, _) = problem(&free, asked, grid).map_err(no_answer)?;
+        let load = problem.ellipse.normal_force;
+        // No more than the mean, to which forces are referred, where the sum over the strips is off by rounding or by its grid.
+        let most = limits.mean.min(problem.capacity(&limits) / load);
+        let (drive, shortfall) = Shortfall::of(scene.drive, most, load);
         self.shortfall = shortfall;
-        let scene = Scene { friction_coefficient: friction, drive, ..scene.clone() };
-        let (problem, _) = problem(&scene, asked, grid).map_err(no_answer)?;
-        let contact = problem.solve(spent);
+        problem.prescribed =
+            problem.ellipse.prescribed(&Scene { drive, ..free }).map_err(no_answer)?;
+        let contact = problem.solve_limited(&limits, spent);
         contact.check_power().map_err(no_answer)?;
         Ok(contact)
     }
@@ -100,7 +104,7 @@ impl Rubbed {
         let mut spent = self.spent.take();
         loop {
             let contact = self.contact_at(inputs, scene, search.at(), spent.take())?;
-            if !self.case.terms.friction_follows_slip() || search.take(contact.creepage)? {
+            if !self.case.terms.friction.follows_slip() || search.take(contact.creepage)? {
                 return Ok(contact);
             }
             spent = Some(contact);

@@ -3,7 +3,8 @@
 //! The traction is f p_n, Hertz's pressure, against the rigid slip (ξ − φ y, η + φ x), and the
 //! springs play no part. On a strip the bound's mean over a cell is exact; its sum over the strips
 //! of a lattice is made exact by a factor 1 + O(n⁻⁴), so that pure sliding carries f N. The friction
-//! power is −(ξ F_x + η F_y + φ M_z) to rounding, with the slip and its moment at the cells' middles.
+//! power is −(ξ F_x + η F_y + φ M_z) to rounding, with the slip and its moment at the cells' middles. Local bounds of friction are
+//! those of the cells' middles.
 
 use crate::simplified::bound::Bound;
 use crate::simplified::flexibility::Creepage;
@@ -28,17 +29,22 @@ impl Sliding {
         Self { lattice, creepage, amplitude }
     }
 
-    /// Visits the cells of a strip from the leading to the trailing edge.
-    pub(super) fn strip(&self, strip: &Strip, mut visit: impl FnMut(&Cell)) {
+    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of [`crate::simplified::march::March::strip`].
+    pub(super) fn strip(
+        &self,
+        strip: &Strip,
+        limit: impl Fn(f64, f64) -> f64,
+        mut visit: impl FnMut(&Cell),
+    ) {
         let cells = self.lattice.cells;
         // ∫ √(1 − X²) dX from the node to the leading edge.
         let ahead = |index: usize| segment_area(2.0 * index as f64 / cells as f64);
         let scale = 0.5 * self.amplitude * strip.eta * cells as f64;
         let [xi, eta, phi] = self.creepage;
         for index in 0..cells {
-            let bound = scale * (ahead(index + 1) - ahead(index));
             let ends = [self.lattice.node(strip, index + 1), self.lattice.node(strip, index)];
             let mut cell = Cell { ends, ..Cell::default() };
+            let bound = limit(cell.middle(), scale * (ahead(index + 1) - ahead(index)));
             cell.slip = [xi - phi * strip.y, eta + phi * cell.middle()];
             let size = norm(cell.slip);
             if size > 0.0 {

@@ -6,6 +6,7 @@
 use super::balance::{Hysteresis, PowerError, PressurePower};
 use super::case::Case;
 use super::drive::Driven;
+use crate::friction::{ElementFriction, FrictionState, lateral};
 use crate::half_space::coupling::Coupling;
 use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
@@ -15,7 +16,6 @@ use crate::half_space::slip_operator::Displacement;
 use crate::half_space::tangential::{self, Creepage, TangentialState};
 use crate::models::shortfall::Shortfall;
 use crate::slip::RigidSlip;
-use crate::terms::Rubbing;
 use proto::model::{Inputs, StepError};
 
 /// Change of the pressure, over the largest, at which it rests: far below the error of any grid.
@@ -56,8 +56,8 @@ pub(super) struct ContactSolver {
     normal: Option<Normal>,
     levels: Option<Levels>,
     coupling: Option<Coupling>,
-    /// Friction coefficient of every element.
-    friction: Vec<f64>,
+    /// Friction of every element.
+    friction: ElementFriction,
     area: f64,
     /// Pressure and approach without friction.
     frictionless: (Vec<f64>, Option<f64>),
@@ -100,8 +100,8 @@ impl ContactSolver {
             Normal { solver, prescribed, distance: undeformed.clone(), undeformed }
         });
         let loops = case.terms.follow_inputs()
-            || case.terms.friction_follows_slip()
-            || case.terms.friction_follows_elements().is_some();
+            || case.terms.friction.follows_slip()
+            || case.terms.friction.follows_elements().is_some();
         let contact = Contact {
             bodies: case.bodies,
             layer: case.terms.layer(),
@@ -122,7 +122,7 @@ impl ContactSolver {
                 let influence = Influence::of_grid(grid, case.bodies.instantaneous);
                 Coupling::new(&influence, grid.ni, grid.nj, rolling)
             }),
-            friction: vec![case.scene.friction_coefficient; grid.points()],
+            friction: ElementFriction::uniform(grid.points(), case.scene.friction_coefficient),
             frictionless: Default::default(),
             area: grid.element_area(),
             pressure: case.given_pressure(),
@@ -130,7 +130,7 @@ impl ContactSolver {
             normal_iterations: 0,
             slip_history: [zeros.clone(), zeros.clone()],
             bound: zeros,
-            heated: !case.terms.friction.is_empty(),
+            heated: !case.terms.friction.is_constant(),
             velocity: None,
             shortfall: None,
         };
@@ -165,7 +165,8 @@ impl ContactSolver {
             normal.distance.clone_from(&normal.undeformed);
             normal.prescribed = super::geometry::prescribed(case.scene.load);
         }
-        self.friction.fill(case.scene.friction_coefficient);
+        self.friction =
+            ElementFriction::uniform(self.pressure.len(), case.scene.friction_coefficient);
         if !warm || self.normal.is_none() {
             self.pressure = case.given_pressure();
         }
@@ -176,30 +177,29 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// Takes the friction coefficients that depend on what comes in, and on these creepages.
+    /// Takes the friction that depends on what comes in, and on these creepages.
     pub(super) fn set_friction(
         &mut self,
         case: &mut Case,
         inputs: &dyn Inputs,
         creepage: Creepage,
     ) -> Result<(), StepError> {
-        if case.terms.friction.is_empty() {
+        if case.terms.friction.is_constant() {
             return Ok(());
         }
         let slip = RigidSlip { creepage, speed: case.scene.speeds.rolling };
         let grid = &case.footprint.grid;
         let origin_y = case.footprint.gap.as_ref().map_or(0.0, |gap| gap.origin);
-        let velocity = self.velocity.as_deref();
-        let rubbing = Rubbing {
-            inputs,
+        let state = FrictionState {
+            inputs: Some(inputs),
             speed: slip.speed,
             rigid_slip: &|index| slip.at(grid, index),
             grid,
-            origin_y,
+            coordinate: &lateral(grid, origin_y),
             pressure: &self.pressure,
-            velocity,
+            velocity: self.velocity.as_deref(),
         };
-        case.terms.friction(case.scene.friction_coefficient, &rubbing, &mut self.friction)?;
+        self.friction = case.terms.friction.evaluate(case.scene.friction_coefficient, &state)?;
         self.set_bound();
         Ok(())
     }
@@ -215,7 +215,7 @@ impl ContactSolver {
         history: Option<History<'_>>,
     ) -> Result<Solution, StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
-        let Some(start) = case.terms.friction_follows_elements() else {
+        let Some(start) = case.terms.friction.follows_elements() else {
             return self.solve(driven, near, history).map_err(no_solution);
         };
         let duration = case.passage().duration;
@@ -223,7 +223,9 @@ impl ContactSolver {
         let first = first_velocities(start, near.as_ref().map(|near| &near.state), scale);
         let mut settling = Settling::from(first);
         self.velocity = Some(settling.velocity().to_vec());
-        self.set_friction(case, inputs, [0.0; 3])?;
+        let before = near.as_ref().filter(|_| driven.has_force()).map(|near| near.state.creepage);
+        let creepage = before.unwrap_or(driven.at(0.0).creepage);
+        self.set_friction(case, inputs, creepage)?;
         loop {
             let solution = self.solve(driven, near.take(), history).map_err(no_solution)?;
             let before = self.bound.clone();
@@ -231,7 +233,7 @@ impl ContactSolver {
             if let Some(velocity) = &mut self.velocity {
                 velocity.copy_from_slice(settling.velocity());
             }
-            self.set_friction(case, inputs, [0.0; 3])?;
+            self.set_friction(case, inputs, solution.state.creepage)?;
             let settled = settling.has_settled(share, &before, &self.bound);
             if settled.map_err(|error| no_solution(error.into()))? {
                 return Ok(solution);
@@ -251,10 +253,8 @@ impl ContactSolver {
     }
 
     fn set_bound(&mut self) {
-        let pairs = self.friction.iter().zip(&self.pressure);
-        for (bound, (friction, pressure)) in self.bound.iter_mut().zip(pairs) {
-            *bound = friction * pressure;
-        }
+        let bounds = self.friction.bounds(&self.pressure);
+        self.bound.iter_mut().zip(bounds).for_each(|(own, bound)| *own = bound);
     }
 
     /// Solves the normal contact from the latest pressure; the largest change over the largest.

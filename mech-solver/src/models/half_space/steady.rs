@@ -121,7 +121,7 @@ impl Steady {
         inputs: &dyn Inputs,
     ) -> Result<(Answer, StepReport, Option<Solution>), StepError> {
         let Case { driven, terms, footprint, .. } = &self.case;
-        let searched = driven.has_force() && terms.friction_follows_slip();
+        let searched = driven.has_force() && terms.friction.follows_slip();
         let first = near.as_ref().filter(|_| searched).map(|near| near.state.creepage);
         let first = first.unwrap_or(driven.at(0.0).creepage);
         let mut search = SettledCreepage::new(first, footprint.semi_axes[0]);

@@ -1,17 +1,17 @@
 //! The contact whose friction depends on what comes in, or on slip.
 //!
-//! Carter's strips know one friction coefficient: the mean of f over the contact, weighted with
-//! the pressure, which keeps the force f N of a contact that slides. It is solved anew in every
-//! iteration.
+//! Carter's strips know one friction coefficient: the equivalent one, Σ min(f p, τ)/Σ p over the elements, with which a
+//! contact that slides carries the same force. Tractions are this coefficient times Hertz's pressure at most, so that they pass a bound
+//! τ in the middle of the contact and are below it at the rim. It is solved anew in every iteration.
 
 use super::case::Case;
 use super::contact::Contact;
 use super::fields;
+use crate::friction::{FrictionState, lateral};
 use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
 use crate::scene::{Drive, Scene};
 use crate::slip::RigidSlip;
-use crate::terms::Rubbing;
 use proto::configuration::Refusal;
 use proto::field;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
@@ -22,7 +22,6 @@ use std::io::{self, Read, Write};
 pub(super) struct Heated {
     case: Case,
     pressure: Vec<f64>,
-    friction: Vec<f64>,
     /// The force of the last solve is not the prescribed one.
     shortfall: Option<Shortfall>,
 }
@@ -30,7 +29,24 @@ pub(super) struct Heated {
 impl Heated {
     pub(super) fn new(case: Case) -> Self {
         let pressure = fields::values(&field::PRESSURE, &case.contact, case.grid, &case.terms);
-        Self { pressure, friction: Vec::new(), shortfall: None, case }
+        Self { pressure, shortfall: None, case }
+    }
+
+    /// The equivalent friction coefficient at some creepages.
+    fn friction_at(&self, inputs: &dyn Inputs, creepage: [f64; 3]) -> Result<f64, StepError> {
+        let Case { terms, scene, grid, .. } = &self.case;
+        let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
+        let state = FrictionState {
+            inputs: Some(inputs),
+            speed: slip.speed,
+            rigid_slip: &|index| slip.at(grid, index),
+            grid,
+            coordinate: &lateral(grid, 0.0),
+            pressure: &self.pressure,
+            velocity: None,
+        };
+        let elements = terms.friction.evaluate(scene.friction_coefficient, &state)?;
+        Ok(elements.equivalent(&self.pressure))
     }
 
     /// Solves the contact with the friction at some creepages; those that it has then.
@@ -39,20 +55,7 @@ impl Heated {
         inputs: &dyn Inputs,
         creepage: [f64; 3],
     ) -> Result<[f64; 3], StepError> {
-        let Case { terms, scene, grid, .. } = &mut self.case;
-        let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
-        let rubbing = Rubbing {
-            inputs,
-            speed: slip.speed,
-            rigid_slip: &|index| slip.at(grid, index),
-            grid,
-            origin_y: 0.0,
-            pressure: &self.pressure,
-            velocity: None,
-        };
-        terms.friction(scene.friction_coefficient, &rubbing, &mut self.friction)?;
-        let weighted = self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
-        let friction = weighted.sum::<f64>() / self.pressure.iter().sum::<f64>();
+        let friction = self.friction_at(inputs, creepage)?;
         let normal_force = self.case.contact.ellipse.normal_force;
         let (drive, shortfall) = Shortfall::of(self.case.scene.drive, friction, normal_force);
         self.shortfall = shortfall;
@@ -88,7 +91,7 @@ impl Model for Heated {
         let mut search = SettledCreepage::new(first, self.case.contact.ellipse.semi_axis_a);
         loop {
             let found = self.contact_at(inputs, search.at())?;
-            if !self.case.terms.friction_follows_slip() || search.take(found)? {
+            if !self.case.terms.friction.follows_slip() || search.take(found)? {
                 break;
             }
         }

@@ -1,10 +1,10 @@
 //! The model that runs.
 
 use super::case::Case;
+use crate::friction::{ElementFriction, FrictionState, lateral};
 use crate::half_space::normal::{NormalContact, NormalSolver, Prescribed};
 use crate::slip::RigidSlip;
 use crate::surface::raise;
-use crate::terms::Rubbing;
 use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
@@ -21,7 +21,7 @@ pub(super) struct Sliding {
     /// What heat raises [m].
     rises: Vec<f64>,
     pressure: Vec<f64>,
-    friction: Vec<f64>,
+    friction: ElementFriction,
     solved: Option<NormalContact>,
 }
 
@@ -38,7 +38,7 @@ impl Sliding {
             heights,
             rises: vec![0.0; if case.terms.expansion.is_some() { grid.points() } else { 0 }],
             pressure: vec![0.0; grid.points()],
-            friction: vec![case.scene.friction_coefficient; grid.points()],
+            friction: ElementFriction::uniform(grid.points(), case.scene.friction_coefficient),
             solved: None,
             case,
         }
@@ -60,7 +60,7 @@ impl Sliding {
         let [vx, vy] = self.case.slip_velocity();
         let speed = vx.hypot(vy);
         let against = if speed > 0.0 { [-vx / speed, -vy / speed] } else { [0.0; 2] };
-        let bound = |at: usize| self.friction[at] * self.pressure[at];
+        let bound = |at: usize| self.friction.bound(at, self.pressure[at]);
         let fill = |values: &mut [f64], of: &dyn Fn(usize) -> [f64; 2]| {
             for at in 0..count {
                 [values[at], values[count + at]] = of(at);
@@ -106,17 +106,17 @@ impl Model for Sliding {
         let [xi, eta] = self.case.creepage;
         let slip = RigidSlip { creepage: [xi, eta, 0.0], speed: self.case.scene.speeds.rolling };
         let grid = &self.case.grid;
-        let rubbing = Rubbing {
+        let state = FrictionState {
             velocity: None,
-            inputs,
+            inputs: Some(inputs),
             speed: slip.speed,
             rigid_slip: &|index| slip.at(grid, index),
             grid,
-            origin_y: 0.0,
+            coordinate: &lateral(grid, 0.0),
             pressure: &self.pressure,
         };
         let coefficient = self.case.scene.friction_coefficient;
-        self.case.terms.friction(coefficient, &rubbing, &mut self.friction)?;
+        self.friction = self.case.terms.friction.evaluate(coefficient, &state)?;
         self.write(outputs);
         Ok(StepReport {
             substeps: 1,
@@ -156,7 +156,7 @@ impl Model for Sliding {
         };
         let [vx, vy] = case.slip_velocity();
         let speed = vx.hypot(vy);
-        let bounds = || self.friction.iter().zip(&self.pressure).map(|(f, p)| f * p);
+        let bounds = || self.friction.bounds(&self.pressure);
         let force = bounds().sum::<f64>() * area;
         let against = |part: f64| if speed > 0.0 { 0.0 - force * part / speed } else { 0.0 };
         json!({"contact": {

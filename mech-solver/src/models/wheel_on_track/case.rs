@@ -260,7 +260,7 @@ fn refuse_on_springs(
         let fix = "write \"half-space\" here, or leave the layer out";
         return Err(Refusal::new(TANGENTIAL, reason, fix));
     }
-    if terms.friction_follows_elements().is_some() {
+    if terms.friction.follows_elements().is_some() {
         let reason = "asks for springs, and friction that follows the slip of every element is on half-spaces alone";
         let fix = "write \"half-space\" here, or let friction follow the slip of rigid bodies";
         return Err(Refusal::new(TANGENTIAL, reason, fix));

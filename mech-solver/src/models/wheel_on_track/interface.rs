@@ -2,9 +2,9 @@
 //! along the track and what other laws make of it. Heights of rough surfaces stand on the rail, over the way along the track and the tape distance.
 
 use super::case::{Case, Position};
-use crate::bands::{At, Bands, Over};
+use crate::bands::{At, Over};
+use crate::friction::{ElementFriction, FrictionState};
 use crate::slip::SlipStart;
-use crate::terms::Rubbing;
 use crate::track::interface::{Elements, Interface};
 use crate::track::rail::Side;
 use proto::bodies::LOWER;
@@ -15,8 +15,8 @@ use proto::model::Inputs;
 pub(super) struct Between<'a> {
     pub(super) case: &'a Case,
     pub(super) position: &'a Position,
-    /// What comes in, and y on the grid of the fields less the tape distance [m] of the left rail and the right; while the grid is looked for
-    /// there are only factors.
+    /// What comes in, and y on the grid of the fields less the tape distance [m] of the left rail and the right; nothing while the grid is looked
+    /// for.
     pub(super) solving: Option<(&'a dyn Inputs, [f64; 2])>,
 }
 
@@ -29,52 +29,35 @@ impl Interface for Between<'_> {
         self.case.terms.height(self.position.motion.way + x, tape)
     }
 
-    fn coefficients(&self, elements: &Elements<'_>, friction: &mut [f64]) -> Result<(), String> {
-        friction.fill(self.position.friction);
-        for term in &self.case.terms.friction {
-            match (term.bands(), self.solving) {
-                (Some(bands), _) => self.multiply(bands, elements, friction),
-                (None, Some((inputs, shifts))) => {
-                    let shift = shifts[usize::from(elements.side == Side::Right)];
-                    let mut grid = elements.grid;
-                    grid.origin[1] += shift;
-                    let rubbing = Rubbing {
-                        inputs,
-                        speed: elements.speed,
-                        rigid_slip: elements.rigid_slip,
-                        grid: &grid,
-                        origin_y: -shift,
-                        pressure: elements.pressure,
-                        velocity: elements.slip,
-                    };
-                    term.apply(&rubbing, friction).map_err(|error| error.to_string())?;
-                }
-                (None, None) => {}
-            }
-        }
-        Ok(())
+    fn friction(&self, elements: &Elements<'_>) -> Result<ElementFriction, String> {
+        let shift = self.solving.map_or(0.0, |(_, shifts)| {
+            shifts[usize::from(elements.side == Side::Right)]
+        });
+        let mut grid = elements.grid;
+        grid.origin[1] += shift;
+        let state = FrictionState {
+            inputs: self.solving.map(|(inputs, _)| inputs),
+            speed: elements.speed,
+            rigid_slip: elements.rigid_slip,
+            grid: &grid,
+            coordinate: &|over, at, index| match at {
+                At::Patches => Some(self.of_patch(over, elements)),
+                At::Elements => (elements.pressure[index] > 0.0)
+                    .then(|| self.of_element(over, elements, index)),
+            },
+            pressure: elements.pressure,
+            velocity: elements.slip,
+        };
+        let law = &self.case.terms.friction;
+        law.evaluate(self.position.friction, &state).map_err(|error| error.to_string())
     }
 
     fn follows_elements(&self) -> Option<SlipStart> {
-        self.solving.and_then(|_| self.case.terms.friction_follows_elements())
+        self.solving.and_then(|_| self.case.terms.friction.follows_elements())
     }
 }
 
 impl Between<'_> {
-    /// Multiplies coefficients by the factors of their elements.
-    fn multiply(&self, bands: &Bands, elements: &Elements<'_>, friction: &mut [f64]) {
-        if bands.at == At::Patches {
-            let factor = bands.factor(self.of_patch(bands.over, elements));
-            friction.iter_mut().for_each(|friction| *friction *= factor);
-            return;
-        }
-        for (index, friction) in friction.iter_mut().enumerate() {
-            if elements.pressure[index] > 0.0 {
-                *friction *= bands.factor(self.of_element(bands.over, elements, index));
-            }
-        }
-    }
-
     /// The coordinate of factors at an element.
     fn of_element(&self, over: Over, elements: &Elements<'_>, index: usize) -> f64 {
         let Elements { side, grid, .. } = elements;

@@ -1,6 +1,7 @@
 //! Several patches, and the grid that they share.
 
 use super::{STEEL, arc, elements, line, rolling, single, solve, standard, steel};
+use crate::friction::ElementFriction;
 use crate::track::contact::WheelOnRail;
 use crate::track::developed::Developed;
 use crate::track::error::TrackError;
@@ -134,12 +135,10 @@ fn all_patches_are_on_one_grid() {
 struct AcrossTape;
 
 impl Interface for AcrossTape {
-    fn coefficients(&self, elements: &Elements<'_>, friction: &mut [f64]) -> Result<(), String> {
+    fn friction(&self, elements: &Elements<'_>) -> Result<ElementFriction, String> {
         let Elements { grid, .. } = elements;
-        for (at, friction) in friction.iter_mut().enumerate() {
-            *friction = 0.1 + 2.5 * grid.y(at / grid.ni);
-        }
-        Ok(())
+        let coefficient = |at: usize| 0.1 + 2.5 * grid.y(at / grid.ni);
+        Ok(ElementFriction::of_coefficients((0..grid.points()).map(coefficient).collect()))
     }
 }
 
