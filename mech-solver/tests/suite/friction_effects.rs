@@ -116,8 +116,8 @@ fn warm() -> Warm {
     Warm(Grid::structured("contact", whole), RISE)
 }
 
-/// A model with the shape of its bound, whether it takes the plastic layer, and its tolerance: elements on the rim, whose pressure is that of
-/// their middle; those of a track lie on a grid of their own.
+/// A model with the shape of its bound, whether it takes the plastic layer, and its tolerance, which covers elements on the rim: their pressure is that
+/// of their middle, or in `hertz-carter` the mean over what of them is in contact and what is not; those of a track lie on a grid of their own.
 struct Tried {
     label: &'static str,
     case: Value,
@@ -165,10 +165,9 @@ fn models(files: &Files) -> Vec<Tried> {
     let mut periodic = fitted(paper(), "periodic");
     periodic["motion"]["creepage"]["xi"] = json!(-CREEPAGE);
     periodic["mech"]["resolution"] = json!(20);
-    // A cell of a square as large as the ellipse, under its mean pressure.
     vec![
         tried("half-space", round("half-space", json!({})), ellipse, true, 8e-3),
-        tried("hertz-carter", round("hertz-carter", json!({})), ellipse, false, 5e-3),
+        tried("hertz-carter", round("hertz-carter", json!({})), ellipse, false, 1.5e-2),
         tried("fastsim", round("fastsim", json!({})), Shape::Parabola, false, 5e-3),
         tried(
             "fastsim, elliptic",
@@ -276,7 +275,8 @@ fn pairs_and_triples_against_closed_forms() {
             };
             let error = found / expected - 1.0;
             row += &format!(" {:+.2} % |", 100.0 * error);
-            let beyond = *label != "hertz-carter" && most > largest * (1.0 + 1e-9);
+            // On the grid strips are spread over less than their width, by h²/24 of steps h of their angle.
+            let beyond = *label != "hertz-carter" && most > largest * (1.0 + 1e-4);
             if error.abs() > *tolerance || beyond {
                 wrong.push(format!("{label}: {names:?}: {found} {expected}, {most:e} {largest:e}"));
             }
