@@ -4,6 +4,9 @@
 //! |---|---|
 //! | [`models`] | the models by name, one module a fidelity level |
 //! | [`effects`] | the effects by name, one file an effect |
+//! | [`half_space`], [`conformal`] | boundary elements: normal, tangential and subsurface problems of half-spaces, and of curved surfaces |
+//! | [`explicit`] | explicit finite elements of rolling bodies |
+//! | [`friction`] | the law of friction: factors on the coefficient, bounds of the traction |
 //! | [`axle`] | what carries the load, and runs over irregularities |
 //! | `carried` | the load under an axle, for models whose contact has no inertia |
 //! | `removal` | what a contact takes off the bodies, and the profiles that it leaves |

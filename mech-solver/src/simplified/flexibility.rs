@@ -58,8 +58,8 @@ pub(crate) fn key() -> KeySpec {
     KeySpec::choice(
         KEY,
         &["single", "kalker-1982", "three", "blended"],
-        "one flexibility for all creepages (exact friction power) by this project's mean or by the sum of FASTSIM as published in 1982, one for \
-         each (exact slopes), or three at small creepage and one at large",
+        "one flexibility for all creepages (exact friction power), the same by the sum of FASTSIM as published in 1982, one for each \
+         (exact slopes), or three at small creepage and one at large",
     )
     .default_value("single")
 }
