@@ -207,7 +207,9 @@ impl Terms {
             if let Some(first) = self.effect_of(*kind) {
                 return Err(Refusal::new(
                     &format!("effects.{name}"),
-                    format!("and effects.{first} exclude each other: both make the one `{kind:?}` that a contact has"),
+                    format!(
+                        "and effects.{first} exclude each other: both make the one `{kind:?}` that a contact has"
+                    ),
                     format!("remove [effects.{first}] or [effects.{name}]"),
                 ));
             }

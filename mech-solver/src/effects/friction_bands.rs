@@ -16,9 +16,9 @@
 use crate::bands::{At, Bands, Over};
 use crate::curve::Curve;
 use crate::entry::Effect;
+use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::keys::CheckedParams;
 use crate::situation::Situation;
-use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::terms::{Kind, Need, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
@@ -85,8 +85,11 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     };
     let at = if case.text(AT)? == "patches" { At::Patches } else { At::Elements };
     let needs = [
-        (over != Over::Lateral)
-            .then_some(rail_place(OVER, "rail on a track, of which this is the coordinate", "lateral")),
+        (over != Over::Lateral).then_some(rail_place(
+            OVER,
+            "rail on a track, of which this is the coordinate",
+            "lateral",
+        )),
         (at == At::Patches).then_some(rail_place(AT, "patches with references", "elements")),
     ];
     let bands = Bands { table, over, at };

@@ -8,9 +8,9 @@
 //! Left out: what is left of the layer's strain behind the contact; hardening is in `plastic_layer`.
 
 use crate::entry::Effect;
+use crate::friction::{FrictionLaw, FrictionState, TractionBound};
 use crate::keys::CheckedParams;
 use crate::situation::Situation;
-use crate::friction::{FrictionLaw, FrictionState, TractionBound};
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

@@ -24,10 +24,10 @@
 //! Sources: Polach, Wear 258 (2005) 992–1000; Vollebregt & Schuttelaars (2012) for the memory, there in the slip of the surfaces.
 
 use crate::entry::Effect;
+use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::keys::CheckedParams;
 use crate::situation::{CREEPAGE, Situation};
 use crate::slip::SlipStart;
-use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::terms::{Kind, Need, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

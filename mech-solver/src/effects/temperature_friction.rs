@@ -20,10 +20,10 @@
 
 use crate::curve::Curve;
 use crate::entry::Effect;
+use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::keys::CheckedParams;
 use crate::situation::{POWER, Situation};
 use crate::surface::Surface;
-use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

@@ -9,10 +9,10 @@
 //! and temperature, and forces that are prescribed: at rest the film carries none.
 
 use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::situation::Situation;
 use crate::friction::{FrictionLaw, FrictionState, TractionBound};
+use crate::keys::CheckedParams;
 use crate::scene;
+use crate::situation::Situation;
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

@@ -254,9 +254,11 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
             "prescribe motion.creepage, or write mech.rolling = \"steady\"",
         ));
     }
-    if let Some(effect) = case.terms.friction_effect().filter(|_| {
-        case.scene.speeds.rolling == 0.0 && case.terms.friction.follows_slip()
-    }) {
+    if let Some(effect) = case
+        .terms
+        .friction_effect()
+        .filter(|_| case.scene.speeds.rolling == 0.0 && case.terms.friction.follows_slip())
+    {
         return Err(Refusal::new(
             &format!("effects.{effect}"),
             "friction follows the slip velocity of rigid bodies, and a shift without rolling has none",

@@ -148,8 +148,7 @@ impl Flexibilities {
             return self.longitudinal;
         }
         let [x, y, z] = parts.map(|part| part / largest);
-        (x * self.longitudinal + y * self.lateral + z * self.spin)
-            / (x * x + y * y + z * z).sqrt()
+        (x * self.longitudinal + y * self.lateral + z * self.spin) / (x * x + y * y + z * z).sqrt()
     }
 
     fn single(&self, [xi, eta, phi]: Creepage) -> f64 {

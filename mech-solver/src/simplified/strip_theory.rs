@@ -105,9 +105,7 @@ impl StripTheory {
     fn is_limited(&self, strip: &Strip, limit: impl Fn(f64, f64) -> f64) -> bool {
         /// Rounding of a mean of equal coefficients.
         const ROUNDING: f64 = 1e-9;
-        self.march
-            .nodes(strip)
-            .any(|(x, bound)| (limit(x, bound) - bound).abs() > ROUNDING * bound)
+        self.march.nodes(strip).any(|(x, bound)| (limit(x, bound) - bound).abs() > ROUNDING * bound)
     }
 
     /// The part that sticks, if any does.

@@ -181,7 +181,8 @@ impl Sliding<'_> {
         }
         let Flexibilities { longitudinal, lateral, spin, .. } = bed.flexibilities;
         let own = [longitudinal, lateral, spin];
-        StripTheory::of_strip(march, creepage, middle, own, bed.poisson_ratio).strip(&strip, limit, visit);
+        StripTheory::of_strip(march, creepage, middle, own, bed.poisson_ratio)
+            .strip(&strip, limit, visit);
     }
 
     /// Sums over the cells, after the slip of strip theory is scaled.

@@ -295,9 +295,8 @@ fn a_film_under_friction_that_follows_the_slip_of_elements() {
     let ellipse = elliptic_contact(0.5 / 0.46, 0.5 / RAIL, LOAD, STEEL);
     let axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
     // Friction between its values at rest and at high speed bounds the force at the rim.
-    let of = |friction: f64| {
-        force(Shape::HalfEllipse, axes, ellipse.max_pressure, |_| friction, FILM)
-    };
+    let of =
+        |friction: f64| force(Shape::HalfEllipse, axes, ellipse.max_pressure, |_| friction, FILM);
     for mut case in [round("half-space", json!({})), on_track(&files, "half-space")] {
         case["effects"]["viscous_layer"] = film.values.clone();
         for start in ["before", "below", "above"] {
@@ -321,7 +320,10 @@ fn the_order_of_tables_has_no_influence() {
             .iter()
             .filter(|item| item.label != "temp law")
             .map(|item| (item.effect.to_owned(), item.values.clone()))
-            .chain([("partial_slip".to_owned(), json!({})), ("friction_heat".to_owned(), json!({}))])
+            .chain([
+                ("partial_slip".to_owned(), json!({})),
+                ("friction_heat".to_owned(), json!({})),
+            ])
             .collect();
         if reverse {
             tables.reverse();
@@ -341,8 +343,8 @@ fn needs_of_values_are_refused_with_models_that_meet_them() {
     let refused = refusal(&configuration(&case));
     assert_eq!(refused.key, "effects.speed_friction.slip");
     assert!(refused.fix.contains("half-space") && refused.fix.contains("wheel-on-track"));
-    let bands = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../cases/profiles/greased-gauge-side.csv");
+    let bands =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/profiles/greased-gauge-side.csv");
     case["effects"] = json!({"friction_bands": {"table": bands, "over": "track"}});
     let refused = refusal(&configuration(&case));
     assert_eq!(refused.key, "effects.friction_bands.over");

@@ -235,12 +235,7 @@ enum Tangential {
 }
 
 impl Tangential {
-    fn strip(
-        &self,
-        strip: &Strip,
-        limit: impl Fn(f64, f64) -> f64,
-        visit: impl FnMut(&Cell),
-    ) {
+    fn strip(&self, strip: &Strip, limit: impl Fn(f64, f64) -> f64, visit: impl FnMut(&Cell)) {
         match self {
             Self::Partial(march) => march.strip(strip, limit, visit),
             Self::Strips(theory) => theory.strip(strip, limit, visit),

@@ -78,8 +78,7 @@ impl Rubbed {
         let friction = terms.friction.evaluate(scene.friction_coefficient, &state)?;
         let limits = Limits::new(grid, &friction, &self.pressure);
         let at_rest = Drive::Creepage { xi: 0.0, eta: 0.0, phi: 0.0 };
-        let free =
-            Scene { friction_coefficient: limits.mean, drive: at_rest, ..scene.clone() };
+        let free = Scene { friction_coefficient: limits.mean, drive: at_rest, ..scene.clone() };
         let (mut problem, _) = problem(&free, asked, grid).map_err(no_answer)?;
         let load = problem.ellipse.normal_force;
         // No more than the mean, to which forces are referred, where the sum over the strips is off by rounding or by its grid.

@@ -30,9 +30,9 @@ impl Interface for Between<'_> {
     }
 
     fn friction(&self, elements: &Elements<'_>) -> Result<ElementFriction, String> {
-        let shift = self.solving.map_or(0.0, |(_, shifts)| {
-            shifts[usize::from(elements.side == Side::Right)]
-        });
+        let shift = self
+            .solving
+            .map_or(0.0, |(_, shifts)| shifts[usize::from(elements.side == Side::Right)]);
         let mut grid = elements.grid;
         grid.origin[1] += shift;
         let state = FrictionState {
@@ -42,8 +42,9 @@ impl Interface for Between<'_> {
             grid: &grid,
             coordinate: &|over, at, index| match at {
                 At::Patches => Some(self.of_patch(over, elements)),
-                At::Elements => (elements.pressure[index] > 0.0)
-                    .then(|| self.of_element(over, elements, index)),
+                At::Elements => {
+                    (elements.pressure[index] > 0.0).then(|| self.of_element(over, elements, index))
+                }
             },
             pressure: elements.pressure,
             velocity: elements.slip,
