@@ -30,10 +30,11 @@ pub(crate) use target::Target;
 use crate::study::levels::{Level, standing};
 use crate::study::quantity::{Quantities, Quantity};
 use crate::study::richardson::{Estimate, Limit, ORDER_OF_LIMITS, Sample};
-use crate::study::{Variant, planned, run, scratch};
+use crate::study::{Variant, planned, run};
 use choice::Choice;
 use contract::figure::Measure;
 use run::error::RunError;
+use run::scratch::Scratch;
 use section::{Stated, StatedFigure, StatedRun, Taken};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -166,7 +167,7 @@ impl Search {
     /// Runs at a resolution, for its quantities alone.
     fn try_out(&mut self, step: usize) -> Result<(), RunError> {
         let begun = Instant::now();
-        let folder = scratch()?;
+        let folder = Scratch::new()?;
         let variant = self.at(step).with("output.fields", "none");
         let summary = run(&self.case, &variant, folder.path())?;
         self.note(step, &summary, begun.elapsed().as_secs_f64())

@@ -441,7 +441,7 @@ fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
     })?;
     let raw = folder.read_case()?.with_folder(checkpoint.state.origin.folder.clone());
     let planned = tracing::info_span!("plan").in_scope(|| plan(raw))?;
-    perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned))?;
+    perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned)?)?;
     log_into(&folder, log)?;
     folder.reopen()?;
     let plan_seconds = planning.elapsed().as_secs_f64();

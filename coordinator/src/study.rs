@@ -28,7 +28,9 @@ use run::progress::silent;
 use run::results::{Existing, ResultFolder};
 use run::signals;
 use serde_json::Value;
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// What is changed in a case.
@@ -63,12 +65,25 @@ impl Variant {
 /// # Errors
 /// Whatever is wrong with the case, or with the programs it names.
 pub(crate) fn planned(case: &Path, variant: &Variant) -> Result<Planned, RunError> {
-    // A pipe that nobody writes to. Otherwise a signal ends the study in order, with what it keeps.
-    let reading = (case == Path::new("-")).then(signals::end_at_once);
-    let mut raw = RawCase::read(case)?;
-    drop(reading);
+    let mut raw = read(case)?;
     raw.apply(&variant.set, &variant.unset)?;
     plan(raw)
+}
+
+/// Reads a case once in the life of this process: all runs of a study are of the same text, also if
+/// the file is edited meanwhile.
+fn read(case: &Path) -> Result<RawCase, RunError> {
+    static READ: Mutex<BTreeMap<PathBuf, RawCase>> = Mutex::new(BTreeMap::new());
+    let mut known = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(raw) = known.get(case) {
+        return Ok(raw.clone());
+    }
+    // A pipe that nobody writes to. Otherwise a signal ends the study in order, with what it keeps.
+    let reading = (case == Path::new("-")).then(signals::end_at_once);
+    let raw = RawCase::read(case)?;
+    drop(reading);
+    known.insert(case.to_owned(), raw.clone());
+    Ok(raw)
 }
 
 /// Runs a case with a variant's changes into a folder; its summary.
@@ -114,15 +129,6 @@ const OVERHEAD: f64 = 0.06;
 #[must_use]
 pub(crate) fn expected_run_seconds(planned: Option<&Planned>) -> f64 {
     planned.map_or(0.0, |planned| OVERHEAD + expected_seconds(&planned.plan))
-}
-
-/// A folder for the results of runs that nobody looks at; gone with it.
-///
-/// # Errors
-/// The file system.
-pub(crate) fn scratch() -> Result<tempfile::TempDir, RunError> {
-    let failed = |error| run::error::file_failure(&std::env::temp_dir(), &error);
-    tempfile::Builder::new().prefix("cosim-study-").tempdir().map_err(failed)
 }
 
 /// Whether an error ends the whole study, and not only the run that it ended.

@@ -16,7 +16,7 @@
 
 mod sum;
 
-pub use sum::sum;
+pub use sum::{sum, sum_of_file};
 
 use crate::error::{RunError, file_failure};
 use crate::results::summary::Counts;
@@ -25,6 +25,7 @@ use crate::sealed::{self, Broken, Magic};
 use coupling::windows;
 use proto::binary;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -38,7 +39,7 @@ pub const FOLDER: &str = "checkpoints";
 /// The coordinator's own part; its file is complete only when all others are.
 const OWN: &str = "coordinator.state";
 /// Begins every [`OWN`] file; the digit is the version of its layout.
-const MAGIC: &Magic = b"COSIMCK2";
+const MAGIC: &Magic = b"COSIMCK3";
 
 /// What a run was made from; a resumed run has to be made from the same.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,6 +55,8 @@ pub struct Origin {
     pub folder: PathBuf,
     /// Parts of the plan, by name, with the CRC-64 of each.
     pub plan: Vec<(String, u64)>,
+    /// Files that the case names, by key, with the CRC-64 of each.
+    pub files: BTreeMap<String, String>,
 }
 
 /// The coordinator's part of a checkpoint.

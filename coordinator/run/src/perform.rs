@@ -254,11 +254,11 @@ fn perform(
     counts.start_seconds = starting.elapsed().as_secs_f64();
     let mut session = started?;
     let windows = || {
-        let checkpoints = plan.checkpoint_every.map(|every| march::Writing {
-            every,
-            into: Checkpoints::of(&folder.path()),
-            origin: origin(planned),
-        });
+        let writing = |every| {
+            let (into, origin) = (Checkpoints::of(&folder.path()), origin(planned)?);
+            Ok::<_, RunError>(march::Writing { every, into, origin })
+        };
+        let checkpoints = plan.checkpoint_every.map(writing).transpose()?;
         let mut march =
             March::new(plan, &mut session, &mut tables, &mut fields, counts, checkpoints);
         march.record(recorder.as_deref());

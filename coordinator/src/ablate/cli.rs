@@ -5,9 +5,10 @@ use super::runs;
 use super::study::Study;
 use crate::study::arguments::{CaseArguments, FolderArguments, RepeatArguments};
 use crate::study::output::{Kept, Printing, Shown};
-use crate::study::{planned, scratch};
+use crate::study::planned;
 use clap::Args;
 use run::error::RunError;
+use run::scratch::Scratch;
 
 /// What `coordinator ablate` is asked.
 #[derive(Debug, Args)]
@@ -33,7 +34,7 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     crate::logging::warn_of_replaced(&standing.case);
     let name = format!("{}-ablate", standing.plan.name);
     let folder = asked.folder.choose(Study::COMMAND, &name, &|_| false)?;
-    let scratch = scratch()?;
+    let scratch = Scratch::new()?;
     let printing = Printing { json: asked.json, quiet };
     let request = Request { case, base, repeat: asked.times.repeat };
     let study = study(&request, printing.is_silent(), scratch.path())?;

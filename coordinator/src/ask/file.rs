@@ -1,7 +1,11 @@
 //! The file that is asked.
 
 use crate::fit::FILE;
+use crate::study::output::Kept as _;
+use crate::sweep::Study;
 use run::error::{RunError, file_failure};
+use run::identity::Identity;
+use serde::Deserialize;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -27,10 +31,24 @@ pub(super) fn read(path: &Path, figures: &[String]) -> Result<Surrogate, RunErro
 /// [`RunError::Usage`] if it is no surrogate; the file system.
 pub(crate) fn document(path: &Path) -> Result<Document, RunError> {
     let file = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-    Document::read(&bytes(&file)?).map_err(|fault| {
-        let fix = "write it again by `coordinator fit DIR`";
-        RunError::Usage(format!("{}: {fault}; {fix}", file.display()))
-    })
+    let fix = "write it again by `coordinator fit DIR`";
+    let refuse = |why: &str| RunError::Usage(format!("{}: {why}; {fix}", file.display()));
+    let document = Document::read(&bytes(&file)?).map_err(|fault| refuse(&fault.to_string()))?;
+    match path.is_dir() && is_of_another_sweep(&document, path) {
+        true => Err(refuse("is of another sweep than the one in this folder")),
+        false => Ok(document),
+    }
+}
+
+/// The sweep in a folder has another identity than the surrogate in it.
+fn is_of_another_sweep(document: &Document, folder: &Path) -> bool {
+    #[derive(Deserialize)]
+    struct Head {
+        identity: Identity,
+    }
+    let text = std::fs::read(folder.join(Study::FILE)).ok();
+    let head = text.and_then(|text| serde_json::from_slice::<Head>(&text).ok());
+    head.is_some_and(|head| head.identity.digest() != document.origin.identity)
 }
 
 /// No more of the file than a surrogate may have.

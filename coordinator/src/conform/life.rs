@@ -356,6 +356,14 @@ impl Life {
         self.solve(step)
     }
 
+    /// A window that is solved, with inputs in a variation, and accepted: its outputs, and the observed
+    /// fields.
+    pub(super) fn published(&mut self, step: &Step, variation: u32) -> Result<Values, Fault> {
+        let mut values = self.solve_with(step, variation)?.outputs;
+        values.extend(self.accept(step, true)?);
+        Ok(values)
+    }
+
     /// `Accept`; with the observed fields if asked for.
     pub(super) fn accept(&mut self, step: &Step, observe: bool) -> Result<Values, Fault> {
         let mut command = Command::about(CommandKind::Accept, step);

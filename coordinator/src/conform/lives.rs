@@ -11,6 +11,15 @@ use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
+/// All that a fresh process publishes, outputs and observed fields.
+pub(super) struct Reference {
+    /// Of the first window, with inputs of variation 0.
+    pub(super) first: Values,
+    /// Of the second window, with inputs of variation 1, after the first one was accepted and not
+    /// observed.
+    pub(super) second: Values,
+}
+
 /// What is running and not in use.
 #[derive(Default)]
 pub(super) struct Lives {
@@ -18,8 +27,8 @@ pub(super) struct Lives {
     pub(super) joined: RefCell<Option<Life>>,
     /// Between two windows, each as it was configured.
     pub(super) ready: RefCell<Vec<(Configuration, Life)>>,
-    /// How settings went on after their first window, see [`Bench::unobserved`].
-    pub(super) unobserved: RefCell<Vec<(Configuration, Rc<Values>)>>,
+    /// Windows of fresh processes, see [`Bench::reference`].
+    pub(super) references: RefCell<Vec<(Configuration, Rc<Reference>)>>,
     /// On its way.
     pub(super) coming: RefCell<VecDeque<Life>>,
     /// Some process has joined.

@@ -2,8 +2,8 @@
 
 use super::bench::Bench;
 use super::fault::{Fault, Seen};
-use super::life::{Life, Values};
-use super::lives::Lives;
+use super::life::Life;
+use super::lives::{Lives, Reference};
 use super::setting::Setting;
 use contract::configuration::Configuration;
 use std::num::NonZero;
@@ -86,23 +86,24 @@ impl Bench {
         }
     }
 
-    /// What a fresh process sends for the second window (inputs of variation 1) after the first one
-    /// (variation 0) was accepted and not observed.
-    pub(super) fn unobserved(&self, setting: &Setting) -> Result<Rc<Values>, Fault> {
-        let known = self.lives.unobserved.borrow();
-        if let Some((_, outputs)) = known.iter().find(|(of, _)| *of == setting.configuration) {
-            return Ok(Rc::clone(outputs));
+    /// Two windows of a fresh process, to compare others with.
+    pub(super) fn reference(&self, setting: &Setting) -> Result<Rc<Reference>, Fault> {
+        let known = self.lives.references.borrow();
+        if let Some((_, reference)) = known.iter().find(|(of, _)| *of == setting.configuration) {
+            return Ok(Rc::clone(reference));
         }
         drop(known);
-        let mut life = self.ready(setting)?;
         let step = setting.step(0);
+        let first = self.ready(setting)?.published(&step, 0)?;
+        let mut life = self.ready(setting)?;
         life.solve_with(&step, 0)?;
         life.accept(&step, false)?;
-        let outputs = Rc::new(life.solve_with(&life.next(setting), 1)?.outputs);
+        let second = life.published(&life.next(setting), 1)?;
         self.keep(setting, life);
-        let known = (setting.configuration.clone(), Rc::clone(&outputs));
-        self.lives.unobserved.borrow_mut().push(known);
-        Ok(outputs)
+        let reference = Rc::new(Reference { first, second });
+        let known = (setting.configuration.clone(), Rc::clone(&reference));
+        self.lives.references.borrow_mut().push(known);
+        Ok(reference)
     }
 
     /// Goes through all settings whose windows may be solved more than once.

@@ -142,14 +142,36 @@ fn repeat(bench: &Bench) -> Result<Seen, Fault> {
         again(life, "solved again with the same samples")?;
         life.feed(&next, 0)?;
         again(life, "solved again with the same values")?;
-        if life.inputs.is_empty() {
-            return Seen::kept("the same bits (it has no inputs to vary)");
+        if !life.inputs.is_empty() {
+            life.solve_with(&Step { iteration: 9, ..next }, 2)?;
+            life.feed(&next, 0)?;
+            again(life, "solved again after a solve with other inputs")?;
         }
-        life.solve_with(&Step { iteration: 9, ..next }, 2)?;
-        life.feed(&next, 0)?;
-        again(life, "solved again after a solve with other inputs")?;
-        Seen::kept("the same bits, also after a solve with other inputs")
+        // Fields that nobody consumes come with Accept alone: those of a process that has solved its first
+        // window several times, and of one that has solved it once.
+        let mut life = bench.ready(setting)?;
+        let step = setting.step(0);
+        life.solve_with(&step, 0)?;
+        life.solve_with(&Step { iteration: 2, ..step }, 2)?;
+        let found = life.published(&Step { iteration: 3, ..step }, 0)?;
+        same(&found, &bench.reference(setting)?.first, "accepted after several solves")?;
+        compared(
+            &found,
+            match life.inputs.is_empty() {
+                true => "the same bits (it has no inputs to vary)",
+                false => "the same bits, also after a solve with other inputs",
+            },
+        )
     })
+}
+
+/// The words for a comparison that was passed, with the number of values. A comparison of nothing shows
+/// nothing.
+pub(super) fn compared(values: &Values, words: &str) -> Result<Seen, Fault> {
+    match values.iter().map(|(_, values)| values.len()).sum::<usize>() {
+        0 => Seen::inapplicable("it publishes no field in this case: nothing was compared"),
+        count => Seen::kept(format!("{words} ({count} values)")),
+    }
 }
 
 /// The bits of two solves are the same.
@@ -161,31 +183,36 @@ pub(super) fn same(found: &Values, expected: &Values, why: &str) -> Result<(), F
 }
 
 fn other_end(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_rewinding_between(|setting, life| {
+    bench.each_rewinding(|setting| {
         if !setting.is_transient() {
             return Seen::inapplicable("no transient setting");
         }
-        let whole = life.next(setting);
+        let whole = setting.step(0);
         let half = Step { end: 0.5 * (whole.start + whole.end), ..whole };
+        let shorter = bench.ready(setting)?.published(&half, 0)?;
+        let mut life = bench.ready(setting)?;
         let first = life.solve_with(&whole, 0)?.outputs;
-        let shorter = life.solve_with(&half, 0)?.outputs;
+        life.solve_with(&half, 0)?;
         let again = life.solve_with(&whole, 0)?.outputs;
         same(&again, &first, "solved with its first end after another one")?;
-        let again = life.solve_with(&half, 0)?.outputs;
-        same(&again, &shorter, "solved with its second end again")?;
-        life.accept(&half, false)?;
+        let found = life.published(&half, 0)?;
+        same(&found, &shorter, "solved with its second end again")?;
         life.solve_with(&setting.after(&half), 0)?;
-        Seen::kept("half as long and back to the same bits; the next window begins at the new end")
+        bench.keep(setting, life);
+        compared(
+            &found,
+            "half as long and back to the same bits; the next window begins at the new end",
+        )
     })
 }
 
 fn no_duration(bench: &Bench) -> Result<Seen, Fault> {
-    bench.each_rewinding_between(|setting, life| {
+    bench.each_rewinding(|setting| {
         if !setting.is_transient() {
             return Seen::inapplicable("no transient setting");
         }
-        let step = life.next(setting);
-        let first = life.solve_with(&step, 0)?.outputs;
+        let mut life = bench.ready(setting)?;
+        let step = setting.step(0);
         let empty = Step { end: step.start, ..step };
         life.feed(&empty, 0)?;
         let answer = life.ask_solve(&empty)?;
@@ -196,7 +223,28 @@ fn no_duration(bench: &Bench) -> Result<Seen, Fault> {
             life.none_of_outputs("a solve that failed")?;
             answer.not_done("a window without duration")?
         };
-        same(&life.solve_with(&step, 0)?.outputs, &first, "the next window")?;
-        Seen::kept(seen)
+        let found = life.published(&step, 0)?;
+        bench.keep(setting, life);
+        same(&found, &bench.reference(setting)?.first, "the next window")?;
+        compared(&found, &seen)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A comparison of no values passed as "the same bits".
+    #[test]
+    fn what_compared_nothing_does_not_pass() {
+        for nothing in [vec![], vec![("temperature".to_owned(), vec![])]] {
+            let seen = compared(&nothing, "the same bits").unwrap();
+            assert!(
+                matches!(seen, Seen::Inapplicable(why) if why.contains("nothing was compared"))
+            );
+        }
+        let one = vec![("temperature".to_owned(), vec![1.0, 2.0])];
+        let kept = Seen::Kept("the same bits (2 values)".to_owned());
+        assert_eq!(compared(&one, "the same bits").unwrap(), kept);
+    }
 }

@@ -5,7 +5,7 @@ use super::check::Check;
 use super::fault::{Fault, Seen};
 use super::life::{Life, Values};
 use super::setting::Setting;
-use super::solving::same;
+use super::solving::{compared, same};
 use contract::message::{Command, CommandKind, OutputFile, StateFile, Status};
 use contract::step::Step;
 use std::path::{Path, PathBuf};
@@ -51,7 +51,7 @@ fn save(bench: &Bench, setting: &Setting) -> Result<Saved, Fault> {
     let bytes = std::fs::read(&path)
         .map_err(|error| Fault::Broken(format!("Save is done, but the file: {error}")))?;
     let next = setting.after(&step);
-    let continued = life.solve_with(&next, 1)?.outputs;
+    let continued = life.published(&next, 1)?;
     bench.keep(setting, life);
     Ok(Saved { bytes, step, outputs, next, continued })
 }
@@ -89,7 +89,7 @@ impl Saved {
         self.give(life, Some(&self.bytes))?.done()?;
         life.restored(&self.step)?;
         same(&life.collect(&self.step)?, &self.outputs, "Restore publishes other values")?;
-        let continued = life.solve_with(&self.next, 1)?.outputs;
+        let continued = life.published(&self.next, 1)?;
         same(&continued, &self.continued, "the restored process continues differently")
     }
 }
@@ -99,7 +99,7 @@ fn restore(bench: &Bench) -> Result<Seen, Fault> {
         let saved = save(bench, setting)?;
         let mut life = bench.ready(setting)?;
         saved.continue_in(&mut life)?;
-        Seen::kept(format!("{} bytes, the same bits", saved.bytes.len()))
+        compared(&saved.continued, &format!("{} bytes, the same bits", saved.bytes.len()))
     })
 }
 

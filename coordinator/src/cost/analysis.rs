@@ -40,7 +40,7 @@ pub(super) fn study(request: &Request, sweep: Sweep) -> Result<Study, RunError> 
     }
     study.levels = (0..sweep.levels.len()).map(|level| seen(level, &sweep, &study)).collect();
     mark_front(&mut study);
-    study.picks = TARGETS.iter().map(|target| study.pick(*target)).collect();
+    study.picks = TARGETS.iter().map(|target| study.pick(*target, &sweep)).collect();
     Ok(study)
 }
 
@@ -135,6 +135,14 @@ fn extrapolated(quantity: &Quantity, sweep: &Sweep) -> Option<Reference> {
 }
 
 impl Sweep {
+    /// A run differs from another one by a finer resolution alone.
+    fn is_finer(&self, run: &Run, other: &Run) -> bool {
+        let others = self.levels.get(run.level).map_or(0, |level| level.refinements.len());
+        run.level == other.level
+            && run.step > other.step
+            && run.settings[others..] == other.settings[others..]
+    }
+
     /// The finest run of a level that has a figure: the last one in the order of the sweep.
     fn finest(&self, level: usize, key: &str) -> Option<&Run> {
         self.runs.iter().rfind(|run| run.level == level && run.values.contains_key(key))
@@ -280,10 +288,15 @@ fn mark_front(study: &mut Study) {
 }
 
 impl Study {
-    /// The run that meets a target in the least time.
-    fn pick(&self, target: f64) -> Pick {
+    /// The run that meets a target in the least time. Of a run on a coarse grid the finer ones must meet
+    /// it, too: an error that changes its sign is small at one resolution by chance.
+    fn pick(&self, target: f64, sweep: &Sweep) -> Pick {
         let first = self.quantities.first().map(|one| one.key.as_str()).unwrap_or_default();
-        let meets = |run: &Run| run.errors.get(first).is_some_and(|error| *error <= target);
+        let within = |run: &Run| run.errors.get(first).is_none_or(|error| *error <= target);
+        let meets = |run: &Run| {
+            let mut finer = self.runs.iter().filter(|other| sweep.is_finer(other, run));
+            run.errors.contains_key(first) && within(run) && finer.all(within)
+        };
         let cost = |index: &usize| self.runs[*index].cost.solve_s;
         let meeting = (0..self.runs.len()).filter(|index| meets(&self.runs[*index]));
         Pick { target, run: meeting.min_by(|a, b| cost(a).total_cmp(&cost(b))) }

@@ -8,9 +8,10 @@ use crate::study::arguments::{CaseArguments, FolderArguments, RepeatArguments};
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Kept, Printing, Shown};
-use crate::study::{planned, scratch};
+use crate::study::planned;
 use clap::Args;
 use run::error::RunError;
+use run::scratch::Scratch;
 use std::path::Path;
 
 /// What `coordinator cost` is asked.
@@ -50,16 +51,13 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let request = request(asked)?;
     let standing = planned(&request.case, &request.base)?;
     crate::logging::warn_of_replaced(&standing.case);
-    let kept = |folder: &Path| FinishedRuns::read(folder, &request, &standing);
+    let none = FinishedRuns::none(&request, &standing)?;
     let name = format!("{}-cost", standing.plan.name);
-    let goes_on = |folder: &Path| kept(folder).count() > 0;
+    let goes_on = |folder: &Path| none.read(folder).is_some();
     let folder = asked.folder.choose(Study::COMMAND, &name, &goes_on)?;
-    let kept = match asked.folder.replace {
-        true => FinishedRuns::none(&request, &standing),
-        false => kept(folder.path()),
-    };
+    let kept = if asked.folder.replace { none } else { none.resume(folder.path())? };
     tell_kept(kept.count());
-    let scratch = scratch()?;
+    let scratch = Scratch::new()?;
     let printing = Printing { json: asked.json, quiet };
     let mut places = Places { scratch: scratch.path(), study: &folder, kept };
     let swept = sweep::sweep(&request, &standing, printing.is_silent(), &mut places);

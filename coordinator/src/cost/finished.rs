@@ -5,7 +5,7 @@ use super::study::{Request, Run};
 use crate::study::folder::StudyFolder;
 use run::checkpoint::sum;
 use run::error::RunError;
-use run::perform::origin;
+use run::identity::Identity;
 use run::plan::Planned;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -19,8 +19,10 @@ const FILE: &str = "cost.unfinished.json";
 /// Finished runs, and what they were asked for with.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct FinishedRuns {
-    /// CRC-64 of everything that decides what the runs are.
+    /// CRC-64 of everything that decides which runs there are.
     request: u64,
+    /// Programs, values and files of the case.
+    identity: Identity,
     runs: Vec<Run>,
     /// Quantities that participants know in closed form.
     closed_forms: BTreeMap<String, f64>,
@@ -28,16 +30,30 @@ pub(super) struct FinishedRuns {
 
 impl FinishedRuns {
     /// None, for a request.
-    pub(super) fn none(request: &Request, standing: &Planned) -> Self {
-        Self { request: identity(request, standing), ..Self::default() }
+    ///
+    /// # Errors
+    /// A file that the case names cannot be read.
+    pub(super) fn none(request: &Request, standing: &Planned) -> Result<Self, RunError> {
+        let identity = Identity::of(standing)?;
+        Ok(Self { request: sum_of(request), identity, ..Self::default() })
     }
 
-    /// Those of this request in a folder, or none.
-    pub(super) fn read(folder: &Path, request: &Request, standing: &Planned) -> Self {
-        let none = Self::none(request, standing);
-        let read = fs::read(folder.join(FILE)).ok();
-        let found = read.and_then(|text| serde_json::from_slice::<Self>(&text).ok());
-        found.filter(|found| found.request == none.request).unwrap_or(none)
+    /// Those in a folder, if they are of the same request as these.
+    pub(super) fn read(&self, folder: &Path) -> Option<Self> {
+        let text = fs::read(folder.join(FILE)).ok()?;
+        let found = serde_json::from_slice::<Self>(&text).ok()?;
+        (found.request == self.request && !found.runs.is_empty()).then_some(found)
+    }
+
+    /// Those in a folder, or these if it has none of the same request.
+    ///
+    /// # Errors
+    /// They are of another case: names what differs.
+    pub(super) fn resume(self, folder: &Path) -> Result<Self, RunError> {
+        let Some(found) = self.read(folder) else { return Ok(self) };
+        let fix = "--replace begins anew, --out DIR leaves it as it is";
+        found.identity.require_same(&self.identity, &folder.display().to_string(), fix)?;
+        Ok(found)
     }
 
     /// How many there are.
@@ -76,11 +92,9 @@ impl FinishedRuns {
     }
 }
 
-/// What decides which runs there are, and what they give. The quantity that ranks them, and the
-/// values that they are compared with, do not.
-fn identity(request: &Request, standing: &Planned) -> u64 {
+/// What decides which runs there are. The quantity that ranks them, and the values that they are compared
+/// with, do not.
+fn sum_of(request: &Request) -> u64 {
     let vary: Vec<_> = request.vary.iter().map(|axis| (&axis.key, &axis.values)).collect();
-    let origin = origin(standing);
-    let made_from = json!([origin.version, origin.protocol, origin.case, origin.plan]);
-    sum(json!([made_from, vary, request.repeat, request.longest_run]).to_string().as_bytes())
+    sum(json!([vary, request.repeat, request.longest_run]).to_string().as_bytes())
 }

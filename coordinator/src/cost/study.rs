@@ -159,7 +159,7 @@ pub(crate) struct Run {
     pub pareto: bool,
 }
 
-/// The cheapest run that meets a target.
+/// The cheapest run that meets a target, and so do all finer ones of its models and settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Pick {
     /// Largest error of the first quantity, relative or absolute as it is measured.

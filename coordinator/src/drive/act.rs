@@ -13,6 +13,7 @@ use run::perform::{self, Driven, Driver, Fault, RunStart};
 use run::plan::Planned;
 use run::progress::silent;
 use run::results::{Existing, ResultFolder};
+use run::scratch::Scratch;
 use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -59,12 +60,7 @@ fn drive(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunErro
     let plan_seconds = since.elapsed().as_secs_f64();
     let unkept = match &asked.out {
         Some(_) => None,
-        None => Some(
-            tempfile::Builder::new()
-                .prefix("cosim-drive-")
-                .tempdir()
-                .map_err(|error| file_failure(&std::env::temp_dir(), &error))?,
-        ),
+        None => Some(Scratch::new()?),
     };
     let unkept_path = unkept.as_ref().map(|folder| folder.path().join("results"));
     let path = asked.out.as_deref().or(unkept_path.as_deref()).unwrap_or(Path::new("results"));

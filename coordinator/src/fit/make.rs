@@ -38,6 +38,7 @@ impl Made {
             case: study.case.clone(),
             file: study.file.clone(),
             options: options.chain(fixed).collect(),
+            identity: study.identity.digest(),
             points: samples.points,
             left_out: samples.failed + samples.cut,
         };

@@ -12,6 +12,8 @@ const HEIGHT: f64 = 282.0;
 /// Where the plot's own area begins and ends upward.
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 234.0;
+/// Dashes of the style sheet for lines whose colour is taken.
+const DASHES: usize = 3;
 /// Most points drawn of one line; more would be finer than the paper.
 const POINTS: usize = 720;
 
@@ -185,7 +187,12 @@ impl Figure {
 impl Line {
     /// How it is drawn, as the style sheet has it.
     fn class(&self, n: usize) -> String {
-        if self.marks { "mark".to_owned() } else { format!("s{}", n % COLOURS) }
+        match (self.marks, n / COLOURS) {
+            (true, _) => "mark".to_owned(),
+            (false, 0) => format!("s{n}"),
+            // Colours come again with other dashes.
+            (false, turn) => format!("s{} d{}", n % COLOURS, (turn - 1) % DASHES + 1),
+        }
     }
 
     fn draw(&self, svg: &mut String, class: &str, x: &Axis, y: &Axis) {
@@ -251,6 +258,19 @@ mod tests {
         assert_eq!(path.matches('M').count(), 2, "{path}");
         assert_eq!(path.matches('L').count(), 2, "{path}");
         assert!(!html.contains("NaN"));
+    }
+
+    /// Eight curves of a cost study had six colours, and two pairs looked the same.
+    #[test]
+    fn every_line_looks_different() {
+        let line = Line { name: String::new(), points: Vec::new(), dots: false, marks: false };
+        let classes: std::collections::BTreeSet<String> =
+            (0..COLOURS * (DASHES + 1)).map(|n| line.class(n)).collect();
+        assert_eq!(classes.len(), COLOURS * (DASHES + 1), "{classes:?}");
+        for dash in 1..=DASHES {
+            let css = include_str!("plot.css");
+            assert!(css.contains(&format!(".line.d{dash} ")), "no style for d{dash}");
+        }
     }
 
     #[test]

@@ -6,9 +6,10 @@ use super::study::Study;
 use crate::study::arguments::{CaseArguments, FolderArguments};
 use crate::study::axis::Axis;
 use crate::study::output::{Kept, Printing, Shown};
-use crate::study::{planned, scratch};
+use crate::study::planned;
 use clap::Args;
 use run::error::RunError;
+use run::scratch::Scratch;
 
 /// What `coordinator states` is asked.
 #[derive(Debug, Args)]
@@ -35,7 +36,7 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     crate::logging::warn_of_replaced(&standing.case);
     let name = format!("{}-states", standing.plan.name);
     let folder = asked.folder.choose(Study::COMMAND, &name, &|_| false)?;
-    let scratch = scratch()?;
+    let scratch = Scratch::new()?;
     let printing = Printing { json: asked.json, quiet };
     let request = Request { case, base, starts: asked.start.clone() };
     let study = study(&request, &standing, printing.is_silent(), scratch.path())?;

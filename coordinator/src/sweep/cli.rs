@@ -14,12 +14,13 @@ use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::quantity::Quantities;
-use crate::study::{Variant, expected_run_seconds, planned, scratch};
+use crate::study::{Variant, expected_run_seconds, planned};
 use clap::Args;
 use contract::text::json;
 use run::error::RunError;
 use run::format::counted;
 use run::plan::Planned;
+use run::scratch::Scratch;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -63,7 +64,7 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let first = |all: Variant, one: &Axis| all.with(&one.key, &one.values[0]);
     let standing = planned(&case, &design.vary.iter().fold(base.clone(), first))?;
     crate::logging::warn_of_replaced(&standing.case);
-    let mut study = Study::new(&standing.plan, case.display().to_string(), &base, design);
+    let mut study = Study::new(&standing, case.display().to_string(), &base, design)?;
     study.part = asked.part;
     let folder = folder(asked, &study)?;
     let mut sweep = begin(asked, study, &folder)?;
@@ -99,9 +100,13 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
 
 /// The folder of a sweep; that of the same one if it was stopped.
 fn folder(asked: &Arguments, study: &Study) -> Result<StudyFolder, RunError> {
-    // What is fitted need not be run again.
-    let goes_on =
-        |folder: &Path| earlier(folder, asked.fit).is_some_and(|other| other.asks_the_same(study));
+    // What is fitted need not be run again. A stopped sweep of another case is refused in `begin`.
+    let goes_on = |folder: &Path| {
+        earlier(folder, asked.fit).is_some_and(|other| {
+            let same = !other.complete || other.identity == study.identity;
+            same && other.asks_the_same(study)
+        })
+    };
     let part = asked.part.map(|part| format!("-{}", part.name()));
     let name = format!("{}-sweep{}", study.case, part.unwrap_or_default());
     asked.folder.choose(Study::COMMAND, &name, &goes_on)
@@ -112,6 +117,8 @@ fn begin(asked: &Arguments, begun: Study, folder: &StudyFolder) -> Result<Growin
     let same = |other: &Study| !asked.folder.replace && other.asks_the_same(&begun);
     let mut sweep = match earlier(folder.path(), asked.fit).filter(same) {
         Some(earlier) => {
+            let fix = "--replace begins anew, --out DIR leaves it as it is";
+            begun.require_same_case(&earlier, &folder.path().display().to_string(), fix)?;
             engine::refuse_other(folder, asked.engine.engine)?;
             let mut sweep = Growing::again(earlier, folder)?;
             engine::parts(folder)?.iter().try_for_each(|part| collect::part(&mut sweep, part))?;
@@ -119,6 +126,8 @@ fn begin(asked: &Arguments, begun: Study, folder: &StudyFolder) -> Result<Growin
         }
         None => {
             engine::clear(folder)?;
+            // A surrogate of an earlier sweep is none of this one.
+            folder.remove(fit::FILE)?;
             begun.write(folder)?;
             Growing::begin(begun, folder)?
         }
@@ -134,7 +143,7 @@ fn here(
     quantities: &Quantities,
     quiet: bool,
 ) -> Result<(), RunError> {
-    let scratch = scratch()?;
+    let scratch = Scratch::new()?;
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let (case, base, scratch) = (&*asked.of.case, &asked.of.base(), scratch.path());
     let jobs = asked.jobs.map_or_else(cores, usize::from);

@@ -16,14 +16,20 @@ use std::path::{Path, PathBuf};
 /// It cannot be read, or is of other points.
 pub(super) fn folder(sweep: &mut Growing, other: &Path) -> Result<(), RunError> {
     let path = other.join(Study::FILE);
+    if path.exists() && !path.is_file() {
+        return Err(RunError::Usage(format!("{} is no file", path.display())));
+    }
     let text = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
     let wrong = |why: String| RunError::Usage(format!("--collect {}: {why}", other.display()));
     let found: Study = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
     if !sweep.study.is_of_the_same_points(&found) {
-        let fix = "give the case and options that it was made with";
+        let fix = "give the values that it was made with";
         return Err(wrong(format!("is of other points; {fix}")));
     }
-    sweep.collect(found, &other.join(FILE))
+    let fix = "give the case, options and programs that it was made with, or run its points again";
+    let place = format!("--collect {}", other.display());
+    sweep.study.require_same_case(&found, &place, fix)?;
+    sweep.collect(found, other)
 }
 
 /// The same for a part that a task has run, or has not come to.

@@ -10,6 +10,7 @@ use run::error::{RunError, file_failure};
 use run::results::write::fresh;
 use rustix::fs::OFlags;
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::os::unix::fs::OpenOptionsExt;
@@ -30,22 +31,28 @@ enum Line<Q, R> {
 impl Kept for Study {
     const COMMAND: &'static str = "sweep";
     const FILE: &'static str = "sweep.json";
-    const SCHEMA: u32 = 2;
+    const SCHEMA: u32 = 3;
 
     fn read(folder: &Path) -> Result<Self, RunError> {
         let mut study: Self = read_file(folder)?;
-        read(&mut study, &folder.join(FILE))?;
+        read(&mut study, &folder.join(FILE), folder)?;
         study.rows.sort_by(|a, b| a.at.cmp(&b.at));
         Ok(study)
     }
 }
 
-/// Adds the points of a file to a sweep; the length of its whole lines \[byte\].
+/// Adds the points of a file to a sweep, which messages know by its `folder`; the length of its whole
+/// lines \[byte\].
 ///
 /// # Errors
 /// The file cannot be read, or a line is not one of this sweep.
-pub(super) fn read(study: &mut Study, path: &Path) -> Result<u64, RunError> {
-    let failed = |error: io::Error| file_failure(path, &error);
+pub(super) fn read(study: &mut Study, path: &Path, folder: &Path) -> Result<u64, RunError> {
+    let shown = folder.join(FILE);
+    let failed = |error: io::Error| file_failure(&shown, &error);
+    // A pipe would wait for a writer, and a device has no end.
+    if !path.metadata().map_err(failed)?.is_file() {
+        return Err(RunError::Usage(format!("{} is no file", shown.display())));
+    }
     let mut file = BufReader::new(File::open(path).map_err(failed)?);
     let (mut line, mut columns, mut bytes) = (Vec::new(), Vec::new(), 0);
     for number in 1.. {
@@ -56,7 +63,7 @@ pub(super) fn read(study: &mut Study, path: &Path) -> Result<u64, RunError> {
         }
         take(study, &line, &mut columns).map_err(|why| {
             let fix = "remove it and what follows, or replace the sweep with --replace";
-            RunError::Usage(format!("{}, line {number}: {why}; {fix}", path.display()))
+            RunError::Usage(format!("{}, line {number}: {why}; {fix}", shown.display()))
         })?;
         bytes += length as u64;
     }
@@ -66,8 +73,13 @@ pub(super) fn read(study: &mut Study, path: &Path) -> Result<u64, RunError> {
 fn take(study: &mut Study, line: &[u8], columns: &mut Vec<usize>) -> Result<(), String> {
     match serde_json::from_slice(line).map_err(|error| error.to_string())? {
         Line::<Quantity, Row>::Quantity(one) => columns.push(study.learn(&one)),
-        Line::Point(row) if row.values.len() > columns.len() => {
+        // A row has a value or a null for each quantity known by then: with one fewer the others would
+        // stand under the wrong names.
+        Line::Point(row) if row.failed.is_none() && row.values.len() != columns.len() => {
             return Err(format!("{} values of {} quantities", row.values.len(), columns.len()));
+        }
+        Line::Point(row) if row.failed.is_some() && !row.values.is_empty() => {
+            return Err("values of a point without an answer".to_owned());
         }
         Line::Point(row) => drop(study.add(row.placed(columns))?),
     }
@@ -80,6 +92,7 @@ pub(super) struct Growing {
     /// The sweep.
     pub study: Study,
     file: File,
+    /// Path of the file, as messages have it.
     path: PathBuf,
     /// Length of the file \[byte\].
     bytes: u64,
@@ -93,8 +106,8 @@ impl Growing {
     /// # Errors
     /// The file system.
     pub(super) fn begin(study: Study, folder: &StudyFolder) -> Result<Self, RunError> {
-        let path = folder.open()?.join(FILE);
-        let file = fresh(&path).map_err(|error| file_failure(&path, &error))?;
+        let (place, path) = (folder.open()?.join(FILE), folder.path().join(FILE));
+        let file = fresh(&place).map_err(|error| file_failure(&path, &error))?;
         Ok(Self { study, file, path, bytes: 0, known: 0 })
     }
 
@@ -103,15 +116,15 @@ impl Growing {
     /// # Errors
     /// The file system, or a line that is not one of this sweep.
     pub(super) fn again(mut study: Study, folder: &StudyFolder) -> Result<Self, RunError> {
-        let path = folder.open()?.join(FILE);
-        if !path.exists() {
+        let (place, path) = (folder.open()?.join(FILE), folder.path().join(FILE));
+        if !place.exists() {
             return Self::begin(study, folder);
         }
         study.quantities.clear();
-        let bytes = read(&mut study, &path)?;
+        let bytes = read(&mut study, &place, folder.path())?;
         let open = || {
             let no_link = OFlags::NOFOLLOW.bits().cast_signed();
-            let mut file = File::options().write(true).custom_flags(no_link).open(&path)?;
+            let mut file = File::options().write(true).custom_flags(no_link).open(&place)?;
             file.set_len(bytes)?;
             file.seek(SeekFrom::End(0))?;
             Ok(file)
@@ -125,7 +138,10 @@ impl Growing {
     ///
     /// # Errors
     /// There is no such point, or the file system.
-    pub(super) fn add(&mut self, row: Row) -> Result<(), RunError> {
+    pub(super) fn add(&mut self, mut row: Row) -> Result<(), RunError> {
+        if row.failed.is_none() {
+            row.values.resize(self.study.quantities.len(), f64::NAN);
+        }
         if !self.study.add(row).map_err(RunError::Usage)? {
             return Ok(());
         }
@@ -145,16 +161,31 @@ impl Growing {
         Ok(())
     }
 
-    /// Takes the points that another sweep has found, of the same points or of a part of them.
+    /// Takes the points that another sweep has found in its folder, of the same points or of a part of
+    /// them.
     ///
     /// # Errors
-    /// The file system, or a line that is not one of this sweep.
-    pub(super) fn collect(&mut self, mut other: Study, file: &Path) -> Result<(), RunError> {
+    /// The file system, a line that is not one of this sweep, or a point that this sweep has with other
+    /// figures.
+    pub(super) fn collect(&mut self, mut other: Study, folder: &Path) -> Result<(), RunError> {
         other.quantities.clear();
-        read(&mut other, file)?;
+        read(&mut other, &folder.join(FILE), folder)?;
         let columns: Vec<usize> =
             other.quantities.iter().map(|one| self.study.learn(one)).collect();
-        other.rows.into_iter().try_for_each(|row| self.add(row.placed(&columns)))
+        let rows: Vec<Row> = other.rows.into_iter().map(|row| row.placed(&columns)).collect();
+        let known: HashMap<&[usize], &Row> =
+            self.study.rows.iter().map(|row| (&*row.at, row)).collect();
+        let twice = rows.iter().filter_map(|row| Some((*known.get(&*row.at)?, row)));
+        if let Some(what) =
+            twice.filter_map(|(one, other)| self.study.contradiction(one, other)).next()
+        {
+            let fix = "leave one of the two folders out, or run the points again with --replace";
+            let folder = folder.display();
+            return Err(RunError::Usage(format!(
+                "{folder} contradicts what is known: {what}; {fix}"
+            )));
+        }
+        rows.into_iter().try_for_each(|row| self.add(row))
     }
 }
 
@@ -168,7 +199,8 @@ mod tests {
     fn study() -> Study {
         let vary = [Axis::read("a=1,2,3").unwrap(), Axis::read("b=x,y").unwrap()];
         let text = serde_json::json!({
-            "schema": 2, "complete": false, "case": "c", "title": null, "file": "c.toml", "options": [],
+            "schema": 3, "complete": false, "case": "c", "title": null, "file": "c.toml", "options": [],
+            "identity": {"programs": {}, "values": {}, "files": {}},
             "vary": vary, "drawn": [], "quantities": [], "wall_s": 0.0
         });
         serde_json::from_value(text).unwrap()
@@ -203,7 +235,7 @@ mod tests {
         let path = place.path().join(FILE);
         std::fs::write(&path, text).unwrap();
         let mut study = study();
-        let bytes = read(&mut study, &path).map_err(|error| error.to_string())?;
+        let bytes = read(&mut study, &path, place.path()).map_err(|error| error.to_string())?;
         Ok((study, bytes))
     }
 
@@ -241,12 +273,48 @@ mod tests {
             ),
             ("{\"point\":{\"at\":[0],\"wall_s\":1}}", "there is no point [0]"),
             ("{\"point\":{\"at\":[0,0],\"values\":[1],\"wall_s\":1}}", "1 values of 0 quantities"),
+            (
+                "{\"point\":{\"at\":[0,0],\"values\":[1],\"failed\":\"x\",\"wall_s\":1}}",
+                "values of a point without an answer",
+            ),
             ("{\"other\":1}", "unknown variant `other`"),
             ("[", "line 1: expected value"),
         ] {
             let error = reread(format!("{line}\n").as_bytes()).unwrap_err();
             assert!(error.contains(why), "{line}: {error}");
         }
+    }
+
+    /// A value that is missing would put those behind it under other names.
+    #[test]
+    fn a_row_without_one_of_its_values_is_refused() {
+        let text = String::from_utf8(written()).unwrap();
+        assert!(text.contains("[null,-1e-300]"), "{text}");
+        for (whole, cut) in [("[null,-1e-300]", "[-1e-300]"), ("[0.3333333333333333]", "[]")] {
+            let error = reread(text.replace(whole, cut).as_bytes()).unwrap_err();
+            assert!(error.contains(" values of "), "{cut}: {error}");
+        }
+    }
+
+    /// Points that two sweeps have run are the same, or are reported.
+    #[test]
+    fn folders_that_contradict_each_other_are_refused() {
+        let place = tempfile::tempdir().unwrap();
+        let collected = |rise: f64| {
+            let path = place.path().join("own");
+            let file = File::create(&path).unwrap();
+            let mut growing = Growing { study: study(), file, path, bytes: 0, known: 0 };
+            growing.study.drawn = vec!["heat.rise_k".to_owned()];
+            growing.study.learn(&quantity("heat.rise_k"));
+            growing.add(row([2, 1], &[rise])).unwrap();
+            std::fs::write(place.path().join(FILE), written()).unwrap();
+            let ended = growing.collect(study(), place.path());
+            ended.map(|()| growing.study.rows.len()).map_err(|error| error.to_string())
+        };
+        assert_eq!(collected(1.0 / 3.0), Ok(3));
+        assert_eq!(collected(1.0 / 3.0 + 1e-9), Ok(3), "another machine rounds otherwise");
+        let error = collected(0.25).unwrap_err();
+        assert!(error.contains("a = 3, b = y has heat.rise_k = 0.25"), "{error}");
     }
 
     proptest! {

@@ -6,8 +6,12 @@ use crate::study::Variant;
 use crate::study::axis::Axis;
 use crate::study::output::Kept;
 use crate::study::quantity::{Quantities, Quantity};
+use run::error::RunError;
+use run::identity::Identity;
+use run::plan::Planned;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::HashSet;
+use std::path::Path;
 
 /// A sweep, as `sweep.json` has it, and its points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +28,8 @@ pub(crate) struct Study {
     pub file: String,
     /// What is changed for all runs, as options of `run`.
     pub options: Vec<String>,
+    /// Programs, values and files of the first point.
+    pub identity: Identity,
     /// What varies.
     pub vary: Vec<Axis>,
     /// The SI unit of each key that varies, "1" for a plain number, empty if it is not known.
@@ -71,6 +77,22 @@ pub(crate) struct Row {
     pub wall_s: f64,
 }
 
+/// Part of a figure that the arithmetic of two machines may differ by, in a run that iterates.
+const SAME: f64 = 1e-6;
+
+/// The identity of a sweep: that of its first point, with the files that vary.
+fn identity(standing: &Planned, vary: &[Axis]) -> Result<Identity, RunError> {
+    let mut identity = Identity::of(standing)?;
+    let named = identity.files.clone();
+    for axis in vary.iter().filter(|axis| named.contains_key(&axis.key)) {
+        for (number, value) in axis.values.iter().enumerate() {
+            let path = Path::new(value.trim_matches('"'));
+            identity.add_file(&format!("{}[{}]", axis.key, number + 1), path)?;
+        }
+    }
+    Ok(identity)
+}
+
 /// The units of what varies.
 fn units(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
     let described: Vec<_> = plan.participants.iter().map(|one| one.description.clone()).collect();
@@ -97,21 +119,25 @@ impl Row {
 
 impl Study {
     /// A sweep of which nothing has been run.
-    #[must_use]
+    ///
+    /// # Errors
+    /// A file that the case names cannot be read.
     pub(super) fn new(
-        plan: &run::plan::Plan,
+        standing: &Planned,
         file: String,
         base: &Variant,
         design: Design,
-    ) -> Self {
+    ) -> Result<Self, RunError> {
+        let (plan, identity) = (&standing.plan, identity(standing, &design.vary)?);
         let figures = plan.figures.iter().filter(|one| one.rank.is_some() || one.headline);
-        Self {
+        Ok(Self {
             schema: Self::SCHEMA,
             complete: false,
             case: plan.name.clone(),
             title: plan.title.clone(),
             file,
             options: base.options(),
+            identity,
             units: units(plan, &design),
             vary: design.vary,
             paired: design.paired,
@@ -121,23 +147,33 @@ impl Study {
             wall_s: 0.0,
             rows: Vec::new(),
             done: HashSet::new(),
-        }
+        })
     }
 
-    /// Another one is of the same points of the same case.
+    /// Another one is of the same points, and of the same part of them.
     #[must_use]
     pub(super) fn asks_the_same(&self, other: &Self) -> bool {
         self.is_of_the_same_points(other) && self.part == other.part
     }
 
-    /// Another one is of the same points of the same case, or of a part of them.
+    /// Another one is of the same points, or of a part of them. Its case may be another one.
     #[must_use]
     pub(super) fn is_of_the_same_points(&self, other: &Self) -> bool {
         let asked = |one: &Self| (one.schema, one.paired);
-        asked(self) == asked(other)
-            && self.file == other.file
-            && self.options == other.options
-            && self.vary == other.vary
+        asked(self) == asked(other) && self.vary == other.vary
+    }
+
+    /// Demands that the points of another sweep are of the same case.
+    ///
+    /// # Errors
+    /// Names what differs.
+    pub(super) fn require_same_case(
+        &self,
+        other: &Self,
+        place: &str,
+        fix: &str,
+    ) -> Result<(), RunError> {
+        other.identity.require_same(&self.identity, place, fix)
     }
 
     /// The numbers of the points that are wanted and have not been run.
@@ -197,6 +233,7 @@ impl Study {
             title: self.title.clone(),
             file: self.file.clone(),
             options: self.options.clone(),
+            identity: self.identity.clone(),
             vary: self.vary.clone(),
             units: self.units.clone(),
             drawn: self.drawn.clone(),
@@ -222,6 +259,20 @@ impl Study {
             self.rows.push(row);
         }
         Ok(new)
+    }
+
+    /// A contradiction between two rows of the same point, in words.
+    pub(super) fn contradiction(&self, row: &Row, other: &Row) -> Option<String> {
+        let point = self.told(&row.at);
+        if row.failed.is_some() != other.failed.is_some() {
+            return Some(format!("{point} has an answer in one folder and none in another"));
+        }
+        self.drawn.iter().find_map(|key| {
+            let column = self.column(key)?;
+            let (one, other) = (row.value(column)?, other.value(column)?);
+            let off = (one - other).abs() > SAME * one.abs().max(other.abs());
+            off.then(|| format!("{point} has {key} = {one} in one folder and {other} in another"))
+        })
     }
 
     /// A run has this quantity; its column.

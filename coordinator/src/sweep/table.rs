@@ -157,7 +157,8 @@ mod tests {
         let quantity =
             |key: &str| Quantity { key: key.into(), name: key.into(), measure: Measure::Relative };
         let head = serde_json::json!({
-            "schema": 2, "complete": true, "case": "c", "title": null, "file": "c.toml", "options": [],
+            "schema": 3, "complete": true, "case": "c", "title": null, "file": "c.toml", "options": [],
+            "identity": {"programs": {}, "values": {}, "files": {}},
             "vary": vary, "drawn": [], "quantities": [quantity("heat.rise_k"), quantity("load.force_n")],
             "wall_s": 0.0
         });

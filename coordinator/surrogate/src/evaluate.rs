@@ -97,6 +97,12 @@ pub enum Refused {
         /// Keys of the surrogate.
         keys: usize,
     },
+    /// A figure has no finite value at a point inside: its coefficients are none of a fit.
+    #[error("{figure} has no finite value here; make the surrogate again")]
+    NotFinite {
+        /// Key of the figure.
+        figure: String,
+    },
 }
 
 impl Surrogate {
@@ -181,6 +187,9 @@ impl Surrogate {
                 Scale::Linear => sum,
                 Scale::Log => figure.sign * sum.exp(),
             };
+            if !value.is_finite() {
+                return Err(Refused::NotFinite { figure: figure.key.clone() });
+            }
         }
         Ok(figures)
     }

@@ -45,6 +45,9 @@ pub struct Origin {
     pub file: String,
     /// What was changed for all runs, as options of `run`.
     pub options: Vec<String>,
+    /// Identity of the sweep: a digest of its programs, values and files.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub identity: String,
     /// Points of the sweep that it is fitted to.
     pub points: usize,
     /// Points that have no answer, or were left out with them.

@@ -53,7 +53,7 @@ fn forces(case: &Value, windows: u64) -> (Vec<f64>, [f64; 2]) {
 /// The same wheel by other means: the rail's hollow under all of a round wheel at a thousand places, a step of 0.1 µs of the
 /// semi-implicit Euler scheme, Hertz's spring by its exponent.
 fn independently(form: &str, depth: f64, length: f64, windows: u64) -> (Vec<f64>, [f64; 2]) {
-    // δ_H of the paper's contact (PHYSICS, reference values) [m].
+    // δ_H of the paper's contact (Hertz, closed form) [m].
     let still = 126.5461e-6;
     let hollow = |way: f64| {
         let from = way - 0.06;

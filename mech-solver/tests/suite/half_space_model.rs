@@ -190,7 +190,7 @@ fn creepage_converges_with_the_first_order() {
         [10, 20, 40, 80].map(|n| -run(&half_space(n)).number("creepage_xi")).to_vec();
     let steps: Vec<f64> = creepage.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     assert!(steps[0] / steps[2] > 3.0, "{creepage:?}");
-    // PHYSICS §3: 0.590 %, from a/80 extrapolated.
+    // CONTACT: 0.590 %, from a/80 extrapolated.
     let limit = creepage[3] + (creepage[3] - creepage[2]);
     assert!((limit / 0.00590 - 1.0).abs() < 0.004, "{limit}: {creepage:?}");
 }

@@ -314,7 +314,12 @@ def test_an_interrupted_run_leaves_no_process(tmp_path):
     more = "mech={'resolution': 60}, time={'end': 1.0}"
     script = f"import cosim; cosim.run({str(case)!r}, out={str(out)!r}, {more})"
     process = subprocess.Popen(
-        [sys.executable, "-c", script], start_new_session=True, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", script],
+        start_new_session=True,
+        stderr=subprocess.PIPE,
+        text=True,
+        # A shell lets what runs in the background ignore Ctrl-C, and a child inherits that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     deadline = time.monotonic() + 60.0
     while not (tmp_path / "o" / "history.csv").exists():

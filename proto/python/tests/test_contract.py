@@ -25,7 +25,7 @@ from cosim.run_dir import RunError, RunInfo
 from cosim.server import to_json
 from cosim.solver import checked_layout, first_non_finite
 
-# The golden numbers of proto/src/message.rs.
+# The golden numbers of `proto/contract/src/message.rs`.
 LAYOUTS = [
     (Command, 176, [0, 4, 8, 16, 24, 28, 32, 40, 48]),
     (Reply, 56, [0, 4, 8, 16, 24, 28, 32, 40, 48]),
@@ -225,7 +225,7 @@ def test_a_geometry_reads_back(kind):
     grid = Grid("patch", shape)
     values = grid.encoded_geometry()
     if kind == "structured":
-        # The golden values of proto/src/grid/geometry.rs.
+        # The golden values of `proto/contract/src/grid/geometry.rs`.
         golden = [-1.0, 0.5, 0.0, 3.0, 2.0, 0.0, 0.25, 2.0, 0.0, 0.0, 0.0, 1.0]
         assert values.ravel().tolist() == golden
     again = grid.with_geometry(values, 2)

@@ -2,10 +2,11 @@
 
 use proto::recording::CaseFile;
 use run::record::portable_body;
+use run::scratch::Scratch;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// Files that a case may name, and the bytes of all of them.
@@ -15,9 +16,25 @@ const BYTES: u64 = 4 << 30;
 const PARTS: u16 = 256;
 const LARGEST_STATE: u64 = 64 << 30;
 
+/// A folder that is removed when this is dropped, or if its process is killed with the run that it lies
+/// in, or by the next process.
+enum Folder {
+    OfRun(TempDir),
+    Own(Scratch),
+}
+
+impl Folder {
+    fn path(&self) -> &Path {
+        match self {
+            Self::OfRun(folder) => folder.path(),
+            Self::Own(folder) => folder.path(),
+        }
+    }
+}
+
 /// A folder that goes with the conversation, and what is in it.
 pub(super) struct Place {
-    folder: TempDir,
+    folder: Folder,
     /// Files by the key of the case, with the path here.
     files: BTreeMap<String, PathBuf>,
     /// What is being written.
@@ -28,10 +45,12 @@ pub(super) struct Place {
 
 impl Place {
     /// In the folder of a run, or wherever the system has such folders.
-    pub(super) fn new(within: Option<&std::path::Path>) -> io::Result<Self> {
+    pub(super) fn new(within: Option<&Path>) -> io::Result<Self> {
         let folder = match within {
-            Some(within) => tempfile::Builder::new().prefix("relay-").tempdir_in(within)?,
-            None => tempfile::tempdir()?,
+            Some(within) => {
+                Folder::OfRun(tempfile::Builder::new().prefix("relay-").tempdir_in(within)?)
+            }
+            None => Folder::Own(Scratch::new().map_err(io::Error::other)?),
         };
         let files = BTreeMap::new();
         Ok(Self { folder, files, open: None, file_bytes: 0, state_bytes: 0 })

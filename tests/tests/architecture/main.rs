@@ -8,3 +8,4 @@ mod code;
 mod features;
 mod manifests;
 mod names;
+mod paths;

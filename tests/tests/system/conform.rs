@@ -323,6 +323,23 @@ fn check_names() -> Vec<String> {
 mod every_check_can_fail {
     use super::{COARSE, assert_fails, case, check_names, conform, script};
 
+    /// In the scene that the tutorial uses nobody consumes a temperature: it is compared as it is observed.
+    fn goes_astray_unconsumed(check: &str, words: &str) {
+        let options = ["--only", check, COARSE[0], COARSE[1]];
+        let command = script("conform/astray.py", check);
+        assert_fails(
+            &conform("thermal", &case("wheel-rail.toml"), &options, &command),
+            check,
+            words,
+        );
+    }
+
+    table_of_tests! { goes_astray_unconsumed:
+        repeat_can_fail_where_nobody_consumes("repeat", "accepted after several solves: `lower_temperature`");
+        accept_can_fail_where_nobody_consumes("accept", "after an iteration that was not the last");
+        restore_can_fail_where_nobody_consumes("restore", "the restored process continues differently");
+    }
+
     fn goes_astray(check: &str, words: &str) {
         let options = ["--only", check, COARSE[0], COARSE[1]];
         let command = script("conform/astray.py", check);

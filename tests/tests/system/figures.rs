@@ -1,4 +1,5 @@
-//! The figures that a run has to print: PHYSICS §2 and §3 through the whole of three processes.
+//! The figures that a run has to print: reference values of the paper's contact, computed apart from
+//! this program, through the whole of three processes.
 
 use crate::harness::{Place, case, number};
 use mech_solver::reference::hertz;
@@ -19,7 +20,7 @@ fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!(off <= tolerance, "{what}: {found}, expected {expected} ± {tolerance}");
 }
 
-/// PHYSICS §3, third column; 0.2 % is the rounding of the table and the grid's error together.
+/// Carter's strips, integrated apart; 0.2 % is the rounding of the table and the grid's error together.
 #[test]
 fn carter_strips_on_table_2() {
     let rows = [
@@ -73,7 +74,7 @@ fn hertz_patch_of_the_shipped_case() {
     assert_eq!(summary["effects"]["active"], serde_json::json!(["friction_heat", "partial_slip"]));
 }
 
-/// PHYSICS §2: the paper's own inputs through its own formulas, and through the exact ellipse.
+/// The paper's own inputs through its own formulas, and through the exact ellipse.
 /// Tolerances: the last digit of the reference figures.
 #[test]
 fn full_slip_by_polynomial_and_by_columns() {
@@ -142,7 +143,7 @@ fn half_space(traction: f64, resolution: u32, more: &[&str]) -> Value {
     Place::new().summary(&case("wheel-rail.toml"), &arguments)
 }
 
-/// PHYSICS §3, last column: CONTACT refined to a/80 and extrapolated. At a/40 the error of the grid
+/// CONTACT refined to a/80 and extrapolated. At a/40 the error of the grid
 /// is below 1 % (first order in Δx, at the edge of the contact); the column's own is 0.2 %.
 #[test]
 fn exact_partial_slip_of_half_spaces() {
@@ -214,7 +215,7 @@ fn half_space_extrapolates_to_the_reference() {
     assert!((fine - middle).abs() < tolerance * expected, "the last halving: {middle} {fine}");
 }
 
-/// PHYSICS §3: a layer of about 2e-14 m/Pa takes the half-space to the paper's 1.2 % and 300 °C. The
+/// A layer of about 2e-14 m/Pa takes the half-space to the paper's 1.2 % and 300 °C. The
 /// figure is a coarse-grid estimate; a tenth covers that.
 #[test]
 fn a_third_body_layer_explains_the_papers_field() {

@@ -1,8 +1,9 @@
 //! `coordinator sweep`: a row a point, failed points kept, a stopped sweep gone on with.
 
 use crate::harness::Table;
-use crate::harness::{Place, case, wait_until};
+use crate::harness::{Ended, Place, case, wait_until};
 use crate::sweeps::points;
+use serde_json::Value;
 use std::path::Path;
 
 fn table(out: &Path) -> Table {
@@ -54,6 +55,155 @@ fn a_sweep_that_was_killed_runs_nothing_twice() {
     let after = points(&place.out());
     assert_eq!(after.len(), 60);
     assert_eq!(before, after[..before.len()], "not run again, or it would have taken another time");
+    place.assert_nothing_left();
+}
+
+/// A sweep of a case in a file that is edited.
+struct Edited<'a> {
+    place: &'a Place,
+    folder: tempfile::TempDir,
+    text: String,
+}
+
+impl<'a> Edited<'a> {
+    fn new(place: &'a Place) -> Self {
+        let text = std::fs::read_to_string(case("wheel-rail.toml")).unwrap();
+        let edited = Self { place, folder: tempfile::tempdir().unwrap(), text };
+        edited.write(&edited.text);
+        edited
+    }
+
+    fn file(&self) -> String {
+        self.folder.path().join("own.toml").display().to_string()
+    }
+
+    fn write(&self, text: &str) {
+        std::fs::write(self.file(), text).unwrap();
+    }
+
+    /// The wheel runs slower from here on.
+    fn slow_down(&self) {
+        assert!(self.text.contains("speed = 38.889"));
+        self.write(&self.text.replace("speed = 38.889", "speed = 20.0"));
+    }
+
+    fn sweep(&self, out: &Path, more: &[&str]) -> Ended {
+        let (file, out) = (self.file(), out.display().to_string());
+        let vary =
+            ["--vary", "load.normal_force=1e5,1.1e5,1.2e5", "--set", "mech.model=hertz-carter"];
+        let arguments = [&["sweep", &file, "--out", &out], &vary[..], more].concat();
+        self.place.start(&arguments).wait()
+    }
+}
+
+/// As if the sweep had been stopped before its last point.
+fn stop(out: &Path) {
+    let file = out.join("sweep.json");
+    let mut study: Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+    study["complete"] = false.into();
+    std::fs::write(&file, study.to_string()).unwrap();
+    let file = out.join("points.jsonl");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    std::fs::write(&file, lines[..lines.len() - 1].join("\n") + "\n").unwrap();
+}
+
+/// Points of two cases never stand in one table, neither of a sweep that goes on nor of one that
+/// collects; nor do those of two versions of a program.
+#[test]
+fn points_of_a_case_that_has_changed_are_refused() {
+    let place = Place::new();
+    let (edited, out) = (Edited::new(&place), place.out());
+    let refused = |ended: &Ended, words: &str| {
+        assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+        assert!(ended.stderr.contains(words), "{words}: {}", ended.stderr);
+    };
+    let ended = edited.sweep(&out, &[]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let whole = table(&out).texts("temperature.rail.max_rise_k").join(" ");
+    stop(&out);
+    edited.slow_down();
+    let words = "motion.speed: was 38.889, is 20.0";
+    refused(&edited.sweep(&out, &[]), words);
+    let (collected, from) = (out.with_file_name("collected"), out.display().to_string());
+    refused(&edited.sweep(&collected, &["--collect", &from]), words);
+    // An option says the same as an edit.
+    edited.write(&edited.text);
+    refused(&edited.sweep(&out, &["--set", "motion.speed=20.0"]), words);
+    let file = out.join("sweep.json");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let version = concat!("mech-solver ", env!("CARGO_PKG_VERSION"));
+    assert!(text.contains(version), "{text}");
+    std::fs::write(&file, text.replace(version, "mech-solver 0.1.0")).unwrap();
+    refused(&edited.sweep(&out, &[]), "mech: was mech-solver 0.1.0, is mech-solver");
+    // The case as it was goes on, and may lie elsewhere.
+    std::fs::write(&file, text).unwrap();
+    let ended = edited.sweep(&out, &[]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(table(&out).texts("temperature.rail.max_rise_k").join(" "), whole);
+    place.assert_nothing_left();
+}
+
+/// Of a surrogate the points are those of the sweep that stands beside it.
+#[test]
+fn a_surrogate_of_another_sweep_is_refused() {
+    let place = Place::new();
+    let (edited, out) = (Edited::new(&place), place.out());
+    let vary = [
+        "--vary",
+        "motion.creepage.xi=-0.001,-0.002,-0.003",
+        "--unset",
+        "motion.traction_coefficient",
+    ];
+    let ended = edited.sweep(&out, &[&vary[..], &["--fit"]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let fit = std::fs::read(out.join("fit.json")).unwrap();
+    edited.slow_down();
+    let ended = edited.sweep(&out, &[&vary[..], &["--replace"]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(!out.join("fit.json").exists(), "that of the earlier sweep");
+    std::fs::write(out.join("fit.json"), fit).unwrap();
+    let folder = out.display().to_string();
+    let asked = ["ask", &folder, "load.normal_force=110 kN", "motion.creepage.xi=-0.002"];
+    let ended = place.start(&asked).wait();
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert!(ended.stderr.contains("is of another sweep"), "{}", ended.stderr);
+}
+
+/// A process that is killed leaves its folder; the next one removes it.
+#[test]
+fn folders_of_killed_processes_go_with_the_next_start() {
+    let place = Place::new();
+    let temporary = tempfile::tempdir().unwrap();
+    let left = || std::fs::read_dir(temporary.path()).unwrap().count();
+    let (file, out) = (case("wheel-rail.toml"), place.out().display().to_string());
+    let vary = "motion.traction_coefficient=0.01..0.59/60";
+    let arguments =
+        ["sweep", &file, "--set", "mech.model=hertz-carter", "--vary", vary, "--out", &out];
+    let launch = |arguments: &[&str]| {
+        let mut command = place.command(arguments);
+        command.env("TMPDIR", temporary.path());
+        place.launch(command)
+    };
+    let sweep = launch(&arguments);
+    wait_until("some points", || points(&place.out()).len() > 3);
+    sweep.signal(rustix::process::Signal::KILL);
+    sweep.wait();
+    assert_eq!(left(), 1);
+    let ended = launch(&[
+        "sweep",
+        &file,
+        "--set",
+        "mech.model=hertz-carter",
+        "--vary",
+        "motion.traction_coefficient=0.1,0.2",
+        "--out",
+        &out,
+        "--replace",
+    ])
+    .wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(left(), 0);
     place.assert_nothing_left();
 }
 

@@ -1,7 +1,9 @@
 //! CRC-64/XZ: reflected, polynomial 0x42F0E1EBA9EA3693 (ECMA-182), all ones before and after. It
 //! tells a truncated or damaged file from a whole one; it is no protection against forgery.
 
+use std::fs::File;
 use std::io::{self, Read};
+use std::path::Path;
 
 /// Bytes of a stream that are looked at together.
 const PIECE: usize = 1 << 16;
@@ -34,6 +36,18 @@ const TABLE: [u64; 256] = {
 #[must_use]
 pub fn sum(bytes: &[u8]) -> u64 {
     !further(!0, bytes)
+}
+
+/// The CRC-64 of a file.
+///
+/// # Errors
+/// It is no file, or cannot be read.
+pub fn sum_of_file(path: &Path) -> io::Result<u64> {
+    // Before it is opened: a pipe would wait for a writer.
+    if !path.metadata()?.is_file() {
+        return Err(io::Error::other("is no file"));
+    }
+    of_stream(File::open(path)?).map(|(_, sum)| sum)
 }
 
 /// Length and CRC-64 of a stream, of which only a piece is in memory at a time.

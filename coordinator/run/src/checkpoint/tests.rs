@@ -15,6 +15,7 @@ fn state(next: u64) -> CoordinatorState {
             case: "[case]".to_owned(),
             folder: PathBuf::from("/somewhere"),
             plan: vec![("mech".to_owned(), 7)],
+            files: BTreeMap::from([("bodies.rail.profile".to_owned(), "8".to_owned())]),
         },
         step: (next - 1, 3, 0.1, 0.1 + 0.2),
         time: controller.state().clone(),

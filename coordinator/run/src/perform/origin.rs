@@ -2,6 +2,7 @@
 
 use crate::checkpoint::{Origin, sum};
 use crate::error::RunError;
+use crate::identity::{Identity, keys};
 use crate::plan::{Participant, Planned};
 use contract::configuration::Configuration;
 use coupling::ParticipantIndex;
@@ -13,8 +14,10 @@ fn numbers(of: &[ParticipantIndex]) -> Vec<usize> {
 }
 
 /// What a planned run is made from.
-#[must_use]
-pub fn origin(planned: &Planned) -> Origin {
+///
+/// # Errors
+/// A file that the case names cannot be read.
+pub fn origin(planned: &Planned) -> Result<Origin, RunError> {
     let Planned { case, plan } = planned;
     let participants = plan.participants.iter().map(|p| (p.role.clone(), identity(p)));
     let routes: Vec<_> = plan
@@ -35,13 +38,14 @@ pub fn origin(planned: &Planned) -> Origin {
     let folder = case.folder();
     // Empty for a case in the working directory, which has no absolute path of its own.
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    Origin {
+    Ok(Origin {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         protocol: contract::PROTOCOL_VERSION,
         case: case.text(),
         folder: absolute(folder).unwrap_or_else(|_| folder.to_owned()),
         plan: participants.chain([routes]).collect(),
-    }
+        files: Identity::of(planned)?.files,
+    })
 }
 
 /// What a participant is and is given: its description, its version within, its configuration, and
@@ -74,6 +78,10 @@ pub fn check_origin(expected: &Origin, found: &Origin) -> Result<(), RunError> {
     if expected.case != found.case {
         return refuse("case.toml is not the case of its checkpoint".to_owned());
     }
+    let mut files = keys(&expected.files, &found.files).into_iter();
+    if let Some(key) = files.find(|key| expected.files.get(*key) != found.files.get(*key)) {
+        return refuse(format!("the content of the file that `{key}` names changed"));
+    }
     let differs = |(part, now): &(&(String, u64), &(String, u64))| part != now;
     let mut parts = expected.plan.iter().zip(&found.plan);
     match parts.find(differs) {
@@ -88,6 +96,7 @@ pub fn check_origin(expected: &Origin, found: &Origin) -> Result<(), RunError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
     use std::path::PathBuf;
 
     #[test]
@@ -98,13 +107,17 @@ mod tests {
             case: "a".to_owned(),
             folder: PathBuf::from("/a"),
             plan: vec![("mech".to_owned(), 1), ("thermal".to_owned(), 2)],
+            files: BTreeMap::from([("bodies.rail.profile".to_owned(), "1".to_owned())]),
         };
         assert!(check_origin(&was, &was).is_ok());
         let moved = Origin { folder: PathBuf::from("/b"), ..was.clone() };
         assert!(check_origin(&was, &moved).is_ok(), "paths are in the configurations");
         let mut thermal = was.clone();
         thermal.plan[1].1 = 3;
+        let mut profile = was.clone();
+        profile.files.insert("bodies.rail.profile".to_owned(), "2".to_owned());
         let rows = [
+            (profile, "the file that `bodies.rail.profile` names"),
             (Origin { version: "2".to_owned(), ..was.clone() }, "this is coordinator 2"),
             (Origin { protocol: 3, ..was.clone() }, "protocol 3"),
             (Origin { case: "b".to_owned(), ..was.clone() }, "case.toml"),

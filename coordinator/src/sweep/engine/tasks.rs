@@ -113,8 +113,13 @@ impl Tasks {
         program: &Path,
         environment: impl Iterator<Item = (OsString, OsString)>,
     ) -> String {
-        let mut ours: Vec<_> =
-            environment.filter(|(name, _)| name.to_string_lossy().starts_with(VARIABLES)).collect();
+        // A shell has no other names, and a name cannot be quoted.
+        let is_letter = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
+        let is_ours = |name: &OsString| {
+            name.to_str()
+                .is_some_and(|name| name.starts_with(VARIABLES) && name.chars().all(is_letter))
+        };
+        let mut ours: Vec<_> = environment.filter(|(name, _)| is_ours(name)).collect();
         ours.sort();
         let export = |(name, value): &(OsString, OsString)| {
             format!("export {}={}\n", name.to_string_lossy(), quoted(value))
@@ -156,7 +161,13 @@ mod tests {
 
     #[test]
     fn the_script_says_what_a_task_does() {
-        let variables = [("PATH", "/bin"), ("COSIM_RUNTIME_DIR", "/dev/shm/x y")];
+        // The name of a variable may be any text without `=`.
+        let variables = [
+            ("PATH", "/bin"),
+            ("COSIM_X;touch Y", "1"),
+            ("COSIM_$(touch Y)", "1"),
+            ("COSIM_RUNTIME_DIR", "/dev/shm/x y"),
+        ];
         let variables =
             variables.map(|(name, value)| (OsString::from(name), OsString::from(value)));
         let text = tasks().text(

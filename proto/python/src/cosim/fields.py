@@ -1,6 +1,6 @@
 """Kinds of fields that may cross the interface, and the table of those that everybody knows.
 
-The table is that of `proto/src/field.rs`. A solver that exchanges further fields lists them in
+The table is that of `proto/contract/src/field.rs`. A solver that exchanges further fields lists them in
 `Solver.fields`.
 """
 

@@ -1,6 +1,6 @@
 """Fixed layouts of everything that crosses shared memory.
 
-They are those of `proto/src/message.rs`, field by field; the tests pin every size and offset. Text
+They are those of `proto/contract/src/message.rs`, field by field; the tests pin every size and offset. Text
 sits in zero-padded ASCII labels. JSON travels as bytes behind a `Command` or `Reply`, field values
 as doubles behind a `FieldHeader`.
 """

@@ -172,7 +172,7 @@ class Surrogate:
 
         Every key has a value, or an array of values; arrays are broadcast against each other, and
         the answers have their shape. Raises `Outside` if a point is, and KeyError for a name that
-        the surrogate does not know, or that is missing.
+        the surrogate does not know, or that is missing, and ValueError for a figure that overflows.
         """
         values = self._values({**(at or {}), **more})
         shape = values[0].shape
@@ -188,6 +188,9 @@ class Surrogate:
                 return self._coordinates[n].scaled(points[n][chunk], scale)
 
             self._plans[wanted].evaluate(scaled, out[:, chunk])
+        if not np.isfinite(out).all():
+            overflown = [key for key, one in zip(wanted, out, strict=True) if not np.isfinite(one).all()]
+            raise ValueError(f"{overflown[0]} has no finite value here; make the surrogate again")
         return {key: one.reshape(shape)[()] for key, one in zip(wanted, out, strict=True)}
 
     def _values(self, given: Mapping[str, ArrayLike]) -> list[Array]:

@@ -75,8 +75,7 @@ class Astray(StripColumns):
         report = super().solve(step, inputs, outputs)
         if FAULT == "solve":
             outputs["lower_temperature"][0] = np.inf
-        if FAULT == "repeat":
-            outputs["lower_temperature"][0] += self.calls
+        self.remember(outputs)
         if FAULT == "heat-received":
             report = dataclasses.replace(report, heat_received=report.heat_received * (1.0 + 1e-8))
         if FAULT == "accept":
@@ -85,8 +84,14 @@ class Astray(StripColumns):
 
     def observe(self, outputs):
         super().observe(outputs)
+        self.remember(outputs)
         if FAULT == "observe":
             self.accepted = []
+
+    def remember(self, outputs):
+        """What is published depends on how often it was solved."""
+        if FAULT == "repeat" and "lower_temperature" in outputs:
+            outputs["lower_temperature"][0] += self.calls
 
     def moved_grids(self):
         # Inside out.

@@ -1,0 +1,280 @@
+//! What a result was computed from: programs, values of the case, and files.
+//!
+//! A command that goes on with earlier results compares identities first. Results of two identities
+//! never stand in one table.
+
+use crate::checkpoint::{sum, sum_of_file};
+use crate::error::{RunError, file_failure};
+use crate::plan::{Participant, Planned};
+use crate::program::our_folder;
+use crate::record::named_files;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+/// Sections of a case without influence on the figures of a summary.
+const WITHOUT_INFLUENCE: [&str; 3] = ["case", "limits", "output"];
+/// Differences that a message lists.
+const LISTED: usize = 6;
+
+/// Programs, values and files that decide a result.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Name, version and CRC-64 of the description of each program, by role.
+    pub programs: BTreeMap<String, Program>,
+    /// Values by dotted key, in SI units, with defaults filled in.
+    pub values: BTreeMap<String, Value>,
+    /// CRC-64 of the content of each file, by the dotted key that names it.
+    pub files: BTreeMap<String, String>,
+}
+
+/// A program, as an [`Identity`] has it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Program {
+    /// Name and version.
+    pub version: String,
+    /// CRC-64 of its description.
+    pub description: String,
+}
+
+impl Identity {
+    /// The identity of a planned run.
+    ///
+    /// # Errors
+    /// A file that the case names cannot be read.
+    pub fn of(planned: &Planned) -> Result<Self, RunError> {
+        let Planned { case, plan } = planned;
+        let own = format!("{}, protocol {}", env!("CARGO_PKG_VERSION"), contract::PROTOCOL_VERSION);
+        let own = Program { version: format!("coordinator {own}"), description: String::new() };
+        let mut identity = Self::default();
+        identity.programs.insert("coordinator".to_owned(), own);
+        flatten(&case.values.0, &mut Vec::new(), &mut |key, value| {
+            if !WITHOUT_INFLUENCE.contains(&key[0]) {
+                identity.values.insert(key.join("."), value.clone());
+            }
+        });
+        for participant in &plan.participants {
+            identity.programs.insert(participant.role.clone(), program(participant));
+            for (key, path) in named_files(&participant.description, &case.values.0) {
+                identity.add_file(&key, &path)?;
+            }
+            identity.add_command(participant)?;
+        }
+        if let Some(histories) = &case.histories {
+            let content = json!(histories).to_string();
+            identity.files.insert("time.history".to_owned(), hexadecimal(sum(content.as_bytes())));
+        }
+        Ok(identity)
+    }
+
+    /// Adds the content of a file that stands for the value of a key. Where the file lies does not
+    /// matter.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn add_file(&mut self, key: &str, path: &Path) -> Result<(), RunError> {
+        let found = sum_of_file(path).map_err(|error| file_failure(path, &error))?;
+        self.values.remove(key);
+        self.files.insert(key.to_owned(), hexadecimal(found));
+        Ok(())
+    }
+
+    /// Adds the files among the words of a command, such as the script of an interpreter: a version
+    /// may stay the same while its program is edited. Programs of this project have versions.
+    fn add_command(&mut self, participant: &Participant) -> Result<(), RunError> {
+        let program = &participant.program;
+        let own = our_folder().is_some_and(|folder| program.path.starts_with(folder));
+        let arguments = program.arguments.iter().map(Path::new);
+        for (number, word) in std::iter::once(&*program.path).chain(arguments).enumerate() {
+            let counts = number > 0 || !own;
+            if counts && fs::metadata(word).is_ok_and(|found| found.is_file()) {
+                self.add_file(&format!("{}.command[{number}]", participant.role), word)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The differences of a later identity, in words; empty if both are the same.
+    #[must_use]
+    pub fn differences(&self, now: &Self) -> Vec<String> {
+        let mut all = Vec::new();
+        for role in keys(&self.programs, &now.programs) {
+            match (self.programs.get(role), now.programs.get(role)) {
+                (Some(was), Some(is)) if was == is => {}
+                (Some(was), Some(is)) if was.version == is.version => {
+                    all.push(format!("{role}: another build of {}", is.version));
+                }
+                (was, is) => {
+                    let version =
+                        |one: Option<&Program>| one.map_or("absent", |one| &one.version).to_owned();
+                    all.push(format!("{role}: was {}, is {}", version(was), version(is)));
+                }
+            }
+        }
+        let absent = Value::from("absent");
+        for key in keys(&self.values, &now.values) {
+            let of = |one: &Self| match one.files.contains_key(key) {
+                true => Value::from("a file"),
+                false => one.values.get(key).unwrap_or(&absent).clone(),
+            };
+            let (was, is) = (of(self), of(now));
+            if was != is {
+                all.push(format!("{key}: was {}, is {}", word(&was), word(&is)));
+            }
+        }
+        for key in keys(&self.files, &now.files) {
+            match (self.files.get(key), now.files.get(key)) {
+                (was, is) if was == is => {}
+                (Some(_), Some(_)) => all.push(format!("{key}: the content of the file changed")),
+                // A value in the place of a file was named above.
+                _ if self.values.contains_key(key) || now.values.contains_key(key) => {}
+                (Some(_), None) => all.push(format!("{key}: was a file, is absent")),
+                (None, _) => all.push(format!("{key}: was absent, is a file")),
+            }
+        }
+        all
+    }
+
+    /// Demands that results of this identity may stand beside those of a later one.
+    ///
+    /// # Errors
+    /// [`RunError::Usage`] names the place of the results, what differs, and what to do.
+    pub fn require_same(&self, now: &Self, place: &str, fix: &str) -> Result<(), RunError> {
+        let mut all = self.differences(now);
+        let hidden = all.len().saturating_sub(LISTED);
+        all.truncate(LISTED);
+        if hidden > 0 {
+            all.push(format!("and {hidden} more"));
+        }
+        match all.is_empty() {
+            true => Ok(()),
+            false => Err(RunError::Usage(format!(
+                "{place} is of another case ({}); {fix}",
+                all.join("; ")
+            ))),
+        }
+    }
+
+    /// CRC-64 of the identity, for files that have no room for all of it.
+    #[must_use]
+    pub fn digest(&self) -> String {
+        hexadecimal(sum(json!(self).to_string().as_bytes()))
+    }
+}
+
+fn program(participant: &Participant) -> Program {
+    let description = &participant.description;
+    Program {
+        version: format!("{} {}", description.name, description.version),
+        description: hexadecimal(sum(json!(description).to_string().as_bytes())),
+    }
+}
+
+fn hexadecimal(sum: u64) -> String {
+    format!("{sum:016x}")
+}
+
+/// A value as a case file has it.
+fn word(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// Keys of two maps.
+pub(crate) fn keys<'a, V>(
+    one: &'a BTreeMap<String, V>,
+    other: &'a BTreeMap<String, V>,
+) -> BTreeSet<&'a String> {
+    one.keys().chain(other.keys()).collect()
+}
+
+/// Every value of a tree of tables, with its key.
+fn flatten<'a>(tree: &'a Value, key: &mut Vec<&'a str>, seen: &mut impl FnMut(&[&str], &Value)) {
+    match tree {
+        Value::Object(table) => {
+            for (name, value) in table {
+                key.push(name);
+                flatten(value, key, seen);
+                key.pop();
+            }
+        }
+        value => seen(key, value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn identity() -> Identity {
+        let program = Program { version: "mech-solver 1".into(), description: "a".into() };
+        Identity {
+            programs: BTreeMap::from([("mech".to_owned(), program)]),
+            values: BTreeMap::from([("motion.speed".to_owned(), json!(38.9))]),
+            files: BTreeMap::from([("bodies.rail.profile".to_owned(), "1".to_owned())]),
+        }
+    }
+
+    #[test]
+    fn every_difference_is_named_with_both_values() {
+        assert!(identity().differences(&identity()).is_empty());
+        assert!(identity().require_same(&identity(), "DIR", "fix").is_ok());
+        type Change = fn(&mut Identity);
+        let rows: [(Change, &str); 8] = [
+            (
+                |one| drop(one.values.insert("motion.speed".into(), json!(20.0))),
+                "motion.speed: was 38.9, is 20.0",
+            ),
+            (|one| one.values.clear(), "motion.speed: was 38.9, is absent"),
+            (
+                |one| drop(one.values.insert("mech.model".into(), json!("half-space"))),
+                "mech.model: was absent, is half-space",
+            ),
+            (
+                |one| drop(one.files.insert("bodies.rail.profile".into(), "2".into())),
+                "bodies.rail.profile: the content of the file changed",
+            ),
+            (|one| one.files.clear(), "bodies.rail.profile: was a file, is absent"),
+            (
+                |one| one.programs.get_mut("mech").unwrap().version = "mech-solver 2".into(),
+                "mech: was mech-solver 1, is mech-solver 2",
+            ),
+            (
+                |one| one.programs.get_mut("mech").unwrap().description = "b".into(),
+                "mech: another build of mech-solver 1",
+            ),
+            (|one| one.programs.clear(), "mech: was mech-solver 1, is absent"),
+        ];
+        for (change, words) in rows {
+            let mut now = identity();
+            change(&mut now);
+            assert_eq!(identity().differences(&now), [words]);
+            assert_ne!(identity().digest(), now.digest());
+            let refused = identity().require_same(&now, "DIR", "begin anew").unwrap_err();
+            assert_eq!(refused.exit_code(), 2);
+            let text = refused.to_string();
+            assert!(text.contains("DIR") && text.contains(words), "{text}");
+            assert!(text.ends_with("begin anew"), "{text}");
+        }
+    }
+
+    /// The same content under another name is the same input; a value in its place is not.
+    #[test]
+    fn a_file_counts_by_its_content() {
+        let place = tempfile::tempdir().unwrap();
+        let with = |name: &str, content: &str| {
+            let path = place.path().join(name);
+            fs::write(&path, content).unwrap();
+            let mut identity = identity();
+            identity.add_file("mech.table", &path).unwrap();
+            identity
+        };
+        let one = with("a", "1,2");
+        assert_eq!(one, with("b", "1,2"));
+        assert_ne!(one, with("a", "1,3"));
+        let mut value = identity();
+        value.values.insert("mech.table".to_owned(), json!(3.0));
+        assert_eq!(one.differences(&value), ["mech.table: was a file, is 3.0"]);
+    }
+}

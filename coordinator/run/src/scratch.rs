@@ -1,0 +1,122 @@
+//! Folders for results that nobody keeps.
+//!
+//! A process that is killed removes nothing. Therefore each folder holds a locked file, and whoever
+//! makes the next folder removes those whose lock is free: their process has ended.
+
+use crate::error::{RunError, file_failure};
+use rustix::fs::{FlockOperation, OFlags, flock};
+use std::fs::{self, File};
+use std::io;
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
+use std::path::Path;
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Begins the name of every such folder.
+const PREFIX: &str = "cosim-scratch-";
+/// The file that the owner of a folder has locked.
+const LOCK: &str = "lock";
+/// Names of such folders in versions before 0.3, which had no lock.
+const WITHOUT_LOCK: [&str; 2] = ["cosim-study-", "cosim-drive-"];
+/// Age from which a folder without a lock has no owner.
+const AGE: Duration = Duration::from_secs(7 * 24 * 3600);
+
+/// A folder in the temporary directory; it is removed when this is dropped.
+#[derive(Debug)]
+pub struct Scratch {
+    folder: TempDir,
+    _lock: File,
+}
+
+impl Scratch {
+    /// Makes a folder, and removes those that killed processes have left.
+    ///
+    /// # Errors
+    /// The file system.
+    pub fn new() -> Result<Self, RunError> {
+        let place = std::env::temp_dir();
+        Self::within(&place).map_err(|error| file_failure(&place, &error))
+    }
+
+    fn within(place: &Path) -> io::Result<Self> {
+        remove_abandoned(place);
+        loop {
+            let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(place)?;
+            let lock = File::create_new(folder.path().join(LOCK))?;
+            flock(&lock, FlockOperation::NonBlockingLockExclusive)?;
+            // Another process may have met the folder before the lock was held.
+            if folder.path().join(LOCK).exists() {
+                return Ok(Self { folder, _lock: lock });
+            }
+        }
+    }
+
+    /// Its path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Removes the folders of ours whose owner has ended; one that cannot be removed stays.
+fn remove_abandoned(place: &Path) {
+    for entry in fs::read_dir(place).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let begins = |prefix: &&str| name.starts_with(prefix);
+        let known = std::iter::once(&PREFIX).chain(&WITHOUT_LOCK).any(begins);
+        if known && is_ours(&entry.path()) && is_abandoned(&entry.path()) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// A folder, no link to one, of this user.
+fn is_ours(path: &Path) -> bool {
+    let user = rustix::process::getuid().as_raw();
+    path.symlink_metadata().is_ok_and(|found| found.is_dir() && found.uid() == user)
+}
+
+fn is_abandoned(folder: &Path) -> bool {
+    let no_link = OFlags::NOFOLLOW.bits().cast_signed();
+    match File::options().read(true).custom_flags(no_link).open(folder.join(LOCK)) {
+        Ok(lock) => flock(&lock, FlockOperation::NonBlockingLockExclusive).is_ok(),
+        // It is being made, or was made by an earlier version.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            let changed = folder.symlink_metadata().and_then(|found| found.modified());
+            changed.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > AGE))
+        }
+        Err(_) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder whose owner lives stays, one whose lock is free goes, and nothing else is touched.
+    #[test]
+    fn only_abandoned_folders_are_removed() {
+        let place = tempfile::tempdir().unwrap();
+        let living = Scratch::within(place.path()).unwrap();
+        let killed = Scratch::within(place.path()).unwrap();
+        // What a killed process leaves: the folder, and a lock that nobody holds.
+        let left = killed.path().to_owned();
+        fs::write(left.join("results"), "x").unwrap();
+        let Scratch { folder, _lock: lock } = killed;
+        drop((folder.keep(), lock));
+        let fresh = place.path().join(format!("{PREFIX}being-made"));
+        let other = place.path().join("other");
+        for folder in [&fresh, &other] {
+            fs::create_dir(folder).unwrap();
+        }
+        std::os::unix::fs::symlink(&other, place.path().join(format!("{PREFIX}link"))).unwrap();
+        let next = Scratch::within(place.path()).unwrap();
+        assert!(!left.exists());
+        assert!(living.path().exists() && next.path().exists());
+        assert!(fresh.exists() && other.exists());
+        let path = next.path().to_owned();
+        drop(next);
+        assert!(!path.exists());
+    }
+}
