@@ -8,7 +8,7 @@ use rustix::fs::{FlockOperation, OFlags, flock};
 use std::fs::{self, File};
 use std::io;
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
 
@@ -16,15 +16,19 @@ use tempfile::TempDir;
 const PREFIX: &str = "cosim-scratch-";
 /// The file that the owner of a folder has locked.
 const LOCK: &str = "lock";
+/// The folder for the user of a folder.
+const CONTENT: &str = "content";
 /// Names of such folders in versions before 0.3, which had no lock.
 const WITHOUT_LOCK: [&str; 2] = ["cosim-study-", "cosim-drive-"];
 /// Age from which a folder without a lock has no owner.
 const AGE: Duration = Duration::from_secs(7 * 24 * 3600);
 
-/// A folder in the temporary directory; it is removed when this is dropped.
+/// An empty folder below the temporary directory; it is removed when this is dropped.
 #[derive(Debug)]
 pub struct Scratch {
-    folder: TempDir,
+    /// The empty folder, beside the lock.
+    path: PathBuf,
+    _folder: TempDir,
     _lock: File,
 }
 
@@ -43,10 +47,12 @@ impl Scratch {
         loop {
             let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(place)?;
             let lock = File::create_new(folder.path().join(LOCK))?;
-            flock(&lock, FlockOperation::NonBlockingLockExclusive)?;
-            // Another process may have met the folder before the lock was held.
-            if folder.path().join(LOCK).exists() {
-                return Ok(Self { folder, _lock: lock });
+            let held = flock(&lock, FlockOperation::NonBlockingLockExclusive).is_ok();
+            // Another process may have met the folder before the lock was held, and removes it.
+            if held && folder.path().join(LOCK).exists() {
+                let path = folder.path().join(CONTENT);
+                fs::create_dir(&path)?;
+                return Ok(Self { path, _folder: folder, _lock: lock });
             }
         }
     }
@@ -54,7 +60,7 @@ impl Scratch {
     /// Its path.
     #[must_use]
     pub fn path(&self) -> &Path {
-        self.folder.path()
+        &self.path
     }
 }
 
@@ -101,10 +107,11 @@ mod tests {
         let living = Scratch::within(place.path()).unwrap();
         let killed = Scratch::within(place.path()).unwrap();
         // What a killed process leaves: the folder, and a lock that nobody holds.
-        let left = killed.path().to_owned();
-        fs::write(left.join("results"), "x").unwrap();
-        let Scratch { folder, _lock: lock } = killed;
-        drop((folder.keep(), lock));
+        assert_eq!(fs::read_dir(killed.path()).unwrap().count(), 0);
+        fs::write(killed.path().join("results"), "x").unwrap();
+        let Scratch { _folder: folder, _lock: lock, .. } = killed;
+        let left = folder.keep();
+        drop(lock);
         let fresh = place.path().join(format!("{PREFIX}being-made"));
         let other = place.path().join("other");
         for folder in [&fresh, &other] {

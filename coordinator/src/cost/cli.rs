@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE")]
     reference: Vec<String>,
     /// Leave out runs whose solvers expect to take longer.
-    #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 2.0)]
     longest_run: f64,
     #[command(flatten)]
     folder: FolderArguments,

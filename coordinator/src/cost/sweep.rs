@@ -79,11 +79,12 @@ pub(super) fn sweep(
         levels,
     };
     let points = sweep.points();
-    // What was made before takes no time now; what cannot be planned ends at once.
+    // What was made before, or is left out, takes no time now; what cannot be planned ends at once.
+    let made = |seconds: f64| if seconds > request.longest_run { 0.0 } else { seconds };
     let expected = |point: &Point| match places.kept.run(&point.variant.options()) {
         Some(_) => 0.0,
         None if quiet => 1.0,
-        None => expected_run_seconds(planned(&request.case, &point.variant).ok().as_ref()),
+        None => made(expected_run_seconds(planned(&request.case, &point.variant).ok().as_ref())),
     };
     let work = points.iter().map(expected).collect();
     let mut steps = Steps::of_work(quiet, work);
@@ -229,7 +230,7 @@ impl Sweep {
                 Ok(Ok(summary)) => run.take(&summary, &self.known, &stopwatch),
                 Ok(Err(seconds)) => {
                     let limit = request.longest_run;
-                    let why = format!("{seconds:.0} s expected, above --longest-run {limit} s");
+                    let why = format!("{seconds:.1} s expected, above --longest-run {limit} s");
                     self.left_out.push((self.describe(point), why));
                     return Ok(());
                 }
