@@ -6,7 +6,7 @@
 
 use crate::listing::Listing;
 use crate::output::print;
-use contract::description::{Description, EffectSpec, ModelSpec};
+use contract::description::{Description, EffectSpec, KeySpec, ModelSpec};
 use contract::field::{self, FieldKind, FieldSpec};
 use contract::figure::FigureSpec;
 use contract::text::json;
@@ -38,7 +38,11 @@ pub(crate) fn fields(asked: &Listing, described: &[Description]) -> Result<(), R
         let provides = |model: &ModelSpec| model.provides.contains(&kind.name);
         let consumes = |model: &ModelSpec| model.consumes.contains(&kind.name);
         let with = |effect: &EffectSpec| effect.provides.contains(&kind.name);
-        let needs = |effect: &EffectSpec| effect.consumes.contains(&kind.name);
+        let asks =
+            |key: &KeySpec| key.consumes.values().any(|fields| fields.contains(&kind.name));
+        let needs = |effect: &EffectSpec| {
+            effect.consumes.contains(&kind.name) || effect.keys.iter().any(asks)
+        };
         let provided_by = those(described, provides, with);
         let consumed_by = those(described, consumes, needs);
         let components = match kind.components {

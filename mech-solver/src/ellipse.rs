@@ -392,12 +392,17 @@ fn refuse_open_ellipse(scene: &Scene, gap_x: f64, gap_y: f64) -> Result<(), Refu
             LINE_FIX[usize::from(!along)],
         ));
     };
-    let other = radii[1 - hollow].abs();
+    let other = radii[1 - hollow];
     let reason = format!(
         "`{}` is as hollow as `{}` is round, or more, so that no elliptic contact closes",
         scene.names.0[hollow],
         scene.names.0[1 - hollow]
     );
-    let fix = format!("write a value below -{other} m, or above 0 m");
+    // In a flat body, or one that is hollow itself, a hollow one touches nothing but its rim.
+    let fix = match other.is_finite() {
+        true if other > 0.0 => format!("write a value below -{other} m, or above 0 m"),
+        true => format!("write a value above 0 m and below {} m", -other),
+        false => "write a value above 0 m".to_owned(),
+    };
     Err(Refusal::new(&scene.names.key(hollow, name), reason, fix))
 }

@@ -73,6 +73,13 @@ impl Spectrum {
     }
 }
 
+/// A sum of convolutions in Fourier space, see [`Convolution::add`].
+#[derive(Clone, Debug)]
+pub struct SpectralSum<T = f64> {
+    /// Column after column, as those of a [`Spectrum`].
+    values: Vec<Complex<T>>,
+}
+
 /// Plans and working memory for convolutions on one grid.
 pub struct Convolution<T = f64> {
     nx: usize,
@@ -214,6 +221,48 @@ impl<T: FftNum> Convolution<T> {
             for (((x, y), a), b) in block.iter_mut().zip(other.iter()).zip(one).zip(two) {
                 *x = a * *x + b * y;
             }
+            self.scatter(0, first, count);
+        }
+        self.rows_out(0, output);
+    }
+
+    /// Begins a sum of convolutions of any number of fields, each with its own kernel.
+    #[must_use]
+    pub fn empty_sum(&self) -> SpectralSum<T> {
+        let len = self.columns() * self.padded_y;
+        SpectralSum { values: vec![Complex::new(T::zero(), T::zero()); len] }
+    }
+
+    /// Adds the convolution of a field with a kernel to a sum, with no transform back.
+    ///
+    /// # Panics
+    /// If the field, the spectrum or the sum belongs to another grid.
+    pub fn add(&mut self, kernel: &Spectrum<T>, input: &[T], sum: &mut SpectralSum<T>) {
+        self.check(&[kernel], &[input], &[]);
+        assert_eq!(sum.values.len(), kernel.values.len(), "the sum is not of this grid");
+        self.rows_in(0, input);
+        for first in (0..self.columns()).step_by(BLOCK) {
+            let count = BLOCK.min(self.columns() - first);
+            let range = first * self.padded_y..(first + count) * self.padded_y;
+            self.gather(0, first, count);
+            let factors = self.block[0].iter().zip(&kernel.values[range.clone()]);
+            for (sum, (value, factor)) in sum.values[range].iter_mut().zip(factors) {
+                *sum = *sum + *value * *factor;
+            }
+        }
+    }
+
+    /// Transforms a sum back to a field.
+    ///
+    /// # Panics
+    /// If the sum or the field belongs to another grid.
+    pub fn finish(&mut self, sum: &SpectralSum<T>, output: &mut [T]) {
+        self.check(&[], &[], &[output]);
+        assert_eq!(sum.values.len(), self.columns() * self.padded_y, "the sum is not of this grid");
+        for first in (0..self.columns()).step_by(BLOCK) {
+            let count = BLOCK.min(self.columns() - first);
+            let range = first * self.padded_y..(first + count) * self.padded_y;
+            self.block[0][..range.len()].copy_from_slice(&sum.values[range]);
             self.scatter(0, first, count);
         }
         self.rows_out(0, output);

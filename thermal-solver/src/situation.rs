@@ -4,6 +4,7 @@
 //! one at rest, whose squares of the reciprocals add up. An estimate is of the first order: it says whether an effect is worth a run,
 //! and a run says by how much.
 
+use crate::reference::scales::rest_length;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
 use proto::advice::{Advice, Known};
@@ -12,8 +13,6 @@ use std::f64::consts::PI;
 
 /// Rise under a fast ellipse of flux, over q₀/β √(a/(πV)) (Naeimi et al., eq. 10; PHYSICS: 2.188).
 const FAST: f64 = 2.188;
-/// Rise under a circle of elliptic flux at rest, over q₀ a/λ (Carslaw & Jaeger, 10.5).
-const AT_REST: f64 = 0.678;
 
 /// Smaller rises are not worth a process [K].
 const LEAST_RISE: f64 = 1.0;
@@ -66,7 +65,7 @@ impl<'a> Situation<'a> {
         let [a, b] = [self.semi_axes[0] * part, self.semi_axes[1]];
         let material = &self.scene.materials[body];
         let flux = 1.5 * self.heat[body] / (PI * a * b);
-        let rest = AT_REST * flux * (a * b).sqrt() / material.conductivity;
+        let rest = flux * rest_length([a, b]) / material.conductivity;
         if self.speeds[body] == 0.0 {
             return rest;
         }

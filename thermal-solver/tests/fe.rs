@@ -350,6 +350,57 @@ fn free_surfaces_cool() {
     assert!(found.windows(2).all(|pair| pair[0] > 1.01 * pair[1]), "{found:?}");
 }
 
+/// Surroundings that are warmer or colder than a body that nothing else heats: behind the leading edge of the mesh, where
+/// it begins to be free, its surface has been exposed for t = x/V, and has come nearer to them by
+/// 1 − e^{s²} erfc(s) of the difference, s = h√(κt)/λ (Carslaw & Jaeger, 2.7), by either solver, steady and in time, for
+/// any difference alike. Tolerance: steps and layers.
+#[test]
+fn surroundings_of_another_temperature_warm_a_cold_body() {
+    let grid = coarse();
+    let none = vec![0.0; grid.points()];
+    let (coefficient, speed) = (5e4, 1.0);
+    let row = 18 * grid.ni;
+    for (mode, solver) in [Mode::Steady, Mode::Transient]
+        .into_iter()
+        .flat_map(|mode| ["iterative", "direct"].map(|solver| (mode, solver)))
+    {
+        let of = |difference: f64| {
+            let mut case = with(json!({"solver": solver, "step": 1e-4, "wake": 9e-3}));
+            case["motion"]["speed"] = json!(speed);
+            let temperature = 293.15 + difference;
+            case["effects"]["convection"] =
+                json!({"coefficient": coefficient, "temperature": temperature});
+            let mut run = Run::new("fe", mode, grid, case);
+            run.given.speeds = vec![speed; 2];
+            let duration = if mode == Mode::Steady { f64::INFINITY } else { 1e-2 };
+            run.advance(&none, duration);
+            run.rail()[row] / difference
+        };
+        // In a window all of the mesh has been exposed for its length.
+        let time = match mode {
+            Mode::Steady => (grid.x(grid.ni - 1) + 0.5 * grid.dx() - grid.x(0)) / speed,
+            Mode::Transient => 1e-2,
+        };
+        let exposed = coefficient * (time * DIFFUSIVITY).sqrt() / 50.0;
+        let sum = |x: f64| {
+            // e^{x²} erfc(x) = Σ (−x)ⁿ/Γ(n/2 + 1).
+            let mut gammas = [1.0, 0.5 * std::f64::consts::PI.sqrt()];
+            (0..80).fold(0.0, |sum, n| {
+                let term = (-x).powi(n) / gammas[0];
+                gammas = [gammas[1], gammas[0] * (0.5 * f64::from(n) + 1.0)];
+                sum + term
+            })
+        };
+        let exact = 1.0 - sum(exposed);
+        let found = [100.0, 1e-3, -1e-3, 1e-5].map(of);
+        println!("{mode:?} {solver}: {found:?}, {exact}");
+        assert!((found[0] / exact - 1.0).abs() < 0.02, "{mode:?} {solver} {found:?} {exact}");
+        // What the residual leaves.
+        let apart = found.map(|one| (one / found[0] - 1.0).abs()).into_iter().fold(0.0, f64::max);
+        assert!(apart < 1e-6, "{mode:?} {solver} {found:?}");
+    }
+}
+
 /// Every element of both bodies is written out: the uppermost layer is the surface, the volume is the mesh's, and with no
 /// effect of that name there is no such grid. Steady and in time, in modes and node by node.
 #[test]

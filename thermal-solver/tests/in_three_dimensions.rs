@@ -317,6 +317,59 @@ fn heat_goes_on_without_friction() {
     }
 }
 
+/// Bodies of different temperature that roll on each other: what flows without friction is the limit of what flows with
+/// little of it, whether the surfaces share a temperature or a conductance lies between them, bodies alike and not, steady and in
+/// time; and the friction heat alone is what a solve reports to have received, however small it is. Tolerances: that of the
+/// iteration; rounding of the friction heat.
+#[test]
+fn no_friction_is_the_limit_of_little() {
+    let grid = plane(8);
+    let laws = [
+        json!({"partition": "continuity"}),
+        json!({"contact_conductance": {"conductance": 1e5}}),
+        json!({"contact_conductance": {"conductance": 1e-3}}),
+    ];
+    let ways = MODELS.iter().flat_map(|model| {
+        [Mode::Steady, Mode::Transient].into_iter().map(move |mode| (*model, mode))
+    });
+    for (model, mode) in ways {
+        for (law, conductivity) in laws.iter().flat_map(|law| [(law, 50.0), (law, 20.0)]) {
+            let of = |friction: f64| {
+                let mut case = case(law, conductivity);
+                case["bodies"]["wheel"]["initial_temperature"] = json!(400.0);
+                let mut run = Run::new(model, mode, grid, case);
+                run.given.speeds = vec![2.0; 2];
+                run.given.pressure = Some(ellipse(&grid, 1e9));
+                let flux = ellipse(&grid, friction);
+                let duration = if mode == Mode::Steady { f64::INFINITY } else { 2e-3 };
+                let report = run.advance(&flux, duration);
+                let sent = flux.iter().sum::<f64>() * grid.element_area();
+                let received = report.heat_received.unwrap();
+                assert!((received - sent).abs() <= 1e-12 * sent, "{model} {received} {sent}");
+                (run.rail().to_vec(), run.wheel().to_vec())
+            };
+            let none = of(0.0);
+            let warmest = largest(&none.0);
+            assert!(warmest > 0.0, "{model} {mode:?} {law}");
+            for friction in [1e-9, 1e-3] {
+                let little = of(friction);
+                let apart = [difference(&little.0, &none.0), difference(&little.1, &none.1)];
+                assert!(largest(&apart) < 1e-6, "{model} {mode:?} {law} {friction}: {apart:?}");
+            }
+            if mode == Mode::Steady && conductivity == 50.0 && law["partition"] == "continuity" {
+                // Bodies alike meet in the middle.
+                let pressure = ellipse(&grid, 1e9);
+                let touching = pressure.iter().zip(none.0.iter().zip(&none.1));
+                for (_, (rail, wheel)) in touching.filter(|(p, _)| **p > 0.0) {
+                    let middle = 0.5 * (400.0 - 293.15);
+                    assert!((rail - middle).abs() < 1e-6 * middle, "{model}: {rail} K");
+                    assert!((wheel + middle).abs() < 1e-6 * middle, "{model}: {wheel} K");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn models_with_one_share_refuse_what_flows_between() {
     for model in ["columns", "ertz-knothe"] {
@@ -468,6 +521,7 @@ fn a_restored_history_goes_on() {
         let new = || {
             let mut run = Run::new(model, Mode::Transient, grid, case.clone());
             run.given.speeds = vec![0.2, 0.4];
+            run.given.pressure = Some(ellipse(&grid, 1e9));
             run
         };
         let window = |run: &mut Run, step: i32| {

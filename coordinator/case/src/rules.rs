@@ -4,7 +4,7 @@
 use super::check::{unknown_word, words};
 use super::checker::Checker;
 use super::example::{example, with_unit};
-use super::known::Instance;
+use super::known::{Instance, all_keys};
 use super::schema::WELL_KNOWN_ROLES;
 use super::selection::Selection;
 use super::suggest::{all_of, any_of, nearest};
@@ -227,7 +227,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Bounds of adaptive windows that hold the first one.
+    /// Bounds of adaptive windows that hold the window of the case.
     fn window_bounds(&mut self) {
         let number = |key: &str| self.values.get(key).and_then(serde_json::Value::as_f64);
         let (window, least, most) =
@@ -326,7 +326,8 @@ fn consumed<'a>(selection: &'a Selection<'a>) -> BTreeSet<&'a str> {
     let needed = selection.players.iter().filter(|p| p.needed);
     let consumed = needed.flat_map(|player| {
         let effects = player.description.effects.iter().flat_map(|e| &e.consumes);
-        player.description.models.iter().flat_map(|m| &m.consumes).chain(effects)
+        let keys = all_keys(player.description).flat_map(|key| key.consumes.values().flatten());
+        player.description.models.iter().flat_map(|m| &m.consumes).chain(effects).chain(keys)
     });
     consumed.map(String::as_str).collect()
 }

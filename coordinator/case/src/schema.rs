@@ -81,7 +81,11 @@ fn case_and_time() -> Vec<OwnKey> {
             "what becomes of a row without an answer",
         )
         .default_value("stop")),
-        one(KeySpec::quantity("time.window", "s", "coupling window of a transient case").above(0.0)),
+        one(KeySpec::quantity(
+            "time.window",
+            "s",
+            "coupling window of a transient case; of adaptive windows the shortest is a 1024th of it",
+        ).above(0.0)),
         one(KeySpec::quantity("time.end", "s", "end of a transient case").above(0.0)),
         one(KeySpec::choice("time.control", &["fixed", "adaptive"], "lengths of the windows")
             .default_value("fixed")),
@@ -89,7 +93,11 @@ fn case_and_time() -> Vec<OwnKey> {
             .above(0.0)
             .at_most(0.1)
             .default_value(1e-3)),
-        one(KeySpec::quantity("time.window_min", "s", "shortest adaptive window").above(0.0)),
+        one(KeySpec::quantity(
+            "time.window_min",
+            "s",
+            "shortest adaptive window, with which a run begins; absent: a 1024th of time.window",
+        ).above(0.0)),
         one(KeySpec::quantity("time.window_max", "s", "longest adaptive window").above(0.0)),
     ]
 }

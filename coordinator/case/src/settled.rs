@@ -3,7 +3,7 @@
 use super::alternatives::Replaced;
 use super::checker::{fill_defaults, put};
 use super::diagnostics::{Problem, Problems};
-use super::known::{References, instances, read_by};
+use super::known::{References, all_keys, instances, read_by};
 use super::live_key::LiveKey;
 use super::raw::RawCase;
 use super::settings::Settings;
@@ -98,7 +98,7 @@ pub enum Timing {
 pub enum Control {
     /// All have the same length.
     Fixed,
-    /// They are as long as the error allows; the first has the length of the case.
+    /// They are as long as the error allows; the first is the shortest.
     Adaptive {
         /// Relative error of what is exchanged that is aimed at \[-\].
         tolerance: f64,
@@ -109,7 +109,7 @@ pub enum Control {
     },
 }
 
-/// The shortest adaptive window, over the first one, unless the case says otherwise: ten halvings.
+/// The shortest adaptive window, over `time.window`, unless the case says otherwise: ten halvings.
 const SHORTEST: f64 = 1.0 / 1024.0;
 
 impl Timing {
@@ -243,6 +243,27 @@ impl Case {
         let values = self.values_for(description, model);
         let keys = self.live.iter().map(|live| live.field.name.as_str());
         keys.filter(|key| values.has(key)).collect()
+    }
+
+    /// The fields that a participant consumes with a model because of what the case says of its keys, each with
+    /// that key.
+    #[must_use]
+    pub fn consumed_by_keys<'a>(
+        &self,
+        description: &'a Description,
+        model: &str,
+    ) -> Vec<(&'a str, &'a str)> {
+        let mut asking = all_keys(description).filter(|key| !key.consumes.is_empty()).peekable();
+        if asking.peek().is_none() {
+            return Vec::new();
+        }
+        let values = self.values_for(description, model);
+        let fields = asking.flat_map(|key| {
+            let word = values.get(&key.path).and_then(Json::as_str);
+            let fields = word.and_then(|word| key.consumes.get(word));
+            fields.into_iter().flatten().map(|field| (field.as_str(), key.path.as_str()))
+        });
+        fields.collect()
     }
 
     /// The histories of those of the values that a participant is given.

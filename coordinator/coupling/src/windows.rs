@@ -35,11 +35,9 @@ pub enum Windows {
     },
     /// Windows as long as the error allows.
     Adaptive {
-        /// Length of the first window [s].
-        first: f64,
         /// Relative error of what is exchanged that is aimed at [-].
         tolerance: f64,
-        /// Shortest window [s].
+        /// Shortest window, with which the run begins [s].
         shortest: f64,
         /// Longest window [s].
         longest: f64,

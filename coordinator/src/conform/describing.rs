@@ -106,6 +106,9 @@ fn well_formed_effect(bench: &Bench, said: &Description, effect: &EffectSpec) ->
         return broken(format!("there is no model `{unknown}`"));
     }
     known_fields(bench, &effect.consumes, &effect.provides)?;
+    for fields in effect.keys.iter().flat_map(|key| key.consumes.values()) {
+        known_fields(bench, fields, &[])?;
+    }
     effect.keys.iter().try_for_each(well_formed_key)
 }
 

@@ -232,7 +232,7 @@ fn with_inputs(
         coupling::windows::Windows::Steady | coupling::windows::Windows::Sequence(_) => 0.0,
         coupling::windows::Windows::Fixed { window, .. } => window,
         coupling::windows::Windows::Open { window } => window.unwrap_or(0.0),
-        coupling::windows::Windows::Adaptive { first, .. } => first,
+        coupling::windows::Windows::Adaptive { shortest, .. } => shortest,
     };
     let own = plan.participants.iter().find(|p| p.role == configuration.role);
     let model =

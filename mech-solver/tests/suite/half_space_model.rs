@@ -681,6 +681,29 @@ fn refusals_of_the_geometry() {
     }
 }
 
+/// What is written in the place of a radius that is too hollow is an answer: in a flat body, in a round one, in one that is hollow
+/// itself.
+#[test]
+fn a_body_that_is_too_hollow_is_told_what_closes() {
+    let of = |wheel: f64, rail: Option<f64>| {
+        let mut case = half_space(10);
+        case["bodies"]["wheel"]["radius_x"] = json!(wheel);
+        if let Some(rail) = rail {
+            case["bodies"]["rail"]["radius_x"] = json!(rail);
+        }
+        configuration(&case)
+    };
+    for (wheel, rail, fix, good) in [
+        (-0.01, None, "write a value above 0 m", 0.01),
+        (-0.01, Some(0.3), "write a value below -0.3 m, or above 0 m", -0.5),
+        (-0.01, Some(-0.3), "write a value above 0 m and below 0.3 m", 0.2),
+    ] {
+        let refusal = super::common::refusal(&of(wheel, rail));
+        assert_eq!((refusal.key.as_str(), refusal.fix.as_str()), ("bodies.wheel.radius_x", fix));
+        MechSolver.configure(&of(good, rail)).unwrap_or_else(|refusal| panic!("{refusal}"));
+    }
+}
+
 /// A contact that yields at 1 GPa carries its load on a larger area, nowhere above that, and friction
 /// takes what the forces give. Tolerances: the search of the approach; rounding of sums.
 #[test]

@@ -53,6 +53,26 @@ fn equals_the_direct_sum() {
     }
 }
 
+/// A sum that stays in Fourier space is that of the fields.
+#[test]
+fn a_sum_is_transformed_back_once() {
+    for (nx, ny) in SHAPES {
+        let mut convolution = Convolution::new(nx, ny);
+        let mut sum = convolution.empty_sum();
+        let (mut part, mut expected) = (vec![0.0; nx * ny], vec![0.0; nx * ny]);
+        for seed in [1, 2, 5] {
+            let spectrum = convolution.spectrum(kernel(seed));
+            let input = noise(nx * ny, seed as u64);
+            convolution.add(&spectrum, &input, &mut sum);
+            convolution.apply(&spectrum, &input, &mut part);
+            expected.iter_mut().zip(&part).for_each(|(sum, part)| *sum += part);
+        }
+        let mut output = vec![f64::NAN; nx * ny];
+        convolution.finish(&sum, &mut output);
+        assert_same(&output, &expected);
+    }
+}
+
 #[test]
 fn tensor_equals_four_sums() {
     for (nx, ny) in SHAPES {

@@ -13,6 +13,7 @@ use crate::plausible::Plausible;
 use crate::refusal::Refusal;
 use crate::text::check_lines;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Everything a participant says of itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -259,6 +260,9 @@ pub struct KeySpec {
     /// A case may give a list of values in the place of one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub list: bool,
+    /// Fields that the participant consumes besides, by the word of the key that asks for them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub consumes: BTreeMap<String, Vec<String>>,
     /// What is expected of it; a case is run whose value is otherwise, and told so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible: Option<Plausible>,
@@ -323,6 +327,7 @@ impl KeySpec {
             together: None,
             varies: false,
             list: false,
+            consumes: BTreeMap::new(),
             plausible: None,
             help: help.to_owned(),
         }
@@ -444,6 +449,13 @@ impl KeySpec {
     #[must_use]
     pub fn or_list(mut self) -> Self {
         self.list = true;
+        self
+    }
+
+    /// A word of it asks for these fields.
+    #[must_use]
+    pub fn consuming(mut self, word: &str, fields: &[&FieldSpec]) -> Self {
+        self.consumes.insert(word.to_owned(), names(fields));
         self
     }
 

@@ -4,7 +4,8 @@
 //! q_lower = (1 − ε) q_f, with the heat partition ε of one of these laws:
 //!
 //! - `equal`: ε = ½, the paper's choice;
-//! - `continuity`: what flows between the surfaces where they touch makes their temperatures equal;
+//! - `continuity`: what flows between the surfaces where they touch makes their temperatures equal, wherever there is
+//!   contact pressure, with friction or without;
 //! - `effusivity`: ε = β_w√V_w / (β_w√V_w + β_r√V_r), with the effusivity β = √(λρc) and the
 //!   surface speed V of each body. In steady motion with one-dimensional conduction both surfaces
 //!   then have the same temperature everywhere, since T ∝ q/(β√V) (Ertz & Knothe, Wear 253 (2002)
@@ -91,7 +92,8 @@ pub fn spec() -> EffectSpec {
         ]),
         keys: vec![
             KeySpec::choice(PARTITION_KEY, &WORDS, "how the heat is split between the bodies")
-                .default_value("equal"),
+                .default_value("equal")
+                .consuming("continuity", &[&field::PRESSURE]),
         ],
     }
 }

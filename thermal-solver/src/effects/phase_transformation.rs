@@ -1,7 +1,7 @@
 //! Effect `phase_transformation`: where steel becomes austenite under the contact, and quenches behind it to a white etching layer.
 //!
-//! A place transforms if its temperature exceeds A_c1 + s log₁₀(Ṫ/Ṫ₀), with the rate Ṫ = V ∂T/∂x at which it is heated through A_c1 and
-//! the shift s for a tenfold rate, and if it then cools through A_c1 faster than the critical rate of martensite. In steady motion
+//! A place transforms if its temperature exceeds A_c1 + s max(log₁₀(Ṫ/Ṫ₀), 0), with the rate Ṫ = V ∂T/∂x at which it is heated through A_c1 and
+//! the shift s for a tenfold rate, which begins at the reference rate: nothing transforms below A_c1, however slowly it is heated; and if it then cools through A_c1 faster than the critical rate of martensite. In steady motion
 //! what a place goes through is what stands along its row, so that the transformed layer has a cross-section, its width and its greatest
 //! depth, and goes on along the rolling direction as long as the scene does: it has no length. The layer is the intersection of those of both
 //! conditions at a depth; whether the whole depth is quenched is decided at the surface.
@@ -58,7 +58,7 @@ impl Criterion {
         Self { start: self.start - initial, ..*self }
     }
 
-    /// Temperature at which a place becomes austenite that is heated at this rate [K].
+    /// Temperature at which a place becomes austenite that is heated at this rate [K]; A_c1 up to the reference rate.
     #[must_use]
     pub fn temperature(&self, rate: f64) -> f64 {
         let decades = (rate / self.reference_rate).log10().max(0.0);
@@ -76,7 +76,7 @@ pub fn spec() -> EffectSpec {
     };
     EffectSpec {
         name: NAME.to_owned(),
-        law: "T > A_c1 + s log10(rate/rate0) on heating, then faster than the critical rate on cooling"
+        law: "T > A_c1 + s max(log10(rate/rate0), 0) on heating, then faster than the critical rate on cooling"
             .to_owned(),
         source: "Naeimi et al., par. 5.6; Ahlstroem & Karlsson, Wear 232 (1999) 1-14".to_owned(),
         models: names::ALL.map(str::to_owned).to_vec(),
@@ -86,10 +86,10 @@ pub fn spec() -> EffectSpec {
             KeySpec::quantity(START, "K", "temperature A_c1 at which austenite forms on slow heating")
                 .default_value(EUTECTOID)
                 .above(0.0),
-            KeySpec::quantity(SHIFT, "K", "by how much A_c1 rises for a tenfold heating rate")
+            KeySpec::quantity(SHIFT, "K", "by how much A_c1 rises for a tenfold heating rate, above the reference rate")
                 .default_value(0.0)
                 .at_least(0.0),
-            KeySpec::quantity(REFERENCE, "K/s", "heating rate of the start temperature")
+            KeySpec::quantity(REFERENCE, "K/s", "heating rate up to which the start temperature holds")
                 .default_value(1.0)
                 .above(0.0),
             KeySpec::quantity(CRITICAL, "K/s", "cooling rate from which on austenite becomes martensite")

@@ -19,7 +19,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 /// Stefan and Boltzmann's constant [W/(m²·K⁴)].
 const BOLTZMANN: f64 = 5.670_374_419e-8;
-/// Residual over the right-hand side at which a step is solved.
+/// Residual over the known terms of the equation at which a step is solved.
 const SOLVED: f64 = 1e-10;
 /// Steps of Newton's method at most.
 const MOST_NEWTON: usize = 30;
@@ -44,13 +44,16 @@ impl Surroundings {
         self.convection[0] == 0.0 && self.radiation[0] == 0.0
     }
 
-    /// What leaves a surface at a temperature [W/m²], and its slope [W/(m²·K)].
-    fn lost(&self, temperature: f64) -> [f64; 2] {
+    /// What leaves a surface with a rise over an initial temperature [W/m²], and its slope [W/(m²·K)]. Differences are of
+    /// the rise: those of temperatures would leave little of it where it is small.
+    fn lost(&self, initial: f64, rise: f64) -> [f64; 2] {
         let ([h, air], [emissivity, round]) = (self.convection, self.radiation);
-        let black = emissivity * BOLTZMANN;
-        let radiated = black * (temperature.powi(4) - round.powi(4));
+        let (black, temperature) = (emissivity * BOLTZMANN, initial + rise);
+        // T⁴ − T∞⁴.
+        let over = rise + (initial - round);
+        let powers = over * (temperature + round) * (temperature * temperature + round * round);
         let slope = h + 4.0 * black * temperature.powi(3);
-        [h * (temperature - air) + radiated, slope]
+        [h * (rise + (initial - air)) + black * powers, slope]
     }
 }
 
@@ -93,8 +96,10 @@ pub struct Took {
     pub newton: usize,
     /// Iterations of conjugate gradients.
     pub iterations: usize,
-    /// What is left of the residual over the right-hand side.
+    /// What is left of the residual over the known terms.
     pub residual: f64,
+    /// Conjugate gradients have ended before they had reduced the residual as far as they should.
+    pub stopped: bool,
 }
 
 impl Took {
@@ -108,6 +113,7 @@ impl Took {
     pub fn add(&mut self, other: Self) {
         self.newton += other.newton;
         self.iterations += other.iterations;
+        self.stopped |= other.stopped;
         // One that is no number stays.
         if other.residual.is_nan() || other.residual > self.residual {
             self.residual = other.residual;
@@ -202,9 +208,9 @@ impl Conductor {
                 }
             }
             if place[2] == 0 && free.get(place[1] * nx + place[0]).copied().unwrap_or(false) {
-                let temperature = self.law.initial() + self.law.rise(*value);
                 let area = self.widths[0][place[0]] * self.widths[1][place[1]];
-                lost[1] += area * self.surroundings.lost(temperature)[0];
+                let rise = self.law.rise(*value);
+                lost[1] += area * self.surroundings.lost(self.law.initial(), rise)[0];
             }
         }
         debug_assert_eq!(potentials.len(), nx * ny * nz);
@@ -273,6 +279,17 @@ impl Conductor {
         for (right, inside) in right.iter_mut().zip(request.inside) {
             *right += inside;
         }
+    }
+
+    /// Norm of the known terms of the equation, which its residual is compared with: the right-hand side, and what the
+    /// free surface exchanges at the initial temperature. Where the surroundings are warmer or colder than a body that
+    /// nothing else heats, they are all that is known.
+    fn scale(&self, request: &Request, memory: &mut Memory) -> f64 {
+        let Memory { right, residual, image, .. } = memory;
+        image.fill(0.0);
+        residual.fill(0.0);
+        self.exchange(request.by.theta, request.free, image, residual, None);
+        dot(right, right).max(dot(residual, residual)).sqrt()
     }
 
     /// out += s H w of a row of nodes.
@@ -371,8 +388,8 @@ impl Conductor {
                 }
                 let at = j * nz * nx + i;
                 let area = s * self.widths[0][i] * self.widths[1][j];
-                let temperature = self.law.initial() + self.law.rise(x[at]);
-                let [lost, slope] = self.surroundings.lost(temperature);
+                let rise = self.law.rise(x[at]);
+                let [lost, slope] = self.surroundings.lost(self.law.initial(), rise);
                 out[at] += area * lost;
                 if let Some(diagonal) = &mut diagonal {
                     diagonal[at] += area.abs() * slope * self.law.resistivity(x[at]);
@@ -463,13 +480,18 @@ impl NullaryFnOnce for Solve<'_> {
     fn call(self) -> Took {
         let Self { block, request, now, earlier, memory } = self;
         block.right(request, earlier, memory);
-        let scale = dot(&memory.right, &memory.right).sqrt();
+        let scale = block.scale(request, memory);
         let mut took = Took::default();
+        if scale == 0.0 {
+            // Nothing enters and nothing is held: the body stays at its initial temperature.
+            now.fill(0.0);
+            return took;
+        }
         let theta = request.by.theta;
         loop {
             block.residual(request, now, memory);
             let left = dot(&memory.residual, &memory.residual).sqrt();
-            took.residual = if left == 0.0 { 0.0 } else { left / scale };
+            took.residual = left / scale;
             if took.is_solved() || took.newton == MOST_NEWTON {
                 return took;
             }
@@ -479,7 +501,9 @@ impl NullaryFnOnce for Solve<'_> {
             } else {
                 block.factor(theta, memory);
                 let reduction = REDUCTION.max(0.3 * SOLVED * scale / left);
-                took.iterations += block.correct(theta, reduction, memory);
+                let iterations = block.correct(theta, reduction, memory);
+                took.iterations += iterations;
+                took.stopped |= iterations == MOST_ITERATIONS;
             }
             now.iter_mut().zip(&memory.correction).for_each(|(now, more)| *now += more);
         }

@@ -1,8 +1,8 @@
 //! What raises the surface of a body, from the temperatures of its nodes.
 //!
 //! W = ∫ ϑ̂ e^{−kz} dz for the wave number k along the surface ([`crate::moving_source::rise_integral`]), with the layers that the nodes
-//! stand for: each is a product in Fourier space, on a grid that is padded by as much as it is large, and goes on behind by a quarter of
-//! its length: what is further behind the grid is left out.
+//! stand for: each is a product in Fourier space, where their sum is made, on a grid that is padded by as much as it is large, and goes
+//! on behind by a quarter of its length: what is further behind the grid is left out.
 
 use numerics::convolution::{Complex64, Convolution, Spectrum};
 use proto::grid::Structured;
@@ -17,8 +17,8 @@ pub struct Height {
     convolution: Convolution,
     /// Of every layer: its share Δz e^{−kz}.
     layers: Vec<Spectrum>,
-    rises: Vec<f64>,
-    part: Vec<f64>,
+    /// Rises of a layer, and in the end the sum, the columns behind included.
+    values: Vec<f64>,
 }
 
 impl Height {
@@ -37,22 +37,23 @@ impl Height {
             })
         };
         let layers = depths.iter().zip(faces.windows(2)).map(layer).collect();
-        let zero = vec![0.0; (grid.ni + behind) * grid.nj];
-        Self { columns: grid.ni, behind, convolution, layers, rises: zero.clone(), part: zero }
+        let values = vec![0.0; (grid.ni + behind) * grid.nj];
+        Self { columns: grid.ni, behind, convolution, layers, values }
     }
 
     /// W [K m] of the rises that `fill(layer, rises)` says [K], row by row with the columns behind first; the multiply-adds that it took.
     pub fn of(&mut self, mut fill: impl FnMut(usize, &mut [f64]), integral: &mut [f64]) -> u64 {
-        integral.fill(0.0);
-        for (number, layer) in self.layers.iter().enumerate() {
-            fill(number, &mut self.rises);
-            self.convolution.apply(layer, &self.rises, &mut self.part);
-            let rows = self.part.chunks_exact(self.columns + self.behind);
-            for (sums, parts) in integral.chunks_exact_mut(self.columns).zip(rows) {
-                let parts = &parts[self.behind..];
-                sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
-            }
+        let Self { columns, behind, convolution, layers, values } = self;
+        let mut sum = convolution.empty_sum();
+        for (number, layer) in layers.iter().enumerate() {
+            fill(number, values);
+            convolution.add(layer, values, &mut sum);
         }
-        (self.layers.len() * self.part.len()) as u64
+        convolution.finish(&sum, values);
+        let rows = values.chunks_exact(*columns + *behind);
+        for (integral, row) in integral.chunks_exact_mut(*columns).zip(rows) {
+            integral.copy_from_slice(&row[*behind..]);
+        }
+        (layers.len() * values.len()) as u64
     }
 }

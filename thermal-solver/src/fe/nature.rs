@@ -37,15 +37,23 @@ impl Nature {
         }
     }
 
-    /// The work of a solve whose coldest and hottest rises are these [K].
+    /// The work of a solve whose coldest and hottest rises are these [K]; `shorter` is what makes its steps
+    /// shorter, for a solve that has failed.
     ///
     /// # Errors
     /// The equations are not solved, or the rises are beyond what is known of the material.
-    pub fn check(&self, extremes: [f64; 2], took: Took) -> Result<u64, StepError> {
+    pub fn check(
+        &self,
+        extremes: [f64; 2],
+        took: Took,
+        shorter: &str,
+    ) -> Result<u64, StepError> {
         if !took.is_solved() {
+            // Elimination has no iterations that end too early, but the same steps of Newton's method.
+            let fix = if took.stopped { "thermal.solver = \"direct\"" } else { shorter };
             return Err(StepError::NoSolution(format!(
                 "the equations of the elements are not solved: the residual is {:.1e} after {} steps of Newton's \
-                 method; write thermal.solver = \"direct\", or a smaller thermal.step",
+                 method; write {fix}",
                 took.residual, took.newton
             )));
         }

@@ -193,7 +193,7 @@ impl Motion for Stepped {
 
     fn warm(&mut self) -> Result<u64, StepError> {
         let took = self.go();
-        self.nature.check(extremes(&self.trial.now, &self.block.law), took)
+        self.nature.check(extremes(&self.trial.now, &self.block.law), took, "a smaller thermal.step")
     }
 
     fn show(&mut self, between: Between, rise: &mut [f64]) {

@@ -37,7 +37,8 @@ pub struct Rub<'a> {
 pub struct Work {
     /// Elementary operations, in the model's own measure.
     pub operations: u64,
-    /// Sum over the elements of the flux that went into the upper and the lower body [W/m²].
+    /// Sums over the elements of the shares of the friction heat that went into the upper and the lower body, without what
+    /// flows between them [W/m²].
     pub heat: [f64; 2],
 }
 

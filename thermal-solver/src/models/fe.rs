@@ -213,7 +213,15 @@ impl Conduction for FiniteElements {
             self.windows[body] = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
         }
         if let Some(mut interface) = self.interface.take() {
+            for body in &mut self.bodies {
+                body.motion.flux().reconstruct(&body.means);
+            }
+            work.heat = self.heat();
             let settled = interface.settle(&self.frame.grid.clone(), rub, self, rise);
+            let settled = settled.and_then(|operations| {
+                interface.audit(work.heat, self.heat())?;
+                Ok(operations)
+            });
             self.interface = Some(interface);
             work.operations += settled?;
             for (body, rise) in self.bodies.iter_mut().zip(rise) {
@@ -221,9 +229,7 @@ impl Conduction for FiniteElements {
             }
         } else {
             work.operations += self.solve_for(Flow::default(), Between::Bounded, rise)?;
-        }
-        for (body, heat) in self.bodies.iter_mut().zip(&mut work.heat) {
-            *heat = sum_of_means(body.motion.flux(), &mut self.row_sums, &mut self.line);
+            work.heat = self.heat();
         }
         Ok(work)
     }
@@ -350,6 +356,12 @@ impl Rubbing for FiniteElements {
 }
 
 impl FiniteElements {
+    /// Sums over the elements of the fluxes that go into the bodies [W/m²].
+    fn heat(&mut self) -> [f64; 2] {
+        let Self { bodies, row_sums, line, .. } = self;
+        bodies.each_mut().map(|body| sum_of_means(body.motion.flux(), row_sums, line))
+    }
+
     /// Solves for both bodies under their shares of the heat and what flows between them, and shows their
     /// surfaces; the work.
     fn solve_for(

@@ -57,7 +57,9 @@ impl Frame {
     /// The contact's pressure matters.
     #[must_use]
     pub fn feels_pressure(&self) -> bool {
-        self.conductance.is_some() || self.current.is_some()
+        self.conductance.is_some()
+            || self.current.is_some()
+            || self.partition == Partition::Continuity
     }
 
     /// The distance of the surfaces matters.

@@ -21,6 +21,8 @@ use std::sync::Arc;
 
 /// Difference of the temperatures, over the highest, at which what flows between the surfaces is found.
 const SETTLED: f64 = 1e-7;
+/// Part of what flows between the surfaces that is rounding of sums.
+const ROUNDING: f64 = 1e-10;
 /// Corrections of it at most.
 const MOST_CORRECTIONS: usize = 40;
 
@@ -103,6 +105,25 @@ impl Interface {
         self.flow.iter().sum()
     }
 
+    /// Checks that what has left the upper body has come into the lower one: of sums over the elements of the bodies'
+    /// shares of the friction heat, and of all the heat that went into them [W/m²].
+    ///
+    /// The energy audit of a run compares the friction heat alone, which may be any small part of what flows between
+    /// bodies that are not equally warm to begin with.
+    ///
+    /// # Errors
+    /// Heat is lost or made, by more than rounding of what flows.
+    pub(super) fn audit(&self, shares: [f64; 2], heat: [f64; 2]) -> Result<(), StepError> {
+        let lost = shares[UPPER] + shares[LOWER] - heat[UPPER] - heat[LOWER];
+        let scale = shares.iter().chain(&self.flow).map(|flux| flux.abs()).sum::<f64>();
+        if lost.abs() <= ROUNDING * scale {
+            return Ok(());
+        }
+        Err(StepError::NoSolution(format!(
+            "of {scale:e} W/m2 that flow between the surfaces {lost:e} W/m2 are lost"
+        )))
+    }
+
     /// Lets heat flow between the elements that touch until the temperatures of the surfaces
     /// differ by what the resistances ask for; the work.
     pub(super) fn settle(
@@ -112,22 +133,25 @@ impl Interface {
         bodies: &mut dyn Rubbing,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
-        self.touching.find(rub.pressure.unwrap_or(rub.flux), grid.ni);
+        self.touching.find(rub.pressure.unwrap_or(&[]), grid.ni);
         self.resist(rub.pressure);
         for values in [&mut self.flows, &mut self.correction, &mut self.errors] {
             values.clear();
             values.resize(self.touching.shapes(), 0.0);
         }
-        let largest_flux =
-            rub.flux.iter().fold(f64::MIN_POSITIVE, |most, flux| most.max(flux.abs()));
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let friction = largest(rub.flux);
         let mut work = 0;
         for corrections in 0..=MOST_CORRECTIONS {
             self.touching.spread(&self.flows, &mut self.flow);
             let flow = Flow { elements: self.touching.elements(), values: &self.flow };
             work += bodies.warm(flow, rise)?;
-            let warmest = rise.iter().flatten().fold(0.0_f64, |most, rise| most.max(rise.abs()));
-            let largest = self.judge(rise, (warmest / largest_flux).min(f64::MAX));
-            if largest <= SETTLED * warmest {
+            let warmest = rise.iter().map(|rise| largest(rise)).fold(0.0, f64::max);
+            let flows = friction.max(largest(&self.flow));
+            // Before anything flows nothing is known of how warm a surface becomes: all of the error is left.
+            let warmth = if flows > 0.0 { warmest / flows } else { f64::MAX };
+            let error = self.judge(rise, warmth.min(f64::MAX));
+            if error <= SETTLED * warmest {
                 return Ok(work);
             }
             if corrections < MOST_CORRECTIONS {
@@ -159,7 +183,7 @@ impl Interface {
     /// The errors T_u − T_l − g/h, of temperatures and not of rises [K]; the largest of what they leave in the temperatures, where a surface becomes `warmth`
     /// [m²·K/W] warmer with what flows into it.
     fn judge(&mut self, rise: &[Vec<f64>; 2], warmth: f64) -> f64 {
-        let Self { touching, flow, differences, resistances, least, errors, offset, .. } = self;
+        let Self { touching, flow, differences, resistances, errors, offset, .. } = self;
         let flows = touching.elements().iter().zip(flow.iter().zip(&*resistances));
         differences.clear();
         differences.extend(flows.map(|(at, (flow, resistance))| {
@@ -167,8 +191,8 @@ impl Interface {
         }));
         touching.gather(differences, errors);
         for (difference, resistance) in differences.iter_mut().zip(&*resistances) {
-            if resistance > least {
-                *difference *= (*least + warmth) / (resistance + warmth);
+            if *resistance > 0.0 {
+                *difference *= warmth / (resistance + warmth);
             }
         }
         touching.gather(differences, &mut self.correction);

@@ -233,16 +233,22 @@ impl Conduction for MovingSource {
         }
         work.operations += self.pass(drive, rise)?;
         if let Some(mut interface) = self.interface.take() {
+            for body in &mut self.bodies {
+                body.history.trial_mut().flux.reconstruct(&body.means);
+            }
+            work.heat = self.heat();
             let settled = interface.settle(&self.frame.grid.clone(), rub, self, rise);
+            let settled = settled.and_then(|operations| {
+                interface.audit(work.heat, self.heat())?;
+                Ok(operations)
+            });
             self.interface = Some(interface);
             work.operations += settled?;
         } else {
             work.operations += self.warm(Flow::default(), rise)?;
+            work.heat = self.heat();
         }
-        for (body, (heat, rise)) in self.bodies.iter_mut().zip(work.heat.iter_mut().zip(rise)) {
-            let window = body.history.trial_mut();
-            window.heat = sum_of_means(&window.flux, &mut self.row_sums, &mut self.line);
-            *heat = window.heat;
+        for (body, rise) in self.bodies.iter_mut().zip(rise) {
             if body.history.windows(Stage::Trial).all(|window| window.flux.is_heating()) {
                 remove_negative_rounding(rise);
             }
@@ -339,6 +345,16 @@ impl Rubbing for MovingSource {
 }
 
 impl MovingSource {
+    /// Sums over the elements of the fluxes that go into the bodies in the newest window, which remembers them [W/m²].
+    fn heat(&mut self) -> [f64; 2] {
+        let Self { bodies, row_sums, line, .. } = self;
+        bodies.each_mut().map(|body| {
+            let window = body.history.trial_mut();
+            window.heat = sum_of_means(&window.flux, row_sums, line);
+            window.heat
+        })
+    }
+
     /// Threads for what takes so many operations a body.
     fn threads(&self, operations: usize) -> usize {
         if operations < WORTH { 1 } else { self.frame.threads }

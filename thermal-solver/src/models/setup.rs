@@ -101,14 +101,6 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     if !C::AT_REST {
         refuse_rest(&scene, given.mode)?;
     }
-    let [upper, lower] = scene.initial_temperatures;
-    if partition == Partition::Continuity && upper != lower && scene.at_rest == [true; 2] {
-        return Err(Refusal::new(
-            friction_heat::PARTITION_KEY,
-            "surfaces share a temperature where friction heats them, and nothing rubs",
-            "write \"equal\", and [effects.contact_conductance] with conductance = \"1e12 W/(m2 K)\"",
-        ));
-    }
     let lacking = [
         (contact_conductance::NAME, C::EXCHANGES, "lets no heat flow between the surfaces"),
         (joule_heat::NAME, C::EXCHANGES && !C::ELEMENTS, "does not find potentials"),
@@ -234,9 +226,10 @@ fn pressure(given: &Configuration, grid: &Structured) -> Result<Option<FieldOnGr
         return Err(Refusal::new(
             "effects",
             format!(
-                "no participant provides `{name}`, which contact_conductance and joule_heat need"
+                "no participant provides `{name}`, which contact_conductance, joule_heat and \
+                 friction_heat.partition = \"continuity\" need"
             ),
-            "remove the effect, or name a model that does",
+            "remove it, or name a model that does",
         ));
     };
     let arriving = input.grid.as_ref().and_then(|arriving| arriving.as_structured());

@@ -1,4 +1,6 @@
-//! Scales of the flash temperature: equations 1, 2 and 6.
+//! Scales of the flash temperature: equations 1, 2 and 6, and the rise of a body at rest.
+
+use std::f64::consts::FRAC_PI_4;
 
 /// Effusivity β = √(λρc) = λ/√κ [J/(m²·K·√s)] of a conductivity λ [W/(m·K)], a density ρ [kg/m³]
 /// and a specific heat c [J/(kg·K)]: equation 6, printed as λ/κ.
@@ -20,6 +22,28 @@ pub fn penetration_depth(semi_axis: f64, peclet: f64) -> f64 {
     semi_axis / peclet.sqrt()
 }
 
+/// Rise in the middle of an ellipse with the semi-axes a and b [m] under the flux q₀ √(1 − x²/a² − y²/b²), steady and at
+/// rest, over q₀/λ \[m\].
+///
+/// T = (q₀/2πλ) ∬ √(…)/r dA = (q₀/8λ) ∮ R(φ) dφ = (q₀ b/2λ) K(k) with k² = 1 − b²/a², b the smaller one: with the
+/// arithmetic–geometric mean M, K = π/(2 M(1, b/a)), it is (π/4) a b/M(a, b), π/4 a of a circle.
+#[must_use]
+pub fn rest_length([a, b]: [f64; 2]) -> f64 {
+    let (mut arithmetic, mut geometric) = (a, b);
+    // Twice as many digits a step: from any two axes to rounding.
+    for _ in 0..MOST_MEANS {
+        if (arithmetic - geometric).abs() <= 1e-15 * arithmetic {
+            break;
+        }
+        (arithmetic, geometric) =
+            (0.5 * (arithmetic + geometric), arithmetic.sqrt() * geometric.sqrt());
+    }
+    FRAC_PI_4 * a * (b / arithmetic)
+}
+
+/// Steps of the arithmetic–geometric mean; ten suffice for axes of 1 to 10¹⁰⁰.
+const MOST_MEANS: usize = 20;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -34,6 +58,18 @@ mod tests {
         // The same as lambda over the root of kappa, to rounding; far from lambda over kappa.
         assert!((beta / (50.0 / DIFFUSIVITY.sqrt()) - 1.0).abs() < 1e-15);
         assert!(50.0 / DIFFUSIVITY > 100.0 * beta);
+    }
+
+    /// The circle, the paper's ellipse by an independent quadrature, and a long one, K(k) → ln(4a/b).
+    #[test]
+    fn ellipses_at_rest() {
+        assert!((rest_length([2.0, 2.0]) / (2.0 * FRAC_PI_4) - 1.0).abs() < 1e-15);
+        // Six figures are given.
+        assert!((rest_length([7.98, 6.01]) / 7.98 - 0.678_185).abs() < 5e-7);
+        assert!((rest_length([6.01, 7.98]) / rest_length([7.98, 6.01]) - 1.0).abs() < 1e-15);
+        let long = rest_length([1.0, 1e-4]) / (0.5e-4 * 4e4_f64.ln());
+        // The next term is (b/a)² of it.
+        assert!((long - 1.0).abs() < 1e-7, "{long}");
     }
 
     #[test]

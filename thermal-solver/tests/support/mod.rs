@@ -77,7 +77,8 @@ pub(crate) fn configuration(
         input(&field::FRICTION_POWER, Grid::structured("contact", grid)),
         input(&field::SURFACE_SPEED, one_point()),
     ];
-    if !case["effects"]["contact_conductance"].is_null() {
+    let continuity = case["effects"]["friction_heat"]["partition"] == "continuity";
+    if continuity || !case["effects"]["contact_conductance"].is_null() {
         inputs.push(input(&field::PRESSURE, Grid::structured("contact", grid)));
     }
     Configuration {

@@ -201,7 +201,8 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         let description = &described.iter().find(|(role, _)| *role == p.role)?.1;
         let model = description.models.iter().find(|m| m.name == p.model)?;
         let live = case.live_of(description, &p.model);
-        Some(Candidate { role: &p.role, model, description, live })
+        let by_keys = case.consumed_by_keys(description, &p.model);
+        Some(Candidate { role: &p.role, model, description, live, by_keys })
     });
     let running = TiVec::from(route::order(candidates.collect(), case));
     check_roles(case, described)?;
@@ -318,10 +319,10 @@ pub(super) fn windows(timing: Timing, histories: Option<&Histories>) -> Windows 
             Windows::Fixed { window, end }
         }
         Timing::Transient {
-            window,
             end,
             control: Control::Adaptive { tolerance, shortest, longest },
-        } => Windows::Adaptive { first: window, tolerance, shortest, longest, end },
+            ..
+        } => Windows::Adaptive { tolerance, shortest, longest, end },
     }
 }
 

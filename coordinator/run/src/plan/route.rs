@@ -17,6 +17,8 @@ pub(super) struct Candidate<'a> {
     pub(super) description: &'a Description,
     /// Live values of the case that it reads.
     pub(super) live: Vec<&'a str>,
+    /// Fields that values of its keys ask for, each with the key.
+    pub(super) by_keys: Vec<(&'a str, &'a str)>,
 }
 
 /// A field that is needed and that nobody provides.
@@ -51,7 +53,11 @@ impl<'a> Candidate<'a> {
             .live
             .iter()
             .map(|key| (*key, format!("the live value `{key}`"), (*key).to_owned()));
-        model.chain(effects).chain(live).collect()
+        let keys = self
+            .by_keys
+            .iter()
+            .map(|(field, key)| (*field, format!("its value of `{key}`"), (*key).to_owned()));
+        model.chain(effects).chain(keys).chain(live).collect()
     }
 
     fn provides(&self, case: &Case) -> Vec<&'a str> {

@@ -232,12 +232,11 @@ pub(super) fn in_time(windows: &Windows) -> String {
         Windows::Open { window: Some(window) } => {
             format!("transient: windows of {}, as they are asked for", seconds(*window))
         }
-        Windows::Adaptive { first, tolerance, shortest, longest, end } => format!(
-            "transient: adaptive windows of {} to {}, the first of {}, to {}; tolerance \
+        Windows::Adaptive { tolerance, shortest, longest, end } => format!(
+            "transient: adaptive windows of {} to {}, the shortest first, to {}; tolerance \
              {tolerance:e}",
             seconds(*shortest),
             seconds(*longest),
-            seconds(*first),
             seconds(*end)
         ),
     }

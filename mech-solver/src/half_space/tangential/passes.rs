@@ -25,7 +25,7 @@ impl TangentialSolver {
         tolerance: f64,
     ) -> Result<Effort, NotConverged> {
         let count = problem.bound.len();
-        let largest = problem.bound.iter().copied().fold(0.0, f64::max);
+        let largest = problem.bound.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let mut before = vec![0.0; count];
         let mut effort = Effort::default();
         for _ in 0..MOST_PASSES {
