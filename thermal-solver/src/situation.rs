@@ -1,7 +1,8 @@
 //! What is known of a scene before it is run, and what effects may say of themselves with it.
 //!
 //! The flux is that of an ellipse with the power and the size that the mechanics has estimated; its rise is that of a fast source and of
-//! one at rest, whose squares of the reciprocals add up. An estimate is of the first order: it says whether an effect is worth a run,
+//! one at rest, whose squares of the reciprocals add up: exact at both ends, to a tenth between them, and to a quarter for ellipses six
+//! times as long as wide. An estimate is of the first order: it says whether an effect is worth a run,
 //! and a run says by how much.
 
 use crate::reference::scales::rest_length;
