@@ -1,6 +1,6 @@
 //! The energy audit: every consumer is judged by the heat that it was assigned.
 
-use crate::harness::{Ended, Place, case};
+use crate::harness::{Ended, Place, case, number, sets};
 use serde_json::Value;
 
 const SCHEMES: [&str; 4] =
@@ -77,4 +77,35 @@ fn a_consumer_that_reports_no_heat_is_left_out_by_name() {
     let summary = place.read_summary();
     assert_eq!(summary["coupling"]["heat_not_reported_by"], serde_json::json!(["body"]));
     assert_eq!(summary["coupling"].get("energy_imbalance"), None::<&Value>);
+}
+
+/// Bodies of different temperature that roll on each other: 1 nW of friction beside the kilowatts that flow between them is audited as itself,
+/// and what flows without any is the limit of that. Tolerance: what is settled of the flow, and the friction of the larger creepage.
+#[test]
+fn heat_between_bodies_is_the_same_without_friction() {
+    for law in [
+        "effects.friction_heat.partition=continuity",
+        "effects.contact_conductance.conductance=1e5 W/(m2 K)",
+    ] {
+        let rises = ["0", "-1e-9", "-1e-6"].map(|creepage| {
+            let creepage = format!("motion.creepage.xi={creepage}");
+            let summary = Place::new().summary(
+                &case("wheel-rail.toml"),
+                &sets(&[
+                    law,
+                    &creepage,
+                    "bodies.wheel.initial_temperature=400 K",
+                    "mech.model=hertz-carter",
+                    "mech.resolution=8",
+                    "thermal.model=moving-source",
+                ]),
+            );
+            assert!(number(&summary, "/coupling/energy_imbalance") <= 1e-9, "{law} {creepage}");
+            number(&summary, "/temperature/rail/max_rise_k")
+        });
+        println!("{law}: {rises:?} K");
+        assert!(rises[0] > 10.0 || law.contains("conductance"), "{rises:?}");
+        assert!((rises[1] / rises[0] - 1.0).abs() < 1e-6, "{law} {rises:?}");
+        assert!((rises[2] / rises[0] - 1.0).abs() < 1e-2, "{law} {rises:?}");
+    }
 }
