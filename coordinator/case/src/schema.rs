@@ -81,11 +81,7 @@ fn case_and_time() -> Vec<OwnKey> {
             "what becomes of a row without an answer",
         )
         .default_value("stop")),
-        one(KeySpec::quantity(
-            "time.window",
-            "s",
-            "coupling window of a transient case; of adaptive windows the shortest is a 1024th of it",
-        ).above(0.0)),
+        one(KeySpec::quantity("time.window", "s", "coupling window of a transient case").above(0.0)),
         one(KeySpec::quantity("time.end", "s", "end of a transient case").above(0.0)),
         one(KeySpec::choice("time.control", &["fixed", "adaptive"], "lengths of the windows")
             .default_value("fixed")),
