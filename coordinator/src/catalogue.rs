@@ -38,8 +38,7 @@ pub(crate) fn fields(asked: &Listing, described: &[Description]) -> Result<(), R
         let provides = |model: &ModelSpec| model.provides.contains(&kind.name);
         let consumes = |model: &ModelSpec| model.consumes.contains(&kind.name);
         let with = |effect: &EffectSpec| effect.provides.contains(&kind.name);
-        let asks =
-            |key: &KeySpec| key.consumes.values().any(|fields| fields.contains(&kind.name));
+        let asks = |key: &KeySpec| key.consumes.values().any(|fields| fields.contains(&kind.name));
         let needs = |effect: &EffectSpec| {
             effect.consumes.contains(&kind.name) || effect.keys.iter().any(asks)
         };

@@ -55,6 +55,10 @@ pub fn root_of_decreasing(scale: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
         if closest.1 == 0.0 || least >= 0.5 {
             return Some(closest.0);
         }
+        if least.is_nan() {
+            // Places or values that are no numbers bracket nothing.
+            return None;
+        }
         share = interpolated(newest, other, last).clamp(least, 1.0 - least);
     }
     Some(newest.0)
@@ -103,5 +107,11 @@ mod tests {
         let root = root_of_decreasing(1.0, |x| (2.0 - x).powi(9)).unwrap();
         assert!((root - 2.0).abs() < 1e-12, "{root}");
         assert_eq!(root_of_decreasing(1.0, |_| 1.0), None);
+        // Values that are no numbers beyond a place, or everywhere, are no roots.
+        for known in [0.5, -1.0] {
+            let value = |x: f64| if x < known { 1.0 } else { f64::NAN };
+            assert_eq!(root_of_decreasing(1.0, value), None);
+        }
+        assert_eq!(root_of_decreasing(f64::INFINITY, |x| 1.0 - x), None);
     }
 }

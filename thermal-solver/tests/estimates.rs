@@ -112,9 +112,8 @@ fn what_effects_change_is_what_they_say() {
         let advice = opinion.advice.iter().find(|advice| advice.effect == effect).unwrap();
         let change = advice.change.as_ref().unwrap();
         let body = if change.figure == RISE { "rail" } else { "wheel" };
-        let [without, with] = [&case, &with].map(|case| {
-            solved(model, case, axes, speed).summary(body, "max_rise_k").unwrap()
-        });
+        let [without, with] = [&case, &with]
+            .map(|case| solved(model, case, axes, speed).summary(body, "max_rise_k").unwrap());
         let found = with / without - 1.0;
         println!("{effect} at {speed} m/s: {:.4} said, {found:.4} found", change.relative);
         if found.abs() < 0.01 {

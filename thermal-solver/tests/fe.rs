@@ -360,11 +360,8 @@ fn surroundings_of_another_temperature_warm_a_cold_body() {
     let none = vec![0.0; grid.points()];
     let (coefficient, speed) = (5e4, 1.0);
     let row = 18 * grid.ni;
-    let ways = [
-        (Mode::Steady, "iterative"),
-        (Mode::Steady, "direct"),
-        (Mode::Transient, "iterative"),
-    ];
+    let ways =
+        [(Mode::Steady, "iterative"), (Mode::Steady, "direct"), (Mode::Transient, "iterative")];
     for (mode, solver) in ways {
         let of = |difference: f64| {
             let mut case = with(json!({"solver": solver, "step": 1e-4, "wake": 9e-3}));

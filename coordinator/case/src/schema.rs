@@ -93,7 +93,8 @@ fn case_and_time() -> Vec<OwnKey> {
             "time.window_min",
             "s",
             "shortest adaptive window, with which a run begins; absent: a 1024th of time.window",
-        ).above(0.0)),
+        )
+        .above(0.0)),
         one(KeySpec::quantity("time.window_max", "s", "longest adaptive window").above(0.0)),
     ]
 }

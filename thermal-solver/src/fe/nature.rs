@@ -42,12 +42,7 @@ impl Nature {
     ///
     /// # Errors
     /// The equations are not solved, or the rises are beyond what is known of the material.
-    pub fn check(
-        &self,
-        extremes: [f64; 2],
-        took: Took,
-        shorter: &str,
-    ) -> Result<u64, StepError> {
+    pub fn check(&self, extremes: [f64; 2], took: Took, shorter: &str) -> Result<u64, StepError> {
         if !took.is_solved() {
             // Elimination has no iterations that end too early, but the same steps of Newton's method.
             let fix = if took.stopped { "thermal.solver = \"direct\"" } else { shorter };

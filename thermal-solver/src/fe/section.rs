@@ -111,7 +111,8 @@ fn interpolate(places: &[f64], at: f64, value: impl Fn(usize) -> f64) -> f64 {
     };
     let cubic: f64 = nodes.clone().map(|k| lagrange(k) * value(k)).sum();
     let (above, below) = (value(next - 1), value(next));
-    cubic.clamp(above.min(below), above.max(below))
+    // Not `clamp`, which panics where both are no numbers.
+    cubic.max(above.min(below)).min(above.max(below))
 }
 
 #[cfg(test)]

@@ -193,7 +193,11 @@ impl Motion for Stepped {
 
     fn warm(&mut self) -> Result<u64, StepError> {
         let took = self.go();
-        self.nature.check(extremes(&self.trial.now, &self.block.law), took, "a smaller thermal.step")
+        self.nature.check(
+            extremes(&self.trial.now, &self.block.law),
+            took,
+            "a smaller thermal.step",
+        )
     }
 
     fn show(&mut self, between: Between, rise: &mut [f64]) {

@@ -200,7 +200,11 @@ impl Motion for Swept {
                  or time.mode = \"transient\""
             ))
         })?;
-        self.nature.check(extremes(&self.trial, &self.block.law), took, "a larger thermal.resolution")
+        self.nature.check(
+            extremes(&self.trial, &self.block.law),
+            took,
+            "a larger thermal.resolution",
+        )
     }
 
     fn show(&mut self, _: Between, rise: &mut [f64]) {
