@@ -108,6 +108,11 @@ fn end_orphans(inherited: &[Pid]) {
                 ended = true;
                 continue;
             }
+            // The kernel has taken its environment, and with it the mark, before it has ended.
+            if stat(orphan).is_none_or(|stat| stat.is_ending) {
+                ended = true;
+                continue;
+            }
             let marked = is_marked(orphan);
             if !reported.contains(&orphan) {
                 reported.push(orphan);
@@ -126,7 +131,7 @@ fn end_orphans(inherited: &[Pid]) {
 }
 
 fn report(orphan: Pid, marked: bool) {
-    let (pid, name) = (orphan.as_raw_nonzero().get(), stat(orphan).map(|(name, _)| name));
+    let (pid, name) = (orphan.as_raw_nonzero().get(), stat(orphan).map(|stat| stat.name));
     let name = name.unwrap_or_default();
     if marked {
         tracing::info!(pid, name, "ending an orphaned process of a participant");
@@ -145,19 +150,32 @@ fn has_children() -> bool {
 fn children() -> Vec<Pid> {
     let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
     let numbers = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
-    let ours = |pid: &Pid| stat(*pid).is_some_and(|(_, parent)| parent == Some(getpid()));
+    let ours = |pid: &Pid| stat(*pid).is_some_and(|stat| stat.parent == Some(getpid()));
     numbers.filter_map(Pid::from_raw).filter(ours).collect()
 }
 
-/// Name and parent of a process.
-fn stat(process: Pid) -> Option<(String, Option<Pid>)> {
+/// What the kernel says of a process.
+struct Stat {
+    name: String,
+    parent: Option<Pid>,
+    /// It is ending, or has ended and nobody has collected it.
+    is_ending: bool,
+}
+
+/// The flag of a process that is ending (`PF_EXITING` in `include/linux/sched.h`).
+const ENDING: u64 = 4;
+
+/// What the kernel says of a process (`proc_pid_stat(5)`); `None` if it is gone.
+fn stat(process: Pid) -> Option<Stat> {
     let path = format!("/proc/{}/stat", process.as_raw_nonzero());
     let text = std::fs::read(path).ok()?;
     let text = String::from_utf8_lossy(&text);
     // The name stands in brackets, and may hold some.
     let (name, rest) = text.split_once('(')?.1.rsplit_once(") ")?;
-    let parent = rest.split(' ').nth(1)?.parse().ok().and_then(Pid::from_raw);
-    Some((name.to_owned(), parent))
+    let fields: Vec<&str> = rest.split(' ').collect();
+    let parent = fields.get(1)?.parse().ok().and_then(Pid::from_raw);
+    let flags: u64 = fields.get(6)?.parse().ok()?;
+    Some(Stat { name: name.to_owned(), parent, is_ending: flags & ENDING != 0 })
 }
 
 /// A process has inherited the mark of what we have started.
@@ -167,4 +185,26 @@ fn is_marked(process: Pid) -> bool {
     std::fs::read(path).is_ok_and(|environment| {
         environment.split(|byte| *byte == 0).any(|entry| entry == mark.as_bytes())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One that has ended and was not collected yet has no environment: it has not lost its mark.
+    #[test]
+    fn a_process_that_ends_is_known() {
+        let own = stat(getpid()).unwrap();
+        assert!(!own.is_ending);
+        let mut child = std::process::Command::new("true").spawn().unwrap();
+        let pid = Pid::from_child(&child);
+        let deadline = Instant::now() + Duration::from_secs(60);
+        while !stat(pid).unwrap().is_ending && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let ended = stat(pid).unwrap();
+        assert!(ended.is_ending && ended.parent == Some(getpid()), "{}", ended.name);
+        assert!(!is_marked(pid));
+        child.wait().unwrap();
+    }
 }
