@@ -52,7 +52,8 @@ pub(crate) fn act(
         let fix = "coordinator new --list shows those that there are";
         RunError::Usage(format!("--scene {}: there is no such scene; {fix}", asked.scene))
     })?;
-    let text = commented(name, (&asked.scene, scene), about(&described()?));
+    let chosen: toml::Table = toml::from_str(scene).unwrap_or_default();
+    let text = commented(name, (&asked.scene, scene), about(&described()?, &chosen));
     let path = PathBuf::from(format!("{name}.toml"));
     // Nothing that is there is ever replaced.
     let mut file = File::options().write(true).create_new(true).open(&path).map_err(|error| {

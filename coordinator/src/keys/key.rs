@@ -15,6 +15,9 @@ pub(super) struct Key {
     pub(super) read_by: Vec<String>,
 }
 
+/// Who reads the coordinator's own keys.
+const COORDINATOR: &str = "the coordinator";
+
 /// All keys, by their sections: those of every case first, then those of participants.
 pub(super) fn all(described: &[Description]) -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();
@@ -28,7 +31,7 @@ pub(super) fn all(described: &[Description]) -> Vec<Key> {
         }
     };
     for OwnKey { spec, shape } in own_keys() {
-        add(&spec, shape, "the coordinator".to_owned());
+        add(&spec, shape, COORDINATOR.to_owned());
     }
     for Description { role, keys, models, effects, .. } in described {
         keys.iter().for_each(|spec| add(spec, Shape::One, role.clone()));
@@ -113,12 +116,29 @@ pub(super) fn facts(key: &Key) -> String {
     facts.join("; ")
 }
 
-/// What there is to say of a key of a case, by its dotted path; nothing of one that nobody reads.
-pub(crate) fn about(described: &[Description]) -> impl Fn(&str) -> Option<String> {
-    let keys = all(described);
+/// What there is to say of a key of a case, by its dotted path: what the models and effects that the case
+/// chooses say of it, or else any others; nothing of one that nobody reads.
+pub(crate) fn about(
+    described: &[Description],
+    case: &toml::Table,
+) -> impl Fn(&str) -> Option<String> {
+    let (reading, others): (Vec<Key>, Vec<Key>) =
+        all(described).into_iter().partition(|key| key.read_by.iter().any(|by| reads(case, by)));
     move |path| {
-        let key = keys.iter().find(|key| fits(&key.spec.path, path))?;
+        let mut keys = reading.iter().chain(&others);
+        let key = keys.find(|key| fits(&key.spec.path, path))?;
         Some(format!("{} [{}]", key.spec.help, facts(key)))
+    }
+}
+
+/// A case chooses what reads a key, as [`Key::read_by`] has it.
+fn reads(case: &toml::Table, by: &str) -> bool {
+    let has = |section: &str, name: &str| case.get(section).and_then(|table| table.get(name));
+    match by.split_once(' ') {
+        _ if by == COORDINATOR => true,
+        Some(("effect", name)) => has("effects", name).is_some(),
+        Some((role, model)) => has(role, "model").and_then(|name| name.as_str()) == Some(model),
+        None => case.contains_key(by),
     }
 }
 

@@ -40,12 +40,18 @@ fn every_scene_makes_a_case_without_errors() {
         assert!(made.status.success(), "{scene}: {}", text(&made.stderr));
         let checked = run_in(&place, &["check", &format!("{name}.toml")], "");
         assert!(checked.status.success(), "{scene}: {}", text(&checked.stderr));
+        let said = text(&checked.stdout);
+        assert!(!said.contains("nothing in this case reads"), "{scene}: {said}");
     }
     let first = std::fs::read_to_string(place.out().join("case-0.toml")).unwrap();
     assert!(
         first.contains("name = \"case-0\"") && first.contains("# friction coefficient ["),
         "{first}"
     );
+    // A comment is that of the models and effects that the case has chosen.
+    for other in ["of bodies that expand", "steady rolling hardly depends on it"] {
+        assert!(!first.contains(other), "{first}");
+    }
 }
 
 #[test]
