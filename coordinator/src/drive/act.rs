@@ -1,10 +1,10 @@
 //! What the lines do.
 
+use super::answers::Answers;
 use super::ear::{Ear, Heard};
 use super::line::{Answer, LiveKey, Request, VERSION};
 use crate::case_arguments::CaseArguments;
-use crate::logging::Logging;
-use crate::output;
+use crate::logging::{Logging, log_warnings};
 use case::Case;
 use clap::Args;
 use coupling::windows::Windows;
@@ -14,7 +14,6 @@ use run::plan::Planned;
 use run::progress::silent;
 use run::results::{Existing, ResultFolder};
 use run::scratch::Scratch;
-use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -42,16 +41,22 @@ pub(crate) struct Arguments {
 /// # Errors
 /// A case that cannot be driven; what has ended the run.
 pub(crate) fn main(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunError> {
-    let ended = drive(asked, log, since);
+    let answers = Answers::open();
+    let ended = drive(asked, log, since, &answers);
     if let Err(error) = &ended {
         // Whoever drives reads it there, whatever has ended the run.
         let answer = Answer::Failed { error: error.to_string(), kind: "ended" };
-        output::print_raw(&answer.line())?;
+        answers.write_last(answer.line())?;
     }
     ended
 }
 
-fn drive(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunError> {
+fn drive(
+    asked: &Arguments,
+    log: &Logging,
+    since: Instant,
+    answers: &Answers,
+) -> Result<(), RunError> {
     if asked.of.case == Path::new("-") {
         let why = "standard input has the lines that drive the run; name a file of the case";
         return Err(RunError::Usage(why.to_owned()));
@@ -66,7 +71,8 @@ fn drive(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunErro
     let path = asked.out.as_deref().or(unkept_path.as_deref()).unwrap_or(Path::new("results"));
     let folder = ResultFolder::prepare(path, &asked.of.case, Existing::option(asked.replace))?;
     log.write_to(folder.log()?).map_err(|error| file_failure(&folder.shown_log(), &error))?;
-    let mut lines = Lines { ear: Ear::open(BufReader::new(std::io::stdin())), finish: false };
+    let ear = Ear::open(BufReader::new(std::io::stdin()));
+    let mut lines = Lines { ear, answers, finish: false };
     let start = RunStart { since, plan_seconds };
     let outcome = perform::drive(&planned, &folder, &silent(), start, &mut lines);
     if unkept.is_some() {
@@ -74,7 +80,7 @@ fn drive(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunErro
     }
     match outcome.error {
         Some(error) => Err(error),
-        None if lines.finish => output::print_raw(&Answer::DONE.line()),
+        None if lines.finish => answers.write_last(Answer::DONE.line()),
         None => Ok(()),
     }
 }
@@ -85,6 +91,7 @@ fn drive(asked: &Arguments, log: &Logging, since: Instant) -> Result<(), RunErro
 /// That of the case; windows that nobody can ask for.
 pub(crate) fn planned(of: &CaseArguments) -> Result<Planned, RunError> {
     let mut planned = of.plan()?;
+    log_warnings(&planned.plan.warnings);
     planned.plan.windows = open(&planned.case, &planned.plan.windows)?;
     Ok(planned)
 }
@@ -112,15 +119,16 @@ fn open(case: &Case, windows: &Windows) -> Result<Windows, RunError> {
 }
 
 /// Who drives the run: the lines of standard input.
-struct Lines {
+struct Lines<'a> {
     ear: Ear,
+    answers: &'a Answers,
     /// The end was asked for, and is to be confirmed.
     finish: bool,
 }
 
-impl Driver for Lines {
+impl Driver for Lines<'_> {
     fn drive(&mut self, run: &mut Driven<'_, '_>) -> Result<(), RunError> {
-        output::print_raw(&ready(run))?;
+        self.answers.write(ready(run), || run.idle(Duration::ZERO))?;
         let mut looks = 0;
         loop {
             let answer = match self.ear.hear(LOOK) {
@@ -148,7 +156,7 @@ impl Driver for Lines {
                     },
                 },
             };
-            output::print_raw(&answer.line())?;
+            self.answers.write(answer.line(), || run.idle(Duration::ZERO))?;
         }
     }
 }
@@ -175,15 +183,9 @@ fn ready(run: &Driven<'_, '_>) -> String {
 }
 
 fn act(run: &mut Driven<'_, '_>, request: Request) -> Result<Answer<'static>, Fault> {
-    let give = |run: &mut Driven<'_, '_>, values: BTreeMap<String, f64>| {
-        values.iter().try_for_each(|(key, value)| run.give(key, *value))
-    };
     match request {
-        Request::Set { values } => give(run, values).map(|()| Answer::DONE),
-        Request::Step { set, end, observe } => {
-            give(run, set)?;
-            run.step(end, observe).map(Answer::stepped)
-        }
+        Request::Set { values } => run.give(&values).map(|()| Answer::DONE),
+        Request::Step { set, end, observe } => run.step(&set, end, observe).map(Answer::stepped),
         Request::Save {} => run.save().map(|state| Answer::Saved { state }),
         Request::Restore { state } => run.restore(state).map(|()| Answer::DONE),
         Request::Free { state } => run.free(state).map(|()| Answer::DONE),

@@ -1,7 +1,7 @@
 //! Runs that are driven from outside: values given window by window, states, and what is refused.
 
 use crate::harness::python::interpreter;
-use crate::harness::{Ended, Place, case, sets};
+use crate::harness::{Ended, Place, case, sets, wait_until};
 use serde_json::{Value, json};
 use std::fs;
 use std::io::Write as _;
@@ -351,5 +351,70 @@ fn live_values_are_recorded_and_replayed() {
     let recording = place.out().join("recording.mcap").display().to_string();
     let replayed = place.start(&["replay", &recording, "--only", "mech"]).wait();
     assert_eq!(replayed.code, Some(0), "{}{}", replayed.stdout, replayed.stderr);
+    place.assert_nothing_left();
+}
+
+/// What is refused has changed nothing: of several values all are given, or none, before a step too.
+#[test]
+fn a_refused_request_changes_nothing() {
+    let place = Place::new();
+    let traction = "motion.traction_coefficient";
+    let live = format!("{traction}={{at=0.4,from=0.1,to=0.58}}");
+    let set = ["mech.resolution=10", LIVE, &live];
+    let refused = [
+        json!({"do": "set", "values": {LOAD: 70e3, traction: 5}}),
+        json!({"do": "step", "set": {LOAD: 80e3, "zz": 1}, "end": 3}),
+        json!({"do": "step", "set": {LOAD: 90e3}, "end": -5}),
+    ];
+    let step = json!({"do": "step"});
+    let lines: Vec<Value> = refused.iter().flat_map(|line| [line.clone(), step.clone()]).collect();
+    let (ended, said) = drive(&place, "wheel-rail.toml", &set, &lines);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    for answer in said[1..].iter().step_by(2) {
+        assert_eq!(answer["kind"], "refused", "{answer}");
+    }
+    let loads = place.table("history.csv").numbers("contact.normal_force_n");
+    assert_eq!(loads, [134e3; 3]);
+}
+
+/// Each state takes memory: there is a limit, and one that is freed makes room again.
+#[test]
+fn states_have_a_limit() {
+    let place = Place::new();
+    let save = json!({"do": "save"});
+    let mut lines = vec![json!({"do": "step"})];
+    lines.extend(std::iter::repeat_n(save.clone(), 4097));
+    lines.extend([json!({"do": "free", "state": 7}), save]);
+    let set = ["left.points=2", "right.points=2"];
+    let (ended, said) = drive(&place, "exchange.toml", &set, &lines);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(said[4097]["state"], 4096, "{}", said[4097]);
+    let refused = &said[4098];
+    assert_eq!(refused["kind"], "refused", "{refused}");
+    assert!(refused["error"].as_str().unwrap().contains("4096 states are kept"), "{refused}");
+    assert_eq!(said[4100]["state"], 4097, "{}", said[4100]);
+}
+
+/// A signal ends the run also while whoever drives it does not read its answers.
+#[test]
+fn a_signal_ends_a_run_whose_answers_are_not_read() {
+    let place = Place::new();
+    let mut file = tempfile::tempfile().unwrap();
+    file.write_all("{\"do\":\"set\",\"values\":{}}\n".repeat(20_000).as_bytes()).unwrap();
+    std::io::Seek::rewind(&mut file).unwrap();
+    let mut command = place.command(&["drive", &case("exchange.toml")]);
+    let mut child = command.stdin(Stdio::from(file)).spawn().unwrap();
+    let answers = child.stdout.take().unwrap();
+    // As much as a pipe holds.
+    wait_until("a full pipe", || rustix::io::ioctl_fionread(&answers).unwrap() > 65_000);
+    let pid = rustix::process::Pid::from_child(&child);
+    rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
+    let mut ended = None;
+    wait_until("the end of the run", || {
+        ended = child.try_wait().unwrap();
+        ended.is_some()
+    });
+    assert_eq!(ended.unwrap().code(), Some(143));
+    drop(answers);
     place.assert_nothing_left();
 }

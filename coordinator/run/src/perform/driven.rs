@@ -17,6 +17,9 @@ use std::time::Duration;
 /// An end this close to a window of the case, relative to its length, is that of the window.
 const ROUNDING: f64 = 1e-9;
 
+/// More states than this are not kept: each takes shared memory, and files.
+const MOST_STATES: usize = 4096;
+
 /// What drives a run.
 pub trait Driver {
     /// Drives it to its end.
@@ -130,23 +133,33 @@ impl<'m, 'a> Driven<'m, 'a> {
         self.march.session.idle(time)
     }
 
-    /// Gives the value of a live key, from the next window on.
+    /// Gives values of live keys, from the next window on: all of them, or none.
     ///
     /// # Errors
     /// No such key, a value beyond its limits, named with the window.
-    pub fn give(&mut self, key: &str, value: f64) -> Result<(), Fault> {
+    pub fn give(&mut self, values: &BTreeMap<String, f64>) -> Result<(), Fault> {
         self.settle()?;
         let window = self.march.time.state().index;
-        let refused = |reason| Fault::Refused(format!("window {window}: {reason}"));
-        self.march.session.give(key, value).map_err(refused)
+        let session = &mut *self.march.session;
+        let judged =
+            values.iter().try_for_each(|(key, value)| session.judge(key, *value).map(drop));
+        let given = judged
+            .and_then(|()| values.iter().try_for_each(|(key, value)| session.give(key, *value)));
+        given.map_err(|reason| Fault::Refused(format!("window {window}: {reason}")))
     }
 
-    /// Solves the next window and accepts it. It ends at a time [s], or is as long as the case says; of a
-    /// steady case it is a row at this time. `observe` writes its fields.
+    /// Solves the next window, with these values of live keys, and accepts it. It ends at a time [s], or
+    /// is as long as the case says; of a steady case it is a row at this time. `observe` writes its fields.
     ///
     /// # Errors
-    /// An end before the start; a window without an answer; the end of the run.
-    pub fn step(&mut self, end: Option<f64>, observe: bool) -> Result<Accepted, Fault> {
+    /// An end before the start, a value that cannot be given: nothing has changed then; a window without
+    /// an answer; the end of the run.
+    pub fn step(
+        &mut self,
+        values: &BTreeMap<String, f64>,
+        end: Option<f64>,
+        observe: bool,
+    ) -> Result<Accepted, Fault> {
         self.settle()?;
         if self.torn {
             let reason =
@@ -154,6 +167,7 @@ impl<'m, 'a> Driven<'m, 'a> {
             return Err(Fault::Refused(reason.to_owned()));
         }
         let step = self.next(end)?;
+        self.give(values)?;
         match self.march.attempt(&step, observe) {
             Ok(Attempt { status, iterations }) => {
                 let given = self.march.session.figures();
@@ -208,6 +222,10 @@ impl<'m, 'a> Driven<'m, 'a> {
         }
         if self.torn {
             return Err(Fault::Refused("the last window has no answer to keep".to_owned()));
+        }
+        if self.kept.len() == MOST_STATES {
+            let reason = format!("{MOST_STATES} states are kept, and no more can be: free one");
+            return Err(Fault::Refused(reason));
         }
         self.last += 1;
         let folder = self.march.session.folder().join(format!("state-{}", self.last));

@@ -8,23 +8,33 @@ use std::path::Path;
 use std::time::Duration;
 
 impl Session {
-    /// Gives the value of a key, from the next window that is solved on.
+    /// Whether a value of a key may be given; the place of the key among the live values.
     ///
     /// # Errors
     /// What is wrong, in words: no such key, a value beyond its limits.
-    pub fn give(&mut self, key: &str, value: f64) -> Result<(), String> {
+    pub fn judge(&self, key: &str, value: f64) -> Result<usize, String> {
         let keys = || self.live.sent.iter().map(|sent| sent.key.as_str()).collect::<Vec<_>>();
         let Some(place) = self.live.sent.iter().position(|sent| sent.key == key) else {
             let known = keys().join(", ");
             return Err(format!("`{key}` is no live value of this run; there are: {known}"));
         };
-        let sent = &mut self.live.sent[place];
-        if !within(sent.limits, value) {
-            let [least, most] = sent.limits;
+        let limits = self.live.sent[place].limits;
+        if !within(limits, value) {
+            let [least, most] = limits;
             return Err(format!(
                 "{value} of `{key}` is not between {least} and {most}, the limits of the case"
             ));
         }
+        Ok(place)
+    }
+
+    /// Gives the value of a key, from the next window that is solved on.
+    ///
+    /// # Errors
+    /// As [`Session::judge`].
+    pub fn give(&mut self, key: &str, value: f64) -> Result<(), String> {
+        let place = self.judge(key, value)?;
+        let sent = &mut self.live.sent[place];
         if sent.value.to_bits() != value.to_bits() {
             sent.value = value;
             self.live.window = None;
