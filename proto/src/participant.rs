@@ -19,6 +19,7 @@ use crate::configuration::{Configuration, Estimate};
 use crate::logging::wanted;
 use crate::model::Solver;
 use crate::run_dir::RunDir;
+use crate::transport::silence_iceoryx2;
 use clap::Parser;
 use std::error::Error;
 use std::ffi::OsString;
@@ -59,6 +60,7 @@ pub fn main(solver: &dyn Solver) -> ExitCode {
 
 /// [`main`] for a program that is not Rust: the arguments, the program's name first; the exit code.
 pub fn main_from(arguments: impl IntoIterator<Item = OsString>, solver: &dyn Solver) -> u8 {
+    silence_iceoryx2();
     let lines = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(false)

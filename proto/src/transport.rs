@@ -19,7 +19,7 @@
 //! core costs tens of microseconds on a virtual machine, which is most of the time of a small
 //! exchange; polling without yielding would take the processor from the peer that works.
 
-use crate::message::{Command, FieldHeader, ProgressReport, Reply};
+use crate::message::{Command, FieldHeader, MOST_PARTICIPANTS, ProgressReport, Reply};
 use crate::run_dir::{RunInfo, close_to_others};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
@@ -45,8 +45,8 @@ pub const POLL: Duration = Duration::from_micros(100);
 const QUEUE: usize = 4;
 /// Samples a subscriber may hold: the one in use and the one that replaces it.
 const BORROWED: usize = 2;
-/// Largest number of participants, and of subscribers to one topic.
-const MAX_MEMBERS: usize = 16;
+/// Members of a run, and subscribers to one topic: its participants, the coordinator, and what records.
+const MAX_MEMBERS: usize = MOST_PARTICIPANTS + 4;
 /// Samples in a field's segment: one being written, and two that readers may hold.
 pub const FIELD_SLOTS: u64 = 4;
 /// A send that cannot be delivered is retried for this long.
@@ -155,6 +155,12 @@ fn exchange_error(service: &str, cause: impl std::fmt::Debug) -> TransportError 
     TransportError::Exchange { service: service.to_owned(), cause: format!("{cause:?}") }
 }
 
+/// Keeps what iceoryx2 would write to standard error to itself: whatever it has to say comes as an error.
+/// Its log level belongs to the whole process, so only a program's `main` decides on it.
+pub fn silence_iceoryx2() {
+    set_log_level(LogLevel::Fatal);
+}
+
 /// A process's membership in the shared-memory services of a run.
 #[derive(Debug)]
 pub struct Endpoint {
@@ -166,7 +172,6 @@ pub struct Endpoint {
 impl Endpoint {
     /// Opens the run's services for this process, under the run's own root and prefix.
     pub fn open(run: &RunInfo) -> Result<Self, TransportError> {
-        set_log_level(LogLevel::Fatal);
         let config = isolated_config(run).map_err(|e| open_error(&run.prefix, e))?;
         let node = NodeBuilder::new()
             .signal_handling_mode(SignalHandlingMode::Disabled)

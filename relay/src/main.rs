@@ -120,6 +120,7 @@ fn main() -> ExitCode {
         }
     };
     log(arguments.mode.listen.is_some());
+    proto::transport::silence_iceoryx2();
     match act(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Ended(words, code)) => {

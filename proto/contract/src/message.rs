@@ -9,6 +9,9 @@
 use crate::step::{Step, StepReport};
 use crate::text::one_line;
 
+/// The most participants of a run.
+pub const MOST_PARTICIPANTS: usize = 12;
+
 /// The most inputs one participant can have.
 pub const MAX_INPUTS: usize = 16;
 

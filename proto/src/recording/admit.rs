@@ -5,11 +5,9 @@
 use super::{CONTROL, FILES, Head, LONGEST_RECORD, STATE};
 use crate::field::GEOMETRY;
 use crate::grid::{Grid, check_dotted, check_name};
-use crate::message::{FieldHeader, MAX_INPUTS, Topics};
+use crate::message::{FieldHeader, MAX_INPUTS, MOST_PARTICIPANTS, Topics};
 use crate::text::{check_line, check_lines, one_line};
 
-/// Most participants of a run.
-const MOST_PARTICIPANTS: usize = 16;
 /// Most components of a field.
 const MOST_COMPONENTS: u32 = 64;
 /// Most topics that one participant sends.
