@@ -84,9 +84,9 @@ pub(crate) fn replay(request: &Request) -> Result<Replay, RunError> {
             }
         }
     }
-    let mut replay = driver.finish()?;
-    replay.damage = damage;
-    replay.cut = matches!(recording.end(), proto::recording::End::Cut(_));
+    let cut = matches!(recording.end(), proto::recording::End::Cut(_));
+    let mut replay = driver.finish(cut || damage.is_some())?;
+    (replay.damage, replay.cut) = (damage, cut);
     replay.wall_s = begun.elapsed().as_secs_f64();
     Ok(replay)
 }

@@ -192,11 +192,14 @@ impl<'a> Driver<'a> {
         Ok(true)
     }
 
-    /// Everything has been driven: lets the participant go.
-    pub(super) fn finish(mut self) -> Result<Replay, RunError> {
+    /// Everything has been driven: lets the participant go. Of a recording that is `incomplete` what
+    /// came after its end is not known, and not compared.
+    pub(super) fn finish(mut self, incomplete: bool) -> Result<Replay, RunError> {
         if self.done != Done::Nothing {
             let what = "the last command has no recorded answer: what it did there is not compared";
             self.replay.remarks.push(what.to_owned());
+        }
+        if self.done != Done::Nothing || incomplete {
             self.outputs.clear();
         }
         if !self.finished {
@@ -283,7 +286,7 @@ impl<'a> Driver<'a> {
         let deadlines = *self.peers.deadlines();
         let builds = command.kind == CommandKind::Initialise as u32;
         let patience = if builds { deadlines.build } else { deadlines.solve };
-        let (_, message) = self.peers.reply(ParticipantIndex::FIRST, patience)?;
+        let message = self.peers.reply(ParticipantIndex::FIRST, patience)?;
         let (reply, body) = (message.header(), message.body());
         self.done = match Status::from_number(reply.status) {
             Some(Status::Done) => {

@@ -441,3 +441,22 @@ fn what_cannot_be_replayed_is_told() {
     told(&set, 2, "the recorded configuration of left has no `no.key`");
     place.assert_nothing_left();
 }
+
+/// A recording that was cut, wherever that was, is compared up to the cut, and says so.
+#[test]
+fn a_cut_recording_is_compared_up_to_the_cut() {
+    let place = Place::new();
+    let settings = ["time.end=40", "left.points=50", "right.points=50"];
+    let whole = std::fs::read(record(&place, "exchange.toml", "--record", &settings)).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.mcap");
+    let (mut compared, program) = (0, toy("toy-left"));
+    for part in 10..39 {
+        std::fs::write(&path, &whole[..whole.len() * part / 40]).unwrap();
+        let (code, replay, stderr) = replay(&place, &path, "left", &["--command", &program]);
+        // One that was cut before its first window has nothing to compare.
+        assert!(matches!(code, Some(0 | 2)), "part {part}: {code:?} {replay:#} {stderr}");
+        compared += u64::from(code == Some(0) && replay["cut"] == true);
+    }
+    assert!(compared > 10, "{compared}");
+}
