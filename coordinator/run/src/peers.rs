@@ -65,6 +65,9 @@ impl Drop for EndsFirst {
     }
 }
 
+/// Who has replied, and its reply or the failure that it reports.
+pub type Answer = (ParticipantIndex, Result<Message<Reply>, RunError>);
+
 /// The participants of a run.
 // Fields drop in this order: processes end first, ports close next, the run's folder goes last.
 #[derive(Debug)]
@@ -164,20 +167,21 @@ impl Peers {
         let mut waited = Patience::new();
         let Self { all, doorbell, supervisor, run, deadlines, phase, .. } = self;
         let watch = Watch { supervisor, run, phase: *phase, deadlines };
-        let poll = || -> Result<_, Waiting> {
+        let failed = |error| Stopped::Transport(one, error);
+        let poll = || -> Result<_, Stopped> {
             // A participant that has not joined has no heartbeat yet.
             all[one].beat_received(Beat::Busy);
             if all[one].is_up() {
                 // Connects to what it sends: the last of it is received even if it has ended by then, and no
                 // window has to.
-                all[one].receive()?;
-                all[one].has_advanced()?;
+                all[one].receive().map_err(failed)?;
+                all[one].has_advanced().map_err(failed)?;
                 return Ok(Some(()));
             }
-            watch.look(all, one, waited.waited(), patience).map_err(Waiting::Stopped)?;
+            watch.look(all, one, waited.waited(), patience)?;
             Ok(None)
         };
-        doorbell.wait(poll, |_, _| ()).map_err(|waiting| waiting.of(one))
+        doorbell.wait(poll, |_, _| ())
     }
 
     /// Sends a command; the number is put in. `ring` only when an answer is wanted soon.
@@ -212,9 +216,8 @@ impl Peers {
         Ok(())
     }
 
-    /// Waits for the reply to the last command of a participant, or for the failed reply of another
-    /// one that comes before it; gives whose it is. `beat` hears of every heartbeat. The patience
-    /// begins anew whenever the participant reports progress.
+    /// Waits for the reply to the last command of a participant. `beat` hears of every heartbeat. The
+    /// patience begins anew whenever the participant reports progress.
     ///
     /// # Errors
     /// Why the wait has ended.
@@ -222,33 +225,37 @@ impl Peers {
         &mut self,
         one: ParticipantIndex,
         patience: Duration,
+        beat: impl FnMut(),
+    ) -> Result<Message<Reply>, Stopped> {
+        self.wait_for(&[one], patience, beat).map(|(_, reply)| reply)
+    }
+
+    /// Waits for the reply of the first of these participants, or for the failed reply of another of
+    /// them that comes before it; whose reply it is, and the reply. No other reply is touched.
+    fn wait_for(
+        &mut self,
+        pending: &[ParticipantIndex],
+        patience: Duration,
         mut beat: impl FnMut(),
     ) -> Result<(ParticipantIndex, Message<Reply>), Stopped> {
+        let one = pending[0];
         let Self { all, doorbell, supervisor, run, deadlines, phase, recorder, screen, .. } = self;
         let watch = Watch { supervisor, run, phase: *phase, deadlines };
         let all = RefCell::new(all);
         let mut waited = Patience::new();
-        let poll = || -> Result<_, Waiting> {
+        let poll = || -> Result<_, Stopped> {
             let mut all = all.borrow_mut();
-            if let Some(message) = all[one].receive()? {
-                return Ok(Some((one, message)));
+            if let Some(found) = replied(&all, pending)? {
+                return Ok(Some(found));
             }
-            for other in all.keys().filter(|&other| other != one) {
-                if all[other].has_failed()? {
-                    return Ok(all[other].receive()?.map(|message| (other, message)));
-                }
-            }
-            if all[one].has_advanced()? {
+            if all[one].has_advanced().map_err(|error| Stopped::Transport(one, error))? {
                 waited = Patience::new();
                 show(&all[one], *phase, &**screen);
             }
             match watch.look(&mut all, one, waited.waited(), patience) {
                 Ok(()) => Ok(None),
-                // What it sent just before it ended still counts.
-                Err(reason) => match all[one].receive()? {
-                    Some(message) => Ok(Some((one, message))),
-                    None => Err(Waiting::Stopped(reason)),
-                },
+                // What was sent just before a participant ended still counts.
+                Err(reason) => replied(&all, pending)?.map(Some).ok_or(reason),
             }
         };
         let heard = |index: usize, what| {
@@ -257,7 +264,7 @@ impl Peers {
                 beat();
             }
         };
-        let (who, reply) = doorbell.wait(poll, heard).map_err(|waiting| waiting.of(one))?;
+        let (who, reply) = doorbell.wait(poll, heard)?;
         if let Some(recorder) = recorder {
             recorder.reply(who, reply.header(), reply.body());
         }
@@ -284,11 +291,11 @@ impl Peers {
         mut beat: impl FnMut(),
     ) -> Result<T, Stopped> {
         let Self { doorbell, supervisor, .. } = self;
-        let poll = || -> Result<_, Waiting> {
-            interrupted_or_exited(supervisor, |_| false).map_err(Waiting::Stopped)?;
+        let poll = || -> Result<_, Stopped> {
+            interrupted_or_exited(supervisor, |_| false)?;
             Ok(found())
         };
-        doorbell.wait(poll, |_, _| beat()).map_err(|waiting| waiting.of(ParticipantIndex::FIRST))
+        doorbell.wait(poll, |_, _| beat())
     }
 
     /// Waits for the reply to the last command of a participant, whatever it says.
@@ -299,8 +306,27 @@ impl Peers {
         &mut self,
         one: ParticipantIndex,
         patience: Duration,
-    ) -> Result<(ParticipantIndex, Message<Reply>), RunError> {
+    ) -> Result<Message<Reply>, RunError> {
         self.wait(one, patience, || ()).map_err(|stopped| self.error(stopped))
+    }
+
+    /// Waits for the next reply of participants that have been sent a command, and removes the one that
+    /// has replied from the list; `None` once the list is empty. Replies come in the order of the list,
+    /// but a failed one as soon as it is there. Within the result: that the participant reports to have
+    /// failed, after which the others can still be waited for.
+    ///
+    /// # Errors
+    /// A participant refuses, violates the contract, has ended, or is late.
+    pub fn next_reply(
+        &mut self,
+        pending: &mut Vec<ParticipantIndex>,
+        patience: impl Fn(ParticipantIndex) -> Duration,
+    ) -> Result<Option<Answer>, RunError> {
+        let Some(&first) = pending.first() else { return Ok(None) };
+        let waited = self.wait_for(pending, patience(first), || ());
+        let (one, message) = waited.map_err(|stopped| self.error(stopped))?;
+        pending.retain(|other| *other != one);
+        Ok(Some((one, self.judge(one, message)?)))
     }
 
     /// Waits for the reply, and takes everything but success as an error.
@@ -312,19 +338,16 @@ impl Peers {
         one: ParticipantIndex,
         patience: Duration,
     ) -> Result<Message<Reply>, RunError> {
-        self.answered(one, patience)?
+        let message = self.reply(one, patience)?;
+        self.judge(one, message)?
     }
 
-    /// Waits for the reply; within the result, that it reports to have failed.
-    ///
-    /// # Errors
-    /// The participant refuses, violates the contract, has ended, or is late.
-    pub fn answered(
-        &mut self,
+    /// What a reply says; within the result, that the command has failed.
+    fn judge(
+        &self,
         one: ParticipantIndex,
-        patience: Duration,
+        message: Message<Reply>,
     ) -> Result<Result<Message<Reply>, RunError>, RunError> {
-        let (one, message) = self.reply(one, patience)?;
         let (reply, body) = (message.header(), message.body());
         match Status::from_number(reply.status) {
             _ if reply.protocol != contract::PROTOCOL_VERSION => {
@@ -394,7 +417,7 @@ impl Peers {
         let RunError::Failed(failure) = &error else { return error };
         let is_other = |exit: &Exit| {
             let own = |peer: &Peer| peer.role() == exit.role && peer.who() == failure.who;
-            !exit.status.success() && !self.all.iter().any(own)
+            !exit.is_success() && !self.all.iter().any(own)
         };
         match self.exit_soon().filter(is_other) {
             Some(exit) => self.error(Stopped::Exited(exit)),
@@ -507,25 +530,20 @@ fn launch(seats: &[Seat], info: &RunInfo) -> Result<Supervisor, RunError> {
     Ok(supervisor)
 }
 
-/// What may end a wait.
-enum Waiting {
-    Stopped(Stopped),
-    Transport(TransportError),
-}
-
-impl Waiting {
-    fn of(self, one: ParticipantIndex) -> Stopped {
-        match self {
-            Self::Stopped(stopped) => stopped,
-            Self::Transport(error) => Stopped::Transport(one, error),
+/// The reply of the first of these participants, or the failed reply of another of them.
+fn replied(
+    all: &TiSlice<ParticipantIndex, Peer>,
+    pending: &[ParticipantIndex],
+) -> Result<Option<(ParticipantIndex, Message<Reply>)>, Stopped> {
+    for (place, &one) in pending.iter().enumerate() {
+        let failed = |error| Stopped::Transport(one, error);
+        if (place == 0 || all[one].has_failed().map_err(failed)?)
+            && let Some(message) = all[one].receive().map_err(failed)?
+        {
+            return Ok(Some((one, message)));
         }
     }
-}
-
-impl From<TransportError> for Waiting {
-    fn from(error: TransportError) -> Self {
-        Self::Transport(error)
-    }
+    Ok(None)
 }
 
 /// What is looked at while waiting.
@@ -548,9 +566,7 @@ impl Watch<'_> {
         // A participant that has been asked to finish, and is not the one we wait for, may have
         // left in peace.
         let in_peace = |role: &str| self.phase == Phase::Finishing && role != all[one].role();
-        interrupted_or_exited(self.supervisor, |exit| {
-            in_peace(&exit.role) && exit.status.success()
-        })?;
+        interrupted_or_exited(self.supervisor, |exit| in_peace(&exit.role) && exit.is_success())?;
         // A participant started by hand is not our child: its lock tells of its death.
         let has_left = |peer: &Peer| {
             peer.is_attached() && !in_peace(peer.role()) && self.run.has_left(peer.role())
@@ -584,8 +600,8 @@ fn interrupted_or_exited(
     }
     match supervisor.exits().into_iter().find(|exit| !in_peace(exit)) {
         Some(exit) => {
-            Err(signals::received_like(exit.status)
-                .map_or(Stopped::Exited(exit), Stopped::Interrupted))
+            let signal = exit.status.and_then(signals::received_like);
+            Err(signal.map_or(Stopped::Exited(exit), Stopped::Interrupted))
         }
         None => Ok(()),
     }

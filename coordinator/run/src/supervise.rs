@@ -9,7 +9,9 @@ mod words;
 use crate::processes::Process;
 use crate::programs::Program;
 use rustix::process::{Pid, Signal, kill_process_group};
+use std::fmt;
 use std::io;
+use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,10 +27,34 @@ use words::{Words, relay};
 pub struct Exit {
     /// Role of the participant.
     pub role: String,
-    /// How it ended.
-    pub status: ExitStatus,
+    /// How it ended; absent if the operating system did not say.
+    pub status: Option<ExitStatus>,
     /// The last line it wrote, if any.
     pub last_words: Option<String>,
+}
+
+impl Exit {
+    /// Whether the process ended with exit code 0.
+    #[must_use]
+    pub fn is_success(&self) -> bool {
+        self.status.is_some_and(|status| status.success())
+    }
+}
+
+/// "ended with exit code 3, saying: out of memory", to follow the name of the process.
+impl fmt::Display for Exit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let status = self.status;
+        match (status.and_then(|status| status.signal()), status.and_then(|status| status.code())) {
+            (Some(7), _) => f.write_str(
+                "was killed by signal 7 (/dev/shm is full, or the run's files there were truncated)",
+            ),
+            (Some(signal), _) => write!(f, "was killed by signal {signal}"),
+            (_, Some(code)) => write!(f, "ended with exit code {code}"),
+            (None, None) => f.write_str("ended; its exit status could not be read"),
+        }?;
+        self.last_words.as_ref().map_or(Ok(()), |words| write!(f, ", saying: {words}"))
+    }
 }
 
 /// Shared between the supervising thread and the coupling loop.
@@ -38,6 +64,26 @@ struct Observations {
     exits_seen: AtomicUsize,
     exits: Mutex<Vec<Exit>>,
     processes: Mutex<Vec<Pid>>,
+}
+
+impl Observations {
+    /// Records that a process has ended, also if its exit status could not be read: the run must not
+    /// wait for it any longer.
+    fn record(&self, role: String, waited: io::Result<ExitStatus>, last_words: Option<String>) {
+        let status = match waited {
+            Ok(status) => {
+                tracing::info!(role, %status, "participant ended");
+                Some(status)
+            }
+            Err(error) => {
+                tracing::warn!(role, %error, "the exit status of a participant could not be read");
+                None
+            }
+        };
+        let mut exits = self.exits.lock().unwrap_or_else(PoisonError::into_inner);
+        exits.push(Exit { role, status, last_words });
+        self.exits_seen.store(exits.len(), Ordering::Release);
+    }
 }
 
 /// A process to start.
@@ -163,7 +209,7 @@ async fn watch(
     words: Arc<Mutex<Words>>,
     seen: Arc<Observations>,
 ) {
-    let Ok(status) = process.child.wait().await else { return };
+    let waited = process.child.wait().await;
     // What it started ends with it.
     drop(process);
     for relay in relays.into_iter().flatten() {
@@ -171,8 +217,35 @@ async fn watch(
         let _ = tokio::time::timeout(Duration::from_millis(50), relay).await;
     }
     let last_words = words.lock().unwrap_or_else(PoisonError::into_inner).end();
-    tracing::info!(role, %status, "participant ended");
-    let mut exits = seen.exits.lock().unwrap_or_else(PoisonError::into_inner);
-    exits.push(Exit { role, status, last_words });
-    seen.exits_seen.store(exits.len(), Ordering::Release);
+    seen.record(role, waited, last_words);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_exit_whose_status_cannot_be_read_is_recorded_all_the_same() {
+        let seen = Observations::default();
+        let said = Some("goodbye".to_owned());
+        seen.record("mech".to_owned(), Err(io::Error::other("no child process")), said);
+        assert_eq!(seen.exits_seen.load(Ordering::Acquire), 1);
+        let exits = seen.exits.lock().unwrap();
+        assert!(!exits[0].is_success());
+        let told = "ended; its exit status could not be read, saying: goodbye";
+        assert_eq!(exits[0].to_string(), told);
+    }
+
+    #[test]
+    fn an_exit_is_told_in_words() {
+        let exit = |raw: i32, last_words: Option<&str>| Exit {
+            role: "mech".to_owned(),
+            status: Some(ExitStatus::from_raw(raw)),
+            last_words: last_words.map(str::to_owned),
+        };
+        assert_eq!(exit(9, None).to_string(), "was killed by signal 9");
+        // Quoted words stay as they were said.
+        let told = "ended with exit code 3, saying: the mesh was ended";
+        assert_eq!(exit(3 << 8, Some("the mesh was ended")).to_string(), told);
+    }
 }

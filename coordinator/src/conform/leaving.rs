@@ -5,7 +5,6 @@ use super::check::Check;
 use super::fault::{Fault, Seen, broken, late};
 use super::grids::largest;
 use super::life::Life;
-use super::life::end_of;
 use contract::figure::value;
 use contract::message::Command;
 use contract::message::CommandKind;
@@ -168,9 +167,9 @@ fn end(mut life: Life, ran: bool) -> Result<Value, Fault> {
         return broken(format!("model_seconds is {}", finished.model_seconds));
     }
     let exit = life.leave("Finish")?;
-    match exit.status.success() {
+    match exit.is_success() {
         true => Ok(finished.summary),
-        false => broken(format!("after Finish its process {}", end_of(&exit))),
+        false => broken(format!("after Finish its process {}", exit)),
     }
 }
 

@@ -7,7 +7,6 @@ mod answer;
 mod ending;
 
 pub(super) use answer::Answer;
-pub(super) use ending::end_of;
 
 use super::fault::{Fault, broken, late};
 use super::given::Given;
@@ -144,7 +143,7 @@ impl Life {
         let broken = |how: String| Fault::Broken(format!("{what}: {how}"));
         match stopped {
             Stopped::Interrupted(signal) => Fault::Interrupted(signal),
-            Stopped::Exited(exit) => broken(format!("its process {}", end_of(&exit))),
+            Stopped::Exited(exit) => broken(format!("its process {exit}")),
             Stopped::Gone(_) => broken("its process is gone".to_owned()),
             Stopped::ReplyLost(_) => {
                 broken("no answer, and its heartbeat says that it waits for a command".to_owned())
@@ -152,7 +151,7 @@ impl Life {
             Stopped::Silent(_, time) | Stopped::Late(_, time) => {
                 broken(format!("no answer within {:.0} s", time.as_secs_f64()))
             }
-            Stopped::Transport(_, error) => error.into(),
+            Stopped::Transport(_, error) | Stopped::Doorbell(error) => error.into(),
         }
     }
 
@@ -169,7 +168,7 @@ impl Life {
     pub(super) fn answer(&mut self, what: &str) -> Result<Answer, Fault> {
         let Self { peers, beats, patience, .. } = self;
         let waited = peers.wait(ParticipantIndex::FIRST, *patience, || beats.push(Instant::now()));
-        let (_, message) = waited.map_err(|stopped| self.fault(stopped, what))?;
+        let message = waited.map_err(|stopped| self.fault(stopped, what))?;
         let (reply, body) = (*message.header(), message.body().to_vec());
         drop(message);
         let expected = self.peers.all()[ParticipantIndex::FIRST].sequence();

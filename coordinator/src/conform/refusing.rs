@@ -4,7 +4,6 @@ use super::bench::Bench;
 use super::check::Check;
 use super::fault::{Fault, Seen, broken};
 use super::life::Life;
-use super::life::end_of;
 use super::setting::Setting;
 use contract::configuration::Configuration;
 use contract::description::Description;
@@ -67,13 +66,13 @@ fn version(bench: &Bench) -> Result<Seen, Fault> {
     }
     let exit = life.leave("a run of another version")?;
     let words = exit.last_words.clone().unwrap_or_default();
-    if exit.status.success() {
-        return broken(format!("it {}", end_of(&exit)));
+    if exit.is_success() {
+        return broken(format!("it {}", exit));
     }
     let numbers =
         [OTHER_VERSION, bench.subject.description.protocol].map(|number| number.to_string());
     match numbers.iter().find(|number| !words.contains(*number)) {
-        Some(number) => broken(format!("it {}; {number} is not named", end_of(&exit))),
+        Some(number) => broken(format!("it {}; {number} is not named", exit)),
         None => Seen::kept(words),
     }
 }

@@ -57,8 +57,9 @@ impl Over {
 
     /// A process has ended: its last words, or how.
     fn exit(exit: &Exit) -> Self {
-        let code = exit.status.code().and_then(|code| u8::try_from(code).ok());
-        let signal = exit.status.signal();
+        let code =
+            exit.status.and_then(|status| status.code()).and_then(|code| u8::try_from(code).ok());
+        let signal = exit.status.and_then(|status| status.signal());
         let how = match (code, signal) {
             (Some(code), _) => format!("ended with exit code {code}"),
             (None, Some(signal)) => format!("was killed by signal {signal}"),
@@ -219,7 +220,7 @@ impl Run<'_> {
         let reply = self.peers.wait(ONE, FOR_EVER, || {
             let _ = sending.sign(&Frame::Beat);
         });
-        let (_, message) = reply.map_err(|stopped| self.over(stopped))?;
+        let message = reply.map_err(|stopped| self.over(stopped))?;
         let (reply, body): (Reply, Vec<u8>) = (*message.header(), message.body().to_vec());
         drop(message);
         let done = reply.status == Status::Done as u32;
@@ -318,6 +319,7 @@ impl Run<'_> {
                 Over::of(format!("at the far end it did not join within {seconds:.0} s"))
             }
             Stopped::Silent(..) | Stopped::Gone(_) => Over::of("the far participant is gone"),
+            Stopped::Doorbell(error) => Over::of(one_line(&error.to_string())),
             Stopped::Transport(_, error) => {
                 let until = Instant::now() + EXITS;
                 while Instant::now() < until {

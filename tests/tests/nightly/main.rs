@@ -10,9 +10,12 @@
 mod conform;
 mod engines;
 mod explicit;
+mod failures;
 mod licences;
 mod paper;
 mod release;
+#[path = "../shared/failures.rs"]
+mod shared_failures;
 #[path = "../shared/paper.rs"]
 mod shared_paper;
 mod snippets;

@@ -1,6 +1,7 @@
 //! Whoever dies, and however: the right exit code, one line that says who, when and what to do,
 //! and nothing left on the machine.
 
+use crate::failures;
 use crate::harness::{Ended, Place, Running, case, programs, sets, wait_until};
 use rustix::process::{Signal, kill_process};
 
@@ -139,6 +140,25 @@ fn a_participant_that_exits_is_named_with_its_last_words() {
         let ended = place.run(&case("exchange.toml"), &more);
         assert_failed(&place, &ended, &["left (toy-left) failed", when, what]);
     }
+}
+
+/// One fails at once, and the other one is still at work: nobody is accused of a lost message.
+#[test]
+fn a_failure_beside_one_still_at_work_keeps_its_words() {
+    for (failing, working) in [("right", "left"), ("left", "right")] {
+        let place = Place::new();
+        let (fault, delay) = (format!("{failing}.fault=error"), format!("{working}.delay=0.3"));
+        let settings = ["coupling.scheme=parallel-explicit", &fault, &delay];
+        let ended = place.run(&case("exchange.toml"), &sets(&settings));
+        let who = format!("{failing} (toy-{failing}) failed");
+        assert_failed(&place, &ended, &[&who, "in window 0, iteration 1", "told to fail"]);
+    }
+}
+
+/// The nightly tests do the same many more times, on busy processors.
+#[test]
+fn failures_keep_their_words() {
+    failures::failures_keep_their_words(32, 2);
 }
 
 #[test]
@@ -364,7 +384,7 @@ fn an_honest_rogue_goes_through() {
     assert_eq!(summary["right"]["solves"], 5);
     let told = |event: &serde_json::Value| {
         let text = event["fields"]["message"].as_str().unwrap_or_default();
-        text.contains("is not an object") && event["fields"]["role"] == "left"
+        text.contains("left: its summary is not an object")
     };
     assert!(place.log().iter().any(told), "the log says what was left out");
 }

@@ -34,6 +34,8 @@ mod elsewhere;
 mod engines;
 mod exchange;
 mod explicit;
+#[path = "../shared/failures.rs"]
+mod failures;
 mod faults;
 mod figures;
 mod fmi;

@@ -163,11 +163,43 @@ fn keys_that_only_ours_reads_are_a_warning() {
     };
     let ended = run("thermal.resolution=59");
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    let told = "which plays thermal, does not read thermal.resolution: without effect";
+    let told = "thermal.resolution: nothing in this case reads it: it has no effect";
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    assert!(ended.stderr.contains("thermal-solver as thermal"), "{}", ended.stderr);
     let ended = run("thermal.resolutoin=59");
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
     assert!(ended.stderr.contains("thermal.resolutoin: unknown key"), "{}", ended.stderr);
+}
+
+/// A participant that fails at once beside another one that is still at work has no answer in that row
+/// of a sequence, and the run goes on: its reply is not taken for that of the other.
+#[test]
+fn a_failure_beside_one_at_work_is_a_row_without_an_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rows.csv");
+    std::fs::write(&path, "mu\n0.2\n0.3\n0.4\n").unwrap();
+    let column = format!("motion.traction_coefficient={{file={path:?},column=\"mu\"}}");
+    let command = faulty("second-row");
+    let settings = [
+        "mech.resolution=120",
+        "thermal.model=strip-columns",
+        "coupling.scheme=parallel-explicit",
+        "time.mode=sequence",
+        "time.on_failure=skip",
+        &column,
+        &command,
+    ];
+    let (place, summary) = run("wheel-rail.toml", &settings);
+    assert_eq!(summary["coupling"]["rows_without_answer"], 1, "{summary}");
+    let status = place.table("history.csv");
+    assert_eq!(status.texts("status"), ["completed", "no-answer", "completed"]);
+    let told = |event: &Value| {
+        event["fields"]["message"]
+            .as_str()
+            .unwrap_or_default()
+            .contains("told to fail in the second row")
+    };
+    assert!(place.log().iter().any(told), "its words are in the log");
 }
 
 /// Its command says what it is, without starting it; without one it has to be ours.

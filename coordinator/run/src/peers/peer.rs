@@ -166,10 +166,12 @@ impl Peer {
         self.advance.map(|advance| (advance.newest(), advance.left()))
     }
 
-    /// The participant says that it has dealt with the last command. The first such heartbeat may
-    /// be left over from an earlier command whose number looks alike; the second one is not.
+    /// The participant says that it has dealt with the last command. Two such heartbeats may still
+    /// speak of an earlier command whose number looks alike: one that was rung before and not
+    /// received, and one that its heart had in hand when the processor was taken from it. The third
+    /// one was made after the second had been received.
     pub(super) fn has_dealt_with_it(&self) -> bool {
-        self.dealt_with >= 2
+        self.dealt_with >= 3
     }
 
     /// Time since the last sign of life, as far as this process ran.

@@ -2,12 +2,11 @@
 
 use super::peer::Peer;
 use super::phase::Phase;
-use crate::error::{Failure, RunError};
+use crate::error::{Failure, RunError, machine_failure};
 use crate::supervise::Exit;
 use contract::message::ProgressReport;
 use coupling::ParticipantIndex;
 use proto::transport::TransportError;
-use std::os::unix::process::ExitStatusExt;
 use std::time::Duration;
 use typed_index_collections::TiSlice;
 
@@ -28,6 +27,14 @@ pub enum Stopped {
     Late(ParticipantIndex, Duration),
     /// The exchange with it failed.
     Transport(ParticipantIndex, TransportError),
+    /// The coordinator's own doorbell failed.
+    Doorbell(TransportError),
+}
+
+impl From<TransportError> for Stopped {
+    fn from(error: TransportError) -> Self {
+        Self::Doorbell(error)
+    }
 }
 
 impl Stopped {
@@ -65,6 +72,12 @@ impl Stopped {
             Self::Transport(one, error) => {
                 failed(one, error.to_string(), "see its messages in log.jsonl")
             }
+            Self::Doorbell(error) => machine_failure(
+                "the coordinator's doorbell",
+                &when,
+                &error,
+                "check `ulimit -n` and the free space of /tmp and /dev/shm",
+            ),
         }
     }
 }
@@ -91,20 +104,27 @@ fn late(phase: Phase, patience: Duration, reached: Option<ProgressReport>) -> (S
 
 fn ended(peers: &TiSlice<ParticipantIndex, Peer>, exit: &Exit, when: String) -> RunError {
     let peer = peers.iter().find(|peer| peer.role() == exit.role);
-    let how = match (exit.status.signal(), exit.status.code()) {
-        (Some(7), _) => {
-            "killed by signal 7 (/dev/shm is full, or the run's files there were truncated)"
-                .to_owned()
-        }
-        (Some(signal), _) => format!("killed by signal {signal}"),
-        (_, Some(code)) => format!("ended with exit code {code}"),
-        _ => "ended".to_owned(),
-    };
-    let words = exit.last_words.as_ref().map_or_else(String::new, |w| format!(", saying: {w}"));
     RunError::Failed(Failure {
         who: peer.map_or_else(|| exit.role.clone(), Peer::who),
         when,
-        what: format!("its process was {how}{words}").replace("was ended", "ended"),
+        what: format!("its process {exit}"),
         fix: "see its messages in log.jsonl".to_owned(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use typed_index_collections::TiVec;
+
+    #[test]
+    fn a_failure_of_the_own_doorbell_is_nobody_elses() {
+        let cause = TransportError::Exchange {
+            service: "coordinator".to_owned(),
+            cause: "too many open files".to_owned(),
+        };
+        let error = Stopped::from(cause).error(&TiVec::new(), Phase::Finishing).to_string();
+        assert!(error.starts_with("the coordinator's doorbell failed"), "{error}");
+        assert!(error.contains("too many open files"), "{error}");
+    }
 }

@@ -3,8 +3,7 @@
 use crate::conform::fault::{Fault, broken, late};
 use proto::run_dir::{RunDir, RunInfo};
 use run::peers::LEAVE;
-use run::supervise::{Exit, Supervisor};
-use std::os::unix::process::ExitStatusExt;
+use run::supervise::Supervisor;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -45,15 +44,4 @@ pub(super) fn nothing_left(info: &RunInfo) -> Result<(), Fault> {
         [] => Ok(()),
         names => broken(format!("left in /dev/shm: {}", names.join(", "))),
     }
-}
-
-/// How a process ended, in words.
-pub(in crate::conform) fn end_of(exit: &Exit) -> String {
-    let how = match (exit.status.signal(), exit.status.code()) {
-        (Some(signal), _) => format!("was killed by signal {signal}"),
-        (_, Some(code)) => format!("ended with exit code {code}"),
-        _ => "ended".to_owned(),
-    };
-    let words = exit.last_words.as_ref().map_or_else(String::new, |w| format!(", saying: {w}"));
-    how + &words
 }

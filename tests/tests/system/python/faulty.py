@@ -25,6 +25,8 @@ class Faulty(StripColumns):
         return super().configure(configuration)
 
     def solve(self, step, inputs, outputs):
+        if FAULT == "second-row" and step.window == 1:
+            raise ValueError("told to fail in the second row")
         report = super().solve(step, inputs, outputs)
         match FAULT:
             case "raise":

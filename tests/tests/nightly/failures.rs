@@ -1,0 +1,15 @@
+//! No participant that replies is accused of a lost message, under any load.
+
+use crate::shared_failures::failures_keep_their_words;
+
+/// How many runs are started, unless the environment names another number.
+const STARTS: u64 = 1000;
+
+/// Three threads to a core keep the processors busy. `COSIM_FAILING_STARTS` is the number of runs.
+#[test]
+fn failures_keep_their_words_under_load() {
+    let named = std::env::var("COSIM_FAILING_STARTS").ok();
+    let starts = named.map_or(STARTS, |text| text.parse().expect("a number of runs"));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    failures_keep_their_words(starts, 3 * cores);
+}
