@@ -40,15 +40,8 @@ impl CaseArguments {
         Ok(raw)
     }
 
-    /// Plans it; keys that others have replaced are told.
+    /// Plans it.
     pub(crate) fn plan(&self) -> Result<Planned, RunError> {
-        let planned = self.plan_again()?;
-        crate::logging::warn_of_replaced(&planned.case);
-        Ok(planned)
-    }
-
-    /// Plans what has been described before.
-    pub(crate) fn plan_again(&self) -> Result<Planned, RunError> {
         let raw = self.read()?;
         tracing::info_span!("plan").in_scope(|| plan(raw))
     }

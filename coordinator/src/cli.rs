@@ -17,7 +17,7 @@ use crate::fmu;
 use crate::inspect;
 use crate::keys;
 use crate::listing::Listing;
-use crate::logging::{Level, Logging};
+use crate::logging::{Level, Logging, log_warnings};
 use crate::manual;
 use crate::new;
 use crate::new_solver;
@@ -49,7 +49,7 @@ use run::results::place::RESULTS;
 use run::results::{Existing, ResultFolder, show};
 use run::signals;
 use run::warnings::{self, Warning};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -359,8 +359,21 @@ fn check_as_json(asked: &CaseArguments) -> Result<(), RunError> {
             (vec![nowhere], Vec::new())
         }
     };
+    let warnings: Vec<Value> = warnings.iter().map(warning_as_json).collect();
     print(false, &json(&json!({"case": asked.case, "errors": errors, "warnings": warnings})))?;
     planned.map(drop)
+}
+
+/// A warning with the same entries as an error has, besides its own.
+fn warning_as_json(warning: &Warning) -> Value {
+    let mut entries = json!(warning);
+    let usual = [("place", String::new()), ("reason", warning.to_string()), ("fix", String::new())];
+    for (name, value) in usual {
+        if entries.get(name).is_none() {
+            entries[name] = value.into();
+        }
+    }
+    entries
 }
 
 /// The plan of a case, and what its effects are worth.
@@ -410,8 +423,9 @@ fn begin(run: &RunArguments, log: &Logging) -> Result<Begun, RunError> {
     let planning = Instant::now();
     let case = run.case();
     let planned = case.plan()?;
-    if run.strict {
-        refuse_warnings(&planned.plan.warnings)?;
+    match run.strict {
+        true => refuse_warnings(&planned.plan.warnings)?,
+        false => log_warnings(&planned.plan.warnings),
     }
     let plan_seconds = planning.elapsed().as_secs_f64();
     let folder = run.folder(&planned, &case.case)?;
@@ -517,7 +531,7 @@ fn run_to(asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
 /// A run that is to take the place of an answer.
 fn refine(run: &RunArguments, answer: &ResultFolder, log: &Logging) -> Result<Begun, RunError> {
     let planning = Instant::now();
-    let planned = run.case().plan_again()?;
+    let planned = run.case().plan()?;
     let plan_seconds = planning.elapsed().as_secs_f64();
     let folder = answer.refined()?;
     log_into(&folder, log)?;

@@ -9,6 +9,7 @@
 use crate::colour;
 use indicatif::ProgressBar;
 use proto::logging::{ignored, wanted};
+use run::warnings::Warning;
 use std::fs::File;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -204,10 +205,10 @@ impl<'a> MakeWriter<'a> for Screen {
     }
 }
 
-/// Warns of the keys of the file that an option has replaced, if any.
-pub(crate) fn warn_of_replaced(case: &case::Case) {
-    for case::Replaced { option, keys } in &case.replaced {
-        tracing::warn!("{option} replaces {} of the case", keys.join(", "));
+/// Writes the warnings of a plan to the log, before anything of it runs.
+pub(crate) fn log_warnings(warnings: &[Warning]) {
+    for warning in warnings {
+        tracing::warn!("{warning}");
     }
 }
 

@@ -86,6 +86,26 @@ fn read(case: &Path) -> Result<RawCase, RunError> {
     Ok(raw)
 }
 
+/// Refuses to vary a key that nothing reads: every run would give the same answer.
+///
+/// # Errors
+/// The key, and what would read it, with the place of the option.
+pub(crate) fn refuse_unread(standing: &Planned, key: &str, option: &str) -> Result<(), RunError> {
+    let within = |other: &str| {
+        other == key || other.strip_prefix(key).is_some_and(|rest| rest.starts_with('.'))
+    };
+    let Some(unread) = standing.case.unread.iter().find(|unread| within(&unread.key)) else {
+        return Ok(());
+    };
+    let fix = match unread.readers.as_slice() {
+        [] => "name its entry where it is to be used".to_owned(),
+        readers => format!("choose {}", readers.join(" or ")),
+    };
+    Err(RunError::Usage(format!(
+        "{option} {key}: nothing in this case reads it, and all runs would be the same; {fix}"
+    )))
+}
+
 /// Runs a case with a variant's changes into a folder; its summary.
 ///
 /// # Errors

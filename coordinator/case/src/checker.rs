@@ -25,8 +25,6 @@ pub(super) struct Checker<'a> {
     pub(super) meant: Vec<String>,
     /// What the usual programs say of themselves whose roles others play.
     pub(super) replaced: &'a [(String, Description)],
-    /// Roles with a key that only the usual program reads.
-    pub(super) unread: Vec<(String, String)>,
     /// The columns of tables that keys refer to.
     pub(super) columns: Columns,
     /// Values that are given from outside, by key.
@@ -53,7 +51,6 @@ impl<'a> Checker<'a> {
             values: Params(Json::Object(Map::new())),
             meant: Vec::new(),
             replaced,
-            unread: Vec::new(),
             columns: Columns::default(),
             live: BTreeMap::new(),
             problems: Vec::new(),
@@ -77,11 +74,9 @@ impl<'a> Checker<'a> {
         self.known.iter().filter(|k| super::known::matches(&k.spec.path, key)).collect()
     }
 
-    /// The role whose usual program, in the place of which another one runs, reads such a key.
-    pub(super) fn replaced_reader(&self, reads: impl Fn(&KeySpec) -> bool) -> Option<&'a str> {
-        let reader =
-            self.replaced.iter().find(|(_, description)| all_keys(description).any(&reads));
-        reader.map(|(role, _)| role.as_str())
+    /// The usual program of a role, in the place of which another one runs, reads such a key.
+    pub(super) fn is_read_by_replaced(&self, reads: impl Fn(&KeySpec) -> bool) -> bool {
+        self.replaced.iter().any(|(_, description)| all_keys(description).any(&reads))
     }
 
     /// Collects the names that active `name_in` keys refer to, by value or by default.

@@ -20,6 +20,9 @@ pub(super) struct Known {
     pub(super) spec: KeySpec,
     pub(super) shape: Shape,
     pub(super) owner: String,
+    /// What would make the owner read it: a model as `mech.model = "half-space"`, an effect, or its
+    /// section.
+    pub(super) reader: String,
     pub(super) active: bool,
 }
 
@@ -42,7 +45,7 @@ pub(super) fn known_keys(selection: &Selection<'_>, extra_roles: &[String]) -> V
     for own in own_keys() {
         let known = |spec, active| {
             let owner = COORDINATOR.to_owned();
-            Known { spec, shape: own.shape, owner, active }
+            Known { spec, shape: own.shape, reader: owner.clone(), owner, active }
         };
         match own.spec.path.strip_prefix(ROLE) {
             Some(rest) => keys.extend(roles.iter().map(|(role, player)| {
@@ -84,22 +87,30 @@ fn for_role(spec: &KeySpec, role: &str, rest: &str, player: Option<&Player<'_>>)
 }
 
 fn add_player(keys: &mut Vec<Known>, player: &Player<'_>, effects: &[String]) {
-    let known = |spec: &KeySpec, active| Known {
+    let role = player.role;
+    let whole = match player.present {
+        true => format!("an effect of {role}"),
+        false => format!("[{role}]"),
+    };
+    let known = |spec: &KeySpec, reader: &str, chosen: bool| Known {
         spec: spec.clone(),
         shape: if spec.list { Shape::OneOrList } else { Shape::One },
-        owner: player.role.to_owned(),
-        active: active && player.needed,
+        owner: role.to_owned(),
+        reader: if chosen { whole.clone() } else { reader.to_owned() },
+        active: chosen && player.needed,
     };
-    keys.extend(player.description.keys.iter().map(|spec| known(spec, true)));
-    // Of a model that there is not, the first one stands for what it would read.
+    keys.extend(player.description.keys.iter().map(|spec| known(spec, role, true)));
+    // If the case names an unknown model, its keys are checked against the first model.
     let standing = player.model.or(player.description.models.first());
     for model in &player.description.models {
         let chosen = standing.is_some_and(|m| m.name == model.name);
-        keys.extend(model.keys.iter().map(|spec| known(spec, chosen)));
+        let reader = format!("{role}.model = \"{}\"", model.name);
+        keys.extend(model.keys.iter().map(|spec| known(spec, &reader, chosen)));
     }
     for effect in &player.description.effects {
         let active = effects.contains(&effect.name);
-        keys.extend(effect.keys.iter().map(|spec| known(spec, active)));
+        let reader = format!("[effects.{}]", effect.name);
+        keys.extend(effect.keys.iter().map(|spec| known(spec, &reader, active)));
     }
 }
 

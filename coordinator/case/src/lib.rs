@@ -12,11 +12,11 @@
 //! What is decided here, and not in the types:
 //! - A section is a participant if its role has a description; a participant that does not stand
 //!   alone and claims no active effect is idle: its keys may be in the case but are not required.
-//! - A key that only another model of a participant, or an effect that is off, reads is no error,
-//!   so that a case survives `--set mech.model=...`; its value must still be of the right kind.
-//! - A key that the usual program of a role reads and the one that has taken its place does not is a
-//!   warning, so that a case survives `--set thermal.command=...`. An effect that nobody offers stays an
-//!   error: without it the answer is another one.
+//! - A key that only another model of a participant, an effect that is off, or the usual program of a
+//!   role whose place another one has taken reads is no error, so that a case survives
+//!   `--set mech.model=...` and `--set thermal.command=...`; its value must still be of the right kind.
+//!   It is noted in [`Case::unread`], which becomes a warning. An effect that nobody offers stays an error:
+//!   without it the answer is another one.
 //! - Of alternatives (`one_of`) exactly one must be given whenever any of them is read. One set by
 //!   an option replaces those of the file; two set by options, or two in the file, are an error.
 //! - A member of an alternative that is marked required or has a default is so only if its
@@ -54,6 +54,7 @@ mod tests;
 mod text;
 mod tree;
 mod unit;
+mod unread;
 mod walk;
 
 pub use alone::{Alone, judge_alone};
@@ -64,6 +65,7 @@ pub use quantity::{QuantityError, parse_quantity};
 pub use raw::{RawCase, RawParticipant};
 pub use settled::{Case, Control, Coupling, Limits, Output, OutputFields, ParticipantCase, Timing};
 pub use unit::si_exponents;
+pub use unread::Unread;
 
 use checker::{Checker, fill_defaults};
 use contract::bodies::Bodies;
@@ -72,9 +74,8 @@ use known::{instances, known_keys};
 use selection::Selection;
 use settings::Settings;
 
-/// Validates a case against what its participants, by role, say of themselves. A key that only the
-/// usual program of a role reads, the place of which another has taken, is noted in
-/// [`Case::unread`]; it is no error.
+/// Validates a case against what its participants, by role, say of themselves; `swapped` are the usual
+/// programs of roles that others play.
 ///
 /// # Errors
 /// Everything that is wrong with the case.
@@ -101,7 +102,8 @@ pub fn validate(
     checker.models();
     checker.own_rules();
     let histories = checker.histories();
-    let Checker { values, references, unread, problems, live, .. } = checker;
+    let unread = checker.unread();
+    let Checker { values, references, problems, live, .. } = checker;
     let live = live.into_values().collect();
     match case.report(problems) {
         Some(problems) => Err(problems),

@@ -185,9 +185,15 @@ fn coupling() -> Vec<OwnKey> {
 
 /// The measures of convergence, for all fields or for one.
 fn tolerances(section: &str) -> impl Iterator<Item = OwnKey> {
+    let relative = "largest residual over the values returned, in two-norms";
+    let default = Implicit::default().tolerances.relative.filter(|_| section == "coupling");
+    let relative = match default {
+        Some(default) => format!("{relative}; {default:e} where no tolerance is given"),
+        None => relative.to_owned(),
+    };
     let measures = [
         ("absolute", "largest two-norm of the residual, in the field's unit"),
-        ("relative", "largest residual over the values returned, in two-norms"),
+        ("relative", &*relative),
         ("residual_relative", "largest residual over the first one of the window, in two-norms"),
     ];
     measures

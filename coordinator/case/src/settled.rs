@@ -8,6 +8,7 @@ use super::live_key::LiveKey;
 use super::raw::RawCase;
 use super::settings::Settings;
 use super::tree::{Origin, Table, Value};
+use super::unread::Unread;
 use contract::bodies::Bodies;
 use contract::configuration::Mode;
 use contract::description::Description;
@@ -48,8 +49,8 @@ pub struct Case {
     pub limits: Limits,
     /// What a run writes.
     pub output: Output,
-    /// Roles with a key that the usual program would read, and the one that plays the role does not.
-    pub unread: Vec<(String, String)>,
+    /// Keys of the case that nothing reads.
+    pub unread: Vec<Unread>,
     /// All checked keys, nested by table, in SI units, defaults filled in. Keys of models that
     /// are not chosen are among them if the case has them.
     pub values: Params,

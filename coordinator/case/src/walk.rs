@@ -83,7 +83,7 @@ impl Checker<'_> {
                 let refers = matches!(&k.spec.kind, KeyKind::NameIn { table } if named(table));
                 refers || leads_to(key, &k.spec.path)
             })
-            || self.replaced_reader(|spec| leads_to(key, &spec.path)).is_some()
+            || self.is_read_by_replaced(|spec| leads_to(key, &spec.path))
     }
 
     fn not_a_section(&mut self, key: &str, node: &Node) {
@@ -109,8 +109,8 @@ impl Checker<'_> {
         if section == "effects" {
             return self.unknown_effect(key, name, node);
         }
-        if let Some(role) = self.replaced_reader(|spec| matches(&spec.path, key)) {
-            return self.unread.push((role.to_owned(), key.to_owned()));
+        if self.is_read_by_replaced(|spec| matches(&spec.path, key)) {
+            return;
         }
         let kind = if section.is_empty() && node.table().is_some() { "section" } else { "key" };
         let siblings = self.siblings(section);

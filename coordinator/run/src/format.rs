@@ -96,7 +96,7 @@ const UNITS: [(&str, &str); 14] = [
 #[must_use]
 pub fn stem_and_unit(key: &str) -> (&str, &'static str) {
     match UNITS.iter().find(|(ending, _)| key.ends_with(ending)) {
-        Some((ending, si)) => (key.trim_end_matches(ending), si),
+        Some((ending, si)) => (key.strip_suffix(ending).unwrap_or(key), si),
         None if key.ends_with("bytes_exchanged") => (key, "byte"),
         None => (key, "-"),
     }

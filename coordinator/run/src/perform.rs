@@ -22,6 +22,7 @@ use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
 use crate::session::Session;
+use crate::warnings::Warning;
 use case::Case;
 use contract::message::Finished;
 use march::March;
@@ -110,10 +111,11 @@ fn perform_whole(
         Some(checkpoint) => checkpoint.state.counts.resumed(start.plan_seconds),
         None => Counts { plan_seconds: start.plan_seconds, ..Counts::default() },
     };
+    let mut warnings = plan.warnings.clone();
     let (ended, recorder) = match set_out(planned, folder, from, record) {
         Ok(recorder) => {
-            let ended =
-                perform(planned, folder, progress, &mut counts, (from, driver), recorder.clone());
+            let found = (&mut counts, &mut warnings);
+            let ended = perform(planned, folder, progress, found, (from, driver), recorder.clone());
             (ended, recorder)
         }
         Err(error) => (Err(error), None),
@@ -135,9 +137,17 @@ fn perform_whole(
         Some(error) => (Status::Failed, error.to_string()),
     };
     let wall_seconds = start.since.elapsed().as_secs_f64();
-    let (finished, sections) = (&finished, &sections);
-    let summary =
-        build(&Ingredients { plan, status, reason, counts, finished, sections, wall_seconds });
+    let (finished, sections, warnings) = (&finished, &sections, &warnings);
+    let summary = build(&Ingredients {
+        plan,
+        status,
+        reason,
+        counts,
+        finished,
+        sections,
+        warnings,
+        wall_seconds,
+    });
     let error = first(error, folder.write_summary(&json(&summary)));
     Outcome { summary, error }
 }
@@ -212,9 +222,7 @@ fn finish_recording(
     match ended {
         Ok(finished) => written.map(|_| finished),
         // A run that the recording has ended has reported it already.
-        Err(error) if written.as_ref().is_err_and(|w| w.to_string() == error.to_string()) => {
-            Err(error)
-        }
+        Err(error) if recorder.has_reported() => Err(error),
         Err(error) => Err(error.and(written.map(drop))),
     }
 }
@@ -241,7 +249,7 @@ fn perform(
     planned: &Planned,
     folder: &ResultFolder,
     progress: &Rc<dyn Progress>,
-    counts: &mut Counts,
+    (counts, warnings): (&mut Counts, &mut Vec<Warning>),
     (from, driver): (Option<&Checkpoint>, Option<&mut dyn Driver>),
     recorder: Option<Arc<Recorder>>,
 ) -> Result<Vec<Finished>, RunError> {
@@ -277,6 +285,9 @@ fn perform(
     };
     let looped = tracing::info_span!("windows").in_scope(windows);
     counts.bytes_exchanged = session.bytes_exchanged();
+    let known = |one: &&Warning| plan.warnings.iter().any(|other| other.says_the_same(one));
+    let new = session.warnings().iter().filter(|one| !known(one)).cloned();
+    warnings.extend(new);
     // Whatever happened, what was written so far stays readable.
     if let Some(error) = first(looped.err(), tables.flush()) {
         return Err(error);

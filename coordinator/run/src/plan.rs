@@ -19,8 +19,9 @@ mod volume;
 
 pub use alone::Shown;
 pub use contents::{
-    Effect, Field, History, LiveValue, Participant, Plan, Planned, SchemeChoice, geometry_bytes,
-    sample_bytes, topic_bytes,
+    Effect, Field, History, LiveValue, Participant, Plan, Planned, PlannedMapping, SchemeChoice,
+    geometry_bytes, sample_bytes, topic_bytes,
 };
 pub use make::plan;
 pub use mapping::non_matching;
+pub(crate) use mapping::warn_of_coverage;

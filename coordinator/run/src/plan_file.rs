@@ -3,6 +3,7 @@
 use crate::error::RunError;
 use crate::plan::{Effect, Field, Participant, Plan};
 use crate::results::ResultFolder;
+use crate::warnings::Warning;
 use contract::configuration::Layout;
 use contract::diagram::Diagram;
 use contract::figure::FigureSpec;
@@ -53,6 +54,9 @@ pub struct PlanFile {
     /// Diagrams of them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub diagrams: Vec<Diagram>,
+    /// What may not be meant.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<Warning>,
     /// The plan as `coordinator plan` prints it.
     pub text: String,
 }
@@ -165,6 +169,7 @@ impl PlanFile {
             fields: plan.fields.iter().map(|field| FieldPlan::of(field, plan)).collect(),
             figures: plan.figures.clone(),
             diagrams: plan.diagrams.clone(),
+            warnings: plan.warnings.clone(),
             text: plan.to_string(),
         }
     }

@@ -226,6 +226,12 @@ impl Recorder {
         length.map_err(|error| file_failure(&self.path, &error))
     }
 
+    /// A failure of the recording has already ended the run.
+    #[must_use]
+    pub fn has_reported(&self) -> bool {
+        lock(&self.progress.0).reported
+    }
+
     /// The last of the file is written, and flushed; less patiently once the user wants to stop.
     fn wait_for_end(&self, thread: &JoinHandle<()>) -> Result<(), RunError> {
         let start = Instant::now();
@@ -245,7 +251,9 @@ impl Recorder {
         let mut progress = lock(mutex);
         loop {
             if let Some(why) = &progress.failed {
-                return Err(failed(&self.path, why));
+                let error = failed(&self.path, why);
+                progress.reported = true;
+                return Err(error);
             }
             if ready(&progress) {
                 return Ok(());
@@ -272,7 +280,7 @@ impl Recorder {
 }
 
 fn index(participant: ParticipantIndex) -> u16 {
-    u16::try_from(usize::from(participant)).expect("a run has at most sixteen participants")
+    u16::try_from(usize::from(participant)).expect("a run has at most twelve participants")
 }
 
 fn head(plan: &Plan, files: Vec<CaseFile>) -> Head {

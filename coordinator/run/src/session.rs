@@ -39,6 +39,7 @@ pub use solved::SolveRecord;
 pub use tap::{Consumer, Tap};
 
 use crate::peers::{EndsFirst, Peers};
+use crate::warnings::Warning;
 use coupling::{Part, ParticipantIndex};
 use feedback::Feedback;
 use figures::Figures;
@@ -78,6 +79,8 @@ pub struct Session {
     /// A participant has no answer to the window.
     unanswered: bool,
     bytes_exchanged: u64,
+    /// What has turned out in the run that may not be meant.
+    warnings: Vec<Warning>,
     peers: Peers,
 }
 
@@ -116,6 +119,12 @@ impl Session {
     #[must_use]
     pub fn bytes_exchanged(&self) -> u64 {
         self.bytes_exchanged
+    }
+
+    /// What has turned out in the run that may not be meant.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 
     /// Seconds so far in which some model computed; models that compute at the same time count

@@ -1,17 +1,35 @@
-//! What is hardly so: values of a case and figures of its answer beyond what their descriptions expect.
+//! Warnings: what may not be meant, in a case, in a plan, or in an answer.
+//!
+//! There is one list. Planning begins it ([`crate::plan::Plan::warnings`]); `check` and `plan` print it,
+//! commands that run something write it to standard error and the log; a run adds what it has found, and
+//! the summary holds them all. With `--strict` each of them is an error.
 
+use case::Problem;
 use contract::figure::{FigureSpec, value};
 use contract::plausible::Plausible;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fmt;
 
-/// A value that is not expected.
+/// What may not be meant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Warning {
+#[serde(untagged)]
+pub enum Warning {
+    /// A value beyond what its description expects.
+    Value(Implausible),
+    /// Anything else.
+    Remark(Remark),
+}
+
+/// A value beyond what its description expects.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Implausible {
     /// Dotted key of the case, or of the summary.
     pub key: String,
-    /// What of it the value is, if it is not its own.
+    /// Place in the case; absent for a key of the summary.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// What of the key the value is, if it is not its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quantity: Option<String>,
     /// The value (SI).
@@ -24,19 +42,75 @@ pub struct Warning {
     pub why: String,
 }
 
+/// Something else that may not be meant, in words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Remark {
+    /// Dotted key of the case, or of the summary; several are separated by commas.
+    pub key: String,
+    /// Place in the case, if it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// What is the matter.
+    pub reason: String,
+    /// What to do.
+    pub fix: String,
+}
+
 impl Warning {
-    /// Of a value, if it is beyond what is expected.
-    pub(crate) fn of(key: &str, value: f64, unit: &str, expected: &Plausible) -> Option<Self> {
+    /// A remark about a key of the summary, or about no place of the case.
+    pub(crate) fn remark(key: &str, reason: impl Into<String>, fix: &str) -> Self {
+        let (key, reason, fix) = (key.to_owned(), reason.into(), fix.to_owned());
+        Self::Remark(Remark { key, place: None, reason, fix })
+    }
+
+    /// A warning of a value, if it is beyond what is expected.
+    pub(crate) fn of(
+        key: &str,
+        place: Option<String>,
+        value: f64,
+        unit: &str,
+        expected: &Plausible,
+    ) -> Option<Self> {
         let bound = expected.bound_passed(value)?;
         let unit = if unit == "1" { String::new() } else { unit.to_owned() };
         let (key, why) = (key.to_owned(), expected.why.clone());
-        Some(Self { key, quantity: None, value, unit, bound, why })
+        Some(Self::Value(Implausible { key, place, quantity: None, value, unit, bound, why }))
+    }
+
+    /// Another warning has the same words, wherever its key stands.
+    pub(crate) fn says_the_same(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
+
+    /// Dotted key of the case, or of the summary.
+    #[must_use]
+    pub fn key(&self) -> &str {
+        match self {
+            Self::Value(Implausible { key, .. }) | Self::Remark(Remark { key, .. }) => key,
+        }
+    }
+}
+
+/// What is no error of a case, but has its place, reason and fix.
+impl From<Problem> for Warning {
+    fn from(problem: Problem) -> Self {
+        let Problem { place, key, reason, fix } = problem;
+        Self::Remark(Remark { key, place: Some(place.to_string()), reason, fix })
     }
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { key, quantity, value, unit, bound, why } = self;
+        match self {
+            Self::Value(implausible) => implausible.fmt(f),
+            Self::Remark(Remark { key, reason, fix, .. }) => write!(f, "{key}: {reason}; {fix}"),
+        }
+    }
+}
+
+impl fmt::Display for Implausible {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { key, quantity, value, unit, bound, why, .. } = self;
         let side = if value.abs() < *bound { "at least" } else { "at most" };
         let space = if unit.is_empty() { "" } else { " " };
         let is = match quantity {
@@ -58,18 +132,18 @@ fn plain(value: f64) -> String {
     if (1e-3..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
-/// Those that a summary has.
+/// The warnings that a summary has.
 #[must_use]
 pub fn of_summary(summary: &Value) -> Vec<Warning> {
     summary.get("warnings").and_then(|list| Vec::deserialize(list).ok()).unwrap_or_default()
 }
 
-/// Of the figures of a summary.
+/// The warnings of the figures of a summary.
 #[must_use]
 pub fn of_figures(summary: &Value, figures: &[FigureSpec]) -> Vec<Warning> {
     let of = |figure: &FigureSpec| {
         let expected = figure.plausible.as_ref()?;
-        Warning::of(&figure.key, value(summary, &figure.key)?, &figure.unit, expected)
+        Warning::of(&figure.key, None, value(summary, &figure.key)?, &figure.unit, expected)
     };
     figures.iter().filter_map(of).collect()
 }
@@ -78,13 +152,29 @@ pub fn of_figures(summary: &Value, figures: &[FigureSpec]) -> Vec<Warning> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_warning_says_all() {
+    fn radius() -> Warning {
         let expected =
             Plausible { least: None, most: Some(50.0), why: "no wheel is larger".to_owned() };
-        let warning = Warning::of("bodies.wheel.radius_x", 460.0, "m", &expected).unwrap();
+        assert_eq!(Warning::of("x", None, 40.0, "m", &expected), None);
+        Warning::of("bodies.wheel.radius_x", None, 460.0, "m", &expected).unwrap()
+    }
+
+    #[test]
+    fn a_warning_says_all() {
         let text = "bodies.wheel.radius_x is 460 m, at most 50 m is expected: no wheel is larger";
-        assert_eq!(warning.to_string(), text);
-        assert_eq!(Warning::of("x", 40.0, "m", &expected), None);
+        assert_eq!(radius().to_string(), text);
+        let remark =
+            Warning::remark("mapping.method", "the density is not bounded", "choose another");
+        assert_eq!(
+            remark.to_string(),
+            "mapping.method: the density is not bounded; choose another"
+        );
+    }
+
+    #[test]
+    fn a_summary_gives_its_warnings_back() {
+        let warnings = vec![radius(), Warning::remark("a.b", "is not read", "remove it")];
+        let summary = serde_json::json!({"warnings": warnings});
+        assert_eq!(of_summary(&summary), warnings);
     }
 }

@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let (case, base) = (asked.of.case.clone(), asked.of.base());
     let standing = planned(&case, &base)?;
-    crate::logging::warn_of_replaced(&standing.case);
+    crate::logging::log_warnings(&standing.plan.warnings);
     let name = format!("{}-ablate", standing.plan.name);
     let folder = asked.folder.choose(Study::COMMAND, &name, &|_| false)?;
     let scratch = Scratch::new()?;

@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let request = request(asked)?;
     let standing = planned(&request.case, &request.base)?;
-    crate::logging::warn_of_replaced(&standing.case);
+    crate::logging::log_warnings(&standing.plan.warnings);
     let none = FinishedRuns::none(&request, &standing)?;
     let name = format!("{}-cost", standing.plan.name);
     let goes_on = |folder: &Path| none.read(folder).is_some();

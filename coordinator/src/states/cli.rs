@@ -6,7 +6,7 @@ use super::study::Study;
 use crate::study::arguments::{CaseArguments, FolderArguments};
 use crate::study::axis::Axis;
 use crate::study::output::{Kept, Printing, Shown};
-use crate::study::planned;
+use crate::study::{planned, refuse_unread};
 use clap::Args;
 use run::error::RunError;
 use run::scratch::Scratch;
@@ -33,7 +33,8 @@ pub(crate) struct Arguments {
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let (case, base) = (asked.of.case.clone(), asked.of.base());
     let standing = planned(&case, &base.with(&asked.start.key, &asked.start.values[0]))?;
-    crate::logging::warn_of_replaced(&standing.case);
+    refuse_unread(&standing, &asked.start.key, "--start")?;
+    crate::logging::log_warnings(&standing.plan.warnings);
     let name = format!("{}-states", standing.plan.name);
     let folder = asked.folder.choose(Study::COMMAND, &name, &|_| false)?;
     let scratch = Scratch::new()?;

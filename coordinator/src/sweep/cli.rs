@@ -14,10 +14,10 @@ use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::quantity::Quantities;
-use crate::study::{Variant, expected_run_seconds, planned};
+use crate::study::{Variant, expected_run_seconds, planned, refuse_unread};
 use clap::Args;
 use contract::text::json;
-use run::error::RunError;
+use run::error::{Failure, RunError};
 use run::format::counted;
 use run::plan::Planned;
 use run::scratch::Scratch;
@@ -63,7 +63,8 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     let design = asked.points.design()?;
     let first = |all: Variant, one: &Axis| all.with(&one.key, &one.values[0]);
     let standing = planned(&case, &design.vary.iter().fold(base.clone(), first))?;
-    crate::logging::warn_of_replaced(&standing.case);
+    refuse_unread_keys(&case, &base, &design.vary, &standing)?;
+    crate::logging::log_warnings(&standing.plan.warnings);
     let mut study = Study::new(&standing, case.display().to_string(), &base, design)?;
     study.part = asked.part;
     let folder = folder(asked, &study)?;
@@ -95,7 +96,49 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     match printing.json {
         true => output::print(&json(&study.whole())),
         false => printing.print(&study, || page::text(&study) + &fitted, &folder),
+    }?;
+    // A part is judged with the others, where they are collected.
+    if asked.part.is_some() { Ok(()) } else { without_answers(&study) }
+}
+
+/// A sweep in which every point has failed is an error.
+fn without_answers(study: &Study) -> Result<(), RunError> {
+    let failures: Vec<&String> = study.rows.iter().filter_map(|row| row.failed.as_ref()).collect();
+    match failures.first() {
+        Some(first) if failures.len() == study.rows.len() => Err(RunError::Failed(Failure {
+            who: format!("the sweep of {}", study.case),
+            when: "at every point".to_owned(),
+            what: (*first).clone(),
+            fix: "see sweep.csv".to_owned(),
+        })),
+        _ => Ok(()),
     }
+}
+
+/// Refuses keys that no point of the sweep reads. Which keys are read may depend on others that vary,
+/// such as a model: their words are tried one by one.
+fn refuse_unread_keys(
+    case: &Path,
+    base: &Variant,
+    vary: &[Axis],
+    standing: &Planned,
+) -> Result<(), RunError> {
+    let first = |all: Variant, one: &Axis| all.with(&one.key, &one.values[0]);
+    for Axis { key, .. } in vary {
+        let Err(refused) = refuse_unread(standing, key, "--vary") else { continue };
+        let words = vary.iter().filter(|other| other.key != *key && other.numbers().is_none());
+        let mut others = words.flat_map(|other| {
+            let values = other.values.iter().skip(1);
+            values.map(|value| vary.iter().fold(base.clone(), first).with(&other.key, value))
+        });
+        let reads = |variant: Variant| {
+            planned(case, &variant).is_ok_and(|other| refuse_unread(&other, key, "--vary").is_ok())
+        };
+        if !others.any(reads) {
+            return Err(refused);
+        }
+    }
+    Ok(())
 }
 
 /// The folder of a sweep; that of the same one if it was stopped.

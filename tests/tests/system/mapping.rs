@@ -192,15 +192,18 @@ fn the_plan_tells_what_is_mapped_and_how_well() {
     let (_, plan) = told("plan", "wheel-rail.toml", &nearest);
     assert!(plan.contains("nearest-neighbour, conservative"), "{plan}");
     assert!(
-        plan.contains("warning: this conserves the integral but does not bound the density"),
+        plan.contains(
+            "nearest-neighbour, which conserves the integral but does not bound the density"
+        ),
         "{plan}"
     );
     let aside = ["relay.offset=20", "mapping.fields.relay_value.method=radial-basis"];
     let (_, plan) = told("plan", "linear.toml", &aside);
     assert!(plan.contains("radial-basis, consistent"), "{plan}");
     assert!(plan.contains("nearest-projection, consistent"), "{plan}");
-    let told = "warning: 20 of 100 elements lie beyond the other grid's border, up to 19500.000 mm";
-    assert_eq!(plan.matches(told).count(), 2, "both ways: {plan}");
+    let told = "20 of 100 elements lie beyond the other grid's border, up to 19500.000 mm";
+    assert_eq!(plan.matches(told).count(), 4, "both ways, as a warning and in its place: {plan}");
+    assert_eq!(plan.matches("warning mapping.method: ").count(), 2, "{plan}");
 }
 
 #[test]

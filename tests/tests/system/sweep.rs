@@ -300,3 +300,16 @@ fn what_cannot_vary_is_told() {
     told("motion.speed=1..x/3", "an end that is no number");
     told("motion.sped=1,2", "motion.speed");
 }
+
+/// A sweep in which every point has failed ends with an error; its table is there all the same.
+#[test]
+fn a_sweep_without_any_answer_has_failed() {
+    let place = Place::new();
+    let (file, out) = (case("wheel-rail.toml"), place.out().display().to_string());
+    let vary = "motion.traction_coefficient=0.7,0.8";
+    let arguments = ["sweep", &file, "--set", "mech.resolution=8", "--vary", vary, "--out", &out];
+    let ended = place.start(&arguments).wait();
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    assert!(ended.stderr.contains("failed at every point: "), "{}", ended.stderr);
+    assert!(table(&place.out()).texts("failed").iter().all(|why| why.contains("traction")));
+}

@@ -1,6 +1,7 @@
-//! What is hardly so is told, and an error with `--strict`.
+//! Whatever may not be meant is a warning of every command, and an error with `--strict`.
 
-use crate::harness::{Place, case, sets};
+use crate::harness::{Place, case, flat, sets};
+use serde_json::Value;
 
 /// A wheel of 420 m is told before it runs, in the summary and on the page; with `--strict` nothing runs.
 #[test]
@@ -64,4 +65,94 @@ fn a_hot_answer_is_told() {
     assert_eq!(hot.code, Some(2), "{}", hot.stdout);
     assert!(hot.stderr.contains("max_rise_k is 711.4"), "{}", hot.stderr);
     assert_eq!(run("wheel-rail.toml").code, Some(0));
+}
+
+/// A warning reaches every command: `check`, as text and as JSON, `plan`, `run`, the summary, the page, the
+/// log, and `--strict`.
+fn reaches_everybody(name: &str, settings: &[&str], key: &str, words: &str) {
+    let (file, set, place) = (case(name), sets(settings), Place::new());
+    let out = place.out().display().to_string();
+    let said = |before: &[&str], after: &[&str]| {
+        place.start(&[before, &[&file], &set[..], after].concat()).wait()
+    };
+    let words_in = |text: &str| flat(text).contains(words);
+    let checked = said(&["check"], &[]);
+    assert_eq!(checked.code, Some(0), "{}", checked.stderr);
+    assert!(words_in(&checked.stdout), "check: {}", checked.stdout);
+    let json: Value = serde_json::from_str(&said(&["check"], &["--json"]).stdout).unwrap();
+    let found = json["warnings"].as_array().unwrap().iter().find(|one| one["key"] == key);
+    let found = found.unwrap_or_else(|| panic!("{json}"));
+    assert!(words.contains(found["reason"].as_str().unwrap()), "{found}");
+    assert!(found["place"] != "" && found["fix"] != "", "{found}");
+    let planned = said(&["plan"], &[]).stdout;
+    assert!(words_in(&planned), "plan: {planned}");
+    let strict = said(&["run"], &["--strict", "--out", &out]);
+    assert_eq!(strict.code, Some(2), "{}", strict.stdout);
+    assert!(words_in(&strict.stderr) && !place.out().exists(), "strict: {}", strict.stderr);
+    let run = said(&["run"], &["--report", "--out", &out]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(words_in(&run.stdout) && words_in(&run.stderr), "{} {}", run.stdout, run.stderr);
+    let summary = place.read_summary();
+    assert!(summary["warnings"].as_array().unwrap().iter().any(|one| one["key"] == key));
+    let told = |event: &Value| words_in(event["fields"]["message"].as_str().unwrap_or_default());
+    assert!(place.log().iter().any(told), "log");
+}
+
+#[test]
+fn a_mapping_that_does_not_bound_a_density_is_told() {
+    let settings =
+        ["mech.resolution=10", "thermal.resolution=29", "mapping.method=nearest-neighbour"];
+    let words = "mapping.method: `friction_power` is mapped for thermal by nearest-neighbour, which \
+                 conserves the integral but does not bound the density";
+    reaches_everybody("wheel-rail.toml", &settings, "mapping.method", words);
+}
+
+#[test]
+fn keys_that_an_option_replaces_are_told() {
+    let settings = ["mech.model=hertz-carter", "motion.creepage.xi=-0.002"];
+    let words = "motion.traction_coefficient: --set motion.creepage.xi=-0.002 replaces it";
+    reaches_everybody("wheel-rail.toml", &settings, "motion.traction_coefficient", words);
+}
+
+/// One warning names all keys that nothing reads, and what would read them.
+#[test]
+fn keys_that_nothing_reads_are_told() {
+    let settings = ["mech.resolution=10", "load.normal_force=5e4", "mech.slope_factor=0.3"];
+    let key = "load.normal_force, mech.slope_factor";
+    let words = format!("{key}: nothing in this case reads them: they have no effect");
+    reaches_everybody("wheel-on-track.toml", &settings, key, &words);
+    let set = sets(&settings);
+    let place = Place::new();
+    let checked =
+        place.start(&[&["check", &case("wheel-on-track.toml")], &set[..]].concat()).wait();
+    let text = flat(&checked.stdout);
+    assert_eq!(text.matches("warning: ").count(), 1, "{text}");
+    assert!(text.contains("mech.model = \"half-space\""), "{text}");
+}
+
+/// A study that varies what nothing reads would run the same case again and again: false evidence.
+#[test]
+fn a_study_does_not_vary_what_nothing_reads() {
+    let refused = |arguments: &[&str], told: &str| {
+        let place = Place::new();
+        let out = place.out().display().to_string();
+        let ended = place.start(&[arguments, &["--out", &out]].concat()).wait();
+        assert_eq!(ended.code, Some(2), "{} {}", ended.stdout, ended.stderr);
+        assert!(ended.stderr.contains(told), "{}", ended.stderr);
+        assert!(!place.out().exists());
+    };
+    let told = "--start bodies.rail.start_rise: nothing in this case reads it";
+    let falling = case("falling-friction.toml");
+    refused(&["states", &falling, "--start", "bodies.rail.start_rise=0..330/4"], told);
+    let told = "--vary mech.slope_factor: nothing in this case reads it";
+    let track = case("wheel-on-track.toml");
+    refused(&["sweep", &track, "--vary", "mech.slope_factor=0.1,0.2"], told);
+    // Some of the models read it.
+    let place = Place::new();
+    let out = place.out().display().to_string();
+    let file = case("wheel-rail.toml");
+    let vary = ["--vary", "mech.model=hertz-carter,fastsim", "--vary", "mech.slope_factor=0.5,1"];
+    let sweep = [&["sweep", &file, "--set", "mech.resolution=8"], &vary[..], &["--out", &out]];
+    let ended = place.start(&sweep.concat()).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
 }

@@ -10,9 +10,9 @@ pub(super) const PATIENCE: u32 = 100;
 pub struct StepTaken {
     /// Relaxation ω, if it is one.
     pub relaxation: Option<f64>,
-    /// SecantColumns that took part.
+    /// Secant columns that took part.
     pub columns: Option<usize>,
-    /// SecantColumns that were dropped because they held nothing new.
+    /// Secant columns that were dropped because they held nothing new.
     pub dropped: usize,
 }
 

@@ -10,7 +10,7 @@ use contract::field::Mapping;
 use contract::grid::{Grid, pairwise_sum};
 
 /// Why there is no mapping.
-#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+#[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
 pub enum MapError {
     /// A grid is not what [`Grid::check`] lets pass.
     #[error("no mapping from or to an invalid grid: {0}")]

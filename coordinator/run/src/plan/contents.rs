@@ -13,7 +13,7 @@ use contract::figure::FigureSpec;
 use contract::grid::Grid;
 use contract::message::Interpolation;
 use coupling::ParticipantIndex;
-use coupling::map::Method;
+use coupling::map::{Coverage, MapError, Method};
 use coupling::settings::{Acceleration, Implicit, Scheme};
 use coupling::windows::Windows;
 use proto::transport::FIELD_SLOTS;
@@ -52,7 +52,9 @@ pub struct Plan {
     pub figures: Vec<FigureSpec>,
     /// Diagrams of them.
     pub diagrams: Vec<Diagram>,
-    /// Values of the case that are not expected.
+    /// Fields that are mapped, as far as their grids are known.
+    pub mappings: Vec<PlannedMapping>,
+    /// What may not be meant.
     pub warnings: Vec<Warning>,
     /// Every effect that some participant offers.
     pub effects: Vec<Effect>,
@@ -130,6 +132,19 @@ impl Field {
     pub fn observed_only(&self) -> bool {
         self.consumers.is_empty()
     }
+}
+
+/// A field that is mapped for one of its consumers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedMapping {
+    /// Index among the fields of the plan.
+    pub field: usize,
+    /// The participant that it is mapped for.
+    pub consumer: ParticipantIndex,
+    /// Elements of the producer's and of the consumer's grid.
+    pub elements: [usize; 2],
+    /// How well the grids cover each other, or why they cannot be mapped.
+    pub coverage: Result<Coverage, MapError>,
 }
 
 /// A value of the case that is given from outside as the run goes.

@@ -1,12 +1,17 @@
-//! Values of a case beyond what is expected of them.
+//! Warnings of a case: values beyond what is expected of them, keys without effect, and keys that an
+//! option has replaced.
 
 use super::contents::Participant;
-use crate::warnings::Warning;
+use crate::warnings::{Implausible, Warning};
+use case::{Case, Replaced, Unread};
 use contract::description::KeySpec;
 use contract::params::Params;
 
-/// Of the values that participants read.
-pub(super) fn warnings<'a>(participants: impl Iterator<Item = &'a Participant>) -> Vec<Warning> {
+/// The implausible ones among the values that participants read.
+pub(super) fn warnings<'a>(
+    case: &Case,
+    participants: impl Iterator<Item = &'a Participant>,
+) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = Vec::new();
     for participant in participants {
         let (description, given) = (&participant.description, &participant.configuration);
@@ -18,10 +23,11 @@ pub(super) fn warnings<'a>(participants: impl Iterator<Item = &'a Participant>) 
         {
             let Some(expected) = plausible else { continue };
             for (key, value) in instances(&given.case, path) {
-                let warning = Warning::of(&key, value, kind.unit(), expected);
-                warnings.extend(
-                    warning.filter(|one| warnings.iter().all(|other| other.key != one.key)),
-                );
+                let place = Some(case.problem_at(&key, "", "").place.to_string());
+                let warning = Warning::of(&key, place, value, kind.unit(), expected);
+                let new = |one: &Warning| warnings.iter().all(|other| other.key() != one.key());
+                let warning = warning.filter(new);
+                warnings.extend(warning);
             }
         }
     }
@@ -31,23 +37,84 @@ pub(super) fn warnings<'a>(participants: impl Iterator<Item = &'a Participant>) 
 /// A model that leaves out more is no model of the scene. What models say here is an upper bound.
 const MOST_LEFT_OUT: f64 = 0.15;
 
-/// Of what models leave out in this scene, as they estimate it.
-pub(super) fn left_out<'a>(participants: impl Iterator<Item = &'a Participant>) -> Vec<Warning> {
+/// What models leave out in this scene, as they estimate it, if it is much.
+pub(super) fn left_out<'a>(
+    case: &Case,
+    participants: impl Iterator<Item = &'a Participant>,
+) -> Vec<Warning> {
     let of = |participant: &'a Participant| {
         let key = format!("{}.model", participant.role);
+        let place = case.problem_at(&key, "", "").place.to_string();
         let layout = participant.estimate.iter();
         let large =
             layout.flat_map(|layout| &layout.left_out).filter(|one| one.error > MOST_LEFT_OUT);
-        large.map(move |one| Warning {
-            key: key.clone(),
-            quantity: Some("relative error".to_owned()),
-            value: one.error,
-            unit: String::new(),
-            bound: MOST_LEFT_OUT,
-            why: format!("{} ({})", one.what, one.source),
+        large.map(move |one| {
+            Warning::Value(Implausible {
+                key: key.clone(),
+                place: Some(place.clone()),
+                quantity: Some("relative error".to_owned()),
+                value: one.error,
+                unit: String::new(),
+                bound: MOST_LEFT_OUT,
+                why: format!("{} ({})", one.what, one.source),
+            })
         })
     };
     participants.flat_map(of).collect()
+}
+
+/// Most words that say what would read a key.
+const MOST_READERS: usize = 4;
+
+/// One warning of all keys of the case that have no effect, but for those that are usual.
+pub(super) fn unread(case: &Case) -> Option<Warning> {
+    let unusual: Vec<&Unread> = case.unread.iter().filter(|unread| !unread.is_usual).collect();
+    let keys: Vec<&str> = unusual.iter().map(|unread| unread.key.as_str()).collect();
+    let first = keys.first()?;
+    let mut groups: Vec<(&[String], Vec<&str>)> = Vec::new();
+    for Unread { key, readers, .. } in unusual {
+        match groups.iter_mut().find(|(others, _)| others == readers) {
+            Some((_, keys)) => keys.push(key),
+            None => groups.push((readers, vec![key])),
+        }
+    }
+    let alone = groups.len() == 1;
+    let fixes: Vec<String> = groups.iter().map(|(of, keys)| reading(of, keys, alone)).collect();
+    let reason = match keys.as_slice() {
+        [_] => "nothing in this case reads it: it has no effect",
+        _ => "nothing in this case reads them: they have no effect",
+    };
+    let mut problem = case.problem_at(first, reason, fixes.join("; "));
+    problem.key = keys.join(", ");
+    Some(problem.into())
+}
+
+/// What would read these keys, in words.
+fn reading(readers: &[String], keys: &[&str], alone: bool) -> String {
+    let (shown, more) = readers.split_at(readers.len().min(MOST_READERS));
+    let more = if more.is_empty() { String::new() } else { format!(" or {} more", more.len()) };
+    let which = match (alone, keys.len()) {
+        (false, _) => keys.join(", "),
+        (true, 1) => "it".to_owned(),
+        (true, _) => "them".to_owned(),
+    };
+    match shown {
+        [] => format!("remove {which}, or name its entry where it is to be used"),
+        shown => format!("remove {which}, or choose {}{more}", shown.join(" or ")),
+    }
+}
+
+/// The keys of the file that options have replaced.
+pub(super) fn replaced(case: &Case) -> impl Iterator<Item = Warning> {
+    case.replaced.iter().map(|Replaced { option, keys }| {
+        let (reason, fix) = match keys.as_slice() {
+            [_] => (format!("{option} replaces it"), "remove it by --unset"),
+            _ => (format!("{option} replaces them"), "remove them by --unset"),
+        };
+        let mut problem = case.problem_at(&keys[0], reason, fix);
+        problem.key = keys.join(", ");
+        problem.into()
+    })
 }
 
 /// The numbers of a case under a path in which `*` stands for any one name.

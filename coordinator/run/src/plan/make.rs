@@ -4,6 +4,7 @@ use super::contents::{Field, LiveValue, Participant, Plan, Planned, SchemeChoice
 use super::expected;
 use super::figures;
 use super::live;
+use super::mapping;
 use super::rewind::cannot_rewind;
 use super::route::{self, Candidate};
 use super::threads;
@@ -18,7 +19,7 @@ use contract::configuration::{Configuration, Estimate, Input, Layout};
 use contract::description::Description;
 use contract::grid::check_name;
 use contract::history::Histories;
-use contract::message::MAX_INPUTS;
+use contract::message::{MAX_INPUTS, MOST_PARTICIPANTS};
 use coupling::ParticipantIndex;
 use coupling::settings::{Implicit, Scheme};
 use coupling::windows::Windows;
@@ -28,8 +29,6 @@ use typed_index_collections::{TiSlice, TiVec};
 /// Words that stand beside `ROLE_s` in the summary's cost, and the coordinator's own name.
 const RESERVED_ROLES: &[&str] =
     &["coordinator", "wall", "coupling", "output", "plan", "start", "finish"];
-/// More participants than this have no place in the services.
-const MOST_PARTICIPANTS: usize = 12;
 /// More windows than this are a slip of the pen.
 const MOST_WINDOWS: f64 = 1e9;
 
@@ -53,11 +52,12 @@ async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {
     }
     described.extend(describe_absent(&sections).await);
     let case = validate(&raw, &described, &describe_replaced(&sections).await)?;
-    warn_of_unread_keys(&case, &described);
     let mut plan = route_case(&case, &described)?;
     estimate(&case, &mut plan).await?;
-    let left_out = expected::left_out(plan.participants.iter());
-    plan.warnings.extend(left_out);
+    plan.mappings = mapping::planned(&plan);
+    let (left_out, mapped) =
+        (expected::left_out(&case, plan.participants.iter()), plan.warn_of_mappings(&case));
+    plan.warnings.extend(left_out.into_iter().chain(mapped));
     Ok(Planned { case, plan })
 }
 
@@ -185,17 +185,6 @@ async fn describe_replaced(sections: &[RawParticipant]) -> Vec<(String, Descript
     described
 }
 
-fn warn_of_unread_keys(case: &Case, described: &[(String, Description)]) {
-    for (role, description) in described {
-        let of_role = case.unread.iter().filter(|(reader, _)| reader == role);
-        let keys: Vec<&str> = of_role.map(|(_, key)| key.as_str()).collect();
-        if !keys.is_empty() {
-            let (name, keys) = (&description.name, keys.join(", "));
-            tracing::warn!("{name}, which plays {role}, does not read {keys}: without effect");
-        }
-    }
-}
-
 fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, RunError> {
     let candidates = case.participants.iter().filter_map(|p| {
         let description = &described.iter().find(|(role, _)| *role == p.role)?.1;
@@ -255,7 +244,11 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
             ..case.coupling.implicit.clone()
         },
         interpolation: case.coupling.interpolation,
-        warnings: expected::warnings(participants.iter()),
+        warnings: expected::replaced(case)
+            .chain(expected::unread(case))
+            .chain(expected::warnings(case, participants.iter()))
+            .collect(),
+        mappings: Vec::new(),
         participants,
         figures,
         diagrams,

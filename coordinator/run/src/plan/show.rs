@@ -128,8 +128,8 @@ impl Plan {
             head = "";
         }
         self.show_grids(f)?;
-        let exchanged = self.fields.iter().filter(|f| !f.observed_only());
-        let bytes_of = |field| Some(self.sample_bytes(field)? + self.mapped_bytes(field));
+        let exchanged = self.fields.iter().enumerate().filter(|(_, f)| !f.observed_only());
+        let bytes_of = |(index, field)| Some(self.sample_bytes(field)? + self.mapped_bytes(index));
         match exchanged.map(bytes_of).sum::<Option<u64>>() {
             Some(total) => writeln!(f, "{:10} exchanged per iteration: {}", "", bytes(total)),
             None => writeln!(f, "{:10} exchanged per iteration: not known before the run", ""),

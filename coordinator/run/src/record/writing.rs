@@ -15,6 +15,8 @@ pub(super) struct Progress {
     pub(super) closed: bool,
     /// The thread has failed; everything after is dropped.
     pub(super) failed: Option<String>,
+    /// Its failure has ended the run.
+    pub(super) reported: bool,
 }
 
 /// What the coupling loop has noted.

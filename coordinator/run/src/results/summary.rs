@@ -4,7 +4,7 @@
 //! are no participant's to write, and what one participant has said no other can change.
 
 use crate::plan::Plan;
-use crate::warnings;
+use crate::warnings::{self, Warning};
 use contract::message::Finished;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -114,6 +114,8 @@ pub struct Ingredients<'a> {
     pub finished: &'a [Finished],
     /// Their sections.
     pub sections: &'a Sections,
+    /// What was found to be unusual before the end: in the case, in the plan, in the run.
+    pub warnings: &'a [Warning],
     /// Seconds from the start of the program.
     pub wall_seconds: f64,
 }
@@ -129,6 +131,8 @@ pub struct Sections {
     pub merged: Map<String, Value>,
     /// Role and dotted key of the first quantity that is not finite; it is left out.
     pub not_finite: Option<(String, String)>,
+    /// What could not be taken over.
+    pub warnings: Vec<Warning>,
 }
 
 impl Sections {
@@ -139,7 +143,7 @@ impl Sections {
         for (role, summary) in said {
             match summary {
                 Value::Object(summary) => sections.take(role, summary),
-                _ => tracing::warn!(role, "its summary is not an object and is left out"),
+                _ => sections.leave_out(role, "its summary is not an object"),
             }
         }
         sections
@@ -148,19 +152,30 @@ impl Sections {
     fn take(&mut self, role: &str, summary: &Map<String, Value>) {
         for (key, value) in summary {
             if OWN.contains(&key.as_str()) {
-                tracing::warn!(role, key, "the coordinator's own section is left out");
+                self.leave_out(key, &format!("{role} gives a section of the coordinator"));
                 continue;
             }
             let mut not_finite = Vec::new();
             let value = finite(value, key, &mut not_finite);
             for key in not_finite {
-                tracing::warn!(role, key, "a quantity that is not finite is left out");
+                self.leave_out(&key, &format!("{role} gives a quantity that is not finite"));
                 self.not_finite.get_or_insert_with(|| (role.to_owned(), key));
             }
             if let Some(value) = value {
-                merge(&mut self.merged, role, key, value);
+                let mut twice = Vec::new();
+                merge(&mut self.merged, key, value, String::new(), &mut twice);
+                for key in twice {
+                    self.leave_out(&key, &format!("{role} gives what another has given before"));
+                }
             }
         }
+    }
+
+    /// Notes that something of a participant's summary is not taken over.
+    fn leave_out(&mut self, key: &str, reason: &str) {
+        let warning = Warning::remark(key, reason, "it is left out");
+        tracing::warn!("{warning}");
+        self.warnings.push(warning);
     }
 }
 
@@ -177,7 +192,8 @@ pub fn build(of: &Ingredients) -> Value {
         summary[key] = value.clone();
     }
     let figures = warnings::of_figures(&summary, &of.plan.figures);
-    let warnings: Vec<_> = of.plan.warnings.iter().cloned().chain(figures).collect();
+    let found = of.warnings.iter().chain(&of.sections.warnings).cloned();
+    let warnings: Vec<Warning> = found.chain(figures).collect();
     if !warnings.is_empty() {
         summary["warnings"] = json!(warnings);
     }
@@ -285,18 +301,25 @@ fn finite(value: &Value, key: &str, not_finite: &mut Vec<String>) -> Option<Valu
     }
 }
 
-/// Objects are merged key by key; anything else stays as it was said first.
-fn merge(into: &mut Map<String, Value>, role: &str, key: &str, value: Value) {
+/// Merges objects key by key; anything else stays as it was said first. Notes the dotted keys of what
+/// was said `twice`.
+fn merge(
+    into: &mut Map<String, Value>,
+    key: &str,
+    value: Value,
+    section: String,
+    twice: &mut Vec<String>,
+) {
     match (into.get_mut(key), value) {
         (None, value) => {
             into.insert(key.to_owned(), value);
         }
         (Some(Value::Object(there)), Value::Object(more)) => {
-            for (key, value) in more {
-                merge(there, role, &key, value);
+            for (name, value) in more {
+                merge(there, &name, value, format!("{section}{key}."), twice);
             }
         }
-        (Some(_), _) => tracing::warn!(role, key, "another participant has said so before"),
+        (Some(_), _) => twice.push(format!("{section}{key}")),
     }
 }
 
@@ -334,6 +357,12 @@ mod tests {
             assert_eq!(Value::Object(sections.merged), good);
             assert_eq!(sections.not_finite, None);
         }
+        let sections = Sections::gather([("mech", &good), ("other", &scalar)]);
+        assert_eq!(sections.warnings[0].key(), "contact");
+        let sections = Sections::gather([("mech", &good), ("other", &forged)]);
+        let keys: Vec<&str> = sections.warnings.iter().map(Warning::key).collect();
+        assert_eq!(keys.len(), 8, "{keys:?}");
+        assert!(keys.contains(&"contact.area_m2"), "{keys:?}");
         let sections = Sections::gather([("mech", &good), ("other", &scalar)]);
         let expected = json!({"contact": {"area_m2": 1.0}, "temperature": 3});
         assert_eq!(Value::Object(sections.merged), expected);

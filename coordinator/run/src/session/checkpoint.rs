@@ -45,8 +45,10 @@ impl Session {
             std::fs::write(&path, text).map_err(|error| file_failure(&path, &error))?;
             names.push(name);
         }
-        for one in self.peers.all().keys() {
-            self.peers.done(one, self.peers.deadlines().solve)?;
+        let deadline = self.peers.deadlines().solve;
+        let mut pending = self.peers.all().keys().collect();
+        while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
+            answer?;
             self.record_state(one, folder)?;
         }
         Ok(names)
@@ -74,8 +76,10 @@ impl Session {
             let file = StateFile { path, outputs, geometry };
             self.command_about(one, CommandKind::Restore, step, &file)?;
         }
-        for one in self.peers.all().keys() {
-            self.peers.done(one, self.peers.deadlines().solve)?;
+        let deadline = self.peers.deadlines().solve;
+        let mut pending = self.peers.all().keys().collect();
+        while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
+            answer?;
             for (index, _, grid) in last.iter().filter(|(_, owner, _)| *owner == one) {
                 self.receive_last(*index, grid.revision, step)?;
             }

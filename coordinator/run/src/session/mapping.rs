@@ -4,6 +4,7 @@ use super::Session;
 use super::index::{MappedIndex, PartIndex};
 use super::mapped::MappingError;
 use crate::error::{Failure, RunError};
+use crate::plan::warn_of_coverage;
 use contract::step::Step;
 use coupling::ParticipantIndex;
 
@@ -22,7 +23,7 @@ impl Session {
 
     /// Says what a mapping covers: when it is made, and when it has become poor.
     fn tell_coverage(&mut self, index: MappedIndex) {
-        let Self { mapped, taps, peers, .. } = self;
+        let Self { mapped, taps, peers, warnings, .. } = self;
         let one = &mut mapped[index];
         let (before, covered) = one.reported;
         let Some(coverage) = one.mapping.coverage().filter(|_| one.mapping.builds() != before)
@@ -34,7 +35,9 @@ impl Session {
             (&taps[one.tap].kind().name, peers.all()[one.reader.participant].role());
         match coverage.is_poor() {
             true if !covered.is_poor() => {
-                tracing::warn!("`{field}` mapped for {role}: {coverage}");
+                let warning = warn_of_coverage(field, role, &coverage);
+                tracing::warn!("{warning}");
+                warnings.push(warning);
             }
             _ if before == 0 => tracing::info!("`{field}` mapped for {role}: {coverage}"),
             _ => tracing::debug!("`{field}` mapped for {role} again: {coverage}"),
@@ -105,11 +108,20 @@ impl Session {
         let one = &self.mapped[index];
         let (field, role) =
             (&self.taps[one.tap].kind.name, self.peers.all()[one.reader.participant].role());
+        let fix = match error {
+            MappingError::Map(_) => {
+                let producer = &self.taps[one.tap].producer_role;
+                format!("correct the grids of {producer} and {role}")
+            }
+            MappingError::Transport(_) => {
+                format!("see log.jsonl; {role} may have left its inputs unread")
+            }
+        };
         RunError::Failed(Failure {
             who: format!("the mapping of `{field}` for {role}"),
             when: self.peers.phase.to_string(),
             what: error.to_string(),
-            fix: "see log.jsonl; a participant may have left its inputs unread".to_owned(),
+            fix,
         })
     }
 }

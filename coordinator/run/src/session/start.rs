@@ -91,6 +91,7 @@ impl Session {
             computed_seconds: 0.0,
             unanswered: false,
             bytes_exchanged: 0,
+            warnings: Vec::new(),
             peers,
         }
     }
@@ -227,8 +228,10 @@ impl Session {
             let body = serde_json::to_vec(&topics).expect("topics are plain data");
             self.peers.post(one, Command::new(CommandKind::Connect), &body, true)?;
         }
-        for one in self.peers.all().keys() {
-            self.peers.done(one, self.peers.deadlines().start)?;
+        let mut pending = self.peers.all().keys().collect();
+        let deadline = self.peers.deadlines().start;
+        while let Some((_, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
+            answer?;
         }
         self.wait_for_readers()?;
         if let Some(recorder) = self.peers.recorder() {
@@ -243,8 +246,11 @@ impl Session {
             self.peers.post(one, Command::new(CommandKind::Initialise), &[], true)?;
         }
         let before = Step { iteration: 0, ..Step::STEADY };
-        for (one, layout) in layouts.iter_enumerated() {
-            self.peers.done(one, self.peers.deadlines().build_of(layout))?;
+        let mut pending = self.peers.all().keys().collect();
+        let deadlines = *self.peers.deadlines();
+        let patience = |one| deadlines.build_of(&layouts[one]);
+        while let Some((one, answer)) = self.peers.next_reply(&mut pending, patience)? {
+            answer?;
             self.receive_geometry(one, &before)?;
             self.check_volumes(one)?;
             self.collect(one, &before, false)?;

@@ -17,24 +17,25 @@ impl Session {
         self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         self.peers.phase = Phase::Accepting(*step);
         self.check_live()?;
-        let (mut observing, mut answers) = (0_u64, 0_u64);
+        let (mut observing, mut pending) = (Vec::new(), Vec::new());
         for one in self.peers.all().keys() {
             let observe = self.is_observed(one, observed);
             let figures = self.figures.are_asked_of(one);
             let answer = observe || figures || self.has_moving_grids(one);
-            observing |= u64::from(observe) << usize::from(one);
-            answers |= u64::from(answer) << usize::from(one);
+            observing.extend(observe.then_some(one));
+            pending.extend(answer.then_some(one));
             let mut command = Command::about(CommandKind::Accept, step);
             command.flags = if observe { OBSERVE } else { 0 } | if figures { FIGURES } else { 0 };
             self.peers.post(one, command, &[], answer)?;
         }
         self.keep_geometry();
-        let mut failed = None;
-        for one in self.peers.all().keys().filter(|&one| answers >> usize::from(one) & 1 == 1) {
-            let message = match self.peers.answered(one, self.peers.deadlines().solve)? {
+        let deadline = self.peers.deadlines().solve;
+        let mut failures = Vec::new();
+        while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
+            let message = match answer {
                 Ok(message) => message,
                 Err(error) => {
-                    failed.get_or_insert(error);
+                    failures.push((one, error));
                     continue;
                 }
             };
@@ -43,16 +44,16 @@ impl Session {
                 taken.map_err(|what| self.peers.misbehaved(one, what))?;
             }
             drop(message);
-            if observing >> usize::from(one) & 1 == 1 {
+            if observing.contains(&one) {
                 self.collect(one, step, true)?;
             }
             self.receive_geometry(one, step)?;
         }
-        if let Some(error) = failed {
+        if let Some(error) = first(failures) {
             self.unanswered = true;
             return Err(error);
         }
-        if observing != 0 {
+        if !observing.is_empty() {
             self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         }
         Ok(())
@@ -94,9 +95,10 @@ impl Session {
             self.peers.post(one, Command::new(CommandKind::Finish), &[], true)?;
         }
         let mut finished = Vec::with_capacity(self.peers.all().len());
-        for one in self.peers.all().keys() {
-            let message = self.peers.done(one, self.peers.deadlines().solve)?;
-            let said: Finished = serde_json::from_slice(message.body()).map_err(|e| {
+        let deadline = self.peers.deadlines().solve;
+        let mut pending: Vec<_> = self.peers.all().keys().collect();
+        while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
+            let said: Finished = serde_json::from_slice(answer?.body()).map_err(|e| {
                 self.peers.misbehaved(one, format!("its summary is not valid: {e}"))
             })?;
             let (model, processor) = (said.model_seconds, said.cpu_seconds);
@@ -110,6 +112,11 @@ impl Session {
         self.peers.wait_for_exits();
         Ok(finished)
     }
+}
+
+/// The error of the first participant in the plan's order, whichever has failed first in time.
+fn first(failures: Vec<(ParticipantIndex, RunError)>) -> Option<RunError> {
+    failures.into_iter().min_by_key(|(one, _)| *one).map(|(_, error)| error)
 }
 
 impl Exchange for Session {
@@ -158,12 +165,13 @@ impl Exchange for Session {
         }
         self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         let mut longest = 0.0_f64;
-        let mut failed = None;
-        for &one in participants {
-            let message = match self.peers.answered(one, self.peers.deadlines().solve)? {
+        let (deadline, mut failures) = (self.peers.deadlines().solve, Vec::new());
+        let mut pending = participants.to_vec();
+        while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
+            let message = match answer {
                 Ok(message) => message,
                 Err(error) => {
-                    failed.get_or_insert(error);
+                    failures.push((one, error));
                     continue;
                 }
             };
@@ -177,8 +185,8 @@ impl Exchange for Session {
             self.collect(one, step, false)?;
         }
         self.computed_seconds += longest;
-        self.unanswered = failed.is_some();
-        failed.map_or(Ok(()), Err)
+        self.unanswered = !failures.is_empty();
+        first(failures).map_or(Ok(()), Err)
     }
 
     fn coupling_data(&self) -> &[Part] {

@@ -5,6 +5,7 @@ use crate::report::source::Results;
 use crate::report::table::Table;
 use run::format::Scale;
 use run::plan_file::{EffectPlan, PlanFile};
+use run::warnings::{Warning, of_summary};
 
 /// Effects on and off, and the plan as it was printed.
 pub(super) fn plan(results: &Results) -> Option<Section> {
@@ -55,7 +56,8 @@ pub(super) fn log(results: &Results) -> Option<Section> {
         )));
     }
     let mut table = Table::new(["level", "source", "message"], 9);
-    for event in &results.log {
+    let told: Vec<String> = of_summary(&results.summary).iter().map(Warning::to_string).collect();
+    for event in results.log.iter().filter(|[.., message]| !told.contains(message)) {
         table.row(event.clone());
     }
     if !table.rows.is_empty() {
