@@ -3,6 +3,7 @@
 use super::checker::Checker;
 use super::known::{COORDINATOR, all_keys, matches};
 use super::tree::{Node, Origin, Table};
+use contract::description::Description;
 
 /// A key of the case that has no effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,7 +57,7 @@ impl Checker<'_> {
             false => Vec::new(),
         };
         if readers.is_empty() {
-            let reads = |(_, description): &&(String, _)| {
+            let reads = |(_, description): &&(String, Description)| {
                 all_keys(description).any(|spec| matches(&spec.path, &key))
             };
             let usual = self.replaced.iter().filter(reads);

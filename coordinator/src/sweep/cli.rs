@@ -129,7 +129,7 @@ fn refuse_unread_keys(
         let words = vary.iter().filter(|other| other.key != *key && other.numbers().is_none());
         let mut others = words.flat_map(|other| {
             let values = other.values.iter().skip(1);
-            values.map(|value| vary.iter().fold(base.clone(), first).with(&other.key, value))
+            values.map(move |value| vary.iter().fold(base.clone(), first).with(&other.key, value))
         });
         let reads = |variant: Variant| {
             planned(case, &variant).is_ok_and(|other| refuse_unread(&other, key, "--vary").is_ok())

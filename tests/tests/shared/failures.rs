@@ -25,7 +25,8 @@ pub(crate) fn failures_keep_their_words(starts: u64, busy: usize) {
 
 /// The run of this number: which participant fails, when, and for how long the other one works.
 fn fail(number: u64) {
-    let (failing, working) = if number % 2 == 0 { ("right", "left") } else { ("left", "right") };
+    let (failing, working) =
+        if number.is_multiple_of(2) { ("right", "left") } else { ("left", "right") };
     let (window, milliseconds) = (number / 2 % 4, [0, 1, 30][(number / 8 % 3) as usize]);
     let at_start = number % 16 == 15;
     let fault = match at_start {

@@ -374,7 +374,11 @@ fn a_refused_request_changes_nothing() {
         assert_eq!(answer["kind"], "refused", "{answer}");
     }
     let loads = place.table("history.csv").numbers("contact.normal_force_n");
-    assert_eq!(loads, [134e3; 3]);
+    // The sum of the pressures, to rounding.
+    assert!(
+        loads.len() == 3 && loads.iter().all(|load| (load / 134e3 - 1.0).abs() < 1e-12),
+        "{loads:?}"
+    );
 }
 
 /// Each state takes memory: there is a limit, and one that is freed makes room again.

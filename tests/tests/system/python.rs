@@ -182,7 +182,6 @@ fn a_failure_beside_one_at_work_is_a_row_without_an_answer() {
     let command = faulty("second-row");
     let settings = [
         "mech.resolution=120",
-        "thermal.model=strip-columns",
         "coupling.scheme=parallel-explicit",
         "time.mode=sequence",
         "time.on_failure=skip",

@@ -75,7 +75,7 @@ pub(super) fn unread(case: &Case) -> Option<Warning> {
     for Unread { key, readers, .. } in unusual {
         match groups.iter_mut().find(|(others, _)| others == readers) {
             Some((_, keys)) => keys.push(key),
-            None => groups.push((readers, vec![key])),
+            None => groups.push((readers.as_slice(), vec![key.as_str()])),
         }
     }
     let alone = groups.len() == 1;
