@@ -92,3 +92,24 @@ fn models_of_the_mechanics_name_no_effect() {
     found.retain(|file, _| !file.starts_with("mech-solver/src/effects/"));
     assert_eq!(found, Named::new());
 }
+
+/// iceoryx2's log level belongs to the whole process: a library leaves it alone, and only what is the whole `main` of a
+/// program sets it.
+#[test]
+fn only_a_main_decides_on_the_log_level_of_iceoryx2() {
+    let root = root();
+    let sources: Vec<_> = super::manifests::members()
+        .iter()
+        .flat_map(|folder| code::files(&root.join(folder)))
+        .collect();
+    let having = |text: &str| {
+        let has =
+            |file: &&std::path::PathBuf| std::fs::read_to_string(file).unwrap().contains(text);
+        let shown =
+            |file: &std::path::PathBuf| file.strip_prefix(&root).unwrap().display().to_string();
+        sources.iter().filter(has).map(shown).collect::<BTreeSet<_>>()
+    };
+    let mains = ["coordinator/src/main.rs", "proto/src/participant.rs", "relay/src/main.rs"];
+    assert_eq!(having("silence_iceoryx2();"), mains.map(str::to_owned).into());
+    assert_eq!(having("set_log_level(LogLevel"), ["proto/src/transport.rs".to_owned()].into());
+}
