@@ -6,7 +6,7 @@
 mod key;
 mod schema;
 
-pub(crate) use key::{about, units};
+pub(crate) use key::{about, names, units};
 
 use crate::listing::Listing;
 use crate::output::print;

@@ -47,7 +47,8 @@ pub(crate) fn act(arguments: &Arguments) -> Result<String, RunError> {
     let path = arguments.out.clone().unwrap_or_else(|| arguments.folder.join("picture.png"));
     let format = Format::of(&path)?;
     let results = Results::read(&arguments.folder)?;
-    let maps = chosen(maps::named(&results), &arguments.field, &arguments.folder)?;
+    let zero = maps::zero(&results);
+    let maps = chosen(maps::named(&results), &arguments.field, &zero, &arguments.folder)?;
     let columns = arguments.columns.map_or_else(|| maps.len().clamp(1, 2), usize::from);
     let ground = if arguments.dark { Ground::Dark } else { Ground::Light };
     let svg = sheet(results.word("/case"), &maps, columns, ground);
@@ -59,9 +60,14 @@ pub(crate) fn act(arguments: &Arguments) -> Result<String, RunError> {
 fn chosen<T>(
     all: Vec<(String, T)>,
     names: &[String],
+    zero: &[&str],
     folder: &std::path::Path,
 ) -> Result<Vec<T>, RunError> {
     let shown = folder.display();
+    if let Some(name) = names.iter().find(|name| zero.contains(&name.as_str())) {
+        let why = "is zero everywhere: there is nothing to draw";
+        return Err(RunError::Usage(format!("--field {name}: in {shown} it {why}")));
+    }
     if all.is_empty() {
         let why = "no field on a regular grid that differs from zero";
         return Err(RunError::Usage(format!("{shown} has {why}: there is nothing to draw")));
@@ -91,13 +97,15 @@ mod tests {
         let all = || vec![("a".to_owned(), 1), ("b".to_owned(), 2), ("c".to_owned(), 3)];
         let of = |names: &[&str]| {
             let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-            chosen(all(), &names, std::path::Path::new("r"))
+            chosen(all(), &names, &["e"], std::path::Path::new("r"))
         };
         assert_eq!(of(&[]).unwrap(), [1, 2, 3]);
         assert_eq!(of(&["c", "a"]).unwrap(), [3, 1]);
         let wrong = of(&["d"]).unwrap_err().to_string();
         assert!(wrong.contains("--field d: r has no such field; it has a, b, c"), "{wrong}");
-        let none = chosen(Vec::<(String, i32)>::new(), &[], std::path::Path::new("r"));
+        let zero = of(&["a", "e"]).unwrap_err().to_string();
+        assert!(zero.contains("--field e: in r it is zero everywhere"), "{zero}");
+        let none = chosen(Vec::<(String, i32)>::new(), &[], &[], std::path::Path::new("r"));
         assert!(none.unwrap_err().to_string().contains("nothing to draw"));
     }
 }

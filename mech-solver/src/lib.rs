@@ -86,7 +86,7 @@ impl Solver for MechSolver {
             keys: scene::body_keys(),
             fields: Vec::new(),
             figures: [figures::figures(), models::own_figures()].concat(),
-            diagrams: vec![measures::shakedown_diagram()],
+            diagrams: models::diagrams(),
             renamed: scene::renamed(),
         }
     }

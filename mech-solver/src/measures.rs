@@ -142,6 +142,17 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
     ]
 }
 
+/// The traction coefficient over the creepage along x: what a sweep or a sequence makes of it is a creep
+/// curve.
+pub(crate) fn creep_curve() -> Diagram {
+    Diagram::new(
+        "Creep curve",
+        ["contact.creepage_xi", TRACTION_RATIO],
+        "Negative creepage drives: the wheel's surface is faster than the rail's. The curve ends at the friction \
+         coefficient.",
+    )
+}
+
 /// p₀/k over the traction coefficient, with the limits of a line contact.
 pub(crate) fn shakedown_diagram() -> Diagram {
     const TRACTIONS: [f64; 12] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.42, 0.5, 0.6, 0.8];
@@ -149,18 +160,18 @@ pub(crate) fn shakedown_diagram() -> Diagram {
         name: name.to_owned(),
         points: TRACTIONS.map(|traction| [traction, limit(traction)]).to_vec(),
     };
-    Diagram {
-        title: "Shakedown".to_owned(),
-        x: TRACTION_RATIO.to_owned(),
-        y: format!("contact.{SHEAR_RATIO}"),
-        lines: vec![
-            line("elastic from the first passage on", shakedown::elastic_limit),
-            line("elastic after the first passages", shakedown::limit),
-        ],
-        note: "Between the lines the material flows until residual stresses hold it; above the upper one in every \
-               passage, until it hardens. Of a line contact, all of which slides, ideally plastic (Johnson 1985, 9.2)."
-            .to_owned(),
-    }
+    let pressure = format!("contact.{SHEAR_RATIO}");
+    let diagram = Diagram::new(
+        "Shakedown",
+        [TRACTION_RATIO, &pressure],
+        "Between the lines the material flows until residual stresses hold it; above the upper one in every \
+         passage, until it hardens. Of a line contact, all of which slides, ideally plastic (Johnson 1985, 9.2).",
+    );
+    let lines = vec![
+        line("elastic from the first passage on", shakedown::elastic_limit),
+        line("elastic after the first passages", shakedown::limit),
+    ];
+    Diagram { lines, ..diagram }
 }
 
 #[cfg(test)]

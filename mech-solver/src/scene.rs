@@ -163,7 +163,7 @@ pub fn body_keys() -> Vec<KeySpec> {
         KeySpec::quantity(
             "bodies.*.radius_x",
             "m",
-            "radius along x, of rolling; absent: straight, negative: concave",
+            "rolling radius; omit for a straight body; negative if concave",
         )
         .expected(1e-4..=50.0, "bearing balls to mill rolls; check the unit")
         .varies(),
@@ -224,7 +224,7 @@ fn motion_keys() -> Vec<KeySpec> {
         KeySpec::quantity(
             SPEED,
             "m/s",
-            "rolling speed, that of both surfaces but for the creepage; 0 for a shift without rolling",
+            "rolling speed V; 0 for a tangential shift without rolling",
         )
         .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is a unit, too")
         .at_least(0.0).varies(),

@@ -63,6 +63,9 @@ fn sections_go_through_the_peak_or_where_asked() {
         ((section.centre(0, 0)[1] + 1e-3) / 5e-4).round() as usize
     };
     assert_eq!(row_of(&given), 2);
+    // A grid beside y = 0 has its section through the middle.
+    let beside = Structured::contact_plane(-4e-3, 9e-3, 2e-4, 5e-4, 40, 41);
+    assert_eq!(row_of(&configuration("columns", Mode::Steady, beside, steel())), 40);
     given.inputs[0].peak = Some([0.0, 14.2e-3, 0.0]);
     assert_eq!(row_of(&given), 30);
     given.case.0["thermal"] = serde_json::json!({"section_y": 4e-3});

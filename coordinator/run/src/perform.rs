@@ -16,7 +16,7 @@ use crate::plan::{Plan, Planned};
 use crate::plan_file;
 use crate::progress::Progress;
 use crate::record::{Compression, Recorder};
-use crate::results::derived;
+use crate::results::{derived, history};
 use crate::results::dir::shown;
 use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
@@ -131,6 +131,13 @@ fn perform_whole(
     derived::complete(&mut sections.merged, &plan.figures);
     let not_finite = sections.not_finite.clone();
     let error = error.or(not_finite.map(|(role, key)| RunError::NotFinite { role, key }));
+    let (error, extremes) = match error {
+        None => match history::finish(&folder.file(history::FILE), &plan.figures) {
+            Ok(extremes) => (None, Some(extremes)),
+            Err(error) => (Some(error), None),
+        },
+        error => (error, None),
+    };
     let (status, reason) = match &error {
         None => success(plan, &counts),
         Some(error) if error.is_interrupt() => (Status::Interrupted, error.to_string()),
@@ -138,6 +145,7 @@ fn perform_whole(
     };
     let wall_seconds = start.since.elapsed().as_secs_f64();
     let (finished, sections, warnings) = (&finished, &sections, &warnings);
+    let extremes = extremes.as_ref();
     let summary = build(&Ingredients {
         plan,
         status,
@@ -146,6 +154,7 @@ fn perform_whole(
         finished,
         sections,
         warnings,
+        extremes,
         wall_seconds,
     });
     let error = first(error, folder.write_summary(&json(&summary)));

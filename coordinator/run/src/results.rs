@@ -5,6 +5,7 @@ pub mod claim;
 mod clear;
 pub mod derived;
 pub mod dir;
+mod extremes;
 pub mod figures;
 mod folder;
 pub mod history;

@@ -3,7 +3,6 @@
 use crate::study::output::Kept;
 use crate::study::quantity::Quantity;
 use crate::study::spent::{Spent, Stopwatch};
-use contract::figure::Measure;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -86,16 +85,10 @@ impl Run {
 
     /// Takes the changes of its figures against those of the case as it is.
     pub(super) fn compare(&mut self, whole: &Self, quantities: &[Quantity]) {
-        let change = |Quantity { key, measure, .. }: &Quantity| {
+        let change = |quantity: &Quantity| {
+            let key = &quantity.key;
             let (value, with) = (*self.values.get(key)?, *whole.values.get(key)?);
-            let change = match measure {
-                Measure::Relative if with == value => 0.0,
-                // Of what has a sign and keeps it, the size counts.
-                Measure::Relative if value * with > 0.0 => value / with - 1.0,
-                Measure::Relative => (value - with) / with.abs(),
-                Measure::Absolute | Measure::Itself => value - with,
-            };
-            change.is_finite().then(|| (key.clone(), change))
+            Some((key.clone(), quantity.change(with, value)?))
         };
         self.changes = quantities.iter().filter_map(change).collect();
     }

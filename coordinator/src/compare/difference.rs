@@ -1,9 +1,11 @@
 //! What differs between two results, as plain data.
 
-use super::fields::{self, FieldDifference};
+use super::fields::{self, FieldDifference, NEGLIGIBLE};
 use super::flat;
 use crate::report::source::Results;
-use contract::figure::value;
+use crate::study::quantity::{Quantities, Quantity};
+use contract::figure::Measure;
+use run::format::stem_and_unit;
 use run::results::figures::{Group, groups};
 use serde::Serialize;
 
@@ -12,7 +14,7 @@ use serde::Serialize;
 pub(crate) struct Comparison {
     /// Keys of the case with other values, or which one of them lacks.
     pub case: Vec<KeyDifference>,
-    /// Figures that differ, the largest relative difference first.
+    /// Figures that differ, the largest share of the larger magnitude first.
     pub figures: Vec<FigureDifference>,
     /// Number of figures that are the same to the last digit.
     pub same_figures: usize,
@@ -46,8 +48,41 @@ pub(crate) struct FigureDifference {
     pub a: Option<f64>,
     /// And in B.
     pub b: Option<f64>,
-    /// B − A over the larger of both magnitudes; absent where one has no value.
-    pub relative: Option<f64>,
+    /// How the change is measured.
+    pub measure: Measure,
+    /// Change from A to B: B/A − 1 for a relative measure, else B − A. Absent where A is zero or one
+    /// of them has no value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
+}
+
+/// The same for a place \[m\], whose differences are absolute.
+const NEGLIGIBLE_PLACE: f64 = 1e-9;
+
+impl FigureDifference {
+    fn of(quantity: Quantity, [a, b]: [Option<f64>; 2]) -> Self {
+        let change = a.zip(b).and_then(|(a, b)| quantity.change(a, b));
+        let Quantity { key, name, measure, .. } = quantity;
+        Self { key, name, a, b, measure, change }
+    }
+
+    /// The difference over the larger magnitude; infinite where one has no value.
+    fn size(&self) -> f64 {
+        let share = |(a, b): (f64, f64)| (b - a).abs() / a.abs().max(b.abs());
+        self.a.zip(self.b).map_or(f64::INFINITY, share)
+    }
+
+    /// Both values are the same but for rounding.
+    pub(super) fn is_negligible(&self) -> bool {
+        let close = |(a, b): (f64, f64)| match self.measure {
+            Measure::Absolute if stem_and_unit(&self.key).1 == "m" => {
+                (b - a).abs() <= NEGLIGIBLE_PLACE
+            }
+            Measure::Absolute => (b - a).abs() <= NEGLIGIBLE,
+            Measure::Relative | Measure::Itself => self.size() <= NEGLIGIBLE,
+        };
+        self.a.zip(self.b).is_some_and(close)
+    }
 }
 
 impl Comparison {
@@ -80,30 +115,26 @@ fn keys(a: &Results, b: &Results) -> Vec<KeyDifference> {
 /// Figures that differ, and how many do not.
 fn figures(a: &Results, b: &Results) -> (Vec<FigureDifference>, usize) {
     let shown = [shown(a), shown(b)].concat();
-    let mut known: Vec<(&str, &str)> = Vec::new();
+    let described = [a.figures(), b.figures()].concat();
+    let quantities = Quantities::of_figures(&described);
+    let mut known: Vec<&str> = Vec::new();
     for one in a.figures().iter().chain(b.figures()).filter(|one| !one.is_of_a_list()) {
         // What neither of them shows is rounding.
         let is_rounding = one.line.is_some() && !shown.contains(&one.key.as_str());
-        if !is_rounding && known.iter().all(|(key, _)| *key != one.key) {
-            known.push((&one.key, &one.words));
+        if !is_rounding && !known.contains(&one.key.as_str()) {
+            known.push(&one.key);
         }
     }
     let (mut different, mut same) = (Vec::new(), 0);
-    for (key, name) in known {
-        let [of_a, of_b] = [a, b].map(|one| value(&one.summary, key));
-        match (of_a, of_b) {
-            (None, None) => {}
-            (Some(x), Some(y)) if x == y => same += 1,
-            _ => {
-                let largest = |x: f64, y: f64| x.abs().max(y.abs());
-                let relative = of_a.zip(of_b).map(|(x, y)| (y - x) / largest(x, y));
-                let (key, name) = (key.to_owned(), name.to_owned());
-                different.push(FigureDifference { key, name, a: of_a, b: of_b, relative });
-            }
+    for quantity in known.into_iter().map(|key| quantities.of(key)) {
+        let values = [a, b].map(|one| quantity.value(&one.summary));
+        match values {
+            [None, None] => {}
+            [Some(x), Some(y)] if x == y => same += 1,
+            _ => different.push(FigureDifference::of(quantity, values)),
         }
     }
-    let size = |one: &FigureDifference| one.relative.map_or(f64::INFINITY, f64::abs);
-    different.sort_by(|one, other| size(other).total_cmp(&size(one)));
+    different.sort_by(|one, other| other.size().total_cmp(&one.size()));
     (different, same)
 }
 

@@ -1,17 +1,23 @@
 //! Fields beside each other: norms of their difference, and where it is largest.
 //!
+//! A field of A is compared with the field of B that has the same name and lies in the same plane,
+//! whatever its grid is called: every program names its own grids.
+//!
 //! On another grid the field of B is interpolated, bilinearly between the middles of its cells, at the
 //! middles of A's cells that lie between them.
 
 use crate::report::source::{Field, Image, Results};
 use serde::Serialize;
 
+/// Share of the larger value up to which a difference is rounding or the residual of an iteration.
+pub(super) const NEGLIGIBLE: f64 = 1e-6;
+
 /// How a field differs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct FieldDifference {
     /// Name of the field.
     pub field: String,
-    /// Participant and grid.
+    /// Participant and grid, in A if it has the field.
     pub grid: String,
     /// Its SI unit.
     pub unit: String,
@@ -27,14 +33,23 @@ pub(crate) struct FieldDifference {
 /// The difference of two fields.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Difference {
-    /// √(∫|B − A|² / ∫|A|²) over the common area \[-\].
-    pub l2: f64,
+    /// √(∫|B − A|² / ∫|A|²) over the common area \[-\]; absent where A is zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub l2: Option<f64>,
     /// Largest |B − A|.
     pub max: f64,
     /// Where that is \[m\].
     pub at: [f64; 3],
     /// B was interpolated, as its grid is another one.
     pub interpolated: bool,
+}
+
+impl FieldDifference {
+    /// Both fields are the same but for rounding.
+    pub(super) fn is_negligible(&self) -> bool {
+        let largest = [self.largest_a, self.largest_b].into_iter().flatten().fold(0.0, f64::max);
+        self.difference.as_ref().is_some_and(|one| one.max <= NEGLIGIBLE * largest)
+    }
 }
 
 /// A field where it lies.
@@ -49,11 +64,9 @@ fn all(of: &Results) -> Vec<Placed<'_>> {
 pub(super) fn differences(a: &Results, b: &Results) -> (Vec<FieldDifference>, usize) {
     let [of_a, of_b] = [all(a), all(b)];
     let (mut different, mut same) = (Vec::new(), 0);
-    let find = |list: &[Placed<'_>], name: &str, field: &str| {
-        list.iter().position(|(grid, _, other)| *grid == name && other.name == field)
-    };
-    for (name, image, field) in &of_a {
-        let other = find(&of_b, name, &field.name).map(|n| of_b[n]);
+    let partners = partners(&of_a, &of_b);
+    for ((name, image, field), partner) in of_a.iter().zip(&partners) {
+        let other = partner.map(|n| of_b[n]);
         if other.is_some_and(|(_, at, other)| is_same((image, field), (at, other))) {
             same += 1;
             continue;
@@ -64,12 +77,43 @@ pub(super) fn differences(a: &Results, b: &Results) -> (Vec<FieldDifference>, us
             ..lacking(name, field)
         });
     }
-    for (name, _, field) in of_b.iter().filter(|(name, _, f)| find(&of_a, name, &f.name).is_none())
-    {
+    let alone = of_b.iter().enumerate().filter(|(n, _)| !partners.contains(&Some(*n)));
+    for (_, (name, _, field)) in alone {
         let only = lacking(name, field);
         different.push(FieldDifference { largest_b: only.largest_a, largest_a: None, ..only });
     }
     (different, same)
+}
+
+/// For each field of A the place of its partner among those of B: of the same name on the grid of the
+/// same name, else of the same name in the plane of the same axes that is nearest.
+fn partners(of_a: &[Placed<'_>], of_b: &[Placed<'_>]) -> Vec<Option<usize>> {
+    let named = |(name, _, field): &Placed<'_>| {
+        of_b.iter().position(|(grid, _, other)| grid == name && other.name == field.name)
+    };
+    let mut partners: Vec<Option<usize>> = of_a.iter().map(named).collect();
+    for n in 0..of_a.len() {
+        let (_, image, field) = &of_a[n];
+        if partners[n].is_some() || image.plane().is_none() {
+            continue;
+        }
+        let alike = |at: &usize| {
+            let (_, other, candidate) = &of_b[*at];
+            candidate.name == field.name
+                && other.plane() == image.plane()
+                && !partners.contains(&Some(*at))
+        };
+        let distance = |at: &usize| {
+            let apart = |axis: usize| match image.cells[axis] {
+                0 => (of_b[*at].1.corner[axis] - image.corner[axis]).abs(),
+                _ => 0.0,
+            };
+            (0..3).map(apart).sum::<f64>()
+        };
+        let nearest = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
+        partners[n] = (0..of_b.len()).filter(alike).min_by(nearest);
+    }
+    partners
 }
 
 /// A field that only A has.
@@ -124,7 +168,10 @@ fn difference(a: (&Image, &Field), b: (&Image, &Field)) -> Option<Difference> {
             (max, at) = (square.sqrt(), place);
         }
     }
-    let l2 = if squares == 0.0 { 0.0 } else { (squares / own).sqrt() };
+    let l2 = match (squares == 0.0, own > 0.0) {
+        (true, _) => Some(0.0),
+        (false, has_values) => has_values.then(|| (squares / own).sqrt()),
+    };
     (max >= 0.0).then_some(Difference { l2, max, at, interpolated })
 }
 
@@ -184,7 +231,28 @@ mod tests {
         let found = difference((&image, &field), (&image, &other)).unwrap();
         assert_eq!((found.max, found.at, found.interpolated), (0.5, [-0.25, -0.25, 0.0], false));
         let own: f64 = field.values.iter().map(|v| v * v).sum();
-        assert!((found.l2 - 0.5 / own.sqrt()).abs() < 1e-15);
+        assert!((found.l2.unwrap() - 0.5 / own.sqrt()).abs() < 1e-15);
+        // Against zero there is a largest difference and no ratio.
+        let mut zero = field.clone();
+        zero.values.fill(0.0);
+        let found = difference((&image, &zero), (&image, &field)).unwrap();
+        assert_eq!((found.l2, found.max), (None, largest(&field)));
+        let found = difference((&image, &zero), (&image, &zero)).unwrap();
+        assert_eq!((found.l2, found.max), (Some(0.0), 0.0));
+    }
+
+    #[test]
+    fn a_field_is_known_by_name_and_place() {
+        let (image, field) = placed(8, 4, |x, y| x + y);
+        let section = Image { cells: [8, 0, 4], ..image.clone() };
+        let far = Image { corner: [-2.0, 1.0, 0.0], ..section.clone() };
+        let other = Field { name: "flux".to_owned(), ..field.clone() };
+        let of_a = [("t/contact", &image, &field), ("t/contact", &image, &other)];
+        let of_b = [("t/side", &section, &field), ("t/passage", &image, &field)];
+        assert_eq!(partners(&of_a, &of_b), [Some(1), None]);
+        let of_a = [("t/section", &section, &field)];
+        let of_b = [("t/far", &far, &field), ("t/near", &section, &field)];
+        assert_eq!(partners(&of_a, &of_b), [Some(1)]);
     }
 
     #[test]

@@ -2,15 +2,17 @@
 
 use super::difference::{Comparison, FigureDifference};
 use super::fields::FieldDifference;
+use crate::study::quantity::show_change;
+use contract::figure::Measure;
 use run::format::{Scale, counted, number, of_key, seconds, words};
 use run::wrap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+/// Said of what differs by rounding alone.
+const ROUNDING: &str = "the same to six digits";
 /// Figures with a line of their own at most.
 const MOST: usize = 24;
-/// Differences below this are written with a power of ten [%].
-const LEAST: f64 = 1e-3;
 
 pub(super) fn text(of: &Comparison, [a, b]: [&Path; 2]) -> String {
     let mut out = format!("A {}\nB {}\n", a.display(), b.display());
@@ -42,40 +44,49 @@ pub(super) fn text(of: &Comparison, [a, b]: [&Path; 2]) -> String {
 
 fn figures(out: &mut String, of: &Comparison) {
     let mut head = "figures";
-    for FigureDifference { key, name, a, b, relative } in of.figures.iter().take(MOST) {
+    let (rounding, different): (Vec<&FigureDifference>, Vec<_>) =
+        of.figures.iter().partition(|one| one.is_negligible());
+    for FigureDifference { key, name, a, b, measure, change } in different.iter().take(MOST) {
         let largest = [a, b].into_iter().flatten().fold(0.0, |l: f64, v| l.max(v.abs()));
         let scale = of_key(key, largest);
         let [a, b] = [a, b].map(|v| v.map_or("–".to_owned(), |v| scale.show(v, 6)));
-        let change = relative.map_or_else(String::new, change);
+        // A place changes by a length.
+        let change = change.map_or_else(String::new, |change| match measure {
+            Measure::Absolute if !scale.unit.is_empty() => {
+                let sign = if change > 0.0 { "+" } else { "" };
+                format!("{sign}{}", scale.show(change, 2))
+            }
+            _ => show_change(*measure, change),
+        });
+        // What follows a comma explains the name.
+        let name = name.split(',').next().unwrap_or(name);
         let _ = writeln!(out, "  {head:9} {name:27} {a:>13} → {b:13} {change:>9}");
         head = "";
     }
-    let more = of.figures.len().saturating_sub(MOST);
-    let rest = match (more, of.same_figures) {
-        (_, 0) if more == 0 => return,
-        (0, same) => format!("{} the same", counted(same as u64, "figure")),
-        (more, same) => {
-            format!("{} that differ less (--json), {same} the same", counted(more as u64, "figure"))
-        }
-    };
-    if !of.is_same() {
-        let _ = writeln!(out, "  {head:9} {rest}");
-    }
+    let rest = [
+        (different.len().saturating_sub(MOST), "that differ less (--json)"),
+        (rounding.len(), ROUNDING),
+        (if of.is_same() { 0 } else { of.same_figures }, "the same"),
+    ];
+    remainder(out, head, "figure", &rest);
 }
 
-/// A relative difference in per cent, short even where it is next to nothing.
-fn change(relative: f64) -> String {
-    let percent = 100.0 * relative;
-    let sign = if percent > 0.0 { "+" } else { "" };
-    match percent.abs() < LEAST {
-        true => format!("{sign}{percent:.0e} %").replace('-', "−"),
-        false => format!("{sign}{} %", number(percent, 2)),
+/// How many more there are of a kind, and in which way.
+fn remainder(out: &mut String, head: &str, thing: &str, counts: &[(usize, &str)]) {
+    let some = counts.iter().filter(|(count, _)| *count > 0);
+    let said = some.map(|(count, how)| format!("{} {how}", counted(*count as u64, thing)));
+    let said: Vec<String> = said.collect();
+    if !said.is_empty() {
+        let line = format!("  {head:9} {}", said.join(", "));
+        let _ = writeln!(out, "{}", wrap::columns(&line));
     }
 }
 
 fn fields(out: &mut String, of: &Comparison) {
     let mut head = "fields";
-    for one in &of.fields {
+    let (rounding, different): (Vec<&FieldDifference>, Vec<_>) =
+        of.fields.iter().partition(|one| one.is_negligible());
+    for one in &different {
         let line = format!("  {head:9} {:27} {}", words(&one.field), said(one));
         let _ = writeln!(out, "{}", wrap::columns(&line));
         head = "";
@@ -85,10 +96,8 @@ fn fields(out: &mut String, of: &Comparison) {
     if of.fields.iter().any(interpolated) {
         let _ = writeln!(out, "  {head:9} B is interpolated to the grids of A");
     }
-    if of.same_fields > 0 && !of.is_same() {
-        let same = counted(of.same_fields as u64, "field");
-        let _ = writeln!(out, "  {head:9} {same} the same to the bit");
-    }
+    let same = if of.is_same() { 0 } else { of.same_fields };
+    remainder(out, head, "field", &[(rounding.len(), ROUNDING), (same, "the same to the bit")]);
 }
 
 /// The difference in the mean of squares, the largest, and where.
@@ -103,12 +112,15 @@ fn said(one: &FieldDifference) -> String {
         };
     };
     let length = Scale::of("m", difference.at.iter().fold(0.0, |l: f64, v| l.max(v.abs())));
-    let at = difference.at.map(|place| number(place / length.factor, 3));
+    // A coordinate that is zero but for rounding is zero.
+    let nought = 1e-9 * length.factor;
+    let at = difference.at.map(|place| if place.abs() < nought { 0.0 } else { place });
+    let at = at.map(|place| number(place / length.factor, 3));
     let place = if difference.at[2] == 0.0 { at[..2].join(", ") } else { at.join(", ") };
-    format!(
-        "{} %, at most {} at ({place}) {}",
-        number(100.0 * difference.l2, 2),
-        scale.show(difference.max, 3),
-        length.unit
-    )
+    let mean = match difference.l2 {
+        Some(l2) => format!("{} %,", number(100.0 * l2, 2)),
+        None => "zero in A,".to_owned(),
+    };
+    let most = scale.show(difference.max, 3);
+    format!("{mean} at most {most} at ({place}) {}", length.unit)
 }

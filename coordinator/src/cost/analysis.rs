@@ -102,7 +102,7 @@ fn check_references(request: &Request, quantities: &[Quantity]) -> Result<(), Ru
 }
 
 fn compared(quantity: &Quantity, request: &Request, sweep: &Sweep) -> Compared {
-    let Quantity { key, name, measure } = quantity.clone();
+    let Quantity { key, name, measure, .. } = quantity.clone();
     let exact = |value: f64, source: &str| Reference {
         value,
         uncertainty: Some(0.0),

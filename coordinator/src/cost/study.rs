@@ -84,7 +84,7 @@ impl Compared {
     #[must_use]
     pub(crate) fn quantity(&self) -> Quantity {
         let Self { key, name, measure, .. } = self.clone();
-        Quantity { key, name, measure }
+        Quantity::new(&key, &name, measure)
     }
 
     /// An error of it, as it is measured.

@@ -128,8 +128,8 @@ pub(super) fn fit(
     let best = search(&values, axes, held, &linear).ok_or("it cannot be fitted")?;
     let part = best.0.rms / values.spread();
     if part.is_nan() || part > TELLS {
-        let why = "the error at points held out is as large as what varies";
-        return Err(format!("{why}: {:.0} % of it", 100.0 * part));
+        let why = "it varies by rounding alone, or without a law";
+        return Err(format!("{why} (error at points held out: {:.0} % of its range)", 100.0 * part));
     }
     Ok(figure(quantity, &values, best))
 }

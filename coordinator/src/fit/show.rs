@@ -18,7 +18,7 @@ pub(super) fn text(made: &Made) -> String {
         Some(format!("  {name:40}  {} to {}\n", one.from, one.to))
     });
     let figures: Vec<&FittedFigure> = document.figures.iter().collect();
-    let left_out = made.left_out.iter().map(|(key, why)| format!("  left out: {key}: {why}\n"));
+    let left_out = made.left_out.iter().map(|(key, why)| format!("  not fitted: {key}: {why}\n"));
     format!(
         "surrogate of {}, {}\n{keys}{}{}{}{}",
         document.origin.case,

@@ -18,9 +18,8 @@ fn samples(points: &[Vec<f64>], ends: &[[f64; 2]], laws: &[(&str, Law)]) -> Samp
     let coordinate =
         |(key, [from, to]): (String, [f64; 2])| Coordinate { key, per: None, from, to };
     let figure = |(name, law): &(&str, Law)| {
-        let (key, name) = ((*name).to_owned(), (*name).to_owned());
         let values = points.iter().map(|point| law(point)).collect();
-        (Quantity { key, name, measure: Measure::Relative }, values)
+        (Quantity::new(name, name, Measure::Relative), values)
     };
     Samples {
         keys: named().map(key).collect(),
@@ -152,7 +151,7 @@ fn what_is_rough_is_said_to_be() {
     let noise: Law = |p| (1e4 * p[0] * p[0]).sin();
     let (figures, left_out) = fitted(&of(noise));
     assert!(
-        figures.is_empty() && left_out[0].1.contains("as large as what varies"),
+        figures.is_empty() && left_out[0].1.contains("by rounding alone, or without a law"),
         "{left_out:?}"
     );
 }

@@ -142,6 +142,19 @@ fn reads(case: &toml::Table, by: &str) -> bool {
     }
 }
 
+/// What keys are, by their dotted paths, as their help begins; the path where nobody reads it.
+pub(crate) fn names<'a>(
+    described: &[Description],
+    paths: impl Iterator<Item = &'a str>,
+) -> Vec<String> {
+    let keys = all(described);
+    let name = |path: &str| {
+        let known = keys.iter().find(|key| fits(&key.spec.path, path));
+        known.map_or(path, |key| key.spec.help.as_str()).to_owned()
+    };
+    paths.map(name).collect()
+}
+
 /// The SI unit of keys by their dotted paths: "1" of a plain number, empty where it is none or nobody reads it.
 pub(crate) fn units<'a>(
     described: &[Description],

@@ -148,6 +148,10 @@ pub(crate) struct Frame<'a> {
     pub grid: bool,
 }
 
+/// Width of a digit of a tick at most, and room to the right of an axis, in units of the paper.
+const DIGIT: f64 = 7.5;
+const BEYOND: f64 = 12.0;
+
 impl Frame<'_> {
     /// The axes as SVG.
     #[must_use]
@@ -183,6 +187,9 @@ impl Frame<'_> {
             let below = bottom + 5.0;
             let _ = writeln!(out, "<path class=\"grid\" d=\"M{x:.2} {from:.2}V{below:.2}\"/>");
             let y = bottom + 19.0;
+            // A number at the end of the axis stays within the drawing.
+            let half = 0.5 * DIGIT * text.chars().count() as f64;
+            let x = x.min(self.x.paper[1] + BEYOND - half);
             let _ =
                 writeln!(out, "<text class=\"tick mid\" x=\"{x:.2}\" y=\"{y:.2}\">{text}</text>");
         }

@@ -17,7 +17,7 @@ use run::format::number;
 use std::fmt::Write as _;
 
 /// Width of a map's view box: more than other plots have, since there is more to see.
-const WIDTH: f64 = 660.0;
+const WIDTH: f64 = 680.0;
 /// Where a map ends at most on the paper, and where its colour bar is.
 const RIGHT: f64 = 540.0;
 const TOP: f64 = 14.0;
@@ -170,12 +170,21 @@ impl Heatmap {
 
     /// Where the largest value is on the paper; `None` where there is none, and where it is everywhere.
     fn peak(&self, x: &Axis, y: &Axis) -> Option<[f64; 2]> {
-        let [low, high] = extent(self.values.iter().copied())?;
-        let at = self.values.iter().position(|value| *value == high).filter(|_| low < high)?;
+        let [low, high] = extent(self.values.iter().copied()).filter(|[low, high]| low < high)?;
+        let rows = self.values.len() / self.columns;
+        let middle = |n: usize, count: usize, [from, to]: [f64; 2]| {
+            from + (n as f64 + 0.5) / count as f64 * (to - from)
+        };
+        // Of those that are as large but for rounding the one nearest to the origin.
+        let off = |at: &usize| {
+            let x = middle(at % self.columns, self.columns, self.x);
+            x.hypot(middle(at / self.columns, rows, self.y))
+        };
+        let as_large = |at: &usize| self.values[*at] >= high - 1e-9 * (high - low);
+        let at = (0..self.values.len()).filter(as_large).min_by(|a, b| off(a).total_cmp(&off(b)))?;
         let part = |n: usize, count: usize, [from, to]: [f64; 2]| {
             from + (n as f64 + 0.5) / count as f64 * (to - from)
         };
-        let rows = self.values.len() / self.columns;
         Some([
             part(at % self.columns, self.columns, x.paper),
             part(at / self.columns, rows, y.paper),

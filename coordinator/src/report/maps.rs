@@ -17,7 +17,12 @@ const ROUNDING: f64 = 1e-14;
 const EDGE: f64 = 1e-3;
 
 /// A component of less than this share of the largest is what an iteration leaves of zero, and not drawn.
+/// So is a negative value beside positive ones.
 const NOTHING: f64 = 1e-5;
+/// Most passes of a mean over neighbours that turn the steps of an edge between elements into a curve, and
+/// the points for each: a line round few elements would shrink.
+const PASSES: usize = 6;
+const POINTS_A_PASS: usize = 8;
 
 /// A field, drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,18 +68,48 @@ pub(crate) fn named(results: &Results) -> Vec<(String, Drawn)> {
     maps
 }
 
+/// Names of the fields that are zero everywhere, which have no map.
+#[must_use]
+pub(crate) fn zero(results: &Results) -> Vec<&str> {
+    let images = results.series.iter().filter_map(|series| series.image.as_ref());
+    let fields = images.flat_map(|image| &image.fields);
+    let zero = fields.filter(|field| field.values.iter().all(|value| *value == 0.0));
+    zero.map(|field| field.name.as_str()).collect()
+}
+
 /// A field that is made of two; `None` where one of them is absent.
 fn quotient(image: &Image, made: &Quotient) -> Option<Field> {
     let [of, over] = [made.of, made.over].map(|spec| image.field(spec.name));
     let over = &over?.values;
     let ratio = |(of, over): (f64, &f64)| if *over == 0.0 { 0.0 } else { of / over };
+    let mut values: Vec<f64> = of?.magnitudes().into_iter().zip(over).map(ratio).collect();
+    blank_cut(&mut values, over, image.cells[image.plane()?[0]]);
     Some(Field {
         name: made.name.to_owned(),
         unit: made.unit.to_owned(),
         meaning: made.meaning.to_owned(),
         components: 1,
-        values: of?.magnitudes().into_iter().zip(over).map(ratio).collect(),
+        values,
     })
+}
+
+/// Blanks quotients of elements that the edge of contact cuts. Both fields are means over such an element,
+/// of which only a part is in contact, and their quotient may be larger than any inside.
+fn blank_cut(ratios: &mut [f64], over: &[f64], columns: usize) {
+    let rows = over.len() / columns;
+    let inside = |at: usize| {
+        let (i, j) = (at % columns, at / columns);
+        let whole = (i == 0 || over[at - 1] != 0.0)
+            && (i + 1 == columns || over[at + 1] != 0.0)
+            && (j == 0 || over[at - columns] != 0.0)
+            && (j + 1 == rows || over[at + columns] != 0.0);
+        over[at] != 0.0 && whole
+    };
+    let inner = (0..over.len()).filter(|at| inside(*at)).map(|at| ratios[at]).fold(0.0, f64::max);
+    if inner > 0.0 {
+        let limit = inner * (1.0 + NOTHING);
+        ratios.iter_mut().filter(|ratio| **ratio > limit).for_each(|ratio| *ratio = 0.0);
+    }
 }
 
 /// The edges of the contact, in metres; none on a field that has not been written out.
@@ -122,23 +157,48 @@ fn edge_of(image: &Image, inside: &[f64], outside: f64) -> Vec<Polyline> {
         [0, 1].map(|axis| image.corner[axis] + ([i, j][axis] - 0.5) * image.spacing[axis])
     };
     let lines = contours(&framed, wide, 0.5).into_iter();
-    lines.map(|line| line.into_iter().map(place).collect()).collect()
+    lines.map(|line| smoothed(line.into_iter().map(place).collect())).collect()
+}
+
+/// A line between elements without its steps: each point becomes a mean of itself and its neighbours. It
+/// moves by less than an element. The ends of an open line stay.
+fn smoothed(mut line: Polyline) -> Polyline {
+    let count = line.len();
+    let closed = count > 2 && line.first() == line.last();
+    for _ in 0..PASSES.min(count / POINTS_A_PASS) {
+        let mean = |n: usize| {
+            let (before, after) = match n {
+                0 if closed => (count - 2, 1),
+                n if n + 1 == count && closed => (n - 1, 1),
+                0 => (0, 0),
+                n if n + 1 == count => (n, n),
+                n => (n - 1, n + 1),
+            };
+            [0, 1].map(|k| 0.25 * line[before][k] + 0.5 * line[n][k] + 0.25 * line[after][k])
+        };
+        line = (0..count).map(mean).collect();
+    }
+    line
 }
 
 /// A field as a map; `None` where cells do not lie in a plane, or all is zero.
 fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
     let [horizontal, upright] = image.plane()?;
     let mut values = field.magnitudes();
-    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let [least, most] = extent(values.iter().copied()).unwrap_or_default();
+    let largest = least.abs().max(most.abs());
     if largest == 0.0 || image.cells[upright] < 2 || image.cells[horizontal] < 2 {
         return None;
     }
     let scale = Scale::of(&field.unit, largest);
+    // A field that is negative by rounding alone has no negative values.
+    let is_positive = -least <= NOTHING * most;
     let is_zero = |value: &f64| value.abs() <= ROUNDING * largest;
-    let from_zero = values.iter().any(is_zero);
+    let from_zero = values.iter().any(is_zero) || is_positive && least < 0.0;
     let most = largest_at(image, field, &values, &scale);
     for value in &mut values {
-        *value = if is_zero(value) { f64::NAN } else { *value / scale.factor };
+        let shown = if is_positive { value.max(0.0) } else { *value };
+        *value = if is_zero(value) { f64::NAN } else { shown / scale.factor };
     }
     let lengths = [horizontal, upright].map(|axis| {
         let borders = image.borders(axis);
@@ -285,6 +345,49 @@ mod tests {
         assert_eq!((names, figure.y_label.as_str()), (vec!["along x"], "along x [MPa]"));
         image.cells = [3, 2, 0];
         assert!(row(&image, &traction).is_none());
+    }
+
+    /// A rise of −9.7e-5 K beside one of 72 K is rounding: colours begin at zero. A field that is
+    /// negative keeps its sign.
+    #[test]
+    fn rounding_is_zero() {
+        let (image, field) = image(vec![0.0; 6]);
+        let field = Field { unit: "K".to_owned(), values: vec![-9.7e-5, 72.0, 1.0, 2.0, 3.0, 4.0], ..field };
+        let drawn = map(&image, &field, &[]).unwrap();
+        assert!(drawn.from_zero);
+        assert_eq!(drawn.values[..3], [0.0, 72.0, 1.0]);
+        let field = Field { values: vec![-1.0, 72.0, 1.0, 2.0, 3.0, 4.0], ..field };
+        let drawn = map(&image, &field, &[]).unwrap();
+        assert!(!drawn.from_zero && drawn.values[0] == -1.0);
+    }
+
+    /// An element of which only a part is in contact may have more traction over pressure than any that
+    /// is inside: it is blank.
+    #[test]
+    fn elements_that_the_edge_cuts_have_no_quotient() {
+        let over = [0.0, 1.0, 1.0, 1.0, 0.0].repeat(3);
+        let mut ratios = vec![0.0; 15];
+        ratios[5..10].copy_from_slice(&[0.0, 0.87, 0.3, 0.25, 0.0]);
+        blank_cut(&mut ratios, &over, 5);
+        assert_eq!(ratios[5..10], [0.0, 0.0, 0.3, 0.25, 0.0]);
+    }
+
+    /// The edge of a disc of elements is a circle to a tenth of an element, without steps.
+    #[test]
+    fn an_edge_has_no_steps() {
+        let count = 41;
+        let spacing = [1.0; 3];
+        let image = Image { corner: [-20.5, -20.5, 0.0], spacing, cells: [count, count, 0], fields: vec![] };
+        let inside = |n: usize| {
+            let [x, y] = [n % count, n / count].map(|k| k as f64 - 20.0);
+            f64::from(u8::from(x.hypot(y) < 15.0))
+        };
+        let inside: Vec<f64> = (0..count * count).map(inside).collect();
+        let lines = edge_of(&image, &inside, 0.0);
+        assert_eq!(lines.len(), 1);
+        let radii = || lines[0].iter().map(|[x, y]| x.hypot(*y));
+        let (least, most) = (radii().fold(f64::MAX, f64::min), radii().fold(0.0, f64::max));
+        assert!(most - least < 0.6 && (0.5 * (most + least) - 15.0).abs() < 0.3, "{least} {most}");
     }
 
     #[test]

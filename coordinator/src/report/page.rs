@@ -47,8 +47,8 @@ pub(crate) enum Block {
     Table(Table),
     /// A small table among the drawings, under a title.
     Card(String, Table),
-    /// Names that are on or off, each with what there is to say of it.
-    Switches(Vec<(String, bool, String)>),
+    /// Effects that are on, each with its reason and law.
+    Effects(Vec<(String, String)>),
     /// Text as it is, under a title.
     Verbatim(String, String),
     /// A table that is folded away under a title.
@@ -74,7 +74,7 @@ impl Block {
             Self::Bars(bars) => bars.html(),
             Self::Table(table) => table.html(),
             Self::Card(title, table) => figure(title, &table.html(), ""),
-            Self::Switches(all) => switches(all),
+            Self::Effects(all) => effects(all),
             Self::Verbatim(title, text) => {
                 format!("<h3>{}</h3>\n<pre tabindex=\"0\">{}</pre>\n", escape(title), escape(text))
             }
@@ -99,16 +99,15 @@ fn headlines(all: &[Headline]) -> String {
     format!("<dl class=\"headlines\">\n{}</dl>\n", all.iter().map(one).collect::<String>())
 }
 
-fn switches(all: &[(String, bool, String)]) -> String {
-    let one = |(name, on, what): &(String, bool, String)| {
-        let (class, word) = if *on { ("on", "on") } else { ("off", "off") };
+fn effects(all: &[(String, String)]) -> String {
+    let one = |(name, what): &(String, String)| {
         format!(
-            "<li class=\"{class}\"><b>{word}</b> <span>{}</span> <small>{}</small></li>\n",
+            "<li><b>on</b> <span>{}</span> <small>{}</small></li>\n",
             escape(name),
             escape(what)
         )
     };
-    format!("<ul class=\"switches\">\n{}</ul>\n", all.iter().map(one).collect::<String>())
+    format!("<ul class=\"effects\">\n{}</ul>\n", all.iter().map(one).collect::<String>())
 }
 
 /// A heading and what belongs under it.

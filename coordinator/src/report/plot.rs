@@ -47,6 +47,8 @@ pub(crate) struct Figure {
     pub decades: bool,
     /// Nought belongs to the axis upward; without effect by decades.
     pub from_zero: bool,
+    /// One unit is as long to the right as upward; without effect by decades.
+    pub true_shape: bool,
     /// The lines.
     pub lines: Vec<Line>,
     /// Lines of which a reader of the page may choose one, in the place of the others.
@@ -71,6 +73,7 @@ impl Figure {
             decades_x: false,
             decades: false,
             from_zero: true,
+            true_shape: false,
             lines: Vec::new(),
             frames: Vec::new(),
             note: String::new(),
@@ -155,7 +158,19 @@ impl Figure {
             true => Axis::decades(all().map(|p| p[1]), [BOTTOM, TOP]),
             false => Axis::linear(all().map(|p| p[1]).chain(zero), true, [BOTTOM, TOP]),
         };
-        [Axis { whole: self.whole, ..x }, y]
+        let (mut x, mut y) = (Axis { whole: self.whole, ..x }, y);
+        if self.true_shape && !self.decades && !self.decades_x {
+            let unit = |axis: &Axis| {
+                (axis.range[1] - axis.range[0]) / (axis.paper[1] - axis.paper[0]).abs()
+            };
+            let largest = unit(&x).max(unit(&y));
+            for axis in [&mut x, &mut y] {
+                let middle = 0.5 * (axis.range[0] + axis.range[1]);
+                let half = 0.5 * largest * (axis.paper[1] - axis.paper[0]).abs();
+                axis.range = [middle - half, middle + half];
+            }
+        }
+        [x, y]
     }
 
     /// Axes and lines.

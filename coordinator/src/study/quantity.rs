@@ -1,8 +1,8 @@
 //! The quantities of a summary that studies compare: the figures that participants describe, and any other
 //! number of it.
 
-use contract::figure::{FigureSpec, Measure, value};
-use run::format::{number, words};
+use contract::figure::{FigureSpec, Measure, Style, value};
+use run::format::{Scale, number, of_key, words};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -34,6 +34,9 @@ pub(crate) struct Quantity {
     pub name: String,
     /// How its error is measured.
     pub measure: Measure,
+    /// How it is written.
+    #[serde(default)]
+    pub style: Style,
 }
 
 /// The quantities that a study knows.
@@ -75,11 +78,12 @@ impl Quantities {
             key: one.key.clone(),
             name: one.words.clone(),
             measure: one.measure,
+            style: one.style,
         };
         let mut ranked: Vec<_> = figures.iter().filter(|one| one.rank.is_some()).collect();
         ranked.sort_by_key(|one| one.rank);
         let (key, name) = (IMBALANCE.0.to_owned(), IMBALANCE.1.to_owned());
-        let own = Quantity { key, name, measure: Measure::Itself };
+        let own = Quantity { key, name, measure: Measure::Itself, style: Style::Number };
         let driver = |one: &FigureSpec| Some((one.key.clone(), one.driven_by.clone()?));
         Self {
             of_interest: ranked.into_iter().map(quantity).chain([own]).collect(),
@@ -93,7 +97,7 @@ impl Quantities {
     pub(crate) fn of(&self, key: &str) -> Quantity {
         let mut known = self.of_interest.iter().chain(&self.others);
         let name = || words(key.rsplit('.').next().unwrap_or(key));
-        let other = || Quantity { key: key.to_owned(), name: name(), measure: Measure::Relative };
+        let other = || Quantity::new(key, &name(), Measure::Relative);
         known.find(|quantity| quantity.key == key).cloned().unwrap_or_else(other)
     }
 
@@ -129,10 +133,40 @@ impl Quantities {
 }
 
 impl Quantity {
+    /// A quantity of this key and name, written as a number.
+    #[must_use]
+    pub(crate) fn new(key: &str, name: &str, measure: Measure) -> Self {
+        Self { key: key.to_owned(), name: name.to_owned(), measure, style: Style::Number }
+    }
+
+    /// The unit for values up to `largest` in magnitude.
+    #[must_use]
+    pub(crate) fn scale(&self, largest: f64) -> Scale {
+        match self.style {
+            Style::Percent => Scale { factor: 0.01, unit: "%".to_owned() },
+            Style::Place => Scale { factor: 1e-3, unit: "mm".to_owned() },
+            Style::Number | Style::Signed | Style::Count => of_key(&self.key, largest),
+        }
+    }
+
     /// Its value in a summary.
     #[must_use]
     pub(crate) fn value(&self, summary: &Value) -> Option<f64> {
         value(summary, &self.key)
+    }
+
+    /// Change from the first value to the second, as the measure says: of the first value, or the
+    /// difference. `None` where the first value is zero and a ratio is asked for.
+    #[must_use]
+    pub(crate) fn change(&self, from: f64, to: f64) -> Option<f64> {
+        let change = match self.measure {
+            Measure::Relative if from == to => 0.0,
+            // If both have the same sign, the size counts.
+            Measure::Relative if from * to > 0.0 => to / from - 1.0,
+            Measure::Relative => (to - from) / from.abs(),
+            Measure::Absolute | Measure::Itself => to - from,
+        };
+        Some(change).filter(|change| change.is_finite())
     }
 
     /// The error of a value against a reference, as its measure says; never negative.
@@ -182,6 +216,9 @@ mod tests {
         assert_eq!(known.of("contact.creepage_xi").value(&summary), None);
         assert_eq!(known.of("coupling.energy_imbalance").error(-1e-9, 5.0), 1e-9);
         assert_eq!(rise.error(0.0, 0.0), 0.0);
+        assert_eq!([rise.change(200.0, 250.0), rise.change(-200.0, -250.0)], [Some(0.25); 2]);
+        assert_eq!([rise.change(-200.0, 50.0), rise.change(0.0, 1.0)], [Some(1.25), None]);
+        assert_eq!(place.change(-0.8, -0.5), Some(-0.5 - -0.8));
         assert_eq!(known.of("wear.wear_depth_m").name, "wear depth m");
     }
 }

@@ -10,7 +10,8 @@ use crate::study::output::Shown;
 use crate::study::quantity::Quantity;
 use crate::study::table::{Cell, Column, Table};
 use run::error::RunError;
-use run::format::{Scale, counted, of_key, sentence};
+use contract::diagram::Diagram;
+use run::format::{Scale, counted, sentence};
 use std::path::Path;
 
 /// Quantities on the terminal; all of them are in the files.
@@ -36,8 +37,10 @@ impl Shown for Study {
         let points = counted(self.rows.len() as u64, "point");
         let varied: Vec<&str> = self.vary.iter().map(|one| one.key.as_str()).collect();
         let rows: Vec<&Row> = self.rows.iter().take(PAGE_ROWS).collect();
-        let drawn = self.changing().filter(|(_, one)| self.drawn.contains(&one.key)).take(DRAWN);
-        let drawings = drawn.flat_map(|one| drawings(self, one)).collect();
+        let drawn = self.found().filter(|(_, one)| self.drawn.contains(&one.key)).take(DRAWN);
+        let drawings = drawn.flat_map(|one| drawings(self, one));
+        let diagrams = self.diagrams.iter().filter_map(|one| diagram(self, one));
+        let drawings = diagrams.map(Block::Figure).chain(drawings).collect();
         let remarks = failures(self).take(PAGE_ROWS).map(Block::Text);
         let listed = Block::Table(table(self, usize::MAX).page(&rows));
         let blocks =
@@ -48,7 +51,7 @@ impl Shown for Study {
             status: points,
             mood: if failed == 0 { Mood::Good } else { Mood::Open },
             reason: format!(
-                "over {} of `{}`, {} without an answer, in {:.1} s",
+                "over {} of `{}`, {} without an answer, {:.1} s of runs",
                 varied.join(" and "),
                 self.file,
                 failed,
@@ -94,10 +97,17 @@ fn table(study: &Study, columns: usize) -> Table<'_, Row> {
         let value = move |row: &Row| one.values.get(row.at[n]).cloned().unwrap_or_default();
         Column::text(one.key.clone(), value).naming()
     });
-    let quantities = study.changing().take(columns).map(|(column, one)| {
+    // Those of the curves come first, then what participants show or rank.
+    let curves: Vec<&str> = study.diagrams.iter().filter(|one| one.lines.is_empty()).flat_map(|one| [one.y.as_str(), &one.x]).collect();
+    let (first, others): (Vec<_>, Vec<_>) =
+        study.found().partition(|(_, one)| study.drawn.contains(&one.key));
+    let (curves, first): (Vec<_>, Vec<_>) =
+        first.into_iter().partition(|(_, one)| curves.contains(&one.key.as_str()));
+    let first: Vec<_> = curves.into_iter().chain(first).collect();
+    let quantities = first.into_iter().chain(others).take(columns).map(|(column, one)| {
         Column::quantity(one.name.clone(), move |row: &Row| {
             let value = row.value(column);
-            Cell::optional(value.as_ref(), |value| of_key(&one.key, value).show(value, 4))
+            Cell::optional(value.as_ref(), |value| one.scale(value).show(value, 4))
         })
     });
     Table::new(keys.chain(quantities).collect())
@@ -108,14 +118,14 @@ fn drawings(study: &Study, of: Drawn<'_>) -> Vec<Block> {
     let Some((first, others)) = study.vary.split_first() else { return Vec::new() };
     if study.paired && !others.is_empty() {
         let each = study.vary.iter().enumerate();
-        return each.filter_map(|(n, one)| marks(study, of, (n, one, one.numbers()?))).collect();
+        return each.filter_map(|(n, one)| marks(study, of, (n, one.numbers()?))).collect();
     }
     match (first.numbers(), others) {
-        (Some(along), []) => vec![lines(study, of, (0, first, along), None)],
+        (Some(along), []) => vec![lines(study, of, (0, along), None)],
         (Some(along), [second]) => {
             let mut blocks = Vec::new();
             if second.values.len() <= LINES {
-                blocks.push(lines(study, of, (0, first, along.clone()), Some((1, second))));
+                blocks.push(lines(study, of, (0, along.clone()), Some((1, second))));
             }
             blocks.extend(map(study, of, [first, second]).map(Block::Heatmap));
             blocks
@@ -132,19 +142,20 @@ type Numbers = (Vec<f64>, String);
 /// The unit in which all values of a quantity are shown.
 fn scale(study: &Study, (column, of): Drawn<'_>) -> Scale {
     let values = study.rows.iter().filter_map(|row| row.value(column));
-    of_key(&of.key, values.fold(0.0, |l: f64, v| l.max(v.abs())))
+    of.scale(values.fold(0.0, |l: f64, v| l.max(v.abs())))
 }
 
 /// The quantity of each point over one of the keys that vary together.
 fn marks(
     study: &Study,
     (column, of): Drawn<'_>,
-    (n, along, (places, unit)): (usize, &Axis, Numbers),
+    (n, (places, unit)): (usize, Numbers),
 ) -> Option<Block> {
     let scale = scale(study, (column, of));
     let mut figure =
-        Figure::new(sentence(&of.name), labelled(&along.key, &unit), scale.unit.clone());
+        Figure::new(sentence(&of.name), labelled(study, n, &unit), upward(of, &scale));
     (figure.from_zero, figure.decades_x) = (false, by_decades(&places));
+    figure.note = about(study, n);
     let point = |row: &Row| Some([places[row.at[n]], row.value(column)? / scale.factor]);
     let points = thinned(study.rows.iter().filter_map(point).collect());
     (!points.is_empty()).then(|| Block::Figure(figure.with_marks(sentence(&of.name), points)))
@@ -153,13 +164,14 @@ fn marks(
 fn lines(
     study: &Study,
     (column, of): Drawn<'_>,
-    (n, along, (places, unit)): (usize, &Axis, Numbers),
+    (n, (places, unit)): (usize, Numbers),
     each: Option<(usize, &Axis)>,
 ) -> Block {
     let scale = scale(study, (column, of));
     let mut figure =
-        Figure::new(sentence(&of.name), labelled(&along.key, &unit), scale.unit.clone());
+        Figure::new(sentence(&of.name), labelled(study, n, &unit), upward(of, &scale));
     figure.from_zero = false;
+    figure.note = about(study, n);
     figure.decades_x = by_decades(&places);
     let line = |fixed: Option<(usize, usize)>| {
         let rows = study.rows.iter().filter(|row| fixed.is_none_or(|(n, at)| row.at[n] == at));
@@ -203,8 +215,8 @@ fn map(study: &Study, (column, of): Drawn<'_>, [first, second]: [&Axis; 2]) -> O
     let drawn = all.iter().any(|value| value.is_finite());
     drawn.then(|| Heatmap {
         title: sentence(&of.name),
-        x_label: labelled(&first.key, &x_unit),
-        y_label: labelled(&second.key, &y_unit),
+        x_label: labelled(study, 0, &x_unit),
+        y_label: labelled(study, 1, &y_unit),
         value_label: scale.unit,
         x: across,
         y: upward,
@@ -214,12 +226,60 @@ fn map(study: &Study, (column, of): Drawn<'_>, [first, second]: [&Axis; 2]) -> O
         true_shape: false,
         arrows: None,
         edges: Vec::new(),
-        note: String::new(),
+        note: format!("{} {}", about(study, 0), about(study, 1)),
     })
 }
 
-fn labelled(key: &str, unit: &str) -> String {
-    if unit.is_empty() { key.to_owned() } else { format!("{key} [{unit}]") }
+/// The points of a sweep in a diagram of its quantities, joined if one key varies; `None` where it has no
+/// such quantities, or they do not change.
+fn diagram(study: &Study, of: &Diagram) -> Option<Figure> {
+    let column = |key: &str| study.changing().find(|(_, one)| one.key == key);
+    let (x, y) = (column(&of.x)?, column(&of.y)?);
+    let [x_scale, y_scale] = [x, y].map(|one| scale(study, one));
+    let point = |row: &Row| {
+        let value = |column: usize, scale: &Scale| Some(row.value(column)? / scale.factor);
+        Some([value(x.0, &x_scale)?, value(y.0, &y_scale)?])
+    };
+    let points = thinned(study.rows.iter().filter_map(point).collect());
+    let [x_label, y_label] =
+        [(x.1, &x_scale), (y.1, &y_scale)].map(|(one, scale)| named(&one.name, &scale.unit));
+    let mut figure = Figure::new(of.title.as_str(), x_label, y_label);
+    for line in &of.lines {
+        let place = |p: &[f64; 2]| [p[0] / x_scale.factor, p[1] / y_scale.factor];
+        figure = figure.with(line.name.as_str(), line.points.iter().map(place).collect());
+        if let Some(line) = figure.lines.last_mut() {
+            line.dots = false;
+        }
+    }
+    figure.note.clone_from(&of.note);
+    let name = "this sweep";
+    let curve = study.vary.len() == 1 && of.lines.is_empty();
+    Some(if curve { figure.with(name, points) } else { figure.with_marks(name, points) })
+}
+
+/// The label of an axis over which a key varies: what it is, with the unit of its values.
+fn labelled(study: &Study, n: usize, unit: &str) -> String {
+    let name = study.names.get(n).and_then(|name| name.split([';', ':', ',', '[']).next());
+    named(name.map_or(study.vary[n].key.as_str(), str::trim), unit)
+}
+
+/// The key of an axis, and what its help says besides its name: signs, for one.
+fn about(study: &Study, n: usize) -> String {
+    let key = &study.vary[n].key;
+    match study.names.get(n) {
+        Some(help) if help != key => format!("{key}: {help}."),
+        _ => String::new(),
+    }
+}
+
+/// The label of the axis of a quantity.
+fn upward(of: &Quantity, scale: &Scale) -> String {
+    named(&of.name, &scale.unit)
+}
+
+fn named(name: &str, unit: &str) -> String {
+    let name = sentence(name);
+    if unit.is_empty() { name } else { format!("{name} [{unit}]") }
 }
 
 fn by_decades(places: &[f64]) -> bool {

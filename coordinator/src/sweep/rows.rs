@@ -207,7 +207,7 @@ mod tests {
     }
 
     fn quantity(key: &str) -> Quantity {
-        Quantity { key: key.to_owned(), name: key.to_owned(), measure: Measure::Relative }
+        Quantity::new(key, key, Measure::Relative)
     }
 
     fn row(at: [usize; 2], values: &[f64]) -> Row {

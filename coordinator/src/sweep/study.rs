@@ -6,6 +6,7 @@ use crate::study::Variant;
 use crate::study::axis::Axis;
 use crate::study::output::Kept;
 use crate::study::quantity::{Quantities, Quantity};
+use contract::diagram::Diagram;
 use run::error::RunError;
 use run::identity::Identity;
 use run::plan::Planned;
@@ -35,6 +36,12 @@ pub(crate) struct Study {
     /// The SI unit of each key that varies, "1" for a plain number, empty if it is not known.
     #[serde(default)]
     pub units: Vec<String>,
+    /// What each key that varies is, as its help says it.
+    #[serde(default)]
+    pub names: Vec<String>,
+    /// Diagrams of the quantities, among which every point of the sweep has its mark.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub diagrams: Vec<Diagram>,
     /// The n-th values of all keys are a point; otherwise all combinations are.
     #[serde(default)]
     pub paired: bool,
@@ -99,6 +106,12 @@ fn units(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
     keys::units(&described, design.vary.iter().map(|one| one.key.as_str()))
 }
 
+/// What it is that varies.
+fn names(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
+    let described: Vec<_> = plan.participants.iter().map(|one| one.description.clone()).collect();
+    keys::names(&described, design.vary.iter().map(|one| one.key.as_str()))
+}
+
 impl Row {
     /// The quantity of this column.
     #[must_use]
@@ -139,6 +152,8 @@ impl Study {
             options: base.options(),
             identity,
             units: units(plan, &design),
+            names: names(plan, &design),
+            diagrams: plan.diagrams.clone(),
             vary: design.vary,
             paired: design.paired,
             part: None,
@@ -236,6 +251,8 @@ impl Study {
             identity: self.identity.clone(),
             vary: self.vary.clone(),
             units: self.units.clone(),
+            names: self.names.clone(),
+            diagrams: self.diagrams.clone(),
             drawn: self.drawn.clone(),
             quantities: self.quantities.clone(),
             rows: Vec::new(),
@@ -310,6 +327,22 @@ impl Study {
             .iter()
             .zip(&row.at)
             .map(|(one, at)| one.values.get(*at).map_or("", String::as_str))
+    }
+
+    /// The changing quantities that are not one of the keys that vary themselves, and their columns.
+    pub(super) fn found(&self) -> impl Iterator<Item = (usize, &Quantity)> {
+        let numbers: Vec<_> = self.vary.iter().map(|one| one.numbers().map(|all| all.0)).collect();
+        let is_given = move |column: usize| {
+            numbers.iter().enumerate().any(|(n, numbers)| {
+                let Some(numbers) = numbers else { return false };
+                let same = |row: &Row| {
+                    let given = numbers[row.at[n]];
+                    row.value(column).is_none_or(|value| (value - given).abs() <= 1e-9 * given.abs())
+                };
+                self.rows.iter().all(same)
+            })
+        };
+        self.changing().filter(move |(column, _)| !is_given(*column))
     }
 
     /// The quantities that are not the same in all rows: those are what a sweep is for; and their columns.

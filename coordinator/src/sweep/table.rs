@@ -155,7 +155,7 @@ mod tests {
         let vary =
             ["motion.speed=10,20", "load.normal_force=60 kN"].map(|text| Axis::read(text).unwrap());
         let quantity =
-            |key: &str| Quantity { key: key.into(), name: key.into(), measure: Measure::Relative };
+            |key: &str| Quantity::new(key, key, Measure::Relative);
         let head = serde_json::json!({
             "schema": 3, "complete": true, "case": "c", "title": null, "file": "c.toml", "options": [],
             "identity": {"programs": {}, "values": {}, "files": {}},

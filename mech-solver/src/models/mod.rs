@@ -23,9 +23,11 @@ mod wheel_on_track;
 pub use grids::{CONTACT_GRID, RIGID_GRID};
 
 use crate::entry::ModelEntry;
+use crate::measures;
 use crate::scene::Scene;
 use proto::advice::Known;
 use proto::configuration::Refusal;
+use proto::diagram::Diagram;
 use proto::figure::FigureSpec;
 use proto::params::Params;
 
@@ -44,6 +46,12 @@ pub const MODELS: &[ModelEntry] = &[
 /// Figures that models alone give.
 pub(crate) fn own_figures() -> Vec<FigureSpec> {
     [wheel_on_track::figures(), conformal::figures()].concat()
+}
+
+/// Diagrams of their figures.
+pub(crate) fn diagrams() -> Vec<Diagram> {
+    let common = vec![measures::creep_curve(), measures::shakedown_diagram()];
+    [wheel_on_track::diagrams(), common].concat()
 }
 
 /// The contact as the cheapest model that knows all creepages has it, its figures by their keys in the summary; `None` where it has none.

@@ -40,9 +40,11 @@ impl Shortfall {
     pub(super) fn refused(shortfall: Option<Self>, terms: &Terms) -> Result<(), StepError> {
         let Some(Self { asked, carried }) = shortfall else { return Ok(()) };
         Err(StepError::NoSolution(format!(
-            "{}: {asked:.6e} N are prescribed, and in this state friction carries {carried:.6e} N; \
-             prescribe less, or motion.creepage",
-            terms.friction.shortfalls().join(", and ")
+            "{}: of {:.3} kN that are prescribed friction carries {:.3} kN; prescribe less, or \
+             motion.creepage",
+            terms.friction.shortfalls().join(", and "),
+            1e-3 * asked,
+            1e-3 * carried
         )))
     }
 }

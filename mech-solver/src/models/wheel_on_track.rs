@@ -45,7 +45,7 @@ use proto::model::{Model, Setup};
 use proto::progress::Progress;
 use running::Running;
 
-pub(super) use summary::figures;
+pub(super) use summary::{diagrams, figures};
 
 /// Time of a position over the elements of its patches, measured [s].
 const SECONDS: f64 = 6e-6;
@@ -131,9 +131,12 @@ fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
         seconds += SECONDS_OF_NUMBERS * (rows + BESIDE).powi(3);
         bytes += BYTES_OF_NUMBERS * plane.elements * rows;
     }
+    let hottest = plane.hottest_y();
+    let peak = hottest.map(|y| (field::FRICTION_POWER.name.to_owned(), [0.0, y, 0.0]));
     Layout {
         grids,
         fields,
+        peaks: peak.into_iter().collect(),
         solve_seconds: seconds,
         memory_bytes: bytes as u64,
         remarks: std::iter::once(size).chain(case.remarks.iter().cloned()).collect(),

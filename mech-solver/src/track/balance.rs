@@ -81,6 +81,15 @@ impl WheelsetOnTrack {
         Self { wheels, tolerance, tapes, radius: wheelset.nominal_radius, rolled: None }
     }
 
+    /// The profiles of rail and wheel of each side in a position, in so many points, y and z in track axes \[m\].
+    pub fn outlines(
+        &self,
+        motion: &Motion,
+        count: usize,
+    ) -> impl Iterator<Item = (Side, [Vec<[f64; 2]>; 2])> {
+        self.wheels.iter().map(move |(side, wheel)| (*side, wheel.outlines(motion, count)))
+    }
+
     /// Forgets the positions before.
     pub fn forget(&mut self) {
         self.wheels.iter_mut().for_each(|(_, wheel)| wheel.forget());

@@ -125,6 +125,12 @@ impl WheelOnRail {
         self.pair.touching_height()
     }
 
+    /// The profiles of rail and wheel in a position, in so many points, y and z in track axes \[m\].
+    #[must_use]
+    pub fn outlines(&self, motion: &Motion, count: usize) -> [Vec<[f64; 2]>; 2] {
+        self.pair.outlines(motion, count)
+    }
+
     /// Depth below touching of the last position under a force [m].
     #[must_use]
     pub fn depth(&self) -> f64 {

@@ -9,6 +9,7 @@ use super::creepage::{Rolling, rolling};
 use super::error::TrackError;
 use super::interface::Interface;
 use super::mutual::{Acting, opening};
+use super::outline::Outline;
 use super::patch::{Patch, Solved, Work};
 use super::pool::Pool;
 use super::pressed::{Heights, Pressed};
@@ -21,6 +22,7 @@ use super::silhouette::{Circles, Shadow, shadow};
 use super::tractions::{Slid, Sliding};
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
 use crate::half_space::tangential::TangentialState;
+use nalgebra::Vector3;
 
 /// Patches are the same if their places along the tape are no farther from each other than this [m].
 const SAME: f64 = 5e-3;
@@ -120,6 +122,23 @@ impl Pair {
         if self.is_curved() {
             self.turn();
         }
+    }
+
+    /// The profiles of rail and wheel in a position, in so many points, y and z in track axes \[m\]: the wheel
+    /// as it is cut through its axle.
+    pub(super) fn outlines(&self, motion: &Motion, count: usize) -> [Vec<[f64; 2]>; 2] {
+        let pose = Pose::of(motion, &self.wheelset);
+        let along = |outline: &Outline| -> Vec<[f64; 2]> {
+            let [from, to] = outline.range();
+            let step = (to - from) / (count - 1) as f64;
+            (0..count).map(|k| outline.at(from + k as f64 * step).position).collect()
+        };
+        let placed = |[y, z]: [f64; 2]| {
+            let place = pose.rotation * Vector3::new(0.0, y, z) + pose.middle;
+            [place.y, place.z]
+        };
+        let wheel = along(&self.wheel.outline).into_iter().map(placed).collect();
+        [along(&self.rail.outline), wheel]
     }
 
     /// Whether patches are on curved surfaces.

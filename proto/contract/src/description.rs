@@ -72,6 +72,14 @@ impl Renamed {
 }
 
 impl Description {
+    /// The key of this dotted path, of the participant, a model or an effect.
+    #[must_use]
+    pub fn key(&self, path: &str) -> Option<&KeySpec> {
+        let models = self.models.iter().flat_map(|model| &model.keys);
+        let effects = self.effects.iter().flat_map(|effect| &effect.keys);
+        self.keys.iter().chain(models).chain(effects).find(|key| key.is_of(path))
+    }
+
     /// What is wrong with a description that came from outside.
     ///
     /// # Errors
@@ -312,6 +320,14 @@ impl KeyKind {
 }
 
 impl KeySpec {
+    /// A dotted path is of this key; `*` stands for any one name.
+    #[must_use]
+    pub fn is_of(&self, path: &str) -> bool {
+        let (known, own) = (self.path.split('.'), path.split('.'));
+        known.clone().count() == own.clone().count()
+            && known.zip(own).all(|(known, own)| known == "*" || known == own)
+    }
+
     fn new(path: &str, kind: KeyKind, help: &str) -> Self {
         Self {
             path: path.to_owned(),

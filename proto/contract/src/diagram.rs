@@ -10,14 +10,30 @@ const MOST: [usize; 2] = [16, 1000];
 pub struct Diagram {
     /// What it is.
     pub title: String,
-    /// Key of the figure to the right, one that the same participant describes.
+    /// Key of the figure to the right, one that the same participant describes; of a list every entry is a point.
     pub x: String,
     /// Key of the figure upward.
     pub y: String,
-    /// The lines.
+    /// The lines; none for a curve that the points of several runs or windows make.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<Line>,
+    /// Lines that stand in the summary; without any of them there the diagram is not drawn.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<Curve>,
+    /// One unit is as long to the right as upward.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub true_shape: bool,
     /// What the lines are, and where they are from.
     pub note: String,
+}
+
+/// A line of a diagram that a participant writes into its summary.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// What it is.
+    pub name: String,
+    /// Dotted path of a list of pairs in `summary.json`, in the units of the figures.
+    pub key: String,
 }
 
 /// A line of a diagram.
@@ -30,6 +46,13 @@ pub struct Line {
 }
 
 impl Diagram {
+    /// A diagram of two figures without lines.
+    #[must_use]
+    pub fn new(title: &str, [x, y]: [&str; 2], note: &str) -> Self {
+        let [title, x, y, note] = [title, x, y, note].map(str::to_owned);
+        Self { title, x, y, lines: Vec::new(), curves: Vec::new(), true_shape: false, note }
+    }
+
     /// What is wrong with a diagram that came from outside, of a participant with figures of these keys.
     ///
     /// # Errors
@@ -42,7 +65,7 @@ impl Diagram {
             }
         }
         let [lines, points] = MOST;
-        if !(1..=lines).contains(&self.lines.len()) {
+        if self.lines.len() + self.curves.len() > lines {
             return Err(format!("diagram `{title}` has {} lines", self.lines.len()));
         }
         for line in &self.lines {
@@ -62,20 +85,16 @@ mod tests {
     #[test]
     fn what_cannot_be_drawn_is_refused() {
         let line = Line { name: "limit".to_owned(), points: vec![[0.0, 4.0], [1.0, 1.0]] };
-        let good = Diagram {
-            title: "limits".to_owned(),
-            x: "contact.ratio".to_owned(),
-            y: "contact.load".to_owned(),
-            lines: vec![line.clone()],
-            note: String::new(),
-        };
+        let axes = ["contact.ratio", "contact.load"];
+        let good = Diagram { lines: vec![line.clone()], ..Diagram::new("limits", axes, "") };
         let check =
             |diagram: &Diagram| diagram.check(["contact.load", "contact.ratio"].into_iter());
         assert_eq!(check(&good), Ok(()));
+        assert_eq!(check(&Diagram { lines: Vec::new(), ..good.clone() }), Ok(()));
         let of = |points| Diagram { lines: vec![Line { points, ..line.clone() }], ..good.clone() };
         let wrong = [
             Diagram { x: "contact.power_w".to_owned(), ..good.clone() },
-            Diagram { lines: Vec::new(), ..good.clone() },
+            Diagram { lines: vec![line.clone(); MOST[0] + 1], ..good.clone() },
             of(vec![[0.0, 1.0]]),
             of(vec![[0.0, 1.0], [f64::NAN, 1.0]]),
             of(vec![[0.0; 2]; MOST[1] + 1]),

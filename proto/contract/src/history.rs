@@ -94,24 +94,40 @@ impl Histories {
             return;
         }
         match self.rows {
-            true => self.put_row(case, usize::try_from(step.window).unwrap_or(usize::MAX)),
-            false => self.put_time(case, 0.5 * (step.start + step.end)),
+            true => self.put_row(case, row_of(step)),
+            false => self.put_time(case, middle(step)),
         }
+    }
+
+    /// The value of a key in a window, as [`Histories::put`] has it; `None` for a key that does not vary.
+    #[must_use]
+    pub fn value(&self, key: &str, step: &Step) -> Option<f64> {
+        let column = self.values.get(key)?;
+        let live = self.live.as_ref().map(|live| live.value(key).unwrap_or(column[0]));
+        Some(live.unwrap_or_else(|| match self.rows {
+            true => at_row(column, row_of(step)),
+            false => self.between(middle(step))(column),
+        }))
     }
 
     /// Puts the values of a row into a case, in the place of those of another one.
     pub fn put_row(&self, case: &mut Params, row: usize) {
-        self.put_values(case, |column| column[row.min(column.len() - 1)]);
+        self.put_values(case, |column| at_row(column, row));
     }
 
     /// Puts the values at a time [s] into a case; those of the first and the last row hold beyond them.
     fn put_time(&self, case: &mut Params, time: f64) {
+        self.put_values(case, self.between(time));
+    }
+
+    /// The value of a column at a time [s].
+    fn between(&self, time: f64) -> impl Fn(&[f64]) -> f64 + use<> {
         let right = self.times.partition_point(|at| *at <= time);
         let last = self.times.len() - 1;
         let (left, right) = (right.saturating_sub(1), right.min(last));
         let span = self.times[right] - self.times[left];
         let share = if span > 0.0 { (time - self.times[left]).max(0.0) / span } else { 0.0 };
-        self.put_values(case, |column| column[left] + share * (column[right] - column[left]));
+        move |column| column[left] + share * (column[right] - column[left])
     }
 
     fn put_values(&self, case: &mut Params, value: impl Fn(&[f64]) -> f64) {
@@ -119,6 +135,21 @@ impl Histories {
             put(&mut case.0, key, value(column));
         }
     }
+}
+
+/// The row of a window.
+fn row_of(step: &Step) -> usize {
+    usize::try_from(step.window).unwrap_or(usize::MAX)
+}
+
+/// The middle of a window [s].
+fn middle(step: &Step) -> f64 {
+    0.5 * (step.start + step.end)
+}
+
+/// The value of a column in a row; beyond the last one that of the last.
+fn at_row(column: &[f64], row: usize) -> f64 {
+    column[row.min(column.len() - 1)]
 }
 
 /// Puts a number at a dotted key.
@@ -159,12 +190,15 @@ mod tests {
         }
         let step = Step { start: 0.0, end: 1.0, ..Step::STEADY };
         assert_eq!(histories(false).at(&case(), &step).number("load.normal_force"), Ok(2.0));
+        assert_eq!(histories(false).value("load.normal_force", &step), Some(2.0));
         assert_eq!(histories(false).at(&case(), &step).number("load.other"), Ok(5.0));
     }
 
     #[test]
     fn a_window_is_a_row() {
         let step = Step { window: 2, start: 3.0, end: 3.0, iteration: 1 };
+        assert_eq!(histories(true).value("load.normal_force", &step), Some(2.0));
+        assert_eq!(histories(true).value("load.other", &step), None);
         assert_eq!(histories(true).at(&case(), &step).number("load.normal_force"), Ok(2.0));
     }
 

@@ -43,7 +43,7 @@ enum CommandError {
     Protocol(String),
     #[error("{0}")]
     Report(String),
-    #[error("the answer of window {window} cannot be accepted: {error}")]
+    #[error("window {window} has no answer: {error}")]
     Unacceptable { window: u64, error: StepError },
 }
 

@@ -42,7 +42,12 @@ fn what_differs_is_told_with_its_size_and_place() {
     assert_eq!(of("case", "key", "motion.speed")["b"], "20 m/s");
     let rise = of("figures", "key", "temperature.rail.max_rise_k");
     let [hot, cold] = ["a", "b"].map(|of| rise[of].as_f64().unwrap());
-    assert!((rise["relative"].as_f64().unwrap() - (cold - hot) / hot).abs() < 1e-12);
+    assert!((rise["change"].as_f64().unwrap() - (cold / hot - 1.0)).abs() < 1e-12);
+    // The other way round the change is of the other value, as in `ablate`.
+    let back: Value = serde_json::from_str(&compared(&b, &a, &["--json"])).unwrap();
+    let figures = back["figures"].as_array().unwrap();
+    let rise = figures.iter().find(|one| one["key"] == "temperature.rail.max_rise_k").unwrap();
+    assert!((rise["change"].as_f64().unwrap() - (hot / cold - 1.0)).abs() < 1e-12);
     let field = &of("fields", "field", "rail_temperature");
     // Heat goes with V, and what it raises with its root: one field is the other times a factor, to
     // rounding, and so is every norm of their difference.
@@ -53,8 +58,28 @@ fn what_differs_is_told_with_its_size_and_place() {
     assert!(told["same_fields"].as_u64().unwrap() >= 2, "{told}");
     let text = compared(&a, &b, &[]);
     assert!(text.contains("motion.speed"), "{text}");
+    // No line has a difference by rounding alone.
+    assert!(!text.contains("10⁻") && !text.contains("e−"), "{text}");
     // The names of the folders stand alone on their lines.
     assert!(text.lines().skip(2).all(|line| line.chars().count() <= 80), "{text}");
+}
+
+/// Two models of heat have grids of their own names: their fields of the same name are compared, and a
+/// field that is zero in A has no ratio.
+#[test]
+fn fields_of_other_solvers_are_compared() {
+    let strips = ["--set", "mech.model=hertz-carter", "--set", "thermal.model=ertz-knothe"];
+    let [a, b] = [result(&[]), result(&strips)];
+    let text = compared(&a, &b, &[]);
+    for field in ["rail temperature", "slip velocity", "friction power"] {
+        let line = text.lines().find(|line| line.contains(&format!(" {field} ")));
+        assert!(line.is_some_and(|line| line.contains("%, at most")), "{field}: {text}");
+    }
+    let still = result(&["--set", "motion.creepage.xi=0"]);
+    for text in [compared(&still, &a, &[]), compared(&a, &still, &[])] {
+        assert!(!text.contains("not finite"), "{text}");
+    }
+    assert!(compared(&still, &a, &[]).contains("zero in A, at most"));
 }
 
 #[test]

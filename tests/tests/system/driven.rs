@@ -74,7 +74,10 @@ fn the_rows_of_a_table(name: &str, common: &[&str], key: &str, limits: [f64; 2],
     let written = place.table("history.csv");
     for (window, answer) in said[1..=values.len()].iter().enumerate() {
         for (figure, value) in keys.iter().zip(answer["figures"].as_array().unwrap()) {
-            let text = written.texts(figure.as_str().unwrap())[window];
+            // A figure without any value has no column in a complete table.
+            let key = figure.as_str().unwrap();
+            let known = written.head.iter().any(|name| name == key);
+            let text = if known { written.texts(key)[window] } else { "" };
             assert_eq!(value.as_f64(), text.parse().ok(), "{figure}");
         }
     }

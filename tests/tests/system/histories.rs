@@ -105,6 +105,35 @@ fn a_row_without_an_answer_ends_the_run_or_is_marked() {
     assert!(first[1] > 0.0 && second[1].is_nan() && third[1] > first[1], "{found:?}");
 }
 
+/// A sequence is summarised by its extremes with their rows, beside the figures of its last row; its table
+/// has the inputs that vary, with units, and no empty column.
+#[test]
+fn a_sequence_is_summarised_by_its_extremes() {
+    let data = Data::new("t, v [km/h]\n0, 40\n7.9, 140\n10, 60\n");
+    let column = data.column("motion.speed", "v");
+    let time = data.column("time.history", "t");
+    let place = Place::new();
+    let set = ["mech.resolution=8", "time.mode=sequence", &column, &time];
+    let ended = place.run(&case("wheel-rail.toml"), &sets(&set));
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = place.read_summary();
+    let found = rows(&place.out().join("history.csv"), &["end_s", "motion.speed [m/s]", RISE]);
+    assert!((found[1][1] - 140.0 / 3.6).abs() < 1e-12, "{found:?}");
+    let number = |pointer: &str| summary.pointer(pointer).unwrap().as_f64().unwrap();
+    assert_eq!(number("/extremes/largest/temperature/rail/max_rise_k"), found[1][2]);
+    assert_eq!(number("/extremes/smallest/temperature/rail/max_rise_k"), found[0][2]);
+    assert_eq!(number("/temperature/rail/max_rise_k"), found[2][2]);
+    assert_eq!(summary["extremes"]["rows"], 3);
+    for told in ["over all", "at 7.900 s", "the lines below are of the last row"] {
+        assert!(ended.stdout.contains(told), "{told}: {}", ended.stdout);
+    }
+    let text = fs::read_to_string(place.out().join("history.csv")).unwrap();
+    let cells: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    for (n, name) in cells[0].iter().enumerate() {
+        assert!(cells[1..].iter().any(|row| !row[n].is_empty()), "{name}");
+    }
+}
+
 /// The summary is that of the last row with an answer.
 #[test]
 fn a_last_row_without_an_answer_leaves_the_summary_of_the_one_before() {

@@ -119,3 +119,57 @@ fn lateral_creepage_and_spin_are_told() {
     assert!(spin.contains("M_z ") && spin.contains("spin φ 0.02000 rad/m"), "{spin}");
     assert!(!spin.contains("kW") && spin.contains(" W"), "{spin}");
 }
+
+/// Both wheels of a wheelset: the sections go through the patch with the highest friction power and not
+/// between the rails, every patch has the name of its wheel and all that is known of it, and the page
+/// shows each wheel on its rail.
+#[test]
+fn both_wheels_have_names_sections_and_a_picture() {
+    let place = Place::new();
+    let more = [
+        "--unset",
+        "load.vertical_force",
+        "--set",
+        "load.axle_load=200 kN",
+        "--set",
+        "wheelset.side=both",
+        "--set",
+        "mech.resolution=20",
+        "--report",
+    ];
+    let ended = place.run(&case("wheel-on-track.toml"), &more);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = place.read_summary();
+    let patches = summary["contact"]["each_patch"].as_array().unwrap();
+    let names: Vec<&str> = patches.iter().map(|patch| patch["name"].as_str().unwrap()).collect();
+    assert_eq!([names[0], names[names.len() - 1]], ["right wheel", "left wheel"]);
+    for patch in patches {
+        // y of the track rises to the left.
+        let left = number(patch, "/track_y_m") > 0.0;
+        assert_eq!(patch["name"] == "left wheel", left, "{patch}");
+    }
+    assert!(ended.stdout.contains("left wheel   y "), "{}", ended.stdout);
+    let section = place.table("fields/thermal_rail_section_000000.csv");
+    let rise = section.numbers("rail_section_temperature [K]");
+    let largest = rise.iter().copied().fold(0.0, f64::max);
+    let peak = number(&summary, "/temperature/rail/max_rise_k");
+    assert!(largest > 0.8 * peak, "{largest} K in the section, {peak} K on the surface");
+    let page = std::fs::read_to_string(place.out().join("report.html")).unwrap();
+    for told in ["left wheel", "creep force x", "Wheel on rail, left", "Wheel on rail, right"] {
+        assert!(page.contains(told), "{told}");
+    }
+    // The wheel touches its rail where the patch is: both profiles come within 0.1 mm of it.
+    let profile = |body: &str| -> Vec<[f64; 2]> {
+        let points = summary["wheelset"]["left"]["profiles_m"][body].as_array().unwrap().iter();
+        points.map(|p| [0, 1].map(|k| p[k].as_f64().unwrap())).collect()
+    };
+    let patch = patches.last().unwrap();
+    let [y, z] = ["/track_y_m", "/track_z_m"].map(|key| number(patch, key));
+    for body in ["rail", "wheel"] {
+        let profile = profile(body);
+        let between = profile.windows(2).find(|pair| (pair[0][0]..=pair[1][0]).contains(&y)).unwrap();
+        let share = (y - between[0][0]) / (between[1][0] - between[0][0]);
+        let height = between[0][1] + share * (between[1][1] - between[0][1]);
+        assert!((height - z).abs() < 1e-4, "{body}: {height} m, {z} m");
+    }
+}

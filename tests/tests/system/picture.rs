@@ -61,6 +61,12 @@ fn what_cannot_be_drawn_is_told() {
         assert!(ended.stderr.contains(text), "{arguments:?}: {}", ended.stderr);
     };
     told(&[&out, "--field", "presure"], "has no such field; it has pressure, traction");
+    let still = Place::new();
+    let set = ["--set", "mech.resolution=10", "--set", "motion.creepage.xi=0"];
+    still.summary(&case("wheel-rail.toml"), &set);
+    let rolls = still.out().display().to_string();
+    told(&[&rolls, "--field", "traction"], "--field traction: in ");
+    told(&[&rolls, "--field", "traction"], "it is zero everywhere: there is nothing to draw");
     told(&[&out, "-o", "picture.jpg"], "end its name in .png, .svg or .pdf");
     let empty = tempfile::tempdir().unwrap();
     told(&[&empty.path().display().to_string()], "holds no results of a run");

@@ -95,6 +95,10 @@ fn every_window_leaves_its_figures() {
         let expected = found.map(|value| value.as_f64().unwrap());
         assert_eq!(cell.parse().ok(), expected, "{key}");
     }
+    // No column is empty.
+    for name in &history.head {
+        assert!(history.texts(name).iter().any(|cell| !cell.is_empty()), "{name}");
+    }
     let rise = history.numbers("temperature.rail.max_rise_k");
     // Until it is warm, and rounding is all that changes.
     assert!(rise[..15].is_sorted() && rise[0] < 0.5 * rise[50], "{rise:?}");

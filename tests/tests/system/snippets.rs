@@ -85,3 +85,137 @@ fn parts_of_cases_have_keys_that_there_are() {
     }
     assert!(seen > 10, "{seen} keys");
 }
+
+/// Options of other programs that the pages name alone.
+const FOREIGN: [&str; 4] = ["--test", "--lib", "--shm-size", "--time"];
+
+/// Words on a page between single backticks, outside of blocks, and the commands that its blocks have people type.
+fn said(page: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(root().join(page)).unwrap();
+    let mut words = Vec::new();
+    let mut prose = String::new();
+    let mut fenced = false;
+    for line in text.lines() {
+        match line.trim_start().starts_with("```") {
+            true => fenced = !fenced,
+            false if !fenced => prose += &format!("{line}\n"),
+            false => {}
+        }
+    }
+    for paragraph in prose.split("\n\n") {
+        let spans = paragraph.split('`').skip(1).step_by(2);
+        words.extend(spans.map(|span| span.split_whitespace().collect::<Vec<_>>().join(" ")));
+    }
+    for block in blocks(page).iter().filter(|block| block.language == "sh") {
+        let joined = block.text.replace("\\\n", " ");
+        words.extend(joined.lines().map(|line| line.trim().to_owned()));
+    }
+    words
+}
+
+/// The options in the help of a program, or of one of its commands.
+fn options_of(program: &str, command: &[&str]) -> Vec<String> {
+    let path = crate::harness::programs().join(program);
+    let ended = std::process::Command::new(path).args(command).arg("--help").output().unwrap();
+    let text = String::from_utf8(ended.stdout).unwrap();
+    let words = text.split(|c: char| c.is_whitespace() || "[]<>,;:()`.'=".contains(c));
+    words.filter(|word| word.len() > 2 && word.starts_with("--")).map(str::to_owned).collect()
+}
+
+/// The options of a command on a page are those of that command, and an option alone is one of any.
+#[test]
+fn options_on_the_pages_exist() {
+    const PROGRAMS: [&str; 5] =
+        ["coordinator", "cosim-relay", "fmu-participant", "mech-solver", "thermal-solver"];
+    let mut known: Vec<String> = PROGRAMS.iter().flat_map(|name| options_of(name, &[])).collect();
+    let help = crate::harness::Place::new().start(&["--help"]).wait().stdout;
+    let first = |line: &str| Some(line.strip_prefix("  ")?.split_whitespace().next()?.to_owned());
+    let is_command = |word: &String| word.chars().all(|c| c.is_ascii_lowercase() || c == '-');
+    let commands: Vec<String> =
+        help.lines().filter_map(first).filter(|word| is_command(word) && !word.starts_with('-')).collect();
+    assert!(commands.len() > 20, "{commands:?}");
+    let own: Vec<(String, Vec<String>)> = commands
+        .into_iter()
+        .map(|name| {
+            let options = options_of("coordinator", &[&name]);
+            (name, options)
+        })
+        .collect();
+    known.extend(own.iter().flat_map(|(_, options)| options.clone()));
+    let mut seen = 0;
+    for page in pages().iter().filter(|page| *page != "CHANGELOG.md") {
+        for span in said(page) {
+            let words: Vec<&str> = span.split_whitespace().collect();
+            let at = words.iter().position(|word| {
+                let name = word.rsplit('/').next().unwrap();
+                word.starts_with("--") || PROGRAMS.contains(&name)
+            });
+            // What other programs are told is theirs.
+            let Some(0) = at else { continue };
+            let of = words.get(1).and_then(|word| own.iter().find(|(name, _)| name == word));
+            let known = match of {
+                Some((_, options)) if words[0].ends_with("coordinator") => options,
+                _ => &known,
+            };
+            // Behind `--` or a comment it is something else.
+            let options = words.iter().take_while(|word| !["--", "#", "|", "||", "&&"].contains(word));
+            for option in options.filter(|word| word.starts_with("--")) {
+                let option = option.split(['=', ',', ';', ':', '…', ')']).next().unwrap();
+                assert!(
+                    known.iter().any(|one| one == option) || FOREIGN.contains(&option),
+                    "{page}: `{option}` of `{span}` is no option"
+                );
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 100, "{seen} options");
+}
+
+/// A dotted key on a page is one of a case, the beginning of one, or a figure.
+#[test]
+fn keys_on_the_pages_exist() {
+    let known = known_keys();
+    let figures = crate::harness::Place::new().start(&["figures", "--json"]).wait().stdout;
+    let figures: serde_json::Value = serde_json::from_str(&figures).unwrap();
+    let figures: Vec<String> =
+        figures.as_array().unwrap().iter().map(|one| one["key"].as_str().unwrap().to_owned()).collect();
+    let effects = crate::harness::Place::new().start(&["solvers"]).wait().stdout;
+    let effects: std::collections::BTreeSet<&str> = effects.split_whitespace().collect();
+    let roots: Vec<&str> = known.iter().map(|key| key.split('.').next().unwrap()).collect();
+    let begins = |known: &str, key: &str| {
+        let count = key.split('.').count();
+        let part: Vec<&str> = known.split('.').take(count).collect();
+        part.len() == count && (fits(&part.join("."), key) || part.join(".") == key)
+    };
+    let mut seen = 0;
+    let current = |page: &&String| !page.ends_with("mistakes.md") && *page != "CHANGELOG.md";
+    for page in pages().iter().filter(current) {
+        for span in said(page) {
+            for word in span.split_whitespace() {
+                let key = word.split(['=', ':', ',', ';', '[', '{']).next().unwrap();
+                let is_key = key.contains('.')
+                    && roots.contains(&key.split('.').next().unwrap())
+                    && key.split('.').all(|part| {
+                        !part.is_empty()
+                            && part.chars().all(|c| c.is_ascii_alphanumeric() || "_-*".contains(c))
+                    });
+                let is_file = [".toml", ".csv", ".md", ".rs", ".json", ".py", ".h", ".mcap", ".fmu"]
+                    .iter()
+                    .any(|ending| key.ends_with(ending));
+                // Other programs have keys of their own, and words in capitals stand for any.
+                let is_foreign = span.contains(".command=") || key == "ROLE.NAME";
+                if !is_key || is_file || is_foreign {
+                    continue;
+                }
+                let effect = key.strip_prefix("effects.");
+                let is_effect = effect.is_some_and(|name| effects.contains(name));
+                let there =
+                    is_effect || known.iter().chain(&figures).any(|one| begins(one, key));
+                assert!(there, "{page}: `{key}` is neither a key nor a figure");
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 100, "{seen} keys");
+}

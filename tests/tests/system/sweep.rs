@@ -37,6 +37,30 @@ fn a_grid_has_a_row_a_point_and_keeps_those_without_an_answer() {
     place.assert_nothing_left();
 }
 
+/// Axes of the page have names and units and not keys alone; a sweep of the creepage has the creep curve, a
+/// column of the force, and the creepage once.
+#[test]
+fn a_sweep_of_the_creepage_has_the_creep_curve() {
+    let place = Place::new();
+    let (file, out) = (case("wheel-rail.toml"), place.out().display().to_string());
+    let vary = ["--vary", "motion.creepage.xi=-0.01..-0.001/4"];
+    let arguments = ["sweep", &file, "--set", "mech.resolution=8", "--out", &out];
+    let ended = place.start(&[&arguments[..], &vary].concat()).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(!ended.stdout.contains("creepage along x"), "{}", ended.stdout);
+    let page = std::fs::read_to_string(place.out().join("report.html")).unwrap();
+    for told in [
+        ">Creep curve<",
+        ">Traction coefficient |F|/N<",
+        ">Creepage along x [%]<",
+        ">Longitudinal creepage<",
+        "motion.creepage.xi: longitudinal creepage; negative drives.",
+    ] {
+        assert!(page.contains(told), "{told}");
+    }
+    assert!(!page.contains(">motion.creepage.xi</text>"), "an axis has the name of what varies");
+}
+
 /// Killed in its middle: what it has found is there, a point or two that it was at are run again.
 #[test]
 fn a_sweep_that_was_killed_runs_nothing_twice() {

@@ -35,17 +35,22 @@ const SECTION_Y: &str = "thermal.section_y";
 /// The key for the place of the sections.
 #[must_use]
 pub fn section_key() -> KeySpec {
-    let help = "lateral coordinate of the sections; absent: through the most heat expected, or 0";
+    let help = "lateral coordinate of the sections; absent: through the most heat expected (of several \
+                patches the one with the highest friction power), or 0, or the middle of a grid beside it";
     KeySpec::quantity(SECTION_Y, "m", help)
 }
 
-/// Where the sections are wanted [m].
-fn section_y(given: &Configuration) -> Result<f64, Refusal> {
+/// Where the sections are wanted below a grid of heat [m].
+fn section_y(given: &Configuration, grid: &Structured) -> Result<f64, Refusal> {
     if given.case.has(SECTION_Y) {
         return given.case.number(SECTION_Y);
     }
     let heat = given.inputs.iter().find(|input| is_heat(input));
-    Ok(heat.and_then(|input| input.peak).map_or(0.0, |peak| peak[1]))
+    if let Some(peak) = heat.and_then(|input| input.peak) {
+        return Ok(peak[1]);
+    }
+    let [first, last] = [0, grid.nj - 1].map(|row| grid.y(row));
+    Ok(if first <= 0.0 && 0.0 <= last { 0.0 } else { 0.5 * (first + last) })
 }
 
 /// The key for a grid that is not the heat flux's.
@@ -145,7 +150,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
                 grid = with_wake(grid, given.case.number(WAKE)?)?;
             }
             let moves = given.inputs.iter().any(|i| i.moves && is_heat(i));
-            let section_y = section_y(given)?;
+            let section_y = section_y(given, &grid)?;
             let (mode, threads) = (given.mode, given.threads);
             let elements =
                 if C::ELEMENTS { Some(elements::read(&given.case, &scene)?) } else { None };

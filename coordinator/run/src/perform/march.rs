@@ -1,6 +1,6 @@
 //! The windows of a run, one after the other: solved, judged, accepted, written, checkpointed.
 
-use super::tables::Tables;
+use super::tables::{Inputs, Tables};
 use crate::checkpoint::{Checkpoint, Checkpoints, CoordinatorState, Origin};
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
@@ -41,6 +41,7 @@ pub(super) struct March<'a> {
     pub(super) tables: &'a mut Tables,
     pub(super) fields: &'a mut FieldWriter,
     pub(super) counts: &'a mut Counts,
+    inputs: Inputs<'a>,
     checkpoints: Option<Writing>,
     recorder: Option<&'a Recorder>,
     pub(super) coupling: Coupling,
@@ -82,8 +83,8 @@ impl<'a> March<'a> {
     ) -> Self {
         let coupling = coupling(plan, session);
         let time = Controller::new(plan.windows.clone());
-        let recorder = None;
-        Self { plan, session, tables, fields, counts, checkpoints, recorder, coupling, time }
+        let (inputs, recorder) = (Inputs::of(plan), None);
+        Self { plan, session, tables, fields, counts, inputs, checkpoints, recorder, coupling, time }
     }
 
     /// Tells a recorder what the coordinator makes of each iteration.
@@ -208,7 +209,8 @@ impl<'a> March<'a> {
         tracing::warn!(row = step.window, "no answer, passed over: {error}");
         self.counts.skipped += 1;
         let (status, iterations) = ("no-answer", self.coupling.step().iteration);
-        self.tables.history.row(&HistoryRecord { step, status, iterations, given: None })?;
+        let inputs = &self.inputs.values(self.session, step);
+        self.tables.history.row(&HistoryRecord { step, status, iterations, inputs, given: None })?;
         // Of a sequence without any answer there are no results.
         let over = Some(step.window + 1) == self.plan.windows.count();
         if over && self.counts.windows == 0 { Err(error) } else { Ok(()) }
@@ -260,7 +262,8 @@ impl<'a> March<'a> {
         };
         self.session.accept(self.coupling.step(), observed)?;
         let given = Some(self.session.figures());
-        self.tables.history.row(&HistoryRecord { step, status, iterations, given })?;
+        let inputs = &self.inputs.values(self.session, step);
+        self.tables.history.row(&HistoryRecord { step, status, iterations, inputs, given })?;
         if due {
             let wanted = self.session.taps().iter().filter(|tap| tap.wanted());
             let bodies = self.plan.bodies.as_ref();

@@ -6,11 +6,55 @@ use crate::plan::Plan;
 use crate::results::ResultFolder;
 use crate::results::history::{self, HistoryTable};
 use crate::results::iterations::IterationTable;
+use crate::session::Session;
+use contract::history::Histories;
+use contract::step::Step;
+use std::collections::BTreeSet;
 
 /// All of them.
 pub(super) struct Tables {
     pub(super) iterations: IterationTable,
     pub(super) history: HistoryTable,
+}
+
+/// The keys of a case that vary as a run goes, with the numbers that they have.
+pub(super) struct Inputs<'a> {
+    keys: Vec<&'a str>,
+    tables: Vec<&'a Histories>,
+}
+
+impl<'a> Inputs<'a> {
+    /// Those that any participant reads, from tables and from outside.
+    pub(super) fn of(plan: &'a Plan) -> Self {
+        let read = plan.participants.iter().filter_map(|p| p.configuration.histories.as_ref());
+        let tables: Vec<&Histories> = read.filter(|histories| histories.live.is_none()).collect();
+        let columns = tables.iter().flat_map(|histories| histories.values.keys());
+        let own = plan.live.iter().filter(|live| live.provider.is_none());
+        let keys: BTreeSet<&str> =
+            columns.map(String::as_str).chain(own.map(|live| live.kind.name.as_str())).collect();
+        Self { keys: keys.into_iter().collect(), tables }
+    }
+
+    /// Heads of their columns: keys with SI units.
+    fn heads(&self, plan: &Plan) -> Vec<String> {
+        let head = |key: &&str| {
+            let described = plan.participants.iter().find_map(|p| p.description.key(key));
+            match described.map_or("1", |spec| spec.kind.unit()) {
+                "1" => (*key).to_owned(),
+                unit => format!("{key} [{unit}]"),
+            }
+        };
+        self.keys.iter().map(head).collect()
+    }
+
+    /// Their values in a window.
+    pub(super) fn values(&self, session: &Session, step: &Step) -> Vec<Option<f64>> {
+        let value = |key: &&str| {
+            let live = session.given().find(|(live, _)| live == key).map(|(_, value)| value);
+            live.or_else(|| self.tables.iter().find_map(|table| table.value(key, step)))
+        };
+        self.keys.iter().map(value).collect()
+    }
 }
 
 impl Tables {
@@ -30,12 +74,13 @@ impl Tables {
                 history: HistoryTable::resume(&paths[1], state.history_bytes, figures, &given)?,
             });
         }
+        let inputs = Inputs::of(plan).heads(plan);
         let roles: Vec<&str> = plan.participants.iter().map(|p| p.role.as_str()).collect();
         let fed_back = plan.fields.iter().filter(|field| !field.fed_back.is_empty());
         let fields: Vec<String> = fed_back.map(|field| plan.shown(&field.kind.name)).collect();
         Ok(Self {
             iterations: IterationTable::create(&paths[0], &roles, &fields)?,
-            history: HistoryTable::create(&paths[1], figures, &given)?,
+            history: HistoryTable::create(&paths[1], &inputs, figures, &given)?,
         })
     }
 

@@ -279,7 +279,7 @@ fn scheme(
             (Scheme::SerialExplicit, "only one participant runs".to_owned())
         }
         (Scheme::Auto, None) => {
-            let reason = "no active effect closes a loop: data flows one way";
+            let reason = "one-way coupling: no active effect acts back";
             (Scheme::SerialExplicit, reason.to_owned())
         }
         (Scheme::Auto, Some(field)) => {

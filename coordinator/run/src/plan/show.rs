@@ -1,6 +1,6 @@
 //! The plan as a person reads it.
 
-use super::contents::{LiveValue, Participant, Plan, geometry_bytes};
+use super::contents::{Effect, LiveValue, Participant, Plan, geometry_bytes};
 use crate::format::{bytes, counted, seconds};
 use crate::wrap;
 use coupling::ParticipantIndex;
@@ -100,14 +100,17 @@ impl Plan {
     fn show_effects(&self, f: &mut String) -> Result {
         let mut head = "effects";
         writeln!(f)?;
-        for effect in &self.effects {
-            let (state, why) = match effect.active {
-                true => ("on ", format!("named in the case; {}", effect.roles.join(", "))),
-                false => ("off", "not named in the case".to_owned()),
-            };
-            writeln!(f, "{head:10} {state} {:22} {why}", effect.name)?;
+        let (on, off): (Vec<&Effect>, Vec<_>) = self.effects.iter().partition(|e| e.active);
+        for effect in on {
+            let roles = effect.roles.join(", ");
+            writeln!(f, "{head:10} on  {:22} named in the case; {roles}", effect.name)?;
             writeln!(f, "{:10}     {:22} {}", "", "", effect.law)?;
             head = "";
+        }
+        let names: Vec<&str> = off.iter().map(|effect| effect.name.as_str()).collect();
+        if !names.is_empty() {
+            let count = counted(names.len() as u64, "effect");
+            writeln!(f, "{head:10} off {count}  {}", names.join(", "))?;
         }
         Ok(())
     }

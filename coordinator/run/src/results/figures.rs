@@ -7,6 +7,9 @@ use serde_json::Value;
 /// What is below this share of what it is compared with is rounding.
 const NOTHING: f64 = 1e-6;
 
+/// Key of the name of an entry of a list.
+const NAME: &str = "name";
+
 /// A figure with its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry<'a> {
@@ -32,8 +35,10 @@ pub struct List<'a> {
     pub name: &'a str,
     /// What is known of any entry.
     pub figures: Vec<&'a FigureSpec>,
-    /// The figures of each entry, in the order of the list.
+    /// The figures of each entry, in the order of the list: first those that stand on its line.
     pub rows: Vec<Vec<Entry<'a>>>,
+    /// What an entry is called besides its number; empty where it has no name.
+    pub names: Vec<String>,
     /// How many entries there are, those that are not listed among them.
     pub count: usize,
 }
@@ -77,10 +82,15 @@ fn list<'a>(
     summary: &Value,
     name: &'a str,
     figures: Vec<&'a FigureSpec>,
-    all: &[FigureSpec],
+    all: &'a [FigureSpec],
 ) -> Option<List<'a>> {
     let parts = |figure: &'a FigureSpec| figure.key.split_once(&format!(".{ENTRY}."));
     let (path, _) = parts(figures[0])?;
+    // Those on no line are for pages, which have room.
+    let beside = all.iter().filter(|figure| {
+        figure.line.is_none() && parts(figure).is_some_and(|(other, _)| other == path)
+    });
+    let figures: Vec<&FigureSpec> = figures.into_iter().chain(beside).collect();
     let rows = summary.pointer(&format!("/{}", path.replace('.', "/")))?.as_array()?;
     let row = |row: &Value| {
         let entry = |&figure: &&'a FigureSpec| {
@@ -91,11 +101,13 @@ fn list<'a>(
     };
     let counts = |figure: &&FigureSpec| figure.style == Style::Count && figure.short == name;
     let count = all.iter().find(counts).and_then(|figure| value(summary, &figure.key));
+    let called = |row: &Value| row.get(NAME).and_then(Value::as_str).unwrap_or_default().to_owned();
+    let names = rows.iter().map(called).collect();
     let rows: Vec<Vec<Entry>> = rows.iter().map(row).collect();
     let count = count.map_or(rows.len(), |count| count as usize);
     let known = |figure: &&FigureSpec| rows.iter().flatten().any(|entry| entry.figure == *figure);
     let figures = figures.into_iter().filter(known).collect();
-    Some(List { name, figures, rows, count })
+    Some(List { name, figures, rows, names, count })
 }
 
 impl<'a> Entry<'a> {
@@ -139,6 +151,54 @@ impl<'a> Entry<'a> {
             _ if short.is_empty() => self.number(digits),
             _ => format!("{short} {}", self.number(digits)),
         }
+    }
+}
+
+/// The smallest and the largest value of a figure over the windows of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extreme<'a> {
+    /// What it is.
+    pub figure: &'a FigureSpec,
+    /// The smallest and the largest value.
+    pub values: [f64; 2],
+    /// The windows in which they occur.
+    pub windows: [u64; 2],
+    /// The ends of these windows \[s\].
+    pub times: [f64; 2],
+    /// The word for a window.
+    pub word: &'static str,
+}
+
+impl<'a> Extreme<'a> {
+    /// All of a summary, in the order of the figures.
+    #[must_use]
+    pub fn all(summary: &Value, figures: &'a [FigureSpec]) -> Vec<Self> {
+        let section = summary.get("extremes").unwrap_or(&Value::Null);
+        let word = if section.get("rows").is_some() { "row" } else { "window" };
+        let places = section.get("places").and_then(Value::as_array);
+        let places: Vec<&Value> = places.into_iter().flatten().collect();
+        let extreme = |figure: &'a FigureSpec| {
+            let place = places.iter().find(|place| place["key"] == figure.key.as_str())?;
+            let of = |end: &str| {
+                let bound = value(section.get(end)?, &figure.key)?;
+                let window = place.get(format!("{end}_{word}"))?.as_u64()?;
+                Some((bound, window, place.get(format!("{end}_s"))?.as_f64()?))
+            };
+            let (least, most) = (of("smallest")?, of("largest")?);
+            let (values, windows) = ([least.0, most.0], [least.1, most.1]);
+            Some(Self { figure, values, windows, times: [least.2, most.2], word })
+        };
+        figures.iter().filter_map(extreme).collect()
+    }
+
+    /// Both values with their times, to so many digits at most.
+    #[must_use]
+    pub fn said(&self, digits: usize) -> [String; 2] {
+        [0, 1].map(|n| {
+            let value = Entry { figure: self.figure, value: self.values[n] }.number(digits);
+            let time = Scale::of("s", self.times[n]).show(self.times[n], 4);
+            format!("{value} at {time}")
+        })
     }
 }
 
@@ -204,13 +264,15 @@ mod tests {
             single.unless_several("contact.count"),
             FigureSpec::new("contact.each.#.n_n", "N", "load").on("part", "N").headline(),
         ];
-        let parts: Vec<Value> = [1.0, 3.0, 2.0].map(|load| json!({"n_n": load})).to_vec();
+        let parts: Vec<Value> =
+            [1.0, 3.0, 2.0].map(|load| json!({"name": "left", "n_n": load})).to_vec();
         let summary = json!({"contact": {"count": 5, "a_m": 1.0, "each": parts}});
         let all = groups(&summary, &figures);
         let [Group::Line(line), Group::List(list)] = &all[..] else { panic!("{all:?}") };
         assert_eq!(texts(&line.entries), ["5 parts"]);
         assert_eq!((list.name, list.count, list.foremost(2)), ("part", 5, vec![1, 2]));
         assert_eq!(texts(&list.rows[1]), ["N 3.0000 N"]);
+        assert_eq!(list.names, ["left"; 3]);
         let one = json!({"contact": {"count": 1, "a_m": 1.0}});
         let all = groups(&one, &figures);
         let [Group::Line(line)] = &all[..] else { panic!("{all:?}") };

@@ -1,6 +1,6 @@
 //! The summary as a person reads it.
 
-use super::figures::{Entry, Group, List, groups};
+use super::figures::{Entry, Extreme, Group, List, groups};
 use crate::format::{bytes, counted, number, seconds};
 use crate::warnings;
 use crate::wrap;
@@ -26,6 +26,7 @@ pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> Str
     for warning in warnings::of_summary(summary) {
         let _ = writeln!(out, "{}", wrap::columns(&format!("  warning   {warning}")));
     }
+    extremes(&mut out, summary, figures);
     for group in groups(summary, figures) {
         match group {
             Group::Line(one) => line(&mut out, one.name, &texts(&one.entries)),
@@ -45,9 +46,31 @@ pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> Str
             of("/coupling/energy_imbalance").map(imbalance),
         ],
     );
-    line(&mut out, "accuracy", &accuracy(summary));
+    line(&mut out, "accuracy", &accuracy(summary, figures));
     line(&mut out, "cost", &cost(summary));
     out
+}
+
+/// Over several windows the smallest and the largest values, with their places; what follows is of the last
+/// window.
+fn extremes(out: &mut String, summary: &Value, figures: &[FigureSpec]) {
+    let all = Extreme::all(summary, figures);
+    if all.is_empty() {
+        return;
+    }
+    let texts: Vec<String> = all.iter().map(plain).collect();
+    for (n, text) in texts.iter().enumerate() {
+        let head = if n == 0 { "over all" } else { "" };
+        let _ = writeln!(out, "{}", wrap::columns(&format!("  {head:9} {text}")));
+    }
+    let _ = writeln!(out, "  {:9} the lines below are of the last {}", "", all[0].word);
+}
+
+fn plain(of: &Extreme) -> String {
+    let [least, most] = of.said(usize::MAX);
+    let FigureSpec { short, line, .. } = of.figure;
+    let name = if short.is_empty() { line.as_deref().unwrap_or_default() } else { short };
+    format!("{name:10}  {least} to {most}").replace('\u{a0}', " ").replace('−', "-")
 }
 
 /// Figures as they stand on a line, with plain signs and spaces for programs that read them.
@@ -60,7 +83,11 @@ fn texts(entries: &[Entry]) -> Vec<Option<String>> {
 fn entries(out: &mut String, list: &List) {
     let shown = list.foremost(MOST_LISTED);
     for &place in &shown {
-        line(out, &format!("{} {}", list.name, place + 1), &texts(&list.rows[place]));
+        let on_line = |entry: &&Entry| entry.figure.line.is_some();
+        let entries: Vec<Entry> = list.rows[place].iter().filter(on_line).copied().collect();
+        let name = Some(list.names[place].clone()).filter(|name| !name.is_empty());
+        let all: Vec<Option<String>> = std::iter::once(name).chain(texts(&entries)).collect();
+        line(out, &format!("{} {}", list.name, place + 1), &all);
     }
     let more = list.count.saturating_sub(shown.len());
     if more > 0 {
@@ -77,23 +104,34 @@ fn imbalance(value: f64) -> String {
     }
 }
 
-/// What a run with a target of accuracy states of its error.
-fn accuracy(summary: &Value) -> Vec<Option<String>> {
+/// What a run with a target of accuracy states of its error; of two values of a figure, which to quote.
+fn accuracy(summary: &Value, figures: &[FigureSpec]) -> Vec<Option<String>> {
     let Some(section) = summary.get("accuracy") else { return Vec::new() };
     let of = |key: &str| section.get(key).and_then(Value::as_f64);
     let percent = |key: &str| of(key).map(|error| format!("{} %", number(100.0 * error, 2)));
     let word = |key: &str| section.get(key).and_then(Value::as_str).map(str::to_owned);
-    let value = of("value").map(|value| number(value, 5)).unwrap_or_default();
+    let quoted = || {
+        let (key, value) = (word("quantity")?, of("value")?);
+        let figure = figures.iter().find(|figure| figure.key == key);
+        Some(match figure {
+            Some(figure) => {
+                let text = Entry { figure, value }.number(usize::MAX);
+                format!("{} {}", figure.words, text.replace('\u{a0}', " ").replace('−', "-"))
+            }
+            None => format!("{key} {}", number(value, 5)),
+        })
+    };
     let taken = section.get("taken").and_then(Value::as_str) == Some("extrapolated");
     let limit = of("extrapolated").filter(|_| !taken);
     vec![
-        word("quantity").map(|key| format!("{key} {value}")),
+        quoted(),
         percent("estimated_error").map(|error| format!("± {error}")),
         percent("target").map(|error| format!("of {error} asked for")),
         percent("grid_error").map(|error| format!("grid {error}")),
         percent("model_error").map(|error| format!("models {error}")),
         limit.map(|value| format!("extrapolated {}", number(value, 5))),
-        taken.then(|| "extrapolated from three grids, other figures beside it".to_owned()),
+        taken.then(|| "extrapolated from three grids: quote this".to_owned()),
+        taken.then(|| "the lines above are of the finest grid".to_owned()),
         word("models"),
     ]
 }

@@ -3,9 +3,11 @@
 //! The participants' sections are merged first ([`Sections::gather`]); the coordinator's own keys
 //! are no participant's to write, and what one participant has said no other can change.
 
+use super::extremes::Extremes;
 use crate::plan::Plan;
 use crate::warnings::{self, Warning};
 use contract::message::Finished;
+use coupling::windows::Windows;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
@@ -116,13 +118,15 @@ pub struct Ingredients<'a> {
     pub sections: &'a Sections,
     /// What was found to be unusual before the end: in the case, in the plan, in the run.
     pub warnings: &'a [Warning],
+    /// Smallest and largest values over the windows, of a run that is complete.
+    pub extremes: Option<&'a Extremes>,
     /// Seconds from the start of the program.
     pub wall_seconds: f64,
 }
 
 /// Keys that only the coordinator writes.
-const OWN: [&str; 8] =
-    ["schema", "case", "status", "reason", "warnings", "coupling", "cost", "effects"];
+const OWN: [&str; 9] =
+    ["schema", "case", "status", "reason", "warnings", "extremes", "coupling", "cost", "effects"];
 
 /// What all participants say, in one object.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -196,6 +200,10 @@ pub fn build(of: &Ingredients) -> Value {
     let warnings: Vec<Warning> = found.chain(figures).collect();
     if !warnings.is_empty() {
         summary["warnings"] = json!(warnings);
+    }
+    let rows = matches!(of.plan.windows, Windows::Sequence(_));
+    if let Some(extremes) = of.extremes.and_then(|extremes| extremes.section(rows)) {
+        summary["extremes"] = extremes;
     }
     summary["coupling"] = coupling(of);
     summary["cost"] = cost(of);

@@ -21,14 +21,26 @@ pub(super) fn maps(results: &Results) -> Option<Section> {
     if !blocks.is_empty() {
         let when = when(results);
         let axes = match results.summary.get("contact") {
-            Some(_) => " x points forward, in the direction of rolling, and y to the left.",
+            Some(_) => {
+                " x points forward, in the direction of rolling, and y to the left. Slip and friction power \
+                 belong to the way of a particle from one element to the next: the row of elements at the \
+                 leading edge holds the way into the contact, where surfaces slip before they stick."
+            }
             None => "",
+        };
+        let zero = match maps::zero(results).as_slice() {
+            [] => String::new(),
+            names => {
+                let names: Vec<String> = names.iter().map(|name| words(name)).collect();
+                format!(" Zero everywhere, and not drawn: {}.", names.join(", "))
+            }
         };
         blocks.insert(
             0,
             Block::Text(format!(
-                "{when}{axes} Blank is zero, or rounding beside the largest value; a cross marks the \
-                 largest value, thin lines join equal ones."
+                "{when}{axes} Blank is zero, or rounding beside the largest value. A cross marks the element \
+                 with the largest value, thin lines join equal values. A map has means or values of elements; \
+                 the results at the head interpolate between elements, and are the ones to quote.{zero}"
             )),
         );
     }

@@ -5,7 +5,7 @@ use crate::report::source::Results;
 use crate::report::table::Table;
 use contract::figure::FigureSpec;
 use run::format::{Scale, counted, number, sentence, stem_and_unit, words};
-use run::results::figures::{Entry, Group, Line, List, groups};
+use run::results::figures::{Entry, Extreme, Group, Line, List, groups};
 use serde_json::Value;
 
 /// Significant digits of the figures at most.
@@ -27,7 +27,29 @@ pub(super) fn section(results: &Results) -> Option<Section> {
     if all.is_empty() {
         return None;
     }
-    Section::of("Results", std::iter::once(Block::Headlines(all)).chain(lists).collect())
+    let over = over_all(results);
+    let last = over.as_ref().map(|(word, _)| {
+        Block::Text(format!(
+            "These figures are of the last {word}; the table below has the extremes over all {word}s."
+        ))
+    });
+    let over = over.map(|(_, card)| card);
+    let head = last.into_iter().chain([Block::Headlines(all)]);
+    Section::of("Results", head.chain(over).chain(lists).collect())
+}
+
+/// The extremes over the windows of a run of several, and the word for a window.
+fn over_all(results: &Results) -> Option<(&'static str, Block)> {
+    let all = Extreme::all(&results.summary, results.figures());
+    let word = all.first()?.word;
+    let mut table = Table::new(["figure", "smallest", "largest"], 1);
+    for extreme in &all {
+        let mut n = extreme.windows.iter();
+        let mut cell = |said| format!("{said} ({word} {})", n.next().copied().unwrap_or_default());
+        let [least, most] = extreme.said(DIGITS).map(&mut cell);
+        table.row([sentence(&extreme.figure.words), least, most]);
+    }
+    Some((word, Block::Table(table)))
 }
 
 /// Those of a line that stand large, each with what follows it on the line.
@@ -51,16 +73,22 @@ fn of_line(line: &Line) -> Vec<Headline> {
 
 /// A row for each entry of a list.
 fn card(list: &List) -> Block {
-    let names = list.figures.iter().map(|figure| figure.short.clone());
+    let names = list.figures.iter().map(|figure| match figure.short.is_empty() {
+        true => figure.words.clone(),
+        false => figure.short.clone(),
+    });
+    let called = list.names.iter().any(|name| !name.is_empty());
     let row = |(place, row): (usize, &Vec<Entry>)| {
         let shown = |&figure: &&FigureSpec| {
             let entry = row.iter().find(|entry| entry.figure == figure);
             entry.map(|entry| entry.number(DIGITS)).unwrap_or_default()
         };
         let figures = list.figures.iter().map(shown);
-        std::iter::once((place + 1).to_string()).chain(figures).collect()
+        let name = called.then(|| list.names[place].clone());
+        std::iter::once((place + 1).to_string()).chain(name).chain(figures).collect()
     };
-    let head = std::iter::once(list.name.to_owned()).chain(names).collect();
+    let name = called.then(String::new);
+    let head = std::iter::once(list.name.to_owned()).chain(name).chain(names).collect();
     let rows = list.rows.iter().enumerate().map(row).collect();
     Block::Card(counted(list.count as u64, list.name), Table { head, rows, figures_from: 0 })
 }

@@ -3,7 +3,7 @@
 use crate::report::page::{Block, Section};
 use crate::report::source::Results;
 use crate::report::table::Table;
-use run::format::Scale;
+use run::format::{Scale, counted};
 use run::plan_file::{EffectPlan, PlanFile};
 use run::warnings::{Warning, of_summary};
 
@@ -13,11 +13,16 @@ pub(super) fn plan(results: &Results) -> Option<Section> {
     let (on, off): (Vec<&EffectPlan>, Vec<&EffectPlan>) =
         effects.iter().partition(|effect| effect.active);
     let what = |effect: &EffectPlan| format!("{}; {}", effect.reason, effect.law);
-    let switch = |effect: &EffectPlan| (effect.name.clone(), effect.active, what(effect));
-    let switches: Vec<_> = on.into_iter().chain(off).map(switch).collect();
     let mut blocks = Vec::new();
-    if !switches.is_empty() {
-        blocks.push(Block::Switches(switches));
+    if !on.is_empty() {
+        let switch = |effect: &&EffectPlan| (effect.name.clone(), what(effect));
+        blocks.push(Block::Effects(on.iter().map(switch).collect()));
+    }
+    if !off.is_empty() {
+        let mut table = Table::new(["effect", "law"], 9);
+        off.iter().for_each(|effect| table.row([effect.name.clone(), effect.law.clone()]));
+        let title = format!("{} off, not named in the case", counted(off.len() as u64, "effect"));
+        blocks.push(Block::Folded(title, table));
     }
     let title = "Scheme, processes, fields and bytes as planned".to_owned();
     blocks.push(Block::Verbatim(title, text.trim_end().to_owned()));

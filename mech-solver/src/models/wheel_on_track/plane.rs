@@ -36,30 +36,41 @@ pub(super) struct Plane {
     sides: [f64; 2],
     /// Elements of the patches of a position, at most and about.
     pub(super) elements: f64,
-    /// Half length and half width of the patch that carries most [m], and y of the highest pressure of all.
+    /// Half length and half width of the patch that carries most [m].
     semi_axes: [f64; 2],
-    peak: Peak,
+    /// The highest pressure of all patches [Pa].
+    pressure: Peak,
+    /// The highest friction power of all patches [W/m²].
+    power: Peak,
 }
 
-/// The highest pressure [Pa], and where it is along the tape [m].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The largest value of a field over all patches, and where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Peak {
-    pressure: f64,
+    value: f64,
+    side: Side,
+    /// Along the tape of the rail on that side [m].
     y: f64,
 }
 
 impl Peak {
     fn higher(self, other: Self) -> Self {
-        if other.pressure > self.pressure { other } else { self }
+        if other.value > self.value { other } else { self }
     }
 
-    fn of(patch: &Patch) -> Self {
+    /// The largest of these values of a patch on a rail.
+    fn of(values: &[f64], patch: &Patch, side: Side) -> Self {
         let fields = &patch.fields;
-        let highest = fields.pressure.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
-        highest.map_or_else(Self::default, |(at, pressure)| {
-            let row = fields.first[1] + (at / fields.counts[0]) as i64;
-            Self { pressure: *pressure, y: row as f64 * fields.sides[1] }
-        })
+        let highest = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+        let (at, value) = highest.map_or((0, 0.0), |(at, value)| (at, *value));
+        let row = fields.first[1] + (at / fields.counts[0].max(1)) as i64;
+        Self { value, side, y: row as f64 * fields.sides[1] }
+    }
+
+    /// The largest of all patches on a rail; zero without patches.
+    fn of_all(patches: &[Patch], side: Side, values: impl Fn(&Patch) -> &[f64]) -> Self {
+        let none = Self { value: 0.0, side, y: 0.0 };
+        patches.iter().map(|patch| Self::of(values(patch), patch, side)).fold(none, Self::higher)
     }
 }
 
@@ -153,7 +164,8 @@ impl Plane {
                 sides: [0.0; 2],
                 elements: coarser * coarser * patches.iter().map(of).sum::<f64>(),
                 semi_axes: most.map_or([0.0; 2], half_sizes),
-                peak: patches.iter().map(Peak::of).fold(Peak::default(), Peak::higher),
+                pressure: Peak::of_all(patches, *side, |patch| &patch.fields.pressure),
+                power: Peak::of_all(patches, *side, |patch| &patch.fields.friction_power),
             };
             found = Some(found.map_or(own.clone(), |other| {
                 let elements = own.elements + other.elements;
@@ -179,7 +191,8 @@ impl Plane {
             sides: self.sides,
             elements: self.elements.max(other.elements),
             semi_axes: [0, 1].map(|k| self.semi_axes[k].max(other.semi_axes[k])),
-            peak: self.peak.higher(other.peak),
+            pressure: self.pressure.higher(other.pressure),
+            power: self.power.higher(other.power),
         }
     }
 
@@ -205,7 +218,13 @@ impl Plane {
 
     /// Where stresses are looked for, of one rail.
     pub(super) fn place(&self) -> Place {
-        Place { grid: self.grid(), semi_axes: self.semi_axes, peak_y: self.peak.y }
+        Place { grid: self.grid(), semi_axes: self.semi_axes, peak_y: self.pressure.y }
+    }
+
+    /// y on the grid of the highest friction power, of the patch that has it [m]; `None` without any.
+    pub(super) fn hottest_y(&self) -> Option<f64> {
+        let Peak { value, side, y } = self.power;
+        (value > 0.0).then(|| y + self.shift(side))
     }
 
     /// First element on the grid.

@@ -100,7 +100,8 @@ impl Windows for Running {
 
     fn summary(&self, window: &Window) -> Value {
         let given = &window.position.given;
-        let mut summary = summary(&window.balanced, given, &|side| self.plane.shift(side));
+        let shift = |side| self.plane.shift(side);
+        let mut summary = summary(&window.balanced, given, &self.wheelset, &shift);
         for (section, figures) in self.case.terms.observations.iter().filter_map(|t| t.summary()) {
             summary[section] = figures;
         }

@@ -1,10 +1,11 @@
 //! Figures of a wheel on a track: sections `contact` and `wheelset` of `summary.json`.
 
 use super::wheels::{of_wheel, wheel_figures};
-use crate::track::balance::{Balanced, Given};
+use crate::track::balance::{Balanced, Given, WheelsetOnTrack};
 use crate::track::patch::{Patch, Solved};
 use crate::track::rail::Side;
 use crate::track::settings::Vertical;
+use proto::diagram::{Curve, Diagram};
 use proto::figure::{FigureSpec, Style};
 use serde_json::{Value, json};
 
@@ -53,7 +54,9 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
         patch("angle_rad", "rad", "contact angle, from the track's y to the patch's")
             .on("patch", "angle")
             .digits(4),
-        patch("track_y_m", "m", "place in track axes, y"),
+        patch("track_y_m", "m", "place in track axes, y")
+            .on("patch", "track y")
+            .style(Style::Place),
         patch("track_z_m", "m", "place in track axes, z"),
         patch("rail_y_m", "m", "place on the rail's profile, y to the left"),
         patch("wheel_y_m", "m", "place on the wheel's profile, y to the left"),
@@ -70,18 +73,49 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
     [own, wheel_figures()].concat()
 }
 
+/// Wheel and rail of each side with their patches.
+pub(in crate::models) fn diagrams() -> Vec<Diagram> {
+    let curve = |side: &str, body: &str| Curve {
+        name: body.to_owned(),
+        key: format!("wheelset.{side}.profiles_m.{body}"),
+    };
+    let of = |side| {
+        let note = "Profiles in track axes, y to the left, the wheel cut through its axle; marks are patches.";
+        let axes = ["contact.each_patch.#.track_y_m", "contact.each_patch.#.track_z_m"];
+        let diagram = Diagram::new(&format!("Wheel on rail, {side}"), axes, note);
+        let curves = ["rail", "wheel"].map(|body| curve(side, body)).to_vec();
+        Diagram { curves, true_shape: true, ..diagram }
+    };
+    ["left", "right"].map(of).to_vec()
+}
+
+/// Points of a profile in the summary.
+const POINTS: usize = 120;
+
 /// The summary of a solution; `shift` is y on the grid less the tape distance of a rail [m].
-pub(super) fn summary(balanced: &Balanced, given: &Given, shift: &dyn Fn(Side) -> f64) -> Value {
+pub(super) fn summary(
+    balanced: &Balanced,
+    given: &Given,
+    wheelset: &WheelsetOnTrack,
+    shift: &dyn Fn(Side) -> f64,
+) -> Value {
     // From right to left, as they lie on the grid.
-    let patches: Vec<(&Patch, f64)> = balanced
+    let patches: Vec<(&Patch, Side)> = balanced
         .wheels
         .iter()
         .rev()
-        .flat_map(|(side, solved)| solved.patches.iter().map(|patch| (patch, shift(*side))))
+        .flat_map(|(side, solved)| solved.patches.iter().map(|patch| (patch, *side)))
         .collect();
     let sum = |of: &dyn Fn(&Patch) -> f64| patches.iter().map(|(patch, _)| of(patch)).sum::<f64>();
     let largest =
         |of: &dyn Fn(&Patch) -> f64| patches.iter().map(|(patch, _)| of(patch)).fold(0.0, f64::max);
+    let figures = |(patch, side): &(&Patch, Side)| {
+        let mut figures = of_patch(patch, shift(*side));
+        if balanced.wheels.len() > 1 {
+            figures["name"] = format!("{} wheel", side_name(*side)).into();
+        }
+        figures
+    };
     let area = sum(&|patch| patch.area);
     let mut contact = json!({
         "patches": patches.len(),
@@ -98,7 +132,7 @@ pub(super) fn summary(balanced: &Balanced, given: &Given, shift: &dyn Fn(Side) -
     }
     match patches.as_slice() {
         [] => {}
-        [(patch, shift)] => {
+        [one] => {
             let keys = [
                 "approach_m",
                 "creep_force_x_n",
@@ -108,16 +142,19 @@ pub(super) fn summary(balanced: &Balanced, given: &Given, shift: &dyn Fn(Side) -
                 "creepage_eta",
                 "creepage_phi_per_m",
             ];
-            let figures = of_patch(patch, *shift);
+            let figures = figures(one);
             keys.iter().for_each(|key| contact[*key] = figures[*key].clone());
             contact["each_patch"] = json!([figures]);
         }
         _ => {
-            contact["each_patch"] =
-                patches.iter().map(|(patch, shift)| of_patch(patch, *shift)).collect();
+            contact["each_patch"] = patches.iter().map(figures).collect();
         }
     }
-    json!({ "contact": contact, "wheelset": of_wheelset(balanced, given) })
+    let mut own = of_wheelset(balanced, given);
+    for (side, [rail, wheel]) in wheelset.outlines(&balanced.motion, POINTS) {
+        own[side_name(side)]["profiles_m"] = json!({ "rail": rail, "wheel": wheel });
+    }
+    json!({ "contact": contact, "wheelset": own })
 }
 
 /// The figures of the wheelset.
@@ -140,14 +177,20 @@ fn of_wheelset(balanced: &Balanced, given: &Given) -> Value {
     }
     if let [left, right] = balanced.wheels.as_slice() {
         for (side, solved) in [left, right] {
-            let name = if *side == Side::Left { "left" } else { "right" };
-            wheelset[name] = of_wheel(solved);
+            wheelset[side_name(*side)] = of_wheel(solved);
         }
         if given.vertical[0] != Vertical::Height {
             wheelset["roll_rad"] = balanced.motion.roll.into();
         }
     }
     wheelset
+}
+
+fn side_name(side: Side) -> &'static str {
+    match side {
+        Side::Left => "left",
+        Side::Right => "right",
+    }
 }
 
 /// Creepages are differences of speeds over a speed: less is rounding.
