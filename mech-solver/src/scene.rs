@@ -227,23 +227,32 @@ fn motion_keys() -> Vec<KeySpec> {
             "rolling speed V; 0 for a tangential shift without rolling",
         )
         .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is a unit, too")
-        .at_least(0.0).varies(),
+        .at_least(0.0)
+        .varies(),
         KeySpec::number(
             TRACTION_COEFFICIENT,
             "longitudinal force on the upper body over normal force; positive drives",
         )
         .one_of_or_none(DRIVE)
-        .magnitude_below(&["friction.coefficient"]).varies(),
+        .magnitude_below(&["friction.coefficient"])
+        .varies(),
         KeySpec::quantity(
             TANGENTIAL_FORCE,
             "N",
             "longitudinal force on the upper body; positive drives",
         )
         .one_of_or_none(DRIVE)
-        .magnitude_below(&["friction.coefficient", "load.normal_force"]).varies(),
-        KeySpec::number(LONGITUDINAL_CREEPAGE, "longitudinal creepage; negative drives").varies().one_of_or_none(DRIVE),
-        KeySpec::number("motion.creepage.eta", "lateral creepage").varies().one_of_or_none(DRIVE).default_value(0.0),
-        KeySpec::quantity("motion.creepage.phi", "1/m", "spin creepage [rad/m]").varies()
+        .magnitude_below(&["friction.coefficient", "load.normal_force"])
+        .varies(),
+        KeySpec::number(LONGITUDINAL_CREEPAGE, "longitudinal creepage; negative drives")
+            .varies()
+            .one_of_or_none(DRIVE),
+        KeySpec::number("motion.creepage.eta", "lateral creepage")
+            .varies()
+            .one_of_or_none(DRIVE)
+            .default_value(0.0),
+        KeySpec::quantity("motion.creepage.phi", "1/m", "spin creepage [rad/m]")
+            .varies()
             .one_of_or_none(DRIVE)
             .default_value(0.0),
     ]

@@ -129,7 +129,10 @@ pub(super) fn fit(
     let part = best.0.rms / values.spread();
     if part.is_nan() || part > TELLS {
         let why = "it varies by rounding alone, or without a law";
-        return Err(format!("{why} (error at points held out: {:.0} % of its range)", 100.0 * part));
+        return Err(format!(
+            "{why} (error at points held out: {:.0} % of its range)",
+            100.0 * part
+        ));
     }
     Ok(figure(quantity, &values, best))
 }

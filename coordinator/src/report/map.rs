@@ -181,7 +181,8 @@ impl Heatmap {
             x.hypot(middle(at / self.columns, rows, self.y))
         };
         let as_large = |at: &usize| self.values[*at] >= high - 1e-9 * (high - low);
-        let at = (0..self.values.len()).filter(as_large).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let at =
+            (0..self.values.len()).filter(as_large).min_by(|a, b| off(a).total_cmp(&off(b)))?;
         let part = |n: usize, count: usize, [from, to]: [f64; 2]| {
             from + (n as f64 + 0.5) / count as f64 * (to - from)
         };

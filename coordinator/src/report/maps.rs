@@ -352,7 +352,11 @@ mod tests {
     #[test]
     fn rounding_is_zero() {
         let (image, field) = image(vec![0.0; 6]);
-        let field = Field { unit: "K".to_owned(), values: vec![-9.7e-5, 72.0, 1.0, 2.0, 3.0, 4.0], ..field };
+        let field = Field {
+            unit: "K".to_owned(),
+            values: vec![-9.7e-5, 72.0, 1.0, 2.0, 3.0, 4.0],
+            ..field
+        };
         let drawn = map(&image, &field, &[]).unwrap();
         assert!(drawn.from_zero);
         assert_eq!(drawn.values[..3], [0.0, 72.0, 1.0]);
@@ -377,7 +381,12 @@ mod tests {
     fn an_edge_has_no_steps() {
         let count = 41;
         let spacing = [1.0; 3];
-        let image = Image { corner: [-20.5, -20.5, 0.0], spacing, cells: [count, count, 0], fields: vec![] };
+        let image = Image {
+            corner: [-20.5, -20.5, 0.0],
+            spacing,
+            cells: [count, count, 0],
+            fields: vec![],
+        };
         let inside = |n: usize| {
             let [x, y] = [n % count, n / count].map(|k| k as f64 - 20.0);
             f64::from(u8::from(x.hypot(y) < 15.0))

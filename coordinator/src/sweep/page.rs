@@ -9,8 +9,8 @@ use crate::study::axis::Axis;
 use crate::study::output::Shown;
 use crate::study::quantity::Quantity;
 use crate::study::table::{Cell, Column, Table};
-use run::error::RunError;
 use contract::diagram::Diagram;
+use run::error::RunError;
 use run::format::{Scale, counted, sentence};
 use std::path::Path;
 
@@ -98,7 +98,12 @@ fn table(study: &Study, columns: usize) -> Table<'_, Row> {
         Column::text(one.key.clone(), value).naming()
     });
     // Those of the curves come first, then what participants show or rank.
-    let curves: Vec<&str> = study.diagrams.iter().filter(|one| one.lines.is_empty()).flat_map(|one| [one.y.as_str(), &one.x]).collect();
+    let curves: Vec<&str> = study
+        .diagrams
+        .iter()
+        .filter(|one| one.lines.is_empty())
+        .flat_map(|one| [one.y.as_str(), &one.x])
+        .collect();
     let (first, others): (Vec<_>, Vec<_>) =
         study.found().partition(|(_, one)| study.drawn.contains(&one.key));
     let (curves, first): (Vec<_>, Vec<_>) =
@@ -152,8 +157,7 @@ fn marks(
     (n, (places, unit)): (usize, Numbers),
 ) -> Option<Block> {
     let scale = scale(study, (column, of));
-    let mut figure =
-        Figure::new(sentence(&of.name), labelled(study, n, &unit), upward(of, &scale));
+    let mut figure = Figure::new(sentence(&of.name), labelled(study, n, &unit), upward(of, &scale));
     (figure.from_zero, figure.decades_x) = (false, by_decades(&places));
     figure.note = about(study, n);
     let point = |row: &Row| Some([places[row.at[n]], row.value(column)? / scale.factor]);
@@ -168,8 +172,7 @@ fn lines(
     each: Option<(usize, &Axis)>,
 ) -> Block {
     let scale = scale(study, (column, of));
-    let mut figure =
-        Figure::new(sentence(&of.name), labelled(study, n, &unit), upward(of, &scale));
+    let mut figure = Figure::new(sentence(&of.name), labelled(study, n, &unit), upward(of, &scale));
     figure.from_zero = false;
     figure.note = about(study, n);
     figure.decades_x = by_decades(&places);

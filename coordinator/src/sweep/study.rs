@@ -337,7 +337,8 @@ impl Study {
                 let Some(numbers) = numbers else { return false };
                 let same = |row: &Row| {
                     let given = numbers[row.at[n]];
-                    row.value(column).is_none_or(|value| (value - given).abs() <= 1e-9 * given.abs())
+                    row.value(column)
+                        .is_none_or(|value| (value - given).abs() <= 1e-9 * given.abs())
                 };
                 self.rows.iter().all(same)
             })

@@ -154,8 +154,7 @@ mod tests {
     fn study() -> Study {
         let vary =
             ["motion.speed=10,20", "load.normal_force=60 kN"].map(|text| Axis::read(text).unwrap());
-        let quantity =
-            |key: &str| Quantity::new(key, key, Measure::Relative);
+        let quantity = |key: &str| Quantity::new(key, key, Measure::Relative);
         let head = serde_json::json!({
             "schema": 3, "complete": true, "case": "c", "title": null, "file": "c.toml", "options": [],
             "identity": {"programs": {}, "values": {}, "files": {}},

@@ -69,7 +69,8 @@ fn an_iterate_beyond_friction_is_answered_and_not_accepted() {
             assert!(contact.number("slip_area_ratio") > 0.9, "{name}");
             let refused = contact.model.acceptable().unwrap_err().to_string();
             let carried = format!("friction carries {:.3}", carried * 134.0);
-            for part in ["the contact is too hot", "67.000 kN that are prescribed", &carried[..21]] {
+            for part in ["the contact is too hot", "67.000 kN that are prescribed", &carried[..21]]
+            {
                 assert!(refused.contains(part), "{name}: `{part}` is not in: {refused}");
             }
             contact.solve(10.0);

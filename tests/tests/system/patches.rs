@@ -167,7 +167,8 @@ fn both_wheels_have_names_sections_and_a_picture() {
     let [y, z] = ["/track_y_m", "/track_z_m"].map(|key| number(patch, key));
     for body in ["rail", "wheel"] {
         let profile = profile(body);
-        let between = profile.windows(2).find(|pair| (pair[0][0]..=pair[1][0]).contains(&y)).unwrap();
+        let between =
+            profile.windows(2).find(|pair| (pair[0][0]..=pair[1][0]).contains(&y)).unwrap();
         let share = (y - between[0][0]) / (between[1][0] - between[0][0]);
         let height = between[0][1] + share * (between[1][1] - between[0][1]);
         assert!((height - z).abs() < 1e-4, "{body}: {height} m, {z} m");

@@ -125,7 +125,11 @@ fn the_report_of_a_steady_run_shows_what_it_found() {
         let row = format!("<th scope=\"row\">{role}</th><td>{program}</td>");
         assert!(page.contains(&row), "the version of {program} is missing");
     }
-    for part in ["partition = &quot;equal&quot;", "on  friction_heat", "effects off, not named in the case</summary>"] {
+    for part in [
+        "partition = &quot;equal&quot;",
+        "on  friction_heat",
+        "effects off, not named in the case</summary>",
+    ] {
         assert!(page.contains(part), "`{part}` is missing");
     }
 }

@@ -131,8 +131,11 @@ fn options_on_the_pages_exist() {
     let help = crate::harness::Place::new().start(&["--help"]).wait().stdout;
     let first = |line: &str| Some(line.strip_prefix("  ")?.split_whitespace().next()?.to_owned());
     let is_command = |word: &String| word.chars().all(|c| c.is_ascii_lowercase() || c == '-');
-    let commands: Vec<String> =
-        help.lines().filter_map(first).filter(|word| is_command(word) && !word.starts_with('-')).collect();
+    let commands: Vec<String> = help
+        .lines()
+        .filter_map(first)
+        .filter(|word| is_command(word) && !word.starts_with('-'))
+        .collect();
     assert!(commands.len() > 20, "{commands:?}");
     let own: Vec<(String, Vec<String>)> = commands
         .into_iter()
@@ -158,7 +161,8 @@ fn options_on_the_pages_exist() {
                 _ => &known,
             };
             // Behind `--` or a comment it is something else.
-            let options = words.iter().take_while(|word| !["--", "#", "|", "||", "&&"].contains(word));
+            let options =
+                words.iter().take_while(|word| !["--", "#", "|", "||", "&&"].contains(word));
             for option in options.filter(|word| word.starts_with("--")) {
                 let option = option.split(['=', ',', ';', ':', '…', ')']).next().unwrap();
                 assert!(
@@ -178,8 +182,12 @@ fn keys_on_the_pages_exist() {
     let known = known_keys();
     let figures = crate::harness::Place::new().start(&["figures", "--json"]).wait().stdout;
     let figures: serde_json::Value = serde_json::from_str(&figures).unwrap();
-    let figures: Vec<String> =
-        figures.as_array().unwrap().iter().map(|one| one["key"].as_str().unwrap().to_owned()).collect();
+    let figures: Vec<String> = figures
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| one["key"].as_str().unwrap().to_owned())
+        .collect();
     let effects = crate::harness::Place::new().start(&["solvers"]).wait().stdout;
     let effects: std::collections::BTreeSet<&str> = effects.split_whitespace().collect();
     let roots: Vec<&str> = known.iter().map(|key| key.split('.').next().unwrap()).collect();
@@ -200,9 +208,10 @@ fn keys_on_the_pages_exist() {
                         !part.is_empty()
                             && part.chars().all(|c| c.is_ascii_alphanumeric() || "_-*".contains(c))
                     });
-                let is_file = [".toml", ".csv", ".md", ".rs", ".json", ".py", ".h", ".mcap", ".fmu"]
-                    .iter()
-                    .any(|ending| key.ends_with(ending));
+                let is_file =
+                    [".toml", ".csv", ".md", ".rs", ".json", ".py", ".h", ".mcap", ".fmu"]
+                        .iter()
+                        .any(|ending| key.ends_with(ending));
                 // Other programs have keys of their own, and words in capitals stand for any.
                 let is_foreign = span.contains(".command=") || key == "ROLE.NAME";
                 if !is_key || is_file || is_foreign {
@@ -210,8 +219,7 @@ fn keys_on_the_pages_exist() {
                 }
                 let effect = key.strip_prefix("effects.");
                 let is_effect = effect.is_some_and(|name| effects.contains(name));
-                let there =
-                    is_effect || known.iter().chain(&figures).any(|one| begins(one, key));
+                let there = is_effect || known.iter().chain(&figures).any(|one| begins(one, key));
                 assert!(there, "{page}: `{key}` is neither a key nor a figure");
                 seen += 1;
             }

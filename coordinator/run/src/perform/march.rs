@@ -84,7 +84,18 @@ impl<'a> March<'a> {
         let coupling = coupling(plan, session);
         let time = Controller::new(plan.windows.clone());
         let (inputs, recorder) = (Inputs::of(plan), None);
-        Self { plan, session, tables, fields, counts, inputs, checkpoints, recorder, coupling, time }
+        Self {
+            plan,
+            session,
+            tables,
+            fields,
+            counts,
+            inputs,
+            checkpoints,
+            recorder,
+            coupling,
+            time,
+        }
     }
 
     /// Tells a recorder what the coordinator makes of each iteration.
@@ -210,7 +221,13 @@ impl<'a> March<'a> {
         self.counts.skipped += 1;
         let (status, iterations) = ("no-answer", self.coupling.step().iteration);
         let inputs = &self.inputs.values(self.session, step);
-        self.tables.history.row(&HistoryRecord { step, status, iterations, inputs, given: None })?;
+        self.tables.history.row(&HistoryRecord {
+            step,
+            status,
+            iterations,
+            inputs,
+            given: None,
+        })?;
         // Of a sequence without any answer there are no results.
         let over = Some(step.window + 1) == self.plan.windows.count();
         if over && self.counts.windows == 0 { Err(error) } else { Ok(()) }

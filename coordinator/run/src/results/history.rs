@@ -254,7 +254,10 @@ mod tests {
             String::from_utf8(out).unwrap()
         };
         assert_eq!(row(Some([2.0, -1.0]), "converged"), "3,0.5,1,converged,7,4e0,-5e-1,-1e0,,2e0");
-        assert_eq!(row(Some([f64::NAN, 1.0]), "not-converged"), "3,0.5,1,not-converged,7,4e0,,1e0,,");
+        assert_eq!(
+            row(Some([f64::NAN, 1.0]), "not-converged"),
+            "3,0.5,1,not-converged,7,4e0,,1e0,,"
+        );
         assert_eq!(row(None, "no-answer"), "3,0.5,1,no-answer,7,4e0,,,,");
     }
 
